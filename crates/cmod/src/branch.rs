@@ -8,8 +8,8 @@
 //! A = (1 - r²)/2 ,    B = r sin φ ,    C = (A² + B²)^½ ,    Ψ = r e^{iφ}
 //! ```
 //!
-//! The integers are chosen such that k(ω) is continuous and increases from k(0) = 0: the quadrant
-//! of kL is that of φ,
+//! The integers are chosen such that k(ω) is continuous and increases from k(0) = 0. The quadrant
+//! of kL is the quadrant of φ:
 //!
 //! | kL | 0 ... π/2 | π/2 ... π | π ... 3π/2 | 3π/2 ... 2π | and so on |
 //! |---|---|---|---|---|---|
@@ -17,30 +17,33 @@
 //! | s | +1 | -1 | +1 | -1 | |
 //! | n | 0 | 1 | 1 | 2 | |
 //!
-//! which is Table 1 of paper A, whose layout is lost in print, derived anew.
+//! This is Table 1 of paper A, derived anew because its layout is lost in print.
 //!
 //! The quadrant determines kL up to multiples of 2π. At low losses noise moves φ into the
-//! neighbouring quadrant on every line near kL = nπ. Therefore no line is assigned its branch
-//! alone: γ(ω) is inferred from all lines together, and each line then takes the nearest root.
+//! neighbouring quadrant on every line near kL = nπ. Therefore no line is assigned its branch from
+//! its ratio alone: γ(ω) is inferred from all lines together, and the root nearest to it is then
+//! chosen on each line.
 //!
 //! # Inference
 //! The state consists of γ and dγ/dω, which change smoothly with frequency: dγ/dω varies by 15 %
-//! per e-fold of frequency. At the first line it equals γ/ω within 5 %, apart from the dispersion
-//! that causality couples to damping. Ψ of a line is that of the state with noise of known
-//! variance; one line in a hundred may be an outlier. Every root of the first well-determined lines
-//! starts a course, which is followed by a Kalman filter and weighted by its predictions; after a
-//! gap in which the phase is lost a course branches. The courses left at the last line are smoothed
-//! back to the first. The method is that of Viterbi with forward and backward recursion, with a
-//! normal distribution in place of each discrete state.
+//! per e-fold of frequency. At the first line dγ/dω equals γ/ω within 5 %, apart from the
+//! dispersion that causality couples to damping. The measured Ψ of a line is the Ψ of the state
+//! plus noise of known variance; one line in a hundred may be an outlier. Every root of the first
+//! well-determined lines starts a course, that is, a possible γ(ω). A Kalman filter follows the
+//! course, which is weighted by how well it predicts the next lines; after a gap in which the phase
+//! is lost, the course branches. The courses left at the last line are smoothed back to the first.
+//! The method is that of Viterbi, with forward and backward recursion and with a normal
+//! distribution in place of each discrete state.
 //!
 //! The result per line is a root and its [confidence](TrackedLine::confidence): the probability
 //! that the true γℓ is nearer to this root than to any other. Below [`LEAST_CONFIDENCE`] the line
 //! is [doubtful](BranchDoubt).
 //!
 //! # Limits
-//! - The number of waves before the first line, if 5 % of it are half a wave or more. Several
-//!   speeds are then equally probable, and every line is doubtful unless there is an anchor: a wave
-//!   speed, a known branch, or a second specimen of another length ([`BranchTracker`]).
+//! - The number of waves below the first line cannot be determined if 5 % of it is half a wave or
+//!   more. Several speeds are then equally probable, and every line is doubtful unless there is an
+//!   anchor: a wave speed, a known branch, or a second specimen of another length
+//!   ([`BranchTracker`]).
 //! - Lines farther apart than half a wave: the wave number is assumed to advance by less than π
 //!   between the two closest lines. The transit time through the specimen must be less than half
 //!   the length of the record.
@@ -75,7 +78,7 @@ use std::f64::consts::{FRAC_PI_2, LN_2, PI, TAU};
 
 use num_complex::Complex64;
 
-/// Ratio above which cosh x equals e^x/2 to far below rounding.
+/// Ratio above which cosh x equals e^x/2 with an error far below rounding.
 const HUGE: f64 = 1e100;
 
 /// Closed-form solution of cosh(γL) = Ψ, except for the integers s and n (paper A, eqs. 3-4; paper
@@ -119,7 +122,8 @@ impl FreeEndRoot {
         }
     }
 
-    /// Solution with cosh x = e^x/2 to far below rounding, where the squares of Ψ would overflow.
+    /// Solves e^x/2 = Ψ instead, with an error far below rounding, where the squares of Ψ would
+    /// overflow.
     fn of_huge(acceleration_ratio: Complex64) -> Self {
         let phase = acceleration_ratio.arg();
         Self {

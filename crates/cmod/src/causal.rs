@@ -1,7 +1,7 @@
 //! Causal estimate: the relaxing material nearest to all lines of a measurement at once.
 //!
 //! A modulus that is found line by line ignores that the lines belong to one material. The modulus
-//! of a material whose stress relaxes, as that of polymers does, is
+//! of a material whose stress relaxes, such as a polymer, is
 //!
 //! ```text
 //! E(s) = E∞ + ∫ H(τ) sτ/(1 + sτ) d(ln τ) ,    E∞, H >= 0 ,    s = iω ,
@@ -14,31 +14,33 @@
 //! min Σ|Ψ_j - (1 + Σ_s ξ_s r_sj) Ψ(γ_j)|²/σ_j² + ½ Σ ξ_s² ,    γ_j = iω_j √(ρ/E(iω_j)) ,
 //! ```
 //!
-//! where Ψ(γ) is the measured ratio that a rod with the propagation coefficient γ has, or the
-//! spectra of its gauges. The unknown is the material, not the modulus of a line: where Ψ does not
-//! depend on γ to first order, as at the resonances of a rod, the line adds little, and the others
+//! where Ψ(γ) stands for the ratio, or the gauge spectra, of a rod with the propagation coefficient
+//! γ. The unknown is the material, not the modulus of a line: where Ψ does not depend on γ to first
+//! order, for example at the resonances of a rod, the line adds little, and the other lines
 //! determine the modulus there.
 //!
 //! # Method
 //! Ψ is linearised about the present material, and the linear problem is solved by non-negative
 //! least squares on a fine grid of relaxation times, from two decades above the band to two decades
-//! below. Both are repeated until the material is at rest. Errors of the measured quantities are
-//! removed from these; those of the specimen act to first order.
+//! below. Both steps are repeated until the material no longer changes. The common errors of the
+//! measured quantities are removed from these quantities; the errors of the specimen enter to first
+//! order.
 //!
 //! # Errors
 //! The projection is not a linear function of the values: which relaxation times are occupied
-//! depends on them, and no modulus becomes negative. The covariance is that of projections of draws
-//! of the noise and of the common errors about the material found. Its random part is correlated from
-//! line to line, so that a causal estimate is no [`ModulusEstimate`](crate::ModulusEstimate); errors of two frequencies
-//! together are in [`CausalEstimate::covariance_between`].
+//! depends on them, and no modulus becomes negative. The covariance is computed from projections of
+//! random draws of the noise and of the common errors about the material found. Its random part is
+//! correlated from line to line, so a causal estimate is not a
+//! [`ModulusEstimate`](crate::ModulusEstimate); [`CausalEstimate::covariance_between`] returns the
+//! covariance between two frequencies.
 //!
-//! The distance between lines and material judges whether data and causality agree, as
+//! The distance between lines and material shows whether data and causality agree, as
 //! [`checks::kramers_kronig`](crate::checks::kramers_kronig) does for moduli of single lines.
 //!
 //! # Limits
-//! A rod that is not one-dimensional, a nonlinear material, or two temperatures have no such
-//! modulus; then the estimate contradicts its lines. Beyond the band of the lines there is no
-//! estimate: the cone bounds the modulus there little.
+//! Waves that are not one-dimensional, a nonlinear material or two temperatures in one measurement
+//! have no such modulus; the estimate then contradicts its lines. There is no estimate outside the
+//! band of the lines, because the cone hardly bounds the modulus there.
 //!
 //! Reference: Collet, Gary & Lundberg, *J. Appl. Mech.* **80** (2013) 011018, for the conditions
 //! that causality and thermodynamics impose on discrete data.
@@ -64,7 +66,7 @@ use crate::self_calibration::CalibratedSource;
 use draws::Draws;
 use projection::{Projection, Value, Whitened};
 
-/// Fewest lines of an estimate.
+/// Minimum number of lines for an estimate.
 const FEWEST_LINES: usize = 3;
 
 /// Relaxing material nearest to all lines of a measurement, with its errors.
@@ -88,13 +90,14 @@ pub struct CausalLine {
     pub index: usize,
     /// Frequency \[Hz\].
     pub frequency_hz: f64,
-    /// Distance of the measured value, without the common errors found, from the estimate, in
-    /// standard errors of the line: the root mean square of its two parts, 1 for noise alone.
+    /// Distance of the measured value, after subtraction of the common errors found, from the
+    /// estimate, in standard errors of the line: the root mean square of real and imaginary part, 1
+    /// for noise alone.
     pub distance: f64,
 }
 
 impl CausalEstimate {
-    /// Projects `data`, whose random errors are independent from line to line.
+    /// Projects `data`, whose random errors are independent from line to line, onto the cone.
     ///
     /// ```
     /// use cmod::causal::CausalEstimate;
@@ -121,8 +124,8 @@ impl CausalEstimate {
     /// ```
     ///
     /// # Errors
-    /// [`CmodError::TooFewReadings`] below three points; [`CmodError::NoCausalEstimate`] where
-    /// numbers overflow.
+    /// [`CmodError::TooFewReadings`] below three points; [`CmodError::MustOscillate`] for moduli
+    /// over time; [`CmodError::NoCausalEstimate`] where numbers overflow.
     pub fn new(data: &ModulusData) -> Result<Self, CmodError> {
         if data.has_times() {
             return Err(CmodError::MustOscillate {
@@ -192,7 +195,8 @@ impl CausalEstimate {
         })
     }
 
-    /// Returns the modulus at a frequency of the band with its covariance, random and common.
+    /// Returns the modulus at a frequency within the band, with its total and its random
+    /// covariance.
     ///
     /// # Errors
     /// [`CmodError::NonPhysical`] for a frequency outside of [`band_hz`](Self::band_hz).
@@ -228,7 +232,7 @@ impl CausalEstimate {
         ))
     }
 
-    /// Returns a random covariance with the effect of estimated variances.
+    /// Returns a random covariance, enlarged by the effect of estimated variances.
     fn with_scatter(&self, covariance: [[f64; 2]; 2]) -> [[f64; 2]; 2] {
         covariance.map(|row| row.map(|entry| self.scatter.of_covariance * entry))
     }
@@ -252,8 +256,8 @@ impl CausalEstimate {
         [of(self.lines.first()), of(self.lines.last())]
     }
 
-    /// Returns the material as a generalised Maxwell model. Its branches are a way to write down the
-    /// modulus in the band, not the relaxations of the material: they have no errors of their own.
+    /// Returns the material as a generalised Maxwell model. Its branches only represent the modulus
+    /// in the band; they are not the relaxations of the material and have no errors.
     ///
     /// # Errors
     /// [`CmodError::NoCausalEstimate`] for a material without stiffness.
@@ -269,8 +273,8 @@ impl CausalEstimate {
         &self.lines
     }
 
-    /// Returns what the lines say of each common error. The common part of
-    /// [`at`](Self::at) is due to what remains.
+    /// Returns the size of each common error found from the lines, with its standard error. The
+    /// common part of the covariance of [`at`](Self::at) is due to the errors that remain.
     #[must_use]
     pub fn sources(&self) -> &[CalibratedSource] {
         &self.sources
@@ -283,8 +287,8 @@ impl CausalEstimate {
         self.nearest.chi_squared
     }
 
-    /// Returns the mean of χ² over draws of the stated errors about the material: twice the number of
-    /// lines less what the material adapts to their noise.
+    /// Returns the mean of χ² over draws of the stated errors about the material: twice the number
+    /// of lines, reduced because the material adapts to their noise.
     #[must_use]
     pub fn degrees_of_freedom(&self) -> f64 {
         self.draws.degrees_of_freedom
@@ -299,9 +303,9 @@ impl CausalEstimate {
     }
 
     /// Returns the probability of a contradiction at least as large, if a relaxing material was
-    /// measured and the stated errors are right: of χ², or of one of the
-    /// [sizes](Self::sources) of the common errors, which χ² of many lines hides. A small one says
-    /// that data and causality disagree.
+    /// measured and the stated errors are right: in χ², or in one of the [sizes](Self::sources) of
+    /// the common errors, which χ² of many lines hides. A small value means that data and causality
+    /// disagree.
     #[must_use]
     #[expect(
         clippy::cast_precision_loss,
@@ -325,15 +329,15 @@ impl CausalEstimate {
         (2.0 * of_sum.min(least)).min(1.0)
     }
 
-    /// Returns true if the modulus is at rest: the last linearisation changed it, over all lines, by less
-    /// than a thirtieth of a standard error.
+    /// Returns true if the iteration has converged: the last linearisation changed the modulus,
+    /// over all lines, by less than about a thirtieth of a standard error.
     #[must_use]
     pub fn is_at_rest(&self) -> bool {
         self.is_at_rest
     }
 
-    /// Returns the number of linearisations about the material; 0 for moduli without their
-    /// measured values.
+    /// Returns the number of linearisations about the material; 0 for an estimate from moduli alone
+    /// ([`new`](Self::new)).
     #[must_use]
     pub fn rounds(&self) -> u32 {
         self.rounds

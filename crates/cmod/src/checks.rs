@@ -1,12 +1,13 @@
 //! Checks of a record and of a modulus without a reference to compare with.
 //!
-//! Some conditions hold for any material. Each check measures the violation of one of them, and the
-//! probability that noise alone, as large as the data themselves show it, causes as much: the
-//! p-value. The check fails if the p-value is below the chosen level. No threshold is set by hand.
+//! Some conditions hold for any material. Each check measures the violation of one condition and
+//! computes the p-value: the probability that noise alone, at the level found in the data, causes
+//! at least as large a violation. The check fails if the p-value is below the chosen level. No
+//! threshold is set by hand.
 //!
-//! | check | what must hold | what breaks it |
+//! | check | condition | causes of a violation |
 //! |---|---|---|
-//! | [`FreeEndNull`] | no force at the free end except that of its mass, seen from three sections or more | wrong position, polarity, calibration or delay of a sensor; bending; a support that holds the rod |
+//! | [`FreeEndNull`] | no force at the free end except that of its mass, according to three or more sections | wrong position, polarity, calibration or delay of a sensor; bending; a support that holds the rod |
 //! | [`Arrivals::causality`] | no signal before the fastest wave can arrive | a channel that is early; a non-causal filter |
 //! | [`Arrivals::polarity`] | the first wave has the same sign in all channels | a sensor that is connected the wrong way round |
 //! | [`passivity`] | E'' >= 0 | kernel of the transform with the other sign, a delay between channels, a wrong boundary condition |
@@ -14,8 +15,8 @@
 //!
 //! A failed check is conclusive within its level. A passed check only states that a possible error
 //! is below the noise: its [noise floor](CheckOutcome::noise_floor) gives the amount. The level
-//! applies to each check by itself: of k checks of a correct record at least one fails by chance
-//! with a probability of up to 1 - (1 - p)^k, at most kp.
+//! applies to each check separately: if a correct record undergoes k checks at the level p, at
+//! least one fails by chance with a probability of up to 1 - (1 - p)^k, at most kp.
 //!
 //! Where the noise was estimated, from few hits or a short silence, every check takes its degrees
 //! of freedom into account: Fisher's and Student's distributions replace chi-square and the normal
@@ -76,7 +77,7 @@ impl fmt::Display for Check {
 pub enum CheckVerdict {
     /// Noise alone explains the statistic.
     Passed,
-    /// Noise alone gives such a statistic less often than the level.
+    /// Noise alone gives such a statistic with a probability below the level.
     Failed,
     /// The signal is below the noise, or a bound was not reached: no statement is possible.
     Undecided,
@@ -88,12 +89,12 @@ pub enum CheckVerdict {
 pub struct CheckOutcome {
     /// Condition that was checked.
     pub check: Check,
-    /// Measure of the violation; its unit is that of the check.
+    /// Measure of the violation, as the check defines it.
     pub statistic: f64,
     /// Average statistic of noise alone.
     pub noise_floor: f64,
-    /// Probability that noise alone gives as much or more. For [`kramers_kronig`] and
-    /// [`passivity`] it is an upper bound.
+    /// Probability that noise alone gives a statistic at least as extreme. For [`kramers_kronig`]
+    /// and [`passivity`] it is an upper bound.
     pub p_value: f64,
     /// Chosen probability of a false alarm.
     pub level: f64,
@@ -171,18 +172,18 @@ fn chi_square_tail(value: f64, degrees_of_freedom: f64) -> f64 {
     ChiSquared::new(degrees_of_freedom).map_or(f64::NAN, |law| law.sf(value.max(0.0)))
 }
 
-/// P(F > `value`) of the quotient of two mean squares.
+/// Returns P(F > `value`) for the quotient F of two mean squares.
 fn fisher_tail(value: f64, numerator: f64, denominator: f64) -> f64 {
     FisherSnedecor::new(numerator, denominator).map_or(f64::NAN, |law| law.sf(value.max(0.0)))
 }
 
-/// P(z < `value`) of a normal variable of variance 1.
+/// Returns P(z < `value`) for a normal variable z of variance 1.
 fn normal_tail_below(value: f64) -> f64 {
     Normal::standard().cdf(value)
 }
 
-/// P(t < `value`) of a normal variable divided by the root of an estimate of its variance with
-/// `degrees_of_freedom`; of a known variance for `None`.
+/// Returns P(t < `value`) for a normal variable divided by the root of an estimate of its variance
+/// with `degrees_of_freedom`; `None` stands for a known variance.
 fn student_tail_below(value: f64, degrees_of_freedom: Option<f64>) -> f64 {
     degrees_of_freedom.map_or_else(
         || normal_tail_below(value),
@@ -193,7 +194,7 @@ fn student_tail_below(value: f64, degrees_of_freedom: Option<f64>) -> f64 {
     )
 }
 
-/// P(the least of `count` independent p-values is below `p_value`).
+/// Returns P(the least of `count` independent p-values is below `p_value`).
 fn of_the_least(p_value: f64, count: usize) -> f64 {
     -(count as f64 * (-p_value).ln_1p()).exp_m1()
 }

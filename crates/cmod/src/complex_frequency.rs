@@ -6,7 +6,8 @@ use num_complex::Complex64;
 use rodwave::RodwaveError;
 use rodwave::medium::modulus_from_propagation;
 
-/// Line s = σ + iω of the Laplace transform: that of e^{-σt} times the record.
+/// Line s = σ + iω of the Laplace transform, which is the Fourier transform of e^{-σt} times the
+/// record.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct ComplexFrequency {
     hz: f64,
@@ -19,12 +20,12 @@ impl ComplexFrequency {
         Self { hz, added_damping }
     }
 
-    /// s = iω.
+    /// Creates the line s = iω.
     pub(crate) fn on_axis(hz: f64) -> Self {
         Self::new(hz, 0.0)
     }
 
-    /// ω/2π \[Hz\].
+    /// Returns ω/2π \[Hz\].
     pub(crate) fn hz(self) -> f64 {
         self.hz
     }
@@ -33,17 +34,17 @@ impl ComplexFrequency {
         self.added_damping == 0.0
     }
 
-    /// s = σ + iω [1/s].
+    /// Returns s = σ + iω [1/s].
     pub(crate) fn laplace(self) -> Complex64 {
         Complex64::new(self.added_damping, TAU * self.hz)
     }
 
-    /// s/i = ω - iσ \[rad/s\].
+    /// Returns s/i = ω - iσ \[rad/s\].
     pub(crate) fn omega(self) -> Complex64 {
         Complex64::new(TAU * self.hz, -self.added_damping)
     }
 
-    /// E = ρs²/γ² \[Pa\].
+    /// Returns E = ρs²/γ² \[Pa\].
     pub(crate) fn modulus(self, gamma: Complex64, density: f64) -> Result<Complex64, RodwaveError> {
         let omega = TAU * self.hz;
         let on_axis = modulus_from_propagation(gamma, omega, density)?;

@@ -6,7 +6,7 @@ use faer::Mat;
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Directions {
     /// Singular values in descending order, one per parameter; 0 where there are fewer residuals
-    /// than parameters, and for rounding.
+    /// than parameters, and at the level of rounding.
     pub(crate) singular_values: Vec<f64>,
     /// `vectors[k]` belongs to `singular_values[k]`.
     pub(crate) vectors: Vec<Vec<f64>>,
@@ -16,7 +16,8 @@ pub(crate) struct Directions {
 
 impl Directions {
     /// Decomposes the Jacobian whose entry for residual i and parameter j is `entry(i, j)`; `None`
-    /// if it is not finite. A singular value below the fraction `rank` of the largest is rounding.
+    /// if it is not finite. A singular value below the fraction `rank` of the largest one counts as
+    /// rounding and is set to 0.
     #[allow(
         clippy::indexing_slicing,
         reason = "the decomposition has as many values and vectors as there are parameters"
@@ -71,7 +72,8 @@ impl Directions {
                 if *s > 0.0 {
                     a * b / (s * s)
                 } else if a.abs() <= 1e-6 * length(g) || b.abs() <= 1e-6 * length(h) {
-                    // the vectors of singular values at rounding are themselves no more accurate
+                    // the vectors of singular values at the level of rounding are not more accurate
+                    // than this
                     0.0
                 } else {
                     f64::INFINITY * (a * b).signum()

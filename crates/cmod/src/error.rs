@@ -1,4 +1,4 @@
-//! Errors of requests to this crate.
+//! Errors that this crate returns.
 
 use thiserror::Error;
 
@@ -13,7 +13,7 @@ pub enum CmodError {
     /// A physical quantity has an impossible value, or is not a number.
     #[error("{quantity} is {value}, expected {expected}")]
     NonPhysical {
-        /// Name and unit of the quantity, such as `length \[m\]`.
+        /// Name and unit of the quantity, such as `length [m]`.
         quantity: &'static str,
         /// Value found.
         value: f64,
@@ -25,12 +25,12 @@ pub enum CmodError {
     LengthMismatch {
         /// Name of the wrong array.
         array: &'static str,
-        /// Its length.
+        /// Length of the wrong array.
         found: usize,
         /// Number of frequencies.
         expected: usize,
     },
-    /// The fields of a result, which are public, do not belong together any more.
+    /// The public fields of a result were changed and no longer fit together.
     #[error("the changed result has {found} {what}, expected at least {expected}")]
     ChangedResult {
         /// Counted items.
@@ -51,8 +51,8 @@ pub enum CmodError {
         /// Value found \[Hz\].
         frequency_hz: f64,
     },
-    /// The frequencies do not increase; the branch of the wave number is followed from line to
-    /// line.
+    /// The frequencies do not increase, as is needed to follow the branch of the wave number from
+    /// line to line.
     #[error(
         "frequency of line {index} is {frequency_hz} Hz, expected more than {previous_hz} Hz of the line before"
     )]
@@ -191,7 +191,7 @@ pub enum CmodError {
         /// Value found.
         value: f64,
     },
-    /// A coherence is impossible.
+    /// A coherence is not between 0 and 1.
     #[error("coherence of line {index} is {coherence}, expected a value from 0 to 1")]
     Coherence {
         /// Position of the line, from 0.
@@ -225,7 +225,7 @@ pub enum CmodError {
     ReadingCount {
         /// Name of the wrong array.
         array: &'static str,
-        /// Its length.
+        /// Length of the wrong array.
         found: usize,
         /// Number of times.
         expected: usize,
@@ -265,7 +265,7 @@ pub enum CmodError {
         "no parameters found to start from, expected a loss factor that is raised after the load"
     )]
     NoStart,
-    /// No relaxing material is near to the lines.
+    /// No relaxing material could be fitted to the lines.
     #[error(
         "no relaxing material found, expected moduli with a positive real part and finite errors"
     )]
@@ -282,7 +282,8 @@ pub enum CmodError {
         /// Violated condition.
         expected: &'static str,
     },
-    /// A law has no response over time that tells of its parameters.
+    /// The moduli over time do not determine the parameters of a law, or the law has no response
+    /// over time.
     #[error("{law} cannot be fitted to these moduli over time, expected moduli over frequency")]
     LawOverTime {
         /// Name of the law.
@@ -317,7 +318,7 @@ pub enum CmodError {
         "the data leave a combination of the shift factors open, expected temperatures whose curves overlap"
     )]
     ShiftsUndetermined,
-    /// The name of a material cannot be read by the programs.
+    /// The programs that read cards do not accept the name of a material.
     #[error(
         "name of the material is {name:?}, expected a letter and up to 79 letters, digits, hyphens or underscores"
     )]
@@ -348,7 +349,7 @@ pub enum CmodError {
         what: &'static str,
         /// Value nearest to the data.
         value: f64,
-        /// Condition that data of a card fulfil.
+        /// Condition that the data of a card must fulfil.
         expected: &'static str,
     },
     /// A Prony series is too long for a program.

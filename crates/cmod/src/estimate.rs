@@ -1,4 +1,5 @@
-//! Result of every method: a modulus per line, with its error, its validity and the method.
+//! Result that every method returns: a modulus per line with its error and validity, and the
+//! method.
 //!
 //! | part | where |
 //! |---|---|
@@ -95,12 +96,12 @@ impl ModulusEstimate {
         }
     }
 
-    /// Makes room for so many more lines.
+    /// Reserves memory for `count` more lines.
     pub(crate) fn expect_lines(&mut self, count: usize) {
         self.lines.reserve_exact(count);
     }
 
-    /// Adds a line, behind those before, or its refusal, in the order of the measured lines.
+    /// Appends a line, or inserts its refusal in the order of the measured lines.
     pub(crate) fn add(
         &mut self,
         index: usize,
@@ -167,16 +168,16 @@ impl ModulusEstimate {
         self.lines.iter().filter(|line| line.validity.is_valid())
     }
 
-    /// Returns the informative lines: not those whose branch, convergence or linearised error is in
-    /// doubt. Lines of negative damping are included, as no check would ever see them
-    /// otherwise.
+    /// Returns the informative lines, without those whose branch, convergence or linearised error
+    /// is in doubt, and without those that two waves do not explain. Lines of negative damping are
+    /// included, because otherwise no check could detect them.
     pub(crate) fn telling(&self) -> impl Iterator<Item = &ModulusLine> {
         let misfit = |violation: &Violation| matches!(violation, Violation::Misfit { .. });
         self.telling_but_for_misfit()
             .filter(move |line| !line.validity.violations().iter().any(misfit))
     }
 
-    /// Returns the informative lines and those that two waves do not explain.
+    /// Returns the informative lines, including those that two waves do not explain.
     pub(crate) fn telling_but_for_misfit(&self) -> impl Iterator<Item = &ModulusLine> {
         self.lines.iter().filter(|line| line.is_informative())
     }
@@ -206,17 +207,17 @@ pub struct ModulusLine {
     pub phase_velocity: f64,
     /// Standard errors of this line from all sources, random and common, to first order.
     pub standard_error: StandardError,
-    /// Covariances behind them, random and systematic part separately.
+    /// Covariances behind the standard errors, random and systematic part separately.
     pub uncertainty: Uncertainty,
-    /// |dE/E| divided by |dΨ/Ψ|: amplification of the relative error of the measured quantity in the modulus. For
-    /// several gauges that is the relative error of their root mean square.
+    /// |dE/E| divided by |dΨ/Ψ|: amplification of the relative error of the measured quantity in
+    /// the modulus. For several gauges, this quantity is their root mean square.
     pub error_amplification: f64,
     /// Ratio of the second-order to the first-order part of the random error, at one standard
     /// error: the part missing in the standard errors.
     pub second_order: f64,
-    /// Root in closed form with its branch, from which the solution starts: that without end mass
-    /// for the two-point method, that of the three-point method. `None` for gauges at any
-    /// positions, where there is no closed form.
+    /// Root in closed form with its branch, from which the solution starts: for the two-point
+    /// method, the root without end mass; for the three-point method, the solution itself. `None`
+    /// for gauges at any positions, where there is no closed form.
     pub closed_form: Option<ResolvedRoot>,
     /// Termination of the solution.
     pub termination: Termination,
@@ -349,7 +350,7 @@ pub enum Refusal {
     /// At 0 Hz both ends move alike for any material: Ψ = 1.
     #[error("a line at 0 Hz contains no information on the modulus")]
     ZeroFrequency,
-    /// The ratio, or its variance, is NaN or infinite, as where an auto-spectrum is 0.
+    /// The ratio, or its variance, is NaN or infinite, for example where an auto-spectrum is 0.
     #[error("the measured ratio or its variance is not finite")]
     NotFinite,
     /// A value of a gauge is NaN or infinite.
@@ -363,7 +364,7 @@ pub enum Refusal {
     /// that cannot separate the two waves.
     #[error("the gauges do not determine a wave number")]
     Undetermined,
-    /// The wave does not lie on the first branch of the theory by which lateral inertia was to be
+    /// The wave is not on the first branch of the theory with which lateral inertia was to be
     /// removed.
     #[error("lateral inertia: the wave lies beyond the first branch of the theory")]
     LateralInertia,

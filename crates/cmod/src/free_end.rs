@@ -8,23 +8,23 @@
 //! û(d) = û(0) [cosh γd + lγ sinh γd] ,    ε̂(d) = -γ û(0) [sinh γd + lγ cosh γd] ,    l = m/(ρA) ,
 //! ```
 //!
-//! v̂ = iωû and â = -ω²û. The ratio of any two of them at any two distances depends on γ and not on
-//! the impact. For two strains without end mass it is
+//! Velocity and acceleration are v̂ = iωû and â = -ω²û. The ratio of any two of them at any two
+//! distances depends on γ and not on the impact. For two strains without end mass it is
 //!
 //! ```text
 //! Ψ = ε̂₁/ε̂₂ = sinh γd₁/sinh γd₂ ,    and for d₁ = 2d₂    cosh γd₂ = Ψ/2 :
 //! ```
 //!
-//! the closed form of Lundberg and Blanc, from which paper A takes its free end (eqs. 3-4) and
-//! paper B its three gauges, with r for r/2 (eqs. 8-9). Other distances and end masses are solved
-//! by iteration. The two-point method is the ratio of two accelerations, d₁ = L and d₂ = 0.
+//! the closed form of Lundberg and Blanc, which paper A uses for its free end (eqs. 3-4) and paper
+//! B for its three gauges, with r for r/2 (eqs. 8-9). Other distances and end masses are solved by
+//! iteration. The two-point method uses the ratio of two accelerations, d₁ = L and d₂ = 0.
 //!
 //! One strain gauge and an accelerometer on the free end are such a pair, too: Bacon's method
 //! ([`OneGauge`](crate::OneGauge)) requires separate pulses, this method allows overlapping ones.
 //!
 //! # Singular lines
-//! γ is not determined where g' = 0: for d₁ = 2d₂ at kd₂ = nπ. Near these lines the error is large
-//! and marked.
+//! With Ψ = g(γ), γ is not determined where g' = 0: for d₁ = 2d₂ at kd₂ = nπ. Near these points the
+//! error is large, and the lines are marked.
 //!
 //! Theory: `docs/theory/neighbouring-methods.md`.
 
@@ -52,7 +52,8 @@ const EQUAL: f64 = 1e-12;
 pub struct EndSection {
     /// Distance d from the free end \[m\].
     pub distance: f64,
-    /// Measured quantity; motions along the rod towards the free end, strain positive in tension.
+    /// Measured quantity; a motion is positive along the rod towards the free end, a strain in
+    /// tension.
     pub quantity: Quantity,
 }
 
@@ -102,8 +103,8 @@ impl FreeEnd {
     ///
     /// # Errors
     /// [`CmodError::NonPhysical`] for the rod, and for a distance that is not finite or below 0;
-    /// [`CmodError::NoInformation`] if both are the same, or if one is the strain of a free end
-    /// without mass, which is 0.
+    /// [`CmodError::NoInformation`] if both sections are at the same distance and measure two
+    /// motions or two strains, or if one is the strain of a free end without mass, which is 0.
     pub fn new(
         rod: RodWithFreeEnd,
         first: EndSection,
@@ -140,7 +141,7 @@ impl FreeEnd {
     /// line.
     ///
     /// `variance` is E|δΨ|², of real and imaginary part together, of an error without preferred
-    /// phase, as [`RatioOfSpectra`](crate::RatioOfSpectra) gives it; 0 stands for data without
+    /// phase, as computed by [`RatioOfSpectra`](crate::RatioOfSpectra); 0 stands for data without
     /// noise. The result has, to first order,
     ///
     /// ```text
@@ -151,8 +152,8 @@ impl FreeEnd {
     ///
     /// # Errors
     /// [`CmodError::NoLines`], [`CmodError::LengthMismatch`], [`CmodError::Frequency`],
-    /// [`CmodError::FrequencyOrder`], [`CmodError::NegativeVariance`]. A single bad line is
-    /// [refused](ModulusEstimate::refused) alone.
+    /// [`CmodError::FrequencyOrder`], [`CmodError::NegativeVariance`]. A bad line does not affect
+    /// the others: it is [refused](ModulusEstimate::refused).
     pub fn estimate(
         &self,
         frequency_hz: &[f64],
@@ -213,7 +214,7 @@ impl SectionRatio for FreeEnd {
         let uncertainty = &self.settings.uncertainty;
         let mut changed = self.rod.changed(uncertainty, |rod| Self { rod, ..*self });
         for (index, section) in self.sections.iter().enumerate() {
-            // a sensor on the end itself has no error of its distance
+            // a sensor on the end itself has no error of distance
             let uncertainty = if section.distance > 0.0 {
                 uncertainty.distance
             } else {
@@ -246,7 +247,7 @@ impl SectionRatio for FreeEnd {
             (second.distance == 0.0).then_some((ratio, first.distance))
         }?;
         let root = nearest_inverse_cosh(cosh, expected * distance);
-        // γ and -γ are the same root; the wave that travels forward
+        // γ and -γ are the same root; the one of the forward wave is chosen
         let root = if root.im < 0.0 { -root } else { root };
         Some(root / distance)
     }
@@ -324,7 +325,7 @@ mod tests {
         assert!(FreeEnd::new(ROD, strain(0.5), section(0.5, Quantity::Velocity)).is_ok());
     }
 
-    /// Compares the closed form with the value of g and its two derivatives, on every branch.
+    /// Compares the closed form with the γ from which the ratio was computed, on every branch.
     #[test]
     fn closed_form_solves_the_equation_on_every_branch() {
         let pairs = [
@@ -345,7 +346,7 @@ mod tests {
                 let ratio = (upper / lower).value;
                 let near = gamma + Complex64::new(0.02, 0.1);
                 let root = method.closed_form(ratio, near).unwrap();
-                // |sinh γd| >= 0.05: a digit or two less than rounding.
+                // |sinh γd| >= 0.05: one or two digits are lost to rounding.
                 assert!(
                     (root - gamma).norm() < 1e-12 * gamma.norm(),
                     "{gamma}: {root}"

@@ -1,20 +1,22 @@
 //! Modulus from the free vibration of a rod: frequency and decay of its longitudinal modes.
 //!
-//! A rod that hangs free and was struck at an end rings in its modes, each $`e^{s_n t}`$ with $`s_n
-//! = -\delta_n + i\omega_n`$. Between a free end and one with a mass m,
+//! A rod that hangs free and was struck at an end rings in its modes, each $`e^{s_n t}`$ with
+//! $`s_n = -\delta_n + i\omega_n`$. For a rod with a free end and a mass m at the other end,
 //!
 //! ```text
 //! γ(s_n) L = iκ_n ,    tan κ_n = -μκ_n ,    μ = m/(ρAL) ,    κ_n = nπ without a mass,
 //! E(s_n) = ρ s_n²/γ² = -ρ (s_n L/κ_n)² :    E' = ρ(L/κ_n)²(ω_n² - δ_n²) ,    E'' = 2ρ(L/κ_n)² ω_n δ_n .
 //! ```
 //!
-//! A loss factor of 1e-5 is read from the decay where a ratio of two sensors has no such digits.
-//! Each mode is fitted on the lines around it ([`Poles`]), whether or not it still rings when the
-//! record ends; no window touches it. From $`s_n`$ to $`i\omega_n`$ the modulus is continued as a
-//! power of s with the loss angle found, $`E(i\omega) = E(s)(i\omega/s)^{2\varphi/\pi}`$: an effect
-//! of the square of the loss factor. The method is for metals, ceramics and glasses.
+//! The decay gives loss factors of 1e-5, which the ratio of two sensors cannot resolve. Each mode
+//! is fitted on the lines around it ([`Poles`]), whether or not it still rings when the record
+//! ends; no window is applied to these lines. From $`s_n`$ to $`i\omega_n`$ the modulus is
+//! continued as a power of s with the loss angle found, $`E(i\omega) =
+//! E(s)(i\omega/s)^{2\varphi/\pi}`$; the effect is of the order of the square of the loss factor.
+//! The method is for metals, ceramics and glasses.
 //!
-//! Whatever takes energy from the rod is read as its loss: supports, cables, sound.
+//! Any energy that leaves the rod, through supports, cables or sound, is counted as loss of the
+//! material.
 //!
 //! Theory: `docs/theory/neighbouring-methods.md#free-vibration`.
 
@@ -73,7 +75,7 @@ setters! { FreeVibration: uncertainty, limits }
 
 impl FreeVibration {
     /// Creates the method for a rod of this `length` L \[m\], with a guess of the wave speed [m/s],
-    /// from which the modes are numbered: within a fifth.
+    /// by which the modes are numbered; it must be correct within a fifth.
     ///
     /// # Errors
     /// [`CmodError::NonPhysical`] for the rod, and unless length and wave speed are finite and
@@ -108,7 +110,7 @@ impl FreeVibration {
     /// Returns the complex modulus at the poles, each at the frequency of its vibration.
     ///
     /// # Errors
-    /// [`CmodError`] for limits or degrees of freedom that are not possible.
+    /// [`CmodError`] for impossible limits or degrees of freedom.
     pub fn estimate(&self, poles: &[Pole]) -> Result<ModulusEstimate, CmodError> {
         let mut estimate = ModulusEstimate::empty(Method::FreeVibration, self.settings.limits);
         for (index, pole) in poles.iter().enumerate() {
@@ -120,8 +122,8 @@ impl FreeVibration {
         Ok(estimate)
     }
 
-    /// Returns κ of the mode `order`: tan κ = -μκ in the quarter period below nπ, by Newton's
-    /// iteration.
+    /// Returns κ of the mode `order`: the solution of tan κ = -μκ in the quarter period below nπ,
+    /// by Newton's iteration.
     fn phase(&self, order: u32) -> f64 {
         let free = f64::from(order) * PI;
         let mass = self.rod.length_of_end_mass() / self.length;
@@ -139,10 +141,11 @@ impl FreeVibration {
         phase
     }
 
-    /// Returns γ at the frequency of the vibration such that E = -ρω²/γ² is that at the pole.
+    /// Returns γ at the frequency of the vibration such that E = -ρω²/γ² is the modulus continued
+    /// from the pole to iω.
     fn gamma(&self, pole: &Pole) -> Complex64 {
         let gamma = Complex64::new(0.0, self.phase(pole.order) / self.length);
-        // E = ρs²/γ²: that of iω has γ iω/s
+        // E = ρs²/γ²: the same modulus has γ iω/s at iω
         let turn = Complex64::new(0.0, pole.s.im) / pole.s;
         let loss_angle = -2.0 * turn.arg();
         gamma * turn * turn.powf(-loss_angle / PI)
@@ -161,7 +164,7 @@ impl FreeVibration {
             diameter: self.rod.diameter,
             random: ComplexCovariance::circular(pole.variance).through(gamma / pole.s),
             systematic: self.shifts(pole, gamma, modulus),
-            // |dE/E| of the relative error of the pole
+            // |dE/E| divided by the relative error of the pole
             error_amplification: 2.0,
             second_order: pole.variance / pole.s.norm_sqr(),
             distance: self.length,
@@ -171,7 +174,7 @@ impl FreeVibration {
         })
     }
 
-    /// Returns the shifts by one standard uncertainty of each source.
+    /// Returns the shifts due to one standard uncertainty of each source.
     fn shifts(&self, pole: &Pole, gamma: Complex64, modulus: Complex64) -> Vec<SystematicShift> {
         let uncertainty = &self.settings.uncertainty;
         let longer = Changed::of(ErrorSource::Length, uncertainty.distance, |by| Self {

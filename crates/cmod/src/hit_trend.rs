@@ -1,45 +1,49 @@
-//! Trend of the modulus over the hits of a test, by temperature or by a mounting that works loose.
+//! Trend of the modulus over the hits of a test, for example due to temperature or a mounting that
+//! works loose.
 //!
-//! Each hit by itself gives a modulus, less accurate than their mean by √n. Its relative deviation from
-//! that of all hits is averaged over the valid lines, with the weights of their random errors,
+//! Each of the n hits alone gives a modulus that is less accurate than that of all hits by √n. Its
+//! relative deviation from the modulus of all hits is averaged over the valid lines, with weights
+//! from their random errors,
 //!
 //! ```text
 //! ε_k = Σ_j w_j Re (E_kj - E_j)/E_j / Σ_j w_j ,   w_j = |E_j|²/σ_j² ,
 //! ```
 //!
-//! in which errors of the specimen and of the sensors cancel to first order. A straight line through
-//! ε_k over the number of the hit, or over its temperature, has a slope with the error of the scatter
-//! about the line, and n - 2 degrees of freedom.
+//! so that errors of the specimen and of the sensors cancel to first order. A straight line is
+//! fitted to ε_k against the number of the hit, or against its temperature. The error of its slope
+//! follows from the scatter about the line, with n - 2 degrees of freedom.
 
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
 use crate::error::{CmodError, check_length};
 use crate::estimate::ModulusEstimate;
 
-/// Fewest hits for a slope whose error is known.
+/// Minimum number of hits for a slope with a standard error.
 pub const FEWEST_HITS: usize = 4;
-/// Largest relative deviation of a line that takes part: it has another branch otherwise.
+/// Largest relative deviation of a line that is used; a larger one means that the line is on
+/// another branch.
 const LARGEST_DEVIATION: f64 = 0.2;
 
 /// Trend of the modulus over hits.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct HitTrend {
-    /// Relative deviation of each hit from all.
+    /// Relative deviation of the modulus of each hit from that of all hits.
     pub deviations: Vec<f64>,
-    /// Relative change of the modulus per unit of what the hits differ in.
+    /// Relative change of the modulus per unit of the number, time or temperature of the hits.
     pub slope: f64,
-    /// Standard error of the slope, by the scatter about the line.
+    /// Standard error of the slope, from the scatter about the line.
     pub standard_error: f64,
     /// Probability of a slope at least as large without a trend.
     pub p_value: f64,
 }
 
 impl HitTrend {
-    /// Finds the trend of the deviations of the hits ([`deviation`]), whose numbers, times or
-    /// temperatures are `over`.
+    /// Finds the trend of the deviations of the hits ([`deviation`]) with their numbers, times or
+    /// temperatures `over`.
     ///
-    /// `None` for fewer than four hits, or if all values of `over` are equal.
+    /// `None` for fewer than four hits, if all values of `over` are equal, or if there is no
+    /// scatter.
     ///
     /// # Errors
     /// [`CmodError::LengthMismatch`] unless there is a value of `over` for each hit.
@@ -73,8 +77,8 @@ impl HitTrend {
     }
 }
 
-/// Returns the relative deviation ε of the modulus of one hit from that of all; `None` without a line
-/// that both have.
+/// Returns the relative deviation ε of the modulus of one hit from that of all hits; `None` if they
+/// have no usable line in common.
 #[must_use]
 pub fn deviation(all: &ModulusEstimate, hit: &ModulusEstimate) -> Option<f64> {
     let mut of_hit = hit.lines().iter().peekable();

@@ -1,8 +1,9 @@
 //! Removal of lateral inertia from an estimate, with Poisson's ratio and its uncertainty.
 //!
 //! All methods of this crate determine γ and compute E = -ρω²/γ² from it, which neglects the
-//! lateral motion of the rod: an *apparent* modulus, too small for short waves. [`LateralInertia`]
-//! computes the modulus of the same γ by one theory over the whole band ([`rodwave::slenderness`]):
+//! lateral motion of the rod: E is an *apparent* modulus, too small for short waves.
+//! [`LateralInertia`] computes the modulus from the same γ by one theory over the whole band
+//! ([`rodwave::slenderness`]):
 //!
 //! | section | theory | modulus | error left in E' |
 //! |---|---|---|---|
@@ -14,12 +15,12 @@
 //!
 //! # Errors
 //! The random error is propagated through the theory, δE = (dE/dγ) δγ. Poisson's ratio is one
-//! number for all lines: its error is a common one, δE = (∂E/∂ν) δν at constant γ, added to those
-//! of the specimen with [`ErrorSource::PoissonRatio`] and kept separate from them. It is 2δν/ν of
-//! the correction, to leading order. The errors of the specimen in the estimate are propagated
-//! through the theory as well: through γ as the random ones, and a density that is wrong by 1 %
-//! makes the corrected modulus wrong by 1 %. Errors of the diameter in the correction are
-//! neglected: 2δD/D of the correction.
+//! number for all lines: its error is a common error, δE = (∂E/∂ν) δν at constant γ, added to the
+//! common errors of the specimen as a separate source, [`ErrorSource::PoissonRatio`]. To leading
+//! order it is 2δν/ν times the correction. The errors of the specimen in the estimate are
+//! propagated through the theory as well: through γ like the random errors, and a density that is
+//! wrong by 1 % makes the corrected modulus wrong by 1 %. Errors of the correction due to the
+//! diameter, 2δD/D times the correction, are neglected.
 //!
 //! The bound on lateral inertia of the estimate ([`ErrorSource::LateralInertia`]) is replaced by
 //! the remaining error of the theory, [`LineCorrection::remaining_error`]. The lines are then
@@ -41,8 +42,9 @@ use crate::estimate::{
 };
 use crate::validity::Violation;
 
-/// Relative step in γ of the central difference for dE/dγ: E is analytic in γ, its third derivative
-/// with respect to γ of the order of E/γ³, so that truncation and rounding are both near 1e-10.
+/// Relative step in γ of the central difference for dE/dγ: E is analytic in γ, and its third
+/// derivative with respect to γ is of the order of E/γ³, so truncation and rounding are both near
+/// 1e-10.
 const STEP: f64 = 1e-5;
 
 /// Correction of lateral inertia for a uniform rod with its Poisson's ratio.
@@ -85,7 +87,8 @@ enum Section {
 }
 
 impl Section {
-    /// Diameter of the circle with the polar radius of gyration of the section, k_p² = D²/8 \[m\].
+    /// Returns the diameter of the circle with the polar radius of gyration of the section, k_p² =
+    /// D²/8 \[m\].
     fn diameter(self) -> f64 {
         match self {
             Self::Round { diameter } => diameter,
@@ -125,9 +128,9 @@ pub struct LineCorrection {
     /// ∂E/∂ν at constant γ \[Pa\].
     pub by_poisson_ratio: Complex64,
     /// Relative error of E' left by the theory, (E'_found - E')/E', for low losses: the bound on a
-    /// common error of the line with [`ErrorSource::LateralInertia`]. For a rectangle it is
-    /// that of a circle with the same polar radius of gyration, which is its size for sections
-    /// about as wide as high.
+    /// common error of the line with [`ErrorSource::LateralInertia`]. For a rectangle it is that of
+    /// a circle with the same polar radius of gyration, which is about right for sections about as
+    /// wide as high.
     pub remaining_error: f64,
 }
 
@@ -164,8 +167,8 @@ impl LateralInertia {
         Self::of_section(Section::Round { diameter }, density, poisson_ratio)
     }
 
-    /// Creates it for a rectangular section, `width` b by `height` h \[m\], of `density` ρ [kg/m³]
-    /// and `poisson_ratio` ν, taken as exact.
+    /// Creates the correction for a rectangular section, `width` b by `height` h \[m\], of
+    /// `density` ρ [kg/m³] and `poisson_ratio` ν, taken as exact.
     ///
     /// # Errors
     /// [`CmodError::NonPhysical`] unless width, height and density are finite and above 0 and 0 <=
@@ -206,15 +209,15 @@ impl LateralInertia {
     /// Sets the standard uncertainty of ν.
     ///
     /// # Errors
-    /// [`CmodError::NonPhysical`] unless it is finite and not negative.
+    /// [`CmodError::NonPhysical`] unless the uncertainty is finite and not negative.
     pub fn with_poisson_ratio_uncertainty(mut self, uncertainty: f64) -> Result<Self, CmodError> {
         self.poisson_ratio_uncertainty =
             check_not_negative("uncertainty of poisson's ratio", uncertainty)?;
         Ok(self)
     }
 
-    /// Sets the theory, for comparisons; by default that of Pochhammer and Chree for a round rod,
-    /// that of Love for others.
+    /// Sets the theory, for comparisons; the default is that of Pochhammer and Chree for a round
+    /// rod, that of Love for others.
     #[must_use]
     pub fn with_theory(mut self, theory: Theory) -> Self {
         self.theory = Some(theory);
@@ -317,7 +320,8 @@ impl LateralInertia {
                 Complex64::ZERO,
             ));
         }
-        // elementary theory: E'' is right; Love's: the next term, of K²E ~ conj(E)
+        // elementary theory leaves E'' unaffected; the error of Love's theory is its next term,
+        // proportional to K²E ~ conj(E)
         let left = correction.remaining_error.abs();
         if left > 0.0 {
             let bound = if corrected.is_corrected {
@@ -373,9 +377,9 @@ impl Corrected {
         })
     }
 
-    /// Propagates a common error of the apparent modulus to the corrected one: errors through γ
-    /// have the factor of the random errors, and a factor on the modulus remains one on the
-    /// corrected modulus.
+    /// Propagates a common error of the apparent modulus to the corrected one: errors that act
+    /// through γ are multiplied by the factor of the random errors, and a relative error of the
+    /// modulus remains the same relative error of the corrected modulus.
     fn through(&self, shift: SystematicShift, line: &ModulusLine) -> SystematicShift {
         let by_gamma =
             -2.0 * line.modulus * shift.propagation_coefficient / line.propagation_coefficient;

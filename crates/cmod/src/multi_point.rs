@@ -14,9 +14,9 @@
 //! evaluated together: each has its own P and N.
 //!
 //! # Singular lines
-//! Gauges that all lie on a grid of spacing a cannot separate the waves where ka = nπ. Three gauges
-//! do not determine γ either, where a node lies at the middle one. Unequal distances, without a
-//! large common measure, and more gauges remove both; [`advice`] predicts the errors of a set of
+//! Gauges that all lie on a grid of spacing a cannot separate the waves where ka = nπ. Nor do three
+//! gauges determine γ where a node is at the middle gauge. Unequal distances, without a large
+//! common measure, and more gauges avoid both problems; [`advice`] predicts the errors of a set of
 //! positions. Near 0 Hz only a wider aperture helps.
 //!
 //! Theory: `docs/theory/multi-point-method.md`.
@@ -98,7 +98,7 @@ pub struct MultiPoint {
     added_damping: f64,
 }
 
-/// Settings of a method of gauges, each set by the methods that have it.
+/// Settings of the methods for gauges; each method sets those that it has.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 struct GaugeSettings {
     wave_speed: Option<f64>,
@@ -128,16 +128,16 @@ impl MultiPoint {
     }
 
     /// Creates the method for a `rod` with two or more gauges before its free end at `free_end`
-    /// \[m\], where the strain is 0 and a motion has zero slope. It evaluates one shot on a
-    /// long bar with two gauges, also where its waves overlap:
+    /// \[m\], where the strain is 0 and a motion has zero slope. It can evaluate a single shot on a
+    /// long bar with two gauges, even where the waves overlap:
     ///
     /// ```text
     /// ε̂₁/ε̂₂ = sinh γd₁/sinh γd₂ ,    d = `free_end` - x .
     /// ```
     ///
     /// # Errors
-    /// Those of [`Self::new`]; [`CmodError::NonPhysical`] for an end that does not lie beyond the
-    /// last gauge.
+    /// Those of [`Self::new`]; [`CmodError::NonPhysical`] for an end that is not beyond the last
+    /// gauge.
     pub fn before_free_end(mut rod: GaugedRod, free_end: f64) -> Result<Self, CmodError> {
         if rod.positions.len() < 2 {
             return Err(CmodError::GaugeCount {
@@ -159,16 +159,17 @@ impl MultiPoint {
         })
     }
 
-    /// Sets the `mass` \[kg\] on the end, an accelerometer for example. The force there then is that
-    /// of the mass, and with ℓ = m/(ρA), the length of the rod that has it,
+    /// Sets the `mass` \[kg\] on the end, an accelerometer for example. The force at the end is
+    /// then the inertia force of the mass, and with ℓ = m/(ρA), the length of rod that has the same
+    /// mass,
     ///
     /// ```text
     /// ε̂₁/ε̂₂ = (sinh γd₁ + ℓγ cosh γd₁)/(sinh γd₂ + ℓγ cosh γd₂) .
     /// ```
     ///
     /// # Errors
-    /// [`CmodError::NonPhysical`] unless it is finite and not negative, and 0 for a rod whose end is
-    /// not used.
+    /// [`CmodError::NonPhysical`] unless the mass is finite and not negative, and 0 if no free end
+    /// is used.
     pub fn with_end_mass(mut self, mass: f64) -> Result<Self, CmodError> {
         const MASS: &str = "mass on the end [kg]";
         self.end_mass = check_not_negative(MASS, mass)?;
@@ -190,11 +191,11 @@ impl MultiPoint {
     /// E(s) = ρs²/γ(s)² .
     /// ```
     ///
-    /// It is [continued](crate::self_calibration#added-damping) to E(iω) along a smooth and causal
-    /// modulus through all lines. The waves remain those on the lines s.
+    /// The modulus is [continued](crate::self_calibration#added-damping) to E(iω) along a smooth
+    /// and causal modulus through all lines. The waves are still those on the lines s.
     ///
     /// # Errors
-    /// [`CmodError::NonPhysical`] unless it is finite and not negative.
+    /// [`CmodError::NonPhysical`] unless the damping is finite and not negative.
     pub fn with_added_damping(mut self, added_damping: f64) -> Result<Self, CmodError> {
         self.added_damping = check_not_negative("added damping [1/s]", added_damping)?;
         Ok(self)
@@ -207,12 +208,12 @@ impl MultiPoint {
         self
     }
 
-    /// Sets the standard uncertainties of density and positions, which are common to all lines. By
-    /// default both are exact.
+    /// Sets the standard uncertainties of the rod and its gauges, which are common to all lines. By
+    /// default all quantities are exact.
     ///
     /// # Errors
     /// [`CmodError::NonPhysical`] for a value that is not finite or below 0;
-    /// [`CmodError::GaugeCount`] unless there is none or one for each gauge.
+    /// [`CmodError::GaugeCount`] unless each list is empty or has one value per gauge.
     pub fn with_uncertainty(mut self, uncertainty: GaugeUncertainty) -> Result<Self, CmodError> {
         self.uncertainty = uncertainty.check(self.n_gauges(), self.has_free_end)?;
         Ok(self)
@@ -221,21 +222,21 @@ impl MultiPoint {
     /// Returns the complex modulus, and the waves of every test.
     ///
     /// On each line V(γ) = Σ|P_perp b|² over the tests is minimised by Gauss-Newton steps from the
-    /// value expected from the lines before. The variance is the Cramér-Rao bound of circular
+    /// value expected from the previous lines. The variance is the Cramér-Rao bound of circular
     /// Gaussian noise,
     ///
     /// ```text
     /// E|δγ|² = 1/Σ|d|² ,    d = P_perp (dA/dγ) c ,
     /// ```
     ///
-    /// all rows divided by the noise of their gauge.
+    /// where all rows are divided by the noise of their gauge.
     ///
     /// # Errors
     /// Errors of the `spectra` as a whole: [`CmodError::NoLines`], [`CmodError::NoTests`],
     /// [`CmodError::Frequency`], [`CmodError::FrequencyOrder`], [`CmodError::SpectraOfTest`],
     /// [`CmodError::SpectrumLength`], [`CmodError::GaugeCount`], [`CmodError::LengthMismatch`],
-    /// [`CmodError::NegativeNoise`]. A line that is not finite is
-    /// [refused](ModulusEstimate::refused) alone.
+    /// [`CmodError::NegativeNoise`]. A line that is not finite does not affect the others: it is
+    /// [refused](ModulusEstimate::refused).
     pub fn estimate(&self, spectra: &GaugeSpectra<'_>) -> Result<MultiPointEstimate, CmodError> {
         let mut estimate = self.on_lines(spectra)?;
         if self.added_damping > 0.0 {
@@ -271,8 +272,8 @@ impl MultiPoint {
         self.rod.positions.len() - usize::from(self.has_free_end)
     }
 
-    /// Returns the projection onto the waves in the gauges and, where it is used, the condition at
-    /// the free end.
+    /// Returns the projection onto the two waves at the gauges and, if a free end is used, with the
+    /// condition there.
     fn projection(&self) -> Projection {
         let (is_slope, end_length) = (self.ends_with_slope(), self.end_length());
         Projection::with_last_row(&self.rod.positions, is_slope, end_length)
@@ -358,7 +359,7 @@ impl MultiPoint {
         })
     }
 
-    /// Returns the chi-square of a line that noise alone exceeds once in a thousand.
+    /// Returns the chi-square that noise alone exceeds on one line in a thousand.
     fn most_misfit(&self, degrees_of_freedom: usize) -> Result<f64, CmodError> {
         let Some(noise) = self
             .settings
@@ -511,7 +512,8 @@ impl MultiPointEstimate {
     /// [`ModulusEstimate::lines`] in test `test`, both from 0; `None` if there is no such line
     /// or test.
     ///
-    /// The section may lie outside the gauges, provided that the rod is uniform up to there.
+    /// The section may be outside the range of the gauges, provided that the rod is uniform up to
+    /// there.
     #[must_use]
     pub fn waves(
         &self,
@@ -541,12 +543,13 @@ impl MultiPointEstimate {
 #[derive(Debug, Clone, Copy)]
 #[non_exhaustive]
 pub struct LineFit {
-    /// E|δγ|² [1/m²], half of it each for α and k, uncorrelated.
+    /// E|δγ|² [1/m²], half of it for each of α and k, which are uncorrelated.
     pub propagation_variance: f64,
     /// Twice the sum of squares of the residuals divided by noise: chi-square distributed. `None`
     /// without noise or without redundancy.
     pub chi_square: Option<f64>,
-    /// 2(M(n - 2) - 1) for M tests with n gauges.
+    /// Degrees of freedom of chi-square: 2(M(n - 2) - 1) for M tests with n gauges, including a
+    /// free end that is used.
     pub degrees_of_freedom: usize,
     /// Ratio of the second-order error of γ to its standard error.
     pub second_order: f64,

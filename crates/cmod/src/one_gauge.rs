@@ -21,8 +21,8 @@
 //! which is least for 2x = 1 + e^{-4x}, x = αd = 0.55: the pulse has then lost two thirds of its
 //! amplitude.
 //!
-//! Pulses that overlap at the gauge cannot be cut out. With a motion of the free end, or of the
-//! same section, as second record they need not be separated: see [`FreeEnd`](crate::FreeEnd).
+//! Pulses that overlap at the gauge cannot be cut out. If the motion of the free end or of the
+//! section is recorded as well, the pulses need not be separated: see [`FreeEnd`](crate::FreeEnd).
 //!
 //! Theory: `docs/theory/neighbouring-methods.md`.
 
@@ -69,8 +69,8 @@ impl OneGauge {
     /// Creates the method for one rod and one section.
     ///
     /// # Errors
-    /// [`CmodError::NonPhysical`] for the rod, and unless the distance from the end is finite and
-    /// above 0.
+    /// [`CmodError::NonPhysical`] for impossible values of the rod, and unless the distance from
+    /// the end is finite and above 0.
     pub fn new(rod: RodWithFreeEnd, section: EndSection) -> Result<Self, CmodError> {
         rod.check()?;
         check_positive("distance from the free end [m]", section.distance)?;
@@ -89,8 +89,8 @@ impl OneGauge {
     ///
     /// # Errors
     /// [`CmodError::NoLines`], [`CmodError::LengthMismatch`], [`CmodError::Frequency`],
-    /// [`CmodError::FrequencyOrder`], [`CmodError::NegativeVariance`]. A single bad line is
-    /// [refused](ModulusEstimate::refused) alone.
+    /// [`CmodError::FrequencyOrder`], [`CmodError::NegativeVariance`]. A single bad line is no
+    /// error: it is [refused](ModulusEstimate::refused).
     pub fn estimate(
         &self,
         frequency_hz: &[f64],
@@ -193,7 +193,7 @@ mod tests {
             .map(|j| 1e-3 * f64::from(j))
             .min_by(|a, b| variance(*a).total_cmp(&variance(*b)));
         let best = best.unwrap();
-        // The grid of 1e-3, times the slope of the condition.
+        // Tolerance: the grid step of 1e-3 times the slope of the condition.
         assert!((2.0 * best - 1.0 - (-4.0 * best).exp()).abs() < 3e-3);
         assert!((best - 0.55).abs() < 6e-3);
     }

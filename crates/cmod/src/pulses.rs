@@ -22,9 +22,9 @@
 //! section, it is least for αL = 1 + e^{-2αL}, αL = 1.11.
 //!
 //! A window that cuts off a tail, or begins on the tail of another pulse, causes an error of about
-//! the value at the cut divided by ω, the first term of the integral over the missing part: to be
-//! added to the noise of a spectrum. It is the larger part at low frequency in materials with
-//! losses, whose pulses have long tails.
+//! the value at the cut divided by ω, which is the first term of the integral over the missing
+//! part. This error must be added to the noise of the spectrum. It exceeds the noise at low
+//! frequency in materials with losses, whose pulses have long tails.
 //!
 //! Theory: `docs/theory/neighbouring-methods.md`.
 
@@ -89,14 +89,14 @@ impl SeparatePulses {
         })
     }
 
-    /// Returns the complex modulus from the `ratio` H = q̂₂/q̂₁, of the section that the pulse passes
-    /// later to the earlier one, and its `variance` E|δH|², at the increasing frequencies
-    /// `frequency_hz` \[Hz\]. All arrays have one entry per line.
+    /// Returns the complex modulus from the `ratio` H = q̂₂/q̂₁ and its `variance` E|δH|², at the
+    /// increasing frequencies `frequency_hz` \[Hz\]. The pulse passes section 2 after section 1.
+    /// All arrays have one entry per line.
     ///
     /// # Errors
     /// [`CmodError::NoLines`], [`CmodError::LengthMismatch`], [`CmodError::Frequency`],
-    /// [`CmodError::FrequencyOrder`], [`CmodError::NegativeVariance`]. A single bad line is
-    /// [refused](ModulusEstimate::refused) alone.
+    /// [`CmodError::FrequencyOrder`], [`CmodError::NegativeVariance`]. A single bad line is no
+    /// error: it is [refused](ModulusEstimate::refused).
     pub fn estimate(
         &self,
         frequency_hz: &[f64],
@@ -219,7 +219,7 @@ mod tests {
         );
     }
 
-    /// A few lines far above 0 Hz fit several speeds: all are doubtful, unless the speed is
+    /// A few lines far above 0 Hz fit several speeds: all lines are in doubt, unless the speed is
     /// approximately known.
     #[test]
     fn few_lines_need_a_guess_of_the_speed() {
@@ -237,7 +237,7 @@ mod tests {
         let guided = method.with_wave_speed(1600.0).unwrap();
         let guided = guided.estimate(&frequency_hz, &ratio, &[1e-8; 4]).unwrap();
         assert_eq!(guided.valid().count(), 4);
-        // A rounding of e^{-γL} by γL.
+        // Tolerance: rounding of e^{-γL}, multiplied by γL.
         assert!((guided.lines()[0].propagation_coefficient - gamma(9000.0)).norm() < 1e-13 * 40.0);
     }
 

@@ -12,17 +12,18 @@
 //! tan δ = E₁ωη/[E₂(E₁+E₂) + (ωη)²] → E₁/(ωη)                          (eq. 3, for E₂(E₁+E₂) ≪ (ωη)²)
 //! ```
 //!
-//! Under a constant stress the stress of the dashpot relaxes into the parallel spring; after
-//! unloading the spring drives the dashpot back, and with its stress the excess of the loss factor
-//! decays ([`Recovery`]):
+//! Under a constant stress, the parallel spring gradually takes over the stress of the dashpot.
+//! After unloading, the spring drives the dashpot back; as the stress of the dashpot decays, so
+//! does the excess of the loss factor ([`Recovery`]):
 //!
 //! ```text
 //! Δtan δ = Δtan δᵢ/(1 + t/t_r) ,   Δtan δᵢ = E₁(m+1)/(E₂ ω m t_r)      (eqs. 4, 5)
 //! t_r = (t₁/m) [σ_a/E₂ - {m t_a/t₁ + (σ_a/E₂)^(-m)}^(-1/m)]^(-m) ,   t₁ = 1/(B E₂^(m+1))
 //! ```
 //!
-//! for a stress σ_a during t_a. Any other load history is integrated ([`LoadHistory`]); only the
-//! stress of the dashpot at unloading depends on it, so eq. 4 holds after every load.
+//! for a stress σ_a applied for a time t_a. Any other load history is integrated ([`LoadHistory`]);
+//! only the stress of the dashpot at unloading depends on the history, so eq. 4 holds after every
+//! load.
 //!
 //! # Errata
 //! - **Equation 5** is printed with t₁/(m\[..\]^(-m)), the outer exponent on the wrong side of the
@@ -36,13 +37,13 @@
 //! # Identifiability
 //! One test gives two numbers, Δtan δᵢ and t_r, for the three parameters E₂, B and m; two loads are
 //! needed. E₁ does not follow from the loss factor at all: multiplying E₁ and E₂ by a factor and
-//! dividing B by it changes nothing. It is taken from the modulus of the virgin material. See
+//! dividing B by it changes nothing. E₁ must be the measured modulus of the virgin material. See
 //! [`fit`].
 //!
 //! # Validity
-//! The model is qualitative: E₂ = 13100 Pa of the paper implies strains of hundreds, which no rod
-//! had, and its change of |E| is far below the measured one. The paper says both. It describes only
-//! the loss factor at one frequency.
+//! The model is qualitative: the value E₂ = 13100 Pa of the paper implies strains of hundreds,
+//! which no rod reached, and the predicted change of |E| is far below the measured one. The paper
+//! states both. The model describes only the loss factor at one frequency.
 //!
 //! Theory: `docs/theory/creep-recovery.md`.
 
@@ -180,8 +181,8 @@ impl ThreeElement {
         self.parameters.series_modulus * self.differential_fluidity(dashpot_stress) / omega
     }
 
-    /// Returns the change |E*|/E₁ - 1 of the absolute value of the modulus, without loss of digits
-    /// where it is small.
+    /// Returns the change |E*|/E₁ - 1 of the absolute value of the modulus, accurate also where the
+    /// change is small.
     #[must_use]
     pub fn modulus_change(&self, omega: f64, dashpot_stress: f64) -> f64 {
         let z = self.relative_compliance(omega, dashpot_stress);

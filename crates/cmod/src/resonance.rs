@@ -12,9 +12,9 @@
 //! be read. With a mass the equation is solved for γ as in the two-point method.
 //!
 //! The crossings of Re Ψ are numbered by [`crate::branch`] and determined from a polynomial of
-//! third degree through the lines within 0.3 rad of kL. It averages their noise; its truncation
-//! error, less than 5e-5/n of E, is the model error of the method. Between the resonances the
-//! method gives no result; the two-point method does.
+//! third degree through the lines within 0.3 rad in kL of the crossing. The polynomial averages the
+//! noise of these lines; its truncation error, less than 5e-5/n of E, is the model error of the
+//! method. Between the resonances the method gives no result; the two-point method does.
 //!
 //! Theory: `docs/theory/neighbouring-methods.md#resonances`.
 
@@ -35,11 +35,11 @@ use crate::section_ratio::{
 use crate::validity::Violation;
 use local_polynomial::LocalPolynomial;
 
-/// Distance from a resonance, in rad of kL, within which lines take part.
+/// Distance from a resonance, in rad of kL, within which lines are used.
 const HALF_WIDTH: f64 = 0.3;
 /// Number of steps in which the end mass is increased.
 const MASS_STEPS: u32 = 10;
-/// Minimum number of lines: four coefficients, and some noise to average.
+/// Minimum number of lines: four coefficients, and three lines more to average noise.
 const FEWEST_LINES: usize = 7;
 
 /// Method for the modulus at the resonances of a rod that is driven at one end.
@@ -72,7 +72,8 @@ impl Resonances {
     /// Creates the method for a rod of this `length` L \[m\].
     ///
     /// # Errors
-    /// [`CmodError::NonPhysical`] for the rod, and unless the length is finite and above 0.
+    /// [`CmodError::NonPhysical`] for impossible values of the rod, and unless the length is finite
+    /// and above 0.
     pub fn new(rod: RodWithFreeEnd, length: f64) -> Result<Self, CmodError> {
         rod.check()?;
         check_positive("length [m]", length)?;
@@ -88,9 +89,9 @@ impl Resonances {
     /// `frequency_hz` \[Hz\].
     ///
     /// Each resonance is a line of the result, at its own frequency; its index is that of the
-    /// nearest measured line. Seven measured lines must lie within 0.3 rad of it, otherwise it
-    /// is refused as [`Refusal::NoRoot`]. The error of the polynomial at the resonance, from
-    /// the variances of its lines, is propagated as in the two-point method:
+    /// nearest measured line. At least seven measured lines must be within 0.3 rad of it in kL,
+    /// otherwise the resonance is refused as [`Refusal::NoRoot`]. The error of the polynomial at
+    /// the resonance, from the variances of its lines, is propagated as in the two-point method:
     ///
     /// ```text
     /// E|δE|² = |2E/(γL f'(γL))|² E|δΨ|²
@@ -112,8 +113,8 @@ impl Resonances {
         ))
     }
 
-    /// Returns the method for the ratio of the accelerations of the ends, with an uncertain
-    /// distance of the far end.
+    /// Returns the method for the ratio of the accelerations of the two ends. Of their distances,
+    /// only that of the driven end is uncertain.
     fn equation(&self, rod: RodWithFreeEnd) -> Result<FreeEnd, CmodError> {
         let [first, second] = [self.length, 0.0].map(|distance| EndSection {
             distance,
@@ -122,7 +123,8 @@ impl Resonances {
         FreeEnd::new(rod, first, second)?.with_uncertainty(self.settings.uncertainty)
     }
 
-    /// Solves for the root from the closed form without mass, with the mass increased in steps.
+    /// Solves for the root, starting from the closed form without mass and increasing the mass in
+    /// steps.
     fn root(&self, crossing: &Crossing, resonance: &MeasuredRatio<'_>) -> Option<Root> {
         let sign = if crossing.order.is_multiple_of(2) {
             -1.0
@@ -159,7 +161,7 @@ impl RatioMethod for Resonances {
     fn estimate_ratio(&self, lines: &RatioLines<'_>) -> Result<ModulusEstimate, CmodError> {
         let limits = self.settings.limits;
         let mut estimate = ModulusEstimate::empty(Method::Resonances, limits);
-        // lines that cannot be evaluated are not resonances that were missed
+        // lines that cannot be evaluated are dropped: they are not missed resonances
         let measured = section_ratio::usable(lines, "ratio", &mut estimate.clone())?;
         let equation = self.equation(self.rod)?;
         for crossing in crossings(&measured)? {
@@ -176,8 +178,7 @@ impl RatioMethod for Resonances {
         Ok(estimate)
     }
 
-    /// Returns `None`: the values between the lines at a few resonances do not determine common
-    /// errors.
+    /// Returns `None`: a few resonances do not determine the ratio at the frequencies between them.
     fn ratio_about(&self, _frequency_hz: f64, _gamma: Complex64) -> Option<RatioAbout> {
         None
     }
@@ -199,8 +200,8 @@ impl Crossing {
         (f64::from(self.order) - 0.5) * PI
     }
 
-    /// Returns frequency, Ψ and its variance where Re Ψ = 0, from a polynomial through the lines
-    /// around.
+    /// Returns frequency, Ψ and its variance where Re Ψ = 0, from a polynomial through the
+    /// surrounding lines.
     fn read<'a>(&self, measured: &[MeasuredRatio<'a>]) -> Option<MeasuredRatio<'a>> {
         let half_width = self.frequency_hz * HALF_WIDTH / self.phase();
         let within =
@@ -209,7 +210,7 @@ impl Crossing {
         if points.len() < FEWEST_LINES {
             return None;
         }
-        // Equal weights without noise, and where the variances are estimated: the weight of a line
+        // Equal weights without noise, and where the variances are estimates: the weight of a line
         // must not be random.
         let is_known = points
             .iter()
@@ -244,8 +245,9 @@ impl Crossing {
     }
 }
 
-/// Returns the degrees of freedom of the sum of `parts` of the variance, one per point. Neighbours
-/// with shared estimates add only their own contribution, but a single line has all of its own.
+/// Returns the degrees of freedom of the sum of `parts` of the variance, one per point.
+/// Neighbouring lines that share an estimate contribute only their own degrees of freedom, but the
+/// sum has at least those of a single line.
 fn freedom_of_sum(points: &[&MeasuredRatio<'_>], parts: &[f64]) -> Option<VarianceFreedom> {
     let (mut squares, mut least) = (0.0, f64::INFINITY);
     for (point, part) in points.iter().zip(parts) {
@@ -263,7 +265,7 @@ fn freedom_of_sum(points: &[&MeasuredRatio<'_>], parts: &[f64]) -> Option<Varian
     })
 }
 
-/// Returns all zeros of Re Ψ within the band, numbered by the branch of the closed form: there cosh
+/// Returns all zeros of Re Ψ within the band, numbered by the branch of the closed form, where cosh
 /// αL cos kL = 0.
 fn crossings(measured: &[MeasuredRatio<'_>]) -> Result<Vec<Crossing>, CmodError> {
     if measured.is_empty() {
@@ -282,8 +284,8 @@ fn crossings(measured: &[MeasuredRatio<'_>]) -> Result<Vec<Crossing>, CmodError>
             let lines = measured.iter().zip(&roots);
             lines.filter(|(_, root)| (root.gamma_length.im - phase).abs() < FRAC_PI_2)
         };
-        // Noise moves single lines to the wrong side: the crossing is where as many lines lie
-        // before it as are below.
+        // Noise moves single lines to the wrong side: the crossing is placed so that as many lines
+        // are before it as have a phase below that of the crossing.
         let below = near()
             .filter(|(_, root)| root.gamma_length.im < phase)
             .count();

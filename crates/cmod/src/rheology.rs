@@ -1,18 +1,18 @@
 //! Laws of viscoelasticity fitted to a complex modulus.
 //!
 //! # Problem
-//! A measurement gives a complex modulus per line with the covariance of its random error, and one
-//! vector over the lines per source of a common error ([`ModulusData`]). Material models in
-//! programs need a law with a few parameters. The law, its values and the identifiability of its
-//! parameters are sought.
+//! A measurement gives a complex modulus per line with the covariance of its random error, and, for
+//! each source of a common error, one vector with an entry per line ([`ModulusData`]). Material
+//! models of simulation programs need a law with a few parameters. This module finds the law, its
+//! parameters and their identifiability.
 //!
 //! # Method
-//! χ² = Σ δᵀC⁻¹δ is minimised, δ = (Re, Im) of the law minus the measured modulus, C the covariance
-//! of the random error of the line: by [`RheologicalFit`] for a law with a fixed number of
-//! parameters, by [`PronyFit`] for a generalised Maxwell model of unknown order, by [`Comparison`]
-//! for several laws. Each parameter has an error, an interval, and a [`Verdict`] with the
-//! [`Reason`] if the data do not determine it. χ² and the [`Whiteness`] of the residuals test
-//! whether the law is that of the material.
+//! χ² = Σ δᵀC⁻¹δ is minimised, where δ is (Re, Im) of the law minus the measured modulus and C the
+//! covariance of the random error of the line: by [`RheologicalFit`] for a law with a fixed number
+//! of parameters, by [`PronyFit`] for a generalised Maxwell model of unknown order, by
+//! [`Comparison`] for several laws. Each parameter has an error, an interval, and a [`Verdict`]
+//! with the [`Reason`] if the data do not determine it. χ² and the [`Whiteness`] of the residuals
+//! test whether the law describes the material.
 //!
 //! Moduli at several temperatures are shifted to one [`MasterCurve`], and the shifts are fitted by
 //! [`ShiftLaws`]. The resulting series is written as a [`card`] of a finite-element program; any
@@ -54,10 +54,10 @@
 //! - The random errors of the lines are assumed to be independent of each other. Common errors,
 //!   such as that of the density, are propagated to the parameters to first order; they do not
 //!   change the law at the minimum.
-//! - Temperature acts by shifting: a material whose laws differ in form at two temperatures has no
-//!   master curve, which χ² detects.
-//! - No continuous relaxation spectrum, which is an ill-posed problem: a Prony series with few
-//!   branches is the solution supported by the data.
+//! - A change of temperature is assumed only to shift the law: a material whose laws differ in form
+//!   at two temperatures has no master curve, which χ² detects.
+//! - No continuous relaxation spectrum is determined, which is an ill-posed problem: a Prony series
+//!   with few branches is the solution supported by the data.
 //!
 //! Theory: `docs/theory/rheological-fits.md`.
 
@@ -108,7 +108,8 @@ pub use shift_law::{Arrhenius, GAS_CONSTANT, ShiftLaws, Wlf};
 pub use sweep::TemperatureSweep;
 pub use whiteness::Whiteness;
 
-/// Returns intercept and slope of the straight line through points; `None` for fewer than two places.
+/// Returns intercept and slope of the straight line through points; `None` for fewer than two
+/// different abscissas.
 fn straight_line(points: &[(f64, f64)]) -> Option<(f64, f64)> {
     let n = count(points.len());
     let x: f64 = points.iter().map(|(x, _)| x / n).sum();

@@ -11,17 +11,18 @@
 //!
 //! with f₁ and f₂ entire functions of γ. [`FreeEnd`](crate::FreeEnd),
 //! [`SeparatePulses`](crate::SeparatePulses) and [`OneGauge`](crate::OneGauge) differ only in f₁
-//! and f₂. On each line Newton's iteration solves f₁ - Ψf₂ = 0 from the γ/ω expected from the lines
-//! before, and the first lines start from one wave speed that explains them together. The
-//! followed quantity is γ itself, not the phase of Ψ, and lines with little information on γ have
-//! little weight.
+//! and f₂. At each line Newton's iteration solves f₁ - Ψf₂ = 0, starting at the γ/ω expected from
+//! the previous lines, and the first lines start from one wave speed that explains them together.
+//! The followed quantity is γ itself, not the phase of Ψ, and lines with little information on γ
+//! have little weight.
 //!
 //! # Errors of the result
-//! An error δΨ changes γ by δγ = δΨ/g'(γ), the modulus by δE = -2E δγ/γ. With a circular error of
-//! variance E|δΨ|² these are circular too. The next order of E is ½|g''/g'² + 3/(γg')| σ of the
-//! first, σ² = E|δΨ|², and a line is marked where this exceeds a tenth, as near a multiple of half
-//! a wave between two sections. The uncertainties of the rod and its sections,
-//! [`SectionUncertainty`], and of the sensors, [`RatioError`], are the systematic part.
+//! An error δΨ changes γ by δγ = δΨ/g'(γ), and the modulus by δE = -2E δγ/γ. With a circular error
+//! of variance E|δΨ|² these errors are circular, too. The second-order error of E is the fraction
+//! ½|g''/g'² + 3/(γg')| σ of the first-order error, σ² = E|δΨ|². A line is marked where this
+//! exceeds a tenth, as near a multiple of half a wave between two sections. The uncertainties of
+//! the rod and its sections, [`SectionUncertainty`], and of the sensors, [`RatioError`], are the
+//! systematic part.
 //!
 //! Theory: `docs/theory/neighbouring-methods.md#one-equation`.
 
@@ -75,7 +76,7 @@ pub(crate) trait SectionRatio: Sized {
     /// Returns the properties of the rod that are not in the ratio.
     fn rod(&self) -> RodOfRatio;
 
-    /// Returns guess, uncertainties and limits.
+    /// Returns the settings: guess, uncertainties and limits.
     fn settings(&self) -> &Settings;
 
     /// Returns the method with each uncertain quantity of the ratio increased and decreased.
@@ -99,8 +100,8 @@ pub trait RatioMethod {
     /// where a value is not finite.
     fn ratio_about(&self, frequency_hz: f64, gamma: Complex64) -> Option<RatioAbout>;
 
-    /// Returns the method with the mass on the free end less by `size` of its standard
-    /// uncertainties. `None` if there is no such uncertainty, or nothing would be left of the mass.
+    /// Returns the method with the mass on the free end reduced by `size` of its standard
+    /// uncertainties. `None` if the mass has no uncertainty, or the reduced mass would be negative.
     fn without_error_of_mass(&self, _size: f64) -> Option<Box<dyn RatioMethod + '_>> {
         None
     }
@@ -169,7 +170,7 @@ impl<T: SectionRatio> RatioMethod for T {
     }
 }
 
-/// Properties of a rod that its ratios do not need, but the modulus and its validity do.
+/// Properties of a rod on which its ratios do not depend, but the modulus and its validity do.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct RodOfRatio {
     /// D \[m\].
@@ -189,7 +190,7 @@ pub(crate) struct MeasuredRatio<'a> {
     /// Degrees of freedom of the variance, if it is not known.
     pub(crate) freedom: Option<VarianceFreedom>,
     pub(crate) coherence: Option<f64>,
-    /// Errors of the ratios of all lines, with the entry of this one at `index`.
+    /// Errors of the ratios of all lines; the entry of this line is at `index`.
     pub(crate) common: &'a [RatioError],
 }
 
@@ -204,8 +205,8 @@ impl MeasuredRatio<'_> {
     }
 }
 
-/// Returns the lines that can be evaluated, and refuses the others in the `estimate`; `name` is
-/// that of the ratio.
+/// Returns the lines that can be evaluated, and refuses the others in the `estimate`; `name` is the
+/// name of the ratio.
 pub(crate) fn usable<'a>(
     lines: &RatioLines<'a>,
     name: &'static str,
@@ -245,8 +246,8 @@ fn solve(
     let root = root(equation, measured, expected).ok_or(Refusal::NoRoot)?;
     let doubt = expectation.doubt(omega, root.gamma);
     let slope = slope(equation, root.gamma, omega);
-    // Without noise, any small fraction of Ψ; a node in the numerator is no better than its
-    // neighbours.
+    // Without noise, any small fraction of Ψ serves; the second term gives a node in the numerator
+    // no more weight than its neighbours.
     let variance = if measured.variance > 0.0 {
         measured.variance
     } else {
@@ -362,11 +363,12 @@ pub(crate) fn root(
         .fold(first, better)
 }
 
-/// Newton's iteration; `None` if it diverges to infinity or to γ = 0, where there is no modulus.
+/// Runs Newton's iteration; `None` if it diverges to infinity or to γ = 0, where there is no
+/// modulus.
 ///
-/// f₁ - Ψf₂ has no poles, but where f₁ and f₂ vanish together, as for sections on a grid, a root
-/// that is independent of Ψ. If the iteration converges to it, it is repeated on f₁/f₂ - Ψ, which
-/// has no such root.
+/// f₁ - Ψf₂ has no poles, but where f₁ and f₂ vanish together, as for sections on a grid, it has a
+/// root that does not depend on Ψ. If the iteration converges to this root, it is repeated on
+/// f₁/f₂ - Ψ, which has no such root.
 fn newton(
     equation: &impl SectionRatio,
     measured: &MeasuredRatio<'_>,
@@ -380,7 +382,7 @@ fn newton(
         })
 }
 
-/// Returns true if g(γ) = Ψ, coarsely, and not 0/0.
+/// Returns true unless f₁ and f₂ vanish together at `gamma`, where g(γ) is 0/0.
 fn is_root_of_ratio(
     equation: &impl SectionRatio,
     measured: &MeasuredRatio<'_>,
@@ -430,7 +432,7 @@ fn iterate(
             let [first, second] = equation.jets(gamma, omega);
             let (upper, lower) = (first.value, measured.ratio * second.value);
             let residual = (upper - lower).norm() / (upper.norm() + lower.norm());
-            // Where γ and -γ are both roots, the wave that travels forward is taken.
+            // Where γ and -γ are both roots, the wave that travels forward is chosen.
             return Some(Root {
                 gamma: if gamma.im < 0.0 && is_even(equation, gamma, omega) {
                     -gamma

@@ -2,18 +2,19 @@
 //! sensors, sensitivities and positions of gauges.
 //!
 //! A common error distorts the modulus in a way prescribed by its source: an error of the ratio of
-//! two sensitivities makes E oscillate with every half wave in the rod, a delay does so a quarter
-//! of a period later. The modulus of a material cannot do that. It is smooth and causal,
+//! two sensitivities makes E oscillate with every half wave in the rod, and a delay does the same a
+//! quarter of a period later. The modulus of a material cannot oscillate like this. It is smooth
+//! and causal,
 //!
 //! ```text
 //! E(ω) = a + bω² + cω i + Σ_k e_k iωτ_k/(1 + iωτ_k) ,
 //! ```
 //!
 //! with fixed relaxation times τ_k a factor of 1.5 apart, from a thousand times below the band to a
-//! thousand times above, and real coefficients of any sign; bω² represents lateral inertia. No term
-//! is larger in the band than about ten times the modulus, which is the prior of the coefficients.
-//! With the stated uncertainties as priors of the sizes ξ of the errors (in standard
-//! uncertainties), both follow from weighted least squares,
+//! thousand times above, and real coefficients of any sign; bω² represents lateral inertia. The
+//! prior of the coefficients is that no term is larger in the band than about ten times the
+//! modulus. With the stated uncertainties as priors of the sizes ξ of the errors (in standard
+//! uncertainties), coefficients and sizes follow from weighted least squares,
 //!
 //! ```text
 //! Σ|E_j - Σ_s ξ_s g_sj - E(ω_j)|²/σ_j² + ½ Σ ξ_s² + ½ Σ (coefficients/10|E|)² → min ,
@@ -21,9 +22,9 @@
 //!
 //! where g_s is the [shift](crate::estimate::SystematicShift) of the lines due to a source. E_j and
 //! g_s are linearised about the smooth modulus of the previous round, not about the noisy lines.
-//! Errors of the measured quantities are removed from these, and the lines are solved again; those
-//! of the specimen are removed from the modulus to first order. The remaining errors have the
-//! posterior covariance,
+//! Errors of the measured quantities are removed from these quantities, and the lines are solved
+//! again; errors of the specimen are removed from the modulus to first order. The remaining errors
+//! have the posterior covariance,
 //!
 //! ```text
 //! P = (I + JᵀJ/s²)⁻¹ ,
@@ -32,7 +33,7 @@
 //! with J the whitened shifts without the part that a smooth modulus can represent, and s² the mean
 //! square of the residual, if it exceeds the noise. Errors that the record does not determine keep
 //! their stated uncertainty. The remaining errors are correlated; they are stated as independent
-//! ones, the columns of the Cholesky factor of P: the error of a source includes the correlated
+//! errors, the columns of the Cholesky factor of P: the error of a source includes the correlated
 //! part of the sources after it.
 //!
 //! # Added damping
@@ -67,7 +68,7 @@ use vectors::length;
 
 /// Maximum number of rounds of correction and estimate.
 const MOST_ROUNDS: usize = 12;
-/// Maximum number of selections of the lines that take part.
+/// Maximum number of selections of the lines that are used.
 const MOST_SELECTIONS: usize = 4;
 /// Sizes of a delay from which the lines are solved again where a start from 0 is not informative.
 const OTHER_STARTS: [f64; 4] = [-1.0, 1.0, -2.0, 2.0];
@@ -75,15 +76,15 @@ const OTHER_STARTS: [f64; 4] = [-1.0, 1.0, -2.0, 2.0];
 const EXPLAINED: f64 = 1.5;
 /// Maximum change of the sizes, in standard errors, for convergence.
 const SETTLED: f64 = 0.02;
-/// Maximum change after the last selection of lines; beyond, there is no result.
+/// Maximum change after the last selection of lines; above it there is no result.
 const NEARLY_SETTLED: f64 = 0.3;
-/// Maximum number of lines that take part, evenly chosen.
+/// Maximum number of lines that are used, evenly spaced.
 const MOST_LINES: usize = 1000;
 /// Standard deviation of the largest contribution of a term of the smooth modulus in the band,
 /// relative to the largest modulus there.
 const LARGEST_TERM: f64 = 10.0;
-/// Maximum random error of a line that takes part, relative to the modulus: with more it is not
-/// linear in the ratio.
+/// Maximum random error of a line that is used, relative to the modulus: with a larger error, the
+/// modulus is not linear in the ratio.
 const LARGEST_ERROR: f64 = 0.03;
 
 /// Estimate whose common errors were determined from its own lines, as far as possible.
@@ -92,7 +93,7 @@ const LARGEST_ERROR: f64 = 0.03;
 pub struct SelfCalibration {
     estimate: ModulusEstimate,
     sources: Vec<CalibratedSource>,
-    /// Number of lines that determine them, without the stride.
+    /// Number of informative lines, before the choice of [`MOST_LINES`].
     lines: usize,
     mean_square: f64,
 }
@@ -133,19 +134,20 @@ impl SelfCalibration {
 
     /// Returns the mean square of the residual from a smooth modulus and the errors, relative to
     /// the noise: 1 for noise alone. Where it is larger, the standard errors of the sizes are
-    /// larger by its root.
+    /// larger by its square root.
     #[must_use]
     pub fn mean_square(&self) -> f64 {
         self.mean_square
     }
 
-    /// Returns true if at least half of the lines take part, and little more than noise is left of
-    /// them.
+    /// Returns true if at least half of the lines are informative, and their residual is little
+    /// more than noise.
     fn explains_all(&self) -> bool {
         2 * self.lines >= self.estimate.lines().len() && self.mean_square <= EXPLAINED
     }
 
-    /// Orders results from other starts: by the lines that noise explains.
+    /// Returns the rank among results from other starts: the number of lines, less where the
+    /// residual exceeds noise.
     fn rank(&self) -> f64 {
         self.lines as f64 / self.mean_square.max(1.0)
     }
@@ -160,16 +162,16 @@ impl SelfCalibration {
 
 /// Measured data, with the errors of their sources.
 pub(crate) trait Experiment {
-    /// Returns the damping σ that was added to the records: the modulus is that on the lines s =
-    /// σ + iω [1/s].
+    /// Returns the damping σ that was added to the records \[1/s\]: the modulus is that on the
+    /// lines s = σ + iω.
     fn added_damping(&self) -> f64;
 
-    /// Returns the estimate from the measured data, without errors of the sizes `removed`.
+    /// Returns the estimate from the measured data after removal of errors of the sizes `removed`.
     fn estimate(&self, removed: &[f64]) -> Result<ModulusEstimate, CmodError>;
 
     /// Linearises one `line` about a rod with the propagation coefficient `gamma`: to first order
     /// in the difference between the measured values and those of that rod. `None` where these
-    /// have no value.
+    /// values are not finite.
     fn linearised(
         &self,
         line: &ModulusLine,
@@ -181,9 +183,10 @@ pub(crate) trait Experiment {
 /// Solves for the errors of the `measured` sources, which the experiment removes from the measured
 /// data, and of all others of the estimate.
 ///
-/// A large delay leaves few lines that are separable from their branches and neighbours. Where less
-/// than half of them take part, the delays of [`OTHER_STARTS`] are tried as well, and the one with
-/// most lines is taken.
+/// With a large delay, few lines can be distinguished from other branches and from their
+/// neighbours. Where fewer than half of the lines are informative, or their residual exceeds noise,
+/// the delays of [`OTHER_STARTS`] are tried as well, and the result of the highest rank is
+/// returned.
 pub(crate) fn found(
     measured: &[ErrorSource],
     experiment: &impl Experiment,
@@ -218,12 +221,12 @@ fn found_from(
     measured: &[ErrorSource],
     experiment: &impl Experiment,
 ) -> Result<Option<SelfCalibration>, CmodError> {
-    // of the participating lines, by their index
+    // of the lines used, by their index
     let mut smooth_before: Vec<(usize, Complex64)> = Vec::new();
     for selection in 1.. {
         let estimate = match experiment.estimate(&removed) {
             Ok(estimate) => estimate,
-            // without the errors found so far the record is not valid any more
+            // without the errors found so far the record is no longer valid
             Err(_) if selection > 1 => return Ok(None),
             Err(error) => return Err(error),
         };
@@ -313,7 +316,7 @@ fn of_lines(lines: &[&ModulusLine], values: &[Complex64]) -> Vec<(usize, Complex
     indices.zip(values.iter().copied()).collect()
 }
 
-/// Returns the value of the line nearest to the one of this `index`.
+/// Returns the value of the line nearest to the line of this `index`.
 pub(crate) fn nearest<T: Copy>(lines: &[(usize, T)], index: usize) -> Option<T> {
     let after = lines.partition_point(|(other, _)| *other < index);
     let around = lines.get(after.saturating_sub(1)..(after + 1).min(lines.len()))?;
@@ -330,16 +333,16 @@ pub(crate) fn telling(estimate: &ModulusEstimate) -> impl Iterator<Item = &Modul
     })
 }
 
-/// Returns at most about as many of these lines as are needed, chosen by their place among all lines:
-/// a line that becomes informative does not change the choice of the others.
+/// Returns about [`MOST_LINES`] of these lines at most, chosen by their index among all lines: a
+/// line that becomes informative does not change the choice of the others.
 fn taking_part(estimate: &ModulusEstimate) -> Vec<&ModulusLine> {
     let stride = telling(estimate).count().div_ceil(MOST_LINES).max(1);
     let chosen = telling(estimate).filter(|line| line.index % stride == 0);
     chosen.collect()
 }
 
-/// Returns the `estimate`, which has errors of the sizes `removed` taken out, without the remaining
-/// ones.
+/// Returns the calibration with the `estimate`, from which errors of the sizes `removed` were
+/// removed before, corrected for the rest of the errors found.
 fn calibration(
     found: &Posterior,
     estimate: &ModulusEstimate,

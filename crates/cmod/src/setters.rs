@@ -8,11 +8,11 @@ macro_rules! setters {
         }
     };
     (@ wave_speed) => {
-        /// Sets a guess of the wave speed [m/s] on the first lines, within 30 %. By default the speed is searched
-        /// between 20 m/s and 20 km/s.
+        /// Sets a guess of the wave speed [m/s] at the first lines, accurate to 30 %. By default
+        /// the speed is searched between 20 m/s and 20 km/s.
         ///
         /// # Errors
-        /// [`CmodError::NonPhysical`] unless it is finite and above 0.
+        /// [`CmodError::NonPhysical`] unless the speed is finite and above 0.
         pub fn with_wave_speed(mut self, wave_speed: f64) -> Result<Self, $crate::CmodError> {
             let speed = $crate::error::check_positive("wave speed [m/s]", wave_speed)?;
             self.settings.wave_speed = Some(speed);
@@ -20,13 +20,15 @@ macro_rules! setters {
         }
     };
     (@ delay) => {
-        /// Sets the `delay` \[s\] of the later pulse behind the earlier one, as between the centres of their energy. Only
-        /// the phase beyond this delay is then counted in waves from line to line, so that the record need not be several
-        /// delays long: this phase must advance by less than π per line, as it does where the record is longer than twice
-        /// the difference of the group delays of the band. γ is unchanged: nothing is subtracted from the ratio.
+        /// Sets the `delay` \[s\] of the later pulse relative to the earlier one, for example
+        /// between the centres of their energy. Only the phase beyond this delay is then counted in
+        /// waves from line to line, so that the record need not be several delays long: this phase
+        /// must advance by less than π per line, as it does where the record is longer than twice
+        /// the difference of the group delays of the band. γ is unchanged: nothing is subtracted
+        /// from the ratio.
         ///
         /// # Errors
-        /// [`CmodError::NonPhysical`] unless it is finite and above 0.
+        /// [`CmodError::NonPhysical`] unless the delay is finite and above 0.
         pub fn with_delay(mut self, delay: f64) -> Result<Self, $crate::CmodError> {
             let delay = $crate::error::check_positive("delay of the later pulse [s]", delay)?;
             self.settings.delay = Some(delay);
@@ -34,11 +36,12 @@ macro_rules! setters {
         }
     };
     (@ uncertainty) => {
-        /// Sets the standard uncertainties of the rod and its sections, or its length as distance: the systematic part of the
-        /// errors.
+        /// Sets the standard uncertainties of the rod and its sections: the systematic part of the
+        /// errors. For a method with one length of the rod, `distance` is the uncertainty of this
+        /// length.
         ///
         /// # Errors
-        /// [`CmodError::NonPhysical`] unless all are finite and not negative.
+        /// [`CmodError::NonPhysical`] unless all uncertainties are finite and not negative.
         pub fn with_uncertainty(
             mut self,
             uncertainty: $crate::SectionUncertainty,
@@ -48,8 +51,9 @@ macro_rules! setters {
         }
     };
     (@ noise_freedom) => {
-        /// Sets the degrees of freedom of a measured noise, per gauge and line. The errors then have those of their sum
-        /// over the gauges, and a misfit is judged by Fisher's distribution with those of one gauge.
+        /// Sets the degrees of freedom of a measured noise, per gauge and line. The errors then
+        /// have the degrees of freedom of the sum of the variances over the gauges, and a misfit is
+        /// judged by Fisher's distribution with those of one gauge.
         ///
         /// # Errors
         /// [`CmodError::NonPhysical`] unless they are finite and above 0.
@@ -65,7 +69,8 @@ macro_rules! setters {
         /// Sets the error limits that a valid line must meet. The coherence is not checked here.
         ///
         /// # Errors
-        /// [`CmodError::NonPhysical`] for limits that are NaN or not above 0, and a least coherence not from 0 to 1.
+        /// [`CmodError::NonPhysical`] for limits that are NaN or not above 0, or a least coherence
+        /// that is not from 0 to 1.
         pub fn with_limits(
             mut self,
             limits: $crate::validity::AcceptanceLimits,

@@ -1,7 +1,8 @@
 //! Two-point method: the modulus from the accelerations of the two ends of an impacted specimen.
 //!
 //! A rod hangs in thin cords, is struck at one end, and carries an accelerometer of mass m at each
-//! (Ödeen 1993, paper A). Beyond the accelerometer of the free end there is no force, hence (eq. 1)
+//! end (Ödeen 1993, paper A). Beyond the accelerometer of the free end there is no force, hence
+//! (eq. 1)
 //!
 //! ```text
 //! Ψ = â₁/â₂ = cosh γL + μ γL sinh γL ,    μ = m/(ρAL)
@@ -37,21 +38,20 @@ use crate::section_ratio::{self, MeasuredRatio, RatioAbout, RatioLines, RatioMet
 use crate::validity::{AcceptanceLimits, Violation, conditions};
 use end_mass::Slopes;
 
-/// Solution method for equation 1 on a line.
+/// Solution method for equation 1 at one line.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[non_exhaustive]
 pub enum Solver {
     /// Continuation in the mass ratio. It follows the branch at low losses, too. Where two roots
-    /// come near to each other, the one nearest to that expected from all lines together is
-    /// taken.
+    /// come near each other, the one nearest to the root expected from all lines together is used.
     #[default]
     Continuation,
     /// Newton's iteration from the solution without end mass, as printed (paper A, eq. 5). It is
-    /// kept for comparison: at low losses it converges on some lines to a wrong root, which
+    /// kept for comparison: at low losses it converges at some lines to a wrong root, which
     /// conditions (i)-(iii) do not always reveal.
     Newton,
-    /// Series in the mass ratio to four terms (paper A, eqs. 6-7), valid by its criterion of one
-    /// third.
+    /// Series in the mass ratio to four terms (paper A, eqs. 6-7), valid where its criterion of one
+    /// third is met.
     Series,
 }
 
@@ -110,7 +110,7 @@ impl TwoPoint {
     /// Sets the standard uncertainties of the specimen: the systematic part of the errors.
     ///
     /// # Errors
-    /// [`CmodError::NonPhysical`] unless all are finite and not negative.
+    /// [`CmodError::NonPhysical`] unless all uncertainties are finite and not negative.
     pub fn with_specimen_uncertainty(
         mut self,
         uncertainty: SpecimenUncertainty,
@@ -141,8 +141,8 @@ impl TwoPoint {
     /// Sets the error limits that a valid line must meet.
     ///
     /// # Errors
-    /// [`CmodError::NonPhysical`] for limits that are NaN or not above 0, and a least coherence not
-    /// from 0 to 1.
+    /// [`CmodError::NonPhysical`] for limits that are NaN or not above 0, or a least coherence that
+    /// is not from 0 to 1.
     pub fn with_limits(mut self, limits: AcceptanceLimits) -> Result<Self, CmodError> {
         self.limits = limits.check()?;
         Ok(self)
@@ -151,10 +151,9 @@ impl TwoPoint {
     /// Returns the complex modulus from `acceleration_ratio` Ψ = â₁/â₂ of impacted to free end, at
     /// the increasing frequencies `frequency_hz` \[Hz\].
     ///
-    /// `variance` is E|δΨ|², of real and imaginary part together, of an error without preferred
-    /// phase, and known; 0 means data without noise. For a variance from the coherence of a few
-    /// blows, use [`TwoPoint::estimate_averaged`]. The errors of the result follow to first
-    /// order,
+    /// `variance` is the known E|δΨ|², of real and imaginary part together, of an error without
+    /// preferred phase; 0 means data without noise. For a variance from the coherence of a few
+    /// blows, use [`TwoPoint::estimate_averaged`]. The errors of the result follow to first order,
     ///
     /// ```text
     /// dE/E = dρ/ρ + 2 dL/L - 2 dx/x ,    dx = (dΨ - x sinh x dμ)/f'(x) ,    x = γL ,
@@ -165,8 +164,8 @@ impl TwoPoint {
     /// matters, the line is marked as [near to a singular one](Violation::NearSingular).
     ///
     /// All three arrays have one entry per line. The lines must be dense enough to count the half
-    /// waves in the specimen, see [`crate::branch`]. A line at 0 Hz and lines that are not
-    /// finite are [refused](ModulusEstimate::refused) one by one.
+    /// waves in the specimen, see [`crate::branch`]. A line at 0 Hz and lines that are not finite
+    /// are [refused](ModulusEstimate::refused) individually.
     ///
     /// # Errors
     /// [`CmodError::NoLines`], [`CmodError::LengthMismatch`], [`CmodError::Frequency`],
@@ -211,7 +210,7 @@ impl TwoPoint {
         })
     }
 
-    /// Returns the branches of all lines that can be evaluated, of which there may be none.
+    /// Returns the branches of all lines that can be evaluated; empty if there are none.
     fn resolve_branches(
         &self,
         measured: &[MeasuredRatio<'_>],

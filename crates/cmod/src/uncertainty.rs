@@ -110,8 +110,8 @@ impl Add for ComplexCovariance {
     }
 }
 
-/// Source of a common error: known only within an uncertainty, and with the same error on all
-/// lines.
+/// Source of a common error: a quantity that is known only within an uncertainty, with the same
+/// error at all lines.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 #[non_exhaustive]
@@ -130,7 +130,7 @@ pub enum ErrorSource {
     GaugePosition(usize),
     /// Ratio of the sensitivities of two sensors.
     GainRatio,
-    /// Delay of one channel behind the other.
+    /// Delay of one channel relative to the other.
     Delay,
     /// Sensitivity of a gauge, counted from 0.
     GaugeFactor(usize),
@@ -138,7 +138,7 @@ pub enum ErrorSource {
     GaugeDelay(usize),
     /// Position of a free end whose condition is used.
     FreeEnd,
-    /// Change of the modulus with temperature, where it was referred to another one.
+    /// Change of the modulus with temperature, where it was converted to another temperature.
     Temperature,
     /// Poisson's ratio, where lateral inertia has been removed.
     PoissonRatio,
@@ -211,7 +211,8 @@ pub struct SystematicShift {
 const OF_BOUND: f64 = 0.577_350_269_189_625_8;
 
 impl SystematicShift {
-    /// Shift by lateral inertia that makes a modulus too small by at most `bound` \[Pa\].
+    /// Returns the shift due to lateral inertia that makes a modulus too small by at most `bound`
+    /// \[Pa\].
     pub(crate) fn of_lateral_inertia(bound: Complex64) -> Self {
         Self::new(
             ErrorSource::LateralInertia,
@@ -249,13 +250,13 @@ pub struct LineCovariance {
 pub struct Uncertainty {
     /// Covariance due to the noise of the measured quantities: independent from line to line.
     pub random: LineCovariance,
-    /// Common errors, one per source: of the specimen and of the theory of its waves. Fully
-    /// correlated over the lines, and independent of each other.
+    /// Common errors, one per source: of the specimen and of the theory of its waves. Each is fully
+    /// correlated between lines, and independent of the other sources.
     pub systematic: Vec<SystematicShift>,
     /// Degrees of freedom of the estimated variance of the noise; `None` if the variance is known.
     pub degrees_of_freedom: Option<f64>,
-    /// Contribution of the line to the degrees of freedom of all lines, less than the above where
-    /// neighbours share an estimate, see
+    /// Contribution of the line to the degrees of freedom of all lines, less than
+    /// `degrees_of_freedom` where neighbours share an estimate, see
     /// [`VarianceFreedom`](crate::estimate::VarianceFreedom); `None` if the variance is known.
     pub own_degrees_of_freedom: Option<f64>,
 }
@@ -283,9 +284,8 @@ impl Uncertainty {
     }
 
     /// Returns the covariance of one line due to all common errors that have a standard
-    /// uncertainty. Lateral inertia that was not removed has a
-    /// [bound](Self::lateral_inertia_bound) of known sign instead, stated beside the standard
-    /// errors.
+    /// uncertainty. Lateral inertia that was not removed has a [bound](Self::lateral_inertia_bound)
+    /// of known sign instead, stated next to the standard errors.
     #[must_use]
     pub fn systematic_covariance(&self) -> LineCovariance {
         let none = LineCovariance::default();
@@ -300,8 +300,8 @@ impl Uncertainty {
     }
 
     /// Returns the greatest error \[Pa\] by which lateral inertia that was not removed makes the
-    /// modulus too small; 0 if none is left. The shift of [`ErrorSource::LateralInertia`] is
-    /// 1/√3 of it, the standard deviation of an error anywhere from 0 to this bound.
+    /// modulus too small; 0 if none is left. The shift of [`ErrorSource::LateralInertia`] is 1/√3
+    /// of the bound, the standard deviation of an error anywhere from 0 to this bound.
     #[must_use]
     pub fn lateral_inertia_bound(&self) -> Complex64 {
         self.systematic
@@ -322,9 +322,9 @@ impl Uncertainty {
         }
     }
 
-    /// Returns the factor k with |error| <= kσ with this `probability`, of the random part:
-    /// Student's distribution if the variance was estimated from few averages, else the normal
-    /// distribution.
+    /// Returns the factor k for which |error| <= kσ with this `probability`, for the random part:
+    /// from Student's distribution if the variance was estimated from few averages, otherwise from
+    /// the normal distribution.
     ///
     /// ```
     /// # use cmod::estimate::coverage_factor;

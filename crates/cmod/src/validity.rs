@@ -1,5 +1,5 @@
-//! Validity of a line: the conditions (i)-(iii) of paper A, section 4, the reports of the solution
-//! itself, and the accepted errors.
+//! Validity of a line: the conditions (i)-(iii) of paper A, section 4, the reports of the solver,
+//! and the accepted errors.
 //!
 //! Theory: `docs/theory/two-point-method.md#validity`.
 
@@ -32,7 +32,7 @@ pub const GREATEST_WAVELENGTH_IN_LENGTHS: f64 = 5.0;
 /// Validity of a line, with the violated conditions.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Validity {
-    /// All conditions hold.
+    /// All conditions are met.
     Valid,
     /// At least one condition is violated; the numbers of the line are unreliable.
     Invalid(Vec<Violation>),
@@ -49,7 +49,7 @@ impl Validity {
         }
     }
 
-    /// Returns true if all conditions hold.
+    /// Returns true if all conditions are met.
     #[must_use]
     pub fn is_valid(&self) -> bool {
         matches!(self, Self::Valid)
@@ -157,14 +157,14 @@ pub enum Violation {
         /// ka/π, a being the least distance between sensors.
         half_waves: f64,
     },
-    /// The random error, with the bound on lateral inertia, exceeds the accepted limit, see
-    /// [`AcceptanceLimits`].
+    /// The random error, together with the bound on lateral inertia, exceeds the accepted limit,
+    /// see [`AcceptanceLimits`].
     #[error("{quantity} may be off by {}, accepted are {}", percent(*.error), percent(*.limit))]
     ErrorTooLarge {
         /// `E'` or `the loss factor`.
         quantity: &'static str,
-        /// Five standard errors of the random part relative to the value, more if the variance is
-        /// from few averages, and the bound on lateral inertia that was not removed.
+        /// Five standard errors of the random part relative to the value (more if the variance is
+        /// from few averages), plus the bound on lateral inertia that was not removed.
         error: f64,
         /// Accepted limit.
         limit: f64,
@@ -189,7 +189,7 @@ pub enum Violation {
         percent(*.error), percent(*.limit)
     )]
     CommonErrorTooLarge {
-        /// Two standard errors of all common sources relative to the value.
+        /// Two standard errors of all common sources together, relative to the value.
         error: f64,
         /// Source of the largest contribution.
         largest: ErrorSource,
@@ -212,8 +212,7 @@ pub enum Violation {
         /// Accepted limit.
         limit: f64,
     },
-    /// The middle gauge of three lies at a node: the denominator of Ψ is noisy, which biases it
-    /// low.
+    /// The middle gauge of three is at a node: the denominator of Ψ is noisy, which biases it low.
     #[error(
         "noise is {noise_to_signal:.2} of the signal of the middle gauge, expected at most {limit}"
     )]

@@ -1,4 +1,4 @@
-//! Bodies joined at points to one body with one impact face.
+//! Bodies joined at points into one body with one impact face.
 //!
 //! Theory: `docs/theory/assemblies.md`.
 
@@ -34,8 +34,8 @@ impl Point {
     }
 }
 
-/// A joint between two points, rigid or a spring with a dashpot beside it. It bears pressure and
-/// tension.
+/// A joint between two points: rigid, or a spring and a dashpot in parallel. It bears compression
+/// and tension.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Joint {
     between: [Point; 2],
@@ -101,7 +101,8 @@ impl Coupling {
         }
     }
 
-    /// The same at infinite frequency; `None` for a spring alone, which then bears no force.
+    /// Returns the mobility at infinite frequency; `None` for a spring without a dashpot, which
+    /// bears no force there.
     fn mobility_of_front(&self) -> Option<f64> {
         match *self {
             Self::Rigid => Some(0.0),
@@ -125,10 +126,9 @@ impl Coupling {
 ///
 /// # Validity
 ///
-/// The joints bear tension. Members, apart from those on lines, are known in their own domains; the
-/// assembly is known where all of them are. If a member is on lines, its free vibrations in the
-/// assembly must decay within a period of them, and the struck point needs a known front impedance
-/// for a march.
+/// The joints bear tension. The assembly is known where all members are known. If a member is known
+/// on lines, the free vibrations of the assembly must decay within a period of the lines, and time
+/// marching needs a known front impedance at the struck point.
 ///
 /// ```
 /// use std::sync::Arc;
@@ -227,8 +227,8 @@ impl Assembly {
         })
     }
 
-    /// The mobility of the struck point, from the mobilities `y` of all points and those of the
-    /// `joints`, of which those that are `None` bear no force.
+    /// Returns the mobility of the struck point, from the mobilities `y` of all points and the
+    /// mobilities of the `joints`; a joint with `None` bears no force.
     fn joined(
         &self,
         y: &Mat<Complex64>,
@@ -238,7 +238,7 @@ impl Assembly {
         let bearing: Vec<(&[usize; 2], Complex64)> = of_joints
             .filter_map(|(rows, coupling)| Some((rows, joints(rows, coupling)?)))
             .collect();
-        // B Y e of the struck point, and B Y Bᵀ with the joints
+        // B Y e of the struck point, and B Y Bᵀ with the mobilities of the joints
         let across =
             |[one, other]: &[usize; 2], column: usize| y[(*one, column)] - y[(*other, column)];
         let mut opened = Mat::zeros(bearing.len(), 1);
@@ -260,7 +260,7 @@ impl Assembly {
         own - relief.sum::<Complex64>()
     }
 
-    /// Mobilities of all points.
+    /// Returns the mobilities of all points.
     fn mobilities(
         &self,
         of_member: impl Fn(&SharedSubstructure) -> Result<Mat<Complex64>, ImpulseError>,
@@ -280,13 +280,13 @@ impl Assembly {
         Ok(all)
     }
 
-    /// 1/Z of the struck point, if it is known of all members that share it.
+    /// Returns 1/Z of the struck point, if it is known for all members that share the point.
     fn front_conductance(&self) -> Option<f64> {
         let fronts = self.mobilities(|member| {
             let points = member.n_points();
             let mut own = Mat::zeros(points, points);
             for point in 0..points {
-                // no wave has come from the other points; NaN where it is unknown
+                // no wave has arrived from the other points; NaN where the conductance is unknown
                 let known = member.front_conductance(point).unwrap_or(f64::NAN);
                 own[(point, point)] = known.into();
             }
@@ -324,7 +324,7 @@ fn row(
     })
 }
 
-/// Accepts joints by which every member is reached from the `struck` one.
+/// Accepts joints that connect every member to the `struck` one.
 fn check_joined(n_members: usize, joints: &[Joint], struck: usize) -> Result<(), ImpulseError> {
     let mut is_reached = vec![false; n_members];
     let mut found = vec![struck];
@@ -348,7 +348,7 @@ fn check_joined(n_members: usize, joints: &[Joint], struck: usize) -> Result<(),
     }
 }
 
-/// Laplace variable [1/s] in place of 0: far below the rate at which any dashpot stops a mass.
+/// Laplace variable [1/s] used instead of 0: far below the rate at which any dashpot stops a mass.
 const NEAR_REST: Complex64 = Complex64::new(1e-3, 0.0);
 
 /// The domain in which all members are known.
@@ -386,7 +386,7 @@ impl ImpactBody for Assembly {
     }
 
     fn mobility_at(&self, s: Complex64) -> Result<Complex64, ImpulseError> {
-        // at 0 Hz a free member is a rigid mass, whose mobility has no limit: near by it has
+        // at 0 Hz the mobility of a free member is infinite; near 0 it is that of a rigid mass
         let at = if s == Complex64::ZERO && self.free_mass().is_none() {
             NEAR_REST
         } else {

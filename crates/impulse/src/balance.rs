@@ -8,27 +8,30 @@ use std::f64::consts::TAU;
 /// found.
 const FEWEST_STEPS_AFTER: usize = 64;
 
-/// Momentum and energy of an impact, in the frame in which the second body is at rest before.
+/// Momentum and energy of an impact, in the frame in which the second body is at rest before the
+/// impact.
 ///
-/// All follow from the force and the mobilities. The energy of a body is divided into that of its
-/// centre of mass and the rest: a mobility does not distinguish vibration from heat.
+/// All values follow from the force and the mobilities. The energy of a body is divided into that
+/// of the motion of its centre of mass and the rest: a mobility does not distinguish vibration from
+/// heat.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct Balance {
     /// $`J = \int F\,dt`$ \[N s\], the momentum transferred from the first body to the second.
     pub impulse: f64,
-    /// Momentum of the first body before, $`M_1V`$ \[N s\]; `None` if it is not free.
+    /// Momentum of the first body before the impact, $`M_1V`$ \[N s\]; `None` if it is not free.
     pub momentum_before: Option<f64>,
-    /// Velocities of the centres of mass after, $`V - J/M_1`$ and $`J/M_2`$ \[m/s\]; `None` for
-    /// bodies that are not free.
+    /// Velocities of the centres of mass after the impact, $`V - J/M_1`$ and $`J/M_2`$ \[m/s\];
+    /// `None` for bodies that are not free.
     pub velocity_after: [Option<f64>; 2],
-    /// Coefficient of restitution $`J/(M_{\mathrm{eff}}V) - 1`$, the relative velocity after over
-    /// that before: $`1/M_{\mathrm{eff}}`$ is $`\sum 1/M_i`$ over the free bodies. `None` if
-    /// no body is free.
+    /// Coefficient of restitution $`J/(M_{\mathrm{eff}}V) - 1`$, the relative velocity after the
+    /// impact divided by that before: $`1/M_{\mathrm{eff}}`$ is $`\sum 1/M_i`$ over the free
+    /// bodies. `None` if no body is free.
     pub restitution: Option<f64>,
-    /// Energy of the first body before, $`\tfrac12M_1V^2`$ \[J\]; `None` if it is not free.
+    /// Energy of the first body before the impact, $`\tfrac12M_1V^2`$ \[J\]; `None` if it is not
+    /// free.
     pub energy_before: Option<f64>,
-    /// Energy of the motion of the centres of mass after \[J\].
+    /// Energy of the motion of the centres of mass after the impact \[J\].
     pub translation_after: [Option<f64>; 2],
     /// Remaining energy of the bodies \[J\]: vibration, outgoing waves, and heat. Not negative for
     /// passive bodies.
@@ -37,15 +40,18 @@ pub struct Balance {
     pub dissipated_in_contact: f64,
     /// Energy stored in the contact at the end, which may be released \[J\].
     pub stored_in_contact: f64,
-    /// $`(W_1 - W_2 - W_c)/(VJ)`$: work done by the first body, less that done on the second body,
-    /// both by the velocities of the faces, and on the contact, by its law.
+    /// $`(W_1 - W_2 - W_c)/(VJ)`$: the work done by the first body less the work done on the second
+    /// body, both from the velocities of the faces, and less the work done on the contact, from its
+    /// law.
     pub energy_residual: f64,
-    /// $`(M_1\bar v_1 + J - M_1V)/(M_1V)`$ with the face of the first body observed after the last
-    /// contact (mean under a Hann window): a momentum balance independent of $`v_1 = V -
-    /// J/M_1`$. `None` without time after the contact or if the first body is not free. It is
-    /// small only if the body rings several times in that time, or has come to rest.
+    /// $`(M_1\bar v_1 + J - M_1V)/(M_1V)`$ with the velocity of the face of the first body after
+    /// the last contact (mean under a Hann window): a momentum balance independent of
+    /// $`v_1 = V - J/M_1`$. `None` without time after the contact or if the first body is not free.
+    /// It is small only if the body rings through several periods in that time, or has come to
+    /// rest.
     pub momentum_residual: Option<f64>,
-    /// Coefficient of restitution from the observed faces, $`(\bar v_2 - \bar v_1)/V`$.
+    /// Coefficient of restitution from the velocities of the faces after the last contact,
+    /// $`(\bar v_2 - \bar v_1)/V`$.
     pub observed_restitution: Option<f64>,
 }
 
@@ -76,15 +82,15 @@ impl Balance {
     }
 }
 
-/// Momentum and energy of an impact over time, at the ends of the steps; of
+/// Momentum and energy of an impact over time, at the ends of the steps, from
 /// [`Prediction::energies`](crate::Prediction::energies).
 ///
-/// In the frame in which the second body is at rest before. At any time the energies of a first body
-/// that is free add up to its energy before.
+/// The frame is that in which the second body is at rest before the impact. If the first body is
+/// free, all energies at any time add up to its energy before the impact.
 #[derive(Debug, Clone)]
 #[non_exhaustive]
 pub struct EnergyHistory {
-    /// Momentum \[N s\] that the second body has taken from the first.
+    /// Momentum \[N s\] transferred from the first body to the second.
     pub impulse: Vec<f64>,
     /// Energies of the motion of the centres of mass \[J\]; `None` for bodies that are not free.
     pub translation: [Option<Vec<f64>>; 2],
@@ -95,7 +101,7 @@ pub struct EnergyHistory {
 }
 
 impl EnergyHistory {
-    /// Creates the history of bodies of these `masses` that meet at `velocity`.
+    /// Creates the history of bodies with these `masses` that meet at `velocity`.
     pub(crate) fn of(
         (velocity, masses): (f64, [Option<f64>; 2]),
         time_step: f64,
@@ -157,9 +163,10 @@ fn translation(masses: [Option<f64>; 2], velocities: [Option<f64>; 2]) -> [Optio
     ]
 }
 
-/// Energies that the bodies have taken beside the motion of their centres of mass, which have lost
-/// and gained $`VJ - J^2/(2M_1)`$ and $`J^2/(2M_2)`$ by the `impulse` J; without a mass the
-/// term is absent. The work `given` by the first face is `taken` by the second one but for the contact.
+/// Returns the energies of the bodies other than that of the motion of their centres of mass. The
+/// first body has lost $`VJ - J^2/(2M_1)`$ of the latter and the second has gained $`J^2/(2M_2)`$
+/// by the `impulse` J; a term with a mass is absent for a body that is not free. The work `given`
+/// by the first face equals the work `taken` by the second face plus the work on the contact.
 fn inner_energies(
     velocity: f64,
     masses: [Option<f64>; 2],
@@ -234,7 +241,7 @@ impl Account<'_> {
         }
     }
 
-    /// First step after the last force, if enough follow.
+    /// Returns the first step after the last force, if enough steps follow.
     fn after(&self) -> Option<usize> {
         let last = self.force.iter().rposition(|&force| force > 0.0)?;
         (self.force.len() - last > FEWEST_STEPS_AFTER).then_some(last + 1)

@@ -9,7 +9,8 @@ use statrs::function::erf::erfc;
 use crate::error::check_positive;
 use crate::{ForceHistory, ForcePeak, ImpulseError};
 
-/// Half-width of the Gaussian in standard deviations: $`3\cdot10^{-7}`$ of its area is beyond.
+/// Half-width of the Gaussian in standard deviations: $`3\cdot10^{-7}`$ of its area is beyond each
+/// end.
 const REACH: f64 = 5.0;
 
 /// Fewest steps within $`1/f_b`$: with fewer, the force of a step does not represent the band.
@@ -48,13 +49,13 @@ impl BandLimit {
         })
     }
 
-    /// The band of a force between bodies that are measured up to `highest_hz` \[Hz\], infinite for
-    /// computed ones: that of paper E or, if it is narrower, up to half of that frequency, where
-    /// the gain is a quarter.
+    /// Creates the default band of a force between bodies that are measured up to `highest_hz`
+    /// \[Hz\] (infinite for computed bodies): the band of paper E or, if it is narrower, a band up
+    /// to half of `highest_hz`. At `highest_hz` the gain of the latter is a quarter.
     ///
     /// # Errors
     ///
-    /// As [`BandLimit::up_to`].
+    /// The errors of [`BandLimit::up_to`].
     pub fn by_default(highest_hz: f64) -> Result<Self, ImpulseError> {
         Self::up_to(Self::PAPER_E.upper_hz.min(0.5 * highest_hz))
     }
@@ -79,13 +80,14 @@ impl BandLimit {
     }
 
     /// Returns the force in the band, at the times of `history` and $`5\sigma`$ before and after
-    /// it. The force is taken as constant in each step about its time and as zero outside the
-    /// history; the integral over steps is exact.
+    /// it. The force is assumed constant in each step about its time and zero outside the history;
+    /// the integral over each step is exact.
     ///
     /// # Validity
     ///
-    /// A force that lasts to the end of its history decays within $`5\sigma`$ of that end:
-    /// [`Prediction::band_limited`](crate::Prediction::band_limited) omits this part.
+    /// If a force lasts to the end of its history, the force in the band decays to zero within
+    /// $`5\sigma`$ of that end: [`Prediction::band_limited`](crate::Prediction::band_limited) omits
+    /// this part.
     ///
     /// # Errors
     ///
@@ -106,7 +108,7 @@ impl BandLimit {
         }
         let deviation = self.standard_deviation();
         let reach = (REACH * deviation / step).ceil() as usize;
-        // part of the Gaussian above the edges of the steps
+        // part of the area of the Gaussian above the edge of a step
         let above = |edge: f64| 0.5 * erfc(edge * step / deviation / std::f64::consts::SQRT_2);
         let mut weights: Vec<f64> = (0..=2 * reach)
             .map(|index| {
@@ -168,7 +170,7 @@ mod tests {
     use statrs::distribution::{ContinuousCDF, Normal};
 
     fn exponential(step: f64) -> ForceHistory {
-        // means over the steps of exp(-t/T), T = 0.5 ms: each as the force of a march is
+        // means over the steps of exp(-t/T), T = 0.5 ms, like the force of time marching
         let rate = 1.0 / 0.5e-3;
         #[allow(clippy::cast_possible_truncation, reason = "thousands of steps")]
         let n = (4e-3 / step).round() as i32;
@@ -195,11 +197,10 @@ mod tests {
             let limited = band.apply(&exponential(step)).unwrap();
             for (index, force) in limited.force().iter().enumerate() {
                 let time = limited.time_at(index);
-                // where the history ends, so does its force: e^-8 of the jump
+                // the force ends with its history: a jump of e^-8
                 if time < 3.8e-3 {
                     let away = (force - exact(time, deviation)).abs();
-                    // a step that is constant has its own variance, h²/12 beside σ²: (h/σ)²/24 of
-                    // the jump about it
+                    // a constant step adds its variance h²/12 to σ²: (h/σ)²/24 of the jump near it
                     assert!(away < tolerance, "{step} {time}: {away}");
                 }
             }

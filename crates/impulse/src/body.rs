@@ -40,8 +40,8 @@ pub enum Domain {
     },
 }
 
-/// A body by the response of its impact face: $`\hat v = G\hat F`$, with a compressive force and
-/// the velocity along it.
+/// A body described by the response of its impact face: $`\hat v = G\hat F`$, with a compressive
+/// force and the velocity along it.
 ///
 /// Implemented by [`rodwave::Chain`] (real frequencies), [`rodwave::chain::AnalyticChain`] (complex
 /// ones), [`MobilityLaw`] (a user-defined formula) and [`MeasuredBody`].
@@ -97,7 +97,7 @@ const MOST_LINES: usize = 1 << 26;
 ///
 /// [`ImpulseError::NonPhysical`] for the step, or for more than $`2^{26}`$ lines;
 /// [`ImpulseError::GridMismatch`] or [`ImpulseError::LengthMismatch`] for a measured body with
-/// other or too few lines; errors of the body.
+/// another spacing of its lines or too few lines; errors of the body.
 pub fn lines_of<B: ImpactBody + ?Sized>(
     body: &B,
     frequency_step_hz: f64,

@@ -47,9 +47,9 @@ pub struct ImpactForce {
 /// (Ödeen 1993, paper E, eq. 3).
 ///
 /// Time 0 of the history is the first touch; the part smeared before it by the band limit is set to
-/// zero. The contact begins with the first sample from then on above `threshold` \[N\]. The force
-/// ceases to be compressive when it falls below minus the threshold, and $`t_0`$ is then the
-/// preceding zero. The threshold 0 gives the printed equation; set it to the level of ringing
+/// zero. The contact begins with the first sample from time 0 on that is above `threshold` \[N\].
+/// The force ceases to be compressive when it falls below minus the threshold, and $`t_0`$ is then
+/// the preceding zero. The threshold 0 gives the printed equation; set it to the level of ringing
 /// or noise in the stick force.
 ///
 /// # Validity
@@ -107,7 +107,7 @@ pub fn separate(stick: &ForceHistory, threshold: f64) -> Result<ImpactForce, Imp
     })
 }
 
-/// The lowest sample in `begin..end` that is below its neighbours there.
+/// Returns the lowest sample in `begin..end` that is below its neighbours there.
 fn lowest_minimum(stick: &ForceHistory, begin: usize, end: usize) -> Option<Graze> {
     let contact = stick.force().get(begin..end).unwrap_or_default();
     contact
@@ -206,7 +206,8 @@ mod tests {
         ]);
         let impact = separate(&stick, 0.0).unwrap();
         assert_eq!(impact.history.force()[7..], [0.0; 6]);
-        // of a level bottom the first sample is its minimum; what follows the contact is none
+        // the first sample of a level bottom counts as the minimum; samples after the contact do
+        // not count
         let graze = impact.closest_to_separation.unwrap();
         assert_eq!((graze.time, graze.force), (2.0, 1.0));
     }

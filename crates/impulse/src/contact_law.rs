@@ -17,12 +17,12 @@ pub enum ContactLaw {
     /// Contact without compliance: $`0 \le F \perp -\delta \ge 0`$ (Ödeen 1993, paper E, section 2,
     /// with re-contact).
     Rigid,
-    /// $`F = k\,\delta_+`$; made by [`ContactLaw::linear`] or [`ContactLaw::flat_punch`].
+    /// $`F = k\,\delta_+`$; created by [`ContactLaw::linear`] or [`ContactLaw::flat_punch`].
     Linear {
         /// Stiffness k [N/m].
         stiffness: f64,
     },
-    /// $`F = K\,\delta_+^{3/2}`$; made by [`ContactLaw::hertz`] or [`ContactLaw::hertz_sphere`].
+    /// $`F = K\,\delta_+^{3/2}`$; created by [`ContactLaw::hertz`] or [`ContactLaw::hertz_sphere`].
     Hertz {
         /// K \[N/m^(3/2)\].
         coefficient: f64,
@@ -107,7 +107,7 @@ impl ContactLaw {
         Self::hertz(4.0 / 3.0 * radius.sqrt() / compliance)
     }
 
-    /// Rejects constants that no constructor gives: the variants can be created directly.
+    /// Rejects constants that the constructors would refuse: the variants can be created directly.
     pub(crate) fn check(&self) -> Result<(), ImpulseError> {
         match self {
             Self::Rigid | Self::Tabulated(_) => Ok(()),
@@ -116,7 +116,7 @@ impl ContactLaw {
         }
     }
 
-    /// Force at the approach `delta`, on the path given by `memory`.
+    /// Returns the force at the approach `delta`, on the path given by `memory`.
     pub(crate) fn force(&self, memory: Memory, delta: f64) -> f64 {
         let pressed = delta.max(0.0);
         match self {
@@ -127,7 +127,7 @@ impl ContactLaw {
         }
     }
 
-    /// Approach at which the force vanishes on unloading: the dent, 0 without one.
+    /// Returns the approach at which the force vanishes on unloading: the dent, 0 without one.
     pub(crate) fn dent(&self, memory: Memory) -> f64 {
         match self {
             Self::Tabulated(table) => table.dent(memory.deepest),
@@ -135,7 +135,8 @@ impl ContactLaw {
         }
     }
 
-    /// Energy \[J\] absorbed by the contact from `from` to `to`, where `memory` is that at `from`.
+    /// Returns the energy \[J\] absorbed by the contact between the approaches `from` and `to`;
+    /// `memory` is the state at `from`.
     pub(crate) fn work(&self, memory: Memory, from: f64, to: f64) -> f64 {
         let (begin, end) = (from.max(0.0), to.max(0.0));
         match self {
@@ -151,12 +152,13 @@ impl ContactLaw {
         }
     }
 
-    /// Mean force between `from` and `to`, work over distance; it increases with `to`.
+    /// Returns the mean force between `from` and `to`, work divided by distance; it increases with
+    /// `to`.
     pub(crate) fn mean_force(&self, memory: Memory, from: f64, to: f64) -> f64 {
         let way = to - from;
         let size = from.abs().max(to.abs());
-        // closer, the rounding of the energy difference exceeds the error of the force in the
-        // middle
+        // for closer points, the rounding of the energy difference exceeds the error of the force
+        // in the middle
         if way.abs() <= 1e-5 * size {
             self.force(memory, 0.5 * (from + to))
         } else {

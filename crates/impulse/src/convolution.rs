@@ -8,8 +8,8 @@ use rodwave::fourier::RealFourier;
 /// Block length up to which the convolution is summed directly; longer ones use transforms.
 const LEAF: usize = 64;
 
-/// $`p_n = \sum_{j<n} w_{n-j} x_j`$ for a causal kernel w, where $`x_n`$ is given only after
-/// $`p_n`$ has been computed.
+/// Convolution $`p_n = \sum_{j<n} w_{n-j} x_j`$ with a causal kernel w, where $`x_n`$ is given only
+/// after $`p_n`$ has been computed.
 ///
 /// The triangle of pairs (j, n) is cut into squares that double in size away from the diagonal:
 /// when $`2^p`$ leaves are complete, their effect on as many leaves after them is one Fourier
@@ -27,7 +27,7 @@ pub(crate) struct OnlineConvolution<'a> {
 struct Level {
     length: usize,
     fourier: RealFourier,
-    /// transform of the kernel from 0 to 2L, over 2L
+    /// transform of the kernel from 0 to 2L, divided by 2L
     kernel: Vec<Complex64>,
 }
 
@@ -58,7 +58,7 @@ impl<'a> OnlineConvolution<'a> {
         }
     }
 
-    /// $`p_n`$ for the next step n.
+    /// Returns $`p_n`$ for the next step n.
     pub(crate) fn past(&self) -> f64 {
         let n = self.given.len();
         let begin = n - n % LEAF;
@@ -124,7 +124,7 @@ impl Level {
     }
 }
 
-/// $`\sum_{j\le n} w_{n-j} x_j`$ for a whole history, by one transform.
+/// Returns $`\sum_{j\le n} w_{n-j} x_j`$ for a whole history, by one transform.
 pub(crate) fn causal_convolution(kernel: &[f64], given: &[f64]) -> Vec<f64> {
     let n = given.len();
     let n_points = (2 * n).next_power_of_two().max(2);

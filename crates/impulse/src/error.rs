@@ -92,13 +92,14 @@ pub enum ImpulseError {
         /// Largest length.
         expected: usize,
     },
-    /// The noise of some sensors is known, but not of this one: they cannot be weighted.
+    /// The noise of this sensor is known and that of sensor 0 is not, or the reverse: they cannot
+    /// be weighted.
     #[error("the noise of sensor {index} is known and that of sensor 0 is not, or the reverse")]
     MixedNoise {
         /// Index of the sensor.
         index: usize,
     },
-    /// A regularisation parameter requires the unknown noise of the response.
+    /// The discrepancy principle requires the noise of the response, which is not known.
     #[error("the discrepancy principle needs the noise of the response, and it is not known")]
     NoiseNotKnown,
     /// A method requires a support, but the force is sought over the whole record.
@@ -107,7 +108,8 @@ pub enum ImpulseError {
         /// The method.
         what: &'static str,
     },
-    /// Truncation removes components that a force without tension requires.
+    /// Truncation may not be used for a force without tension: it removes components that such a
+    /// force requires.
     #[error(
         "a force without tension cannot be regularised by truncation, expected none or Tikhonov's"
     )]
@@ -157,7 +159,7 @@ pub enum ImpulseError {
         what: &'static str,
         /// Spacing of its lines \[Hz\].
         found_hz: f64,
-        /// Spacing of the lines of the other \[Hz\].
+        /// Spacing of the lines of the other body \[Hz\].
         expected_hz: f64,
     },
     /// A measured body has no line at 0 Hz, and nothing replaces it.
@@ -168,7 +170,7 @@ pub enum ImpulseError {
         /// The spectrum.
         what: &'static str,
     },
-    /// The mass of a body differs from that of its mobility at low frequency.
+    /// The stated mass of a body differs from the mass that its mobility shows at low frequency.
     #[error(
         "the mobility of the {body} body begins as that of {found} kg, expected its mass of {expected} kg"
     )]
@@ -185,7 +187,7 @@ pub enum ImpulseError {
         "the faces answer a force step within {time_step} s with {weight} m/(N s), expected a velocity above 0"
     )]
     ActiveFaces {
-        /// Velocity after the first step over the force [m/(N s)].
+        /// Velocity after the first step, divided by the force [m/(N s)].
         weight: f64,
         /// The time step \[s\].
         time_step: f64,
@@ -196,7 +198,8 @@ pub enum ImpulseError {
          expected a contact law between them: the force of a rigid contact is infinite"
     )]
     RigidFaces {
-        /// Ratio of the mobility a decade higher to the mobility.
+        /// Ratio of the mobility at ten times a frequency far above the band to that at this
+        /// frequency.
         ratio: f64,
     },
     /// The time integration has overflowed.
@@ -250,7 +253,7 @@ pub enum ImpulseError {
     NoPulse {
         /// The bar.
         bar: &'static str,
-        /// Largest sample without the level at rest.
+        /// Largest sample after the level at rest is subtracted.
         largest: f64,
         /// Standard deviation of the samples before the pulse.
         noise: f64,
@@ -265,7 +268,7 @@ pub enum ImpulseError {
         /// First sample of the pulse on the transmitted bar \[s\].
         transmitted: f64,
     },
-    /// A record leaves its silence before the stated end.
+    /// A record is disturbed before the stated end of its silence.
     #[error(
         "the record of the {bar} leaves its silence at {found} s, expected silence up to {stated} s: state a shorter one"
     )]
@@ -306,8 +309,8 @@ pub(crate) fn check_positive(quantity: &'static str, value: f64) -> Result<f64, 
     }
 }
 
-/// Accepts lines `found_hz` apart where those of the other body are `expected_hz` apart, within the
-/// precision of a step computed from a sampling rate.
+/// Accepts a spacing `found_hz` of lines that equals the spacing `expected_hz` of the other body,
+/// within the precision of a step computed from a sampling rate.
 pub(crate) fn check_spacing(
     what: &'static str,
     found_hz: f64,
@@ -358,7 +361,7 @@ pub(crate) fn check_interval(what: &'static str, from: f64, to: f64) -> Result<(
     }
 }
 
-/// Accepts finite lines only.
+/// Accepts lines that are all finite.
 pub(crate) fn check_lines_finite(
     what: &'static str,
     lines: &[Complex64],
@@ -369,7 +372,7 @@ pub(crate) fn check_lines_finite(
     }
 }
 
-/// Accepts finite samples only.
+/// Accepts samples that are all finite.
 pub(crate) fn check_samples(what: &'static str, samples: &[f64]) -> Result<(), ImpulseError> {
     match samples.iter().position(|sample| !sample.is_finite()) {
         None => Ok(()),

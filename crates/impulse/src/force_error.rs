@@ -12,7 +12,7 @@ use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
 use crate::error::check_probability;
 use crate::{ForceHistory, ImpulseError, fourier};
 
-/// Fewest draws for a 95 % quantile, which otherwise rests on fewer than ten of them.
+/// Fewest draws for a 95 % quantile, which would otherwise rest on fewer than ten draws.
 const FEWEST_DRAWS: usize = 200;
 
 /// Largest total size of the draws: two gibibytes.
@@ -30,19 +30,20 @@ pub struct ForceError {
     /// Effect of one standard deviation of each common cause on the force.
     common: Vec<Vec<f64>>,
     support: Option<SupportErrors>,
-    /// Standard errors of single samples from an index on, independent of each other.
+    /// Index of the first sample with an independent error, and the standard errors from this
+    /// sample on.
     independent: Option<(usize, Vec<f64>)>,
     degrees_of_freedom: Option<f64>,
 }
 
-/// Errors of lines of a period.
+/// Errors of the lines of a period.
 #[derive(Debug, Clone)]
 struct LineErrors {
     /// $`\mathrm E\lvert\delta F_k\rvert^2`$ \[N²\] of the amplitudes, $`F(t) = \sum_k F_k
     /// e^{i\omega_k t}`$ over both sides.
     variances: Vec<f64>,
     n_period: usize,
-    /// Samples whose mean is added to all, with this sign.
+    /// Range of the samples whose mean is added to all samples, with this sign.
     reference: Option<(Range<usize>, f64)>,
 }
 
@@ -81,8 +82,8 @@ pub struct ForceBand {
 }
 
 impl ForceBand {
-    /// Fraction of the samples of `force` that are inside, over the indices `window` (those that
-    /// exist in both).
+    /// Fraction of the samples of `force` that are inside the band, over the indices `window`
+    /// (those that exist in both).
     #[must_use]
     pub fn part_inside(&self, force: &[f64], window: Range<usize>) -> f64 {
         let limits = self.lower.iter().zip(&self.upper).zip(force);
@@ -117,9 +118,9 @@ impl ForceError {
         }
     }
 
-    /// Adds errors of the lines of a period of `n_period` samples; the mean over `reference` is
-    /// then added to all samples with the given sign, as a constant that was read from the
-    /// force itself.
+    /// Adds errors of the lines of a period of `n_period` samples. The mean over `reference` is
+    /// then added to all samples with the given sign, like a constant that is read from the force
+    /// itself.
     #[allow(
         clippy::indexing_slicing,
         reason = "there are sums for two periods, places in the period are taken modulo it, and a mean is over one period at most"
@@ -166,7 +167,7 @@ impl ForceError {
         self
     }
 
-    /// Adds the effect of one standard deviation of a cause at all times.
+    /// Adds a cause common to all times, by the effect of one standard deviation of it.
     pub(crate) fn with_common(mut self, effect: Vec<f64>) -> Self {
         for (error, effect) in self.standard_error.iter_mut().zip(&effect) {
             *error = error.hypot(*effect);
@@ -175,7 +176,7 @@ impl ForceError {
         self
     }
 
-    /// Adds errors of the samples from `first` on, by the rows of a square root of their
+    /// Adds errors of the samples from `first` on, given by the rows of a square root of their
     /// covariance.
     pub(crate) fn with_support(mut self, first: usize, factor: Vec<Vec<f64>>) -> Self {
         for (error, row) in self.standard_error.iter_mut().skip(first).zip(&factor) {
@@ -234,14 +235,14 @@ impl ForceError {
     }
 
     /// Returns the band around `history` that contains the whole force over the samples `window`
-    /// with the probability `level`. Its half width is a multiple of the standard error, found
-    /// from `n_draws` correlated histories of errors; errors of a scale that is known with some
-    /// degrees of freedom only, as Student's distribution has it.
+    /// with the probability `level`. Its half width is a multiple of the standard error, found from
+    /// `n_draws` correlated histories of errors. If the standard errors have limited degrees of
+    /// freedom, the scale of each draw scatters as in Student's distribution.
     ///
     /// # Errors
     ///
-    /// [`ImpulseError::NonPhysical`] for the level; [`ImpulseError::TooShort`] below 200 draws or
-    /// for a window without samples; [`ImpulseError::LengthMismatch`].
+    /// [`ImpulseError::NonPhysical`] for the level; [`ImpulseError::TooShort`] for fewer than 200
+    /// draws or for a window without samples; [`ImpulseError::LengthMismatch`].
     pub fn simultaneous(
         &self,
         history: &ForceHistory,
@@ -270,7 +271,7 @@ impl ForceError {
                 expected: 1,
             });
         }
-        // of the scale that scatters as the square root of chi-square over its degrees of freedom
+        // the scale scatters as the square root of chi-square divided by its degrees of freedom
         let scale = self.degrees_of_freedom.and_then(|degrees| {
             let squares = ChiSquared::new(degrees).ok()?;
             Some((degrees, squares))
@@ -388,7 +389,7 @@ impl LineErrors {
     }
 }
 
-/// Quantile `level` of the sorted `values`.
+/// Returns the quantile `level` of the sorted `values`.
 pub(crate) fn quantile(values: &[f64], level: f64) -> f64 {
     let position = level * (values.len() as f64 - 1.0);
     let mut above = values
@@ -398,7 +399,7 @@ pub(crate) fn quantile(values: &[f64], level: f64) -> f64 {
     above.next().map_or(f64::NAN, |(_, value)| *value)
 }
 
-/// Rejects a set of draws, with this many numbers each, beyond any memory.
+/// Rejects draws of this many numbers each that exceed [`MOST_NUMBERS`] together.
 pub(crate) fn check_draws(n_draws: usize, numbers_each: usize) -> Result<(), ImpulseError> {
     if n_draws.saturating_mul(numbers_each) <= MOST_NUMBERS {
         Ok(())
@@ -447,8 +448,8 @@ mod tests {
         }
         for (n, sum) in squares.iter().enumerate() {
             let found = (sum / f64::from(n_draws)).sqrt();
-            // 1/sqrt(2*4000) = 1.1 % is the standard error of a standard deviation, five of them
-            // for 48 comparisons
+            // five times 1/sqrt(2*4000) = 1.1 %, the standard error of a standard deviation, for 48
+            // comparisons
             let ratio = found / error.standard_error()[n];
             assert!((ratio - 1.0).abs() < 0.056, "{n} {ratio}");
         }

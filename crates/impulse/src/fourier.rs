@@ -3,15 +3,15 @@
 use num_complex::Complex64;
 use rodwave::fourier::RealFourier;
 
-/// $`X_k = \sum_n x_n e^{-2\pi i kn/N}`$ for $`k = 0 \ldots \lfloor N/2\rfloor`$.
+/// Returns $`X_k = \sum_n x_n e^{-2\pi i kn/N}`$ for $`k = 0 \ldots \lfloor N/2\rfloor`$.
 pub(crate) fn to_spectrum(samples: &[f64]) -> Vec<Complex64> {
     let mut fourier = RealFourier::new(samples.len());
     fourier.samples().copy_from_slice(samples);
     fourier.forward().to_vec()
 }
 
-/// $`x_n = \sum_k X_k e^{2\pi i kn/N}`$ over both sides, from the one-sided spectrum of a real
-/// history of `n_samples` samples, which has $`\lfloor N/2\rfloor + 1`$ lines.
+/// Returns $`x_n = \sum_k X_k e^{2\pi i kn/N}`$, summed over both sides, from the one-sided
+/// spectrum of a real history of `n_samples` samples, which has $`\lfloor N/2\rfloor + 1`$ lines.
 ///
 /// Only the real parts of the lines at 0 Hz and at the Nyquist frequency are used, as samples are
 /// real.

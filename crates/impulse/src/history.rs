@@ -116,9 +116,9 @@ impl ForceHistory {
         peak
     }
 
-    /// Impulse $`\int F\,dt`$ \[N s\], as the sum of samples times the time step: exact for a
-    /// band-limited history of one period, and within half a step times a jump if the jump is
-    /// not sampled at its middle.
+    /// Impulse $`\int F\,dt`$ \[N s\], as the sum of samples times the time step. It is exact for a
+    /// band-limited history of one period; a jump that is not sampled at its middle causes an error
+    /// of up to half a step times the jump.
     #[must_use]
     pub fn impulse(&self) -> f64 {
         self.time_step * self.force.iter().sum::<f64>()

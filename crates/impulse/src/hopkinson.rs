@@ -3,7 +3,7 @@
 //!
 //! # Problem
 //!
-//! A specimen lies between two bars. Strain gauges on the bars see waves that travel with
+//! A specimen lies between two bars. Strain gauges on the bars record waves that travel with
 //! $`\gamma(\omega)`$. With $`x`$ from the incident to the transmitted bar, strain $`\varepsilon`$
 //! positive in tension, and $`P`$, $`N`$ the waves along and against $`x`$ at a face,
 //!
@@ -12,24 +12,24 @@
 //! ```
 //!
 //! The forces $`F_1, F_2`$ and velocities $`v_1, v_2`$ of both faces give stress, strain rate and
-//! strain of the specimen (Kolsky 1949; Gray 2000), for viscoelastic bars with the complex
-//! $`\gamma(\omega)`$ of each bar (Zhao and Gary 1996; Bacon 1998), for round metal bars with that
-//! of Pochhammer and Chree.
+//! strain of the specimen (Kolsky 1949; Gray 2000). Viscoelastic bars have a complex
+//! $`\gamma(\omega)`$ each (Zhao and Gary 1996; Bacon 1998), round metal bars that of Pochhammer
+//! and Chree.
 //!
 //! # Method
 //!
 //! | file | step |
 //! |---|---|
-//! | `bar.rs`, `specimen.rs` | what is known of bars, gauges and specimen |
+//! | `bar.rs`, `specimen.rs` | properties of bars, gauges and specimen |
 //! | `noise.rs` | noise before the pulse |
 //! | `plan.rs` | band, windows and times of the result |
-//! | `separation.rs` | records to waves at the faces |
-//! | `coarse.rs` | the record at the rate that its band needs, for errors |
-//! | `curves.rs` | waves to forces, velocities, stress and strain |
+//! | `separation.rs` | waves at the faces from the records |
+//! | `coarse.rs` | the record at the sampling rate that its band needs, for the errors |
+//! | `curves.rs` | forces, velocities, stress and strain from the waves |
 //! | `source.rs` | named sources of common errors |
-//! | `shot.rs`, `result.rs` | all together, with bands and budget |
+//! | `shot.rs`, `result.rs` | evaluation of a shot, with bands and error budget |
 //! | `finding.rs` | objections to the result |
-//! | `average.rs` | stress over strain, of one shot or as the mean of several |
+//! | `average.rs` | stress against strain, of one shot or as the mean of several |
 //!
 //! Theory: `docs/theory/hopkinson-bars.md`.
 

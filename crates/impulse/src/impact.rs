@@ -35,24 +35,24 @@ pub use uncertain::{PeakForce, UncertainImpact, UncertainPrediction};
 const DEFAULT_STEPS: usize = 4096;
 
 /// Standard deviation in intervals of the Gaussian that smooths jumps in the damped transform:
-/// 3e-14 remains at the Nyquist frequency.
+/// 3e-14 of the spectrum remains at the Nyquist frequency.
 const SMOOTHING: f64 = 2.5;
 
-/// Largest relative difference between the mass of a body and that of its mobility at low
-/// frequency.
+/// Largest relative difference between the stated mass of a body and the mass that its mobility
+/// shows at low frequency.
 const MASS_TOLERANCE: f64 = 1e-3;
 
-/// Frequency at which the mass is checked, over the inverse duration.
+/// Rate at which the mass is checked, multiplied by the duration.
 const AT_REST: f64 = 1e-6;
 
-/// Two bodies, from their impact faces; made by [`Impact::between`].
+/// Two bodies, described by their impact faces; created by [`Impact::between`].
 #[derive(Clone, Copy)]
 pub struct Pair<'a> {
     first: &'a dyn ImpactBody,
     second: &'a dyn ImpactBody,
 }
 
-/// An impact of the first body on the second, which is at rest. (Ödeen 1993, paper E, Figure 1).
+/// An impact of the first body on the second, which is at rest (Ödeen 1993, paper E, Figure 1).
 ///
 /// ```
 /// use impulse::Impact;
@@ -147,7 +147,7 @@ impl fmt::Debug for Impact<'_> {
 }
 
 impl<'a> Impact<'a> {
-    /// Creates a pair of bodies, from their impact faces.
+    /// Creates a pair of bodies, described by their impact faces.
     #[must_use]
     pub fn between(first: &'a dyn ImpactBody, second: &'a dyn ImpactBody) -> Pair<'a> {
         Pair { first, second }
@@ -165,8 +165,8 @@ impl<'a> Impact<'a> {
         Self { quadrature, ..self }
     }
 
-    /// Sets the length of the time steps \[s\]. The default is 4096 steps per duration, or as many
-    /// more as fit the period of a measured body.
+    /// Sets the length of the time steps \[s\]. The default is a 4096th of the duration or, with a
+    /// measured body, the longest step below it that divides the period of the body.
     #[must_use]
     pub fn in_steps_of(self, time_step: f64) -> Self {
         Self {
@@ -176,8 +176,8 @@ impl<'a> Impact<'a> {
     }
 
     /// Computes the force between faces that stick (Ödeen 1993, paper E, eq. 2) by time marching:
-    /// an equation of the second kind, $`w_0F_n = V - \sum_{j<n}w_{n-j}F_j`$. With a linear
-    /// contact the faces stick to its ends.
+    /// an equation of the second kind, $`w_0F_n = V - \sum_{j<n}w_{n-j}F_j`$. With a linear contact
+    /// the faces stick to the ends of its spring.
     ///
     /// # Validity
     ///
@@ -186,7 +186,7 @@ impl<'a> Impact<'a> {
     ///
     /// # Errors
     ///
-    /// As [`Impact::predict`].
+    /// The errors of [`Impact::predict`].
     pub fn stick_force(&self, duration: f64) -> Result<ForceHistory, ImpulseError> {
         self.discretised(duration)?.stick_force()
     }
@@ -198,9 +198,9 @@ impl<'a> Impact<'a> {
     ///
     /// # Validity
     ///
-    /// Bodies that are known off the frequency axis, including two finite elastic ones: the error
-    /// away from jumps is $`1.1\cdot10^{-7}`$ of the force one period, twice the duration,
-    /// later. A linear contact is included in the mobilities.
+    /// Bodies that are known off the frequency axis, including two finite elastic ones. The error
+    /// away from jumps is $`1.1\cdot10^{-7}`$ of the force one period later, where the period is
+    /// twice the duration. A linear contact is included in the mobilities.
     ///
     /// # Errors
     ///
@@ -243,13 +243,13 @@ impl<'a> Impact<'a> {
     /// Computes the stick force by the plain Fourier transform, as in paper E: see [`StickProblem`]
     /// for its validity.
     ///
-    /// The line at 0 Hz is that of the masses of the free bodies; if none is free, the velocity is
-    /// a square wave. The ends of the spectrum are not rolled off.
+    /// The line at 0 Hz follows from the masses of the free bodies; if none is free, the velocity
+    /// is a square wave. The upper end of the spectrum is not rolled off.
     ///
     /// # Errors
     ///
     /// [`ImpulseError::GridMismatch`] or [`ImpulseError::LengthMismatch`] for a measured body with
-    /// other lines; as [`StickProblem::solve`].
+    /// other lines; the errors of [`StickProblem::solve`].
     pub fn stick_force_on_lines(&self, band: LineBand) -> Result<StickForce, ImpulseError> {
         check_positive("upper end of the band [Hz]", band.highest_hz)?;
         let n_lines = band.n_samples / 2 + 1;
@@ -292,8 +292,8 @@ impl<'a> Impact<'a> {
     /// [`ImpulseError::NonPhysical`] for the duration; [`ImpulseError::MassContradictsMobility`];
     /// [`ImpulseError::RigidFaces`] if two masses meet without compliance between them;
     /// [`ImpulseError::NoDecomposition`] if the echoes of a measured body are not found;
-    /// [`ImpulseError::ActiveFaces`] and [`ImpulseError::Diverged`] for mobilities that
-    /// generate energy; [`ImpulseError::OutOfRange`]; as [`Kernel::of`].
+    /// [`ImpulseError::ActiveFaces`] and [`ImpulseError::Diverged`] for mobilities that generate
+    /// energy; [`ImpulseError::OutOfRange`]; the errors of [`Kernel::of`].
     pub fn predict(&self, duration: f64) -> Result<Prediction, ImpulseError> {
         self.discretised(duration)?.predict()
     }
@@ -303,11 +303,11 @@ impl<'a> Impact<'a> {
     }
 
     /// Discretises the impact: computes both kernels, which takes longer than the time marching.
-    /// Use it for several impacts of the same bodies, at different velocities.
+    /// Use the result for several impacts of the same bodies at different velocities.
     ///
     /// # Errors
     ///
-    /// As [`Impact::predict`].
+    /// The errors of [`Impact::predict`].
     pub fn discretised(&self, duration: f64) -> Result<DiscreteImpact, ImpulseError> {
         check_positive("impact velocity [m/s]", self.velocity)?;
         self.law.check()?;
@@ -348,7 +348,7 @@ impl<'a> Impact<'a> {
     }
 }
 
-/// The kernel of a body, continued above its lines if it is measured.
+/// Returns the kernel of a body, continued above its lines if it is measured.
 fn kernel_of(
     body: &dyn ImpactBody,
     grid: TimeGrid,
@@ -361,9 +361,9 @@ fn kernel_of(
     }
 }
 
-/// Checks that a free body behaves as its mass at low frequency, and another one does not.
-/// [`MeasuredBody::screen`](crate::MeasuredBody::screen) checks this for a measured body by its
-/// errors.
+/// Checks that a free body behaves as its mass at low frequency, and that a body that is not free
+/// does not behave as a mass. [`MeasuredBody::screen`](crate::MeasuredBody::screen) checks this for
+/// a measured body, within its errors.
 fn check_mass(
     name: &'static str,
     body: &dyn ImpactBody,
@@ -387,7 +387,7 @@ fn check_mass(
     };
     let agrees = match body.free_mass() {
         Some(mass) => (found / mass - 1.0).abs() < MASS_TOLERANCE,
-        // the mass of a rod, a spring or a damper grows without limit
+        // the apparent mass of a rod, a spring or a damper grows without limit at low frequency
         None if found.is_infinite() => true,
         None => inertia(0.1 * rate)?.is_none_or(|slower| slower / found >= 1.0 + MASS_TOLERANCE),
     };

@@ -12,8 +12,8 @@ use crate::error::{check_not_negative, check_positive};
 /// Accelerometer and force gauge in one housing on the impact face (Ödeen 1993, paper E, section
 /// 3.1).
 ///
-/// The mass between the gauge and the body moves with the face and reduces the force on it to $`F =
-/// F_g - ma`$.
+/// The mass between the gauge and the body moves with the face and reduces the force on the body to
+/// $`F = F_g - ma`$.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ImpedanceHead {
     mass_below_gauge: f64,
@@ -30,7 +30,8 @@ pub struct FaceMobility {
 }
 
 impl ImpedanceHead {
-    /// Creates a head with this mass \[kg\] between the gauge and the body, including the screw.
+    /// Creates a head with the mass `mass_below_gauge` \[kg\] between the gauge and the body,
+    /// including the screw.
     ///
     /// # Errors
     ///
@@ -48,7 +49,7 @@ impl ImpedanceHead {
     /// G = \frac{1}{i\omega}\,\frac{A}{1 - mA}, \qquad \delta G = \frac{1}{i\omega}\,\frac{\delta A}{(1-mA)^2} .
     /// ```
     ///
-    /// Line 0, where a free body has no mobility, becomes 0 and must not be read.
+    /// Line 0, where a free body has no mobility, is set to 0 and must not be used.
     ///
     /// # Validity
     ///
@@ -134,7 +135,7 @@ mod tests {
         let moved = corrected.face_mobility(&moved, &variance, step_hz).unwrap();
         for line in 1..50 {
             assert!((face.mobility[line] - body(line)).norm() < 1e-12 * body(line).norm());
-            // the slope by a difference, to its second order
+            // the slope by a finite difference
             let slope = (moved.mobility[line] - face.mobility[line]).norm() / step;
             let expected = slope * slope * 1e-6;
             assert!(

@@ -13,14 +13,15 @@ use crate::{Domain, ImpactBody, ImpulseError};
 /// Largest number of time steps.
 const MOST_STEPS: usize = 1 << 24;
 
-/// Factor beyond the band at which the instantaneous response is evaluated, twice a decade apart.
+/// Multiple of the end of the band at which the instantaneous response is evaluated, and again a
+/// decade higher.
 const BEYOND: f64 = 1e3;
 
-/// Least fraction of the mobility by which it must grow with s over the band for a massless spring
-/// at the face.
+/// Least growth of the mobility in proportion to s over the band, as a fraction of the mobility,
+/// that shows a massless spring at the face.
 const SPRING: f64 = 1e-4;
 
-/// Ratio of real to imaginary part of s at which the instantaneous response is evaluated.
+/// Ratio of the real to the imaginary part of s at which the instantaneous response is evaluated.
 const OFF_AXIS: f64 = 0.02;
 
 /// Number of frequencies over which echoes are averaged.
@@ -37,9 +38,9 @@ pub enum Quadrature {
     /// \hat w = h\,G(s)\left(\frac{2\sinh(sh/2)}{sh}\right)^{\!2} .
     /// ```
     ///
-    /// There is no other approximation: the body is exact, work and impulse of the force are those
-    /// of the body itself, and a passive body stays passive. Second order for a smooth force; a
-    /// jump is smeared over its step.
+    /// There is no other approximation: the mobility of the body is exact, work and impulse of the
+    /// force are those on the exact body, and a passive body stays passive. Second order for a
+    /// smooth force; a jump is smeared over its step.
     CellAverages,
     /// Lubich's convolution quadrature with the backward differences of second order,
     /// $`\delta(z) = \tfrac32 - 2z + \tfrac12z^2`$. Second order for a smooth force; damps
@@ -87,7 +88,7 @@ pub struct Kernel {
     activity: f64,
 }
 
-/// The mobility \[m/(N s)\] beyond the band, and a decade further.
+/// The mobility \[m/(N s)\] far above the band, and a decade higher.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct FrontDecade {
     pub(crate) near: f64,
@@ -179,17 +180,17 @@ impl Kernel {
         self.acausal
     }
 
-    /// Velocity that a unit force over all steps still causes about half a period later \[m/(N s)\], in
-    /// the mean: ringing that has come round. 0 for an analytic body.
+    /// Root mean square velocity that a unit force over all steps still causes about half a period
+    /// later \[m/(N s)\]: ringing that wraps round the period. 0 for an analytic body.
     #[must_use]
     pub fn ringing(&self) -> f64 {
         self.ringing
     }
 
     /// Largest $`-\operatorname{Re} G/\lvert G\rvert`$ over the lines used: 0 for a passive body,
-    /// up to 1 for one that generates energy somewhere, and any value between for a measured
-    /// one due to noise ([`MeasuredBody::screen`](crate::MeasuredBody::screen) tests it by its
-    /// variance). Not computed, and 0, with convolution quadrature.
+    /// up to 1 for a body that generates energy, and any value in between for a measured body with
+    /// noise ([`MeasuredBody::screen`](crate::MeasuredBody::screen) tests it against the variance).
+    /// 0 with convolution quadrature, which does not compute it.
     #[must_use]
     pub fn activity(&self) -> f64 {
         self.activity
@@ -259,8 +260,8 @@ impl Front {
     }
 }
 
-/// s over the rate at which a body is evaluated: near the frequency axis, where the lines are, but
-/// far enough from it for echoes to decay if the body is known there.
+/// Returns s divided by the rate at which a body is evaluated: near the frequency axis, where the
+/// lines are, but, if the body is known off the axis, far enough from it for echoes to decay.
 fn direction(domain: Domain) -> Complex64 {
     match domain {
         Domain::RightHalfPlane => Complex64::new(OFF_AXIS, 1.0),
@@ -268,8 +269,8 @@ fn direction(domain: Domain) -> Complex64 {
     }
 }
 
-/// Mobility without echoes at the `rate` [1/s]; if only the frequency axis is known, the mean over
-/// frequencies, in which the echoes cancel.
+/// Returns the mobility without echoes at the `rate` [1/s]. If only the frequency axis is known, it
+/// is the mean over frequencies, in which the echoes cancel.
 pub(crate) fn mobility_beyond(
     domain: Domain,
     rate: f64,

@@ -62,8 +62,8 @@
 //! or a flag. [`separate`] ends a stick force where it ceases to be compressive (paper E, eq. 3),
 //! without the contacts that may follow.
 //!
-//! The same division solves the inverse problem: [`Reconstruction`] finds the force that caused the
-//! measured motion of a body with a known frequency response, with its error.
+//! The division of spectra also solves the inverse problem: [`Reconstruction`] finds the force that
+//! caused the measured motion of a body with a known frequency response, with its error.
 //!
 //! ```
 //! use impulse::{ContactEnd, StickProblem, ZeroLine, separate};
@@ -128,9 +128,10 @@
 //! - A band limit causes ringing at jumps of the force; time marching smears them over one step.
 //! - If elastic bodies separate without a force, as rods of the same section do, a jump within a
 //!   step leaves spurious contacts of one step.
-//! - The mobility of a body does not distinguish vibration from heat.
-//! - The errors of a force by lines reach the end of the first contact ([`StickUncertainty`]);
-//!   those of a march ([`Impact::with_errors`]) are by draws and reach all contacts.
+//! - The mobility of a body does not distinguish energy that remains as vibration from heat.
+//! - The error of a stick force on lines is computed up to the end of the first contact
+//!   ([`StickUncertainty`]); the error of a force by time marching ([`Impact::with_errors`]) comes
+//!   from random draws and covers all contacts.
 //!
 //! Theory: `docs/theory/stick-force.md`, `docs/theory/contact.md`,
 //! `docs/theory/force-uncertainty.md`, `docs/theory/force-reconstruction.md`,

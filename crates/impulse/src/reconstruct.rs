@@ -56,9 +56,10 @@ const FEWEST_DEGREES_OF_FREEDOM: f64 = 20.0;
 /// \qquad w_{rk} = \frac{1}{\mathrm E\lvert\delta\hat x_{rk}\rvert^2 + \mathrm E\lvert\delta H_{rk}\rvert^2\lvert\hat F_k\rvert^2} ,
 /// ```
 ///
-/// with $`w = 1`$ if the noise is not known. The force in the weights is that of a first pass
-/// without the errors of H. Without a support all lines are independent; on a support (at most 2048
-/// samples) the equations are dense.
+/// with $`w = 1`$ if the noise is not known. The force in the weights is that of a previous pass;
+/// the first pass neglects the errors of H or, on a support, assumes a power of the force. Without
+/// a support all lines are independent; on a support (at most 2048 samples) the equations are
+/// dense.
 ///
 /// # Validity
 ///
@@ -108,7 +109,7 @@ impl<'a> Reconstruction<'a> {
     ///
     /// # Errors
     ///
-    /// [`ImpulseError::NonPhysical`] for the sampling rate; as [`Sensor::new`].
+    /// [`ImpulseError::NonPhysical`] for the sampling rate; the errors of [`Sensor::new`].
     pub fn new(
         response: &'a [f64],
         sampling_rate_hz: f64,
@@ -193,7 +194,7 @@ impl<'a> Reconstruction<'a> {
     }
 
     /// Restricts the force to `support`: components unknown on some lines, such as the mean, then
-    /// follow from the others.
+    /// follow from the other lines.
     #[must_use]
     pub fn acting_during(self, support: TimeInterval) -> Self {
         Self {
@@ -202,10 +203,10 @@ impl<'a> Reconstruction<'a> {
         }
     }
 
-    /// Assumes a force like calibration blows, at its own time and energy: undetermined components
-    /// are those of the mean blow on a support, zero without one, and scatter with the mean
-    /// power of the blows. Otherwise a force beyond the band of the hammer is unbounded. Used
-    /// only if the noise is known.
+    /// Assumes a force like the calibration blows `blows`, with a time and an energy of its own.
+    /// The undetermined components are assumed to be those of the mean blow on a support, zero
+    /// without a support, and to scatter with the mean power of the blows. Without this assumption
+    /// a force beyond the band of the hammer is unbounded. Used only if the noise is known.
     #[must_use]
     pub fn like_blows(self, blows: &'a CalibrationLines) -> Self {
         Self {
@@ -214,15 +215,16 @@ impl<'a> Reconstruction<'a> {
         }
     }
 
-    /// Sets the exponential window of the frequency responses, $`e^{-\sigma t}`$, with `decay_rate`
-    /// $`\sigma`$ \[1/s\], on force and response from the first sample on: their lines are
-    /// $`H(\sigma + i\omega)`$. Responses are given without the window. Stated noise of
-    /// lines, variances of frequency responses and calibration lines are those of windowed
-    /// histories; a white noise is that of the response as given.
+    /// Sets the exponential window $`e^{-\sigma t}`$ under which the frequency responses were
+    /// measured, with `decay_rate` $`\sigma`$ \[1/s\], on force and response from the first sample
+    /// on: their lines are $`H(\sigma + i\omega)`$. The responses are given without the window.
+    /// Stated noise of lines, variances of frequency responses and calibration lines are those of
+    /// windowed histories; white noise is stated for the response as given.
     ///
-    /// Exact: $`\hat x(\sigma + i\omega) = H(\sigma + i\omega)\hat F(\sigma + i\omega)`$; the
-    /// solution times $`e^{\sigma t}`$ is the force. Its error grows likewise and is smallest
-    /// early in the record. A regularised force then needs a support.
+    /// The method is exact:
+    /// $`\hat x(\sigma + i\omega) = H(\sigma + i\omega)\hat F(\sigma + i\omega)`$; the solution
+    /// multiplied by $`e^{\sigma t}`$ is the force. Its error grows by the same factor and is
+    /// smallest early in the record. A regularised force then needs a support.
     #[must_use]
     pub fn with_added_damping(self, decay_rate: f64) -> Self {
         Self {
@@ -322,7 +324,7 @@ impl<'a> Reconstruction<'a> {
         let passes = match (has_variance && noise_is_known, &transformed.errors) {
             (false, _) => 0,
             (true, None) => 1,
-            // the weights of the first are too large where the force is
+            // the weights of the first pass are too large where there is force
             (true, Some(_)) => 2,
         };
         let mut weights_for = transformed.errors.as_ref().map(PathErrors::assumed_power);
@@ -436,7 +438,8 @@ impl<'a> Reconstruction<'a> {
             let lost = lines.lost(filter, self.penalty(), value);
             let mean = lines.power.first().zip(force.first());
             return Ok(Solved {
-                // under a window all lines contribute, with the noise of the end of the record
+                // under a window all lines contribute to the impulse, with the noise of the end of
+                // the record
                 impulse: mean
                     .filter(|(power, _)| **power > 0.0 && transformed.shift.is_none())
                     .map(|(_, mean)| mean.re * n_samples as f64 * time_step),
@@ -451,7 +454,7 @@ impl<'a> Reconstruction<'a> {
                 n_silent: 0,
             });
         };
-        // a force is assumed wherever there are such errors
+        // errors of the frequency responses require an assumed force
         let errors = transformed.errors.as_ref().zip(weights_for);
         let covariance = errors.map(|(errors, power)| {
             (
@@ -484,7 +487,7 @@ impl<'a> Reconstruction<'a> {
             .then(|| problem.inverse(Filter::None, 0.0));
         let plain = inverse.as_ref().map(|inverse| by(&problem, inverse));
         if let Some(plain) = &plain {
-            // the sums are no longer those of squares: the unexplained part is that of a force
+            // the sums are no longer sums of squares: the unexplained part is that of a force
             // without regularisation
             let force = fourier::to_spectrum(&in_record(plain));
             problem.modes.unexplained =

@@ -13,15 +13,15 @@ use crate::{ForceHistory, ImpulseError, fourier};
 /// Largest relative level of the quiet part of a settled history.
 const SETTLED: f64 = 0.01;
 
-/// Divisor of the period: the part shown before the contact, where the band limit smears the jump.
-/// An equal part at the end of the history is the quiet part, which gives the final value of the
-/// force.
+/// The history divided by this number is the part shown before the contact, where the band limit
+/// smears the jump. A quiet part of the same length at the end of the history gives the final value
+/// of the force.
 const PARTS_AHEAD: usize = 16;
 
 /// Largest number of lines of a spectrum with its interpolation: a gibibyte.
 const MOST_SAMPLES: usize = 1 << 26;
 
-/// Fraction of the magnitude above minus which a real part counts as passive (rounding).
+/// A real part counts as passive if it is above minus this fraction of the magnitude (rounding).
 const PASSIVITY_ROUNDING: f64 = 1e-12;
 
 /// Substitute for the line at 0 Hz, where the mobility of a free body is infinite and the step has
@@ -33,17 +33,17 @@ const PASSIVITY_ROUNDING: f64 = 1e-12;
 #[non_exhaustive]
 pub enum ZeroLine {
     /// Weighed bodies: the total impulse is $`\hat F(0) = V M`$, with $`1/M = \sum 1/M_i`$ over the
-    /// free bodies \[kg\]; a long or a fixed body has no term. It is the limit of the
-    /// accelerance form $`(A_1+A_2)\hat F = V`$, $`A_i = i\omega G_i \to 1/M_i`$. At least one
-    /// body must be free. The best choice if possible.
+    /// free bodies \[kg\]; a long or a fixed body has no term. This value is the limit of the
+    /// accelerance form $`(A_1+A_2)\hat F = V`$, $`A_i = i\omega G_i \to 1/M_i`$. At least one body
+    /// must be free. The best choice if possible.
     EffectiveMass(f64),
     /// Unknown masses, with a force that decays within the period: the constant is the one for
     /// which the force is zero before contact.
     QuietBeforeContact,
-    /// Bodies that are both not free, with a force that tends to a constant. The velocity is a
-    /// square wave of period $`1/\Delta f`$, whose spectrum $`2V/(i\omega)`$ has only odd
-    /// lines: no line at 0 Hz is needed, but the history is half as long, and transients of the
-    /// force must decay within it.
+    /// Two bodies of which neither is free, with a force that tends to a constant. The velocity is
+    /// a square wave of period $`1/\Delta f`$, whose spectrum $`2V/(i\omega)`$ has only odd lines:
+    /// no line at 0 Hz is needed, but the history is half as long, and transients of the force must
+    /// decay within it.
     SquareWave,
 }
 
@@ -58,8 +58,9 @@ pub enum ZeroLine {
 /// # Validity
 ///
 /// - The force must settle within the period $`T = 1/\Delta f`$; the rest wraps around to the
-///   beginning, which [`StickForce::settlement`] detects. Two finite elastic bodies do not decay
-///   and have poles on the frequency axis: for them the method is not valid.
+///   beginning, which [`StickForce::settlement`] detects. The force between two finite elastic
+///   bodies does not decay, and their mobilities have poles on the frequency axis: for them the
+///   method is not valid.
 /// - The spectrum ends at $`f_{max}`$. The force jumps at contact to $`V/(1/Z_1+1/Z_2)`$; without a
 ///   roll-off the band limit rings there with the amplitude $`F(0)/(\pi n)`$ n samples away, and
 ///   the first sample is the middle of the jump. With a roll-off from $`f_{max}/2`$ the ringing is
@@ -79,10 +80,10 @@ pub struct StickProblem<'a> {
     /// Start of a raised cosine that takes the force spectrum to zero at $`f_{max}`$ \[Hz\];
     /// `None` for no roll-off.
     pub roll_off_from_hz: Option<f64>,
-    /// Number of samples within each interval $`1/(2f_{max})`$ of the lines; 1 gives as many
-    /// samples as the lines define. More samples interpolate the history by the lines
-    /// themselves, as peaks and zeros require: linear interpolation between the samples of one
-    /// interval misses them.
+    /// Number of samples within each interval $`1/(2f_{max})`$; 1 gives as many samples as the
+    /// lines define. With more samples the history is interpolated from the lines themselves, which
+    /// is needed to find peaks and zeros: linear interpolation between the samples of one interval
+    /// misses them.
     pub interpolation: usize,
     /// End of the returned history \[s\]; `None` for the whole period, within which the force must
     /// settle in any case.
@@ -97,7 +98,7 @@ pub enum Settlement {
     Settled,
     /// Unsettled: the period $`1/\Delta f`$ is too short, or the bodies have no damping.
     Unsettled {
-        /// Root mean square of the late force about its final value, over the peak.
+        /// Root mean square of the late force about its final value, divided by the peak.
         relative_level: f64,
     },
 }
@@ -130,7 +131,7 @@ impl StickProblem<'_> {
     /// # Errors
     ///
     /// - [`ImpulseError::TooShort`] or [`ImpulseError::LengthMismatch`] for the mobilities, which
-    ///   need three lines and the same number of them.
+    ///   need at least three lines and the same number of lines.
     /// - [`ImpulseError::NonPhysical`] for the frequency step, the velocity, the mass or the
     ///   roll-off.
     /// - [`ImpulseError::NonFinite`] for a mobility above 0 Hz: a pole of an undamped body lies on
@@ -147,8 +148,8 @@ impl StickProblem<'_> {
         })
     }
 
-    /// Spectrum $`\hat F`$ \[N s\] of the stick force, and the number of lines that generate
-    /// energy.
+    /// Returns the spectrum $`\hat F`$ \[N s\] of the stick force, and the number of lines that
+    /// generate energy.
     pub(crate) fn force_lines(&self) -> Result<(Vec<Complex64>, usize), ImpulseError> {
         let n_lines = self.checked_n_lines()?;
         let roll_off = self.roll_off(n_lines)?;
@@ -202,8 +203,8 @@ impl StickProblem<'_> {
         (n_samples, n_shown)
     }
 
-    /// Spectrum of all samples from the lines: the last line of the band, if inside the new
-    /// spectrum, is divided between both sides.
+    /// Returns the spectrum of the interpolated history: the last line of the band, if it is inside
+    /// the new spectrum, is divided between both sides.
     pub(crate) fn interpolated(&self, mut lines: Vec<Complex64>, share: f64) -> Vec<Complex64> {
         if self.interpolation > 1
             && let Some(last) = lines.last_mut()
@@ -213,8 +214,8 @@ impl StickProblem<'_> {
         lines
     }
 
-    /// History of a force with these lines, and the constant that was added to it: both are linear
-    /// in the lines.
+    /// Returns the history of a force with these lines, and the constant that was added to it: both
+    /// are linear in the lines.
     pub(crate) fn history_of(
         &self,
         lines: &[Complex64],
@@ -223,7 +224,7 @@ impl StickProblem<'_> {
         Ok((self.shown(history)?, added_constant))
     }
 
-    /// The part of the history until [`StickProblem::until`].
+    /// Returns the part of the history until [`StickProblem::until`].
     fn shown(&self, history: ForceHistory) -> Result<ForceHistory, ImpulseError> {
         let (_, n_shown) = self.n_samples();
         if n_shown == history.force().len() {
@@ -327,9 +328,9 @@ impl StickProblem<'_> {
         }
     }
 
-    /// Samples whose mean is added to the force, with the sign, so that it is zero before contact.
-    /// A decayed period ends with the value before the contact; half a period of the square
-    /// wave ends with minus that value.
+    /// Range of the samples whose mean is added to the force, with the sign of this mean, so that
+    /// the force is zero before contact. A decayed period ends with the value before the contact;
+    /// half a period of the square wave ends with minus that value.
     pub(crate) fn reference(&self) -> Option<(Range<usize>, f64)> {
         let (_, n_shown) = self.n_whole();
         let quiet = n_shown - n_quiet(n_shown)..n_shown;
@@ -499,7 +500,7 @@ mod tests {
         let (first, second) = (rod(400.0), rod(1000.0));
         let stick = problem(&first, &second, ZeroLine::QuietBeforeContact, None);
         let stick = stick.solve().unwrap();
-        // it comes out as a ramp (1 - t/T) F moved to be zero at its end
+        // the result is a ramp (1 - t/T) F moved to be zero at its end
         assert!(matches!(stick.settlement, Settlement::Unsettled { .. }));
     }
 
@@ -544,13 +545,13 @@ mod tests {
         let momentum = mass_kg * VELOCITY;
         let weighed = problem(&first, &second, ZeroLine::EffectiveMass(mass_kg), None);
         let weighed = weighed.solve().unwrap().history.impulse();
-        // given through the line at 0 Hz: rounding of the sum of 8192 samples
+        // determined by the line at 0 Hz: rounding of the sum of 8192 samples
         assert!((weighed / momentum - 1.0).abs() < 1e-12);
         let roll_off = Some(HIGHEST_HZ / 2.0);
         let unweighed = problem(&first, &second, ZeroLine::QuietBeforeContact, roll_off);
         let unweighed = unweighed.solve().unwrap().history.impulse();
         // the constant is off by exp(-17.5) = 2.6e-8 of the peak over 25 time constants, and by the
-        // ringing 512 samples from the jump, 0.61/512^3 = 5e-9, as long
+        // ringing 512 samples from the jump, 0.61/512^3 = 5e-9, over the same time
         assert!((unweighed / momentum - 1.0).abs() < 25.0 * (2.6e-8 + 5e-9));
     }
 
@@ -580,7 +581,7 @@ mod tests {
         let ContactEnd::Separated { time } = impact.end else {
             panic!("expected separation")
         };
-        // ringing of one jump at that sample over the slope of the force
+        // ringing of one jump at that sample, divided by the slope of the force
         let samples_to_zero = zero / stick.history.time_step();
         let slope = (exact(zero - 1e-7) - exact(zero + 1e-7)) / 2e-7;
         let tolerance = jump / (PI * samples_to_zero) / slope;
@@ -594,8 +595,8 @@ mod tests {
 
     #[test]
     fn an_elastic_striker_leaves_a_pulse_of_twice_its_length() {
-        // same impedance as the long rod: F = Z V/2 while the wave goes to and fro, then nothing,
-        // and M V has gone
+        // same impedance as the long rod: F = Z V/2 while the wave travels to the end and back,
+        // then zero: the momentum M V has been transferred
         let (impedance, transit_time) = (1000.0, 1.037e-3);
         let (first, second) = (free_elastic_rod(impedance, transit_time), rod(impedance));
         let mass_kg = impedance * transit_time;

@@ -14,7 +14,7 @@ use num_complex::Complex64;
 use crate::error::check_not_negative;
 use crate::{ForceError, ImpulseError, StickProblem, ZeroLine};
 
-/// Errors of the inputs of a stick force. Defaults are without error.
+/// Errors of the inputs of a stick force; zero by default.
 ///
 /// | field | shape | unit |
 /// |---|---|---|
@@ -32,15 +32,15 @@ pub struct StickUncertainty<'a> {
     pub first_scale: f64,
     /// Relative standard error of the scale of the second mobility \[1\].
     pub second_scale: f64,
-    /// Standard error of the delay of the response behind the force in the first mobility \[s\].
+    /// Standard error of the delay of the response after the force in the first mobility \[s\].
     pub first_delay: f64,
     /// Standard error of the delay in the second mobility \[s\].
     pub second_delay: f64,
     /// Standard error of the impact velocity [m/s].
     pub impact_velocity: f64,
-    /// Standard error of the effective mass \[kg\]; used only with [`ZeroLine::EffectiveMass`].
-    /// For one free body it is that of the weighing; for two, $`\delta M = M^2\sqrt{(\delta
-    /// M_1/M_1^2)^2 + (\delta M_2/M_2^2)^2}`$.
+    /// Standard error of the effective mass \[kg\]; used only with [`ZeroLine::EffectiveMass`]. For
+    /// one free body it is the standard error of the weighing; for two,
+    /// $`\delta M = M^2\sqrt{(\delta M_1/M_1^2)^2 + (\delta M_2/M_2^2)^2}`$.
     pub effective_mass: f64,
 }
 
@@ -54,20 +54,21 @@ impl StickProblem<'_> {
     /// ```
     ///
     /// Circular errors of independent lines give a force error that is as large before the contact
-    /// as after it, with the covariance `Δf² Σₖ E|δF̂ₖ|² e^{iωₖτ}`. Errors of scales, delays, with
-    /// $`\delta G = -i\omega\tau G`$, velocity and mass affect all times together.
+    /// as after it, with the covariance `Δf² Σₖ E|δF̂ₖ|² e^{iωₖτ}`. Errors of the scales, of the
+    /// delays ($`\delta G = -i\omega\tau G`$), of the velocity and of the mass affect all times
+    /// together.
     ///
     /// # Validity
     ///
-    /// Errors of a line must be small compared with $`|G_1+G_2|`$, which need not hold near a
-    /// resonance of the joined bodies, where the sum is small.
-    /// [`StickUncertainty::monte_carlo`] does not linearise. Measured lines corrected by one
-    /// weighed mass have common errors, which are taken as independent here.
+    /// Errors of a line must be small compared with $`|G_1+G_2|`$. This may fail near a resonance
+    /// of the joined bodies, where the sum is small. [`StickUncertainty::monte_carlo`] does not
+    /// linearise. Measured lines corrected by one weighed mass have common errors, which are
+    /// treated as independent here.
     ///
     /// # Errors
     ///
-    /// As [`StickProblem::solve`]; [`ImpulseError::LengthMismatch`], [`ImpulseError::NonFinite`],
-    /// [`ImpulseError::NonPhysical`] for the uncertainty.
+    /// The errors of [`StickProblem::solve`]; [`ImpulseError::LengthMismatch`],
+    /// [`ImpulseError::NonFinite`], [`ImpulseError::NonPhysical`] for the uncertainty.
     #[allow(
         clippy::indexing_slicing,
         reason = "`force_lines` has found both mobilities of one length, and its lines are as many"
@@ -182,7 +183,7 @@ impl StickUncertainty<'_> {
         Ok(())
     }
 
-    /// Variance of the sum of the mobilities.
+    /// Returns the variance of the sum of the mobilities.
     #[allow(
         clippy::indexing_slicing,
         reason = "`check` has found a variance for each line of the mobilities"

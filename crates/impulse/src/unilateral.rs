@@ -12,8 +12,9 @@ const MOST_ITERATIONS: usize = 60;
 /// Relative change of the approach at convergence.
 const CONVERGED: f64 = 1e-14;
 
-/// Fraction of the largest force so far below which a force does not count as contact: faces that
-/// move equally touch with the rounding of the kernel. The force itself is not changed.
+/// Fraction of the largest force so far below which a force does not count as contact: between
+/// faces that move equally the rounding of the kernel leaves small forces. The force itself is not
+/// changed.
 const PRESSING: f64 = 1e-6;
 
 /// Product of stiffness, mobility and time step above which the force of a stiff contact alternates
@@ -57,7 +58,7 @@ pub(crate) struct Marched {
     pub(crate) contacts: Vec<ContactInterval>,
     /// work of the force on the contact by its law, including the closing of gaps
     pub(crate) contact_work: f64,
-    /// part of it that the contact could return at the end
+    /// part of this work that the contact could return at the end
     pub(crate) stored: f64,
     /// largest stiffness times first weight times time step
     pub(crate) stiffness_number: f64,
@@ -181,9 +182,9 @@ impl March<'_> {
         }
     }
 
-    /// Finds the root δ' of δ' + h w_0 F̄(δ → δ') = δ_free, where F̄ is the mean force, work over
-    /// distance. The left side grows with δ', and the root lies between δ_free less the largest
-    /// decrease and δ_free.
+    /// Finds the root δ' of δ' + h w_0 F̄(δ → δ') = δ_free, where F̄ is the mean force, work
+    /// divided by distance. The left side grows with δ', and the root lies between δ_free less the
+    /// largest decrease and δ_free.
     fn compliant(
         &self,
         from: f64,
@@ -214,8 +215,8 @@ impl March<'_> {
             } else {
                 low = to;
             }
-            // slope of the mean; if both ends coincide half of that of the law, by the same formula
-            // further apart
+            // slope of the mean force; if both ends coincide it is half the slope of the law,
+            // computed by the same formula over a larger distance
             let way = to - from;
             let slope = if way.abs() > 1e-5 * scale {
                 (self.law.force(memory, to) - force) / way
@@ -261,8 +262,8 @@ struct ContactLog {
     /// forces of the two previous steps
     last: [f64; 2],
     highest: f64,
-    /// time within the last step at which the approach returned to where a compliant contact no
-    /// longer presses, if any
+    /// time within the last step at which the approach fell to the dent, where a compliant contact
+    /// no longer presses, if it did
     parted: Option<f64>,
 }
 

@@ -113,7 +113,7 @@ pub struct Channel {
 }
 
 impl Channel {
-    /// Creates a channel with the name by which it is looked up.
+    /// Creates a channel called `name`; a record looks up its channels by name.
     ///
     /// # Errors
     ///

@@ -14,10 +14,10 @@ use crate::{Channel, Estimator, FrequencyResponse, LabioError, LineValidity, Qua
 /// | velocity | mobility \[m/(N s)\] | impedance \[N s/m\] |
 /// | acceleration | accelerance \[1/kg\] | dynamic mass \[kg\] |
 ///
-/// The kinds of a column differ by factors $`s = i\omega`$: velocity is s times displacement. The
-/// kinds of a row are reciprocals of each other *line by line*: the force/motion kinds are those of
-/// a body that is free at all other points. Blocked force/motion responses are elements of the
-/// inverse of the whole matrix and cannot be found from one response.
+/// The kinds within a column differ by factors $`s = i\omega`$: velocity is s times displacement.
+/// The two kinds in a row are reciprocals of each other *line by line*: the force/motion kinds are
+/// those of a body that is free at all other points. Blocked force/motion responses are elements of
+/// the inverse of the whole matrix and cannot be found from one response.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum ResponseKind {
     /// Displacement over force.
@@ -46,7 +46,7 @@ impl ResponseKind {
     ];
 
     /// Returns the kind of a response from a channel of `input` to one of `output`; `None` unless
-    /// it is between force and motion.
+    /// one of them is a force and the other a motion.
     #[must_use]
     pub fn between(input: Quantity, output: Quantity) -> Option<Self> {
         match (input, output) {
@@ -104,7 +104,7 @@ impl FrequencyResponse {
     ///
     /// # Errors
     ///
-    /// [`LabioError::NoResponseKind`] if it is not between a force and a motion.
+    /// [`LabioError::NoResponseKind`] if the response is not between a force and a motion.
     pub fn kind(&self) -> Result<ResponseKind, LabioError> {
         let (input, output) = (self.input.quantity(), self.output.quantity());
         ResponseKind::between(input, output).ok_or_else(|| LabioError::NoResponseKind {
@@ -113,9 +113,9 @@ impl FrequencyResponse {
         })
     }
 
-    /// Converts the measurement to another kind: the values times a power of $`s = \sigma+i\omega`$
-    /// ($`\sigma`$ of the exponential window, or 0), and their reciprocal where force and
-    /// motion change places.
+    /// Converts the measurement to another kind: multiplies the values by a power of
+    /// $`s = \sigma+i\omega`$ ($`\sigma`$ of the exponential window, or 0), and takes the
+    /// reciprocal if force and motion are exchanged.
     ///
     /// Coherence and relative random error of a line are unchanged. The reciprocal of H1 is exactly
     /// H2 of the exchanged channels, and vice versa.
@@ -130,7 +130,7 @@ impl FrequencyResponse {
     /// # Errors
     ///
     /// As [`FrequencyResponse::kind`]; [`LabioError::CountMismatch`] if the lists of the response
-    /// are not of one length.
+    /// differ in length.
     #[allow(
         clippy::indexing_slicing,
         reason = "`check_lengths` has found one element for each value in every list"
@@ -150,7 +150,7 @@ impl FrequencyResponse {
             let factor = self.laplace_variable(line).powi(power);
             let multiplied = self.values[line] * factor;
             let value = if exchange {
-                multiplied.finv() // no square that could leave the range of numbers
+                multiplied.finv() // does not square the magnitude, which could overflow
             } else {
                 multiplied
             };
@@ -226,7 +226,7 @@ mod tests {
     use ndarray::Array2;
     use std::f64::consts::TAU;
 
-    /// Three hits of a force and a motion without pattern.
+    /// Three hits with a force and a motion whose samples vary irregularly.
     fn spectra(output: Quantity) -> AveragedSpectra {
         let channels = vec![
             Channel::new("f", Quantity::Force).unwrap(),
@@ -279,7 +279,7 @@ mod tests {
         assert!((impedance.values[line] * expected - 1.0).norm() < 1e-14);
         assert_eq!(mobility.output.to_string(), "`x` [m/s]");
         assert_eq!(impedance.input.to_string(), "`x` [m/s]");
-        // exact zero from zero frequency, and its reciprocal is none
+        // the value is exactly zero at zero frequency and has no reciprocal
         assert_eq!(mobility.values[0], Complex64::ZERO);
         assert_eq!(impedance.validity[0], LineValidity::NotDefined);
         assert!(impedance.values[0].is_nan());
@@ -306,7 +306,7 @@ mod tests {
         for line in 0..direct.values.len() {
             assert!((reciprocal.values[line] / direct.values[line] - 1.0).norm() < 1e-14);
             let ratio = variances(&reciprocal)[line] / variances(&direct)[line];
-            // 1 - coherence of lines that are nearly coherent loses some digits
+            // 1 - coherence loses digits on lines that are nearly coherent
             assert!((ratio - 1.0).abs() < 1e-10, "{ratio}");
         }
     }

@@ -40,7 +40,8 @@ impl Plans {
     }
 }
 
-/// $`X_k = \sum_n x_n e^{-2\pi i kn/N}`$ for $`k = 0 \ldots \lfloor N/2\rfloor`$, unscaled.
+/// Forward transform, $`X_k = \sum_n x_n e^{-2\pi i kn/N}`$ for
+/// $`k = 0 \ldots \lfloor N/2\rfloor`$, unscaled.
 ///
 /// Each channel is transformed separately. Two real channels in one complex transform are no faster
 /// with this library, and rounding errors of a strong channel would then leak into a weak one.
@@ -60,7 +61,7 @@ impl Dft {
         }
     }
 
-    /// The samples to transform; they must be filled in anew for every transform.
+    /// The samples to transform; they must be filled in again before every transform.
     pub(crate) fn input(&mut self) -> &mut [f64] {
         &mut self.input
     }
@@ -94,9 +95,9 @@ pub(crate) fn forward(samples: &[f64]) -> Vec<Complex64> {
     lines
 }
 
-/// $`x_n = \frac1N\sum_k X_k e^{2\pi i kn/N}`$ over both sides of the spectrum whose one side,
-/// $`\lfloor N/2\rfloor + 1`$ values, is `lines`. The lines at 0 Hz and at the Nyquist frequency
-/// occur once; only their real parts are used.
+/// Inverse transform, $`x_n = \frac1N\sum_k X_k e^{2\pi i kn/N}`$ with the sum over the two-sided
+/// spectrum. `lines` is the one-sided spectrum, $`\lfloor N/2\rfloor + 1`$ values. The lines at 0
+/// Hz and at the Nyquist frequency occur once in the sum; only their real parts are used.
 #[expect(
     clippy::expect_used,
     reason = "the transform fails only on wrong buffer lengths or imaginary parts of the end lines, which are taken off"

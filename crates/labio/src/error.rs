@@ -17,7 +17,7 @@ pub enum LabioError {
         quantity: &'static str,
         /// The value found.
         value: f64,
-        /// The condition it violates.
+        /// The condition that the value violates.
         expected: &'static str,
     },
     /// A sample is NaN or infinite.
@@ -58,36 +58,37 @@ pub enum LabioError {
         /// Number needed.
         expected: usize,
     },
-    /// A channel still moves at the end of a hit that is to be continued at rest.
+    /// A channel still moves at the end of a hit after which rest is assumed.
     #[error(
         "`{channel}` is {remainder:.3e} off its level in the last tenth of the record, with a peak of {peak:.3e}: expected at most a thousandth of the peak, or the noise"
     )]
     NotAtRest {
         /// The channel.
         channel: String,
-        /// Root mean square of the last tenth about the level before the impact.
+        /// Root mean square deviation, in the last tenth of the record, from the level before the
+        /// impact.
         remainder: f64,
         /// Largest excursion from that level.
         peak: f64,
     },
-    /// Several hits are free of noise: copies of one, or computed.
+    /// Several hits have no noise: they are copies of one hit, or were computed.
     #[error(
         "the coherence of `{output}` with `{input}` over {hits} hits is 1 to rounding, expected noise: hits that are copies of one, or computed, have no error"
     )]
     NoNoise {
-        /// The channel taken as input.
+        /// The channel used as the input.
         input: String,
-        /// The channel taken as output.
+        /// The channel used as the output.
         output: String,
         /// Number of hits.
         hits: usize,
     },
-    /// An estimate needs more averages than were taken.
+    /// An estimate needs more averages than exist.
     #[error("{estimate} needs at least {expected} averages, found {found}")]
     TooFewAverages {
         /// The estimate asked for.
         estimate: &'static str,
-        /// Number of averages taken.
+        /// Number of averages found.
         found: usize,
         /// Number needed.
         expected: usize,
@@ -103,10 +104,10 @@ pub enum LabioError {
     TooManyAverages {
         /// The setting.
         asked: &'static str,
-        /// Number of averages taken.
+        /// Number of hits already added.
         found: usize,
     },
-    /// Two windows would weight the same samples.
+    /// Two windows would both weight the same samples.
     #[error("{asked} cannot stand beside {present}")]
     WindowConflict {
         /// The window asked for.
@@ -117,7 +118,7 @@ pub enum LabioError {
     /// A response cannot be combined with the first of several.
     #[error("the {what} of response {index} is {found}, expected {expected} as in the first")]
     ResponseMismatch {
-        /// The property in which they differ.
+        /// The property that differs.
         what: &'static str,
         /// Index of the response, from 0.
         index: usize,
@@ -170,7 +171,7 @@ pub enum LabioError {
         /// The known names.
         known: Vec<String>,
     },
-    /// A hit has other channels than the hits before it.
+    /// The channels of a hit differ from those of the hits before it.
     #[error("channel {index} is {found}, expected {expected} as in the hits before")]
     ChannelMismatch {
         /// Index of the channel, from 0.
@@ -220,7 +221,7 @@ pub enum LabioError {
         /// Number of axes expected.
         expected: usize,
     },
-    /// The numbers in the file are of another type.
+    /// The numbers in the file are of an unexpected type.
     #[error("the {format} array holds {found}, expected {expected}")]
     WrongElement {
         /// Name of the format.
@@ -230,7 +231,7 @@ pub enum LabioError {
         /// The type expected.
         expected: &'static str,
     },
-    /// The numbers in the file have another type.
+    /// The data end too early.
     #[error("the {format} data end {missing_bytes} bytes too early")]
     Truncated {
         /// Name of the format.
@@ -238,13 +239,13 @@ pub enum LabioError {
         /// Number of bytes that are missing.
         missing_bytes: usize,
     },
-    /// The header announces no data.
+    /// The file contains no data.
     #[error("the {format} file holds no data")]
     NoData {
         /// Name of the format.
         format: &'static str,
     },
-    /// The file goes on after its data.
+    /// Bytes follow the data of the file.
     #[error("{extra_bytes} bytes follow the {format} data")]
     TrailingBytes {
         /// Name of the format.
@@ -252,7 +253,7 @@ pub enum LabioError {
         /// Number of bytes too many.
         extra_bytes: usize,
     },
-    /// Part of a file is not what the format requires there.
+    /// Part of a file does not match the format.
     #[error("{format}, {place}: {field} is {found}, expected {expected}")]
     Malformed {
         /// Name of the format.
@@ -266,7 +267,7 @@ pub enum LabioError {
         /// The value expected.
         expected: String,
     },
-    /// The packed contents of a file take more memory than allowed.
+    /// The unpacked contents of a file take more memory than allowed.
     #[error(
         "{format}, {place}: {what} takes the contents to {needed} bytes of memory, expected at most {limit}; a caller who trusts the file may raise the limit"
     )]
@@ -301,19 +302,19 @@ pub enum LabioError {
         index: usize,
         /// Name of the series.
         name: String,
-        /// The part of the series that does not suit.
+        /// The part of the series that does not suit a channel.
         part: &'static str,
-        /// The part of the series that does not fit.
-        found: String,
         /// The value found.
+        found: String,
+        /// The value expected.
         expected: &'static str,
     },
-    /// The format cannot represent what is to be written.
+    /// The format cannot represent the contents to be written.
     #[error("{format} cannot hold {what}")]
     NotRepresentable {
         /// Name of the format.
         format: &'static str,
-        /// The part of the contents that it cannot hold.
+        /// The part of the contents that the format cannot represent.
         what: String,
     },
     /// A text is not a known unit.
@@ -323,7 +324,7 @@ pub enum LabioError {
         found: String,
         /// The part of the text that is not understood.
         token: String,
-        /// The fault of that part.
+        /// The reason why that part is not understood.
         reason: &'static str,
     },
     /// A value has an unsuitable unit.
@@ -389,8 +390,8 @@ pub(crate) fn malformed(
     }
 }
 
-/// Name of a kind of file that is not read, by its first bytes, and the way to one that is; empty
-/// if they tell nothing.
+/// Suggestion for a file of a known but unsupported kind, recognised by its first bytes: its kind,
+/// and how to convert it to a supported one; empty for an unknown kind.
 fn way_out(head: &str) -> &'static str {
     const KNOWN: [(&str, &str); 9] = [
         ("\x1f\u{8b}", "; gzip: unpack it"),

@@ -7,9 +7,9 @@ use crate::dft;
 
 /// Applies the filter `response`, a function of the angular frequency \[rad/sample\], to `samples`.
 ///
-/// The transform makes the samples periodic. The padding between two periods is at least as long as
-/// the samples and joins the last sample to the first by half a cosine: the filter's response at
-/// one end does not reach the other, and a constant signal stays constant.
+/// The transform treats the samples as periodic. The padding between two periods is at least as
+/// long as the samples and joins the last sample to the first by half a cosine: the filter's
+/// response at one end does not reach the other end, and a constant signal stays constant.
 pub(crate) fn filtered(samples: &[f64], response: impl Fn(f64) -> Complex64) -> Vec<f64> {
     let (Some(&first), Some(&last)) = (samples.first(), samples.last()) else {
         return Vec::new();

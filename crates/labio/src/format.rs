@@ -74,17 +74,17 @@ pub trait Reader: Debug + Sync {
     fn name(&self) -> &'static str;
 
     /// Returns true if a file that begins with `head` is of this format. A format with a signature
-    /// needs the first 4096 bytes of a file, or all of it; a text table is recognised by its
-    /// first rows of numbers, however long its header is.
+    /// needs the first 4096 bytes of a file, or the whole file if it is shorter; a text table is
+    /// recognised by its first rows of numbers, however long its header is.
     fn recognises(&self, head: &[u8]) -> bool;
 
-    /// Reads a whole file. Memory is allocated only for bytes that exist, whatever a header
-    /// announces, and for packed ones only up to the default [`MemoryLimit`].
+    /// Reads a whole file. Memory is allocated only for bytes that exist, whatever size a header
+    /// states, and for packed bytes only up to the default [`MemoryLimit`].
     ///
     /// # Errors
     ///
-    /// [`LabioError`] with the place; if `strictness` is tolerant, only if nothing can be read from
-    /// the bytes.
+    /// [`LabioError`] with the place of the fault; if `strictness` is tolerant, only if nothing can
+    /// be read from the bytes.
     fn read(&self, bytes: &[u8], strictness: Strictness) -> Result<Contents, LabioError>;
 }
 
@@ -93,12 +93,12 @@ pub trait Writer: Debug + Sync {
     /// Name of the format.
     fn name(&self) -> &'static str;
 
-    /// Writes `contents`. Contents that the format cannot hold are an error before the first byte
-    /// is written.
+    /// Writes `contents`. Contents that the format cannot represent cause an error before the first
+    /// byte is written.
     ///
     /// # Errors
     ///
-    /// [`LabioError`] for contents that the format cannot hold, or [`LabioError::Write`].
+    /// [`LabioError`] for contents that the format cannot represent, or [`LabioError::Write`].
     fn write(&self, contents: &Contents, output: &mut dyn Write) -> Result<(), LabioError>;
 }
 
@@ -181,17 +181,18 @@ pub fn read_bytes_with(bytes: &[u8], strictness: Strictness) -> Result<Contents,
     reader_of(bytes)?.read(bytes, strictness)
 }
 
-/// Reads a whole file from memory that was sampled at `rate_hz`, and rejects it if any part of it
-/// cannot be read.
+/// Reads a whole file, sampled at `rate_hz`, from memory, and rejects it if any part of it cannot
+/// be read.
 ///
-/// Unevenly spaced times are replaced by this rate if it gives all of them within half a step:
-/// times in single precision, or with few digits. Other abscissae are read as by [`read_bytes`],
-/// and a rate that contradicts them is no error.
+/// Unevenly spaced times, for example times in single precision or with few digits, are replaced by
+/// even ones at this rate if these agree with all of them within half a step. Other abscissae are
+/// read as by [`read_bytes`]; a rate that contradicts them is not an error.
 ///
 /// # Errors
 ///
 /// As [`read_bytes`]; [`LabioError::NonPhysical`] for a rate that is not positive;
-/// [`LabioError::Malformed`] for times of a table that contradict the rate.
+/// [`LabioError::Malformed`] for unevenly spaced times of a table, in a unit of time, that
+/// contradict the rate.
 ///
 /// # Examples
 ///
@@ -245,8 +246,8 @@ fn reader_of(bytes: &[u8]) -> Result<&'static dyn Reader, LabioError> {
     })
 }
 
-/// Reads the file at `path`, rejects it if any part of it cannot be read, and makes records of
-/// series that were sampled together. The records hold the path of the file and the hash of its
+/// Reads the file at `path`, rejects it if any part of it cannot be read, and combines series that
+/// were sampled together into records. The records contain the path of the file and the hash of its
 /// bytes.
 ///
 /// # Errors
@@ -259,12 +260,13 @@ pub fn read_records(path: impl AsRef<Path>) -> Result<SampledTogether, LabioErro
     Ok(contents.records(&Provenance::of_file(path, contents.format, &bytes)))
 }
 
-/// Reads the file at `path` as [`read_records`] does, where all its series are one record.
+/// Reads the file at `path` as [`read_records`] does, and returns the one record that contains all
+/// its series.
 ///
 /// # Errors
 ///
-/// As [`read`]; [`LabioError::CountMismatch`] for a file of no record or several; the reason why a
-/// series is in no record.
+/// As [`read`]; [`LabioError::CountMismatch`] for a file without a record or with several; if a
+/// series is in no record, the reason for that.
 pub fn read_record(path: impl AsRef<Path>) -> Result<Record, LabioError> {
     let path = path.as_ref();
     let found = read_records(path)?;
@@ -287,7 +289,7 @@ pub fn read_record(path: impl AsRef<Path>) -> Result<Record, LabioError> {
 }
 
 /// Writes `contents` to the file at `path`, which is replaced only after everything has been
-/// written: an error leaves the old file.
+/// written: if an error occurs, the old file remains.
 ///
 /// # Errors
 ///

@@ -21,36 +21,39 @@ use crate::{AddedDamping, AveragedSpectra, LabioError};
 /// Standard deviation of an unknown phase, uniform over a turn: $`\pi/\sqrt3`$ rad.
 const UNKNOWN_PHASE: f64 = 1.813_799_364_234_217_8;
 
-/// Effective number of averages below which overlapped segments count as a single one.
+/// Effective number of averages below which overlapped segments count as a single average.
 const FEWEST_EFFECTIVE_AVERAGES: f64 = 1.5;
 
-/// Least square with full precision: smaller ones are within the precision of the smallest normal
-/// number.
+/// Smallest square with full precision: a smaller one has digits below the smallest normal number.
 const LEAST_SQUARE: f64 = f64::MIN_POSITIVE / f64::EPSILON;
 
 /// Estimator of the frequency response from the averaged spectra of input x and output y.
 ///
-/// With noise of relative level $`a = N_x/G_{xx}`$ on the input and $`b = N_y/G_{yy}`$ on the
-/// output, uncorrelated with everything, the expectations are biased as given.
+/// If the input has noise of relative level $`a = N_x/G_{xx}`$ and the output noise of relative
+/// level $`b = N_y/G_{yy}`$, uncorrelated with each other and with the signals, the expected values
+/// have the biases stated below.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum Estimator {
-    /// $`H_1 = G_{xy}/G_{xx}`$: free of output noise, too small by $`1/(1+a)`$. Least squares in y.
+    /// $`H_1 = G_{xy}/G_{xx}`$: not biased by output noise, too small by the factor $`1/(1+a)`$.
+    /// Least squares in y.
     H1,
-    /// $`H_2 = G_{yy}/G_{yx}`$: free of input noise, too large by $`1+b`$. Least squares in x.
+    /// $`H_2 = G_{yy}/G_{yx}`$: not biased by input noise, too large by the factor $`1+b`$. Least
+    /// squares in x.
     H2,
     /// $`H_v = \sqrt{H_1 H_2}`$, phase of $`G_{xy}`$: the scale-free total least squares, too large
-    /// by $`\sqrt{(1+b)/(1+a)}`$.
+    /// by the factor $`\sqrt{(1+b)/(1+a)}`$.
     Hv,
     /// Total least squares with the noise that both channels have at rest, $`\alpha = N_x/G_{xx}`$
-    /// and $`\beta = N_y/G_{yy}`$: free of either noise (errors in variables),
+    /// and $`\beta = N_y/G_{yy}`$: not biased by the noise of either channel (errors in variables),
     ///
     /// ```math
     /// H_s = H_1\,\frac{2\beta}{R + \beta - \alpha}, \qquad R = \sqrt{(\beta-\alpha)^2 + 4\alpha\beta\gamma^2} .
     /// ```
     ///
-    /// Only the ratio of the two noises enters: H1 without noise on the input, H2 without noise on
-    /// the output. It needs [`AveragedSpectra::with_rest_noise`] for both.
+    /// Only the ratio of the two noise levels matters: the estimate is H1 without noise on the
+    /// input, and H2 without noise on the output. It needs [`AveragedSpectra::with_rest_noise`] for
+    /// both channels.
     Hs,
 }
 
@@ -59,7 +62,7 @@ pub enum Estimator {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum LineValidity {
-    /// The line is a measurement; its coherence and random error give its quality.
+    /// The line is a measurement; its coherence and random error show its quality.
     Valid,
     /// The input auto-spectrum is zero, at the rounding level of the transform, or below 1e-292,
     /// where squares lose digits.
@@ -69,10 +72,11 @@ pub enum LineValidity {
     /// Input and output are nonzero, but their cross-spectrum is zero within rounding: H2 and Hv do
     /// not exist.
     NoCorrelation,
-    /// The line has been divided by zero: integrated at 0 Hz, or the reciprocal of a response that
-    /// is zero.
+    /// The value would need a division by zero: an integration at 0 Hz, or the reciprocal of a
+    /// response that is zero.
     NotDefined,
-    /// The inputs of a multi-input system are linearly dependent: none has a response of its own.
+    /// The inputs of a multi-input system are linearly dependent: the response to a single input
+    /// cannot be determined.
     DependentInputs,
 }
 
@@ -117,13 +121,13 @@ pub struct FrequencyResponse {
     pub output: Channel,
     /// Number of hits or segments averaged.
     pub n_averages: usize,
-    /// Effective number of averages: independent hits or segments of the same variance, from which
-    /// the errors are computed.
+    /// Effective number of averages, from which the errors are computed: the number of independent
+    /// hits or segments that would give the same variance.
     pub effective_averages: f64,
-    /// Number of samples of the transformed histories: an odd one has no line at the Nyquist
-    /// frequency.
+    /// Number of samples of the transformed histories: if it is odd, there is no line at the
+    /// Nyquist frequency.
     pub n_samples: usize,
-    /// The exponential window on all channels, if there was one: the values are then
+    /// The exponential window on all channels, if one was applied: the values are then
     /// $`H(\sigma+i\omega)`$.
     pub added_damping: Option<AddedDamping>,
     /// Frequencies of the lines \[Hz\].
@@ -134,31 +138,31 @@ pub struct FrequencyResponse {
     /// average, where it would always be 1, and for values combined from several tests.
     pub coherence: Option<Vec<f64>>,
     /// `E|δH|² = |H|² (1 - γ²)/((n_e - 1) γ²)`, the variance of the complex line: *twice* that of
-    /// its real or imaginary part. The response itself uses one average. NaN on invalid lines;
-    /// `None` for a single average.
+    /// its real or imaginary part. Estimating the response uses up one average, hence n_e - 1. NaN
+    /// on invalid lines; `None` for a single average.
     pub variance: Option<Vec<f64>>,
-    /// Degrees of freedom of the variance, 2(n_e - 1) for one test: the error of a component over
-    /// its standard error has Student's distribution. Infinite where the variance was not
-    /// estimated from hits; NaN on invalid lines. Present with the variance.
+    /// Degrees of freedom of the variance, 2(n_e - 1) for one test: the error of a component
+    /// divided by its standard error has Student's distribution. Infinite if the variance was not
+    /// estimated from hits; NaN on invalid lines. Present together with the variance.
     pub degrees_of_freedom: Option<Vec<f64>>,
-    /// Relative bias of |H| by the noise of the channels at rest; `None` if not known. NaN on
-    /// invalid lines, and on lines with no more power than the noise.
+    /// Relative bias of |H| caused by the noise of the channels at rest; `None` if the noise is not
+    /// known. NaN on invalid lines, and on lines with no more power than the noise.
     pub noise_bias: Option<Vec<f64>>,
-    /// Largest relative bias of |H| by noise where the noise at rest is not known: that of the
-    /// estimator if all missing coherence were noise of the channel that it takes for
-    /// noise-free. One matrix of spectra does not tell the channel of a noise, so the truth lies
-    /// between none and all of it. `None` with a known [`noise_bias`](Self::noise_bias), and
-    /// without coherence. NaN on invalid lines.
+    /// Largest relative bias of |H| by noise if the noise at rest is not known: the bias of the
+    /// estimator if all missing coherence were caused by noise on the channel that the estimator
+    /// assumes to be noise-free. One matrix of spectra does not show which channel has the noise,
+    /// so the true bias is between zero and this value. `None` if [`noise_bias`](Self::noise_bias)
+    /// is known, and without coherence. NaN on invalid lines.
     pub possible_bias: Option<Vec<f64>>,
-    /// Relative standard uncertainty common to the lines, such as that of the sensors, for any
-    /// number of hits; `None` if not stated.
+    /// Relative standard uncertainty common to the lines, such as that of the sensors, which does
+    /// not decrease with the number of hits; `None` if not stated.
     pub common_error: Option<Vec<f64>>,
     /// Validity of each line.
     pub validity: Vec<LineValidity>,
 }
 
 impl FrequencyResponse {
-    /// The existing lists besides values, frequencies and validity.
+    /// Returns the lists that exist, except values, frequencies and validity.
     pub(crate) fn lists_mut(&mut self) -> impl Iterator<Item = &mut Vec<f64>> {
         [
             &mut self.coherence,
@@ -172,8 +176,8 @@ impl FrequencyResponse {
         .flatten()
     }
 
-    /// Keeps the first `n_lines` lines, which then correspond to $`2(L-1)`$ samples; all if there
-    /// are no more.
+    /// Keeps the first `n_lines` = L lines, which then correspond to $`2(L-1)`$ samples; keeps all
+    /// lines if there are no more than L.
     pub fn truncate(&mut self, n_lines: usize) {
         if n_lines >= self.values.len() {
             return;
@@ -213,8 +217,8 @@ impl FrequencyResponse {
         Some(self.values.iter().zip(variances).map(line).collect())
     }
 
-    /// $`s = \sigma + i\omega`$ \[rad/s\] of line `line`, with $`\sigma`$ of the exponential
-    /// window, or 0.
+    /// Returns $`s = \sigma + i\omega`$ \[rad/s\] of line `line`, with $`\sigma`$ of the
+    /// exponential window, or 0.
     #[allow(
         clippy::indexing_slicing,
         reason = "`line` counts the values, and `check_lengths` has found a frequency for each"
@@ -286,7 +290,8 @@ impl AveragedSpectra {
         self.response(Estimator::H2, input, output)
     }
 
-    /// Returns the frequency response $`H_v = \sqrt{H_1H_2}`$, for the same relative noise on both.
+    /// Returns the frequency response $`H_v = \sqrt{H_1H_2}`$, for the same relative noise on input
+    /// and output.
     ///
     /// # Errors
     ///
@@ -295,12 +300,12 @@ impl AveragedSpectra {
         self.response(Estimator::Hv, input, output)
     }
 
-    /// Returns the frequency response by the given estimator.
+    /// Returns the frequency response from the given estimator.
     ///
     /// # Errors
     ///
-    /// [`LabioError::UnknownChannel`]; [`LabioError::UnknownRestNoise`] for [`Estimator::Hs`]
-    /// without the noise of both channels.
+    /// [`LabioError::UnknownChannel`]; [`LabioError::UnknownRestNoise`] for [`Estimator::Hs`] if
+    /// the noise of either channel is unknown.
     pub fn response(
         &self,
         estimator: Estimator,
@@ -334,7 +339,7 @@ impl AveragedSpectra {
             frequency_hz: self.frequency_hz().to_vec(),
             values: lines.values,
             coherence: averaged.then_some(lines.coherence),
-            // NaN of an invalid line is kept
+            // an invalid line remains NaN
             degrees_of_freedom: averaged.then(|| {
                 let of = |variance: &f64| if variance.is_nan() { f64::NAN } else { freedom };
                 lines.variance.iter().map(of).collect()
@@ -350,12 +355,14 @@ impl AveragedSpectra {
         Ok(response)
     }
 
-    /// Relative rounding error of a transform, $`\epsilon\log_2 N`$ of the root mean square line.
+    /// Relative rounding error of a transform, $`\epsilon\log_2 N`$ times the root-mean-square
+    /// line.
     pub(crate) fn transform_rounding(&self) -> f64 {
         f64::EPSILON * (self.n_samples() as f64).log2().max(1.0)
     }
 
-    /// Returns true if there are at least two averages, in number and in effect.
+    /// Returns true if both the number of averages and their effective number are that of two or
+    /// more.
     pub(crate) fn can_have_coherence(&self) -> bool {
         self.n_averages() >= 2 && self.effective_averages() >= FEWEST_EFFECTIVE_AVERAGES
     }
@@ -374,8 +381,9 @@ impl AveragedSpectra {
         })
     }
 
-    /// Level of an auto-spectrum of mean `mean` below which it is only rounding of its transform,
-    /// or so small that squares lose digits at the lower end of the floating-point range.
+    /// Level of an auto-spectrum with mean `mean` below which it is only rounding error of its
+    /// transform, or so small that squares lose digits at the lower end of the floating-point
+    /// range.
     pub(crate) fn least_signal(&self, mean: f64) -> f64 {
         (self.transform_rounding().powi(2) * mean).max(LEAST_SQUARE)
     }
@@ -388,7 +396,7 @@ struct Pair<'a> {
     crosses: CrossLines<'a>,
     least_input: f64,
     least_output: f64,
-    /// Half the binary exponents of the mean autos.
+    /// Half the binary exponents of the mean auto-spectra.
     half_exponents: (i32, i32),
 }
 
@@ -401,7 +409,7 @@ struct Estimates {
 }
 
 impl Estimates {
-    /// Flags the line at 0 Hz as one that does not exist.
+    /// Flags the line at 0 Hz as not defined.
     fn leave_out_first(&mut self) {
         let nothing = Complex64::new(f64::NAN, f64::NAN);
         self.values.iter_mut().take(1).for_each(|x| *x = nothing);
@@ -413,7 +421,7 @@ impl Estimates {
     }
 }
 
-/// [`Pair::estimates`] as a task that can run with the vector instructions of the processor.
+/// [`Pair::estimates`] as a task that can use the vector instructions of the processor.
 struct EstimatesOf<'a> {
     pair: Pair<'a>,
     estimator: Estimator,
@@ -431,7 +439,7 @@ impl pulp::NullaryFnOnce for EstimatesOf<'_> {
     }
 }
 
-/// [`Pair::coherence`] as such a task.
+/// [`Pair::coherence`] as a task of the same kind.
 struct CoherenceOf<'a> {
     pair: &'a Pair<'a>,
     coherence: &'a mut [f64],
@@ -447,8 +455,8 @@ impl pulp::NullaryFnOnce for CoherenceOf<'_> {
 }
 
 impl Pair<'_> {
-    /// Computes each quantity in one branch-free pass, which can be vectorised: NaN of an invalid
-    /// line propagates.
+    /// Computes each quantity in one branch-free pass, which can be vectorised: the NaN of an
+    /// invalid line propagates.
     #[inline(always)]
     fn estimates(&self, estimator: Estimator, averages: f64, least_coherence: f64) -> Estimates {
         let n_lines = self.inputs.len();
@@ -473,7 +481,7 @@ impl Pair<'_> {
         for ((variance, (x, y)), c) in variance.iter_mut().zip(autos).zip(&coherence) {
             *variance = (1.0 - c) * per_line * (y / x);
         }
-        // H2 = H1/coherence, and Hv their geometric mean
+        // H2 = H1/coherence, and Hv is the geometric mean of H1 and H2
         let both = values.iter_mut().zip(&mut variance).zip(&coherence);
         match estimator {
             Estimator::H1 | Estimator::Hs => {}
@@ -564,7 +572,7 @@ impl Pair<'_> {
         let coherence = |re: f64, im: f64, x: f64, y: f64| {
             let (re, im) = (re * to_input * to_output, im * to_input * to_output);
             let scaled = (x * to_input * to_input) * (y * to_output * to_output);
-            // at most 1 by Schwarz' inequality: the bound removes rounding only
+            // at most 1 by the Schwarz inequality: the bound removes only rounding errors
             let bounded = ((re * re + im * im) / scaled).min(1.0);
             bounded + self.keep(x, y)
         };
@@ -574,7 +582,7 @@ impl Pair<'_> {
                     *value = coherence(*g, 0.0, *x, *y);
                 }
             }
-            // a square does not depend on which of the two is conjugate
+            // the squared magnitude does not depend on which of the two is conjugated
             CrossLines::Stored(crosses) | CrossLines::Conjugate(crosses) => {
                 for ((value, (x, y)), g) in lines.zip(crosses) {
                     *value = coherence(g.re, g.im, *x, *y);
@@ -583,7 +591,7 @@ impl Pair<'_> {
         }
     }
 
-    /// Coherence alone; NaN without input or output.
+    /// Returns the coherence alone; NaN without input or output.
     fn coherences(&self) -> Vec<f64> {
         let mut coherence = vec![0.0; self.inputs.len()];
         pulp::Arch::new().dispatch(CoherenceOf {
@@ -594,7 +602,7 @@ impl Pair<'_> {
     }
 }
 
-/// Mean, summed in eight independent lanes.
+/// Returns the mean, summed in eight independent lanes.
 pub(crate) fn mean(values: &[f64]) -> f64 {
     let mut lanes = [0.0; 8];
     for chunk in values.chunks(lanes.len()) {
@@ -605,7 +613,7 @@ pub(crate) fn mean(values: &[f64]) -> f64 {
     lanes.iter().sum::<f64>() / values.len() as f64
 }
 
-/// Half the binary exponent of a level.
+/// Returns half the binary exponent of a level.
 #[expect(
     clippy::cast_possible_truncation,
     reason = "the exponent of a finite number lies between -1074 and 1024"

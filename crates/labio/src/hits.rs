@@ -1,8 +1,8 @@
 //! Detection of hits in a long record, and their assessment.
 //!
-//! A [`Trigger`] cuts a record or a stream into hits; [`Criteria`] check each of them; the
-//! [`HitLog`] lists the hits with the reason of every rejection and the user's final decisions.
-//! Only [`HitLog::accepted`] hits enter the spectra.
+//! A [`Trigger`] cuts a record or a stream into hits; [`Criteria`] check each hit; the [`HitLog`]
+//! lists the hits with the reasons for every rejection and the user's final decisions. Only
+//! [`HitLog::accepted`] hits enter the spectra.
 //!
 //! Theory: `docs/theory/hits.md`.
 

@@ -1,4 +1,4 @@
-//! The impulse response of a measured frequency response, and its acausal part.
+//! The impulse response obtained from a measured frequency response, and its acausal part.
 //!
 //! Theory: `docs/theory/spectra.md#kinds-low-lines-causality-passivity`.
 
@@ -7,13 +7,13 @@ use num_complex::Complex64;
 use crate::dft;
 use crate::{AddedDamping, Channel, FrequencyResponse, LabioError};
 
-/// $`h(t_n) = \frac{1}{N\Delta t}\sum_k H_k e^{2\pi i kn/N}`$ over both sides of the spectrum: the
-/// response to a unit impulse \[unit of the response / s\], at N lags.
+/// Impulse response $`h(t_n) = \frac{1}{N\Delta t}\sum_k H_k e^{2\pi i kn/N}`$, with the sum over
+/// the two-sided spectrum: the response to a unit impulse \[unit of the response / s\], at N lags.
 ///
 /// The lags are periodic in N samples. Lags up to $`(N-1)/2`$ count as times after the impulse; the
-/// others are times *before* it or, if the body still rings after half the record, wrapped late
-/// times. The response of a body is causal: values before the impulse are noise, leakage, a delay
-/// between the channels, or wrapped ringing.
+/// others are times *before* it or, if the body still rings after half the record, late times that
+/// are wrapped around. The response of a body is causal: values before the impulse are caused by
+/// noise, leakage, a delay between the channels, or wrapped ringing.
 ///
 /// The lines at 0 Hz and at the Nyquist frequency occur once, and only their real parts are used. A
 /// mobility converted from an accelerance has an imaginary line at the Nyquist frequency, which
@@ -36,8 +36,8 @@ impl FrequencyResponse {
     /// # Errors
     ///
     /// [`LabioError::MissingLines`] if a line carries no information: any value for it would be
-    /// arbitrary. [`LabioError::CountMismatch`] if the lists of the response are not of one
-    /// length, or not that of its samples.
+    /// arbitrary. [`LabioError::CountMismatch`] if the lists of the response differ in length, or
+    /// if the number of lines does not match the number of samples.
     pub fn impulse_response(&self) -> Result<ImpulseResponse, LabioError> {
         self.check_lengths()?;
         self.check_complete("an impulse response")?;
@@ -98,7 +98,7 @@ impl ImpulseResponse {
         self.added_damping
     }
 
-    /// Values at all N lags, those before the impulse at the end.
+    /// Values at all N lags; the lags before the impulse are at the end.
     #[must_use]
     pub fn values(&self) -> &[f64] {
         &self.values
@@ -112,10 +112,10 @@ impl ImpulseResponse {
 
     /// Fraction of the energy at lags before the impulse, $`\sum_{t<0}h^2/\sum h^2`$: 0 for a
     /// causal response that decays within half a record, 1/2 for noise. (With an even number of
-    /// samples the ambiguous lag of half a record counts as before.)
+    /// samples, the ambiguous lag of half a record counts as before the impulse.)
     #[must_use]
     pub fn acausal_part(&self) -> f64 {
-        // relative to the largest: no square then overflows or underflows
+        // relative to the largest value, so that no square overflows or underflows
         let largest = self.values.iter().fold(0.0_f64, |top, h| top.max(h.abs()));
         if largest == 0.0 {
             return 0.0;
@@ -140,13 +140,15 @@ impl ImpulseResponse {
         causal
     }
 
-    /// Returns the response without the exponential window: each value times $`e^{\sigma t}`$ with
-    /// its lag t, negative before the impulse. Unchanged if there was no window.
+    /// Returns the response without the exponential window: each value is multiplied by
+    /// $`e^{\sigma t}`$ with its lag t, which is negative before the impulse. Without a window, the
+    /// response is unchanged.
     ///
     /// # Validity
     ///
-    /// Exact for a body whose response under the window decays within half a record. Noise grows
-    /// with the lag, by [`ImpulseResponse::noise_growth`] at the last.
+    /// Exact for a body whose response under the window decays within half a record. Noise is
+    /// amplified increasingly with the lag, by the factor [`ImpulseResponse::noise_growth`] at the
+    /// last lag.
     #[must_use]
     pub fn without_added_damping(&self) -> Self {
         let Some(window) = self.added_damping else {
@@ -167,8 +169,8 @@ impl ImpulseResponse {
         free
     }
 
-    /// Factor $`e^{\sigma t}`$ by which removing the exponential window multiplies the last lag; 1
-    /// without a window.
+    /// Factor $`e^{\sigma t}`$ by which removing the exponential window multiplies the value at the
+    /// last lag; 1 without a window.
     #[must_use]
     pub fn noise_growth(&self) -> f64 {
         let last = (self.n_causal() - 1) as f64 / self.sampling_rate_hz;
@@ -191,7 +193,7 @@ impl ImpulseResponse {
         self.values.len().div_ceil(2)
     }
 
-    /// The values at the lags after the impulse, and at those before it.
+    /// Returns the values at the lags after the impulse, and those at the lags before it.
     fn halves(&self) -> (&[f64], &[f64]) {
         self.values.split_at(self.n_causal())
     }
@@ -205,7 +207,8 @@ mod tests {
 
     const RATE: f64 = 1000.0;
 
-    /// Two decaying modes: the impulse response is a sum of real parts of powers of these numbers.
+    /// Two decaying modes: the impulse response is the sum of the imaginary parts of powers of
+    /// these numbers.
     fn modes() -> [(f64, Complex64); 2] {
         [
             (3.0, Complex64::new(-60.0, 700.0)),
@@ -221,7 +224,8 @@ mod tests {
             .sum()
     }
 
-    /// The response to a unit impulse (one sample of force 1/dt), from `at` samples on.
+    /// Returns an averager and a hit: the response to a unit impulse (one sample of force 1/dt) at
+    /// sample `at`.
     fn averager(n: usize, at: usize) -> (SpectrumAverager, Record) {
         let channels = vec![
             Channel::new("force", Quantity::Force).unwrap(),
@@ -254,7 +258,7 @@ mod tests {
     fn the_response_of_two_modes_is_found_for_even_and_odd_lengths() {
         for n in [600, 601] {
             let response = response(n, 0);
-            // the sum of a geometric series for each mode: nothing of ours in it
+            // the sum of a geometric series for each mode, independent of the code under test
             for (f, value) in response.frequency_hz.iter().zip(&response.values) {
                 let omega = std::f64::consts::TAU * f;
                 let closed: Complex64 = modes()
@@ -268,14 +272,14 @@ mod tests {
                         amplitude * (series(*pole) - series(pole.conj())) / Complex64::new(0.0, 2.0)
                     })
                     .sum();
-                // 600 roundings of order 1e-3
+                // rounding errors of 600 numbers of order 1e-3
                 assert!((value - closed).norm() < 1e-15, "{f} Hz");
             }
             let impulse = response.impulse_response().unwrap();
             for (i, value) in impulse.values().iter().enumerate() {
                 assert!((value - exact(i)).abs() < 1e-13); // two transforms of numbers of order one
             }
-            // e^{-60 0.3 2}: what is left after half the record, relative in energy
+            // e^{-60 0.3 2}: relative energy that is left after half the record
             assert!(impulse.acausal_part() < 1e-14);
             for (there, back) in response.values.iter().zip(impulse.lines()) {
                 assert!((there - back).norm() < 1e-15);
@@ -286,7 +290,7 @@ mod tests {
     #[test]
     fn what_comes_before_its_cause_is_measured_and_cut() {
         let mut late = response(600, 0);
-        // the input is late by 20 samples: the body seems to answer before it is hit
+        // the input is late by 20 samples: the body seems to respond before it is hit
         for (line, value) in late.values.iter_mut().enumerate() {
             let angle = std::f64::consts::TAU * (line * 20) as f64 / 600.0;
             *value *= Complex64::cis(angle);
@@ -294,7 +298,7 @@ mod tests {
         let impulse = late.impulse_response().unwrap();
         let energy = |from: usize, to: usize| (from..to).map(|i| exact(i).powi(2)).sum::<f64>();
         let expected = energy(0, 20) / energy(0, 600);
-        // a modulation of the Nyquist line by e^{i 20 pi} = 1 leaves it real: rounding only
+        // the factor of the Nyquist line, e^{i 20 pi} = 1, leaves it real: only rounding errors
         assert!((impulse.acausal_part() - expected).abs() < 1e-12);
         let causal = impulse.causal();
         assert!(causal.acausal_part() <= 0.0);
@@ -311,12 +315,12 @@ mod tests {
             averager.add(&hit).unwrap();
             let response = averager.spectra().unwrap().h1("force", "velocity").unwrap();
             let impulse = response.impulse_response().unwrap();
-            // wherever in the record the hit is: H(sigma + i omega)
+            // H(sigma + i omega), wherever in the record the hit is
             let damped = |i: usize| exact(i) * (-40.0 * i as f64 / RATE).exp();
             let free = impulse.without_added_damping();
             for i in 0..200 {
                 assert!((impulse.values()[i] - damped(i)).abs() < 1e-13);
-                // rounding times the growth of noise
+                // rounding errors times the growth of noise
                 assert!((free.values()[i] - exact(i)).abs() < 1e-13 * impulse.noise_growth());
             }
             assert!((impulse.noise_growth() / (40.0_f64 * 0.199).exp() - 1.0).abs() < 1e-14);

@@ -46,13 +46,13 @@ use crate::error::{check_finite, check_not_negative, check_positive};
 use crate::{LabioError, Provenance, Record, SensorChain};
 use stage::{Signals, Stage};
 
-/// A sequence of stages from a history to a record.
+/// A sequence of stages that convert a history to a record.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Instrument {
     stages: Vec<Stage>,
 }
 
-/// A channel whose converter reached the end of its range.
+/// A channel whose converter was overloaded.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Saturation {
     /// The channel.
@@ -67,7 +67,7 @@ pub struct Saturation {
 pub struct Acquisition {
     /// The record. Its provenance names the generator of the history and every stage.
     pub record: Record,
-    /// Overloaded channels; empty if the record is sound.
+    /// Overloaded channels; empty if the record is valid.
     pub saturations: Vec<Saturation>,
 }
 
@@ -83,9 +83,9 @@ impl Instrument {
         self
     }
 
-    /// Converts a physical quantity to the recorded output of the sensor chain: $`u = u_0 +
-    /// p\,G\,S\,y`$. The record is then in volts (or coulombs) and can be calibrated by an
-    /// erroneous chain.
+    /// Converts a physical quantity to the recorded output of the sensor chain:
+    /// $`u = u_0 + p\,G\,S\,y`$. The record is then in volts (or coulombs); calibrating it with
+    /// another chain simulates an error of calibration.
     #[must_use]
     pub fn sense(self, channel: impl Into<String>, chain: SensorChain) -> Self {
         self.then(Stage::Sense {
@@ -111,7 +111,7 @@ impl Instrument {
     ///
     /// # Errors
     ///
-    /// [`LabioError::NonPhysical`] if it is not finite.
+    /// [`LabioError::NonPhysical`] if the constant is not finite.
     pub fn offset(self, channel: impl Into<String>, value: f64) -> Result<Self, LabioError> {
         let stage = Stage::Offset {
             channel: channel.into(),
@@ -128,7 +128,7 @@ impl Instrument {
     ///
     /// # Errors
     ///
-    /// [`LabioError::NonPhysical`] if the time is not finite, and when recording if it exceeds the
+    /// [`LabioError::NonPhysical`] if the time is not finite and, when recording, if it exceeds the
     /// duration.
     pub fn delay(self, channel: impl Into<String>, time: f64) -> Result<Self, LabioError> {
         let stage = Stage::Delay {
@@ -151,7 +151,7 @@ impl Instrument {
         Ok(self.then(stage))
     }
 
-    /// Adds Gaussian noise of this spectrum, up to half the sampling rate of the signals at this
+    /// Adds Gaussian noise with this spectrum, up to half the sampling rate of the signals at this
     /// stage.
     #[must_use]
     pub fn noise(self, channel: impl Into<String>, spectrum: NoiseSpectrum) -> Self {
@@ -161,8 +161,8 @@ impl Instrument {
         })
     }
 
-    /// Mixes all channels: $`y_i = \sum_j C_{ij} x_j`$, `matrix` of shape `(n_channels,
-    /// n_channels)`, with ones on the diagonal for channels that keep their own gain.
+    /// Mixes all channels: $`y_i = \sum_j C_{ij} x_j`$, with `matrix` of shape
+    /// `(n_channels, n_channels)`, whose diagonal is 1 for channels that keep their gain.
     ///
     /// # Errors
     ///
@@ -179,21 +179,21 @@ impl Instrument {
     ///
     /// # Validity
     ///
-    /// Histories sampled so finely that they have no content at half their sampling rate after the
-    /// filter.
+    /// Histories sampled so finely that, after the filter, they have no content at half their
+    /// sampling rate.
     #[must_use]
     pub fn anti_alias(self, filter: AntiAlias) -> Self {
         self.then(Stage::AntiAlias { filter })
     }
 
-    /// Takes samples at `rate_hz`, each the mean over `aperture` \[s\] centred on its instant (0:
-    /// the value itself). The rate of the history must be a whole multiple of it. Aliasing is
-    /// not prevented: that is the task of the anti-alias filter.
+    /// Samples the signals at `rate_hz`; each sample is the mean over `aperture` \[s\] centred on
+    /// its instant (0: the value itself). The rate of the history must be a whole multiple of
+    /// `rate_hz`. Aliasing is not prevented: that is the task of the anti-alias filter.
     ///
     /// # Errors
     ///
-    /// [`LabioError::NonPhysical`] if the rate is not positive or the aperture negative, and when
-    /// recording if the ratio of the rates is not whole.
+    /// [`LabioError::NonPhysical`] if the rate is not positive or the aperture is negative and,
+    /// when recording, if the ratio of the rates is not a whole number.
     pub fn sample(self, rate_hz: f64, aperture: f64) -> Result<Self, LabioError> {
         let stage = Stage::Sample {
             rate_hz: check_positive("sampling rate [Hz]", rate_hz)?,
@@ -220,18 +220,19 @@ impl Instrument {
         })
     }
 
-    /// Returns the record of `history`. The same generator in the same state gives the same record.
+    /// Returns the record of `history`. The same random generator in the same state gives the same
+    /// record.
     ///
     /// # Errors
     ///
     /// - [`LabioError::UnknownChannel`]: a stage names a channel that the history does not have.
     /// - [`LabioError::UnitMismatch`]: a sensor does not measure the quantity of its channel.
-    /// - [`LabioError::CountMismatch`]: the size of the cross-talk matrix is not the number of
-    ///   channels.
+    /// - [`LabioError::CountMismatch`]: the size of the cross-talk matrix differs from the number
+    ///   of channels.
     /// - [`LabioError::NonPhysical`]: the sampling rate does not divide that of the history, or a
     ///   delay exceeds its duration.
     /// - [`LabioError::TooFewSamples`], [`LabioError::NonFiniteSample`]: no samples are left, or
-    ///   non-finite ones.
+    ///   some are not finite.
     pub fn record<R: Rng + ?Sized>(
         &self,
         history: &Record,

@@ -8,31 +8,32 @@ use crate::LabioError;
 use crate::dft;
 use crate::error::check_positive;
 
-/// Treatment of low frequencies in an integration. An offset of 1 becomes a drift of t, so that
-/// every integral must define the offset.
+/// Treatment of low frequencies in an integration. An offset of 1 becomes a drift of t, so every
+/// integration needs a definition of the offset.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub enum LowFrequency {
     /// Treats the history as one period of a periodic one. Its mean is removed, and the integral
-    /// has zero mean: exact for a sum of the spectral lines of the record; for a transient
-    /// wrong by a constant and, if its mean was not zero, a ramp.
+    /// has zero mean: this is exact for a sum of the spectral lines of the record; for a transient
+    /// it is wrong by a constant and, if the mean of the transient was not zero, a ramp.
     MeanRemoved,
-    /// Removes the mean as [`Self::MeanRemoved`], and all lines below the frequency by a sharp cut.
+    /// Removes the mean, as [`Self::MeanRemoved`] does, and all lines below the frequency by a
+    /// sharp cut-off.
     CutBelow {
         /// First frequency that is kept \[Hz\].
         frequency_hz: f64,
     },
-    /// Treats the body as at rest over the first samples: their mean is the offset and is removed;
-    /// the integral starts from 0. It uses the trapezoidal rule, which is too small by
-    /// $`\frac{\omega\Delta t}{2}\cot\frac{\omega\Delta t}{2}`$. An error $`\delta`$ of the
-    /// offset is a drift $`\delta t`$. For impacts.
+    /// For impacts: treats the body as at rest over the first samples. Their mean is the offset and
+    /// is removed; the integral starts from 0. The trapezoidal rule is used; it gives a result that
+    /// is too small by the factor $`\frac{\omega\Delta t}{2}\cot\frac{\omega\Delta t}{2}`$. An
+    /// error $`\delta`$ of the offset causes a drift $`\delta t`$.
     AtRest {
         /// Number of samples before the hit.
         n_samples: usize,
     },
 }
 
-/// Integrates `samples` taken at `sampling_rate_hz` \[Hz\] over time: acceleration to velocity,
+/// Integrates `samples`, sampled at `sampling_rate_hz` \[Hz\], over time: acceleration to velocity,
 /// velocity to displacement.
 ///
 /// # Examples
@@ -50,7 +51,7 @@ pub enum LowFrequency {
 /// # Errors
 ///
 /// [`LabioError::NonPhysical`] for the sampling rate or the cut-off frequency,
-/// [`LabioError::TooFewSamples`] below two samples or without a sample at rest,
+/// [`LabioError::TooFewSamples`] for fewer than two samples or without a sample at rest,
 /// [`LabioError::CountMismatch`] if there are more samples at rest than samples,
 /// [`LabioError::NonFiniteSample`].
 pub fn integrate(
@@ -81,19 +82,19 @@ pub fn integrate(
     in_range("integral", dft::inverse(&lines, samples.len()))
 }
 
-/// Differentiates `samples` taken at `sampling_rate_hz` \[Hz\] with respect to time, as one period
-/// of a periodic history: each line is multiplied by $`i\omega`$, that at the Nyquist frequency,
-/// whose derivative is zero at every sample, by 0.
+/// Differentiates `samples`, sampled at `sampling_rate_hz` \[Hz\], with respect to time, as one
+/// period of a periodic history: each line is multiplied by $`i\omega`$. The line at the Nyquist
+/// frequency, whose derivative is zero at every sample, is multiplied by 0.
 ///
 /// # Validity
 ///
-/// A history whose end does not match its beginning has a jump there, and its derivative a spike
-/// with ripples.
+/// If the end of a history does not match its beginning, the history has a jump there, and its
+/// derivative a spike with ripples.
 ///
 /// # Errors
 ///
-/// [`LabioError::NonPhysical`] for the sampling rate, [`LabioError::TooFewSamples`] below two
-/// samples, [`LabioError::NonFiniteSample`].
+/// [`LabioError::NonPhysical`] for the sampling rate, [`LabioError::TooFewSamples`] for fewer than
+/// two samples, [`LabioError::NonFiniteSample`].
 pub fn differentiate(samples: &[f64], sampling_rate_hz: f64) -> Result<Vec<f64>, LabioError> {
     check(samples, sampling_rate_hz)?;
     let spacing_hz = sampling_rate_hz / samples.len() as f64;
@@ -108,7 +109,7 @@ pub fn differentiate(samples: &[f64], sampling_rate_hz: f64) -> Result<Vec<f64>,
     in_range("derivative", dft::inverse(&lines, samples.len()))
 }
 
-/// Accepts a result without overflow.
+/// Accepts a result if it has not overflowed.
 fn in_range(what: &str, result: Vec<f64>) -> Result<Vec<f64>, LabioError> {
     let mut numbered = result.iter().enumerate();
     match numbered.find(|(_, value)| !value.is_finite()) {
@@ -183,7 +184,7 @@ mod tests {
 
     const RATE: f64 = 100.0;
 
-    /// Lines 3 and 7 of a record of n samples, the p-th derivative.
+    /// Returns the p-th derivative of a history with lines 3 and 7 of a record of n samples.
     fn periodic(n: usize, p: i32) -> Vec<f64> {
         (0..n)
             .map(|i| {
@@ -235,8 +236,8 @@ mod tests {
 
     #[test]
     fn a_body_at_rest_keeps_the_velocity_an_impact_gave_it() {
-        // a half-sine of duration 40 ms from 0.1 s on, amplitude A: velocity 2 A T/pi; trapezoids
-        // of a half-sine of N steps give (T/N) A cot(pi/2N)
+        // a half-sine of duration T = 40 ms from 0.1 s on, amplitude A: velocity 2 A T/pi; the
+        // trapezoidal rule with N steps in the half-sine gives (T/N) A cot(pi/2N)
         let n_steps = 40.0;
         let rate = 1000.0;
         let acceleration: Vec<f64> = (0..400)

@@ -4,9 +4,9 @@
 //!
 //! A body is struck a few times with an instrumented hammer; the force $`f(t)`$ and the responses
 //! $`x_j(t)`$ are sampled. The result is the frequency response $`H(\omega) = \hat x/\hat f`$ with
-//! the ordinary coherence, the number of averages and the random error of every line. In this way
-//! (Ödeen 1993, paper E, section 3.1) obtains the mobility of an impact face, and (paper
-//! A) the ratio of two end accelerations.
+//! the ordinary coherence, the number of averages and the random error of every line. The mobility
+//! of an impact face (Ödeen 1993, paper E, section 3.1) and the ratio of two end accelerations
+//! (paper A) are obtained in this way.
 //!
 //! The steps are: a file ([`mod@format`]) is read as a [`Record`], the [`SensorChain`] of each
 //! channel converts volts to quantities, and the [`hits`] are found and checked. A
@@ -76,22 +76,23 @@
 //!
 //! # Conventions
 //!
-//! - Time factor $`e^{+i\omega t}`$, forward kernel $`e^{-i\omega t}`$: a delay $`\tau`$ turns the
+//! - Time factor $`e^{+i\omega t}`$, forward kernel $`e^{-i\omega t}`$: a delay $`\tau`$ shifts the
 //!   phase by $`-\omega\tau`$.
 //! - Samples are SI numbers in `f64`; the [`Quantity`] of a channel names the unit.
 //! - Arrays of samples are `(n_channels, n_samples)`. Spectra are one-sided and start at 0 Hz; an
 //!   even number of samples puts a line on the Nyquist frequency, an odd number does not.
 //! - Spectra are *energy* spectral densities per hit. The scaling is done only in
 //!   [`SpectrumAverager`] and is stated there.
-//! - A line that carries no information is flagged by [`LineValidity`] and holds NaN, so that it
-//!   cannot be mistaken for a measurement.
+//! - A line that carries no information is flagged by [`LineValidity`] and has the value NaN, so
+//!   that it cannot be mistaken for a measurement.
 //!
 //! # Limitations
 //!
 //! Double hits and clipped samples are not repaired. Time steps must be uniform; nothing is
 //! resampled. Hits are assumed independent; overlapped segments count by their effective number.
-//! The bias by noise on one of the channels is bounded from the coherence
-//! ([`FrequencyResponse::bias`]); that by leakage and finite resolution is not estimated.
+//! The bias caused by noise on one of the channels is bounded from the coherence
+//! ([`FrequencyResponse::bias`]); the bias caused by leakage and finite resolution is not included
+//! there.
 //!
 //! Theory: `docs/theory/hits.md`, `docs/theory/spectra.md`.
 
@@ -151,7 +152,7 @@ pub use stream::BlockSource;
 pub use unit::{Dimension, Unit};
 pub use window::{AddedDamping, DampedMode, ForceWindow, SampledWindow, Window};
 
-// Types in signatures, re-exported for dependents of this crate alone in the matching version.
+// Types in signatures, re-exported so that dependents of this crate alone get the matching version.
 pub use {ndarray, num_complex, rand};
 
 #[cfg(doctest)]

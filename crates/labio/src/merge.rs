@@ -17,16 +17,16 @@ use entering::{
     CLEAR, Entering, bias_at, clear_lines, common_error_at, common_variance, freedom_at, is_above,
 };
 
-/// Largest relative difference of the frequencies of tests with the same lines, as sampling rates
-/// may differ.
+/// Largest relative difference between frequencies of tests with the same lines, because sampling
+/// rates may differ slightly.
 const FREQUENCY_TOLERANCE: f64 = 1e-9;
 
-/// The common response of several tests of the same two points, for example with a heavy and a
+/// The common response of several tests between the same two points, for example with a heavy and a
 /// light hammer.
 ///
 /// A test contributes to a line if its coherence is above the level that noise alone reaches once
-/// in twenty ([`Coherence::CHANCE`](crate::Coherence::CHANCE)); if none is, all contribute and the
-/// line is not [coherent](Self::coherent).
+/// in twenty ([`Coherence::CHANCE`](crate::Coherence::CHANCE)); if no test reaches that level, all
+/// contribute, and the line is not [coherent](Self::coherent).
 ///
 /// | field | shape | unit |
 /// |---|---|---|
@@ -36,36 +36,36 @@ const FREQUENCY_TOLERANCE: f64 = 1e-9;
 #[derive(Debug, Clone)]
 #[non_exhaustive]
 pub struct MergedResponse {
-    /// The merged response. Its number of averages is that of all tests together; the errors of a
-    /// line are its own.
+    /// The merged response. Its number of averages is that of all tests together; its errors are
+    /// stated line by line.
     pub response: FrequencyResponse,
-    /// Provenance: share of each test in a line; 0 for all tests where no test has information.
+    /// Provenance: share of each test in each line; 0 for all tests where no test has information.
     pub shares: Array2<f64>,
     /// True where the contributing tests are coherent. A test without coherence counts as
     /// coherent.
     pub coherent: Vec<bool>,
-    /// Difference of the coherent tests in units of their errors. For two tests it is
-    /// $`\frac\nu2\ln(1+2f/\nu)`$ with $`f=\lvert
-    /// H_1-H_2\rvert^2/(\mathrm{Var}_1+\mathrm{Var}_2)`$, where the possible bias of a line counts
-    /// as a variance, and ν degrees of freedom of the sum of variances (Welch and
-    /// Satterthwaite): minus the logarithm of the probability of so large a difference by
-    /// chance, with mean 1 for any number of hits, and f for many. For more tests it is the mean
-    /// over the tests, each compared with those of smaller variance. NaN if fewer than two
-    /// tests are coherent.
+    /// Difference between the coherent tests in units of their errors. For two tests it is
+    /// $`\frac\nu2\ln(1+2f/\nu)`$ with
+    /// $`f=\lvert H_1-H_2\rvert^2/(\mathrm{Var}_1+\mathrm{Var}_2)`$, where the possible bias of a
+    /// line counts as a variance, and ν is the degrees of freedom of the sum of variances (Welch
+    /// and Satterthwaite). This is minus the logarithm of the probability of so large a difference
+    /// by chance; its mean is 1 for any number of hits, and it is f for many hits. For more tests
+    /// it is the mean over the tests, each compared with those of smaller variance. NaN if fewer
+    /// than two tests are coherent.
     pub discrepancy: Vec<f64>,
-    /// Factor on the variance for a discrepancy of the line and its neighbours beyond chance
+    /// Factor on the variance where the discrepancy of the line and its neighbours exceeds chance
     /// (Birge's ratio); 1 elsewhere.
     pub inflation: Vec<f64>,
-    /// Agreement of each later test with the first, over all lines that both have; `None` if these
-    /// are too few.
+    /// Agreement of each later test with the first, over all lines that both have; `None` if there
+    /// are too few such lines.
     pub agreement: Vec<Option<Agreement>>,
 }
 
 /// Number of lines on either side whose discrepancies are averaged with that of a line.
 const NEIGHBOURS: usize = 16;
 
-/// Probability with which chance makes the mean discrepancy of neighbours count on any line of two
-/// tests.
+/// Probability that chance alone makes the mean discrepancy of neighbouring lines significant on
+/// any line of two tests.
 const BY_CHANCE: f64 = 0.01;
 
 #[allow(
@@ -73,18 +73,19 @@ const BY_CHANCE: f64 = 0.01;
     reason = "`like` has found as many lines in every list of every test; the spectra of a test have the lines of its response"
 )]
 impl MergedResponse {
-    /// Takes each line from the test with the larger coherent power of the input, $`\gamma^2
-    /// G_{xx}`$ (Ödeen 1993, paper E, section 3.1, for inputs without noise), among tests with
-    /// a coherence above the level that chance reaches once in ten thousand, if there are any.
+    /// Uses for each line the test with the largest coherent power of the input,
+    /// $`\gamma^2 G_{xx}`$ (Ödeen 1993, paper E, section 3.1, for inputs without noise). If there
+    /// are tests with a coherence above the level that chance reaches once in ten thousand, only
+    /// these are considered.
     ///
     /// # Examples
     ///
-    /// The program `merge_two_hammers` in the examples.
+    /// The example program `merge_two_hammers`.
     ///
     /// # Errors
     ///
     /// [`LabioError::CountMismatch`] without a test, [`LabioError::UnknownChannel`],
-    /// [`LabioError::ResponseMismatch`] if the tests have other lines or other quantities.
+    /// [`LabioError::ResponseMismatch`] if the tests differ in their lines or quantities.
     pub fn by_larger_input(
         tests: &[&AveragedSpectra],
         estimator: Estimator,
@@ -102,8 +103,8 @@ impl MergedResponse {
         Self::larger_of(&responses, &levels)
     }
 
-    /// Takes each line from the test with the larger coherent level among `levels`, one list per
-    /// test with the averaged auto-spectrum of the input.
+    /// Uses for each line the test with the largest coherent level; `levels` has one list per test
+    /// with the averaged auto-spectrum of the input.
     ///
     /// # Errors
     ///
@@ -143,12 +144,12 @@ impl MergedResponse {
         let level = |test: usize, line: usize| coherence(test, line) * levels[test][line];
         for line in 0..n_lines {
             let Entering { tests, coherent } = Entering::of(responses, line);
-            // a test that is coherent by chance has the power of its noise
+            // the power of a test that is coherent by chance is that of its noise
             let clear = |test: &usize| is_above(&responses[*test], line, CLEAR);
             let any_clear = tests.iter().any(clear);
             let candidates = tests.into_iter().filter(|test| !any_clear || clear(test));
             let largest = candidates.max_by(|a, b| {
-                // the first of equal ones
+                // the first among equal ones
                 level(*a, line).total_cmp(&level(*b, line)).then(b.cmp(a))
             });
             let Some(largest) = largest else { continue };
@@ -160,7 +161,7 @@ impl MergedResponse {
         Ok(merged)
     }
 
-    /// Weights the tests on each line by the inverse of their variances for one common H,
+    /// Weights the tests on each line by the inverse of their variances for a common H,
     ///
     /// ```math
     /// H = \frac{\sum_h H_h/(V_h + b_h^2)}{\sum_h 1/(V_h + b_h^2)}, \qquad
@@ -168,25 +169,25 @@ impl MergedResponse {
     /// \mathrm{Var} = \Bigl(1 + 4\sum_h\frac{p_h(1-p_h)}{\nu_h}\Bigr)\sum_h p_h^2\,V_h ,
     /// ```
     ///
-    /// with |H| of the test of the least relative variance, the shares $`p_h`$, the degrees of
-    /// freedom $`\nu_h`$, and the bias $`b_h`$ by noise at rest where it is known, or else the
-    /// bias if all missing coherence were noise of the channel that the estimator assumes
+    /// with |H| of the test with the smallest relative variance, the shares $`p_h`$, the degrees of
+    /// freedom $`\nu_h`$, and the bias $`b_h`$ caused by noise at rest if that is known, or else
+    /// the bias if all missing coherence were noise of the channel that the estimator assumes to be
     /// noise-free ([`FrequencyResponse::bias`]). The variance of H1 alone is unsuitable as a
-    /// weight: input noise reduces it together with H1, and a test without signal would
-    /// dominate. The sum over $`p_h(1-p_h)`$ is the cost of estimated weights (Meier 1953). The
-    /// degrees of freedom are those of Welch and Satterthwaite, $`1/\nu = \sum_h p_h^2/\nu_h`$.
+    /// weight: input noise reduces it together with H1, and a test without signal would dominate.
+    /// The sum over $`p_h(1-p_h)`$ is the cost of estimated weights (Meier 1953). The degrees of
+    /// freedom are those of Welch and Satterthwaite, $`1/\nu = \sum_h p_h^2/\nu_h`$.
     ///
     /// # Validity
     ///
-    /// The tests are independent, and their errors random. If they disagree by more, the variance
-    /// is [inflated](Self::inflation), and an [unexplained](Agreement::explains_gain) gain
-    /// between them is added to the common error. For tests of two hits each the variance is
-    /// too small by a third.
+    /// The tests are independent, and their errors random. If they differ by more than these
+    /// errors, the variance is [inflated](Self::inflation), and an
+    /// [unexplained](Agreement::explains_gain) gain between them is added to the common error. For
+    /// tests of two hits each, the variance is too small by a third.
     ///
     /// # Errors
     ///
-    /// [`LabioError::CountMismatch`] without a test, or if the lists of one have different lengths;
-    /// [`LabioError::TooFewAverages`] if a test has one hit and no variance;
+    /// [`LabioError::CountMismatch`] without a test, or if the lists of a test have different
+    /// lengths; [`LabioError::TooFewAverages`] if a test has one hit and no variance;
     /// [`LabioError::ResponseMismatch`].
     pub fn by_inverse_variance(tests: &[FrequencyResponse]) -> Result<Self, LabioError> {
         let mut merged = Self::like(tests)?;
@@ -251,7 +252,7 @@ impl MergedResponse {
         Ok(merged)
     }
 
-    /// Creates a response like those of the tests, without lines yet.
+    /// Creates a response with the properties of the tests, but without lines yet.
     fn like(tests: &[FrequencyResponse]) -> Result<Self, LabioError> {
         let Some(first) = tests.first() else {
             return Err(LabioError::CountMismatch {
@@ -281,7 +282,8 @@ impl MergedResponse {
             ..first.clone()
         };
         for (line, validity) in first.validity.iter().enumerate() {
-            // where no test has a line, the reason of the first is kept; a valid line overwrites it
+            // where no test has a line, the reason stated by the first test is kept; a valid line
+            // overwrites it
             let reason = match validity {
                 LineValidity::Valid => LineValidity::NoInput,
                 reason => *reason,
@@ -318,7 +320,7 @@ impl MergedResponse {
         }
     }
 
-    /// Compares the tests line by line and as wholes; differences beyond chance are added to the
+    /// Compares the tests line by line and as a whole; differences beyond chance are added to the
     /// errors.
     fn compare(&mut self, tests: &[FrequencyResponse]) {
         if tests.iter().any(|test| test.variance.is_none()) {
@@ -352,7 +354,7 @@ impl MergedResponse {
             if by_chance * known.len() as f64 > BY_CHANCE {
                 continue;
             }
-            // back to squares over variances, for which chance gives a discrepancy of 1
+            // back to squares divided by variances, for which chance gives a discrepancy of 1
             let square = |discrepancy: f64| {
                 if freedom.is_finite() {
                     0.5 * freedom * (2.0 * discrepancy / freedom).exp_m1()
@@ -375,7 +377,7 @@ impl MergedResponse {
                 self.agreement.push(agreement(first, other, both));
             }
         }
-        // of two values that differ by d, one is off by d/√2 in the mean square
+        // if two values differ by d, one of them is off by d/√2 in the root mean square
         let unexplained = self
             .agreement
             .iter()

@@ -1,4 +1,4 @@
-//! Responses to several inputs at once, with multiple and partial coherence.
+//! Responses to several simultaneous inputs, with multiple and partial coherence.
 //!
 //! Theory: `docs/theory/spectra.md#frequency-response`.
 
@@ -22,12 +22,12 @@ use conditioned_line::ConditionedLine;
 /// |---|---|---|
 /// | `frequency_hz` | `(n_lines)` | Hz |
 /// | `values` | `(n_inputs, n_lines)` | unit of the output / unit of the input |
-/// | `variance` | `(n_inputs, n_lines)` | its square |
+/// | `variance` | `(n_inputs, n_lines)` | square of the unit of `values` |
 /// | `partial_coherence`, `ordered_coherence` | `(n_inputs, n_lines)` | 1 |
 /// | `multiple_coherence` | `(n_lines)` | 1 |
 /// | `noise_bias` | `(n_inputs, n_lines)` | 1 |
 ///
-/// Invalid lines hold NaN.
+/// Invalid lines are NaN.
 #[derive(Debug, Clone)]
 #[non_exhaustive]
 pub struct MultiInputResponse {
@@ -37,30 +37,30 @@ pub struct MultiInputResponse {
     pub output: Channel,
     /// Number of hits or segments averaged.
     pub n_averages: usize,
-    /// Number of independent hits or segments of the same variance.
+    /// Number of independent hits or segments that would give the same variance.
     pub effective_averages: f64,
     /// Number of samples of the transformed histories.
     pub n_samples: usize,
-    /// The exponential window on all channels, if there was one.
+    /// The exponential window on all channels, if one was applied.
     pub added_damping: Option<AddedDamping>,
-    /// Frequencies of the lines.
+    /// Frequencies of the lines \[Hz\].
     pub frequency_hz: Vec<f64>,
-    /// $`H_j`$, least squares in the output: H1 for several inputs.
+    /// $`H_j`$, by least squares in the output: H1 for several inputs.
     pub values: Array2<Complex64>,
-    /// $`\mathrm E\lvert\delta H_j\rvert^2`$, twice the variance of a component.
+    /// $`\mathrm E\lvert\delta H_j\rvert^2`$, twice the variance of the real or imaginary part.
     pub variance: Array2<f64>,
-    /// Part of the output's power that is linear in all inputs together.
+    /// Share of the output's power that is linear in all inputs together.
     pub multiple_coherence: Vec<f64>,
-    /// Coherence of input j and the output after the parts linear in all other inputs have been
-    /// removed from both.
+    /// Coherence of input j and the output after the parts that are linear in all other inputs have
+    /// been removed from both.
     pub partial_coherence: Array2<f64>,
-    /// Part of the output's power that is linear in the part of input j independent of the inputs
-    /// *before* it (the conditioned spectra of Bendat and Piersol, in the order of the
-    /// inputs): they sum to the multiple coherence.
+    /// Share of the output's power that is linear in that part of input j which is independent of
+    /// the inputs *before* it (the conditioned spectra of Bendat and Piersol, in the order of the
+    /// inputs): these shares sum to the multiple coherence.
     pub ordered_coherence: Array2<f64>,
-    /// Relative bias of $`\lvert H_j\rvert`$ by the noise of the inputs at rest,
-    /// $`-\mathrm{Re}\,(G_{xx}^{-1} N H)_j/H_j`$ to first order in the noises N; `None` unless
-    /// that of all inputs is known.
+    /// Relative bias of $`\lvert H_j\rvert`$ caused by the noise of the inputs at rest,
+    /// $`-\mathrm{Re}\,(G_{xx}^{-1} N H)_j/H_j`$ to first order in the noises N; `None` unless the
+    /// noise of all inputs is known.
     pub noise_bias: Option<Array2<f64>>,
     /// Validity of each line.
     pub validity: Vec<LineValidity>,
@@ -71,12 +71,12 @@ impl MultiInputResponse {
         channel::find(&self.inputs, input).map(|(number, _)| number)
     }
 
-    /// Returns the response to one of the inputs, with $`2(n_e-q)`$ degrees of freedom of its
-    /// variance and without an ordinary coherence.
+    /// Returns the response to one of the inputs, whose variance has $`2(n_e-q)`$ degrees of
+    /// freedom; it has no ordinary coherence.
     ///
     /// # Errors
     ///
-    /// [`LabioError::UnknownChannel`] if it is none of the inputs.
+    /// [`LabioError::UnknownChannel`] if it is not one of the inputs.
     #[allow(
         clippy::indexing_slicing,
         reason = "`number` finds the input among those of the rows"
@@ -109,12 +109,12 @@ impl MultiInputResponse {
         })
     }
 
-    /// Returns the partial coherence of one of the inputs. Each other input reduces the number of
-    /// averages by one.
+    /// Returns the partial coherence of one of the inputs. Each of the other inputs reduces the
+    /// number of averages by one.
     ///
     /// # Errors
     ///
-    /// [`LabioError::UnknownChannel`] if it is none of the inputs.
+    /// [`LabioError::UnknownChannel`] if it is not one of the inputs.
     pub fn coherence_with(&self, input: &str) -> Result<Coherence, LabioError> {
         let number = self.number(input)?;
         Ok(Coherence {
@@ -128,11 +128,11 @@ impl MultiInputResponse {
 }
 
 impl AveragedSpectra {
-    /// Returns the responses of `output` to `inputs` that act together.
+    /// Returns the responses of `output` to `inputs` that act simultaneously.
     ///
-    /// With the spectra scaled to unit autos, $`R_{ij} = G_{ij}/\sqrt{G_{ii}G_{jj}}`$ and $`r_i =
-    /// G_{iy}/\sqrt{G_{ii}G_{yy}}`$, the responses solve $`R h = r`$, $`h_j =
-    /// H_j\sqrt{G_{jj}/G_{yy}}`$, and
+    /// With the spectra scaled to unit auto-spectra, $`R_{ij} = G_{ij}/\sqrt{G_{ii}G_{jj}}`$ and
+    /// $`r_i = G_{iy}/\sqrt{G_{ii}G_{yy}}`$, the responses solve $`R h = r`$,
+    /// $`h_j = H_j\sqrt{G_{jj}/G_{yy}}`$, and
     ///
     /// ```math
     /// \gamma^2_{y:x} = r^* R^{-1} r, \qquad
@@ -140,21 +140,21 @@ impl AveragedSpectra {
     /// \gamma^2_{jy\cdot\mathrm{rest}} = \frac{\lvert h_j\rvert^2}{\lvert h_j\rvert^2 + (1-\gamma^2_{y:x})(R^{-1})_{jj}} .
     /// ```
     ///
-    /// The q fitted responses reduce the number of averages by q: for one input it is the variance
-    /// of [`AveragedSpectra::h1`].
+    /// The q fitted responses reduce the number of averages by q: for one input, the variance is
+    /// that of [`AveragedSpectra::h1`].
     ///
     /// # Validity
     ///
     /// Noise on the output only. Linearly dependent inputs cannot be separated: such lines are
-    /// flagged [`LineValidity::DependentInputs`]. A single test in which all inputs keep their
-    /// ratio, such as two shakers on one signal, is of this kind for any number of averages.
+    /// flagged [`LineValidity::DependentInputs`]. A single test in which the ratio of all inputs
+    /// stays the same, such as two shakers driven by one signal, is of this kind for any number of
+    /// averages.
     ///
     /// # Errors
     ///
     /// [`LabioError::CountMismatch`] without an input, [`LabioError::UnknownChannel`],
-    /// [`LabioError::DuplicateChannel`] if a channel is named twice,
-    /// [`LabioError::TooFewAverages`] unless the effective number of averages exceeds that of the
-    /// inputs by more than one.
+    /// [`LabioError::DuplicateChannel`] if a channel is named twice, [`LabioError::TooFewAverages`]
+    /// unless the effective number of averages exceeds the number of inputs by more than one.
     #[allow(
         clippy::indexing_slicing,
         reason = "the lists hold the q inputs and behind them the output, and all spectra of one average have the same lines"

@@ -6,20 +6,20 @@ use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
 
 use crate::{FrequencyResponse, LabioError, LineValidity, ResponseKind};
 
-/// Degrees of freedom above which Student's distribution is normal to three digits of a tail of
-/// 1e-6.
+/// Degrees of freedom above which Student's distribution equals the normal distribution to three
+/// digits at a tail of 1e-6.
 const MANY: f64 = 1e5;
 
-/// Result of the real part of a driving-point mobility on one line.
+/// Assessment of the real part of a driving-point mobility on one line.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Passivity {
     /// The real part is not negative: on average over a period the body absorbs energy.
     Passive,
-    /// The real part is negative, but within chance at the stated level.
+    /// The real part is negative, but within the random error at the stated level.
     WithinError,
-    /// The real part is negative by more: the response is not that of a passive body. Causes are a
-    /// wrong sign, a wrong delay between the channels, a point that is not the driving point,
-    /// or a systematic error.
+    /// The real part is negative by more than the random error: the response is not that of a
+    /// passive body. Causes are a wrong sign, a wrong delay between the channels, a point that is
+    /// not the driving point, or a systematic error.
     Active,
     /// The line carries no information.
     Unknown,
@@ -31,14 +31,14 @@ pub enum Passivity {
 pub struct PassivityReport {
     /// Frequencies of the lines \[Hz\].
     pub frequency_hz: Vec<f64>,
-    /// Real part of the mobility \[m/(N s)\]; NaN without information.
+    /// Real part of the mobility \[m/(N s)\]; NaN on lines without information.
     pub real_part: Vec<f64>,
-    /// Standard error of the real part \[m/(N s)\]; NaN without information.
+    /// Standard error of the real part \[m/(N s)\]; NaN on lines without information.
     pub standard_error: Vec<f64>,
-    /// Probability that a real part of zero is measured as low by chance; 1 if it is not negative,
-    /// NaN without information.
+    /// Probability that, if the true real part is zero, so low a value is measured by chance; 1 if
+    /// the measured value is not negative, NaN on lines without information.
     pub probability: Vec<f64>,
-    /// Results of the lines.
+    /// Assessments of the lines.
     pub lines: Vec<Passivity>,
 }
 
@@ -54,15 +54,15 @@ impl PassivityReport {
 
 impl FrequencyResponse {
     /// Compares the real part of the mobility with zero. For a body without a source of energy it
-    /// is nowhere negative, $`\mathrm{Re}\,Y(i\omega) \ge 0`$, if force and motion have the
-    /// same point and direction and a positive force does work on a positive motion; this also
-    /// holds on the line $`s = \sigma + i\omega`$ of an exponential window.
+    /// is nowhere negative, $`\mathrm{Re}\,Y(i\omega) \ge 0`$, if force and motion have the same
+    /// point and direction and a positive force does work on a positive motion; this is also true
+    /// on the line $`s = \sigma + i\omega`$ of an exponential window.
     ///
-    /// A line is active if a real part of zero is measured as low with a probability less than
-    /// `level`, by Student's distribution with the degrees of freedom of the variance and the
-    /// standard error $`\sqrt{\mathrm{Var}/2}`$ of the real part. With a thousand lines and the
-    /// level 1e-5, one passive body in a hundred has an active line. Any of the six kinds may be
-    /// given.
+    /// A line is active if, for a true real part of zero, the probability of measuring so low a
+    /// value is less than `level`, by Student's distribution with the degrees of freedom of the
+    /// variance and the standard error $`\sqrt{\mathrm{Var}/2}`$ of the real part. With a thousand
+    /// lines and the level 1e-5, one passive body in a hundred has an active line. The response may
+    /// be of any of the six kinds.
     ///
     /// # Errors
     ///
@@ -122,7 +122,7 @@ impl FrequencyResponse {
     }
 }
 
-/// Probability that zero is measured as low as `value` by chance.
+/// Returns the probability that a true value of zero is measured as low as `value` by chance.
 fn below_zero(value: f64, error: f64, freedom: f64) -> f64 {
     let distance = value / error;
     if value >= 0.0 {
@@ -145,7 +145,7 @@ mod tests {
     use rand_chacha::ChaCha8Rng;
     use rand_distr::{Distribution, StandardNormal};
 
-    /// Hits on a damper of mobility `mobility` whose velocity is delayed by `delay` samples, with
+    /// Hits on a damper of mobility `mobility`, whose velocity is delayed by `delay` samples, with
     /// noise of level `noise`.
     fn damper(mobility: f64, delay: usize, noise: f64) -> AveragedSpectra {
         damper_of(8, mobility, delay, noise, 2)
@@ -189,8 +189,8 @@ mod tests {
         };
         assert_eq!(count(2.0, 0), 0);
         assert_eq!(count(-2.0, 0), 129);
-        // late by one sample: the phase is behind by more than a right angle above half the Nyquist
-        // frequency
+        // late by one sample: above half the Nyquist frequency, the phase lag is more than a right
+        // angle
         let response = damper(2.0, 1, 1e-6).h1("force", "velocity").unwrap();
         let report = response.passivity(0.02).unwrap();
         for (f, verdict) in report.frequency_hz.iter().zip(&report.lines) {
@@ -207,12 +207,12 @@ mod tests {
         let response = damper(0.0, 0, 1.0).h1("force", "velocity").unwrap();
         let report = response.passivity(0.5).unwrap();
         let active = report.active_lines().count() as f64 / 129.0;
-        // half of the lines, binomial standard error 0.044: four of these
+        // half of the lines, binomial standard error 0.044; four times this
         assert!((active - 0.5).abs() < 0.18, "{active}");
         let report = response.passivity(0.02).unwrap();
         assert!(report.lines.contains(&Passivity::WithinError));
-        // of three hits, where two standard errors would flag 6 %: 20 tests of 129 lines, of which
-        // 1 % is 26, four standard errors are 20
+        // with three hits, two standard errors would flag 6 %: 1 % of 20 tests with 129 lines is
+        // 26; four standard errors are 20
         let flagged: usize = (0..20)
             .map(|seed| {
                 let response = damper_of(3, 0.0, 0, 1.0, seed)

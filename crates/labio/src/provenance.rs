@@ -57,7 +57,8 @@ pub enum Provenance {
     },
     /// Computed.
     Computed {
-        /// Name of the generator, which must not share a method with the inversion of the record.
+        /// Name of the generator, which must not use the same method as the inversion of the
+        /// record.
         generator: String,
     },
 }
@@ -96,7 +97,7 @@ impl Provenance {
         }
     }
 
-    /// Replaces bytes by the file at `path`; other variants are unchanged.
+    /// Replaces the variant for bytes by that for the file at `path`; other variants are unchanged.
     #[must_use]
     pub fn found_at(self, path: &Path) -> Self {
         match self {
@@ -139,7 +140,7 @@ mod tests {
 
     #[test]
     fn the_hash_is_sha_256() {
-        // the one-block message of FIPS 180-4's examples
+        // the one-block message from the examples of FIPS 180-4
         assert_eq!(
             ContentHash::of(b"abc").to_string(),
             "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad"

@@ -1,7 +1,7 @@
-//! Ratio of two channels of hits, with its random and its common errors.
+//! Ratio of two channels of hits, with its random and common errors.
 //!
-//! Averages of several hits, one shot with the silence before it, pulses cut out of the hits and
-//! ratios that other programs have made all end in one type, [`ResponseRatio`].
+//! Averages of several hits, one shot with the silence before it, pulses cut out of the hits, and
+//! ratios computed by other programs are all represented by one type, [`ResponseRatio`].
 //!
 //! Theory: `docs/theory/one-shot.md`, `docs/theory/neighbouring-methods.md#few-hits`.
 
@@ -21,11 +21,11 @@ use freedom::check_averages;
 use one_shot::ChannelAtRest;
 use pooling::AveragedVariance;
 
-/// Excess of a coherence over 1 by rounding.
+/// Allowance by which rounding may raise a coherence above 1.
 const ROUNDING: f64 = 1e-12;
 
-/// A ratio of spectra, numerator by denominator, with its errors. All lists have one entry per
-/// line.
+/// A ratio of spectra, numerator divided by denominator, with its errors. All lists have one entry
+/// per line.
 ///
 /// | field | unit |
 /// |---|---|
@@ -64,29 +64,29 @@ const ROUNDING: f64 = 1e-12;
 pub struct ResponseRatio {
     /// Frequencies \[Hz\].
     pub frequency_hz: Vec<f64>,
-    /// Numerator by denominator.
+    /// Numerator divided by denominator.
     pub values: Vec<Complex64>,
-    /// E|δΨ|², the random error of real and imaginary part together; infinite where nothing is
-    /// known of the value.
+    /// E|δΨ|², the random error of real and imaginary part together; infinite where the value is
+    /// unknown.
     pub variance: Vec<f64>,
-    /// Degrees of freedom of the variances; `None` where they are known.
+    /// Degrees of freedom of the variances; `None` if the variances are known.
     pub freedom: Option<Vec<DegreesOfFreedom>>,
     /// Ordinary coherence; `None` for one hit.
     pub coherence: Option<Vec<f64>>,
-    /// Effective number of averages behind the coherence.
+    /// Effective number of averages from which the coherence was computed.
     pub averages: Option<f64>,
     /// Number of lines per line with independent noise.
     pub lines_per_independent_line: f64,
-    /// Delay \[s\] of the numerator after the denominator, if both are pulses.
+    /// Delay \[s\] of the numerator relative to the denominator, if both are pulses.
     pub delay: Option<f64>,
-    /// Errors that all lines share: of the ratio of the sensitivities and of the delay between the
-    /// channels. None for one channel by itself.
+    /// Errors that all lines share: those of the ratio of the sensitivities and of the delay
+    /// between the channels. Zero for the ratio of two parts of one channel.
     pub common: SensorError,
 }
 
 impl ResponseRatio {
-    /// Returns the ratio of a `numerator` by a `denominator` of several hits, or of one hit with
-    /// its first `n_silent` samples before the blow.
+    /// Returns the ratio of `numerator` to `denominator` from several hits, or from one hit whose
+    /// first `n_silent` samples are before the blow.
     ///
     /// # Errors
     ///
@@ -103,13 +103,13 @@ impl ResponseRatio {
         }
     }
 
-    /// Returns H1 of several hits with the denominator as input. Its variance is that of the
-    /// coherence, pooled over neighbouring lines if the hits are few ([`pooling`]).
+    /// Returns H1 of several hits with the denominator as input. Its variance follows from the
+    /// coherence, pooled over neighbouring lines if there are few hits ([`pooling`]).
     ///
     /// # Errors
     ///
-    /// [`LabioError::TooFewAverages`] below two hits, whose coherence says nothing;
-    /// [`LabioError::NoNoise`] for hits whose coherence is 1 to rounding; as
+    /// [`LabioError::TooFewAverages`] for fewer than two hits, for which the coherence contains no
+    /// information; [`LabioError::NoNoise`] for hits whose coherence is 1 to rounding; as
     /// [`AveragedSpectra::of`]; [`LabioError::UnknownChannel`].
     pub fn of_hits(
         hits: &[&Record],
@@ -121,20 +121,20 @@ impl ResponseRatio {
         ratio.with_sensors_of(hits, [numerator, denominator])
     }
 
-    /// Returns the ratio of one shot: its variance is from the first `n_silent` samples, before the
-    /// blow.
+    /// Returns the ratio from one shot, with a variance found from the first `n_silent` samples,
+    /// before the blow.
     ///
     /// ```math
     /// \mathrm{E}|\delta r|^2 = \frac{S_y + |r|^2S_x}{|x|^2},
     /// ```
     ///
-    /// S being the energies of the noise that the silence before the blow promises. A coherence of
-    /// one hit is 1 and says nothing.
+    /// where S are the energies of the noise predicted from the silence before the blow. The
+    /// coherence of one hit is 1 and contains no information.
     ///
     /// # Validity
     ///
-    /// Noise that is stationary and independent of the signal: not that of a converter which hardly
-    /// moves at rest, nor of a disturbance that comes with the blow.
+    /// Noise that is stationary and independent of the signal: not the noise of a converter that
+    /// hardly changes its output at rest, nor a disturbance that comes with the blow.
     ///
     /// # Errors
     ///
@@ -162,13 +162,13 @@ impl ResponseRatio {
         ratio.with_sensors_of(&[hit], [numerator, denominator])
     }
 
-    /// Creates a ratio that another program has made, with the ordinary `coherence` of its
+    /// Creates a ratio computed by another program, with the ordinary `coherence` of its
     /// `averages`: E|δΨ|² = |Ψ|² (1 - γ²)/((n - 1) γ²), infinite where the coherence is 0 or NaN.
     ///
     /// # Errors
     ///
-    /// [`LabioError::NonPhysical`] below two averages, or for a coherence that is not from 0 to 1;
-    /// [`LabioError::CountMismatch`].
+    /// [`LabioError::NonPhysical`] for fewer than two averages, or for a coherence that is not from
+    /// 0 to 1; [`LabioError::CountMismatch`].
     pub fn from_coherence(
         frequency_hz: Vec<f64>,
         values: Vec<Complex64>,
@@ -185,7 +185,7 @@ impl ResponseRatio {
         })
     }
 
-    /// Creates a ratio that another program has made, with its variance E|δΨ|², which is known.
+    /// Creates a ratio computed by another program, with its known variance E|δΨ|².
     ///
     /// # Errors
     ///
@@ -230,8 +230,8 @@ impl ResponseRatio {
         }
     }
 
-    /// Returns whether each line has a coherence that noise alone reaches with a probability below
-    /// `probability`; `None` without coherence.
+    /// Returns for each line whether its coherence is so high that noise alone reaches it with a
+    /// probability below `probability`; `None` without coherence.
     #[must_use]
     pub fn above_chance(&self, probability: f64) -> Option<Vec<bool>> {
         let averages = self.averages.filter(|averages| *averages > 1.0)?;
@@ -240,7 +240,7 @@ impl ResponseRatio {
         Some(coherence.iter().map(|value| *value > level).collect())
     }
 
-    /// H1 of averaged spectra and its pooled variance, without the errors of the sensors.
+    /// Returns H1 of averaged spectra with its pooled variance, without the errors of the sensors.
     fn averaged(
         spectra: &AveragedSpectra,
         numerator: &str,
@@ -284,7 +284,8 @@ impl ResponseRatio {
         })
     }
 
-    /// Adds the errors of the sensors of two channels of the first hit; none for one channel twice.
+    /// Adds the errors of the sensors of two channels of the first hit; adds none if both channels
+    /// are the same.
     fn with_sensors_of(
         mut self,
         hits: &[&Record],
@@ -298,7 +299,7 @@ impl ResponseRatio {
     }
 }
 
-/// E|δΨ|² of every line from its coherence.
+/// Returns E|δΨ|² of every line from its coherence.
 fn variance_from_coherence(
     values: &[Complex64],
     coherence: &[f64],

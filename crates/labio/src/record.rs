@@ -10,7 +10,7 @@ use crate::error::{check_finite, check_positive};
 use crate::filter;
 use crate::{LabioError, Provenance, SensorChain, SensorError};
 
-/// Simultaneously sampled channels: finite samples, equally spaced in time, each channel named.
+/// Simultaneously sampled, named channels: finite samples, equally spaced in time.
 ///
 /// | part | shape | unit |
 /// |---|---|---|
@@ -19,7 +19,8 @@ use crate::{LabioError, Provenance, SensorChain, SensorError};
 /// | start time | scalar | s, time of the first sample |
 ///
 /// [`Record::calibrated`] converts a record of volts to one of physical quantities and keeps the
-/// recorded samples: a wrong sensitivity is corrected by calibrating again, without the file.
+/// recorded samples: a wrong sensitivity is corrected by calibrating again, without reading the
+/// file again.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Record {
     samples: Array2<f64>,
@@ -46,7 +47,7 @@ impl Record {
     ///
     /// - [`LabioError::NonPhysical`]: the sampling rate is not positive, or the start time is not
     ///   finite.
-    /// - [`LabioError::CountMismatch`]: the number of channels is not that of the rows.
+    /// - [`LabioError::CountMismatch`]: the number of channels differs from the number of rows.
     /// - [`LabioError::TooFewSamples`]: there is no channel with at least two samples.
     /// - [`LabioError::DuplicateChannel`]: two channels have the same name.
     /// - [`LabioError::NonFiniteSample`]: a sample is NaN or infinite.
@@ -96,11 +97,11 @@ impl Record {
     ///
     /// # Errors
     ///
-    /// - [`LabioError::UnknownChannel`]: there is none of that name.
+    /// - [`LabioError::UnknownChannel`]: no channel has that name.
     /// - [`LabioError::UnitMismatch`]: the chain does not fit the unit in which the channel was
     ///   recorded.
     /// - [`LabioError::NonFiniteSample`]: a recorded number has no physical value, for example a
-    ///   voltage that no strain gives.
+    ///   voltage that no strain produces.
     ///
     /// # Examples
     ///
@@ -150,7 +151,7 @@ impl Record {
     ///
     /// # Errors
     ///
-    /// [`LabioError::UnknownChannel`] if there is none of that name.
+    /// [`LabioError::UnknownChannel`] if no channel has that name.
     pub fn chain(&self, name: &str) -> Result<Option<&SensorChain>, LabioError> {
         let (index, _) = channel::find(&self.channels, name)?;
         let recorded = self.recorded.as_ref();
@@ -159,7 +160,8 @@ impl Record {
             .and_then(Option::as_ref))
     }
 
-    /// Converts several channels by [`Self::calibrated`], each named with its chain.
+    /// Converts several channels as [`Self::calibrated`] does; `chains` lists their names and
+    /// chains.
     ///
     /// # Errors
     ///
@@ -172,7 +174,7 @@ impl Record {
         chains.try_fold(self, |record, (name, chain)| record.calibrated(name, chain))
     }
 
-    /// Returns the errors of the sensor of the channel called `name`; none without a
+    /// Returns the errors of the sensor of the channel called `name`; zero for a channel without a
     /// [`SensorChain`].
     ///
     /// # Errors
@@ -189,11 +191,11 @@ impl Record {
     }
 
     /// Returns the recorded samples of the channel called `name`, in the SI unit of
-    /// [`Self::recorded_channels`]; the samples themselves if nothing was calibrated.
+    /// [`Self::recorded_channels`]; the samples of the record itself if nothing was calibrated.
     ///
     /// # Errors
     ///
-    /// [`LabioError::UnknownChannel`] if there is none of that name.
+    /// [`LabioError::UnknownChannel`] if no channel has that name.
     pub fn recorded(&self, name: &str) -> Result<ArrayView1<'_, f64>, LabioError> {
         let (index, _) = channel::find(&self.channels, name)?;
         Ok(match &self.recorded {
@@ -214,8 +216,8 @@ impl Record {
     ///
     /// # Errors
     ///
-    /// [`LabioError::TooFewSamples`] if fewer than two samples are asked for, or more than there
-    /// are.
+    /// [`LabioError::TooFewSamples`] if the range has fewer than two samples, or extends beyond the
+    /// record.
     pub fn part(&self, range: Range<usize>) -> Result<Self, LabioError> {
         if range.end > self.n_samples() {
             return Err(LabioError::TooFewSamples {
@@ -250,7 +252,7 @@ impl Record {
     }
 
     /// Pads the record to `n_samples` samples, each channel with its mean in the first `n_rest`
-    /// samples, or 0 without these.
+    /// samples, or with 0 if `n_rest` is `None`.
     pub(crate) fn continued(
         &self,
         n_samples: usize,
@@ -291,8 +293,8 @@ impl Record {
     ///
     /// # Validity
     ///
-    /// Signals without content near half the sampling rate, at rest at both ends; otherwise the
-    /// first and last samples ring.
+    /// Signals without content near half the sampling rate that are at rest at both ends; otherwise
+    /// the first and last samples ring.
     ///
     /// # Errors
     ///
@@ -353,7 +355,7 @@ impl Record {
     ///
     /// # Errors
     ///
-    /// [`LabioError::UnknownChannel`] if there is none of that name.
+    /// [`LabioError::UnknownChannel`] if no channel has that name.
     pub fn channel(&self, name: &str) -> Result<ArrayView1<'_, f64>, LabioError> {
         let (index, _) = channel::find(&self.channels, name)?;
         Ok(self.samples.row(index))
@@ -383,7 +385,7 @@ impl Record {
         self.start_time
     }
 
-    /// Duration \[s\]: number of samples over sampling rate.
+    /// Duration \[s\]: number of samples divided by sampling rate.
     #[must_use]
     pub fn duration(&self) -> f64 {
         self.n_samples() as f64 / self.sampling_rate_hz
@@ -563,7 +565,7 @@ mod tests {
         let n = 1000;
         let samples = Array2::from_shape_fn((2, n), |(c, k)| {
             let t = k as f64 / rate;
-            pulse(if c == 0 { t } else { t + skew }) // taken later than the axis says
+            pulse(if c == 0 { t } else { t + skew }) // sampled later than the axis states
         });
         let channels = volts().channels().to_vec();
         let record = Record::new(samples, rate, 0.0, channels, Provenance::computed("test"))
@@ -578,8 +580,8 @@ mod tests {
         let force = aligned.channel("force").unwrap();
         let response = aligned.channel("response").unwrap();
         for (f, r) in force.iter().zip(response) {
-            // at half the rate the spectrum of the pulse has fallen to exp(-(π·500·0.01)²): only
-            // rounding is left
+            // at half the sampling rate the spectrum of the pulse has fallen to
+            // exp(-(π·500·0.01)²): only rounding errors are left
             assert!((f / 2.0 - r).abs() < 1e-14);
         }
         let chain = aligned.chain("response").unwrap().unwrap();

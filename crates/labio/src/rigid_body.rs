@@ -1,4 +1,4 @@
-//! Low-frequency lines of a free body, from its weighed mass.
+//! Low-frequency lines of a free body, computed from its weighed mass.
 //!
 //! Theory: `docs/theory/spectra.md#kinds-low-lines-causality-passivity`.
 
@@ -9,15 +9,15 @@ use num_complex::Complex64;
 use crate::error::check_positive;
 use crate::{FrequencyResponse, LabioError, LineValidity, ResponseKind};
 
-/// Fewest lines for a fit of two numbers and its standard error.
+/// Fewest lines for a fit of two numbers and the standard error of the fit.
 const FEWEST_LINES: usize = 3;
 
 /// The weighed mass of a free body.
 ///
-/// Below its first resonance a free body moves as a whole: its accelerance at the point that is
-/// struck, in the direction of the axis through its centre of mass, is $`1/M`$ at 0 Hz, its
-/// mobility $`1/(i\omega M)`$. In that range accelerometers and force transducers are least
-/// accurate, and the balance is most accurate.
+/// Below its first resonance a free body moves as a whole: its accelerance at the struck point, in
+/// the direction of the axis through its centre of mass, is $`1/M`$ at 0 Hz, its mobility
+/// $`1/(i\omega M)`$. In that range accelerometers and force transducers are least accurate, and
+/// the weighing is most accurate.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RigidBody {
     mass: f64,
@@ -29,7 +29,8 @@ pub struct RigidBody {
 pub struct RigidBand {
     /// Lines below this frequency \[Hz\] are replaced.
     pub from_hz: f64,
-    /// Lines from there up to this frequency \[Hz\] give the approach to the first resonance.
+    /// Lines from `from_hz` up to this frequency \[Hz\] give the elastic term, the first deviation
+    /// from a rigid body.
     pub to_hz: f64,
 }
 
@@ -38,13 +39,13 @@ pub struct RigidBand {
 #[non_exhaustive]
 pub struct CompletedResponse {
     /// The response, of its original kind. Completed lines are valid, with NaN for coherence; the
-    /// random error of their magnitude is that of mass and elastic term, and is an upper bound
-    /// for the phase.
+    /// random error of their magnitude follows from the errors of the mass and the elastic term,
+    /// and is an upper bound for the error of the phase.
     pub response: FrequencyResponse,
-    /// Provenance: lines before this one are completed; this one and all later ones are measured.
+    /// Provenance: lines before this one are computed; this line and all later ones are measured.
     pub first_measured: usize,
     /// $`e`$ \[s²\] of the accelerance $`(1 + e s^2)/M`$, fitted in the band; negative $`e s^2`$
-    /// means an approach to an antiresonance, which a free body has before its first
+    /// means that the response approaches an antiresonance, which a free body has before its first
     /// resonance.
     pub elastic_term: f64,
     /// The mass \[kg\] found from the lines in the band, fitted together with a separate elastic
@@ -60,7 +61,7 @@ impl RigidBody {
     ///
     /// # Errors
     ///
-    /// [`LabioError::NonPhysical`] if the mass is not positive or the error negative.
+    /// [`LabioError::NonPhysical`] if the mass is not positive or its error is negative.
     pub fn new(mass: f64, standard_error: f64) -> Result<Self, LabioError> {
         check_positive("mass [kg]", mass)?;
         if !(standard_error.is_finite() && standard_error >= 0.0) {
@@ -82,18 +83,18 @@ impl RigidBody {
     /// \frac{\hat a}{\hat f} = \frac{1 + e s^2}{M}, \qquad s = \sigma + i\omega,
     /// ```
     ///
-    /// with e from the lines in the band by least squares (weighted by their variances, if any).
-    /// The neglected terms are of order $`s^4`$: the band must end well below the first
-    /// antiresonance. For a free rod of length L and wave speed c, $`e = L^2/(3c^2)`$ and the
-    /// next term is $`(\omega L/c)^4/45`$.
+    /// with e found from the lines in the band by least squares (weighted by their variances, if
+    /// any). The neglected terms are of order $`s^4`$: the band must end well below the first
+    /// antiresonance. For a free rod of length L and wave speed c, $`e = L^2/(3c^2)`$ and the next
+    /// term is $`(\omega L/c)^4/45`$.
     ///
-    /// Any of the six kinds may be given. The line at 0 Hz of a mobility or a receptance is
-    /// infinite and stays flagged [`LineValidity::NotDefined`]; that of an accelerance is 1/M.
+    /// The response may be of any of the six kinds. The line at 0 Hz of a mobility or a receptance
+    /// is infinite and stays flagged [`LineValidity::NotDefined`]; that of an accelerance is 1/M.
     ///
     /// # Errors
     ///
     /// As [`FrequencyResponse::to_kind`]; [`LabioError::NonPhysical`] if the band is empty;
-    /// [`LabioError::TooFewSamples`] if it holds fewer than three lines with information.
+    /// [`LabioError::TooFewSamples`] if the band has fewer than three lines with information.
     #[allow(
         clippy::indexing_slicing,
         reason = "`to_kind` refuses a response whose lists are not of one length, and all lines counted here are among its frequencies"
@@ -132,7 +133,7 @@ impl RigidBody {
                 coherence[line] = f64::NAN;
             }
             if let Some(variance) = &mut accelerance.variance {
-                // the error is in the real factor alone, but a variance covers two components
+                // only the real factor has an error, but a variance covers two components
                 variance[line] = 2.0 * value.norm_sqr() * magnitude * magnitude;
             }
             if let Some(freedom) = &mut accelerance.degrees_of_freedom {
@@ -183,7 +184,8 @@ impl RigidBody {
                     && accelerance.validity[*line] == LineValidity::Valid
             })
             .collect();
-        // relative to the best line; if a line has zero variance, all lines have equal weight
+        // relative to the line with the smallest variance; if a line has zero variance, all lines
+        // have equal weight
         let variance = |line: usize| accelerance.variance.as_ref().map_or(0.0, |v| v[line]);
         let least = in_band
             .iter()

@@ -1,4 +1,4 @@
-//! Spectra of several channels, hit by hit, with the noise of each.
+//! Spectra of several channels, hit by hit, with the noise of each channel.
 //!
 //! Theory: `docs/theory/one-shot.md`.
 
@@ -10,34 +10,34 @@ use crate::{
     Window, from_rest,
 };
 
-/// Spectra of channels at several sections, in every hit, with their noise.
+/// Spectra of channels at several sections, for every hit, with their noise.
 #[derive(Debug, Clone)]
 #[non_exhaustive]
 pub struct SectionSpectra {
     /// Frequencies \[Hz\].
     pub frequency_hz: Vec<f64>,
-    /// Spectra of the channels in each hit, `(n_hits, n_channels, n_lines)`, with phases relative to
-    /// that of the first channel: in one hit its phase is common to all.
+    /// Spectra of the channels in each hit, `(n_hits, n_channels, n_lines)`, with phases relative
+    /// to the first channel, whose phase is common to all channels of a hit.
     pub tests: Vec<Vec<Vec<Complex64>>>,
-    /// Root mean square noise of the lines of each channel, `(n_channels, n_lines)`.
+    /// Root-mean-square noise of the lines of each channel, `(n_channels, n_lines)`.
     pub noise: Vec<Vec<f64>>,
-    /// Damping added to all channels before their transform.
+    /// Damping added to all channels before the transform.
     pub added_damping: Option<AddedDamping>,
-    /// Errors of each sensor that all lines share.
+    /// Errors of each sensor, which all lines share.
     pub sensors: Vec<SensorError>,
     /// Noise at rest, one per channel.
     rest: Vec<RestNoise>,
 }
 
 impl SectionSpectra {
-    /// Returns the spectra of `channels` of `hits`, with the noise of their first `n_silent` samples.
-    /// With `added_damping` the hits start at the end of their silence and are damped
-    /// ([`damping_of_ringing`](crate::damping_of_ringing)).
+    /// Returns the spectra of `channels` in `hits`, with the noise found from their first
+    /// `n_silent` samples. With `added_damping`, the hits start at the end of their silence and are
+    /// damped ([`damping_of_ringing`](crate::damping_of_ringing)).
     ///
     /// # Errors
     ///
-    /// [`LabioError::TooFewAverages`] without a hit; as [`RestNoise::before`], [`from_rest`] and
-    /// [`AveragedSpectra::of`].
+    /// [`LabioError::TooFewAverages`] without a hit or without a channel; as [`RestNoise::before`],
+    /// [`from_rest`] and [`AveragedSpectra::of`].
     pub fn of_hits(
         hits: &[&Record],
         channels: &[&str],
@@ -104,7 +104,8 @@ impl SectionSpectra {
         })
     }
 
-    /// Degrees of freedom of the noise of one channel: the silence has the same length for all.
+    /// Degrees of freedom of the noise of one channel: they are equal for all channels, because the
+    /// silence has the same length.
     #[must_use]
     pub fn noise_freedom(&self) -> DegreesOfFreedom {
         let (first, last) = (self.frequency_hz.first(), self.frequency_hz.last());

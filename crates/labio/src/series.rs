@@ -1,5 +1,5 @@
-//! Data sets of a file, before they become a [`Record`](crate::Record): one-dimensional, with their
-//! axes.
+//! One-dimensional data sets of a file with their axes, before they become a
+//! [`Record`](crate::Record).
 
 use num_complex::Complex64;
 
@@ -12,7 +12,7 @@ use crate::{LabioError, Unit};
 pub enum SeriesKind {
     /// General or unknown.
     General,
-    /// A history.
+    /// A time history.
     TimeResponse,
     /// Auto-spectrum.
     AutoSpectrum,
@@ -45,7 +45,7 @@ pub enum Abscissa {
     Even {
         /// First value.
         start: f64,
-        /// Distance of consecutive values.
+        /// Difference between consecutive values.
         step: f64,
     },
     /// One value for each ordinate.
@@ -61,8 +61,8 @@ pub enum Ordinate {
     Complex(Vec<Complex64>),
 }
 
-/// Returns `n` contiguous copies of values from `first` in steps of `step`: a row or a column of a
-/// table.
+/// Returns `n` contiguous copies of values, starting at `first` in steps of `step`: a row or a
+/// column of a table.
 pub(crate) fn every<T: Copy>(values: &[T], first: usize, step: usize, n: usize) -> Vec<T> {
     let line = values.iter().skip(first).step_by(step.max(1));
     line.take(n).copied().collect()
@@ -85,18 +85,18 @@ impl Ordinate {
     }
 }
 
-/// Meaning of one axis of a [`Series`], as given in the file.
+/// Meaning of one axis of a [`Series`], as stated in the file.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct SeriesAxis {
-    /// The label, for example `Time` or `Acceleration`; empty if the file gives none.
+    /// The label, for example `Time` or `Acceleration`; empty if the file states none.
     pub label: String,
-    /// The text of the unit as written; empty if the file gives none.
+    /// The text of the unit as written; empty if the file states none.
     pub unit_text: String,
-    /// The unit, if the text is a known one.
+    /// The unit, if `unit_text` is a known one.
     pub unit: Option<Unit>,
 }
 
-/// One data set of a file: values over an abscissa, in the file's units.
+/// One data set of a file: values as a function of an abscissa, in the file's units.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Series {
     /// Name of the channel or of the data set; may be empty.
@@ -111,7 +111,7 @@ pub struct Series {
     pub abscissa_axis: SeriesAxis,
     /// Meaning and unit of the ordinate.
     pub ordinate_axis: SeriesAxis,
-    /// All other information of the file about this data set, in its order.
+    /// All other information of the file about this data set, in the order of the file.
     pub properties: Vec<(String, String)>,
 }
 

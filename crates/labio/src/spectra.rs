@@ -36,32 +36,34 @@ pub struct AveragedSpectra {
     line_spacing_hz: f64,
     noise_bandwidth_hz: f64,
     frequency_hz: Vec<f64>,
-    /// Duration \[s\] of white noise whose density times it is the energy of a line, one per
-    /// channel.
+    /// For each channel, the duration \[s\] by which the density of white noise is multiplied to
+    /// give the energy of a line.
     noise_durations: Vec<f64>,
-    /// Energy of the noise at rest in every line, one list per channel; `None` if not known.
+    /// Energy of the noise at rest in every line, one list per channel; `None` if the noise is not
+    /// known.
     rest_energy: Vec<Option<Vec<f64>>>,
-    /// One list per channel, `(n_lines)`.
+    /// Auto-spectra, one list per channel, `(n_lines)`.
     auto: Vec<Vec<f64>>,
-    /// One list per pair in the order of `pair_index`, `(n_lines)`.
+    /// Cross-spectra, one list per pair in the order of `pair_index`, `(n_lines)`.
     cross: Vec<Vec<Complex64>>,
     tails: Option<AveragedTails>,
 }
 
-/// Spectra of the ends of the hits.
+/// Spectra of the end parts of the hits.
 #[derive(Debug, Clone)]
 struct AveragedTails {
-    /// Cross-spectra from a channel to the end of a channel, in rows of the first, `(n_lines)`.
+    /// Cross-spectra from each channel to the end part of each channel, `(n_lines)`, in rows by the
+    /// first channel.
     sums: Vec<Vec<Complex64>>,
     /// True for a channel without a line at 0 Hz, because its motion continues without end.
     lacks_first: Vec<bool>,
 }
 
-/// Mean square of the weights of the leakage over all samples: 3/8 of a quarter.
+/// Mean square of the weights of the leakage, averaged over all samples: 3/8 in the last quarter.
 const NOISE_OF_THE_END: f64 = 3.0 / 32.0;
 
 impl AveragedSpectra {
-    /// Averages `hits`, which must all have the channels and the sampling of the first.
+    /// Averages `hits`, which must all have the same channels and sampling as the first.
     ///
     /// # Errors
     ///
@@ -98,8 +100,8 @@ impl AveragedSpectra {
         self.n_averages
     }
 
-    /// Effective number of averages: the number of *independent* hits or segments that have the
-    /// same variance. It is less than [`AveragedSpectra::n_averages`] if segments overlap
+    /// Effective number of averages: the number of *independent* hits or segments that would give
+    /// the same variance. It is less than [`AveragedSpectra::n_averages`] if segments overlap
     /// ([`SampledWindow::independent_averages`](crate::SampledWindow::independent_averages)).
     #[must_use]
     pub fn effective_averages(&self) -> f64 {
@@ -136,9 +138,9 @@ impl AveragedSpectra {
         self.line_spacing_hz
     }
 
-    /// Sets the noise of `channel` at rest, for the bias of responses
-    /// ([`FrequencyResponse::noise_bias`]) and for [`Estimator::Hs`]. Windows are taken into
-    /// account.
+    /// Sets the noise of `channel` at rest, from which the bias of responses
+    /// ([`FrequencyResponse::noise_bias`]) is found and which [`Estimator::Hs`] needs. The effect
+    /// of windows is included.
     ///
     /// # Errors
     ///
@@ -222,9 +224,9 @@ impl AveragedSpectra {
         Ok(energies.iter().map(|g| g * self.line_spacing_hz).collect())
     }
 
-    /// Returns the mean squares of the lines of a periodic channel \[unit²\], the power density
-    /// times the noise bandwidth: a sine of amplitude A on a line has $`A^2/2`$ there.
-    /// `(n_lines)`.
+    /// Returns the mean squares of the lines of a periodic channel \[unit²\], which are the power
+    /// density times the noise bandwidth: a sine of amplitude A at the frequency of a line gives
+    /// $`A^2/2`$ on that line. `(n_lines)`.
     ///
     /// # Errors
     ///
@@ -237,26 +239,26 @@ impl AveragedSpectra {
         Ok(lines)
     }
 
-    /// Returns the relative systematic error of the lines of a frequency response by truncation of
-    /// motion at the end of the record; `(n_lines)`, `None` unless the averager was made
-    /// [`with_completion`](SpectrumAverager::with_completion).
+    /// Returns the relative systematic error of the lines of a frequency response caused by
+    /// truncation of the motion at the end of the record; `(n_lines)`, `None` unless the averager
+    /// was made [`with_completion`](SpectrumAverager::with_completion).
     ///
-    /// The motion after the end is missing in a line. Its effect is measured as the change caused
-    /// by a smooth end of the record: with the transform $`T`$ of the last quarter, times
-    /// $`\tfrac12(1-\cos)`$ rising from 0 to 1 to its end,
+    /// The motion after the end of the record is missing in every line. Its effect is estimated as
+    /// the change that a smooth end of the record would cause. With the transform $`T`$ of the last
+    /// quarter, weighted by $`\tfrac12(1-\cos)`$ rising from 0 to 1 at its end, the error is
     ///
     /// ```math
     /// \epsilon = \frac{\lvert G_{x T_y} - H_1 G_{x T_x}\rvert}{\lvert G_{xy}\rvert} ,
     /// ```
     ///
-    /// less the share of noise in it, 3/32 of the relative variance of $`H_1`$.
+    /// less the contribution of noise, 3/32 of the relative variance of $`H_1`$.
     ///
     /// # Validity
     ///
     /// The magnitude of the error, not its sign. On a line away from resonances it is correct to a
-    /// few per cent; at the peak of a resonance of decay rate $`\delta`$ in a record of length
-    /// $`T`$ it is 0.8 of the true error for $`\delta T = 4.6`$ (a remainder of 1 %), and more
-    /// than that for shorter ringing.
+    /// few per cent. At the peak of a resonance of decay rate $`\delta`$ in a record of length
+    /// $`T`$ it is 0.8 of the true error for $`\delta T = 4.6`$ (a remainder of 1 %), and a larger
+    /// part for shorter ringing.
     ///
     /// # Errors
     ///
@@ -294,7 +296,7 @@ impl AveragedSpectra {
         Ok(Some((0..self.frequency_hz.len()).map(line).collect()))
     }
 
-    /// Returns true if a channel has a line at 0 Hz.
+    /// Returns true if the line at 0 Hz of a channel is defined.
     pub(crate) fn has_first_line(&self, channel: &str) -> Result<bool, LabioError> {
         let (index, _) = channel::find(&self.channels, channel)?;
         let lacks = self.tails.as_ref().and_then(|t| t.lacks_first.get(index));
@@ -302,8 +304,8 @@ impl AveragedSpectra {
     }
 
     /// Relative random error of the lines of an auto-spectrum: $`1/\sqrt{n_e}`$ with $`n_e`$ the
-    /// [`AveragedSpectra::effective_averages`]; $`\sqrt2`$ times as much at 0 Hz and at the Nyquist
-    /// frequency.
+    /// [`AveragedSpectra::effective_averages`]; it is greater by a factor of $`\sqrt2`$ at 0 Hz and
+    /// at the Nyquist frequency.
     #[must_use]
     pub fn auto_random_error(&self) -> f64 {
         self.effective_averages.sqrt().recip()
@@ -347,9 +349,9 @@ impl AveragedSpectra {
 pub(crate) enum CrossLines<'a> {
     /// Auto-spectrum: both channels are the same.
     Auto(&'a [f64]),
-    /// The stored cross-spectrum.
+    /// Stored cross-spectrum from the first to the second channel.
     Stored(&'a [Complex64]),
-    /// Stored from the second channel to the first.
+    /// Stored cross-spectrum from the second to the first channel, which must be conjugated.
     Conjugate(&'a [Complex64]),
 }
 
@@ -367,7 +369,8 @@ impl CrossLines<'_> {
     }
 }
 
-/// Row of the pair (a, b), a < b < n, when the pairs stand as (0,1), (0,2) .. (0,n-1), (1,2) ..
+/// Returns the row of the pair (a, b), a < b < n, for pairs in the order (0,1), (0,2) .. (0,n-1),
+/// (1,2) ..
 fn pair_index(n_channels: usize, a: usize, b: usize) -> usize {
     a * (2 * n_channels - a - 1) / 2 + b - a - 1
 }

@@ -1,4 +1,4 @@
-//! Samples that are read block by block, so that the memory does not grow with the record.
+//! Samples that are read block by block, so that the memory needed does not grow with the record.
 
 use ndarray::Array2;
 
@@ -12,21 +12,22 @@ pub trait BlockSource {
     /// Sampling rate \[Hz\].
     fn sampling_rate_hz(&self) -> f64;
 
-    /// Number of samples per channel, if the source knows it.
+    /// Number of samples per channel, if known.
     fn n_samples(&self) -> Option<u64>;
 
     /// Fills the first columns of `block`, shape `(n_channels, any)`, with the next samples in SI
-    /// units and returns their number; it is less than the number of columns only at the end of
-    /// the source, and 0 after it.
+    /// units and returns the number of samples; it is less than the number of columns only at the
+    /// end of the source, and 0 after the end.
     ///
     /// # Errors
     ///
-    /// [`LabioError`] if the block has another number of rows than there are channels, or the bytes
-    /// are invalid.
+    /// [`LabioError`] if the number of rows of the block differs from the number of channels, or if
+    /// the bytes are invalid.
     fn read_block(&mut self, block: &mut Array2<f64>) -> Result<usize, LabioError>;
 }
 
-/// Lets `source` fill `block`; rejects more samples than it has room for, and a replaced block.
+/// Lets `source` fill `block`; rejects more samples than the block can contain, and a replaced
+/// block.
 pub(crate) fn read_next<S: BlockSource + ?Sized>(
     source: &mut S,
     block: &mut Array2<f64>,

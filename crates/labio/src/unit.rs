@@ -52,7 +52,7 @@ impl Dimension {
         ]
     }
 
-    /// Dimension of a product, `None` if an exponent leaves the range of `i8`.
+    /// Returns the dimension of a product, `None` if an exponent exceeds the range of `i8`.
     #[must_use]
     pub fn product(self, other: Self) -> Option<Self> {
         let mut sum = self.exponents();
@@ -62,13 +62,13 @@ impl Dimension {
         Some(Self::of(sum))
     }
 
-    /// Dimension of a quotient, `None` if an exponent leaves the range of `i8`.
+    /// Returns the dimension of a quotient, `None` if an exponent exceeds the range of `i8`.
     #[must_use]
     pub fn quotient(self, other: Self) -> Option<Self> {
         self.product(other.power(-1)?)
     }
 
-    /// Dimension of a power, `None` if an exponent leaves the range of `i8`.
+    /// Returns the dimension of a power, `None` if an exponent exceeds the range of `i8`.
     #[must_use]
     pub fn power(self, exponent: i8) -> Option<Self> {
         let mut multiple = self.exponents();
@@ -110,7 +110,7 @@ pub struct Unit {
 }
 
 impl Unit {
-    /// The SI unit of `quantity`.
+    /// Returns the SI unit of `quantity`.
     #[must_use]
     pub fn si(quantity: Quantity) -> Self {
         Self {
@@ -124,18 +124,18 @@ impl Unit {
     /// Parses the unit in `text`; blanks and one pair of square brackets around it are ignored.
     ///
     /// Known units are the SI units of mechanics and electricity with their prefixes, also in words
-    /// (`Newton`), `g` and `gn` (standard gravity, 9.80665 m/s²), `lbf`, `lbm`, `kgf`, `in`,
-    /// `ft`, `psi`, `ksi`, `bar`, `%`, `strain`, `microstrain` (`ue`, `µε`), `deg`, `degC` and
-    /// `degF`. Compounds are written with `/`, `*`, `.`, `·` or a blank; powers as `s^2`, `s**2`,
-    /// `s²`, `s2` or `s^-2`. A pure number is `1`, `-` or `dimensionless`.
+    /// (`Newton`), `g` and `gn` (standard gravity, 9.80665 m/s²), `lbf`, `lbm`, `kgf`, `in`, `ft`,
+    /// `psi`, `ksi`, `bar`, `%`, `strain`, `microstrain` (`ue`, `µε`), `deg`, `degC` and `degF`.
+    /// Compounds are written with `/`, `*`, `.`, `·` or a blank; powers as `s^2`, `s**2`, `s²`,
+    /// `s2` or `s^-2`. A pure number is written `1`, `-` or `dimensionless`.
     ///
     /// # Validity
     ///
     /// - `g` is an acceleration, as in the `mV/g` of accelerometers; the gram is written `gram`,
     ///   the kilogram `kg`. `mg` is therefore a thousandth of standard gravity. Where the dimension
     ///   is known, [`Unit::parse_as`] reads `g/cm3` as well.
-    /// - `C` is the coulomb, `F` the farad; temperatures are `degC` and `degF`. Both have another
-    ///   zero than the kelvin and are allowed only alone: `mV/degC` is rejected.
+    /// - `C` is the coulomb, `F` the farad; temperatures are `degC` and `degF`. The zeros of both
+    ///   differ from that of the kelvin, so they are allowed only alone: `mV/degC` is rejected.
     /// - A product after a slash needs brackets, `m/(N s)`: without them the unit is ambiguous.
     ///
     /// # Errors
@@ -163,9 +163,9 @@ impl Unit {
         Self::parse_with(text, G::Gravity)
     }
 
-    /// Parses the unit of a quantity of the dimension `expected`: `g` is the gram if the unit has
-    /// this dimension only then, otherwise standard gravity, as for [`Unit::parse`]. The unit
-    /// may have another dimension.
+    /// Parses the unit of a quantity of the dimension `expected`. `g` is the gram if the unit has
+    /// this dimension only in that case; otherwise it is standard gravity, as for [`Unit::parse`].
+    /// The resulting unit may have a dimension other than `expected`.
     ///
     /// # Errors
     ///
@@ -224,20 +224,20 @@ impl Unit {
         self.dimension
     }
 
-    /// Quantity of a channel in this unit, if one has this dimension; a pure number counts as
-    /// strain.
+    /// Quantity of a channel in this unit, if there is a quantity of this dimension; a pure number
+    /// counts as strain.
     #[must_use]
     pub fn quantity(&self) -> Option<Quantity> {
         Quantity::of_dimension(self.dimension)
     }
 
-    /// SI value of a difference of one unit.
+    /// SI value of a difference of one in this unit.
     #[must_use]
     pub fn scale(&self) -> f64 {
         self.ratio.value()
     }
 
-    /// Converts `value` in this unit to SI. For an SI unit the result is exactly `value`.
+    /// Converts `value` in this unit to the SI unit. For an SI unit the result is exactly `value`.
     #[must_use]
     pub fn to_si(&self, value: f64) -> f64 {
         if self.offset == 0.0 {
@@ -261,7 +261,8 @@ impl Unit {
     ///
     /// # Errors
     ///
-    /// [`LabioError::UnknownUnit`] if one has another zero, or the product overflows.
+    /// [`LabioError::UnknownUnit`] if the zero of a unit differs from that of the SI unit, or the
+    /// product overflows.
     pub fn times(&self, other: &Self) -> Result<Self, LabioError> {
         Self::parse(&format!("{} * {}", self.bracketed(), other.bracketed()))
     }
@@ -319,7 +320,7 @@ mod tests {
     #[test]
     fn thousandths_are_rounded_once() {
         let mm = Unit::parse("mm").unwrap();
-        // nine times the double nearest to 0.001 is another double than 0.009
+        // nine times the double nearest to 0.001 differs from 0.009
         assert_eq!(mm.to_si(9.0).to_bits(), 0.009_f64.to_bits());
         assert_ne!((9.0_f64 * 0.001).to_bits(), 0.009_f64.to_bits());
         assert_eq!(mm.of_si(0.009).to_bits(), 9.0_f64.to_bits());
@@ -357,7 +358,7 @@ mod tests {
         let sensitivity = Unit::parse("mV/g").unwrap();
         let quotient = volt.per(&sensitivity).unwrap();
         assert_eq!(quotient.symbol(), "V/(mV/g)");
-        // 1 V over 1 mV/g is 1000 g, and 9806.65 is a double nearest to 980665/100
+        // 1 V divided by 1 mV/g is 1000 g, and 9806.65 is the double nearest to 980665/100
         assert_eq!(quotient.to_si(1.0).to_bits(), 9806.65_f64.to_bits());
         assert_eq!(quotient.dimension(), Quantity::Acceleration.dimension());
         assert!(volt.times(&Unit::parse("degC").unwrap()).is_err());

@@ -16,7 +16,7 @@ use crate::LabioError;
 
 const HANN: [f64; 2] = [0.5, 0.5];
 const HAMMING: [f64; 2] = [0.54, 0.46];
-/// The four-term window of least side lobes (F. J. Harris, Proc. IEEE 66 (1978) 51-83).
+/// The four-term window with the lowest side lobes (F. J. Harris, Proc. IEEE 66 (1978) 51-83).
 const BLACKMAN_HARRIS: [f64; 4] = [0.35875, 0.48829, 0.14128, 0.01168];
 /// The five-term window that SciPy and MATLAB call flat top.
 const FLAT_TOP: [f64; 5] = [
@@ -27,17 +27,18 @@ const FLAT_TOP: [f64; 5] = [
     0.006947368,
 ];
 
-/// Weights of the samples before the transform, the same for all channels.
+/// Weights applied to the samples before the transform, the same for all channels.
 ///
-/// The windows of cosines are $`w_n = \sum_k (-1)^k a_k\cos(2\pi kn/M)`$. *Periodic* means $`M =
-/// N`$, one period in the N samples of the transform: the form for spectra. *Symmetric* means $`M =
-/// N-1`$, first and last sample equal: the form for filter design, which some programs also use for
-/// spectra.
+/// The cosine windows are $`w_n = \sum_k (-1)^k a_k\cos(2\pi kn/M)`$. *Periodic* means $`M = N`$,
+/// one period in the N samples of the transform: the form for spectra. *Symmetric* means
+/// $`M = N-1`$, first and last sample equal: the form for filter design, which some programs also
+/// use for spectra.
 ///
 /// A hit that decays within the record needs [`Window::Rectangular`]: any other shape weights the
-/// beginning of the hit, with the force, differently from its end. The windows for hits, the force
-/// window ([`ForceWindow`]) and the exponential window ([`AddedDamping`]), are not in this list:
-/// they are parts of the signals, not of the estimate, and levels are not corrected for them.
+/// beginning of the hit, which contains the force, differently from its end. The windows for hits,
+/// the force window ([`ForceWindow`]) and the exponential window ([`AddedDamping`]), are not in
+/// this list: they are treated as parts of the signals, not of the estimate, and levels are not
+/// corrected for them.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub enum Window {
@@ -45,7 +46,7 @@ pub enum Window {
     Rectangular,
     /// $`a = (0.5, 0.5)`$ over N samples, the standard window for spectra of long records.
     HannPeriodic,
-    /// $`a = (0.5, 0.5)`$ over N-1 samples: first and last sample zero.
+    /// $`a = (0.5, 0.5)`$ over N-1 samples: first and last sample are zero.
     HannSymmetric,
     /// $`a = (0.54, 0.46)`$ over N samples.
     HammingPeriodic,
@@ -56,11 +57,12 @@ pub enum Window {
     /// Weights of [`Self::BlackmanHarrisPeriodic`] over N-1 samples.
     BlackmanHarrisSymmetric,
     /// $`a = (0.21557895, 0.41663158, 0.277263158, 0.083578947, 0.006947368)`$ over N samples:
-    /// amplitudes of spectral lines to 0.01 dB at any frequency. Some weights are negative.
+    /// amplitudes of spectral lines are correct to 0.01 dB at any frequency. Some weights are
+    /// negative.
     FlatTopPeriodic,
     /// Weights of [`Self::FlatTopPeriodic`] over N-1 samples.
     FlatTopSymmetric,
-    /// Flat, with half a Hann window of `taper/2` of the N samples at either end.
+    /// Flat, with half a Hann window over `taper/2` of the N samples at either end.
     TukeyPeriodic {
         /// Tapered part of the samples \[-\], 0 (rectangular) to 1 (Hann).
         taper: f64,
@@ -72,14 +74,14 @@ pub enum Window {
     },
 }
 
-/// The weights of a [`Window`] over a number of samples, with its corrections.
+/// The weights of a [`Window`] for a number of samples, with the corrections for it.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct SampledWindow {
     /// The weights, one per sample.
     pub weights: Vec<f64>,
-    /// Mean weight $`\sum w/N`$. A sine on a spectral line is multiplied by it: divide an
-    /// amplitude by the coherent gain.
+    /// Mean weight $`\sum w/N`$, by which the amplitude of a sine on a spectral line is multiplied:
+    /// divide an amplitude by the coherent gain.
     pub coherent_gain: f64,
     /// Mean squared weight $`\sum w^2/N`$, the energy gain: the factor on the level of stationary
     /// noise.
@@ -93,9 +95,9 @@ impl Window {
     ///
     /// # Errors
     ///
-    /// [`LabioError::TooFewSamples`] below two samples for the rectangular window and three for the
-    /// others, whose first weight may be zero; [`LabioError::NonPhysical`] for a taper outside
-    /// 0 to 1.
+    /// [`LabioError::TooFewSamples`] for fewer than two samples with the rectangular window or
+    /// three with the others, whose first weight may be zero; [`LabioError::NonPhysical`] for a
+    /// taper outside 0 to 1.
     ///
     /// # Examples
     ///
@@ -146,8 +148,8 @@ impl Window {
 
 impl SampledWindow {
     /// Returns the correlation of the spectra of two segments of white noise that begin `shift`
-    /// samples apart, $`\rho = \left(\sum_n w_n w_{n+\mathrm{shift}} / \sum_n w_n^2\right)^2`$
-    /// (P. D. Welch, IEEE Trans. Audio Electroacoust. 15 (1967) 70-73). 1 without a shift, 0
+    /// samples apart, $`\rho = \left(\sum_n w_n w_{n+\mathrm{shift}} / \sum_n w_n^2\right)^2`$ (P.
+    /// D. Welch, IEEE Trans. Audio Electroacoust. 15 (1967) 70-73). It is 1 without a shift, 0
     /// without an overlap.
     #[must_use]
     pub fn overlap_correlation(&self, shift: usize) -> f64 {
@@ -157,7 +159,7 @@ impl SampledWindow {
         (product / squares).powi(2)
     }
 
-    /// Returns the number of independent segments with the variance of the average over
+    /// Returns the number of independent segments that would give the variance of the average over
     /// `n_segments` segments that begin `hop` samples apart,
     ///
     /// ```math
@@ -169,12 +171,12 @@ impl SampledWindow {
     /// # Validity
     ///
     /// White Gaussian noise, and noise whose spectrum varies little over the bandwidth of the
-    /// window. At 0 Hz and at the Nyquist frequency, where a spectrum has one component and not
+    /// window. At 0 Hz and at the Nyquist frequency, where a spectrum has one component instead of
     /// two, the variance is twice as large.
     ///
     /// # Errors
     ///
-    /// [`LabioError::CountMismatch`] without a segment or with a `hop` of 0.
+    /// [`LabioError::CountMismatch`] without a segment or for a `hop` of 0.
     pub fn independent_averages(&self, n_segments: usize, hop: usize) -> Result<f64, LabioError> {
         for (what, found) in [
             ("segments", n_segments),
@@ -196,8 +198,8 @@ impl SampledWindow {
         Ok(k / (1.0 + 2.0 * sum))
     }
 
-    /// Largest loss of a line between two spectral lines, as the factor
-    /// $`\lvert\sum_n w_n e^{-i\pi n/N}\rvert/\lvert\sum_n w_n\rvert`$ on its amplitude.
+    /// Largest loss of amplitude for a frequency between two spectral lines, as the factor
+    /// $`\lvert\sum_n w_n e^{-i\pi n/N}\rvert/\lvert\sum_n w_n\rvert`$.
     #[must_use]
     pub fn scalloping(&self) -> f64 {
         let n = self.weights.len() as f64;
@@ -211,10 +213,10 @@ impl SampledWindow {
     }
 }
 
-/// Longest window or transform: two gibibytes per channel.
+/// Greatest length of a window or transform: two gibibytes per channel.
 const LONGEST: usize = 1 << 28;
 
-/// Rejects a length beyond any memory.
+/// Rejects a length that exceeds any memory.
 pub(crate) fn check_length(n_samples: usize) -> Result<(), LabioError> {
     if n_samples <= LONGEST {
         Ok(())
@@ -233,7 +235,7 @@ fn cosines(coefficients: &[f64], n_samples: usize, period: usize) -> Vec<f64> {
             let mut sign = 1.0;
             let mut weight = 0.0;
             for (k, a) in coefficients.iter().enumerate() {
-                // the angle is reduced in integers, where it is exact
+                // the angle is reduced with integers, which is exact
                 let turns = (k * n % period) as f64 / period as f64;
                 weight += sign * a * (TAU * turns).cos();
                 sign = -sign;

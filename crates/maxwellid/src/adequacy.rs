@@ -19,12 +19,11 @@
 //! The paper does not state the basis, gain, order and number of passes, nor the treatment of
 //! values outside 0 to 1. Here they are settings; values are returned unchanged. With a constant in
 //! the basis and one recursion for all classes, the P_i of the first form sum to one in the limit.
-//! Those of Table 3 sum to 1.04 to 1.76, so they are not that limit, and nothing here is
+//! The values of Table 3 sum to 1.04 to 1.76, so they are not this limit, and no setting here is
 //! tuned to them.
-//!
 //! # Limitations
-//! The measures decide nothing: with sixty samples per law such a classifier is right in about half
-//! of the cases, without noise. Decisions come from [`crate::selection`].
+//! The measures are not used for decisions: with sixty samples per law such a classifier is right
+//! in about half of the cases, even without noise. Decisions come from [`crate::selection`].
 //!
 //! Theory: `docs/theory/adequacy.md#stochastic-approximation`.
 
@@ -87,7 +86,7 @@ pub struct RobbinsMonro {
     /// True to return the mean of the weights over the second half of the steps (Polyak and
     /// Ruppert) instead of the last ones.
     pub averages: bool,
-    /// Seed of the orders.
+    /// Seed of the random orders of the samples.
     pub seed: u64,
 }
 
@@ -370,7 +369,7 @@ mod tests {
     }
 
     /// The criterion of the increments is the mean of |r - wφ|, which their weights minimise: it is
-    /// less than that of the least squares.
+    /// less than the criterion of the least-squares weights.
     #[test]
     fn increments_tend_to_the_median() {
         let (features, classes) = cloud();

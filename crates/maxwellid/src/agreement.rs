@@ -8,15 +8,15 @@ use crate::least_squares::Linearisation;
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub enum FitFlag {
-    /// One test alone would have another parameter than all together: length, density, sampling
-    /// rate or material differ from the stated ones, or the model is wrong in a way that
-    /// depends on the test.
+    /// One test alone would give another value of a parameter than all tests together: length,
+    /// density, sampling rate or material differ from the stated ones, or the model is wrong in a
+    /// way that depends on the test.
     TestDisagrees {
         /// Name of the test.
         test: String,
         /// Name of the parameter.
         parameter: String,
-        /// Change of the parameter by the test alone, the others held.
+        /// Change of the parameter that the test alone would make, with the other parameters fixed.
         change: f64,
         /// The change in standard deviations.
         deviations: f64,
@@ -37,9 +37,10 @@ pub enum FitFlag {
     /// The alternation of parameters and excitation has not converged: the minimum is not settled,
     /// and no parameter counts as identified.
     Unsettled,
-    /// The rise of χ² beside the minimum differs from that of the standard error, which therefore
-    /// does not measure what the data exclude; the parameter does not count as identified. Its
-    /// profile ([`crate::profile`]) gives the excluded values.
+    /// The rise of χ² near the minimum differs from the rise that the standard error implies. The
+    /// standard error therefore does not describe the values that the data exclude, and the
+    /// parameter does not count as identified. Its profile ([`crate::profile`]) gives the excluded
+    /// values.
     Curved {
         /// Name of the parameter.
         parameter: String,
@@ -99,9 +100,9 @@ impl fmt::Display for FitFlag {
 /// Number of standard deviations from which a test disagrees with the others.
 const DISAGREES: f64 = 5.0;
 
-/// Score of each test for each parameter at the joint minimum, z = -Jᵀr/(s |J|) over its own
-/// samples, whose variance is at most 1 if the tests agree and the residual has standard deviation
-/// `noise`.
+/// Flags of the tests that disagree with the joint minimum, from the score of each test for each
+/// parameter, z = -Jᵀr/(s |J|) over the samples of the test. The variance of z is at most 1 if the
+/// tests agree and the residual has the standard deviation s = `noise`.
 pub(crate) fn disagreements(
     linearisation: &Linearisation,
     row_lengths: &[usize],

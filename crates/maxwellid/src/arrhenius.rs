@@ -1,17 +1,17 @@
 //! Laws whose rates depend on the temperature (Arrhenius).
 //!
-//! A thermally activated rate at the temperature T is that at a reference temperature T₀ times
+//! A thermally activated rate at the temperature T is the rate at a reference temperature T₀ times
 //!
 //! ```text
 //! exp(-(Q/R) (1/T - 1/T₀)) ,
 //! ```
 //!
 //! with the activation energy Q and the gas constant R; a relaxation time has the inverse factor.
-//! Tests at several temperatures then determine Q beside the parameters of the law at T₀.
+//! Tests at several temperatures then determine Q in addition to the parameters of the law at T₀.
 //!
 //! # Validity
-//! One mechanism, and a modulus that does not depend on the temperature: over some tens of kelvin
-//! away from a transition.
+//! One mechanism, and a modulus that does not depend on the temperature, as over some tens of
+//! kelvin away from a transition.
 //!
 //! Theory: `docs/theory/model-identification.md#tests-at-several-temperatures`.
 
@@ -37,8 +37,8 @@ const STEP_LIMIT: f64 = 150e3;
 /// glass transition.
 pub(crate) const RANGE: (f64, f64) = (20e3, 300e3);
 
-/// A model with thermally activated rates and times; its last parameter is the activation energy
-/// Q [J/mol], the others are those at the reference temperature.
+/// A model with thermally activated rates and times; its last parameter is the activation energy Q
+/// [J/mol], the others are the parameters at the reference temperature.
 #[derive(Debug, Clone)]
 pub struct Arrhenius {
     model: Arc<dyn RodModel>,
@@ -229,7 +229,7 @@ impl RodModel for Arrhenius {
     }
 
     /// The series at the reference temperature, with an activation energy in the middle of its
-    /// range: a series states none.
+    /// range, because a series does not state one.
     fn special_case(&self, series: &PronySeries) -> Option<SpecialCase> {
         let mut case = self.model.special_case(series)?;
         case.parameters.push(middle(RANGE));
@@ -267,8 +267,8 @@ mod tests {
         });
     }
 
-    /// The response is that of the law with the rate of the temperature, and its derivatives are
-    /// those of differences.
+    /// The response is that of the law with the rate at the temperature, and its derivatives agree
+    /// with difference quotients.
     #[test]
     fn rates_and_times_follow_the_temperature() {
         let energy = 90e3;

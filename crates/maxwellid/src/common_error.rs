@@ -9,26 +9,26 @@
 //! I - (1 - 1/√(1 + |a|²)) a aᵀ/|a|² ,
 //! ```
 //!
-//! each of a column that the factors before it have been applied to. The fit, its errors, its
+//! each for a column to which the factors before it have been applied. The fit, its errors, its
 //! profiles and the comparison of laws then contain these errors, which are eliminated as unknowns
-//! of normal prior (Golub & Pereyra 1973). The factors couple all tests that share an error: two
-//! tests of one rod have one error of its length.
+//! with a normal prior (Golub & Pereyra 1973). The factors couple all tests that share an error:
+//! two tests of one rod have one error of its length.
 //!
-//! The derivative by ln L follows from those by θ: two velocity histories determine only E/(ρL²)
-//! and the function L F(ρLs) of s (see [`crate::SpecimenSensitivity`]).
+//! The derivative with respect to ln L follows from those with respect to θ: two velocity histories
+//! determine only E/(ρL²) and the function L F(ρLs) of s (see [`crate::SpecimenSensitivity`]).
 //!
-//! The response to a delay is linearised about the most likely delay, to the others about the
-//! stated values.
+//! The response is linearised about the most likely delay, and about the stated values of the other
+//! quantities.
 //!
-//! Where the recorder is part of the model, the front of the excitation between two points of its
-//! grid is such an error too. On a grid of a quarter of the spacing the response of a nonlinear rod
+//! If the recorder is part of the model, the front of the excitation between two points of its grid
+//! is a common error too. On a grid of a quarter of the spacing the response of a nonlinear rod
 //! changes by Δ. For a front that rises at once the error is of first order in the spacing, so that
-//! Δ + Δ/4 + .. = 4Δ/3 are missing. They are added, with the standard uncertainty Δ.
+//! Δ + Δ/4 + .. = 4Δ/3 is missing. This correction is added, with the standard uncertainty Δ.
 //!
 //! # Validity
-//! The response is linear in gains of some per cent and in errors of length up to the way of a wave
-//! in a tenth of a rise. The density of all rods of one material has one error, which scales the
-//! results: [`crate::SpecimenUncertainty`].
+//! The response is linear in gains of some per cent, and in errors of length up to the distance
+//! that a wave travels in a tenth of its rise. The density of all rods of one material has one
+//! error, which scales the results: [`crate::SpecimenUncertainty`].
 //!
 //! Theory: `docs/theory/identification.md#errors-of-rods-and-transducers`.
 
@@ -67,8 +67,8 @@ impl fmt::Display for ErrorOf {
     }
 }
 
-/// An error of a rod or a transducer. Tests with an error of the same kind and `shared_by` have one
-/// and the same error.
+/// An error of a rod or a transducer. Tests that have errors with the same kind and the same
+/// `shared_by` share one error.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CommonError {
     /// The quantity.
@@ -79,15 +79,15 @@ pub struct CommonError {
     pub standard_uncertainty: f64,
 }
 
-/// The most likely value of an error in common.
+/// The most likely value of a common error.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct CommonErrorEstimate {
     /// The stated error.
     pub error: CommonError,
-    /// Most likely value: true over stated value less 1, or the delay \[s\].
+    /// Most likely value: true over stated value minus 1, or the delay \[s\].
     pub value: f64,
-    /// Its standard error, at most the stated uncertainty.
+    /// Standard error of the value, at most the stated uncertainty.
     pub standard_error: f64,
 }
 
@@ -115,8 +115,8 @@ impl fmt::Display for CommonErrorEstimate {
 }
 
 impl RodTest {
-    /// Adds errors of the rod and of the transducers. A fit and a comparison of laws need the noise
-    /// of the test with them.
+    /// Adds errors of the rod and of the transducers. With such errors, a fit and a comparison of
+    /// laws require the noise of the test.
     ///
     /// # Errors
     /// [`MaxwellidError::Setting`] unless each uncertainty is finite and not below 0.
@@ -147,15 +147,15 @@ impl RodTest {
     }
 }
 
-/// Relative standard uncertainty of the gain of a transducer of which nothing is stated.
+/// Relative standard uncertainty of the gain of a transducer for which nothing is stated.
 pub const UNSTATED_GAIN: f64 = 0.05;
 
-/// Standard uncertainty, in samples, of the delay between transducers of which nothing is stated.
+/// Standard uncertainty, in samples, of the delay between transducers for which nothing is stated.
 pub const UNSTATED_DELAY: f64 = 1.0;
 
 /// Adds to `tests` an error of the response's gain ([`UNSTATED_GAIN`]) and of its delay
 /// ([`UNSTATED_DELAY`]), each the same in all tests: for a further comparison if no law explains
-/// the data as they are stated. `None` if a test states an error of its transducers.
+/// the data as stated. `None` if a test states an error of its transducers.
 #[must_use]
 pub fn with_unstated_transducers(tests: &[RodTest]) -> Option<Vec<RodTest>> {
     let allowed = |test: &RodTest| {
@@ -178,12 +178,12 @@ pub fn with_unstated_transducers(tests: &[RodTest]) -> Option<Vec<RodTest>> {
     tests.iter().map(allowed).collect()
 }
 
-/// Change of a delay, in samples, at which its iteration ends: of a front of one sample the
-/// linearisation errs by 0.1 %.
+/// Change of a delay, in samples, at which its iteration ends: for a front of one sample the error
+/// of the linearisation is then 0.1 %.
 const DELAY_SETTLED: f64 = 0.05;
 
-/// Returns true if a delay \[s\] of one of `tests` differs from that `before` by more than its
-/// linearisation needs.
+/// Returns true if a delay \[s\] of one of `tests` differs from its value in `before` by more than
+/// the linearisation permits.
 pub(crate) fn are_moved(tests: &[RodTest], before: &[f64], delays: &[f64]) -> bool {
     let mut each = tests.iter().zip(before.iter().zip(delays));
     each.any(|(test, (b, d))| (d - b).abs() * test.sampling_rate_hz >= DELAY_SETTLED)
@@ -193,7 +193,7 @@ pub(crate) fn are_moved(tests: &[RodTest], before: &[f64], delays: &[f64]) -> bo
 /// the spacing, for an error of first order.
 const MISSING_OF_FRONT: f64 = 4.0 / 3.0;
 
-/// One column of the covariance, as its factor needs it.
+/// One column of the covariance, prepared for its factor.
 #[derive(Debug, Clone)]
 struct Direction {
     /// Unit vector along the column after the factors before it.
@@ -202,22 +202,23 @@ struct Direction {
     removed: f64,
 }
 
-/// The errors in common of several tests as factors for their white residual.
+/// The common errors of several tests as factors for their white residual.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct CommonErrors {
     /// The error of each column; `None` for the front of one test.
     errors: Vec<Option<CommonError>>,
-    /// A, by columns.
+    /// Columns of A.
     columns: Vec<Vec<f64>>,
-    /// The same before whitening [m/s].
+    /// Columns of A before whitening [m/s].
     velocities: Vec<Vec<f64>>,
     directions: Vec<Direction>,
     /// Delay \[s\] of each test about which its response is linearised.
     delays: Vec<f64>,
-    /// The linearised response at the stated delay less that at `delays`, and what a finer grid of
-    /// the front adds [m/s], of each test.
+    /// For each test, the linearised response at the stated delay minus that at `delays`, plus the
+    /// correction for a finer grid of the front [m/s].
     offsets: Vec<Vec<f64>>,
-    /// Response that a finer grid of the front adds [m/s], of each test that has one.
+    /// Change of the response on a finer grid of the front [m/s], for each test that has such a
+    /// grid.
     of_fronts: Vec<Option<Vec<f64>>>,
 }
 
@@ -293,8 +294,8 @@ impl CommonErrors {
         Some(common)
     }
 
-    /// Writes the effect [m/s] of one standard uncertainty in the column at `place`, from the row
-    /// `begin` of a test on.
+    /// Writes the effect [m/s] of one standard uncertainty on a test into the column at `place`,
+    /// from the row `begin` on.
     fn fill(
         &mut self,
         (place, begin): (usize, usize),
@@ -368,8 +369,8 @@ impl CommonErrors {
         self.delays.get(test).copied().unwrap_or(0.0)
     }
 
-    /// Adds to the response of a test at its delay what makes it the linearised one at the stated
-    /// delay, and what a finer grid of the front adds.
+    /// Adds to the response of a test at its delay the difference from the linearised response at
+    /// the stated delay, and the correction for a finer grid of the front.
     pub(crate) fn add_offset(&self, test: usize, velocity: &mut [f64]) {
         for (v, offset) in velocity
             .iter_mut()
@@ -379,8 +380,8 @@ impl CommonErrors {
         }
     }
 
-    /// The most likely errors in their standard uncertainties, for a white residual of all tests
-    /// before the factors.
+    /// The most likely errors in units of their standard uncertainties, for a white residual of all
+    /// tests before the factors are applied.
     fn most_likely(&self, mut white: Vec<f64>) -> Vec<f64> {
         // (1 + AᵀA)⁻¹ Aᵀ = Aᵀ (1 + A Aᵀ)⁻¹
         self.without(&mut white);
@@ -400,7 +401,7 @@ impl CommonErrors {
         explained
     }
 
-    /// The most likely delay \[s\] of each test, 0 of a known one.
+    /// The most likely delay \[s\] of each test, 0 for a known delay.
     pub(crate) fn most_likely_delays(&self, tests: &[RodTest], white: Vec<f64>) -> Vec<f64> {
         let values = self.most_likely(white);
         let delay_of = |error: &CommonError| {
@@ -425,14 +426,15 @@ impl CommonErrors {
         self.directions.iter().for_each(|d| d.apply(column));
     }
 
-    /// Applies the inverse of I + A Aᵀ: a white residual less the part of the most likely errors.
+    /// Applies the inverse of I + A Aᵀ: a white residual minus the part of the most likely errors.
     pub(crate) fn without(&self, column: &mut [f64]) {
         self.whiten(column);
         self.directions.iter().rev().for_each(|d| d.apply(column));
     }
 
-    /// The most likely errors that are stated, for the `white` residual (simulated less measured)
-    /// with its derivatives by the other unknowns, at their minimum and before the factors.
+    /// Estimates of the stated errors, from the `white` residual (simulated minus measured) and its
+    /// derivatives with respect to the other unknowns, at their minimum and before the factors are
+    /// applied.
     #[allow(
         clippy::indexing_slicing,
         reason = "a right singular vector has an entry for each unknown, the errors being the last"
@@ -480,13 +482,13 @@ impl Direction {
     }
 }
 
-/// Relative difference of an excitation for the derivative by its gain.
+/// Relative difference of an excitation for the derivative with respect to its gain.
 const GAIN_DIFFERENCE: f64 = 1e-3;
 
-/// Difference of time, in samples, for the derivative by a delay.
+/// Difference of time, in samples, for the derivative with respect to a delay.
 const TIME_DIFFERENCE: f64 = 0.1;
 
-/// Derivative of the simulated response by an error [m/s].
+/// Derivative of the simulated response with respect to an error [m/s].
 fn derivative<M: RodModel + ?Sized>(
     model: &M,
     parameters: &[f64],
@@ -510,7 +512,7 @@ fn derivative<M: RodModel + ?Sized>(
             Some(sum)
         }
         ErrorOf::ExcitationGain => {
-            // the motion is the record over the gain
+            // the motion is the record divided by the gain
             let scaled = |factor: f64| -> Option<Vec<f64>> {
                 let samples: Vec<f64> = rod.samples.iter().map(|v| factor * v).collect();
                 let rate = rod.sampling_rate_hz;

@@ -1,17 +1,17 @@
 //! Class-conditional conformal p-values: an adequacy that may reject all laws.
 //!
 //! A nonconformity A_i(y) measures the distance of a pattern from the standard samples of law i:
-//! here that to the nearest of them. Its rank among the nonconformities of the samples themselves,
-//! each against the others,
+//! here the distance to the nearest sample. Its rank among the nonconformities of the samples
+//! themselves, each against the others,
 //!
 //! ```text
 //! p_i(y) = (#{j : A_ij >= A_i(y)} + 1)/(N_i + 1) ,
 //! ```
 //!
-//! is a p-value with only one assumption on distributions: under law i, y is exchangeable with its
-//! samples. Then p_i <= ε has a probability of at most ε. If all p_i are small, none of the laws is
-//! adequate; if several are large, the data do not decide. They do not sum to one, and are not
-//! probabilities of laws; those come from [`crate::selection`].
+//! is a p-value with only one assumption about distributions: under law i, y is exchangeable with
+//! its samples. Then p_i <= ε has a probability of at most ε. If all p_i are small, none of the
+//! laws is adequate; if several are large, the data do not decide. The p_i do not sum to one, and
+//! are not probabilities of laws; those come from [`crate::selection`].
 //!
 //! Exchangeable means: drawn from the same ranges, with the same noise. Samples without noise
 //! reject every noisy measurement.

@@ -14,7 +14,7 @@
 //! parameters and yet fit each other.
 //!
 //! # Validity
-//! Expectations at the present estimates, by the linearised problem, without the difference of
+//! Expectations at the present estimates, from the linearised problem, without the difference of
 //! Occam's factors (of order one).
 //!
 //! Theory: `docs/theory/model-identification.md#what-to-measure-next`.
@@ -63,8 +63,8 @@ impl PlannedTest {
     }
 
     /// Plans a test with this `striker` on `rod`, of `diameter` \[m\], whose section of excitation
-    /// is `section_distance` \[m\] from the free end. The excitation is that of the rod of this
-    /// law in one-dimensional theory, as recorded.
+    /// is `section_distance` \[m\] from the free end. The excitation is computed for the rod with
+    /// its law in one-dimensional theory, as it would be recorded.
     ///
     /// # Errors
     /// [`MaxwellidError::InTest`] for errors of [`ImpactTest::record`] or [`RodTest::new`].
@@ -122,8 +122,9 @@ impl PlannedTest {
         Ok(Self { test })
     }
 
-    /// Plans the temperature and the instruments of a `test` made: their noise, the errors of its
-    /// transducers, that of its length, which is the same error on a rod of the same length only, and its recorder.
+    /// Adopts the temperature and the instruments of a `test` that was made: the noise, the errors
+    /// of the transducers, the recorder, and the error of the length, which is the same error only
+    /// for a rod of the same length.
     ///
     /// # Errors
     /// As [`RodTest::with_recorder`].
@@ -203,11 +204,11 @@ pub struct Design<'a> {
 
 impl Design<'_> {
     /// Returns the standard errors of all parameters of a law, ln E first, including the tests
-    /// `planned`; without them, the present ones.
+    /// `planned`; without planned tests, the present errors.
     ///
     /// # Errors
     /// [`MaxwellidError::NoCandidate`] if the law does not exist at its parameters;
-    /// [`MaxwellidError::InconsistentModel`] for another number of parameters than it has;
+    /// [`MaxwellidError::InconsistentModel`] if the number of parameters is not that of the law;
     /// [`MaxwellidError::NoTest`], [`MaxwellidError::NoArrival`] without a test made.
     #[allow(
         clippy::indexing_slicing,
@@ -247,8 +248,8 @@ impl Design<'_> {
 
     /// Returns the expected ln of the Bayes factor of `truth` over `rival`, including the tests
     /// `planned`; without them, for the tests made.
-    ///
-    /// # Errors
+    /// Returns the expected ln of the Bayes factor of `truth` over `rival`, including the tests
+    /// `planned`; without planned tests, that of the tests made.
     /// As [`Self::deviations`].
     pub fn separation(
         &self,
@@ -271,8 +272,8 @@ impl Design<'_> {
         Ok(0.5 * found.chi_square)
     }
 
-    /// Returns the misfit matrix: entry (i, j) is the separation of law i, taken as true, from law
-    /// j, for the tests made. Consult it for every choice of a law: laws with an off-diagonal
+    /// Returns the misfit matrix: entry (i, j) is the separation of law i, assumed to be true, from
+    /// law j, for the tests made. Consult it for every choice of a law: laws with an off-diagonal
     /// entry near 0 cannot be distinguished.
     ///
     /// # Errors

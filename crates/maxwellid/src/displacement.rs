@@ -19,8 +19,8 @@ pub struct DisplacementTransducers {
     pub differentiator: Differentiator,
 }
 
-/// Number of exactly equal samples, far from rest, that indicate a clipped transducer: a free
-/// section moves.
+/// Number of exactly equal samples, far from rest, that indicate a clipped transducer, because a
+/// free section moves.
 const STUCK: usize = 4;
 
 impl RodTest {
@@ -28,10 +28,10 @@ impl RodTest {
     /// from the striker.
     ///
     /// The velocities begin and end half the width of the differentiator inside the record. Samples
-    /// from the first clipped one on, beyond the range or constant away from rest, are not
-    /// used: the record of the excitation ends there, and the window of comparison with either;
-    /// [`RodTest::flags`] reports it. The noise of the velocities is that of white noise of the
-    /// displacements after the differentiator.
+    /// from the first clipped one on, beyond the range or constant away from rest, are not used:
+    /// the record of the excitation ends there, and the window of comparison ends at the clipping
+    /// of either history. [`RodTest::flags`] reports it. The noise of the velocities is white noise
+    /// of the displacements, filtered by the differentiator.
     ///
     /// # Errors
     /// As [`RodTest::new`], [`RodTest::with_noise_of_quiet_part`] where `noise` is `None`, and
@@ -148,8 +148,8 @@ fn seconds(index: usize, rate_hz: f64) -> f64 {
     index as f64 / rate_hz
 }
 
-/// Index of the first sample out of range, or the first of several equal ones further from rest
-/// than half the largest.
+/// Index of the first sample out of range, or of the first of several equal samples that are
+/// further from rest than half the largest one.
 fn first_clipped(samples: &[f64], range: f64) -> Option<usize> {
     let largest = samples.iter().fold(0.0_f64, |top, u| top.max(u.abs()));
     let out = samples.iter().position(|u| u.abs() >= range);
@@ -164,8 +164,8 @@ fn first_clipped(samples: &[f64], range: f64) -> Option<usize> {
     }
 }
 
-/// Standard deviation \[m\] of the displacement before the velocity rises, and the number of its
-/// samples.
+/// Standard deviation \[m\] of the displacement before the velocity rises, and the number of
+/// samples used.
 fn quiet_noise(
     test: &str,
     history: &'static str,

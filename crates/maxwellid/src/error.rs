@@ -104,7 +104,7 @@ pub enum MaxwellidError {
         end: f64,
         /// Half height of the first rise of the response, from the first sample.
         arrival: f64,
-        /// Least time after it.
+        /// Least time needed after the arrival.
         needed: f64,
     },
     /// A displacement is clipped too early.
@@ -157,7 +157,7 @@ pub enum MaxwellidError {
     /// The noise is stated for some tests and not for others.
     #[error("test `{test}` has no stated noise, but others have: state it for all or for none")]
     NoiseMissing {
-        /// Name of the test without.
+        /// Name of the test without stated noise.
         test: String,
     },
     /// The tests cannot be of one material.
@@ -170,7 +170,7 @@ pub enum MaxwellidError {
         test: String,
         /// Modulus of the test \[Pa\].
         modulus: f64,
-        /// The median of all \[Pa\].
+        /// Median of the moduli of all tests \[Pa\].
         others: f64,
         /// Largest difference of the logarithms.
         allowed: f64,
@@ -229,7 +229,7 @@ pub enum MaxwellidError {
         /// The error of the direct problem.
         source: RodwaveError,
     },
-    /// The linear algebra of a step failed, which finite numbers do not cause.
+    /// The linear algebra of a step failed, which does not happen with finite numbers.
     #[error(
         "the singular value decomposition of the Jacobian did not converge in iteration {iteration}"
     )]
@@ -285,7 +285,7 @@ pub enum MaxwellidError {
     TooFewStandardSamples {
         /// Name of the law.
         law: String,
-        /// Number of samples at which it exists.
+        /// Number of samples at which the law exists.
         found: usize,
     },
     /// The samples have fewer principal components than requested.
@@ -293,7 +293,7 @@ pub enum MaxwellidError {
     TooManyComponents {
         /// Requested number.
         requested: usize,
-        /// The number above rounding.
+        /// Number of components above rounding.
         found: usize,
     },
     /// The samples of a classifier have unequal numbers or lengths.

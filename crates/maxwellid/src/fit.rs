@@ -22,7 +22,8 @@ pub(crate) use crate::identification::Identification;
 /// Default of the requested accuracy of the simulated response, rms as a fraction of V0.
 pub const DEFAULT_ACCURACY: f64 = 1e-3;
 
-/// Longest cell of the grid for the search of starts \[m\]: any grid distinguishes decades.
+/// Longest cell of the grid for the search for starts \[m\]: any grid distinguishes starts that are
+/// decades apart.
 const SCAN_CELL: f64 = 8e-3;
 
 /// Largest number of starts, beyond any practical use.
@@ -35,17 +36,17 @@ pub enum Method {
     /// Damped least squares (Levenberg and Marquardt) with a trust region of the step limits.
     #[default]
     DampedLeastSquares,
-    /// Robbins and Monro, then Davidon, Fletcher and Powell, as (Ödeen 1993, paper D, eq. 14), in
-    /// scaled parameters. Of historical interest.
+    /// Robbins and Monro, then Davidon, Fletcher and Powell, as in (Ödeen 1993, paper D, eq. 14),
+    /// in scaled parameters. Of historical interest.
     Historical,
 }
 
 /// Settings of an identification: the law, the starts and the grid.
 ///
-/// The parameters are those of least squares (Ödeen 1993, paper D, eqs. 12, 13), in the coordinates
-/// (ln E, shape, ln rate at 10 MPa), by damped least squares with the exact derivatives of the
-/// direct problem. The paper's recursion (14) with gain 1/m on the printed parameters diverges or
-/// stagnates: see the erratum in docs/theory.
+/// The parameters minimise the sum of squares (Ödeen 1993, paper D, eqs. 12, 13), in the
+/// coordinates (ln E, shape, ln rate at 10 MPa), by damped least squares with the exact derivatives
+/// of the direct problem. The paper's recursion (14) with gain 1/m on the printed parameters
+/// diverges or stagnates: see the erratum in docs/theory.
 ///
 /// # Stages
 /// 1. Starts, on a coarse grid: E from the time of flight, the candidates of the model, more on
@@ -54,7 +55,8 @@ pub enum Method {
 ///    [`crate::Nuisances`]. If the noise of the tests is stated ([`RodTest::with_noise`] and
 ///    similar methods), the residual is whitened with the noise of both histories, and the
 ///    excitation is estimated together with the parameters (errors in variables). At the solution a
-///    grid of half the cell verifies the accuracy, or the stage is repeated on it.
+///    grid of half the cell verifies the accuracy; if it is not reached, the stage is repeated on a
+///    finer grid.
 ///
 /// ```
 /// use maxwellid::{Fit, Provenance, RodTest, RodTestData, Verdict};
@@ -101,7 +103,7 @@ pub struct Fit<M> {
     starts: usize,
     also_from: Vec<Vec<f64>>,
     only_from: Option<Vec<f64>>,
-    /// Excitations of the tests [m/s] about which a fit with noise begins, and its first cell \[m\].
+    /// Excitations of the tests [m/s] from which a fit with noise starts, and its first cell \[m\].
     excitations: Vec<Vec<f64>>,
     first_cell: f64,
     nuisances: Nuisances,
@@ -165,7 +167,7 @@ impl<M: RodModel> Fit<M> {
         self
     }
 
-    /// Starts the fit with noise at θ = `parameters` alone, which are those of a fit before: no
+    /// Starts the fit with noise at θ = `parameters` alone, such as those of a previous fit: no
     /// other start is tried.
     #[must_use]
     pub fn only_from(mut self, parameters: Vec<f64>) -> Self {
@@ -173,8 +175,8 @@ impl<M: RodModel> Fit<M> {
         self
     }
 
-    /// Starts the fit where another one of the same tests ended: at its parameters alone, its most
-    /// likely excitations and its cell.
+    /// Starts the fit where another fit of the same tests ended: at its parameters alone, with its
+    /// most likely excitations and its cell.
     #[must_use]
     pub fn continuing(self, found: &Identification<M>) -> Self {
         Self {
@@ -214,9 +216,9 @@ impl<M: RodModel> Fit<M> {
         self
     }
 
-    /// Permits data of the inverting solver. Only a check of the optimiser, as in the paper's
-    /// appendix, needs it: equal errors on both sides cancel, so that it gives no information
-    /// on real data.
+    /// Permits data that the inverting solver has generated. Only a check of the optimiser, as in
+    /// the paper's appendix, needs them: equal errors on both sides cancel, so that such a check
+    /// gives no information on real data.
     #[must_use]
     pub fn round_trip(mut self) -> Self {
         self.round_trip = true;
@@ -227,11 +229,11 @@ impl<M: RodModel> Fit<M> {
     ///
     /// # Errors
     /// [`MaxwellidError`] if there is no test, too few samples, no arrival to start from, tests
-    /// whose times of flight contradict each other, a window that ends before the wave has
-    /// arrived, noise stated for some tests only, a calibration without noise, a start or a
-    /// grid that is not physical, no start or more than a million, one recording as two tests, an
-    /// inconsistent model, or data of the inverting solver without [`Self::round_trip`]. A fit
-    /// that does not converge or does not determine its parameters is no error: see
+    /// whose times of flight contradict each other, a window that ends before the wave has arrived,
+    /// noise stated for some tests only, a calibration without noise, a start or a grid that is not
+    /// physical, no start or more than a million, one recording used as two tests, an inconsistent
+    /// model, or data of the inverting solver without [`Self::round_trip`]. A fit that does not
+    /// converge or does not determine its parameters is no error: see
     /// [`Identification::termination`], [`Identification::flags`] and
     /// [`Identification::identifiability`].
     pub fn to(&self, tests: &[RodTest]) -> Result<Identification<M>, MaxwellidError>
@@ -454,7 +456,7 @@ pub(crate) fn root_mean_square(values: &[f64]) -> f64 {
     (sum_of_squares(values) / values.len().max(1) as f64).sqrt()
 }
 
-/// Extends `start` of a model by nuisances at their references.
+/// Extends `start` of a model by nuisances at their reference values.
 fn padded(start: &[f64], count: usize) -> Vec<f64> {
     let nuisances = std::iter::repeat(&0.0);
     start.iter().chain(nuisances).take(count).copied().collect()

@@ -8,8 +8,8 @@ use crate::model::RodModel;
 use crate::specimen::{SpecimenSensitivity, SpecimenUncertainty};
 use crate::vectors::dot;
 
-/// Largest standard error, as a ratio or as a difference of an exponent, of an identified
-/// parameter: it equals three standard errors.
+/// Largest standard error of an identified parameter, as a ratio or as a difference of an exponent:
+/// the parameter then equals three standard errors.
 pub const IDENTIFIED_BELOW: f64 = 1.0 / 3.0;
 
 /// The noise used for the errors.
@@ -70,22 +70,22 @@ pub struct Estimate {
     pub value: f64,
     /// Standard error of ln(value) if `scale` is a ratio, of the value if it is a difference.
     pub standard_error: f64,
-    /// Part of it due to an uncertain specimen, the same in all tests; 0 unless
+    /// Part of the standard error due to an uncertain specimen, the same in all tests; 0 unless
     /// [stated](Estimate::with_specimen_uncertainty).
     pub specimen_error: f64,
     /// Sensitivity to length and density of the specimen.
     pub sensitivity: SpecimenSensitivity,
     /// Scale of the error.
     pub scale: Scale,
-    /// Role: coordinate of the identification, or derived from these.
+    /// Role: coordinate of the identification, or derived from coordinates.
     pub role: Role,
     /// Verdict on the determination by the data.
     pub verdict: Verdict,
 }
 
 impl Estimate {
-    /// Adds the error due to an uncertain specimen to the standard error. The verdict remains that
-    /// of the data: a better measurement of the specimen does not change what they determine.
+    /// Adds the error due to an uncertain specimen to the standard error. The verdict does not
+    /// change: it states what the data determine, whatever the uncertainty of the specimen.
     #[must_use]
     pub fn with_specimen_uncertainty(mut self, specimen: &SpecimenUncertainty) -> Self {
         let error = self.sensitivity.standard_error(specimen);
@@ -121,16 +121,16 @@ pub struct Identifiability {
     pub correlation: Vec<Vec<f64>>,
     /// Standard errors of θ = (ln E, parameters of the law).
     pub coordinate_errors: Vec<f64>,
-    /// Standard deviation of a sample, as a fraction of V0; that of a white sample, in stated
-    /// standard deviations, for [`Noise::Stated`].
+    /// Standard deviation of a sample, as a fraction of V0; for [`Noise::Stated`], the standard
+    /// deviation of a white sample in stated standard deviations.
     pub noise: f64,
     /// Factor by which the variances were increased for the autocorrelation of the residual; 1 for
     /// white residuals.
     pub correlation_inflation: f64,
 }
 
-/// Inputs of the assessment: the residual over V0, for stated noise the white one with the factor
-/// on its noise, and the factor on the standard error of ln E.
+/// Inputs of the assessment: the residual over V0, for stated noise the white residual with the
+/// factor on its noise, and the factor on the standard error of ln E.
 pub(crate) struct Judged<'a> {
     pub(crate) linearisation: &'a Linearisation,
     pub(crate) white: Option<(&'a Linearisation, f64)>,
@@ -247,7 +247,7 @@ pub(crate) fn assess(
     })
 }
 
-/// |a - (a·b) b/b²|²: what a column adds to another one.
+/// |a - (a·b) b/b²|²: the square of the part of a column that is orthogonal to another one.
 fn besides(column: &[f64], other: &[f64]) -> f64 {
     let along = dot(column, other) / dot(other, other);
     let rest = column.iter().zip(other).map(|(a, b)| a - along * b);

@@ -24,10 +24,11 @@ use crate::start::StartOutcome;
 pub struct Identification<M> {
     model: M,
     parameters: Vec<f64>,
-    /// Linearisation over V0, by θ. Gain, offset and the nuisances of the iteration are eliminated
-    /// or, if there is a white one, fixed.
+    /// Linearisation over V0, with respect to θ. Gain, offset and the nuisances of the iteration
+    /// are eliminated or, if there is a white linearisation, fixed.
     pub(crate) linearisation: Linearisation,
-    /// White linearisation by θ, with all nuisances eliminated; only if the noise was stated.
+    /// White linearisation with respect to θ, with all nuisances eliminated; only if the noise was
+    /// stated.
     pub(crate) white: Option<Linearisation>,
     pub(crate) lengths: Vec<usize>,
     white_lengths: Vec<usize>,
@@ -42,21 +43,21 @@ pub struct Identification<M> {
     cell: f64,
     difference: f64,
     course: Course,
-    /// Flags, one per parameter of the model, for a rise of χ² beside the minimum that differs
-    /// from that of the standard error.
+    /// Flags, one per parameter of the model, for a rise of χ² near the minimum that differs from
+    /// the rise that the standard error implies.
     curved: Vec<bool>,
     /// Factor on the standard error of ln E for a χ² that rises less about the minimum than the
     /// error implies; at least 1.
     widening: f64,
-    /// Flags of the same kind, with weights and excitation renewed there.
+    /// Flags like `curved`, with weights and excitation renewed at the ends of the intervals.
     bent: Vec<bool>,
     /// Changes of each parameter of the model to the ends of its profile, if closed; empty without
     /// profiles.
     ends: Vec<Vec<f64>>,
 }
 
-/// Range of the ratio of an interval's half width to that of the standard error within which the
-/// error represents it.
+/// Range of the ratio of the half width of an interval to the half width that the standard error
+/// implies. Within it the standard error represents the interval.
 pub(crate) const STRAIGHT: std::ops::RangeInclusive<f64> = 0.7..=1.4;
 
 /// Greatest factor by which the standard error of ln E is widened to represent χ².
@@ -127,8 +128,8 @@ impl<M: RodModel> Identification<M> {
     /// minimum, with the rise implied by the standard error.
     ///
     /// A front that moves over a grid makes χ² rough in ln E. The parabola through both ends has
-    /// its vertex beside the minimum, and the standard error of ln E is that of its width if it is
-    /// larger than the linearised one.
+    /// its vertex near the minimum. The standard error of ln E follows from the width of the
+    /// parabola if this error is larger than the linearised one.
     #[allow(
         clippy::indexing_slicing,
         reason = "a right singular vector has an entry for each parameter of the problem, those of the model being the first"
@@ -187,15 +188,16 @@ impl<M: RodModel> Identification<M> {
         self
     }
 
-    /// Returns true if a rise of χ² at an end of a 95 % interval differs from that of the standard
-    /// error.
+    /// Returns true if a rise of χ² at an end of a 95 % interval differs from the rise that the
+    /// standard error implies.
     pub(crate) fn is_bent_by(&self, rise: f64) -> bool {
         let promised = QUANTILE_95 * self.error_factor();
         // the rise is proportional to the square of the distance
         !STRAIGHT.contains(&(promised / rise.max(0.0).sqrt()))
     }
 
-    /// Sets the parameters whose error does not represent χ² with weights and excitation renewed.
+    /// Sets the flags of the parameters whose error does not represent χ² with weights and
+    /// excitation renewed.
     pub(crate) fn with_bent(mut self, bent: Vec<bool>) -> Self {
         self.bent = bent;
         self.curved = self.curved_or_bent();
@@ -214,9 +216,9 @@ impl<M: RodModel> Identification<M> {
         residual_variance(chi_square, degrees, self.quiet_degrees).sqrt()
     }
 
-    /// Takes the curvature from the profiles, which extend further than a line: a parameter is
-    /// linear if its interval is closed and both halves agree with the standard error. The
-    /// standard error then is that of the longer half, in the quantity as stated: an interval
+    /// Determines the curvature from the profiles instead, which extend further: a parameter is
+    /// linear if its interval is closed and both halves agree with the standard error. The standard
+    /// error is then at least that of the longer half, in the quantity as stated: an interval
     /// symmetric about a viscosity, whose reciprocal determines the response, would end too low.
     pub(crate) fn judged_by(mut self, profiles: &[Profile]) -> Self {
         let Some(found) = self.identifiability(Noise::Stated) else {
@@ -264,7 +266,7 @@ impl<M: RodModel> Identification<M> {
         self.course.flags.extend(flags);
     }
 
-    /// Marks the minimum as not the lowest one found by a profile.
+    /// Marks the minimum as unsettled, because a profile has found a lower one.
     pub(crate) fn unsettled(mut self) -> Self {
         self.course.flags.push(FitFlag::Unsettled);
         self
@@ -354,7 +356,7 @@ impl<M: RodModel> Identification<M> {
         self.parameters.first().map_or(f64::NAN, |t| t.exp())
     }
 
-    /// Number of iterations, of all stages.
+    /// Number of iterations in all stages.
     #[must_use]
     pub fn iterations(&self) -> usize {
         self.course.iterations
@@ -397,9 +399,9 @@ impl<M: RodModel> Identification<M> {
         self.cell
     }
 
-    /// Difference of the simulated response from that on a grid of half the cell, at the solution:
-    /// largest rms among the tests, as a fraction of V0. The error of a scheme of second order
-    /// is 4/3 of it.
+    /// Difference of the simulated response from the response on a grid of half the cell, at the
+    /// solution: largest rms among the tests, as a fraction of V0. The error of a scheme of second
+    /// order is 4/3 of it.
     #[must_use]
     pub fn grid_difference(&self) -> f64 {
         self.difference
@@ -411,7 +413,7 @@ impl<M: RodModel> Identification<M> {
         &self.nuisances
     }
 
-    /// The most likely errors of rods and transducers, of those that the tests state.
+    /// Estimates of the errors of rods and transducers that the tests state.
     #[must_use]
     pub fn common_errors(&self) -> &[CommonErrorEstimate] {
         &self.common_errors
@@ -476,7 +478,7 @@ impl<M: RodModel> Identification<M> {
     }
 
     /// Longer half of the 95 % interval of the profile of a stated parameter that depends on one
-    /// coordinate; 0 without one.
+    /// coordinate; 0 for another parameter, or without a profile.
     fn longer_half(&self, stated: &StatedParameter) -> f64 {
         let weights = stated.gradient.iter().zip(&self.ends);
         let mut own = weights.filter(|(weight, _)| **weight != 0.0);
@@ -494,8 +496,8 @@ impl<M: RodModel> Identification<M> {
 /// The 97.5 % quantile of the normal distribution.
 pub(crate) const QUANTILE_95: f64 = 1.959_963_984_540_054;
 
-/// Columns of θ, orthogonalised to those of the nuisances. At a minimum the residual is orthogonal
-/// to the latter.
+/// Columns of θ, orthogonalised to the columns of the nuisances. At a minimum the residual is
+/// orthogonal to the columns of the nuisances.
 fn without_nuisances(linearisation: &Linearisation, of_model: usize) -> Linearisation {
     let mut linearisation = linearisation.clone();
     let of_nuisances = linearisation.jacobian.split_off(of_model);
@@ -508,7 +510,7 @@ fn without_nuisances(linearisation: &Linearisation, of_model: usize) -> Linearis
     linearisation
 }
 
-/// The residual over V0 at a white minimum, with its derivatives by θ alone.
+/// The residual over V0 at a white minimum, with its derivatives with respect to θ alone.
 fn over_impact_velocity<M: RodModel>(
     problem: &TestResidual<'_, M>,
     minimum: &Minimum,
@@ -539,7 +541,7 @@ fn unknowns<M: RodModel>(problem: &TestResidual<'_, M>, minimum: &Minimum) -> us
     minimum.parameters.len() + linear * problem.tests.len()
 }
 
-/// The nuisances with their standard errors, from the Jacobian by all unknowns.
+/// The nuisances with their standard errors, from the Jacobian with respect to all unknowns.
 #[allow(
     clippy::indexing_slicing,
     reason = "the unknowns are θ, then the iterated nuisances of each test, which are all parameters of the minimum, then the eliminated \

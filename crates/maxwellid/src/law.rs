@@ -1,5 +1,5 @@
-//! Data of an inelastic law needed for identification besides its physics: names, limits, and
-//! printed parameters.
+//! Data of an inelastic law that an identification needs in addition to its physics: names, limits,
+//! and printed parameters.
 
 use crate::specimen::SpecimenSensitivity;
 use rodwave::inelastic::{
@@ -29,12 +29,12 @@ pub trait IdentifiableLaw: InelasticLaw {
     /// Sensitivity of each parameter to length and density of the specimen, at the present values.
     fn specimen_sensitivities(&self) -> Vec<SpecimenSensitivity>;
 
-    /// Returns the law with the reference rate `rate` [1/s] and the other present parameters, for a
-    /// scan over rates. `None` for a law without rate.
+    /// Returns the law with the reference rate `rate` [1/s] and the present values of the other
+    /// parameters, for a scan over rates. `None` for a law without rate.
     fn at_rate(&self, rate: f64) -> Option<Self>;
 
     /// Rate [1/s] at the reference stress if the present parameters make the law linear; 0 for an
-    /// elastic one, `None` for a nonlinear one.
+    /// elastic law, `None` for a nonlinear one.
     fn linear_rate(&self) -> Option<f64> {
         None
     }
@@ -59,10 +59,10 @@ pub struct StatedParameter {
     pub value: f64,
     /// Scale of the error: ratio or difference.
     pub scale: Scale,
-    /// Derivative of ln(value) (ratio) or value (difference) by each parameter of the law (by all
-    /// of θ in a [`crate::RodModel`]).
+    /// Derivative of ln(value) (ratio) or value (difference) with respect to each parameter of the
+    /// law (to all of θ in a [`crate::RodModel`]).
     pub gradient: Vec<f64>,
-    /// Role: well-conditioned coordinate of the identification, or derived from these.
+    /// Role: well-conditioned coordinate of the identification, or derived from coordinates.
     pub role: Role,
 }
 
@@ -216,7 +216,7 @@ impl IdentifiableLaw for Eyring {
     const NAME: &'static str = "Maxwell-Eyring";
     const STEP_LIMITS: &'static [f64] = &[0.5, 2.0];
 
-    /// Returns ln β of β from 1e-3, the linear law, to 50.
+    /// Returns bounds of ln β for β from 1e-3, the linear law, to 50.
     fn parameter_bounds(&self) -> Vec<(f64, f64)> {
         vec![(LINEAR_SHARPNESS.ln(), 50_f64.ln()), LOG_RATE_BOUNDS]
     }

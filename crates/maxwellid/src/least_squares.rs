@@ -37,7 +37,7 @@ pub(crate) trait LeastSquares {
 pub struct Evaluations {
     /// Solutions without derivatives.
     pub residuals: usize,
-    /// Solutions with derivatives by all parameters.
+    /// Solutions with derivatives with respect to all parameters.
     pub linearisations: usize,
 }
 
@@ -52,9 +52,9 @@ impl std::ops::AddAssign for Evaluations {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Termination {
-    /// A step within the limits promises no further reduction of the sum of squares: less than
-    /// 1e-10 of it or, for a white residual, a hundred-thousandth, which changes no parameter
-    /// by more than some hundredths of its standard error.
+    /// A step within the limits would not reduce the sum of squares any further: by less than 1e-10
+    /// of it or, for a white residual, a hundred-thousandth, which changes no parameter by more
+    /// than some hundredths of its standard error.
     NoReductionLeft,
     /// The step is below 1e-9 of its limit in every parameter.
     StepNegligible,
@@ -62,8 +62,8 @@ pub enum Termination {
     ResidualIsRounding,
     /// No step, however short, reduces the sum of squares.
     NoDescent,
-    /// End as [`Self::NoReductionLeft`], with a parameter at a bound beyond which the sum of
-    /// squares still falls.
+    /// End as for [`Self::NoReductionLeft`], but with a parameter at a bound beyond which the sum
+    /// of squares still falls.
     AtBound,
     /// The improvement of the parameters is below the pre-assigned tolerance; only with
     /// [`crate::Method::Historical`].
@@ -132,7 +132,7 @@ impl Minimum {
             .fold(0.0, f64::max)
     }
 
-    /// Change of the residual for a `change` of the parameters, by its Jacobian.
+    /// Change of the residual for a `change` of the parameters, from its Jacobian.
     pub(crate) fn seen_by_residual(&self, change: &[f64]) -> Vec<f64> {
         let mut sum = vec![0.0; self.linearisation.residual.len()];
         for (column, change) in self.linearisation.jacobian.iter().zip(change) {
@@ -143,9 +143,10 @@ impl Minimum {
         sum
     }
 
-    /// Parameters at which start and minimum would meet by the secant through this renewal of a
-    /// problem, from `start`, and the `last` one by its start and its minimum, lengths in standard
-    /// errors (Anderson 1965, of depth one); the minimum if there is no other.
+    /// Parameters at which start and minimum would coincide, by the secant through two renewals of
+    /// a problem: this one, from `start`, and the `last` one, given by its start and its minimum.
+    /// Lengths are in standard errors (Anderson 1965, of depth one). The minimum if there is no
+    /// `last` renewal.
     pub(crate) fn meeting(&self, start: &[f64], last: Option<(&[f64], &[f64])>) -> Vec<f64> {
         let end = &self.parameters;
         let Some((last_start, last_end)) = last else {
@@ -176,8 +177,9 @@ impl Minimum {
     }
 }
 
-/// Limits of the factor on the change between two renewals: that of an iteration whose error falls
-/// to three quarters by each renewal, and that of one whose error changes sign and grows.
+/// Limits of the factor on the change between two renewals. The lower limit is the factor for an
+/// iteration whose error falls to three quarters per renewal, the upper limit that for an iteration
+/// whose error changes sign and grows.
 const SECANT: (f64, f64) = (-3.0, 1.0);
 
 pub(crate) fn sum_of_squares(residual: &[f64]) -> f64 {
@@ -231,8 +233,8 @@ impl ScaledDecomposition {
 const ITERATIONS: usize = 200;
 /// Remaining relative reduction of the sum of squares at a minimum.
 const REDUCTION: f64 = 1e-10;
-/// Multiple of the reduction that ends an iteration, below which no shorter step is tried: a
-/// response on a grid is rough by as much.
+/// Multiple of the reduction that ends an iteration, below which no shorter step is tried, because
+/// a response on a grid is rough by that amount.
 const OF_ROUGHNESS: f64 = 10.0;
 /// Multiple of the reduction that ends an iteration, up to which a rejected step is near a minimum.
 const NEAR: f64 = 100.0;
@@ -298,7 +300,7 @@ pub(crate) fn minimise_to(
         }
         damping = damping.max(smallest_damping);
         let mut rejected = false;
-        // part of the damped step that is tried
+        // fraction of the damped step that is tried
         let mut part = 1.0;
         loop {
             let step: Vec<f64> = damped_step(&svd, &free, damping)
@@ -310,7 +312,7 @@ pub(crate) fn minimise_to(
                 damping *= 4.0;
                 continue;
             }
-            // of a quadratic function
+            // for a quadratic function
             let predicted = svd.predicted_reduction(damping) * part * (2.0 - part);
             if !rejected && predicted < reduction * value {
                 termination = no_reduction;
@@ -346,8 +348,9 @@ pub(crate) fn minimise_to(
             let is_better = reached.is_some_and(|reached| reached < value);
             let Some(next) = next.filter(|_| is_better) else {
                 match reached {
-                    // of a step that promises little the direction is right and its length is not:
-                    // the parabola through both values and the slope has its minimum there
+                    // if little reduction was predicted, the direction is right and the length is
+                    // not; the shorter step is the minimum of the parabola through both values and
+                    // the slope
                     Some(reached) if part < 1.0 || predicted < NEAR * reduction * value => {
                         let shorter = predicted / (reached - value + 2.0 * predicted);
                         part *= shorter.clamp(0.1, 0.5);
@@ -388,8 +391,8 @@ pub(crate) fn within(parameters: &[f64], bounds: &[(f64, f64)]) -> Vec<f64> {
         .collect()
 }
 
-/// Step limits, 0 for a parameter at a bound beyond which the sum of squares falls, and true if
-/// there is one that has another value within its bounds.
+/// Step limits, 0 for a parameter at a bound beyond which the sum of squares falls; and true if
+/// such a parameter has bounds that differ.
 fn free_directions(
     here: &Linearisation,
     parameters: &[f64],
@@ -535,8 +538,8 @@ mod tests {
             .unwrap();
         assert_eq!(minimum.termination, Termination::AtBound);
         assert!(!minimum.termination.was_successful());
-        // on the wall the best is the bottom of the valley, θ₂ = θ₁²; the step ends where a
-        // ten-billionth is left
+        // on the wall the best point is the bottom of the valley, θ₂ = θ₁²; the iteration ends
+        // where a reduction by a ten-billionth is left
         assert!((minimum.parameters[0] - 0.5).abs() < 1e-15);
         assert!((minimum.parameters[1] - 0.25).abs() < 1e-5);
     }
@@ -580,8 +583,8 @@ mod tests {
         assert_eq!(minimum.termination, Termination::NoReductionLeft);
     }
 
-    /// Iterations x -> a x + b, of which two renewals, 0 -> 1 and 1 -> `end`, tell the fixed point
-    /// b/(1 - a), as far as the secant is followed.
+    /// Iterations x -> a x + b, whose fixed point b/(1 - a) follows from two renewals, from 0 to 1
+    /// and from 1 to `end`, as far as the secant is followed.
     #[test]
     fn two_renewals_tell_where_an_iteration_of_straight_steps_ends() {
         let meeting = |end: f64, last: Option<(&[f64], &[f64])>| {
@@ -610,7 +613,7 @@ mod tests {
             let found = meeting(slope + 1.0, last);
             assert!((found - expected).abs() < 1e-12, "{slope}: {found}");
         }
-        // one renewal, and two of equal steps, tell no direction
+        // one renewal, and two of equal steps, give no secant
         assert!((meeting(1.9, None) - 1.9).abs() < 1e-15);
         assert!((meeting(2.0, last) - 2.0).abs() < 1e-15);
     }

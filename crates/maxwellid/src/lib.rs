@@ -3,17 +3,17 @@
 //! # Problem
 //! A rod is struck at one end. The velocity v_e(t) at a section near that end and the velocity
 //! v_r(t) of the free end, a distance L away, are known. The crate finds Young's modulus E and the
-//! inelastic law F(σ) in ∂ε/∂t = (1/E) ∂σ/∂t + F(σ) that explain the second from the first (Ödeen
-//! 1993, paper D), and how well the data determine them.
+//! inelastic law F(σ) in ∂ε/∂t = (1/E) ∂σ/∂t + F(σ) that explain v_r from v_e (Ödeen 1993, paper
+//! D), and states how well the data determine them.
 //!
 //! # Method
 //! Each evaluation solves the direct problem of [`rodwave::characteristics`] with v_e prescribed;
 //! the sum of squares of simulated minus measured v_r over all tests (paper D, eq. 12) is minimised
 //! over (ln E, shape of the law, ln of its rate at 10 MPa) by damped least squares with exact
 //! derivatives. At the minimum the singular values of the Jacobian, the covariance and a
-//! [`Verdict`] for each parameter give the information of the data. If the noise of both histories
-//! is stated, the residual is whitened with it and the excitation is estimated too; gain, offset
-//! and delay of the transducers can be unknowns ([`Nuisances`]).
+//! [`Verdict`] for each parameter show what the data determine. If the noise of both histories is
+//! stated, the residual is whitened with it and the excitation is estimated too; gain, offset and
+//! delay of the transducers can be unknowns ([`Nuisances`]).
 //!
 //! # Choice of the law
 //! [`selection`] compares the three laws with linear competitors ([`linear`]); its result may be
@@ -95,7 +95,8 @@ pub use start::StartOutcome;
 pub use test::{Provenance, RodTest, RodTestData, TestFlag};
 pub use velocity::Differentiator;
 
-// Types in signatures, re-exported for dependents of this crate alone in the matching version.
+// Types that appear in signatures, re-exported so that a program that depends on this crate alone
+// uses the matching version.
 pub use {num_complex, rodwave};
 
 #[cfg(doctest)]

@@ -1,11 +1,11 @@
-//! Linear competitors: rods of linearly viscoelastic laws, with which every nonlinear law must be
+//! Linear competitors: rods with linearly viscoelastic laws, with which every nonlinear law must be
 //! compared.
 //!
 //! # Problem
 //! A Maxwell law whose rate grows with the stress fits a rod whose loss factor hardly depends on
 //! the frequency: the high frequencies of an impact coincide with its high stresses, so that an
 //! amplitude-dependent rate imitates a frequency-independent loss. Data of a linear polymer are
-//! then "identified" as nonlinear, unless linear laws of flat loss are candidates too.
+//! then "identified" as nonlinear, unless linear laws with a flat loss are candidates too.
 //!
 //! # Method
 //! For a linear law the direct problem of (Ödeen 1993, paper D, section 2.1) has the solution
@@ -96,7 +96,7 @@ pub trait LinearLaw: Debug + Send + Sync {
     fn step_limits(&self) -> Vec<f64>;
 
     /// Search range of each parameter, from which standard samples are drawn: about ±2 standard
-    /// deviations of the prior knowledge.
+    /// deviations of the prior.
     fn ranges(&self) -> Vec<(f64, f64)>;
 
     /// Index of the parameter that scales the damping, if there is one.
@@ -104,8 +104,8 @@ pub trait LinearLaw: Debug + Send + Sync {
         None
     }
 
-    /// Parameters that are logarithms of thermally activated quantities, as
-    /// [`crate::RodModel::thermal_orders`] states them, counted among those of the law.
+    /// Parameters that are logarithms of thermally activated quantities, as in
+    /// [`crate::RodModel::thermal_orders`], counted among the parameters of the law.
     fn thermal_orders(&self) -> Vec<(usize, f64)> {
         Vec::new()
     }
@@ -127,8 +127,8 @@ pub trait LinearLaw: Debug + Send + Sync {
         None
     }
 
-    /// The parameters p as stated in the literature, for a modulus E \[Pa\]; gradients are by θ =
-    /// (ln E, p).
+    /// The parameters p as stated in the literature, for a modulus E \[Pa\]; gradients are with
+    /// respect to θ = (ln E, p).
     ///
     /// By default `ln_x` is stated as x with an error as a ratio; other parameters are unchanged.
     fn stated(&self, _modulus: f64, parameters: &[f64]) -> Vec<StatedParameter> {
@@ -174,8 +174,8 @@ pub trait LinearLaw: Debug + Send + Sync {
         each.collect()
     }
 
-    /// E(s)/E with its derivatives by p, written to `derivatives`, one for each parameter; `None`
-    /// where the law does not exist.
+    /// E(s)/E with its derivatives with respect to p, written to `derivatives`, one for each
+    /// parameter; `None` where the law does not exist.
     ///
     /// The default is a difference of fourth order over ±1e-3 and ±2e-3 of each parameter, with an
     /// error of about 1e-12 of its fifth derivative.

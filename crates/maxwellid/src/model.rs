@@ -31,7 +31,7 @@ pub struct DrivenRod<'a> {
     /// The excitation between its samples.
     pub excitation: &'a SampledHistory,
     /// Times \[s\] at which v_r is evaluated: ascending, not below 0, not beyond the excitation,
-    /// not necessarily those of samples.
+    /// not necessarily the times of samples.
     pub times: &'a [f64],
     /// Longest cell of a grid \[m\]; ignored by a model without a grid.
     pub cell: f64,
@@ -40,7 +40,7 @@ pub struct DrivenRod<'a> {
     pub temperature: Option<f64>,
 }
 
-/// Velocity of the free end and its derivatives by the parameters of a model.
+/// Velocity of the free end and its derivatives with respect to the parameters of a model.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LinearisedResponse {
     /// v_r [m/s], one entry per time (paper D, eq. 11).
@@ -54,12 +54,12 @@ pub struct LinearisedResponse {
 /// the frequency domain is another.
 ///
 /// # Requirements
-/// The first of θ is ln E \[Pa\], where E is the modulus of the front speed, from which a fit
-/// starts by the time of flight. The derivatives are those of [`Self::response`], to at least three
-/// digits. Everything is a function of θ: the trait has no state. The numbers of names, step
-/// limits, bounds and starting values must equal that of parameters; a response has one entry per
-/// time, and its derivatives one such column per parameter. A response of other lengths counts as
-/// none.
+/// The first component of θ is ln E \[Pa\], where E is the modulus that gives the front speed; a
+/// fit starts with E from the time of flight. The derivatives are those of [`Self::response`], to
+/// at least three digits. Everything is a function of θ: the trait has no state. The numbers of
+/// names, step limits, bounds and starting values must equal the number of parameters; a response
+/// has one entry per time, and its derivatives one such column per parameter. A response of another
+/// length counts as missing.
 pub trait RodModel: Debug + Send + Sync {
     /// Name of the model.
     fn name(&self) -> &str;
@@ -68,7 +68,7 @@ pub trait RodModel: Debug + Send + Sync {
     fn is_linear(&self) -> bool;
 
     /// Name of the solver of the direct problem, as in the provenance of a virtual test that it has
-    /// made: no model is fitted to tests of its own solver.
+    /// made: a model is not fitted to tests of its own solver.
     fn solver(&self) -> &'static str {
         rodwave::characteristics::GENERATOR
     }
@@ -103,10 +103,11 @@ pub trait RodModel: Debug + Send + Sync {
     fn parameters(&self, modulus: f64) -> Vec<f64>;
 
     /// Candidates for starting values of θ if only `modulus` \[Pa\] and the duration of the record
-    /// \[s\] are known, best spread over the decades of the damping. Not empty.
+    /// \[s\] are known, preferably spread over the decades of the damping. Not empty.
     fn starts(&self, modulus: f64, duration: f64) -> Vec<Vec<f64>>;
 
-    /// The parameters as stated in the literature at θ, E first; gradients are by all of θ.
+    /// The parameters as stated in the literature at θ, E first; gradients are with respect to all
+    /// of θ.
     fn stated(&self, parameters: &[f64]) -> Vec<StatedParameter>;
 
     /// Sensitivity of each of θ to length and density of the specimen: for ln E it is
@@ -123,9 +124,9 @@ pub trait RodModel: Debug + Send + Sync {
         parameters: &[f64],
     ) -> Option<LinearisedResponse>;
 
-    /// ∂v_r/∂v_e at the times of `rod` by the samples of these indices, one column a sample, for
-    /// changes of the order of `change` [m/s]; `None` where θ is outside the model. By default from
-    /// differences of [`Self::response`].
+    /// ∂v_r/∂v_e at the times of `rod` with respect to the samples of these indices, one column per
+    /// sample, for changes of the order of `change` [m/s]; `None` where θ is outside the model. By
+    /// default from differences of [`Self::response`].
     fn by_samples(
         &self,
         rod: &DrivenRod<'_>,
@@ -174,7 +175,7 @@ pub(crate) fn differences_by_samples<M: RodModel + ?Sized>(
     .collect()
 }
 
-/// Times less a delay \[s\]. Before time 0 the free end is at rest, as at time 0.
+/// Times minus a delay \[s\]. Before time 0 the free end is at rest, as at time 0.
 pub(crate) fn delayed(times: &[f64], delay: f64) -> Vec<f64> {
     times.iter().map(|t| (t - delay).max(0.0)).collect()
 }
@@ -464,7 +465,7 @@ impl<L: IdentifiableLaw> RodModel for L {
     }
 }
 
-/// Implements [`RodModel`] for a type by the model that it stands for.
+/// Implements [`RodModel`] for a type by forwarding to the model that it contains.
 macro_rules! forwarded_rod_model {
     ($type:ty, $this:ident => $to:expr) => {
         impl RodModel for $type {

@@ -62,7 +62,7 @@ pub struct TestNoise {
     pub response: HistoryNoise,
 }
 
-/// Fewest samples of a quiet part for a standard deviation, which is then known to a fifth.
+/// Fewest samples of a quiet part for a standard deviation, which then has an error of a fifth.
 pub(crate) const QUIET_SAMPLES: usize = 16;
 
 /// Number of samples before the half height of the first rise that do not count as quiet: the rise
@@ -97,12 +97,12 @@ pub(crate) fn quiet_standard_deviation(
 
 impl RodTest {
     /// Sets the standard deviations [m/s] of white noise of excitation and response. A fit then
-    /// weights the residual by the covariance of both, and its errors are those of data with
-    /// this noise.
+    /// weights the residual with the covariance of both, and states the errors for data with this
+    /// noise.
     ///
     /// # Errors
-    /// [`MaxwellidError::Noise`] unless the excitation's is finite and not negative, the response's
-    /// finite and positive.
+    /// [`MaxwellidError::Noise`] unless the standard deviation of the excitation is finite and not
+    /// negative, and that of the response finite and positive.
     pub fn with_noise(self, excitation: f64, response: f64) -> Result<Self, MaxwellidError> {
         let white = |standard_deviation| HistoryNoise::White { standard_deviation };
         self.with_history_noise(TestNoise {
@@ -192,9 +192,9 @@ pub(crate) fn exceeds_noise(chi_square: f64, degrees: f64, quiet: Option<f64>) -
 /// Variance of a white residual of `chi_square` with `degrees` of freedom, in units of the stated
 /// noise.
 ///
-/// A residual that exceeds the noise by more than three standard deviations of chance has its own
-/// variance. Otherwise the noise is as stated or, if estimated from quiet parts with `quiet`
-/// degrees of freedom, the pooled estimate of quiet parts and residual.
+/// If the residual exceeds the noise by more than three standard deviations of chance, the variance
+/// is that of the residual. Otherwise it is 1 for stated noise or, for noise estimated from quiet
+/// parts with `quiet` degrees of freedom, the pooled estimate of quiet parts and residual.
 pub(crate) fn residual_variance(chi_square: f64, degrees: f64, quiet: Option<f64>) -> f64 {
     if exceeds_noise(chi_square, degrees, quiet) {
         return chi_square / degrees;
@@ -230,8 +230,8 @@ mod tests {
         // scatter of ln s^2 is about 2/ν: 1/15 as stated, 1/60 pooled; that of 4000 draws is 2 %
         let ratio = pooled / as_stated;
         assert!((0.2..0.32).contains(&ratio), "{ratio}");
-        // right records are called misfits in some per cent, as F with few degrees has a long tail;
-        // in 22 % with a noise taken as known
+        // correct records are called misfits in some per cent of the draws, as F with few degrees
+        // has a long tail; in 22 % if the noise is taken as known
         assert!(above / f64::from(draws) < 0.03, "{above}");
         assert!(exceeds_noise(90.0 * 3.0, 90.0, Some(30.0)));
         assert!((residual_variance(80.0, 90.0, None) - 1.0).abs() < 1e-15);

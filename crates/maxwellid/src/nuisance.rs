@@ -12,7 +12,7 @@
 use crate::error::MaxwellidError;
 use crate::vectors::dot;
 
-/// Freedom of a nuisance: known, unknown, or known to some uncertainty.
+/// Freedom of a nuisance: known, unknown, or known with an uncertainty.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[non_exhaustive]
 pub enum Freedom {
@@ -21,7 +21,7 @@ pub enum Freedom {
     Fixed,
     /// Unknown.
     Free,
-    /// Known to a standard deviation, that of the calibration. Needs tests with stated noise.
+    /// Known with the standard deviation of the calibration. Needs tests with stated noise.
     Within(f64),
 }
 
@@ -30,7 +30,7 @@ impl Freedom {
         !matches!(self, Self::Fixed)
     }
 
-    /// 1/standard deviation; `None` without one.
+    /// Reciprocal of the standard deviation; `None` if none is stated.
     pub(crate) fn prior_weight(self) -> Option<f64> {
         match self {
             Self::Within(deviation) => Some(1.0 / deviation),
@@ -69,7 +69,7 @@ impl Nuisances {
         ]
     }
 
-    /// Returns true if any is unknown.
+    /// Returns true if any nuisance is unknown.
     #[must_use]
     pub fn any(&self) -> bool {
         self.all().iter().any(|(_, freedom)| freedom.is_unknown())
@@ -162,7 +162,7 @@ pub(crate) struct Orthonormal {
     triangle: Vec<Vec<f64>>,
 }
 
-/// Fraction of its own length below which the remainder of a column counts as zero: it is a
+/// Fraction of the length of a column below which its remainder counts as zero: the column is a
 /// combination of the others.
 const DEPENDENT: f64 = 1e-10;
 

@@ -13,7 +13,7 @@ pub(crate) fn map_in_order<T: Sync, R: Send>(items: &[T], f: impl Fn(&T) -> R + 
     items.iter().map(f).collect()
 }
 
-/// Returns `f` of each place below `count`, in their order; `None` if one of them is.
+/// Returns `f` of each place below `count`, in their order; `None` if one result is `None`.
 #[cfg(feature = "rayon")]
 pub(crate) fn all_in_order<R: Send>(
     count: usize,
@@ -23,7 +23,7 @@ pub(crate) fn all_in_order<R: Send>(
     (0..count).into_par_iter().map(&f).collect()
 }
 
-/// Returns `f` of each place below `count`, in their order; `None` if one of them is.
+/// Returns `f` of each place below `count`, in their order; `None` if one result is `None`.
 #[cfg(not(feature = "rayon"))]
 pub(crate) fn all_in_order<R: Send>(
     count: usize,

@@ -6,7 +6,7 @@
 //!
 //! If the linearised error of a parameter is as large as the parameter, the interval of its profile
 //! still gives the excluded values, for example that κ is below 1.4. Its coverage does not depend
-//! on the coordinate, and the linear limits κ = 1 and σ_ref/m = 0 lie inside the searched range, so
+//! on the coordinate, and the linear limits κ = 1 and σ_ref/m = 0 are inside the searched range, so
 //! that an interval may contain them.
 //!
 //! # Validity
@@ -37,7 +37,7 @@ use crate::vectors::dot;
 /// Quantile of chi-square of one degree of freedom at 95 %.
 pub(crate) const THRESHOLD: f64 = 3.841_458_820_694_124;
 
-/// Factor of the searched range on that of the candidate, within the bounds of the model.
+/// Factor of the searched range over the range of the candidate, within the bounds of the model.
 const WIDER: f64 = 3.0;
 
 /// Profile of one parameter.
@@ -69,8 +69,8 @@ pub struct ProfilePoint {
     pub value: f64,
     /// PL(θ_j) - χ²_min; infinite where the model does not exist.
     pub rise: f64,
-    /// Derivative of the profile by θ_j: the other parameters are at their minimum, so that it is
-    /// ∂χ²/∂θ_j at constant others.
+    /// Derivative of the profile with respect to θ_j. As the other parameters are at their minimum,
+    /// it is ∂χ²/∂θ_j with the others constant.
     pub slope: f64,
 }
 
@@ -124,7 +124,7 @@ pub fn profiles(
         .search(ground.modulus, ground.duration, &[])?
         .ok_or(MaxwellidError::NoCandidate)?
         .probable;
-    // a profile makes no statement on a solver, so that data of any solver are accepted
+    // a profile makes no statement about a solver, so that data of any solver are accepted
     let fit = Fit::of(Arc::clone(candidate.model()))
         .with_cell(cell)
         .round_trip()
@@ -133,14 +133,14 @@ pub fn profiles(
 }
 
 impl<M: RodModel + Clone> Fit<M> {
-    /// Identifies the model from all `tests` together, with the profiles of its parameters, over
-    /// the ranges of `candidate`, in one and the same problem. If a profile finds a lower
-    /// minimum the fit continues from there: the estimate is the lowest point of its own profiles.
-    /// A parameter counts as identified if its interval is closed and its standard error represents
-    /// both halves of it.
+    /// Identifies the model from all `tests` together, with the profiles of its parameters over the
+    /// ranges of `candidate`, in one and the same problem. If a profile finds a lower minimum the
+    /// fit continues from there: the estimate is the lowest point of its own profiles. A parameter
+    /// counts as identified if its interval is closed and its standard error represents both halves
+    /// of it.
     ///
     /// # Errors
-    /// As [`Fit::to`]; [`MaxwellidError::InconsistentModel`] for a candidate of another number of
+    /// As [`Fit::to`]; [`MaxwellidError::InconsistentModel`] for a candidate with another number of
     /// parameters; [`MaxwellidError::NoiseUnknown`] without stated noise.
     pub fn with_profiles(
         &self,
@@ -188,8 +188,8 @@ impl<M: RodModel + Clone> Fit<M> {
 /// Largest number of fits that continue from a lower point of a profile.
 const RESTARTS: usize = 6;
 
-/// χ² by which a point of a profile must lie below its minimum to exceed rounding: a thirtieth of
-/// the threshold.
+/// χ² by which a point of a profile must be below the minimum to exceed rounding: about a fortieth
+/// of the threshold.
 const LOWER: f64 = 0.1;
 
 /// A point below the minimum: its χ² relative to that of the minimum, and its parameters.
@@ -268,7 +268,7 @@ fn walked<M: RodModel>(
     })
 }
 
-/// Standard errors by the linearised problem; that of the prior for an undetermined parameter.
+/// Standard errors from the linearised problem; those of the prior for undetermined parameters.
 #[allow(
     clippy::indexing_slicing,
     reason = "a right singular vector has an entry for each deviation"
@@ -334,7 +334,7 @@ struct Walk<'a> {
     step: f64,
 }
 
-/// Derivative of the sum of squares by the parameter at `index`.
+/// Derivative of the sum of squares with respect to the parameter at `index`.
 fn slope(linearisation: &Linearisation, index: usize) -> f64 {
     let column = linearisation.jacobian.get(index);
     column.map_or(f64::NAN, |column| {
@@ -342,11 +342,11 @@ fn slope(linearisation: &Linearisation, index: usize) -> f64 {
     })
 }
 
-/// Largest number of steps to the end of an interval: secants in the root of the profile, which is
-/// nearly linear, and every third one a bisection otherwise.
+/// Largest number of steps to the end of an interval: secants of the root of the profile, which is
+/// nearly linear, and a bisection at every third step.
 const REFINEMENTS: usize = 24;
 
-/// Remaining relative reduction of χ² at a point of the profile: a thousandth for χ² of some
+/// Remaining relative reduction of χ² at a point of the profile: a thousandth if χ² is some
 /// hundreds.
 const REDUCTION: f64 = 1e-6;
 
@@ -388,7 +388,8 @@ impl Walk<'_> {
         Ok((profile, below))
     }
 
-    /// The point of the profile at `value`, and the parameters there, found from those `near`.
+    /// The point of the profile at `value`, and the parameters there, found from the parameters
+    /// `near`.
     fn at(
         &self,
         value: f64,
@@ -517,8 +518,8 @@ mod tests {
         }
     }
 
-    /// min over a of (a-1)² + a² g², g = e^b/2, is g²/(1+g²) < 1: b is excluded nowhere. With ten
-    /// times the weights it is excluded above the b of 100 g²/(1+g²) = 3.84.
+    /// min over a of (a-1)² + a² g², g = e^b/2, is g²/(1+g²) < 1: no b is excluded. With ten times
+    /// the weights, values above the b with 100 g²/(1+g²) = 3.84 are excluded.
     #[test]
     fn a_logarithm_is_bounded_above_or_not_at_all() {
         struct Weighted(f64);
@@ -566,7 +567,7 @@ mod tests {
         let closed = |b: f64| 100.0 / (1.0 + 4.0 * (-2.0 * b).exp());
         let curve = bounded.smooth_curve();
         assert!(curve.len() > 25);
-        // what a figure shows of it; the points are up to two units of b apart
+        // the curve as a figure shows it; its points are up to two units of b apart
         for (b, rise) in curve.into_iter().filter(|(b, _)| closed(*b) < 12.0) {
             let tolerance = 0.025 * closed(b).max(1.0);
             assert!(

@@ -25,18 +25,19 @@ pub(crate) struct TestResidual<'a, M> {
     pub(crate) nuisances: Nuisances,
     /// Weightings, one per test, or empty.
     pub(crate) weightings: Vec<Weighting>,
-    /// Errors in common of the weighted tests.
+    /// Common errors of the weighted tests.
     pub(crate) common: CommonErrors,
 }
 
-/// Difference of gain, and of offset over V0, for the derivatives by those of the excitation.
+/// Difference of gain, and of offset over V0, for the derivatives with respect to those of the
+/// excitation.
 const DIFFERENCE: f64 = 1e-5;
 
 /// Difference of time, in samples, for dS/dt.
 const TIME_DIFFERENCE: f64 = 0.02;
 
-/// The simulated response of one test and its derivatives by θ and by the nuisances of the
-/// iteration [m/s].
+/// The simulated response of one test and its derivatives with respect to θ and to the nuisances of
+/// the iteration [m/s].
 struct Simulated {
     velocity: Vec<f64>,
     derivatives: Vec<Vec<f64>>,
@@ -45,9 +46,9 @@ struct Simulated {
 /// Contribution of one test to the residual.
 pub(crate) struct TestRows {
     residual: Vec<f64>,
-    /// Columns by θ and by the test's own nuisances of the iteration.
+    /// Columns of θ and of the test's own nuisances of the iteration.
     columns: Vec<Vec<f64>>,
-    /// Columns by gain and offset, if these are unknown.
+    /// Columns of gain and offset, if these are unknown.
     linear_columns: Vec<Vec<f64>>,
     /// Gain - 1 and offset \[m/s\], if unknown.
     linear: Vec<f64>,
@@ -133,7 +134,7 @@ impl<'a, M: RodModel> TestResidual<'a, M> {
         Some(simulated)
     }
 
-    /// S at the times of the samples less the delay less `shift` \[s\], with the correction for a
+    /// S at the times of the samples minus the delay minus `shift` \[s\], with the correction for a
     /// cleaned excitation if requested.
     fn velocity(&self, test: usize, of_model: &[f64], own: &[f64], shift: f64) -> Option<Vec<f64>> {
         self.driven(test, own, shift, |rod| {
@@ -149,7 +150,7 @@ impl<'a, M: RodModel> TestResidual<'a, M> {
         })
     }
 
-    /// S of one test on a grid of `cell` \[m\], with its nuisances at their references.
+    /// S of one test on a grid of `cell` \[m\], with its nuisances at their reference values.
     pub(crate) fn response_on(&self, test: usize, of_model: &[f64], cell: f64) -> Option<Vec<f64>> {
         self.driven(test, &[], 0.0, |rod| {
             let rod = DrivenRod { cell, ..*rod };
@@ -179,7 +180,8 @@ impl<'a, M: RodModel> TestResidual<'a, M> {
         self.common.delay(test) + self.delay_of_nuisances(test, parameters)
     }
 
-    /// Calls `ask` with the rod of a test, its excitation and its times under its nuisances.
+    /// Calls `ask` with the rod of a test, with the excitation and the times that its nuisances
+    /// give.
     fn driven<R>(
         &self,
         test: usize,
@@ -354,8 +356,8 @@ impl<'a, M: RodModel> TestResidual<'a, M> {
             .collect()
     }
 
-    /// The residual of each test, with the rows of its calibrations at the end, less the part of
-    /// the most likely errors in common.
+    /// The residual of each test, with the rows of its calibrations at the end, minus the part that
+    /// the most likely common errors explain.
     pub(crate) fn residual_of_tests(&self, parameters: &[f64]) -> Option<Vec<Vec<f64>>> {
         let of_tests = self.white_of_tests(parameters)?;
         let mut all = of_tests.concat();
@@ -365,7 +367,7 @@ impl<'a, M: RodModel> TestResidual<'a, M> {
         Some(of_tests.iter().map(own).collect())
     }
 
-    /// The residual of each test, before the factors of their errors in common.
+    /// The residual of each test, before the factors of the common errors are applied.
     fn white_of_tests(&self, parameters: &[f64]) -> Option<Vec<Vec<f64>>> {
         all_in_order(self.tests.len(), |test| {
             Some(self.rows(test, parameters, false, true)?.residual)
@@ -376,7 +378,7 @@ impl<'a, M: RodModel> TestResidual<'a, M> {
         Some(self.white_of_tests(parameters)?.concat())
     }
 
-    /// The most likely delays of the tests \[s\] at `parameters`, 0 of a known one.
+    /// The most likely delays of the tests \[s\] at `parameters`, 0 for a known delay.
     pub(crate) fn most_likely_delays(&self, parameters: &[f64]) -> Option<Vec<f64>> {
         if self.common.is_empty() {
             return Some(vec![0.0; self.tests.len()]);
@@ -385,7 +387,7 @@ impl<'a, M: RodModel> TestResidual<'a, M> {
         Some(self.common.most_likely_delays(self.tests, white))
     }
 
-    /// The most likely errors in common at a minimum.
+    /// The most likely common errors at a minimum.
     pub(crate) fn common_errors_at(&self, parameters: &[f64]) -> Vec<CommonErrorEstimate> {
         if self.common.is_empty() {
             return Vec::new();
@@ -394,8 +396,9 @@ impl<'a, M: RodModel> TestResidual<'a, M> {
         white.map_or_else(Vec::new, |white| self.common.estimates(white))
     }
 
-    /// Renews the errors in common at `parameters`, with the responses linearised about `delays`;
-    /// `None` if the model does not exist there. With unknown transducers there are none.
+    /// Renews the common errors at `parameters`, with the responses linearised about `delays`;
+    /// `None` if the model does not exist there. If transducers are unknown, there are no common
+    /// errors.
     pub(crate) fn with_common_errors(
         mut self,
         parameters: &[f64],
@@ -425,7 +428,7 @@ impl<'a, M: RodModel> TestResidual<'a, M> {
     }
 
     /// Residual over V0 with the nuisances and the most likely errors of the white residuals, with
-    /// derivatives by θ and the nuisances of the iteration.
+    /// derivatives with respect to θ and the nuisances of the iteration.
     pub(crate) fn over_impact_velocity(&self, parameters: &[f64]) -> Option<Linearisation> {
         let linear = self.linear_nuisances(parameters)?;
         let mut residual = Vec::with_capacity(self.samples());
@@ -465,7 +468,7 @@ impl<'a, M: RodModel> TestResidual<'a, M> {
         Some(Linearisation { residual, jacobian })
     }
 
-    /// Residual and columns of all tests, with their errors in common.
+    /// Residual and columns of all tests, with their common errors.
     pub(crate) fn assembled(&self, parameters: &[f64], project: bool) -> Option<Linearisation> {
         let mut all = self.stacked(parameters, project)?;
         self.common.whiten(&mut all.residual);

@@ -3,8 +3,8 @@
 //!
 //! A standard sample is the response of one law, with parameters from its stated ranges, to the
 //! excitation of the given tests (Ödeen 1993, paper D, section 2.2); other tests need new samples.
-//! The pattern is (9), y^k = |v_e(t_k) - v_r(t_k)|, over V0, or the signed difference, which
-//! contains more information.
+//! The pattern is that of eq. (9), y^k = |v_e(t_k) - v_r(t_k)|, over V0, or the signed difference,
+//! which contains more information.
 //!
 //! # Unspecified choices
 //! The paper specifies neither the ranges and their sampling, nor the instants t_k, nor a
@@ -60,8 +60,9 @@ impl StandardSamples {
     ///
     /// # Errors
     /// [`MaxwellidError`] if there is no test or no arrival;
-    /// [`MaxwellidError::TooFewStandardSamples`] for fewer than two, or if a law does not exist
-    /// at two of its parameters; [`MaxwellidError::Setting`] for more than a million per law.
+    /// [`MaxwellidError::TooFewStandardSamples`] for fewer than two samples per law, or if a law
+    /// exists at fewer than two of them; [`MaxwellidError::Setting`] for more than a million per
+    /// law.
     pub fn of(
         candidates: &[Candidate],
         tests: &[RodTest],
@@ -157,7 +158,7 @@ fn differences(test: &RodTest, response: &[f64], kind: Pattern) -> Vec<f64> {
 /// Bases of the Halton sequence: the first primes, one per parameter.
 const PRIMES: [u32; 8] = [2, 3, 5, 7, 11, 13, 17, 19];
 
-/// Parameters of this index, from 1.
+/// Parameters of the sample `index`, counted from 1.
 fn filled(ranges: &[(f64, f64)], index: usize) -> Vec<f64> {
     ranges
         .iter()

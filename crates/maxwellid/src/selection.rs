@@ -1,8 +1,8 @@
 //! Selection of the law that the data support, if they decide.
 //!
 //! # Problem
-//! Several laws M_i are candidates. The probability of each, given the tests, is found, and whether
-//! any of them explains the data.
+//! Several laws M_i are candidates. The comparison finds the probability of each law given the
+//! tests, and whether any of the laws explains the data.
 //!
 //! # Method
 //! Each candidate is fitted with its prior, and its evidence is found by importance sampling about
@@ -15,14 +15,15 @@
 //! with L the likelihood of the residual, whose covariance C contains the noise of both histories,
 //! that of the excitation propagated through each candidate's rod at its most probable excitation,
 //! and w the prior weights of the laws. Excitation and covariance are renewed until χ² no longer
-//! changes, for every candidate. A parameter that the data do not determine costs nothing; one that
-//! they determine costs the logarithm of the factor by which they narrow it (Occam's factor).
+//! changes, for every candidate. A parameter that the data do not determine costs nothing; a
+//! parameter that they determine costs the logarithm of the factor by which they narrow it (Occam's
+//! factor).
 //!
-//! A law that contains another as a limit is also fitted from there, so that it never explains the
-//! data worse. χ² and adequacy are those of the likeliest parameters, without the prior.
+//! A law that contains another as a limit is also fitted from this limit, so that it never explains
+//! the data worse. χ² and adequacy are those of the likeliest parameters, without the prior.
 //!
 //! For known noise ln L = -½ χ². For noise estimated from q samples at rest the common factor is
-//! marginalised, ln L = -½ (n + q) ln(1 + χ²/q). Residuals that are correlated beyond C count for
+//! marginalised, ln L = -½ (n + q) ln(1 + χ²/q). Residuals that are correlated beyond C count as
 //! fewer samples: n and χ² are divided by 1 + 2 Σ ρ_l of the best candidate.
 //!
 //! # Decision
@@ -30,16 +31,16 @@
 //!    answer is *none of these*.
 //! 2. If no candidate has a probability of 0.95, the answer is *cannot tell*, with the candidates
 //!    in question.
-//! 3. If a nonlinear law leads, but all tests have one impact velocity, and a linear law of flat
-//!    loss is not refuted by its χ² (or none was a candidate), the answer is *cannot tell*, with
-//!    the advice to repeat at another velocity.
+//! 3. If a nonlinear law leads, but all tests have one impact velocity, and a linear law with a
+//!    flat loss is not refuted by its χ² (or no such law was a candidate), the answer is *cannot
+//!    tell*, with the advice to repeat at another velocity.
 //!
 //! Both levels can be set. The paper's own procedure (Ödeen 1993, paper D, section 2.2) is in
 //! [`crate::adequacy`]; it is of historical interest, and no decision is based on it.
 //!
 //! # Limitations
-//! Of a posterior with several separate peaks only the highest one found counts. Errors of E from
-//! L, ρ or the sensors are not in C.
+//! If a posterior has several separate peaks, only the highest one found counts. Errors of L and of
+//! the sensors are in C only if the tests state them; an error of ρ is not in C.
 //!
 //! Theory: `docs/theory/model-identification.md`.
 
@@ -116,16 +117,17 @@ pub struct Selection {
 /// Ratio of impact velocities below which they count as one velocity.
 pub const DISTINCT_VELOCITIES: f64 = 1.2;
 
-/// Probability of its misfit below which a law is refuted, unless another level is set.
+/// Probability of the misfit of a law below which the law is refuted, unless another level is set.
 pub const ADEQUACY_LEVEL: f64 = 1e-3;
 
-/// Distance of ln Z by Laplace's method below the best from which a law does not count for any
+/// Distance of ln Z by Laplace's method below the best law from which a law does not count for any
 /// exact evidence: e^-40, where the two methods differ by a few units at most.
 const BEYOND_COMPARISON: f64 = 40.0;
 
 impl Selection {
-    /// Creates a comparison of these candidates. The noise stated by each test counts as known, one
-    /// that all tests have estimated from their quiet parts as that of so many samples.
+    /// Creates a comparison of these candidates. The noise stated by each test counts as known;
+    /// noise that all tests have estimated from their quiet parts counts as estimated from these
+    /// samples.
     ///
     /// # Errors
     /// [`MaxwellidError::NoCandidate`].
@@ -143,9 +145,9 @@ impl Selection {
         })
     }
 
-    /// Adds candidates that enter only where a nonlinear law is in question: if the others leave one,
+    /// Adds candidates that enter only if a nonlinear law is in question: if the others leave one,
     /// or if none of them explains the data. They follow the others in the result, and the
-    /// probabilities are those among all.
+    /// probabilities are those among all candidates.
     #[must_use]
     pub fn with_further(self, further: Vec<Candidate>) -> Self {
         Self { further, ..self }
@@ -274,12 +276,12 @@ impl Selection {
         all.concluded(tests, &ground, &found, &mut weighed)
     }
 
-    /// Finds the most probable and the likeliest parameters of each candidate, in their order, after
-    /// those that are `known` of the first.
+    /// Finds the most probable and the likeliest parameters of each candidate, in their order;
+    /// `known` are the results of the first candidates.
     ///
     /// Candidates are processed by their number of parameters, so that a special case is known
-    /// before the law that contains it; linear laws come first, because the best of them gives
-    /// the nonlinear ones a start for E.
+    /// before the law that contains it. Linear laws come first, because the best of them gives the
+    /// nonlinear laws a start for E.
     #[allow(
         clippy::indexing_slicing,
         reason = "`order` holds indices of the candidates, of which `found` has as many"
@@ -298,7 +300,7 @@ impl Selection {
         for linear in [true, false] {
             let mut order: Vec<usize> = (first..self.candidates.len()).collect();
             order.retain(|index| self.candidates[*index].model.is_linear() == linear);
-            // whatever the order in which they are stated
+            // independent of the order in which they are stated
             order.sort_by_key(|index| {
                 let candidate = &self.candidates[*index];
                 (size(candidate), candidate.name())
@@ -368,8 +370,8 @@ impl Selection {
         }
     }
 
-    /// χ² beyond which further renewals of a candidate are of no use beside those `found`: ln L lies
-    /// below the best by twice what excludes it from the comparison.
+    /// χ² beyond which further renewals of a candidate are of no use, given the candidates `found`:
+    /// ln L is below the best by twice the distance that excludes a candidate from the comparison.
     fn hopeless(&self, found: &[Option<Found>], ground: &Ground) -> f64 {
         let Some(least) = least(found) else {
             return f64::INFINITY;
@@ -385,7 +387,8 @@ impl Selection {
         }
     }
 
-    /// Factor of the standard deviations from noise and residual together; 1 if the noise is known.
+    /// Factor of the standard deviations, from noise and residual together; 1 if the noise is
+    /// known.
     fn noise_scale(&self, chi_square: f64, samples: usize) -> f64 {
         self.noise_samples
             .map_or(1.0, |q| ((q + chi_square) / (q + samples as f64)).sqrt())
@@ -438,7 +441,7 @@ pub(crate) struct Ground {
 }
 
 impl Ground {
-    /// Factor by which correlation lessens the number of independent residuals of a fit.
+    /// Factor by which correlation reduces the number of independent residuals of a fit.
     fn inflation(&self, fit: &Likeliest) -> f64 {
         let lengths: Vec<usize> = self.times.iter().map(Vec::len).collect();
         correlation_inflation(&fit.residual, &lengths)

@@ -1,5 +1,5 @@
-//! Sensitivity of the parameters to length and density of the specimen, and the errors caused by
-//! these.
+//! Sensitivity of the parameters to length and density of the specimen, and the errors that their
+//! uncertainties cause.
 //!
 //! For x = Lξ and the stress s = σ/(ρL), the equations of the rod are v̇ = ∂s/∂ξ and ∂v/∂ξ = (ρL²/E)
 //! ṡ + L F(ρL s), and the histories at the ends are velocities. Two velocity histories therefore
@@ -16,13 +16,13 @@
 
 use crate::error::MaxwellidError;
 
-/// Change of a parameter (of its logarithm if its error is a ratio) by the logarithms of length and
-/// density of the specimen, at given histories.
+/// Derivatives of a parameter (of its logarithm if its error is a ratio) with respect to the
+/// logarithms of length and density of the specimen, at given histories.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct SpecimenSensitivity {
-    /// Derivative by ln L.
+    /// Derivative with respect to ln L.
     pub length: f64,
-    /// Derivative by ln ρ.
+    /// Derivative with respect to ln ρ.
     pub density: f64,
 }
 
@@ -43,8 +43,8 @@ impl SpecimenSensitivity {
         }
     }
 
-    /// Sensitivity of a quantity with this `gradient` by parameters that have the sensitivities
-    /// `of`.
+    /// Sensitivity of a quantity with this `gradient` with respect to parameters that have the
+    /// sensitivities `of`.
     pub(crate) fn through(gradient: &[f64], of: &[Self]) -> Self {
         let parts = || gradient.iter().zip(of);
         Self {
@@ -53,7 +53,8 @@ impl SpecimenSensitivity {
         }
     }
 
-    /// Standard error due to an uncertain specimen, of the logarithm if the sensitivity is.
+    /// Standard error due to an uncertain specimen: of the parameter or of its logarithm, like the
+    /// sensitivity.
     #[must_use]
     pub fn standard_error(&self, specimen: &SpecimenUncertainty) -> f64 {
         (self.length * specimen.length).hypot(self.density * specimen.density)

@@ -29,8 +29,8 @@ const MODULUS_SPREAD: f64 = 0.3;
 const SPREAD: f64 = 2.0;
 
 /// Returns `count` starts around the candidates of the model, spread by an additive recurrence with
-/// the powers of the generalised golden ratio (Roberts, 2018): they are not random, and the first n
-/// of more starts are those of n.
+/// the powers of the generalised golden ratio (Roberts, 2018). The starts are not random, and a
+/// larger `count` begins with the same starts.
 #[expect(
     clippy::cast_precision_loss,
     reason = "start counts and dimensions are far below 2^52"
@@ -104,14 +104,14 @@ where
 /// Smallest lag of the arrival, in samples, that counts as another minimum.
 const SMALLEST_LAG: usize = 2;
 
-/// Least improvement of the correlation by a lag.
+/// Least improvement of the correlation that a lag must give.
 const BETTER: f64 = 0.1;
 
-/// Returns the delay \[s\], beyond the one that was found, for which the simulated response agrees
+/// Returns the delay \[s\], in addition to the one found, for which the simulated response agrees
 /// best with the measured one, if it is more than sampling and noise can explain, in the test with
 /// the best agreement.
 ///
-/// The correlation is that of the differences of neighbouring samples, which fronts dominate.
+/// The correlation is that of the differences of neighbouring samples, in which fronts dominate.
 #[expect(
     clippy::cast_precision_loss,
     reason = "sample counts are far below 2^52"

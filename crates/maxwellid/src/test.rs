@@ -33,7 +33,7 @@ pub struct RodTestData {
     pub length: f64,
     /// Density [kg/m³].
     pub density: f64,
-    /// Characteristic velocity V0 [m/s], the impact velocity, to which errors are referred.
+    /// Characteristic velocity V0 [m/s], the impact velocity, to which errors are relative.
     pub impact_velocity: f64,
     /// Sampling rate of both histories \[Hz\].
     pub sampling_rate_hz: f64,
@@ -103,7 +103,7 @@ impl std::fmt::Display for TestFlag {
 /// overflow.
 const LARGEST: f64 = 1e150;
 
-/// Largest fraction of V0 of the first sample that counts as noise, not motion.
+/// Largest first sample, as a fraction of V0, that counts as noise and not as motion.
 const REST: f64 = 0.15;
 
 impl RodTest {

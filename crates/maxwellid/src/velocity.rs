@@ -1,10 +1,10 @@
 //! Velocity from a sampled displacement.
 //!
 //! A polynomial of even degree d is fitted to the 2 m + 1 samples around each sample, and its slope
-//! is taken (Savitzky and Golay, Anal. Chem. 36 (1964) 1627). A smoothing spline is equivalent in
-//! the middle of a record; this filter is preferred because it has no data-dependent tuning, no
-//! memory beyond m samples, exactly linear phase, and a noise whose covariance is known in
-//! closed form: it is a finite sum of the noise of the displacement.
+//! is the velocity (Savitzky and Golay, Anal. Chem. 36 (1964) 1627). A smoothing spline is
+//! equivalent in the middle of a record; this filter is preferred because it has no data-dependent
+//! tuning, no memory beyond m samples, exactly linear phase, and a noise whose covariance is known
+//! in closed form: it is a finite sum of the noise of the displacement.
 
 use crate::error::MaxwellidError;
 
@@ -48,9 +48,9 @@ impl Differentiator {
             half_width as f64,
             (-m..=m).map(|j| j as f64 / half_width as f64).collect(),
         );
-        // Gram's polynomials qₖ, orthonormal over the points, from x qₖ₋₁ less its part along the
-        // previous ones, each with its slope at 0. Powers of x would be dependent within
-        // rounding from degree 20 on.
+        // Gram's polynomials qₖ, orthonormal over the points, from x qₖ₋₁ minus its part along the
+        // previous ones, each with its slope at 0. Powers of x would be dependent within rounding
+        // from degree 20 on.
         let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
         let constant = (points.len() as f64).sqrt().recip();
         let mut polynomials: Vec<(Vec<f64>, f64)> = vec![(vec![constant; points.len()], 0.0)];
@@ -128,8 +128,8 @@ impl Differentiator {
             .unwrap_or(0.5)
     }
 
-    /// (Σ d_j²)^½: standard deviation of the velocity over that of white noise of the displacement
-    /// times the sampling rate.
+    /// (Σ d_j²)^½: standard deviation of the velocity over the product of the standard deviation of
+    /// a white noise of the displacement and the sampling rate.
     #[must_use]
     pub fn noise_gain(&self) -> f64 {
         self.autocovariance(0).sqrt()
@@ -146,9 +146,10 @@ impl Differentiator {
             .sum()
     }
 
-    /// Returns the velocity [m/s] of a displacement \[m\] sampled at `rate_hz` \[Hz\]. Its first
-    /// sample is that of the `half_width`-th displacement, its last that many before the end:
-    /// no extrapolation. Empty for a record shorter than the filter.
+    /// Returns the velocity [m/s] of a displacement \[m\] sampled at `rate_hz` \[Hz\]. The first
+    /// velocity belongs to the displacement of index `half_width`, the last one to the displacement
+    /// `half_width` samples before the last: no extrapolation. Empty for a record shorter than the
+    /// filter.
     #[must_use]
     #[allow(
         clippy::indexing_slicing,

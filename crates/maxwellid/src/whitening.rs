@@ -5,9 +5,9 @@
 //! With H = ∂S/∂u, the rod linearised about its motion, its covariance is C = C_r + H C_e Hᵀ. The
 //! factor L of C = L Lᵀ whitens it.
 //!
-//! Weighting alone leaves a bias: the derivatives ∂S/∂θ are taken at v_e and are therefore
+//! Weighting alone leaves a bias: the derivatives ∂S/∂θ are evaluated at v_e and are therefore
 //! correlated with the residual. The maximum of the joint likelihood of θ *and* u removes it:
-//! linearised about a present estimate û the residual is S(û; θ) + H (v_e - û) - v_r, of the same
+//! linearised about a present estimate û the residual is S(û; θ) + H (v_e - û) - v_r, with the same
 //! covariance, and û follows from it as v_e - C_e Hᵀ C⁻¹ (residual), whose error is independent of
 //! the residual. Alternating the two is the Gauss-Newton iteration for the joint problem; it also
 //! keeps the noise out of the nonlinear law. The remaining noise in û still counts as signal in the
@@ -15,17 +15,18 @@
 //! about û after a Wiener filter. This has no effect on the residual, which to first order does not
 //! depend on the excitation about which it is linearised.
 //!
-//! Where the recorder is part of the model ([`RodTest::with_recorder`]), the excitation before its
-//! filter takes the place of the record, the covariance of what the record leaves open of it that
-//! of the noise, and H is followed by the filter.
+//! If the recorder is part of the model ([`RodTest::with_recorder`]), the excitation before its
+//! filter takes the place of the record, the covariance of this excitation given the record takes
+//! the place of the noise covariance, and H is followed by the filter.
 //!
 //! # Approximations
-//! H is the derivative at the parameters of a previous stage, behind a filter by some samples of the
-//! excitation and interpolated between, and is renewed about the present û as long as they change by
-//! more than half a standard error: otherwise the estimate would depend on the start through H. A
-//! law is linearised over the noise where the rod rests. The discretisation error of the solver
-//! counts as white noise of the requested accuracy, so that a frequency without noise after a
-//! differentiator does not have infinite weight.
+//! H is the derivative at the parameters of a previous stage. If there is a filter, H is computed
+//! for some samples of the excitation and interpolated between them. H is renewed about the present
+//! û as long as the parameters change by more than half a standard error: otherwise the estimate
+//! would depend on the start through H. Where the rod is at rest, a law is linearised over a change
+//! of the size of the noise. The discretisation error of the solver counts as white noise of the
+//! requested accuracy, so that a frequency without noise after a differentiator does not have
+//! infinite weight.
 //!
 //! Theory: `docs/theory/identification.md#noise-of-both-histories`.
 
@@ -38,9 +39,10 @@ use crate::recorder::Drive;
 use crate::test::RodTest;
 use crate::vectors::dot;
 
-/// Cell size of the grid for the transfer H \[m\]. Its error acts on what the excitation about which
-/// the rod is linearised lacks, which is not noise alone: with columns at every eighth sample on
-/// cells of 8 mm E of a strongly relaxing rod was half a standard error low at any noise.
+/// Cell size of the grid for the transfer H \[m\]. Its error acts on the part of the measured
+/// excitation that is missing in the excitation of the linearisation, and this part is not noise
+/// alone: with columns at every eighth sample on cells of 8 mm, E of a strongly relaxing rod was
+/// half a standard error low at any noise.
 const TRANSFER_CELL: f64 = 4e-3;
 
 /// Change of the parameters, in standard errors, up to which the transfer from excitation to
@@ -50,8 +52,8 @@ pub(crate) const TRANSFER_HOLDS: f64 = 0.5;
 /// Least change of the excitation for which a nonlinear rod is linearised, as a share of V0.
 const LEAST_CHANGE: f64 = 1e-4;
 
-/// Distance in samples of the columns that are computed of a nonlinear rod whose recorder is part of
-/// the model; they are interpolated between at equal delay.
+/// Distance in samples between the columns that are computed for a nonlinear rod whose recorder is
+/// part of the model; the columns between them are interpolated at equal delay.
 const STRIDE_BEFORE_FILTER: usize = 2;
 
 /// Path from the response of a driven rod to the samples of a test: direct or, if the recorder is
@@ -96,7 +98,7 @@ impl<'a> Seen<'a> {
             .unwrap_or(0)
     }
 
-    /// Distance in points of the columns that are computed of a nonlinear rod.
+    /// Distance in points between the columns that are computed for a nonlinear rod.
     fn stride(&self) -> usize {
         match self.drive {
             Some(drive) => STRIDE_BEFORE_FILTER * drive.seen.every(),
@@ -104,13 +106,13 @@ impl<'a> Seen<'a> {
         }
     }
 
-    /// A history of the response behind the filter, at every point.
+    /// A history of the response after the filter, at every point.
     fn at_points(&self, history: Vec<f64>) -> Vec<f64> {
         let Some(drive) = self.drive else {
             return history;
         };
         let at_points = drive.seen.with_every(1);
-        // at rest before the rod moves, and as long as the filter does not look ahead to that
+        // at rest before the rod moves, unless the filter looks ahead to the motion
         let rest = history.iter().take_while(|v| **v == 0.0).count();
         let rest = rest.saturating_sub(at_points.lead());
         let moving = at_points.of_history(history.get(rest..).unwrap_or_default());
@@ -128,8 +130,8 @@ pub(crate) struct Transfer {
 }
 
 impl Transfer {
-    /// The transfer about an excitation [m/s], of a response that is delayed by `delay` \[s\].
-    /// Returns `None` if the model cannot be evaluated.
+    /// The transfer linearised about an excitation [m/s], of a response that is delayed by `delay`
+    /// \[s\]. Returns `None` if the model cannot be evaluated.
     #[allow(
         clippy::indexing_slicing,
         reason = "the impulse response has an entry for each of its times, and a row of the window is `lead` of them further on at most"
@@ -179,7 +181,7 @@ impl Transfer {
             ..test.driven_rod(&times, TRANSFER_CELL)
         };
         let stride = seen.stride();
-        // nothing is unknown of the samples before the contact
+        // the samples before the contact are known
         let first = seen.first_unknown();
         let places: Vec<usize> = (first..samples).step_by(stride).collect();
         let noise = test.noise.as_ref().map(|noise| &noise.excitation);
@@ -328,10 +330,10 @@ impl Weighting {
         weighting.linearised_about(test, estimate)
     }
 
-    /// Linearises about `excitation` [m/s], of a record after the Wiener filter.
+    /// Linearises about `excitation` [m/s], which is first Wiener-filtered if it is a record.
     fn linearised_about(mut self, test: &RodTest, excitation: Vec<f64>) -> Option<Self> {
         if let Some(drive) = test.drive(self.is_linear) {
-            // the prior of the excitation has taken its noise out, and holds it at rest before the
+            // the prior of the excitation has removed its noise, and keeps it at rest before the
             // contact
             let pairs = drive.mean.iter().zip(&excitation);
             let error: Vec<f64> = pairs.map(|(mean, u)| mean - u).collect();
@@ -433,7 +435,7 @@ impl Weighting {
         let through = self.transfer.transposed_times(&weighted);
         if let Some(drive) = test.drive(self.is_linear) {
             let each = drive.mean.iter().enumerate();
-            // a column of the covariance is its row
+            // the covariance is symmetric
             let error = |k| dot(drive.covariance.col_as_slice(k), &through);
             let excitation = each.map(|(k, mean)| mean - error(k)).collect();
             return self.linearised_about(test, excitation);
@@ -460,11 +462,11 @@ const FADE: usize = 8;
 /// Number of frequencies to either side over which the power of a record is averaged.
 const SMOOTHED: usize = 5;
 
-/// Power over that of the noise up to which a frequency counts as noise: the average of eleven
-/// exceeds it once in ten times.
+/// Ratio of the power to the power of the noise up to which a frequency counts as noise: the
+/// average of eleven lines of noise exceeds this ratio in one of ten cases.
 const NOISE_POWER: f64 = 1.5;
 
-/// Filters `history` by reducing each frequency to its power beyond the noise. The record is
+/// Filters `history` by reducing each frequency to its power above the noise. The record is
 /// continued by its mirror image, so that its continuation has no jump.
 #[expect(
     clippy::cast_precision_loss,

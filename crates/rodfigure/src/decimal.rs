@@ -1,4 +1,4 @@
-//! Decimal numbers of a few digits, written quickly: a report contains a hundred thousand of them.
+//! Fast writing of decimal numbers of a few digits: a report contains a hundred thousand of them.
 
 /// Appends `mantissa` divided by ten to the power `places`, at most 30, without trailing zeros.
 #[allow(

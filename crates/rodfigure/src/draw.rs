@@ -45,7 +45,7 @@ impl Drawn {
     }
 }
 
-/// `figure` as an SVG file: its title, and its panels one above the other, on white.
+/// Draws `figure` as an SVG file: its title, and its panels one above the other, on white.
 ///
 /// Series of many samples are [thinned]. Text is kept as text. The same figure gives the same
 /// bytes.
@@ -81,7 +81,7 @@ fn svg(figure: &Figure) -> String {
     svg.finish(WIDTH, (top - BETWEEN + EDGE).ceil())
 }
 
-/// A name that is valid in an attribute.
+/// Returns a name that is valid in an attribute.
 fn identifier(name: &str) -> String {
     name.chars()
         .map(|c| if c.is_ascii_alphanumeric() { c } else { '-' })

@@ -1,6 +1,6 @@
 //! Figures of tests as data, and their drawing as SVG.
 //!
-//! A [`Figure`] says which curves, points and bands belong together on which axes; numbers are in
+//! A [`Figure`] states which curves, points and bands belong together on which axes; numbers are in
 //! the unit of the axis. [`svg_of`] draws it: axes, ticks, colours and legend follow from the data,
 //! and the same figure gives the same bytes.
 //!
@@ -47,7 +47,7 @@ pub struct Figure {
 }
 
 impl Figure {
-    /// A figure without a caption.
+    /// Creates a figure without a caption.
     #[must_use]
     pub fn new(name: impl Into<String>, title: impl Into<String>, panels: Vec<Panel>) -> Self {
         Self {
@@ -58,12 +58,12 @@ impl Figure {
         }
     }
 
-    /// Draws the figure as an SVG file in `folder`, which is made if there is none, and returns the
-    /// path of the file.
+    /// Draws the figure as an SVG file in `folder`, which is created if it does not exist, and
+    /// returns the path of the file.
     ///
     /// # Errors
     ///
-    /// Those of the file system.
+    /// Errors of the file system.
     pub fn write_to(&self, folder: impl AsRef<Path>) -> io::Result<PathBuf> {
         fs::create_dir_all(&folder)?;
         let path = fs::canonicalize(folder)?.join(format!("{}.svg", self.name));
@@ -89,8 +89,8 @@ pub struct Panel {
 }
 
 impl Panel {
-    /// A panel with scales of their own on both axes and nothing shaded. An axis is also a pair of
-    /// its label and unit.
+    /// Creates a panel with independent scales on both axes and nothing shaded. An axis can also be
+    /// given as a pair of its label and unit.
     #[must_use]
     pub fn new(x: impl Into<Axis>, y: impl Into<Axis>, marks: Vec<Mark>) -> Self {
         Self {
@@ -117,7 +117,7 @@ pub struct Axis {
 }
 
 impl Axis {
-    /// A linear axis over all data.
+    /// Creates a linear axis over all data.
     #[must_use]
     pub fn linear(label: impl Into<String>, unit: impl Into<String>) -> Self {
         Self {
@@ -128,7 +128,7 @@ impl Axis {
         }
     }
 
-    /// A logarithmic axis over all data; values that are not positive are left out.
+    /// Creates a logarithmic axis over all data; values that are not positive are left out.
     #[must_use]
     pub fn logarithmic(label: impl Into<String>, unit: impl Into<String>) -> Self {
         Self {
@@ -148,7 +148,7 @@ impl Axis {
 }
 
 impl<L: Into<String>, U: Into<String>> From<(L, U)> for Axis {
-    /// A linear axis from its label and unit.
+    /// Creates a linear axis from its label and unit.
     fn from((label, unit): (L, U)) -> Self {
         Self::linear(label, unit)
     }
@@ -215,7 +215,7 @@ pub enum Mark {
 }
 
 impl Mark {
-    /// A line through `points`.
+    /// Creates a line through `points`.
     pub fn line(
         name: impl Into<String>,
         role: Role,
@@ -226,14 +226,14 @@ impl Mark {
         Self::Line { name, role, x, y }
     }
 
-    /// A line through the points with the abscissae `x` and the ordinates `y`.
+    /// Creates a line through the points with the abscissae `x` and the ordinates `y`.
     #[must_use]
     pub fn curve(name: impl Into<String>, role: Role, x: &[f64], y: Vec<f64>) -> Self {
         let (name, x) = (name.into(), x.to_vec());
         Self::Line { name, role, x, y }
     }
 
-    /// Points without bars.
+    /// Creates points without error bars.
     pub fn points(
         name: impl Into<String>,
         role: Role,
@@ -249,7 +249,7 @@ impl Mark {
         }
     }
 
-    /// Points with error bars: abscissa, ordinate and half the length of the bar.
+    /// Creates points with error bars: abscissa, ordinate and half the length of the bar.
     pub fn points_with_errors(
         name: impl Into<String>,
         role: Role,
@@ -265,7 +265,7 @@ impl Mark {
         }
     }
 
-    /// A band: abscissa, lower and upper edge.
+    /// Creates a band: abscissa, lower and upper edge.
     pub fn band(
         name: impl Into<String>,
         role: Role,
@@ -282,8 +282,8 @@ impl Mark {
     }
 }
 
-/// The meaning of a mark, which decides its colour. Colours are distinguishable with any colour
-/// vision, and by their dashes in print.
+/// The meaning of a mark, which determines its colour and dashes. Roles are distinguishable by
+/// colour with any colour vision, and by their dashes in print.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Role {
@@ -304,7 +304,7 @@ pub enum Role {
 }
 
 impl Role {
-    /// The role of the series number `index`, from 0; the roles repeat after the fifth.
+    /// Returns the role of the series number `index`, from 0; the roles repeat after the fifth.
     #[must_use]
     pub fn of_series(index: usize) -> Self {
         match index % 5 {
@@ -320,7 +320,7 @@ impl Role {
 /// A range of the horizontal axis where the result is not valid.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Greyed {
-    /// Lower end; minus infinity is written as the end of the axis.
+    /// Lower end; minus infinity stands for the end of the axis.
     pub from: f64,
     /// Upper end.
     pub to: f64,

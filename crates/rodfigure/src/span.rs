@@ -1,4 +1,4 @@
-//! Ranges of the axes, from the data drawn. `report/script.js` of `rodlab` does the same.
+//! Ranges of the axes, from the data drawn. `report/script.js` of `rodlab` uses the same rules.
 
 use super::{Axis, Mark, Panel, Scale};
 
@@ -8,10 +8,10 @@ const MARGIN: f64 = 0.05;
 /// and lines: an error of many times the value must not flatten the curve.
 const REACH: f64 = 0.6;
 
-/// Ranges of both axes of every panel.
+/// Returns the ranges of both axes of every panel.
 ///
-/// Panels with the same horizontal axis have one range: the first stated one, or one that shows the
-/// data of all of them.
+/// Panels with the same horizontal axis share one range: the first stated one, or one that shows
+/// the data of all of them.
 pub(super) fn spans(panels: &[Panel]) -> Vec<[[f64; 2]; 2]> {
     let same = |one: &Axis, other: &Axis| {
         one.label == other.label && one.unit == other.unit && one.scale == other.scale
@@ -41,7 +41,7 @@ pub(super) fn spans(panels: &[Panel]) -> Vec<[[f64; 2]; 2]> {
         .collect()
 }
 
-/// The stated range, if it is valid.
+/// Returns the stated range, if it is valid.
 fn asked(axis: &Axis) -> Option<[f64; 2]> {
     axis.range
         .filter(|range| range[0] < range[1] && range.iter().all(|end| on(axis, *end)))

@@ -12,11 +12,11 @@ use super::{Axis, Figure, Mark, Panel, Scale};
 const COLUMNS: f64 = 500.0;
 /// Number of samples up to which a series is drawn as it is.
 pub const FEW: usize = 2000;
-/// Most samples of a curve that runs back and forth.
+/// Largest number of samples of a curve that runs back and forth.
 const MOST: usize = 3000;
 
-/// The figure as drawn: long series are reduced to their extremes over 1/500 of the horizontal
-/// axis.
+/// Returns the figure as drawn: long series are reduced to their extremes over 1/500 of the
+/// horizontal axis.
 ///
 /// Series of up to 2000 samples are unchanged. A longer one keeps at most four samples and one
 /// interruption (NaN) in each of 500 columns of the range shown, and as many outside it; the least
@@ -62,7 +62,7 @@ fn thinned_panel(panel: &Panel) -> Panel {
             let kept = if error.is_empty() {
                 kept(&panel.x, x, y, y)
             } else {
-                // a bar without an end hides nothing of its point
+                // a bar whose length is not finite is not drawn: its point alone counts
                 let end = |sign: f64| -> Vec<f64> {
                     let reach = |(y, error): (&f64, &f64)| {
                         if error.is_finite() {
@@ -114,7 +114,7 @@ fn thinned_panel(panel: &Panel) -> Panel {
     }
 }
 
-/// Indices of the samples drawn; `low` and `high` are equal except for a band or bars.
+/// Returns the indices of the samples drawn; `low` and `high` are equal except for a band or bars.
 #[allow(
     clippy::indexing_slicing,
     reason = "the three lists are cut to the same samples, which the indices count"
@@ -143,8 +143,8 @@ fn kept(axis: &Axis, x: &[f64], low: &[f64], high: &[f64]) -> Vec<usize> {
     by_columns(Columns::new(axis, shown, all), x, low, high, there)
 }
 
-/// Columns of pixels along an axis: 500 in the range shown, and 500 over everything for the parts
-/// outside.
+/// Columns of pixels along an axis: 500 in the range shown, and 500 over the whole range of the
+/// data for the parts outside.
 struct Columns {
     logarithmic: bool,
     shown: [f64; 2],
@@ -168,7 +168,7 @@ impl Columns {
         }
     }
 
-    /// The end of the column of `x`.
+    /// Returns the end of the column of `x`.
     fn end(&self, x: f64) -> f64 {
         let place = if self.logarithmic { x.log10() } else { x };
         let within = |range: [f64; 2]| {
@@ -192,8 +192,8 @@ impl Columns {
     }
 }
 
-/// First, least, greatest and last sample of each column, and a NaN sample for a gap between
-/// columns.
+/// Returns the first, least, greatest and last sample of each column, and a NaN sample for a gap
+/// between columns.
 #[allow(
     clippy::indexing_slicing,
     reason = "`kept` has cut the lists to the same samples, which the indices count"
@@ -250,8 +250,8 @@ fn by_columns(
     kept
 }
 
-/// A curve that runs back and forth, in steps of a fraction of a column; coarser steps if that
-/// leaves too many samples.
+/// Returns the samples of a curve that runs back and forth, in steps of a fraction of a column; the
+/// steps are coarser if that leaves too many samples.
 #[allow(
     clippy::indexing_slicing,
     reason = "`kept` has cut the lists to the same samples, which the indices count"

@@ -1,4 +1,4 @@
-//! Ticks of an axis and their labels. `report/script.js` of `rodlab` does the same.
+//! Ticks of an axis and their labels. `report/script.js` of `rodlab` uses the same rules.
 
 use super::unit::raised;
 use super::{Axis, Scale};
@@ -12,8 +12,8 @@ pub(super) struct Ticks {
     pub minor: Vec<f64>,
 }
 
-/// About `wanted` labelled ticks in the range of `axis`: at multiples of 1, 2 or 5 of a power of
-/// ten, at the decades, or at fractions of a turn.
+/// Returns about `wanted` labelled ticks in the range of `axis`: at multiples of 1, 2 or 5 of a
+/// power of ten, at the decades, or at fractions of a turn.
 pub(super) fn ticks(axis: &Axis, range: [f64; 2], wanted: f64) -> Ticks {
     let least = (range[1] - range[0]) / wanted;
     match axis.scale {
@@ -29,7 +29,7 @@ pub(super) fn ticks(axis: &Axis, range: [f64; 2], wanted: f64) -> Ticks {
     }
 }
 
-/// The least of 1, 2, 5 times a power of ten that is no less than `least`.
+/// Returns the least of 1, 2 and 5 times a power of ten that is not below `least`.
 fn round_step(least: f64) -> f64 {
     let power = 10_f64.powf(least.log10().floor());
     let step = [1.0, 2.0, 5.0]
@@ -46,7 +46,7 @@ fn linear([from, to]: [f64; 2], step: f64) -> Ticks {
         major.push((value, label(value, step)));
         count += 1.0;
     }
-    // four parts of 2, five of 1 and 5, three of a part of a turn
+    // a step of 2 has four parts, one of 1 or 5 has five, and a fraction of a turn has three
     let power = 10_f64.powf((step.log10() + 1e-9).floor());
     let parts = match step / power {
         lead if (lead - 2.0).abs() < 1e-6 => 4.0,
@@ -99,7 +99,8 @@ fn logarithmic([from, to]: [f64; 2], wanted: f64) -> Ticks {
     ticks
 }
 
-/// `value` with enough digits to distinguish it from its neighbours at a distance of `step`.
+/// Formats `value` with enough digits to distinguish it from its neighbours at a distance of
+/// `step`.
 pub(super) fn label(value: f64, step: f64) -> String {
     if value.abs() < 1e-6 * step {
         return "0".to_owned();
@@ -129,7 +130,7 @@ fn places(count: f64) -> usize {
     count.clamp(0.0, 17.0) as usize
 }
 
-/// The exponent of a power of ten as superscript, such as `⁻³`.
+/// Returns the exponent of a power of ten as superscript, such as `⁻³`.
 #[must_use]
 pub fn superscript(power: f64) -> String {
     format!("{power:.0}").chars().map(raised).collect()

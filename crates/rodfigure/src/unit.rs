@@ -1,7 +1,7 @@
 //! Units in typographic form.
 
-/// `unit` with superscript powers, such as `m/s²` for `m/s^2`, and with the signs of degrees and
-/// micro. Files keep the form that can be typed.
+/// Returns `unit` with superscript powers, such as `m/s²` for `m/s^2`, and with the signs of
+/// degrees and micro. Files keep the form that can be typed.
 #[must_use]
 pub fn unit_as_read(unit: &str) -> String {
     match unit {
@@ -31,7 +31,7 @@ pub fn unit_as_read(unit: &str) -> String {
     read
 }
 
-/// A digit or a minus as superscript.
+/// Returns a digit or a minus as superscript.
 pub(super) fn raised(c: char) -> char {
     match c {
         '-' => '⁻',

@@ -59,7 +59,7 @@ for name, table in epoxy.tables.items():
         cells = by_command[column]
         kind = values.dtype.kind
         expected = [float(cell or "nan") if kind == "f" else cell == "true" if kind == "b" else cell for cell in cells]
-        known = np.where(np.isinf(values), np.nan, values) if kind == "f" else values  # an end at infinity is a blank of the file
+        known = np.where(np.isinf(values), np.nan, values) if kind == "f" else values  # an infinite end is a blank in the file
         np.testing.assert_array_equal(known, expected)
         count += len(values)
 print(f"{count} numbers and words are equal")

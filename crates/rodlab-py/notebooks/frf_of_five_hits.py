@@ -1,7 +1,7 @@
 # %% [markdown]
 # # Frequency response from five hits
 #
-# Blows on the end of a nylon rod, made by a virtual test: the force of the hammer and the acceleration of the struck face.
+# Blows on the end of a nylon rod in a virtual test: the force of the hammer and the acceleration of the struck face.
 
 # %%
 import subprocess
@@ -32,7 +32,7 @@ print(H.verdict)
 for hit in hits.hits:
     print(hit.name, "accepted" if hit.accepted else hit.reasons)
 
-# %% The figure, with the response that is true
+# %% The figure, with the exact response
 mobility = rodlab.mobility.of_hits(hits, silent="4 ms", up_to="6 kHz")
 lines = mobility.valid & (mobility.frequency_hz > 0)
 frequency = mobility.frequency_hz[lines]

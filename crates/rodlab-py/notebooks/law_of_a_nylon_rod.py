@@ -1,8 +1,8 @@
 # %% [markdown]
 # # Law of a nylon rod
 #
-# A striker hits a rod at 3 m/s and at 20 m/s; the velocities of two sections tell the parameters of a Maxwell-Norton law (Ödeen 1993,
-# paper D). The records are virtual, of a law that is known.
+# A striker hits a rod at 3 m/s and at 20 m/s; the velocities of two sections determine the parameters of a Maxwell-Norton law
+# (Ödeen 1993, paper D). The records come from a virtual test with a known law.
 
 # %%
 import subprocess
@@ -59,7 +59,7 @@ law = rodlab.identify(
     folder=folder,
 )
 
-# %% The verdict, and the parameters beside the true ones
+# %% The verdict, and the parameters next to the true ones
 print(law.verdict)
 true = {"Young's modulus E": 3.2e9, "exponent kappa": 2.1, "inelastic strain rate at 10 MPa F(10 MPa)": 10.0}
 for name, value in true.items():

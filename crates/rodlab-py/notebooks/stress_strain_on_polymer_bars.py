@@ -45,7 +45,7 @@ print(curve.verdict)
 for sentence in curve.summary[1:]:
     print(sentence)
 
-# %% The same shot with the bars taken for elastic: 2.6 GPa and 1150 kg/m3 are 1504 m/s
+# %% The same shot with the bars assumed elastic: 2.6 GPa and 1150 kg/m3 give 1504 m/s
 elastic = bars.stress_strain(
     shot,
     incident=bars.bar(density=1150, wave_speed=1504, diameter=0.02, length=1.8, gauges={"incident": "900 mm"}),
@@ -61,7 +61,7 @@ ax = curve.plot()
 ax.plot(elastic.strain, 1e-6 * elastic.stress, "--", linewidth=1, label="bars taken for elastic")
 ax.legend()
 
-# %% Forces on both faces, and what the error comes from
+# %% Forces on both faces, and the sources of the error
 faces = curve.table("faces")
 figure, axes = plt.subplots(layout="constrained")
 for side in ("incident", "transmitted"):

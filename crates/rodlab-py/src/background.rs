@@ -1,5 +1,5 @@
-//! Work beside the interpreter: interruptions are heard, progress is told, a panic becomes an
-//! exception.
+//! Work on a thread next to the interpreter: it can be interrupted, its progress is reported, and a
+//! panic becomes an exception.
 
 use std::any::Any;
 use std::panic::{self, AssertUnwindSafe};
@@ -16,14 +16,14 @@ use rodlab::job::Progress;
 
 use crate::errors::raised;
 
-/// Time between two looks at the signals of the interpreter.
+/// Time between two checks of the signals of the interpreter.
 const LOOK: Duration = Duration::from_millis(50);
 
-/// Time that interrupted work has to end by itself. Its thread is left behind then; it writes no
-/// files any more.
+/// Time that interrupted work has to end. After this time its thread is abandoned; it writes no
+/// more files.
 const PATIENCE: Duration = Duration::from_millis(150);
 
-/// Stack of the thread that works, as that of the main thread usually is.
+/// Stack size of the working thread, that of most main threads.
 const STACK: usize = 8 << 20;
 
 /// Message from the work to the interpreter.
@@ -33,7 +33,7 @@ enum Event<T> {
     Ended(thread::Result<Result<T, RodlabError>>),
 }
 
-/// Progress that is told to the interpreter.
+/// Progress that is reported to the interpreter.
 struct Told<T>(Sender<Event<T>>);
 
 impl<T> std::fmt::Debug for Told<T> {
@@ -44,7 +44,7 @@ impl<T> std::fmt::Debug for Told<T> {
 
 impl<T: Send> Progress for Told<T> {
     fn begins(&self, step: &str, of: usize) {
-        // nobody listens any longer after an interruption
+        // after an interruption nobody receives it
         let _ = self.0.send(Event::Begins(step.to_owned(), of));
     }
 
@@ -53,13 +53,14 @@ impl<T: Send> Progress for Told<T> {
     }
 }
 
-/// Does `work` on a thread of its own, without the lock of the interpreter. `progress`, if there is
-/// one, is called on this thread as `progress(step, done, of)`, where `of` is 0 if it is not known.
+/// Runs `work` on a thread of its own, without the lock of the interpreter. `progress`, if there is
+/// one, is called on the calling thread as `progress(step, done, of)`, where `of` is 0 if it is not
+/// known.
 ///
 /// # Errors
 ///
-/// What the work refuses; what `progress` or the handler of a signal raises (`KeyboardInterrupt`),
-/// within 0.3 s; `RuntimeError` for a panic.
+/// The error of the work; an exception that `progress` or the handler of a signal raises
+/// (`KeyboardInterrupt`), within 0.3 s; `RuntimeError` for a panic.
 pub(crate) fn done<T, W>(py: Python<'_>, progress: Option<Py<PyAny>>, work: W) -> PyResult<T>
 where
     T: Send + 'static,
@@ -88,7 +89,7 @@ where
     }
 }
 
-/// Waits until the work has ended, and returns its result, or what was raised before.
+/// Waits until the work has ended, and returns its result, or an exception raised before.
 fn listened<T: Send>(
     py: Python<'_>,
     events: &Mutex<Receiver<Event<T>>>,

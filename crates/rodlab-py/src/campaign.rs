@@ -1,4 +1,4 @@
-//! Many sheets, or one of many.
+//! Campaigns of many sheets, and single tests of a campaign.
 
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -12,7 +12,7 @@ use rodlab::output::TableFiles;
 
 use crate::background::done;
 
-/// The tests that `places` name, as (name, path of the sheet), in order of their names.
+/// Returns the tests that `places` name, as (name, path of the sheet), in the order of their names.
 #[pyfunction]
 pub(crate) fn tests_of(py: Python<'_>, places: Vec<String>) -> PyResult<Vec<(String, PathBuf)>> {
     let tests = done(py, None, move |_, _| campaign::tests_of(&places))?;
@@ -20,8 +20,8 @@ pub(crate) fn tests_of(py: Python<'_>, places: Vec<String>) -> PyResult<Vec<(Str
     Ok(pairs.collect())
 }
 
-/// Does all tests that `places` name, `jobs` at a time, and writes their summary; returns it as
-/// JSON.
+/// Runs all tests that `places` name, `jobs` at a time, and writes their summary; returns the
+/// summary as JSON.
 #[pyfunction]
 #[pyo3(signature = (places, out, *, resume=false, jobs=None, progress=None))]
 pub(crate) fn batch(
@@ -55,8 +55,8 @@ pub(crate) fn batch(
     done(py, progress, work)
 }
 
-/// Does the test `name` of the campaign in `out`, with `resume` only if it has no current result;
-/// returns the word of its standing.
+/// Runs the test `name` of the campaign in `out`, with `resume` only if it has no current result;
+/// returns its standing as a word.
 #[pyfunction]
 pub(crate) fn one_test(
     py: Python<'_>,

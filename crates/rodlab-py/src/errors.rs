@@ -8,7 +8,7 @@ use rodlab::RodlabError;
 use rodlab::batch::in_one_line;
 use rodlab::sheet::SheetError;
 
-/// The exception for `error`.
+/// Returns the exception for `error`.
 pub(crate) fn raised(py: Python<'_>, error: &RodlabError) -> PyErr {
     let words = in_one_line(error);
     let made = match error {
@@ -38,12 +38,12 @@ pub(crate) fn raised(py: Python<'_>, error: &RodlabError) -> PyErr {
         _ if error.is_of_output() => named(py, "WriteError", words),
         _ => named(py, "Error", words),
     };
-    // where the class cannot be had, that is what is raised
+    // if the class cannot be imported, the error of the import is raised
     made.unwrap_or_else(|error| error)
 }
 
-/// The exception for mistakes in the arguments of a function, which were read as the sheet `error`
-/// is about.
+/// Returns the exception for mistakes in the arguments of a function; `error` is that of the sheet
+/// made of these arguments.
 pub(crate) fn raised_of_arguments(py: Python<'_>, error: &SheetError) -> PyErr {
     let others = error.others().iter();
     let others = others.map(|other| with_advice(&other.in_words(), other));
@@ -59,7 +59,7 @@ pub(crate) fn raised_of_arguments(py: Python<'_>, error: &SheetError) -> PyErr {
     .unwrap_or_else(|error| error)
 }
 
-/// A mistake in words, with its advice.
+/// Returns the words of a mistake, with its advice.
 fn with_advice(words: &str, mistake: &SheetError) -> String {
     match mistake.advice() {
         Some(advice) => format!("{words}; {advice}"),
@@ -67,12 +67,12 @@ fn with_advice(words: &str, mistake: &SheetError) -> String {
     }
 }
 
-/// The exception for what `labio` refuses of arrays.
+/// Returns the exception for arrays that `labio` refuses.
 pub(crate) fn refused(py: Python<'_>, error: &LabioError) -> PyErr {
     named(py, "Error", in_one_line(error)).unwrap_or_else(|error| error)
 }
 
-/// The exception for an argument that is not as expected.
+/// Returns the exception for an argument that is not as expected.
 pub(crate) fn wrong(py: Python<'_>, words: String) -> PyErr {
     named(py, "Error", words).unwrap_or_else(|error| error)
 }

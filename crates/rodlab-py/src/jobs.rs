@@ -1,4 +1,4 @@
-//! Sheets from files and from memory; what surrounds them.
+//! Jobs of sheets from files and from memory; check, inspect, convert, init.
 
 use std::ffi::OsString;
 use std::path::PathBuf;
@@ -16,8 +16,8 @@ use crate::background::done;
 use crate::errors::{raised, raised_of_arguments, wrong};
 use crate::outcome::Outcome;
 
-/// Does the job of the sheet at `path`. With `write`, its files go to `out`, by default the folder
-/// that the command takes.
+/// Does the job of the sheet at `path`. With `write`, its files go to `out`, by default to the
+/// default folder of the command.
 #[pyfunction]
 #[pyo3(signature = (path, *, job=None, out=None, write=true, progress=None))]
 pub(crate) fn run_sheet(
@@ -59,7 +59,7 @@ pub(crate) fn run_sheet(
 }
 
 /// Does the job of the sheet whose text is `text`; its relative paths start from `folder`. Files
-/// are written where there is an `out`.
+/// are written only if `out` is given.
 #[pyfunction]
 #[pyo3(signature = (text, folder, *, out=None, progress=None))]
 pub(crate) fn run_text(
@@ -129,7 +129,7 @@ pub(crate) fn convert(
     })
 }
 
-/// Writes the commented sheet of `job`, or of its `rig`, to `path`, where nothing may be yet.
+/// Writes the commented sheet of `job`, or of its `rig`, to `path`, which must not exist yet.
 #[pyfunction]
 #[pyo3(signature = (job, path, rig=None))]
 pub(crate) fn init(py: Python<'_>, job: &str, path: PathBuf, rig: Option<&str>) -> PyResult<()> {
@@ -147,7 +147,7 @@ fn rig_of(py: Python<'_>, name: &str) -> PyResult<Rig> {
     })
 }
 
-/// Does what the words of a command line ask for, the name of the program ahead; returns the exit
+/// Runs a command line, given as its words with the name of the program first; returns the exit
 /// status.
 #[pyfunction]
 pub(crate) fn command(py: Python<'_>, words: Vec<OsString>) -> u8 {

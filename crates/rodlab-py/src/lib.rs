@@ -1,18 +1,18 @@
 //! The extension module `rodlab._rodlab`: jobs, records and spectra of the workspace for the Python
 //! package `rodlab`.
 //!
-//! There are no numerics here, and no more than is needed to cross the border. What a user calls is
-//! written in Python, in `python/rodlab`, and documented there; the functions of this module are
-//! its private foundation, listed in `_rodlab.pyi`.
+//! There are no numerics here, and no more than is needed to pass data between Rust and Python. The
+//! functions that a user calls are written in Python, in `python/rodlab`, and documented there; the
+//! functions of this module are private and are listed in `_rodlab.pyi`.
 //!
-//! | module | what it holds |
+//! | module | content |
 //! |---|---|
-//! | `background` | work beside the interpreter: interruptions, progress, panics |
+//! | `background` | work next to the interpreter: interruptions, progress, panics |
 //! | `errors` | errors of the crates as the exceptions of the package |
 //! | `outcome` | the result of a job |
 //! | `jobs` | sheets from files and from memory; check, inspect, convert, init |
-//! | `campaign` | many sheets, or one of many |
-//! | `records` | files to calibrated hits |
+//! | `campaign` | campaigns of many sheets, single tests of them |
+//! | `records` | calibrated hits from files |
 //! | `rods` | mobilities, transition matrices, propagation of waves |
 //! | `spectra` | frequency responses of arrays |
 

@@ -1,4 +1,4 @@
-//! The result of a job, as the package takes it over.
+//! The result of a job, in the form that the Python package uses.
 
 use std::path::PathBuf;
 
@@ -26,12 +26,12 @@ pub(crate) struct Outcome {
     outcome: rodlab::Outcome,
     sheet: SheetIdentity,
     files: Vec<PathBuf>,
-    /// All but tables, as `result.json` has it.
+    /// All parts except tables, in the form of `result.json`.
     json: String,
 }
 
 impl Outcome {
-    /// `outcome` of `sheet`, of which `files` were written.
+    /// Creates the result from the `outcome` of a `sheet` and the `files` that were written.
     pub(crate) fn new(
         mut outcome: rodlab::Outcome,
         sheet: SheetIdentity,
@@ -52,7 +52,7 @@ impl Outcome {
 
 #[pymethods]
 impl Outcome {
-    /// Everything but tables, figures and attachments, as JSON.
+    /// All parts except tables, figures and attachments, as JSON.
     #[getter]
     fn json(&self) -> &str {
         &self.json
@@ -95,7 +95,7 @@ impl Outcome {
             .collect()
     }
 
-    /// Files for other programs as (name, bytes).
+    /// Returns the files for other programs as (name, bytes).
     fn attachments<'py>(&self, py: Python<'py>) -> Vec<(&str, Bound<'py, PyBytes>)> {
         let files = self.outcome.attachments.iter();
         files
@@ -103,7 +103,7 @@ impl Outcome {
             .collect()
     }
 
-    /// The report: one page of HTML with its figures, without a date.
+    /// Returns the report: one page of HTML with its figures, without a date.
     fn report(&self, py: Python<'_>) -> PyResult<String> {
         let page = py.detach(|| {
             let drawn: Vec<Drawn> = self.outcome.figures.iter().map(Drawn::of).collect();

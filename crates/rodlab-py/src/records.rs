@@ -1,4 +1,4 @@
-//! Files to calibrated hits.
+//! Calibrated hits from files.
 
 use std::path::{Path, PathBuf};
 
@@ -10,7 +10,7 @@ use rodlab::job::Job;
 use crate::background::done;
 use crate::errors::{raised_of_arguments, wrong};
 
-/// A hit: its record and what was decided on it.
+/// A hit: its record and the decisions on it.
 #[pyclass(frozen, get_all, module = "rodlab._rodlab")]
 #[derive(Debug)]
 pub(crate) struct Hit {
@@ -31,8 +31,8 @@ pub(crate) struct Hit {
 /// Name, acceptance, reasons and record of one hit.
 type Read = (String, bool, Vec<String>, labio::Record);
 
-/// The hits of the records of `text`, a sheet of frequency responses: hits, (name, unit) of each
-/// channel, warnings.
+/// Returns the hits of the records of `text`, a sheet of frequency responses, the (name, unit) of
+/// each channel, and the warnings.
 #[pyfunction]
 #[expect(
     clippy::type_complexity,

@@ -1,5 +1,5 @@
-//! Forward physics of bodies that are stated as in a sheet: mobilities, transition matrices,
-//! propagation of waves.
+//! Forward physics of bodies that are stated in the form of a sheet: mobilities, transition
+//! matrices, propagation of waves.
 
 use std::f64::consts::TAU;
 use std::path::Path;
@@ -16,7 +16,7 @@ use rodlab::job::force::{ForceSheet, Problem};
 
 use crate::errors::{raised, raised_of_arguments, wrong};
 
-/// The sheet of a force whose first body is asked about.
+/// Reads the sheet of a force, whose first body is the body in question.
 fn sheet_of(py: Python<'_>, text: &str) -> PyResult<Box<ForceSheet>> {
     match rodlab::job::parse(Path::new("arguments.ron"), text) {
         Ok(Job::Force(sheet)) => Ok(sheet),
@@ -36,7 +36,7 @@ fn body_of(sheet: &ForceSheet) -> Result<ComputedBody, RodlabError> {
     }
 }
 
-/// Mobility \[s/kg\] of the impact face of the first body of `text`, (n_frequencies,).
+/// Returns the mobility \[s/kg\] of the impact face of the first body of `text`, (n_frequencies,).
 #[pyfunction]
 pub(crate) fn mobility<'py>(
     py: Python<'py>,
@@ -55,8 +55,8 @@ pub(crate) fn mobility<'py>(
     Ok(values.into_pyarray(py))
 }
 
-/// Transition matrices of (N, v) of the first body of `text`, without its end, (n_frequencies, 2,
-/// 2).
+/// Returns the transition matrices of (N, v) of the first body of `text`, without its end,
+/// (n_frequencies, 2, 2).
 #[pyfunction]
 pub(crate) fn transition_matrix<'py>(
     py: Python<'py>,
@@ -89,7 +89,8 @@ pub(crate) fn transition_matrix<'py>(
     Ok(matrices.into_pyarray(py))
 }
 
-/// Propagation coefficient alpha + ik \[1/m\] of the material `name` of `text`, (n_frequencies,).
+/// Returns the propagation coefficient alpha + ik \[1/m\] of the material `name` of `text`,
+/// (n_frequencies,).
 #[pyfunction]
 pub(crate) fn propagation_coefficient<'py>(
     py: Python<'py>,

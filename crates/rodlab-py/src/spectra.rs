@@ -1,4 +1,4 @@
-//! Frequency responses of arrays.
+//! Frequency responses from arrays.
 
 use labio::{
     Channel, Estimator, LabioError, Provenance, Quantity, Record, SpectrumAverager, Window,
@@ -24,8 +24,8 @@ type Response<'py> = (
     Vec<bool>,
 );
 
-/// The frequency response from `input` to `output`, (n_hits, n_samples) each, by `estimator`,
-/// averaged with the window `window`.
+/// Returns the frequency response from `input` to `output`, (n_hits, n_samples) each, with
+/// `estimator`, averaged with the window `window`.
 #[pyfunction]
 #[pyo3(signature = (input, output, sampling_rate_hz, *, estimator, window))]
 pub(crate) fn frequency_response<'py>(
@@ -72,7 +72,7 @@ pub(crate) fn frequency_response<'py>(
     let channels = [first.map_err(fail)?, second.map_err(fail)?];
     let mut averager = None;
     for (input, output) in input.rows().into_iter().zip(output.rows()) {
-        // a copy of one hit: the arrays may change while the lock of the interpreter is given up
+        // a copy of one hit: the arrays may change while the lock of the interpreter is released
         let mut hit = Array2::zeros((2, input.len()));
         hit.row_mut(0).assign(&input);
         hit.row_mut(1).assign(&output);

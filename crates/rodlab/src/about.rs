@@ -12,7 +12,7 @@ pub struct About {
     pub operator: Option<String>,
     /// The date of the test.
     pub date: Option<String>,
-    /// The specimen, by its name in the laboratory.
+    /// Name of the specimen in the laboratory.
     pub specimen: Option<String>,
     /// Other remarks.
     pub note: Option<String>,

@@ -34,7 +34,7 @@ pub struct Arguments {
     /// Command.
     #[command(subcommand)]
     pub command: Command,
-    /// Say nothing but errors.
+    /// Print nothing but errors.
     #[arg(long, short, global = true)]
     pub quiet: bool,
     /// Print the result as JSON on the standard output, instead of words.
@@ -45,13 +45,13 @@ pub struct Arguments {
 /// The commands.
 #[derive(Debug, Subcommand)]
 pub enum Command {
-    /// Contents of a recording: channels, units, rates, and what looks wrong.
+    /// Contents of a recording: channels, units, rates, and anything that looks wrong.
     #[command(after_help = "Example:\n  rodlab inspect hits.uff")]
     Inspect {
-        /// A file in any of the known formats; its content decides which.
+        /// A file in any supported format, which is recognised from the content.
         file: PathBuf,
     },
-    /// Another format for a recording; the name of the new file says which.
+    /// Convert a recording to another format, which follows from the name of the new file.
     #[command(after_help = "Examples:
   rodlab convert hits.tdms hits.csv
   rodlab convert hits.tdms hits.csv --force     replaces a file that is there")]
@@ -77,21 +77,21 @@ pub enum Command {
         /// The new sheet; by default the name of the job with the extension toml. A file with the
         /// extension ron is written in RON.
         path: Option<PathBuf>,
-        /// Arrangement on the bench, for a sheet that has only its fields.
+        /// Arrangement on the bench; the sheet then contains only the fields of that arrangement.
         #[arg(long)]
         rig: Option<Rig>,
-        /// Sheet in RON instead of TOML.
+        /// Write the sheet in RON instead of TOML.
         #[arg(long)]
         ron: bool,
     },
-    /// A virtual test from its plan to the report of its modulus, by the commands that are shown.
+    /// Run a virtual test from its plan to the report of its modulus, and show the commands used.
     #[command(after_help = "Example:\n  rodlab demo")]
     Demo {
         /// The new folder; by default `rodlab-demo`.
         #[arg(default_value = "rodlab-demo")]
         folder: PathBuf,
     },
-    /// Read sheets and their files, and say what is wrong with them; nothing is computed.
+    /// Read sheets and their files, and report what is wrong with them; nothing is computed.
     #[command(after_help = "Example:\n  rodlab check campaign/*.toml")]
     Check {
         /// The sheets.
@@ -107,14 +107,14 @@ pub enum Command {
         #[arg(required = true)]
         sheets: Vec<String>,
     },
-    /// Compare results with their sheets and files by hashes, and the results that they were made
-    /// from.
+    /// Compare results by hash with their sheets and files, and likewise the earlier results from
+    /// which they were made.
     #[command(after_help = "Example:\n  rodlab verify shot-result")]
     Verify {
         /// Folders of results.
         #[arg(required = true)]
         results: Vec<PathBuf>,
-        /// Folder of their sheets; by default that in which the folder of a result is.
+        /// Folder of their sheets; by default the parent folder of each result.
         #[arg(long, value_name = "FOLDER")]
         sheets: Option<PathBuf>,
     },
@@ -125,22 +125,22 @@ pub enum Command {
     Sweep {
         /// The plan.
         plan: PathBuf,
-        /// Folder that receives the sheets; by default beside the plan, with its name and
+        /// Folder that receives the sheets; by default next to the plan, with its name and
         /// `-sheets`. No file is replaced.
         #[arg(long, value_name = "FOLDER")]
         out: Option<PathBuf>,
     },
-    /// A sheet and its result side by side in a browser: values are dragged, hits accepted or
+    /// A sheet and its result side by side in a browser: values can be dragged, hits accepted or
     /// rejected, and the sheet saved. The page is served to this machine only, until Ctrl+C.
     #[command(after_help = "Example:\n  rodlab view rod.toml")]
     View {
         /// The sheet.
         sheet: PathBuf,
-        /// Port on 127.0.0.1; by default any that is free.
+        /// Port on 127.0.0.1; by default any free port.
         #[arg(long, default_value_t = 0, hide_default_value = true)]
         port: u16,
     },
-    /// Many sheets side by side, whatever their jobs.
+    /// Run many sheets in parallel, for any jobs.
     #[command(after_help = "Examples:
   rodlab batch campaign --out results
   rodlab batch campaign --out results --resume          only what is not done or has changed
@@ -149,23 +149,23 @@ pub enum Command {
         /// Sheets, folders of sheets, or patterns in quotes.
         #[arg(required = true)]
         sheets: Vec<String>,
-        /// Folder that receives a folder of each test, and the summary.
+        /// Folder for the results: one folder per test, and the summary.
         #[arg(long, value_name = "FOLDER")]
         out: PathBuf,
-        /// Leave out the tests that have a whole result of the same sheet, files and software.
+        /// Skip tests that have a complete result of the same sheet, files and software.
         #[arg(long)]
         resume: bool,
         /// Do only part I of N, and write no summary.
         #[arg(long, value_name = "I/N")]
         shard: Option<Shard>,
-        /// Number of tests at a time; by default that of the processors.
+        /// Number of tests run at the same time; by default the number of processors.
         #[arg(long, value_name = "N")]
         jobs: Option<std::num::NonZeroUsize>,
         /// Forms of the tables.
         #[command(flatten)]
         tables: TableFiles,
     },
-    /// One summary of what parts of a campaign have written.
+    /// Write one summary of the results of all parts of a campaign.
     #[command(after_help = "Example:\n  rodlab merge results")]
     Merge {
         /// Folders of results.
@@ -203,7 +203,7 @@ pub struct ConvertArguments {
     /// Write a universal file with IEEE numbers (58b), which keeps every bit, instead of text.
     #[arg(long)]
     pub binary: bool,
-    /// Replace the new file if it is there; never the file that is read.
+    /// Replace the new file if it exists; the file that is read is never replaced.
     #[arg(long)]
     pub force: bool,
 }
@@ -250,8 +250,8 @@ pub enum JobCommand {
     /// Force between two bodies that meet, or from a measured response.
     #[command(after_help = "Example:\n  rodlab force cone-on-rod.toml")]
     Force(SheetCommand),
-    /// Propagation of waves in a long bar, from one shot on it: its damping and speed, as a
-    /// material of later sheets.
+    /// Propagation of waves in a long bar, from one or more shots: damping and speed, as a material
+    /// for later sheets.
     #[command(after_help = "Example:\n  rodlab bar bar.ron")]
     Bar(SheetCommand),
     /// Stress-strain curve of a specimen between split Hopkinson bars.
@@ -265,10 +265,11 @@ pub enum JobCommand {
 }
 
 impl JobCommand {
-    /// The job and its sheet, which is written if the command has recordings in its place.
+    /// Returns the job and its sheet; the sheet is written first if the command has recordings
+    /// instead.
     ///
     /// # Errors
-    /// As [`FrfCommand::sheet`].
+    /// Those of [`FrfCommand::sheet`].
     pub fn sheet(&self) -> Result<(JobName, SheetCommand), RodlabError> {
         let (job, sheet) = match self {
             Self::Frf(command) => return Ok((JobName::Frf, command.sheet()?)),

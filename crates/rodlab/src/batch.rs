@@ -1,4 +1,5 @@
-//! Batches of test sheets: one line per test, a summary, and no test that stops another.
+//! Batches of test sheets: one line per test, and a summary. A failed test does not stop the
+//! others.
 
 mod list;
 mod row;
@@ -24,7 +25,8 @@ use crate::finished;
 use crate::job::{Progress, Silent};
 use crate::output::{self, TableFiles};
 
-/// A part of a campaign: the tests whose number leaves the remainder `number - 1` by `of`.
+/// A part of a campaign: the tests whose number, divided by `of`, leaves the remainder
+/// `number - 1`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Shard {
     /// Number of the part, from 1.
@@ -129,7 +131,7 @@ impl Batch {
             Err(RodlabError::Interrupted) => None,
             Err(error) => {
                 let row = Row::wrong_input(&test.name, &in_one_line(&error));
-                // if not even this can be written, the line on the terminal must suffice, and an
+                // if the failure cannot be written either, only the terminal reports it, and an
                 // older result is kept
                 if !error.is_of_output() {
                     let _ = remember_failure(&row, &folder);

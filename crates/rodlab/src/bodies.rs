@@ -1,4 +1,4 @@
-//! Materials and bodies as sheets state them, or as earlier results have them.
+//! Materials and bodies, stated in sheets or taken from earlier results.
 
 pub mod face;
 pub mod material;

@@ -23,7 +23,7 @@ pub struct JobContext<'a> {
     /// Ends the job when it has read everything ([`check`](crate::job::check)).
     pub only_reads: bool,
     /// One draw of a Monte Carlo computation: the job adds a draw of the random errors to its data,
-    /// and leaves out what is not a number of its result.
+    /// and omits everything that is not a number of its result.
     pub draw: Option<Draw>,
 }
 

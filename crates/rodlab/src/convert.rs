@@ -1,8 +1,8 @@
 //! Conversion of a file to another format.
 //!
-//! Values are never lost: a format that cannot hold them is refused. Names, units and notes that
-//! the new format cannot hold are listed, as is every number that it holds with fewer digits: the
-//! written file is read back and compared with its source.
+//! Values are never lost: a format that cannot store them is refused. Names, units and notes that
+//! the new format cannot store are listed, and so is every number that it stores with fewer digits:
+//! the written file is read back and compared with its source.
 
 mod differences;
 mod fit;
@@ -47,12 +47,12 @@ pub struct Conversion {
     pub not_read: Vec<String>,
     /// Warnings about the source.
     pub warnings: Vec<String>,
-    /// Losses: contents that the new file lacks or holds with fewer digits.
+    /// Losses: contents that the new file lacks or stores with fewer digits.
     pub lost: Vec<String>,
 }
 
 impl Conversion {
-    /// The conversion as text; `input` and `output` are only named.
+    /// The conversion as text; `input` and `output` are used only as names.
     #[must_use]
     pub fn to_text(&self, input: &Path, output: &Path) -> String {
         let sets = if self.n_series == 1 {
@@ -99,8 +99,8 @@ const ENDINGS: [(&str, &str); 9] = [
 ];
 
 /// Reads `input`, whatever its name, and writes it to `output` in the format of its extension:
-/// `csv`, `txt`, `mat`, `npy`, `npz`, `uff`, `unv`, `uf` or `wav`. The new file appears complete or not at
-/// all. A file is replaced only on request, the input never.
+/// `csv`, `txt`, `mat`, `npy`, `npz`, `uff`, `unv`, `uf` or `wav`. The new file appears complete or
+/// not at all. An existing output is replaced only on request, the input never.
 ///
 /// # Errors
 ///
@@ -172,7 +172,7 @@ pub fn convert(
     })
 }
 
-/// The refusal to replace an existing file without request.
+/// The error for an existing output that is not to be replaced.
 fn is_there(output: &Path) -> RodlabError {
     RodlabError::request(
         "the output",

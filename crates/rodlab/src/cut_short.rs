@@ -1,13 +1,14 @@
-//! Text tables whose last line may be cut.
+//! Text tables whose last line may be incomplete.
 //!
 //! All other formats state their length, and their readers refuse a file that ends too early. A
-//! text table does not: cut at the end of a line it is a shorter table, cut within its last number
-//! it is a table with a wrong number. Only the latter is found.
+//! text table does not: cut at the end of a line, it is a shorter table; cut within its last
+//! number, it is a table with a wrong number. Only the latter is detected.
 
-/// The warning about `bytes` in `format` if the last line has no end; `name` is that of the file.
+/// Returns a warning about `bytes` in `format` if the last line has no line ending; `name` is the
+/// name of the file.
 pub(crate) fn warning(bytes: &[u8], format: &str, name: &str) -> Option<String> {
     let is_text = matches!(format, "csv" | "lvm");
-    // a line ends by LF or CR, which are two bytes in UTF-16
+    // a line ends with LF or CR, which are two bytes in UTF-16
     let ended = match bytes {
         [.., b'\n' | b'\r'] | [.., b'\n' | b'\r', 0] => true,
         bytes => bytes.is_empty(),

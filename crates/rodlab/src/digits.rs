@@ -2,7 +2,8 @@
 
 pub(crate) use rodwave::digits::{percent, significant};
 
-/// `value` to four digits without trailing zeros, and to all digits before the point.
+/// Returns `value` to four significant digits without trailing zeros; from 1e3 to 1e5 with all
+/// digits before the decimal point, below 1e-3 and from 1e5 on in exponential notation.
 #[must_use]
 pub(crate) fn short(value: f64) -> String {
     let magnitude = value.abs();
@@ -32,7 +33,8 @@ const PREFIXES: [(f64, &str); 7] = [
     (1e-9, "n"),
 ];
 
-/// The largest prefix with a value of at least 1, and its size; none for units without prefixes.
+/// Returns the size and the symbol of the largest prefix with which the value is at least 1; no
+/// prefix for units without prefixes.
 #[must_use]
 pub(crate) fn prefix_for(value: f64, unit: &str) -> (f64, &'static str) {
     let is_prefixed = matches!(
@@ -54,7 +56,7 @@ pub(crate) fn hertz(frequency_hz: f64) -> String {
     }
 }
 
-/// A sampling rate in Hz to six digits, without zeros behind them.
+/// A sampling rate in Hz to six digits, without trailing zeros.
 pub(crate) fn rate(rate_hz: f64) -> String {
     let text = significant(rate_hz, 6);
     match text.contains('.') {

@@ -10,11 +10,11 @@ use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::StandardNormal;
 
-/// Requirement of a Monte Carlo computation on its data, in place of what was found.
+/// Expectation in the error message of a Monte Carlo computation for data without errors.
 pub(crate) const NEEDS_ERRORS: &str =
     "standard errors of the data: without them the draws have no scatter to be compared with";
 
-/// Random numbers of one draw, and the laws of the result, which are fitted to it.
+/// Random numbers of one draw, and the laws of the result, which are fitted to the drawn data.
 #[derive(Debug)]
 pub struct Draw {
     random: Mutex<ChaCha8Rng>,
@@ -24,8 +24,9 @@ pub struct Draw {
 /// Laws of a result that are fitted to each draw.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub(crate) struct DrawnLaws {
-    /// Laws of a modulus whose parameters are all identified, from which fits to similar data start. A
-    /// Prony series is not among them: its errors contain that of the number of its branches.
+    /// Laws of a modulus whose parameters are all identifiable; fits to the drawn data start from
+    /// them. A Prony series is not among them: its errors include the error of the number of its
+    /// branches.
     pub(crate) of_modulus: Vec<FittedLaw>,
     /// Laws of an impacted rod.
     pub(crate) of_rod: Vec<Law>,
@@ -44,14 +45,14 @@ impl Draw {
         self.with_random(|random| random.sample(StandardNormal))
     }
 
-    /// The result of `of` for the random numbers.
+    /// Returns the result of `of` with the random numbers.
     pub(crate) fn with_random<T>(&self, of: impl FnOnce(&mut ChaCha8Rng) -> T) -> T {
         let mut random = self.random.lock().unwrap_or_else(PoisonError::into_inner);
         of(&mut random)
     }
 
-    /// A complex error without preferred phase, of this mean square of real and imaginary part
-    /// together; none of an infinite one.
+    /// Draws a complex error without preferred phase, with this mean square of its real and
+    /// imaginary parts together; 0 for an infinite mean square.
     pub(crate) fn complex(&self, mean_square: f64) -> Complex64 {
         let error = Complex64::new(self.standard(), self.standard());
         if mean_square.is_finite() {
@@ -61,7 +62,7 @@ impl Draw {
         }
     }
 
-    /// A complex error with this covariance of its parts.
+    /// Draws a complex error with this covariance of its real and imaginary parts.
     pub(crate) fn with_covariance(&self, covariance: ComplexCovariance) -> Complex64 {
         let ComplexCovariance {
             real,
@@ -75,8 +76,8 @@ impl Draw {
         Complex64::new(along, slope * along + across)
     }
 
-    /// Adds an error of its mean square to each of the `values` on neighbouring lines, of which
-    /// `lines_per_independent_line` share their noise.
+    /// Adds an error to each of the `values` on neighbouring lines, with its mean square in
+    /// `mean_squares`. Errors within `lines_per_independent_line` lines are correlated.
     pub(crate) fn add(
         &self,
         values: &mut [Complex64],
@@ -87,7 +88,7 @@ impl Draw {
         let (mut last, mut next) = (self.complex(2.0), self.complex(2.0));
         let mut part = 0.0;
         for (value, mean_square) in values.iter_mut().zip(mean_squares) {
-            // between independent errors, with their variance
+            // interpolated between independent errors, at their variance
             let error = (last * (1.0 - part) + next * part) / f64::hypot(1.0 - part, part);
             if mean_square.is_finite() {
                 *value += error * (0.5 * mean_square).sqrt();

@@ -14,7 +14,7 @@ use crate::sheet::SheetError;
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum RodlabError {
-    /// The sheet is wrong; the error shows where.
+    /// The sheet is wrong; the error shows the place.
     #[error("{0}")]
     Sheet(Box<SheetError>),
     /// A sheet was given to the command of another job.
@@ -37,7 +37,7 @@ pub enum RodlabError {
         /// The job of the expected sheet.
         job: &'static str,
     },
-    /// A sheet is a text in another encoding than UTF-8.
+    /// A sheet is a text in an encoding other than UTF-8.
     #[error("{}:{line}:{column}: found {found}, expected a text in UTF-8: save the sheet as UTF-8", path.display())]
     Encoding {
         /// The sheet.
@@ -49,7 +49,7 @@ pub enum RodlabError {
         /// The text at this place.
         found: String,
     },
-    /// A pattern of the sheet finds no file.
+    /// A pattern of the sheet matches no file.
     #[error("no file matches `{pattern}` in {}", folder.display())]
     NoFile {
         /// The name or pattern in the sheet.
@@ -101,7 +101,7 @@ pub enum RodlabError {
         /// The existing file.
         path: PathBuf,
     },
-    /// A file of the result, or of the earlier one, was read by the run.
+    /// The result would replace or remove a file that the run has read.
     #[error("cannot write {}: this run has read it, expected another folder (--out)", path.display())]
     OverInput {
         /// The file that was read.
@@ -118,8 +118,8 @@ pub enum RodlabError {
         /// The expected statement.
         expected: String,
     },
-    /// Two files, hits or channels hold one measurement, which counts only once: errors would be
-    /// too small.
+    /// Two files, hits or channels contain the same measurement. Counted twice, it would make the
+    /// errors too small.
     #[error(
         "{first} and {second} {how}: they are one measurement, expected independent ones: take one of the two out of the sheet"
     )]
@@ -190,7 +190,7 @@ impl RodlabError {
         )
     }
 
-    /// A statement of the sheet that cannot be met.
+    /// An error for a statement of the sheet that cannot be met.
     pub fn request(
         field: impl Into<String>,
         found: impl Into<String>,

@@ -1,4 +1,4 @@
-//! The way of one sheet from its file to the files of its result.
+//! Processing of one sheet, from its file to the files of its result.
 
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -25,7 +25,7 @@ pub struct Finished {
 /// Reads the sheet at `path`, does its job and writes the result to `folder`.
 ///
 /// `expected` is the job that the sheet must be for, if a particular one is required; the tables
-/// are written in these forms.
+/// are written in the forms `tables`.
 ///
 /// # Errors
 ///
@@ -56,7 +56,7 @@ pub fn finish(
     }
     let identity = identity_of(&sheet);
     let outcome = job::run(&sheet, progress, interrupted)?;
-    // who has interrupted a job no longer waits for it, and does not expect files
+    // a user who has interrupted a job does not expect files
     if interrupted.load(Ordering::Relaxed) {
         return Err(RodlabError::Interrupted);
     }

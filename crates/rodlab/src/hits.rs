@@ -39,8 +39,8 @@ const SAMPLING_RATE_TOLERANCE: f64 = 1e-9;
 #[derive(Debug, Clone, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct HitsSheet {
-    /// Channel that marks the beginning of a hit, by its name in the sheet; by default that of the
-    /// job, usually the force.
+    /// Channel that marks the beginning of a hit, by its name in the sheet; by default the channel
+    /// that the job prescribes, usually the force.
     #[serde(default)]
     pub channel: Option<String>,
     /// The cutting of records into hits; by default each record is a hit.
@@ -113,8 +113,8 @@ impl HitsSheet {
         self.find_of(HitKind::Hammer, records, reference, field)
     }
 
-    /// Finds and judges the hits of a hammer for an exponential window, which `weigh` enters in the
-    /// criteria.
+    /// Finds and judges the hits of a hammer for an exponential window; `weigh` adapts the criteria
+    /// to the window.
     ///
     /// # Errors
     ///
@@ -177,7 +177,7 @@ impl HitsSheet {
             let log = self
                 .log_of(record, channel, &criteria, field)
                 .map_err(|error| {
-                    // a wrong statement of the sheet is wrong for any file
+                    // a wrong statement in the sheet does not belong to one file
                     match error {
                         RodlabError::Step { what, source } => RodlabError::Step {
                             what: format!("{what}, {name}"),
@@ -263,7 +263,8 @@ impl HitsSheet {
     }
 }
 
-/// The log with hit `number` of all, and the number of the hit in that log.
+/// Returns the log that contains hit `number`, counted over all logs, and the number of the hit in
+/// that log.
 fn within(logs: &mut [(String, HitLog)], number: usize) -> Option<(&mut HitLog, usize)> {
     let mut left = number.checked_sub(1)?;
     for (_, log) in logs {

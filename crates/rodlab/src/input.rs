@@ -11,7 +11,7 @@ pub(crate) fn read(path: &Path) -> Result<Vec<u8>, RodlabError> {
     fs::read(path).map_err(|source| failed(path, source))
 }
 
-/// All of the text file at `path`.
+/// The whole text of the file at `path`.
 pub(crate) fn read_text(path: &Path) -> Result<String, RodlabError> {
     of_a_file(path)?;
     fs::read_to_string(path).map_err(|source| failed(path, source))

@@ -43,12 +43,12 @@ pub struct Inspection {
     pub records: Vec<InspectedRecord>,
     /// Unreadable parts.
     pub defects: Vec<String>,
-    /// Suspicions that hold for any channel: clipping, lost samples, channels without a signal,
-    /// far offsets. Levels are in SI.
+    /// Suspicions about any channel: clipping, lost samples, channels without a signal, large
+    /// offsets. Levels are in SI.
     pub suspicions: Vec<String>,
-    /// Objections to each record if it were one hit. Levels are in SI.
+    /// Objections to each record, judged as one hit. Levels are in SI.
     pub as_hits: Vec<String>,
-    /// Statements required of a sheet, and hints.
+    /// Statements that a sheet must make about the file, and hints.
     pub advice: Vec<String>,
 }
 
@@ -61,13 +61,13 @@ pub struct InspectedSeries {
     pub name: String,
     /// Kind of data, such as `time response`.
     pub kind: String,
-    /// Unit as the file writes it, empty if it does not.
+    /// Unit as written in the file; empty if there is none.
     pub unit: String,
-    /// Quantity of that unit, if a channel can have it.
+    /// Quantity of the unit, if a channel can have this quantity.
     pub quantity: Option<String>,
     /// Number of values.
     pub samples: usize,
-    /// Complex values; the levels are then those of their moduli.
+    /// True for complex values; the levels are then those of their absolute values.
     pub complex: bool,
     /// First value of the abscissa, in its unit.
     pub from: f64,
@@ -109,7 +109,7 @@ pub fn inspect(path: &Path) -> Result<Inspection, RodlabError> {
     inspect_bytes(&bytes, &path.display().to_string())
 }
 
-/// Describes the contents of `bytes`; `path` is only named.
+/// Describes the contents of `bytes`; `path` is used only as a name.
 ///
 /// # Errors
 ///
@@ -118,7 +118,7 @@ pub fn inspect_bytes(bytes: &[u8], path: &str) -> Result<Inspection, RodlabError
     let mut contents = format::read_bytes_with(bytes, Strictness::Tolerant)
         .map_err(|error| RodlabError::step(format!("reading {path}"), error))?;
     let times = contents.series.first().and_then(time_like::step_of);
-    // with its rate a job takes such a column as the times, and counts the channels behind it
+    // with this rate, a job reads such a column as the times, and counts the channels after it
     let behind = times.and_then(|step| format::read_bytes_at(bytes, 1.0 / step).ok());
     let behind = behind.filter(|behind| behind.series.len() + 1 == contents.series.len());
     let column_of_times = times.filter(|_| behind.is_some());
@@ -248,8 +248,8 @@ fn words_of(name: &str) -> String {
     words
 }
 
-/// Returns true if two columns are in units of a modulus, and one or the abscissa in one of
-/// frequency.
+/// Returns true if two columns have units of a modulus, and another column or the abscissa has a
+/// unit of frequency.
 fn is_table_of_moduli(contents: &Contents) -> bool {
     let of = |unit: Option<&labio::Unit>, symbol: &str| {
         let expected = labio::Unit::parse(symbol).map(|unit| unit.dimension());
@@ -266,7 +266,7 @@ fn is_table_of_moduli(contents: &Contents) -> bool {
     moduli.count() >= 2 && all.iter().any(is_frequency)
 }
 
-/// Statements that a sheet must add to the file, and rates that were rounded.
+/// Statements that a sheet must add to those of the file, and rates that were rounded.
 fn advice(contents: &Contents, inspected: &[InspectedSeries]) -> Vec<String> {
     let mut advice = Vec::new();
     let numbers = |is: &dyn Fn(&Series) -> bool| -> Vec<String> {
@@ -326,8 +326,8 @@ fn advice(contents: &Contents, inspected: &[InspectedSeries]) -> Vec<String> {
     advice
 }
 
-/// The customary rate whose step, rounded to few digits, may be `step`; `None` if the step is
-/// exact.
+/// Returns the customary rate of which `step` may be the step rounded to few digits; `None` if the
+/// step is exact.
 fn rounded_from(step: f64) -> Option<f64> {
     let text = format!("{step:e}");
     let (digits, exponent) = text.split_once('e')?;

@@ -18,7 +18,7 @@ use crate::sheet::{Exact, Frequency, PoissonRatio, Ratio, Stated, Temperature};
 
 /// Default of the largest number of fitted lines.
 pub(crate) const MOST_LINES: usize = 400;
-/// Most cards of draws for one program.
+/// Maximum number of drawn cards for one program.
 const MOST_DRAWS: usize = 1000;
 /// Probability below which residuals are not considered noise.
 pub(crate) const WHITE: f64 = 0.01;
@@ -35,11 +35,11 @@ pub struct LawsSheet {
     /// Confidence of the intervals, such as `"95 %"`, which is the default.
     #[serde(default)]
     pub confidence: Option<Exact<Ratio>>,
-    /// Greatest number of branches of a Prony series, such as that which a program takes; not limited by
-    /// default.
+    /// Limits the number of branches of a Prony series, for example to what a program accepts; no
+    /// limit by default.
     #[serde(default)]
     pub most_branches: Option<usize>,
-    /// Most fitted lines, evenly chosen among the valid ones; 400 by default.
+    /// Maximum number of fitted lines, evenly chosen among the valid ones; 400 by default.
     #[serde(default)]
     pub most_lines: Option<usize>,
     /// Cards of the generalised Maxwell model for other programs.
@@ -79,7 +79,7 @@ pub enum LawSheet {
 pub enum CriterionSheet {
     /// The Bayesian information criterion.
     Bic,
-    /// Akaike's, corrected.
+    /// Akaike's information criterion, corrected.
     Aicc,
 }
 
@@ -91,16 +91,17 @@ pub struct CardsSheet {
     pub name: String,
     /// Poisson's ratio, such as `"0.40 ± 0.02"`.
     pub poisson_ratio: Stated<PoissonRatio>,
-    /// The frequency of this ratio, such as `"1 kHz"`; the middle of the fitted lines by default.
+    /// Frequency to which this ratio applies, such as `"1 kHz"`; by default the middle of the
+    /// fitted lines.
     #[serde(default)]
     pub poisson_ratio_at: Option<Exact<Frequency>>,
-    /// Temperature of the specimen, such as `"23 degC"`: a comment of the card.
+    /// Temperature of the specimen, such as `"23 degC"`, for a comment in the card.
     #[serde(default)]
     pub temperature: Option<Exact<Temperature>>,
     /// The programs, such as `[Abaqus, Ansys, LsDyna, Comsol, CodeAster, Json]`.
     pub programs: Vec<ProgramSheet>,
-    /// Cards of so many draws of the modulus, the density and Poisson's ratio besides, such as 100,
-    /// for a Monte Carlo calculation of the program; none by default.
+    /// Number of additional cards, each with a draw of the modulus, the density and Poisson's
+    /// ratio, such as 100, for a Monte Carlo calculation with the program; none by default.
     #[serde(default)]
     pub draws: Option<usize>,
 }

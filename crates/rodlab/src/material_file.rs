@@ -57,8 +57,8 @@ struct ErrorEntry {
     source: String,
     /// \[kg/m³\].
     density: f64,
-    /// Changes of moduli and viscosities as parts of themselves, of the natural logarithms of times
-    /// and factors, of the log odds of exponents.
+    /// Relative changes of moduli and viscosities; changes of the natural logarithms of times and
+    /// factors, and of the log odds of exponents.
     parameters: Vec<f64>,
 }
 
@@ -72,8 +72,8 @@ struct InputEntry {
 impl MaterialFile {
     /// The material of a fitted law.
     ///
-    /// The error of the density is that source of the modulus, if the modulus was found with it,
-    /// and independent otherwise.
+    /// If the modulus was found with the density, the error of the density is the source of that
+    /// name among the errors of the modulus; otherwise it is independent.
     ///
     /// # Errors
     ///
@@ -141,8 +141,9 @@ impl MaterialFile {
     ///
     /// # Errors
     ///
-    /// [`RodlabError::Step`] for a text that is no such file, and for numbers out of their range;
-    /// [`RodlabError::Request`] for one of another version.
+    /// [`RodlabError::Step`] for a text that is not such a file, and for parameters out of their
+    /// range; [`RodlabError::Request`] for a file of another version, and for a density or a band
+    /// out of range.
     pub(crate) fn read(bytes: &[u8], what: &str) -> Result<Self, RodlabError> {
         let entries: Entries =
             serde_json::from_slice(bytes).map_err(|error| RodlabError::step(what, error))?;
@@ -208,7 +209,8 @@ impl MaterialFile {
             .map(|error| error.source.as_str())
     }
 
-    /// Density \[kg/m³\] and law, each error moved by so many of its standard uncertainties.
+    /// Density \[kg/m³\] and law, with each error moved by `standard` times its standard
+    /// uncertainty.
     pub(crate) fn moved(
         &self,
         standard: &[f64],

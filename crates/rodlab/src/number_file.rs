@@ -17,7 +17,7 @@ use crate::records::Selector;
 pub(crate) struct NumberFile {
     pub(crate) contents: Contents,
     pub(crate) input: InputFile,
-    /// A sentence about a last line without an end, if there is one.
+    /// A sentence about a last line without a line ending, if there is such a line.
     pub(crate) warning: Option<String>,
 }
 

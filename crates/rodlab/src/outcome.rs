@@ -33,7 +33,7 @@ pub struct Outcome {
     pub warnings: Vec<String>,
     /// The input files.
     pub inputs: Vec<InputFile>,
-    /// All settings, stated in the sheet or taken by default.
+    /// All settings, stated in the sheet or set by default.
     pub settings: Vec<Setting>,
     /// Accepted and rejected items, with reasons.
     pub log: Vec<LogEntry>,
@@ -91,7 +91,7 @@ impl Outcome {
         }
     }
 
-    /// Puts what the sheet states before the settings that it leaves open.
+    /// Puts the settings that the sheet states before those that it leaves open.
     pub(crate) fn settle_settings(&mut self, mut stated: Vec<Setting>) {
         let mut open = std::mem::take(&mut self.settings);
         open.retain(|open| !stated.iter().any(|stated| open.is_stated_by(&stated.name)));
@@ -99,13 +99,13 @@ impl Outcome {
         self.settings = stated;
     }
 
-    /// Adds the default of `name`, where the sheet does not state it.
+    /// Adds the default of `name`, which applies if the sheet does not state it.
     pub(crate) fn by_default(&mut self, name: impl Into<String>, value: impl ToString) {
         self.settings.push(Setting::by_default(name, value));
     }
 
     /// The outcome as returned by its job. If it is in doubt, its first sentence states this, and
-    /// only the passed checks are valid: no single number of a doubtful result must be used.
+    /// only the passed checks are valid: no single number of a doubtful result may be used.
     #[must_use]
     pub(crate) fn settled(mut self) -> Self {
         if let Verdict::InDoubt { reasons } = &self.verdict {
@@ -250,12 +250,12 @@ pub struct Setting {
     pub name: String,
     /// Value with its unit, as interpreted.
     pub value: String,
-    /// Taken by default, not stated in the sheet.
+    /// True if set by default, false if stated in the sheet.
     pub by_default: bool,
 }
 
 impl Setting {
-    /// Default of `name`, where the sheet does not state it.
+    /// Default of `name`, which applies if the sheet does not state it.
     pub(crate) fn by_default(name: impl Into<String>, value: impl ToString) -> Self {
         Self {
             name: name.into(),
@@ -264,7 +264,7 @@ impl Setting {
         }
     }
 
-    /// Returns true for the setting of a statement with this name, or of a part of it.
+    /// Returns true if the `statement` states this setting or a part of it.
     fn is_stated_by(&self, statement: &str) -> bool {
         let rest = statement.strip_prefix(&self.name);
         rest.is_some_and(|rest| rest.is_empty() || rest.starts_with(['.', '[']))
@@ -276,7 +276,7 @@ impl Setting {
 pub struct LogEntry {
     /// The hit, line or test, such as `hits.npy, hit 3 at 1.204 s`.
     pub what: String,
-    /// Accepted or rejected.
+    /// True if accepted, false if rejected.
     pub accepted: bool,
     /// The reasons; may be empty for an accepted item.
     pub reasons: Vec<String>,
@@ -293,7 +293,7 @@ pub struct Quantity {
     pub value: Option<f64>,
     /// Standard error in that unit, if there is one.
     pub standard_error: Option<f64>,
-    /// Valid, so that the value may be used.
+    /// True if the value may be used.
     pub valid: bool,
     /// The reason for the validity: `identified`, `not identifiable: ...`, `wavelength below five
     /// diameters`.
@@ -344,7 +344,7 @@ impl Column {
         }
     }
 
-    /// The validity of the rows, in words that state the reasons against a row.
+    /// The validity of the rows, with words that state the reasons against a row.
     #[must_use]
     pub fn validity(valid: Vec<bool>, words: Vec<String>) -> Self {
         Self {
@@ -358,7 +358,7 @@ impl Column {
         }
     }
 
-    /// Column with the `kinds` of the reasons against each row, which a report names by letters.
+    /// Column with the `kinds` of the reasons against each row, which a report denotes by letters.
     #[must_use]
     pub fn with_kinds(mut self, of_rows: Vec<Vec<&'static str>>) -> Self {
         if let Cells::Validity { kinds, .. } = &mut self.cells {
@@ -377,11 +377,11 @@ pub enum Cells {
     Words(Vec<String>),
     /// Verdicts on the rows.
     Validity {
-        /// The answers.
+        /// True for each valid row.
         valid: Vec<bool>,
-        /// The answers in words, with the reasons.
+        /// The verdicts in words, with the reasons.
         words: Vec<String>,
-        /// The reasons without their numbers; empty where the words have none.
+        /// The reasons without their numbers; empty if the words themselves are the reasons.
         kinds: Vec<Vec<&'static str>>,
     },
 }

@@ -52,7 +52,7 @@ pub struct SheetIdentity {
     pub sha256: String,
 }
 
-/// The default folder for the files of a sheet: beside the sheet, with its name.
+/// The default folder for the files of a sheet: next to the sheet, with its name and `-result`.
 #[must_use]
 pub fn default_folder(sheet: &Path) -> PathBuf {
     let stem = sheet.file_stem().unwrap_or_default().to_string_lossy();
@@ -81,15 +81,15 @@ pub(crate) struct OutputFile {
 /// returns the paths. `reads` are the files that the run has read; none of them is ever replaced,
 /// and the newest of them dates the report.
 ///
-/// Each file appears complete. The `result.json` of an earlier run is removed first, with its files
-/// that the new run lacks; the new one is written last: if it exists, all files belong to one run.
-/// Runs write to one folder one after the other.
+/// Each file appears complete. The `result.json` of an earlier run is removed first, with those of
+/// its files that the new run does not write. The new `result.json` is written last: if it exists,
+/// all files belong to one run. Several runs write to one folder one after the other.
 ///
 /// # Errors
 ///
-/// [`RodlabError::Write`], [`RodlabError::Busy`]; [`RodlabError::Taken`] and
-/// [`RodlabError::OverInput`] for files that belong to no earlier result; [`RodlabError::Step`] if
-/// a file cannot be made. The earlier files are complete then.
+/// [`RodlabError::Write`], [`RodlabError::Busy`]; [`RodlabError::Taken`] for files that belong to
+/// no earlier result, [`RodlabError::OverInput`] for files that the run has read;
+/// [`RodlabError::Step`] if a file cannot be made. The earlier files are complete then.
 pub fn write(
     outcome: &Outcome,
     sheet: &SheetIdentity,
@@ -103,11 +103,10 @@ pub fn write(
 /// Forms of the tables of a result, as options of a command.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, clap::Args)]
 pub struct TableFiles {
-    /// Write the units in a second row of each CSV table; the names of the columns have them
-    /// anyway.
+    /// Write the units in a second row of each CSV table; the column names contain them anyway.
     #[arg(long)]
     pub unit_row: bool,
-    /// Write all tables in one workbook besides, `tables.xlsx`, a sheet for each.
+    /// Also write all tables to one workbook, `tables.xlsx`, with one sheet per table.
     #[arg(long)]
     pub workbook: bool,
 }
@@ -121,7 +120,7 @@ pub(crate) struct ResultFiles {
 }
 
 impl ResultFiles {
-    /// The files of `outcome`, with these forms of its tables; `date` is the date of the report.
+    /// The files of `outcome`, with its tables in these forms; `date` is the date of the report.
     ///
     /// # Errors
     ///
@@ -270,8 +269,8 @@ fn staged(path: &Path, bytes: &[u8], prefix: &str) -> Result<NamedTempFile, Rodl
     Ok(file)
 }
 
-/// Waits until `file`, to be moved to `path`, is on the disk: a name must not survive a power
-/// failure without its bytes.
+/// Waits until `file`, to be moved to `path`, is on the disk: after a power failure, a file must
+/// not have a name without its contents.
 fn on_disk(file: &NamedTempFile, path: &Path) -> Result<(), RodlabError> {
     let done = file.as_file().sync_all();
     done.map_err(|source| refusal(path, source))

@@ -1,5 +1,5 @@
-//! The program from its command line to its exit status, with the handling of interruptions: what
-//! the binary and the console script of the Python package run.
+//! The program from its command line to its exit status, with the handling of interruptions, for
+//! the binary and for the console script of the Python package.
 
 use std::any::Any;
 use std::ffi::OsString;
@@ -20,7 +20,7 @@ use crate::program::{self, Ending};
 /// Longest time for the work to end by itself after an interruption.
 const PATIENCE: Duration = Duration::from_millis(250);
 
-/// Stack of the thread that works, as that of the main thread usually is.
+/// Stack size of the working thread, the usual one of a main thread.
 const STACK: usize = 8 << 20;
 
 /// Event for which the main thread waits.
@@ -30,9 +30,9 @@ enum Event {
     Ended(Result<Ending, Box<dyn Any + Send>>),
 }
 
-/// Does what `words`, the name of the program and its arguments, ask for, and returns the exit
-/// status. It takes over the interruption of the process (SIGINT), which ends the process if the
-/// work does not end soon: it is for processes that do nothing else.
+/// Executes `words`, the name of the program and its arguments, and returns the exit status. It
+/// handles interruptions of the process (SIGINT), and ends the process if the work does not end
+/// soon: it is meant for processes that do nothing else.
 #[must_use]
 pub fn run<W>(words: impl IntoIterator<Item = W>) -> u8
 where
@@ -41,7 +41,7 @@ where
     let arguments = match Arguments::try_parse_from(words) {
         Ok(arguments) => arguments,
         Err(error) => {
-            // where nothing can be printed the status has to do
+            // if nothing can be printed, the status alone reports the error
             let _ = error.print();
             return u8::try_from(error.exit_code()).unwrap_or(Ending::WRONG.status());
         }
@@ -50,15 +50,16 @@ where
     let (tell, events) = mpsc::channel();
     let flag = Arc::clone(&interrupted);
     let signal = tell.clone();
-    // Without a handler an interruption ends the program at once, which leaves whole files too.
+    // Without a handler, an interruption ends the program at once, which also leaves complete
+    // files.
     let _ = ctrlc::set_handler(move || {
-        // who interrupts twice waits for nothing, nor does anybody where nobody listens
+        // a second interruption ends the program at once, and so does one that no thread receives
         if flag.swap(true, Ordering::Relaxed) || signal.send(Event::Interrupted).is_err() {
             std::process::exit(i32::from(Ending::Interrupted.status()));
         }
     });
-    // A computation in a library cannot be interrupted: it has a thread of its own, and the program
-    // ends without it.
+    // A computation in a library cannot be interrupted: it runs in a thread of its own, and the
+    // program ends without waiting for it.
     let work = move || {
         let ended = panic::catch_unwind(AssertUnwindSafe(|| {
             program::run(

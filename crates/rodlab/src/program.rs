@@ -280,8 +280,8 @@ fn one_sheet(
     Ok(Ending::With(standing))
 }
 
-/// Puts the failure of a sheet in place of an earlier result in its folder, whose report could pass
-/// for that of this run.
+/// Puts the failure of a sheet in place of an earlier result in its folder, whose report could be
+/// mistaken for that of this run.
 fn retract(sheet: &Path, folder: &Path, error: &RodlabError, err: &mut dyn Write) {
     // if nothing can be written the earlier result stays as it is; a command of another job does
     // not concern the sheet
@@ -389,7 +389,7 @@ fn many_sheets(
         .map_err(|error| RodlabError::step("starting threads", error))?;
     let bar = Bar::new(arguments.quiet || arguments.json);
     let words = !(arguments.quiet || arguments.json);
-    // a line that cannot be printed stops no test, and is reported at the end
+    // a line that cannot be printed does not stop any test, and is reported at the end
     let spoken = Mutex::new((&mut *out, Ok(())));
     let tell = |row: &Row| {
         if words && let Ok(mut spoken) = spoken.lock() {
@@ -459,7 +459,7 @@ fn manual() -> Result<Vec<(String, Vec<u8>)>, RodlabError> {
     Ok(pages)
 }
 
-/// A virtual rod from its plan to the report, with the commands that a user would write. Only the
+/// A virtual rod from its plan to the report, with the commands that a user would type. Only the
 /// last of them writes its result as JSON.
 fn demo(
     folder: &Path,

@@ -31,7 +31,7 @@ use crate::outcome::{InputFile, LogEntry};
 use crate::sheet::{self, Frequency, NotFollowed};
 use crate::{RodlabError, cut_short, input};
 
-/// The reason why a job of responses refuses a `±` of a time skew.
+/// The reason why jobs with frequency responses refuse a `±` of a time skew.
 pub(crate) const SKEW_NOT_FOLLOWED: &str =
     "the error of a frequency response by a delay between its channels is not followed";
 
@@ -39,15 +39,15 @@ pub(crate) const SKEW_NOT_FOLLOWED: &str =
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Records {
-    /// Names or patterns (`hits/*.csv`), relative to the sheet; the files of a pattern are taken
-    /// in order of their names.
+    /// Names or patterns (`hits/*.csv`), relative to the sheet; the files of a pattern are read in
+    /// order of their names.
     pub files: Vec<String>,
     /// Sampling rate, for files that do not record it (NPY), have it rounded (by less than 0.1 %),
     /// or have times that are not evenly spaced: all times must then be within half a step of
     /// this rate.
     #[serde(default)]
     pub sampling_rate: Option<NotFollowed<Frequency>>,
-    /// Channels that are used; the others are ignored.
+    /// Channels that are used; all others are ignored.
     pub channels: Vec<ChannelSheet>,
 }
 
@@ -60,7 +60,7 @@ pub struct Loaded {
     pub inputs: Vec<InputFile>,
     /// Differences between sheet and files, and ignored parts, in sentences.
     pub warnings: Vec<String>,
-    /// Files of one hit without a record because a sample is NaN or infinite, for the log.
+    /// Files with one hit that are left out because a sample is NaN or infinite, for the log.
     pub left_out: Vec<LogEntry>,
 }
 
@@ -109,7 +109,7 @@ pub(crate) fn matched_by(
 
 impl Records {
     /// Refuses uncertain sensitivities, gains, bridges and time skews, for a job that does not
-    /// follow them; `field` is the place of the records in the sheet, `why` completes "because
+    /// propagate them; `field` is the place of the records in the sheet, `why` completes "because
     /// …".
     ///
     /// # Errors
@@ -133,7 +133,7 @@ impl Records {
         self.refuse_uncertain_skews(field, why)
     }
 
-    /// Refuses uncertain time skews alone.
+    /// Refuses only uncertain time skews.
     ///
     /// # Errors
     ///
@@ -151,8 +151,8 @@ impl Records {
     ///
     /// # Errors
     ///
-    /// [`RodlabError`] with the file, and the unsuitable field of the sheet; two files of equal
-    /// content are one measurement.
+    /// [`RodlabError`] with the file, and the unsuitable field of the sheet; also for two files of
+    /// equal content, which are one measurement.
     pub fn load(&self, folder: &Path, field: &str) -> Result<Loaded, RodlabError> {
         self.check(field)?;
         let mut loaded = Loaded {
@@ -211,7 +211,7 @@ impl Records {
             .warnings
             .extend(cut_short::warning(bytes, contents.format, &file).map(|text| text + "."));
         let found = contents.records(&provenance);
-        // leaving out a series would put those of later hits in its place
+        // without a series, those of later hits would take its place
         for (channel, index) in chosen
             .iter()
             .enumerate()
@@ -327,7 +327,8 @@ impl Records {
         Ok(())
     }
 
-    /// The channels of the sheet, with its names and their sensors.
+    /// Returns the channels of the sheet from `record`, with their names in the sheet and
+    /// calibrated.
     #[allow(
         clippy::indexing_slicing,
         reason = "`indices` are the places of channels in the record"

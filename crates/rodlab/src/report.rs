@@ -1,8 +1,8 @@
 //! The report: one self-contained page for reading, printing and filing.
 //!
 //! The page contains the whole [`Outcome`], the answer first. Its figures are drawn twice: by a
-//! short script that shows values, zooms and changes scales, and, for a reader without scripts, as
-//! in the files. It contains only paths of the sheet, and no date of the clock: the same outcome,
+//! short script that shows values, zooms and changes scales, and, for readers without scripts, as
+//! in the files. It contains only paths of the sheet, and not the current date: the same outcome,
 //! sheet and date give the same bytes.
 
 mod compact;
@@ -55,7 +55,7 @@ struct Page<'a> {
     script: &'a str,
 }
 
-/// Statements of a sheet that stand at the head of the page.
+/// Prefix of the statements of a sheet that are shown at the head of the page.
 const ABOUT: &str = "about.";
 
 /// A figure, with and without scripts.
@@ -70,8 +70,8 @@ struct FigurePart<'a> {
     panels: usize,
 }
 
-/// The page for `outcome` of `sheet` with the figures `drawn`, in their order. `date` is that of
-/// the newest input, if known.
+/// The page for `outcome` of `sheet` with the figures `drawn`, in their order. `date` is the date
+/// of the newest input, if known.
 ///
 /// # Errors
 ///

@@ -28,11 +28,11 @@ use crate::RodlabError;
 use crate::digits::short;
 use crate::sheet::{Exact, Frequency};
 
-/// Degrees of freedom written for a known variance: at this number Student's distribution is the
-/// normal one.
+/// Degrees of freedom written for a known variance: with this number, Student's distribution is
+/// practically the normal one.
 pub(crate) const MOST_FREEDOM: f64 = 1e6;
 
-/// Fewest lines of a usable response.
+/// Minimum number of lines of a usable response.
 const FEWEST_LINES: usize = 8;
 
 /// Line spacing \[Hz\].
@@ -66,8 +66,8 @@ pub fn in_words(validity: LineValidity) -> &'static str {
     }
 }
 
-/// Refuses a response under an exponential window: its lines are values at a decay rate beside the
-/// frequency axis, which do not determine those on the axis. `field` is its place in the sheet.
+/// Refuses a response under an exponential window: its lines are values at a decay rate, off the
+/// frequency axis, and do not determine those on the axis. `field` is its place in the sheet.
 ///
 /// # Errors
 ///
@@ -101,8 +101,8 @@ pub fn completed(
     completed_motion(hit, channel, rest, window)
 }
 
-/// Relative systematic error of the lines of the response of `output` over `input` from truncated
-/// records; for two tests, weighted by the share of the first in each line. `None` if it is not
+/// Relative systematic error, from truncated records, of the lines of the response of `output` to
+/// `input`; for two tests, weighted by the share of the first in each line. `None` if it is not
 /// measured.
 ///
 /// # Errors

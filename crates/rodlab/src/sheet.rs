@@ -27,15 +27,15 @@
 //! )
 //! ```
 //!
-//! [`Language`] tells them apart by their content. All languages are read to one tree of values
-//! with places, and from there by one deserializer, which maps the names of choices (`two_point`,
-//! `TwoPoint`) and gathers all mistakes.
+//! [`Language`] recognises the language of a text by its content. Every language is read into one
+//! tree of values with their places in the text. One deserializer reads the tree, maps the names of
+//! choices (`two_point`, `TwoPoint`) and collects all mistakes.
 //!
 //! Quantities are texts with a unit. A measured quantity whose uncertainty the job propagates to
-//! the result takes a `±` ([`Stated`]). Any other is refused with a `±`: chosen quantities are
-//! exact by definition ([`Exact`]), and for some measured ones the propagation is not implemented
-//! ([`NotFollowed`]). Thus no `±` is without effect. Numbers without quotes are exact by
-//! definition. Paths are relative to the sheet.
+//! the result takes a `±` ([`Stated`]). Any other quantity is refused if it has a `±`: chosen
+//! quantities are exact by definition ([`Exact`]), and for some measured ones the propagation is
+//! not implemented ([`NotFollowed`]). Thus no `±` is without effect. Numbers without quotes are
+//! exact by definition. Paths are relative to the sheet.
 
 mod band;
 mod diagnostic;
@@ -73,8 +73,8 @@ use serde::de::DeserializeOwned;
 
 use crate::{RodlabError, input};
 
-/// Parses the text of a file in the grammar of sheets; `path` is only named in errors. A leading
-/// byte-order mark is ignored.
+/// Parses the text of a file in the grammar of sheets; `path` is used only in error messages. A
+/// leading byte-order mark is ignored.
 ///
 /// # Errors
 ///
@@ -86,12 +86,12 @@ pub(crate) fn parse_as<T: DeserializeOwned>(path: &Path, text: &str) -> Result<T
         .map_err(|mistakes| SheetError::of(path, text, mistakes))
 }
 
-/// Parses `text` as `T` with every quantity drawn within its stated uncertainty; `path` is only named
-/// in errors.
+/// Parses `text` as `T` with every quantity drawn within its stated uncertainty; `path` is used
+/// only in error messages.
 ///
 /// # Errors
 ///
-/// [`SheetError`] for a draw that the field does not take, such as a length below 0.
+/// [`SheetError`] for a drawn value that the field does not accept, such as a length below 0.
 pub(crate) fn drawn_as<T: DeserializeOwned>(
     path: &Path,
     text: &str,
@@ -103,7 +103,7 @@ pub(crate) fn drawn_as<T: DeserializeOwned>(
         .map_err(|mistakes| SheetError::of(path, text, mistakes))
 }
 
-/// Reads the file at `path` as text and as `T`.
+/// Reads the file at `path`; returns its text and its value as a `T`.
 ///
 /// # Errors
 ///
@@ -121,28 +121,29 @@ pub(crate) fn read<T: DeserializeOwned>(path: &Path) -> Result<(String, T), Rodl
 ///
 /// # Errors
 ///
-/// Those of [`read`] but for mistakes in the sheet.
+/// The errors of [`read`], except those for mistakes in the sheet.
 pub(crate) fn text(path: &Path) -> Result<String, RodlabError> {
     encoding::text_of(path, &input::read(path)?)
 }
 
-/// All that `text`, a `T`, states, by its place and as it is written.
+/// Returns every statement of `text`, a sheet of type `T`, with its place and its value as written.
 pub(crate) fn statements<T: DeserializeOwned>(text: &str) -> Vec<Statement> {
     let read =
         tree::of(without_mark(text)).and_then(|(language, root)| typed::read::<T>(language, &root));
     read.map(|(_, statements)| statements).unwrap_or_default()
 }
 
-/// The language of a text with or without a byte-order mark; TOML of one in none.
+/// Returns the language of a text with or without a byte-order mark; TOML if no language is
+/// recognised.
 pub(crate) fn language_of(text: &str) -> Language {
     Language::of(without_mark(text)).unwrap_or(Language::Toml)
 }
 
-/// The text of a sheet in RON, in TOML. Comments above and behind its fields stay with them.
+/// Converts the text of a sheet to TOML. Comments above and after a field stay with the field.
 ///
 /// # Errors
 ///
-/// [`SheetError`] for a text that is no sheet in its language.
+/// [`SheetError`] for a text that is not a sheet in any of the languages.
 pub fn in_toml(path: &Path, text: &str) -> Result<String, Box<SheetError>> {
     let text = without_mark(text);
     let (_, root) = tree::of(text).map_err(|mistakes| SheetError::of(path, text, mistakes))?;

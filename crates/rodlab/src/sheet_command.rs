@@ -1,7 +1,7 @@
 //! Commands with a sheet, or with recordings in its place.
 //!
-//! What the options state of recordings is written as a sheet first, and the sheet is run: the
-//! result refers to it, and a second test starts from it.
+//! If the options describe recordings, the description is first written as a sheet, and the sheet
+//! is run. The result refers to the sheet, and a second test can start from it.
 
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
@@ -12,12 +12,12 @@ use clap::Args;
 use crate::output::{self, TableFiles};
 use crate::{RodlabError, input};
 
-/// A sheet, and where its results go.
+/// A sheet, and the folder for its results.
 #[derive(Debug, Clone, Args)]
 pub struct SheetCommand {
     /// The test sheet.
     pub sheet: PathBuf,
-    /// Folder for the results; by default beside the sheet, with its name and `-result`.
+    /// Folder for the results; by default next to the sheet, with its name and `-result`.
     #[arg(long, value_name = "FOLDER")]
     pub out: Option<PathBuf>,
     /// Forms of the tables.
@@ -55,16 +55,16 @@ impl FromStr for ChannelArgument {
 /// The recordings of a short form.
 #[derive(Debug, Clone, Args)]
 pub struct Recordings {
-    /// Rate of the samples, such as 51.2kHz, where the files do not tell it.
+    /// Sampling rate, such as 51.2kHz, if the files do not state it.
     #[arg(long, value_name = "RATE")]
     rate: Option<String>,
-    /// Frequencies that the result is for, such as `--band 20Hz 10kHz`.
+    /// Frequency band of the result, such as `--band 20Hz 10kHz`.
     #[arg(long, num_args = 2, value_names = ["FROM", "TO"])]
     band: Option<Vec<String>>,
-    /// The sheet that is written, by default JOB.toml in this folder; no other file is replaced.
+    /// The sheet to write, by default JOB.toml in this folder; an existing file is not replaced.
     #[arg(long, value_name = "SHEET")]
     save: Option<PathBuf>,
-    /// Folder for the results; by default beside the sheet, with its name and `-result`.
+    /// Folder for the results; by default next to the sheet, with its name and `-result`.
     #[arg(long, value_name = "FOLDER")]
     out: Option<PathBuf>,
     /// Forms of the tables.
@@ -81,7 +81,7 @@ pub struct FrfCommand {
     /// Channel of the force in the recordings, such as 1:N or "1:V:2.25 mV/N".
     #[arg(long, value_name = "CHANNEL:UNIT[:SENSITIVITY]", requires = "output")]
     input: Option<ChannelArgument>,
-    /// Channel of a motion, such as 2:m/s2; one option for each of them.
+    /// Channel of a motion, such as 2:m/s2; repeat the option for further motions.
     #[arg(long, value_name = "CHANNEL:UNIT[:SENSITIVITY]", requires = "input")]
     output: Vec<ChannelArgument>,
     #[command(flatten)]
@@ -116,18 +116,19 @@ pub struct ModulusCommand {
     /// Mass on the free end, such as "2.9 gram"; none by default.
     #[arg(long, value_name = "MASS", requires = "impacted")]
     accelerometer: Option<String>,
-    /// Poisson's ratio, such as "0.40 ± 0.02", by which lateral inertia is taken out.
+    /// Poisson's ratio, such as "0.40 ± 0.02", for the correction of lateral inertia.
     #[arg(long, value_name = "RATIO", requires = "impacted")]
     poisson: Option<String>,
     #[command(flatten)]
     recordings: Recordings,
 }
 
-/// Most sheets of one job without a stated name in a folder.
+/// Maximum number of sheets of one job in a folder that are written without a stated name.
 const MOST_SHEETS: usize = 1000;
 
 impl FrfCommand {
-    /// The command with its sheet, which is written if the command has recordings.
+    /// Returns the command with its sheet; the sheet is written first if the command has
+    /// recordings.
     ///
     /// # Errors
     /// [`RodlabError::Request`] for several files without channels; [`RodlabError::Exists`] if
@@ -155,10 +156,11 @@ impl FrfCommand {
 }
 
 impl ModulusCommand {
-    /// The command with its sheet, which is written if the command has recordings.
+    /// Returns the command with its sheet; the sheet is written first if the command has
+    /// recordings.
     ///
     /// # Errors
-    /// As [`FrfCommand::sheet`].
+    /// Those of [`FrfCommand::sheet`].
     pub fn sheet(&self) -> Result<SheetCommand, RodlabError> {
         let (Some(impacted), Some(free)) = (&self.impacted, &self.free) else {
             let options = "one sheet, or recordings with --impacted and --free";
@@ -196,7 +198,7 @@ impl ModulusCommand {
 }
 
 impl Recordings {
-    /// A sheet that is there.
+    /// Returns the command with an existing sheet.
     fn of_sheet(&self, files: &[PathBuf], expected: &str) -> Result<SheetCommand, RodlabError> {
         let stray = [
             ("--rate", self.rate.is_some()),
@@ -247,7 +249,7 @@ impl Recordings {
         files: &[PathBuf],
         channels: impl IntoIterator<Item = (String, &'a ChannelArgument)>,
     ) {
-        // a sheet elsewhere would look for them in its own folder
+        // a sheet in another folder would look for the recordings in that folder
         let is_elsewhere = self.save.as_ref().and_then(|sheet| sheet.parent());
         let is_elsewhere = is_elsewhere.is_some_and(|folder| folder != Path::new(""));
         let files: Vec<String> = files
@@ -281,9 +283,9 @@ impl Recordings {
         text.push_str("]\n");
     }
 
-    /// Writes the sheet of `job`; the same text may be there already.
-    /// Writes the sheet under the name that is stated, or under the first of `job.toml`, `job-2.toml`
-    /// and so on that no other sheet has.
+    /// Writes the sheet of `job` under the stated name, or under the first of `job.toml`,
+    /// `job-2.toml` and so on that no other sheet has. A file that already contains the same text
+    /// is used.
     fn saved(&self, job: &str, text: &str) -> Result<SheetCommand, RodlabError> {
         let written = |path: PathBuf| -> Result<PathBuf, RodlabError> {
             let is_there = path.exists() && input::read(&path)? == text.as_bytes();
@@ -309,7 +311,7 @@ impl Recordings {
     }
 }
 
-/// `text` as a string of TOML, which has the escapes of JSON.
+/// Returns `text` as a string of TOML, which has the escapes of JSON.
 fn quoted(text: &str) -> String {
     serde_json::Value::from(text).to_string()
 }
@@ -348,12 +350,12 @@ mod tests {
         };
         let (name, command) = job.sheet()?;
         assert_eq!(command.sheet, sheet);
-        // a second time the same sheet is there
+        // the second time, the same sheet already exists
         job.sheet()?;
         let text = std::fs::read_to_string(&sheet).unwrap();
         let parsed = crate::job::parse(&sheet, &text)?;
         assert_eq!(parsed.name(), name.name());
-        // the sheet is in another folder than the recordings, which it names with theirs
+        // the sheet is in another folder than the recordings, so it names them with their folder
         let here = quoted(
             &std::env::current_dir()
                 .unwrap()

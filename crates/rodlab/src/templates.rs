@@ -7,7 +7,7 @@ use clap::ValueEnum;
 use crate::sheet::Language;
 use crate::{RodlabError, output};
 
-/// The commented sheet of a name in a language.
+/// The commented sheet with this name in a language.
 macro_rules! sheets {
     ($language:expr, $name:literal) => {
         match $language {
@@ -36,7 +36,7 @@ pub enum JobName {
     Mobility,
     /// Force between two bodies, or from a response.
     Force,
-    /// Propagation of waves in a long bar, from one shot on it.
+    /// Propagation of waves in a long bar, from one or more shots.
     Bar,
     /// Stress-strain curve from split Hopkinson bars.
     Shpb,
@@ -103,7 +103,7 @@ pub enum Rig {
     ThreeGauges,
     /// A long bar with gauges and a free end.
     HopkinsonBar,
-    /// A hammer and a motion of a body.
+    /// A hammer, and a sensor of the motion of a body.
     HammerFrf,
     /// A specimen between two bars.
     Shpb,
@@ -135,7 +135,7 @@ impl Rig {
         }
     }
 
-    /// The job that evaluates its records.
+    /// The job that evaluates the records of the rig.
     #[must_use]
     pub fn job(self) -> JobName {
         match self {
@@ -147,7 +147,7 @@ impl Rig {
         }
     }
 
-    /// Its commented sheet.
+    /// The commented sheet of the rig.
     #[must_use]
     pub fn template(self, language: Language) -> &'static str {
         match self {
@@ -157,8 +157,8 @@ impl Rig {
     }
 }
 
-/// Writes the commented sheet of `job`, or of a `rig` whose job it is, to the new file `path`: in
-/// RON with the extension `ron`, else in TOML.
+/// Writes the commented sheet of `job`, or of a `rig` for that job, to the new file `path`: in RON
+/// with the extension `ron`, otherwise in TOML.
 ///
 /// # Errors
 ///

@@ -7,7 +7,7 @@ use labio::{AddedDamping, Contents, Ordinate, Series, SeriesAxis};
 use crate::RodlabError;
 use crate::outcome::Attachment;
 
-/// Characters of a header line, with a margin.
+/// Number of characters of a header line, less a margin.
 const LINE: usize = 76;
 
 /// `contents` as the file called `name`: as text, which all programs read.

@@ -1,4 +1,5 @@
-//! Comparison of a result, and of those that it was made from, with their sheets and files.
+//! Comparison of a result, and of the earlier results from which it was made, with their sheets and
+//! files.
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -18,20 +19,20 @@ pub struct Verified {
     pub result: PathBuf,
     /// Number of files that were compared: the sheet, its inputs, and the files of the result.
     pub compared: usize,
-    /// Changed and missing files, one clause each; empty for a result as it was.
+    /// Changed and missing files, one clause each; empty for an unchanged result.
     pub changed: Vec<String>,
     /// The results from which its inputs came, if their folders are there.
     pub ancestors: Vec<Self>,
 }
 
 impl Verified {
-    /// Returns true if neither the result nor any that it was made from has changed.
+    /// Returns true if neither the result nor any result from which it was made has changed.
     #[must_use]
     pub fn is_as_it_was(&self) -> bool {
         self.changed.is_empty() && self.ancestors.iter().all(Self::is_as_it_was)
     }
 
-    /// One line for each result, the ancestors after what was made from them.
+    /// One line for each result; the results from which it was made follow it.
     #[must_use]
     pub fn in_words(&self) -> Vec<String> {
         let folder = self.result.display();
@@ -71,9 +72,9 @@ struct Output {
     sha256: String,
 }
 
-/// Compares the result in `folder` with its files by their hashes. Its sheet is sought in `sheets`,
-/// by default beside the folder; inputs are relative to the sheet. A material from another result
-/// leads to that one.
+/// Compares the result in `folder` with its files by their hashes. Its sheet is looked for in
+/// `sheets`, by default next to the folder; inputs are relative to the sheet. If an input is the
+/// material of another result, that result is compared too.
 ///
 /// # Errors
 ///

@@ -1,13 +1,13 @@
-//! A sheet with its result beside it, as a page that this program serves to the browser on the same
-//! machine.
+//! A sheet and its result side by side, as a page that this program serves to the browser on the
+//! same machine.
 //!
-//! The text of the sheet is what is edited: by typing, by dragging one of its values, and by
-//! accepting or rejecting a hit. Each change is evaluated at once, and shown as the report that the
-//! job would write. What is saved is the sheet; no result is written.
+//! The text of the sheet can be edited by typing, by dragging one of its values, and by accepting
+//! or rejecting a hit. Each change is evaluated at once, and shown as the report that the job would
+//! write. Saving writes only the sheet, and no result.
 //!
-//! The server listens on 127.0.0.1 only. It answers requests whose path begins with a random token,
-//! which stands in the address that the program prints, that name this host, and, where they change
-//! anything, that come from its own page.
+//! The server listens on 127.0.0.1 only. It answers a request if its path begins with a random
+//! token, which is part of the address that the program prints, and if it names this host. A
+//! request that changes anything must also come from the page itself.
 
 mod http;
 
@@ -35,11 +35,11 @@ const PAGE: &str = include_str!("view/page.html");
 const STYLE: &str = include_str!("view/page.css");
 const SCRIPT: &str = include_str!("view/page.js");
 
-/// Time between two looks for a connection.
+/// Time between two checks for a connection.
 const TICK: Duration = Duration::from_millis(10);
-/// Stack of a thread that does a job, as that of the main thread usually is.
+/// Stack size of a thread that does a job, the usual one of a main thread.
 const STACK: usize = 8 << 20;
-/// Bytes of the token: not to be guessed.
+/// Number of bytes of the token, enough to prevent guessing.
 const TOKEN: usize = 16;
 
 /// A sheet that is served.
@@ -50,7 +50,7 @@ pub struct View {
 }
 
 impl View {
-    /// Prepares the page of the sheet at `path`, on a port of 127.0.0.1 (0 for any that is free).
+    /// Prepares the page of the sheet at `path`, on a port of 127.0.0.1 (0 for any free port).
     ///
     /// # Errors
     ///
@@ -93,7 +93,7 @@ impl View {
     ///
     /// # Errors
     ///
-    /// [`RodlabError`] if no connection can be taken any more.
+    /// [`RodlabError`] if no more connections can be accepted.
     pub fn serve(&self, interrupted: &AtomicBool) -> Result<(), RodlabError> {
         let failed = |error| RodlabError::step("waiting for the browser", error);
         while !interrupted.load(Ordering::Relaxed) {
@@ -105,7 +105,7 @@ impl View {
                     thread.spawn(work).map_err(failed)?;
                 }
                 Err(error) if error.kind() == ErrorKind::WouldBlock => thread::sleep(TICK),
-                // of one connection that has gone
+                // this concerns only one connection, which was closed
                 Err(error) if error.kind() == ErrorKind::ConnectionAborted => {}
                 Err(error) => return Err(failed(error)),
             }
@@ -119,10 +119,10 @@ impl View {
 #[derive(Debug)]
 struct Served {
     path: PathBuf,
-    /// Address and port, as browsers state them.
+    /// Address and port, in the form that browsers state.
     host: String,
     token: String,
-    /// Number of the latest evaluation that was asked for.
+    /// Number of the latest requested evaluation.
     latest: AtomicU64,
     /// Stops the running evaluation.
     running: Mutex<Arc<AtomicBool>>,
@@ -135,7 +135,7 @@ struct Served {
 #[derive(Deserialize)]
 struct EvaluateRequest {
     text: String,
-    /// Without what takes long, for a value that is being dragged.
+    /// Leaves out the parts that take long, while a value is being dragged.
     quick: bool,
 }
 
@@ -156,13 +156,13 @@ struct SaveRequest {
 
 impl Served {
     fn converse(&self, mut stream: TcpStream) {
-        // a connection of a listener that does not wait may not wait either
+        // a connection may be non-blocking because the listener is
         if stream.set_nonblocking(false).is_err() {
             return;
         }
         let answer =
             http::read(&mut stream).map_or_else(|refusal| refusal, |request| self.answer(&request));
-        // a browser that has gone needs no answer
+        // a browser that has closed the connection needs no answer
         let _ = answer.write(&mut stream);
     }
 
@@ -228,7 +228,7 @@ impl Served {
         Answer::page(html, Some(policy))
     }
 
-    /// Evaluates the sheet with this text. An evaluation that is asked for later stops it.
+    /// Evaluates the sheet with this text. A later evaluation stops it.
     fn evaluate(&self, asked: &EvaluateRequest) -> Value {
         let text = &asked.text;
         let number = 1 + self.latest.fetch_add(1, Ordering::Relaxed);
@@ -358,12 +358,12 @@ fn hash_of(text: &str) -> String {
     ContentHash::of(text.as_bytes()).to_string()
 }
 
-/// Length of a text as scripts count it.
+/// Length of a text in UTF-16 units, as scripts count it.
 fn in_utf16(text: &str) -> usize {
     text.encode_utf16().count()
 }
 
-/// The guarded value; a thread that panicked has left it whole.
+/// Locks the guarded value, which is consistent even if a thread has panicked.
 fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }

@@ -18,15 +18,16 @@ pub trait VelocityHistory: Sync {
     /// Velocity \[m/s\] at `time` \[s\]; zero before time 0, NaN at a time that is NaN.
     fn at(&self, time: f64) -> f64;
 
-    /// Time derivative of the velocity [m/s²]; as [`Self::at`] before time 0 and at NaN.
+    /// Time derivative of the velocity [m/s²]; before time 0 and at NaN it behaves as [`Self::at`].
     fn slope(&self, time: f64) -> f64;
 
-    /// Time \[s\], not below 0, until which velocity and slope are zero; 0 if it is not known.
+    /// Time \[s\], not below 0, until which velocity and slope are zero; 0 if this time is not
+    /// known.
     fn begin(&self) -> f64 {
         0.0
     }
 
-    /// End of the history \[s\]; it is undefined after it.
+    /// End of the history \[s\], after which the history is undefined.
     fn end(&self) -> f64;
 }
 
@@ -58,8 +59,7 @@ pub(crate) fn check_times(
 }
 
 /// sin(πx)/(πx) under a window that vanishes at |x| = `half_width` samples.
-///
-/// Passes frequencies below 1/2 - δ and stops those above 1/2 + δ, in cycles a sample, with δ =
+/// Passes frequencies below 1/2 - δ and stops those above 1/2 + δ, in cycles per sample, with δ =
 /// β/(2π `half_width`) and a ripple of order e^{-β}.
 fn windowed_sinc(x: f64, half_width: f64, sharpness: f64) -> f64 {
     let u = x / half_width;
@@ -84,9 +84,9 @@ fn windowed_sinc(x: f64, half_width: f64, sharpness: f64) -> f64 {
 ///
 /// # Accuracy
 /// A sinusoid of amplitude 1 is reproduced between the samples to 2e-5 up to 0.38 of the sampling
-/// rate (checked by a test); a linear interpolation errs by 0.13 at 0.38 of the rate and by 0.07 at
-/// a quarter of it. Content above 0.38 of the rate is not reproduced; the recorder's anti-aliasing
-/// filter must remove it.
+/// rate (checked by a test); the error of a linear interpolation is 0.13 at 0.38 of the rate and
+/// 0.07 at a quarter of it. Content above 0.38 of the rate is not reproduced; the recorder's
+/// anti-aliasing filter must remove it.
 ///
 /// ```
 /// use rodwave::band_limited::{SampledHistory, VelocityHistory};
@@ -107,8 +107,8 @@ pub struct SampledHistory {
     end: f64,
 }
 
-/// Points of the fine grid per sample: cubic interpolation between them errs by 4e-7 at 0.38 of the
-/// sampling rate.
+/// Points of the fine grid per sample: the error of cubic interpolation between them is 4e-7 at
+/// 0.38 of the sampling rate.
 const OVERSAMPLING: usize = 32;
 /// Fine points kept before time 0 for the cubic stencil.
 const LEAD: usize = 2;
@@ -152,7 +152,7 @@ impl pulp::NullaryFnOnce for Interpolation<'_> {
 fn interpolate(continued: &[f64], weights: &[[f64; OVERSAMPLING]], fine: &mut [f64]) {
     let fine = fine.as_chunks_mut::<OVERSAMPLING>().0;
     for (around, fine) in continued.windows(weights.len()).zip(fine) {
-        let mut sums = [-0.0; OVERSAMPLING]; // where the sum of no terms begins
+        let mut sums = [-0.0; OVERSAMPLING]; // the value of a sum without terms
         for (sample, weights) in around.iter().zip(weights) {
             for (sum, weight) in sums.iter_mut().zip(weights) {
                 *sum += weight * sample;
@@ -214,7 +214,7 @@ impl SampledHistory {
         fine.drain(..OVERSAMPLING - LEAD);
         fine.truncate(LEAD + (count - 1) * OVERSAMPLING + 1 + LEAD);
         check_samples("interpolated excitation", &fine)?;
-        // of the last point about which the cubic has only zeros
+        // time of the last point whose cubic stencil has only zeros
         let zeros = fine.iter().take_while(|v| **v == 0.0).count();
         let begin = zeros.saturating_sub(3 + LEAD) as f64 / fine_rate;
         Ok(Self {
@@ -299,7 +299,7 @@ impl VelocityHistory for SampledHistory {
     }
 }
 
-/// The changes of a [`SampledHistory`] by a unit of single samples.
+/// Changes of a [`SampledHistory`] when single samples change by one unit.
 #[derive(Debug, Clone)]
 pub struct SamplePulses {
     /// A unit sample between samples that are zero.
@@ -309,8 +309,8 @@ pub struct SamplePulses {
 }
 
 impl SamplePulses {
-    /// Prepares the changes by the samples of these indices, of a history sampled at `rate_hz`. The
-    /// history is not continued beyond its end.
+    /// Prepares the changes due to the samples with these indices, of a history sampled at
+    /// `rate_hz`. The history is not continued beyond its end.
     ///
     /// # Errors
     /// [`RodwaveError`] if the rate is not positive.
@@ -338,7 +338,7 @@ impl SamplePulses {
         self.samples.is_empty()
     }
 
-    /// Time \[s\] up to which the sample at `place` changes nothing; it may be below 0.
+    /// Time \[s\] before which a change of the sample at `place` has no effect; it may be below 0.
     #[must_use]
     #[expect(
         clippy::cast_precision_loss,
@@ -349,7 +349,7 @@ impl SamplePulses {
         (sample as f64 - SampledHistory::HALF_WIDTH as f64) / self.rate_hz
     }
 
-    /// Change of the history at `time` \[s\] by a unit of the sample at `place`.
+    /// Change of the history at `time` \[s\] when the sample at `place` changes by one unit.
     #[must_use]
     pub fn at(&self, place: usize, time: f64) -> f64 {
         let own = time - self.begin(place);
@@ -363,9 +363,9 @@ impl SamplePulses {
 
 /// The recorder of a virtual test: a zero-phase low-pass filter and a sampler.
 ///
-/// The filter passes to better than 1e-4 below `cutoff_hz` - 0.08 `rate_hz` and stops as well above
-/// `cutoff_hz` + 0.08 `rate_hz`. It reaches 24 samples to either side, so a record must begin at
-/// least that long before the first arrival.
+/// The gain of the filter is within 1e-4 of 1 below `cutoff_hz` - 0.08 `rate_hz`, and within 1e-4
+/// of 0 above `cutoff_hz` + 0.08 `rate_hz`. The filter reaches 24 samples to either side, so a
+/// record must begin at least that long before the first arrival.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Recorder {
     /// Sampling rate of the record \[Hz\].
@@ -438,7 +438,7 @@ mod tests {
                 .map(|k| (omega * f64::from(k) / rate).sin())
                 .collect();
             let history = SampledHistory::new(&samples, rate).unwrap();
-            // away from the two ends, where the record is continued and not known
+            // away from the two ends, beyond which the record is continued and not known
             let worst = (0..5000)
                 .map(|k| {
                     let t = (40.0 + f64::from(k) * 0.06137) / rate;
@@ -465,7 +465,7 @@ mod tests {
                 let rests = history.at(t) == 0.0 && history.slope(t) == 0.0;
                 assert!(rests || begin == 0.0, "{first}: {t}");
             }
-            // the interpolation reaches 16 samples ahead, in 32 points each
+            // the interpolation reaches 16 samples ahead, with 32 points per sample
             let expected = (f64::from(first) - 16.0) / rate;
             assert!(
                 (begin - expected.max(0.0)).abs() < 0.2 / rate,
@@ -533,7 +533,7 @@ mod tests {
             cutoff_hz: 16_000.0,
         };
         let step = 1.0 / (51_200.0 * 20.0);
-        // a cosine whose crest lies where the filter is evaluated: its value there is the gain
+        // a cosine whose crest is where the filter is evaluated: its value there is the gain
         let crest = 2000.0 * step;
         let gain = |f: f64| {
             let history: Vec<f64> = (0..4000)

@@ -200,7 +200,7 @@ impl<V: Argument> Chain<V> {
     /// truncated cone and the compound cylinder it agrees with the closed forms (paper E, eqs.
     /// 8, 9, A7, A13 and A14), for a semi-infinite rod it is 1/Z (paper E, eqs. 10 and A16).
     ///
-    /// At ω = 0 it is the static limit: 0 for a fixed body, 1/q for a dashpot q at the end.
+    /// At ω = 0 the static limit is returned: 0 for a fixed body, 1/q for a dashpot q at the end.
     ///
     /// # Errors
     /// [`RodwaveError::NonPhysical`] if the frequency is not finite and where Ĝ is infinite: a free
@@ -220,9 +220,9 @@ impl<V: Argument> Chain<V> {
         self.far_face(V::on_axis(omega)?)?.mobility()
     }
 
-    /// Mobilities of both faces and between them at `omega` [rad/s], by which a body is joined to
-    /// others at its faces. The termination remains; a long rod or a wall has no far face, and its
-    /// far mobility is that of the face of the termination.
+    /// Mobilities of both faces and between them at `omega` [rad/s], with which a body can be
+    /// joined to others at its faces. The termination remains. Behind a semi-infinite rod or a wall
+    /// there is no face; the far mobility is then that of the face on which the termination acts.
     ///
     /// # Errors
     /// As [`Chain::mobility`].
@@ -230,8 +230,8 @@ impl<V: Argument> Chain<V> {
         self.faces(V::on_axis(omega)?)
     }
 
-    /// Transition matrix from the impact face to the far face at `omega` [rad/s], the plain product
-    /// (paper E, eqs. A8-A9).
+    /// Transition matrix from the impact face to the far face at `omega` [rad/s], computed as the
+    /// plain product of the matrices of the elements (paper E, eqs. A8-A9).
     ///
     /// The termination is not included. For the limits of the product see
     /// [`transition`](crate::transition).
@@ -264,8 +264,8 @@ impl<V: Argument> Chain<V> {
         Section::new(self, element, distance)
     }
 
-    /// Mobilities of both faces: the pair of the termination over its force at the impact face is
-    /// the transfer.
+    /// Mobilities of both faces. The transfer mobility is the velocity of the pair at the
+    /// termination over the force of this pair at the impact face.
     fn faces(&self, argument: V) -> Result<FaceMobilities, RodwaveError> {
         let mut end = self.termination.face(argument)?;
         end.restart();

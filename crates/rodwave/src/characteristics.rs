@@ -11,13 +11,13 @@
 //! a step of relaxation, the shift, half a step of relaxation, each with the exact flow of the law.
 //! The two halves between consecutive shifts are one whole flow, so that each cell relaxes once per
 //! step. The scheme is second order for smooth histories, exact for F = 0, stable for any F, and
-//! cannot create energy: the shift conserves Σ(R² + L²) and the flow can only reduce |s|. Behind a
+//! cannot create energy: the shift conserves Σ(R² + L²) and the flow can only reduce |s|. After a
 //! jump the error is first order.
 //!
 //! # Sensitivities
 //! The tangent-linear model is integrated in the same sweep. It is written in the dimensionless
-//! time t c/L since the begin of the excitation, in which the grid does not depend on E; the derivative
-//! at constant time adds (t/2) ∂v/∂t at the end.
+//! time t c/L since the start of the excitation, so that the grid does not depend on E; the
+//! derivative at constant time adds (t/2) ∂v/∂t at the end.
 //!
 //! Theory: `docs/theory/direct-problem.md`.
 
@@ -39,8 +39,8 @@ use time_levels::TimeLevels;
 /// Name of this solver in the provenance of virtual records.
 pub const GENERATOR: &str = "rodwave::characteristics";
 
-/// Fewest cells of a grid: the time interpolation uses three later steps, whose waves must not have
-/// arrived yet.
+/// Fewest cells of a grid. The time interpolation uses three steps after the last requested time;
+/// the waves that enter in these steps must not have reached the free end.
 const FEWEST_CELLS: usize = 8;
 
 /// The rod between the section of excitation, x = -L, and its free end, x = 0, cut into equal
@@ -70,7 +70,8 @@ pub struct DirectProblem<L> {
     cells: usize,
 }
 
-/// Velocity of the free end with its derivatives by the parameters, all at the same times.
+/// Velocity of the free end with its derivatives with respect to the modulus and the parameters of
+/// the law, all at the same times.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct Response {
@@ -126,8 +127,9 @@ impl<L: InelasticLaw> DirectProblem<L> {
     /// Computes v_r [m/s] at `times` \[s\] for the excitation v_e.
     ///
     /// # Errors
-    /// [`RodwaveError::ExcitationTooShort`] if a time lies beyond the end of the excitation,
-    /// [`RodwaveError::NonPhysical`] if one is negative or not finite, or more than 1e9 steps away.
+    /// [`RodwaveError::ExcitationTooShort`] if a time is after the end of the excitation,
+    /// [`RodwaveError::NonPhysical`] if a time is negative or not finite, or more than 1e9 steps
+    /// away.
     pub fn free_end_velocity(
         &self,
         excitation: &dyn VelocityHistory,
@@ -154,7 +156,7 @@ impl<L: InelasticLaw> DirectProblem<L> {
     /// tangent-linear model.
     ///
     /// # Errors
-    /// As [`Self::free_end_velocity`]; [`RodwaveError::LengthMismatch`] for a law of more than
+    /// As [`Self::free_end_velocity`]; [`RodwaveError::LengthMismatch`] for a law with more than
     /// [`MAX_PARAMETERS`] parameters.
     pub fn free_end_velocity_with_sensitivities(
         &self,
@@ -251,7 +253,7 @@ impl<L: InelasticLaw> March<L> {
         march
     }
 
-    /// Advances one time step, at whose end the velocity at x = -L is `velocity` [m/s].
+    /// Advances one time step; `velocity` [m/s] is the velocity at x = -L at its end.
     pub fn advance(&mut self, velocity: f64) {
         let nodes = self.wave.len();
         let reached = (self.steps + 1).min(nodes);
@@ -296,7 +298,7 @@ impl<L: InelasticLaw> March<L> {
         self.steps += 1;
     }
 
-    /// Returns true if nothing has moved yet: a step without velocity would change nothing.
+    /// Returns true if nothing has moved yet, so that a step without velocity changes nothing.
     fn is_at_rest(&self) -> bool {
         self.steps == 0 && self.supplied == 0.0
     }
@@ -360,8 +362,8 @@ pub struct NodeState {
     pub velocity: f64,
 }
 
-/// [`relax`] as a task that can run with the vector instructions of the processor: the same digits,
-/// faster.
+/// [`relax`] as a task that can run with the vector instructions of the processor. The digits of
+/// the result are the same.
 struct Relax<'a, F> {
     wave: &'a mut WavePair,
     flow: &'a F,
@@ -442,7 +444,8 @@ impl<L: InelasticLaw> pulp::NullaryFnOnce for RelaxWithTangents<'_, L> {
     }
 }
 
-/// Relaxes as [`relax`] does, with the tangents (0: ln E, then the parameters of the law).
+/// Relaxes the waves as [`relax`] does, and the tangents with them (0: ln E, then the parameters of
+/// the law).
 #[inline(always)]
 #[allow(
     clippy::indexing_slicing,
@@ -472,7 +475,7 @@ fn relax_with_tangents<L: InelasticLaw>(
             flow.change_with_sensitivity(&lanes!(|i| impedance * scaled[i]), L::PARAMETERS.len());
         *right = lanes!(|i| r[i] + change.stress[i] * inverse);
         *left = lanes!(|i| l[i] + change.stress[i] * inverse);
-        // at constant dimensionless time: Z and E h grow as E^½
+        // at constant dimensionless time, Z and E h are proportional to E^½
         let source = lanes!(|i| {
             0.5 * (scaled[i] * change.by_stress[i]
                 + (change.by_log_modulus[i] - change.stress[i]) * inverse)
@@ -493,7 +496,7 @@ fn relax_tangent_block(
     change: &StressChange,
     source: &[f64; LANES],
 ) {
-    // copies, which share no memory: the compiler then needs no proof of it
+    // copies share no memory, so the compiler need not prove it
     let (r, l) = (*right, *left);
     let change = lanes!(|i| change.by_stress[i] * 0.5 * (r[i] + l[i]) + source[i]);
     *right = lanes!(|i| r[i] + change[i]);
@@ -540,8 +543,8 @@ impl WavePair {
         self.right.set_first(self.left.first() - 2.0 * velocity);
     }
 
-    /// Moves R one node to the right and L one node to the left; free end at x = 0, velocity given
-    /// at x = -L.
+    /// Moves R one node to the right and L one node to the left, with a free end at x = 0 and the
+    /// given velocity at x = -L.
     fn shift(&mut self, velocity: f64) {
         self.right.slide_towards_end();
         self.left.slide_towards_start();
@@ -553,7 +556,7 @@ impl WavePair {
         -self.right.last()
     }
 
-    /// Returns true if the driven end has no wave: all others have come from it.
+    /// Returns true if there is no wave at the driven end, from which all other waves have come.
     fn is_at_rest(&self) -> bool {
         self.right.first() == 0.0 && self.left.first() == 0.0
     }
@@ -600,7 +603,7 @@ mod tests {
             for (plain, vector) in with_tangents.tangents.iter().zip(&march.tangents) {
                 assert_same_bits(plain, vector);
             }
-            // a velocity that swings, so that blocks of every kind occur
+            // an oscillating velocity, so that blocks of every kind occur
             march.wave.shift(9.0 + 8.0 * (0.1 * f64::from(step)).sin());
             for tangent in &mut march.tangents {
                 tangent.shift(1.0);

@@ -328,7 +328,7 @@ impl Segment {
         })
     }
 
-    /// Accepts a distance from the near end that lies on the segment.
+    /// Accepts a distance from the near end that is on the segment.
     pub(crate) fn check_distance(&self, distance: f64) -> Result<f64, RodwaveError> {
         if (0.0..=self.length).contains(&distance) {
             Ok(distance)

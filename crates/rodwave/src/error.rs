@@ -81,12 +81,12 @@ pub enum RodwaveError {
         /// Length of the body, in metres.
         length: f64,
     },
-    /// A line has no such parameter.
+    /// The law of a branch of a line has no parameter of this name.
     #[error("segment {segment}, branch {branch} has no parameter `{name}`")]
     UnknownParameter {
-        /// Segment, from 0 at the left end.
+        /// Position of the segment, from 0 at the left end.
         segment: usize,
-        /// Branch of its material, from 0.
+        /// Position of the branch in its material, from 0.
         branch: usize,
         /// The requested name.
         name: &'static str,

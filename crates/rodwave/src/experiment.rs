@@ -13,7 +13,7 @@ use crate::error::{RodwaveError, check_steps};
 use crate::impact::{ImpactBalance, ImpactTest};
 use crate::inelastic::InelasticLaw;
 
-/// Recording of a test of paper D.
+/// Recording settings of a test of paper D.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Acquisition {
     /// Low-pass filter and sampler of both channels.
@@ -92,7 +92,7 @@ impl<L: InelasticLaw> ImpactTest<L> {
         check_steps(FINER as f64 * count as f64)?;
         let duration = samples_after as f64 * interval + recorder.reach();
         let history = self.run(cell, duration)?;
-        // velocities of the chain are half a step late
+        // entry k of a velocity of the chain is at (k + 1/2) `step`
         let filtered = |velocity: &[f64], time: f64| {
             recorder.filtered(velocity, history.step, time - 0.5 * history.step)
         };

@@ -7,8 +7,8 @@ use std::sync::Arc;
 use num_complex::Complex64;
 use realfft::{ComplexToReal, RealFftPlanner, RealToComplex};
 
-/// $`X_k = \sum_n x_n e^{-2\pi i kn/N}`$ for $`k = 0 \ldots \lfloor N/2\rfloor`$, and back;
-/// unscaled in both directions.
+/// The transform $`X_k = \sum_n x_n e^{-2\pi i kn/N}`$, $`k = 0 \ldots \lfloor N/2\rfloor`$, of
+/// real samples, and its inverse; both are unscaled.
 ///
 /// ```
 /// let mut fourier = rodwave::fourier::RealFourier::new(8);
@@ -108,11 +108,13 @@ impl fmt::Debug for RealFourier {
 }
 
 thread_local! {
-    /// Plans of the lengths in use, kept because the twiddle factors of a long transform cost as much as several transforms.
+    /// Plans of the lengths in use, kept because the twiddle factors of a long transform cost as
+    /// much as several transforms.
     static PLANS: RefCell<Plans> = RefCell::new(Plans::empty());
 }
 
-/// Number of lengths whose plans are kept; a program that tries thousands should not keep them all.
+/// Number of lengths whose plans are kept, so that a program that uses thousands of lengths does
+/// not keep them all.
 const KEPT_LENGTHS: usize = 16;
 
 struct Plans {
@@ -139,8 +141,8 @@ impl Plans {
     }
 }
 
-/// Creates plans. Each crate that does so compiles all algorithms of the library again, hence this
-/// single function.
+/// Creates plans in a single function: each crate that creates them compiles all algorithms of the
+/// library again.
 #[inline(never)]
 fn forward_plan(n_samples: usize) -> Arc<dyn RealToComplex<f64>> {
     PLANS.with_borrow_mut(|plans| plans.of(n_samples).plan_fft_forward(n_samples))

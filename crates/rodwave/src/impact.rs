@@ -3,8 +3,8 @@
 //! Both bodies are chains of [`crate::lumped`]; only the struck rod is inelastic. The contact obeys
 //! the unilateral condition 0 <= F, 0 <= gap, F gap = 0: at each step the force is the smallest
 //! that prevents penetration. No contact stiffness is assumed. Closing a gap dissipates the
-//! relative kinetic energy of two half cells, which vanishes with the grid; energy is never
-//! created.
+//! relative kinetic energy of two half cells, which vanishes as the grid is refined; energy is
+//! never created.
 //!
 //! Theory: `docs/theory/direct-problem.md#striker`.
 
@@ -31,8 +31,9 @@ pub struct Striker {
 }
 
 impl Striker {
-    /// The projectile of (Ödeen 1993, paper D, section 3): aluminium, 30 mm x 15.8 mm, 10 m/s. The
-    /// paper gives neither density nor modulus; those of the aluminium of paper E are used.
+    /// The projectile of paper D (Ödeen 1993, paper D, section 3): aluminium, 30 mm x 15.8 mm, 10
+    /// m/s. The paper gives neither density nor modulus; those of the aluminium of paper E are
+    /// used.
     pub const PAPER_D: Self = Self {
         length: 0.030,
         diameter: 0.0158,
@@ -60,8 +61,7 @@ impl Striker {
     }
 }
 
-/// A rod struck at one end; the other end is free.
-/// (Ödeen 1993, paper D, Figure 1).
+/// A rod struck at one end; the other end is free (Ödeen 1993, paper D, Figure 1).
 #[derive(Debug, Clone)]
 pub struct ImpactTest<L> {
     /// The striker.
@@ -94,8 +94,8 @@ pub struct ImpactHistory {
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct ImpactBalance {
-    /// Relative momentum error: momentum of both bodies over that of the striker before, minus
-    /// one; zero to rounding.
+    /// Relative momentum error: momentum of both bodies over the momentum of the striker before the
+    /// impact, minus one; zero to rounding.
     pub momentum_residual: f64,
     /// Energy of the striker before the impact \[J\].
     pub energy_before: f64,
@@ -105,17 +105,17 @@ pub struct ImpactBalance {
     pub energy_dissipated: f64,
 }
 
-/// Growth of the energy above which a chain counts as unstable: its explicit steps create energy,
-/// without bound, if a material relaxes faster. The staggered grid alone varies the energy by some
-/// per cent.
+/// Ratio of the energies after and before the impact above which a chain counts as unstable. Its
+/// explicit steps create energy without bound if a material relaxes faster than the step. The
+/// staggered grid alone varies the energy by some per cent.
 const MOST_GROWTH: f64 = 2.0;
 
 impl<L: InelasticLaw> ImpactTest<L> {
     /// Runs the test for `duration` \[s\] with cells of the rod no longer than `cell` \[m\].
     ///
     /// # Errors
-    /// [`RodwaveError::NonPhysical`] for a quantity that is not finite and positive, or a section
-    /// outside the rod, for more than 2^27 cells or 1e9 steps, and if the energy grows: the
+    /// [`RodwaveError::NonPhysical`] for a quantity that is not finite and positive, for a section
+    /// outside the rod, for more than 2^27 cells or 1e9 steps, and if the energy grows because the
     /// cells are too long for a material that relaxes within a time step.
     #[expect(
         clippy::cast_possible_truncation,
@@ -130,7 +130,7 @@ impl<L: InelasticLaw> ImpactTest<L> {
         let striker = self.check()?;
         check_positive("cell length [m]", cell)?;
         check_positive("duration [s]", duration)?;
-        // the chain rejects a count beyond the memory
+        // the chain rejects a count beyond the memory limit
         let cells = (self.rod.length() / cell).ceil().max(4.0) as usize;
         let mut struck = LumpedRod::new(&self.rod, cells, DEFAULT_COURANT_NUMBER)?;
         let step = struck.time_step();
@@ -188,7 +188,7 @@ impl<L: InelasticLaw> ImpactTest<L> {
         let momentum = rod_area * struck.momentum() - striker_area * striker.momentum();
         let energy_after = energy(&striker, &struck);
         let growth = energy_after / energy_before;
-        // any overflow in a body soon reaches its energy
+        // any overflow in a body soon shows in its energy
         if growth.is_nan() || growth > MOST_GROWTH {
             return Err(RodwaveError::NonPhysical {
                 quantity: "energy after the impact over that before",

@@ -9,8 +9,9 @@
 //! A law supplies F and the *exact* solution of the relaxation at constant strain, dσ/dt = -E F(σ),
 //! over any duration: its sub-flow. With it, an operator-splitting solver needs no restriction of
 //! the time step and [`crate::characteristics`] creates no energy. The laws of the paper are
-//! [`Maxwell`], [`MaxwellNorton`] and [`MaxwellGurevichRabinovich`]; [`Elastic`] (F = 0)
-//! is their null hypothesis, and [`Eyring`] that of thermal activation. Other laws implement the two
+//! [`Maxwell`], [`MaxwellNorton`] and [`MaxwellGurevichRabinovich`]. [`Elastic`] (F = 0) is their
+//! null hypothesis, and [`Eyring`] is the law of thermal activation. Other laws implement the two
+//! traits of this module.
 //! traits of this module.
 //!
 //! # Parameters
@@ -109,9 +110,9 @@ pub trait RelaxationFlow {
     /// |result| <= |stress|, and the sign is kept.
     fn relax(&self, stress: f64) -> f64;
 
-    /// Stress after the relaxation with its derivatives; those by the parameters of the law are
-    /// written to `by_parameter`, which has one entry per parameter. In a longer or shorter
-    /// slice the first entries are written.
+    /// Stress after the relaxation with its derivatives. The derivatives with respect to the
+    /// parameters of the law are written to `by_parameter`, which has one entry per parameter. In a
+    /// longer or shorter slice the first entries are written.
     fn relax_with_sensitivity(&self, stress: f64, by_parameter: &mut [f64]) -> RelaxedStress;
 
     /// Stress after minus stress before \[Pa\], for several cells.
@@ -163,9 +164,9 @@ fn cell_by_cell<F: RelaxationFlow + ?Sized>(
 pub struct RelaxedStress {
     /// σ1, the stress after the relaxation \[Pa\].
     pub stress: f64,
-    /// dσ1/dσ0, the derivative by the stress before.
+    /// dσ1/dσ0, the derivative with respect to the stress before.
     pub by_stress: f64,
-    /// dσ1/d ln(E h) \[Pa\]: modulus E and duration h enter only by their product.
+    /// dσ1/d ln(E h) \[Pa\]: modulus E and duration h enter only through their product.
     pub by_log_modulus: f64,
 }
 

@@ -1,6 +1,6 @@
 //! Polynomials through equidistant points.
 
-/// Value and slope (per distance of the points) of an interpolating polynomial.
+/// Value and slope (per spacing of the points) of an interpolating polynomial.
 pub(crate) struct Interpolated {
     pub(crate) value: f64,
     pub(crate) slope: f64,
@@ -67,7 +67,7 @@ impl Quintic {
         self.sum(&self.value, history)
     }
 
-    /// Derivative by the index.
+    /// Derivative with respect to the index.
     pub(crate) fn slope(&self, history: &[f64]) -> f64 {
         self.sum(&self.slope, history)
     }
@@ -78,8 +78,8 @@ impl Quintic {
     }
 }
 
-/// The values of a history from `before` indices before `base` on; zero outside it, as before a rod
-/// moves.
+/// The values of a history from `before` indices before `base` on; zero outside the history, like a
+/// rod that does not move yet.
 #[expect(
     clippy::cast_possible_truncation,
     reason = "positions on the history lie far below 2^52, and outside it there is nothing however far"

@@ -2,8 +2,8 @@
 //!
 //! In a causal material E' and E'' are not independent: the Kramers-Kronig relations give each from
 //! the other, over *all* frequencies. A measurement or a fit covers only a band, so that the
-//! relations cannot be evaluated, but they can be tested. A material whose stress relaxes after a
-//! step of strain monotonically with all derivatives, as that of polymers does, has the modulus
+//! relations cannot be evaluated, but they can be tested. A material whose stress after a step of
+//! strain relaxes monotonically, with all derivatives monotonic as in polymers, has the modulus
 //!
 //! ```text
 //! E(ω) = E∞ + iωη + ∫ H(τ) iωτ/(1 + iωτ) d(ln τ) ,    E∞, η, H >= 0
@@ -32,15 +32,16 @@
 //! rms |E - E_causal|/|E| <= ε rms E''/|E|
 //! ```
 //!
-//! and a larger residual proves that no relaxing material has the given values. A smaller one gives
-//! a causal material that has them within the residual. The threshold is a rigorous bound of the
-//! grid error. The scatter of measured values, if any, and 1e-10 for rounding are added to it.
+//! and a larger residual proves that no relaxing material has the given values. If the residual is
+//! smaller, the nearest material is causal and has the values within the residual. The threshold is
+//! a rigorous bound on the grid error. The scatter of measured values, if any, and 1e-10 for
+//! rounding are added to it.
 //!
 //! # Loss alone
-//! Noise in 2n numbers hides an error of a single one: with 60 lines and 5 % of noise, a doubled
-//! loss has only 1.1 times the residual of the correct one. The result therefore also contains the
-//! size κ of one error that no causal material has: all losses larger by the same factor, with E'
-//! unchanged. The nearest material is fitted once more with
+//! Noise in 2n numbers hides an error of a single quantity: with 60 lines and 5 % of noise, a
+//! doubled loss has only 1.1 times the residual of the correct one. The result therefore also
+//! contains the size κ of one error that no causal material has: all losses larger by the same
+//! factor, with E' unchanged. The nearest material is fitted once more with
 //!
 //! ```text
 //! min Σ |E - iκE''_causal - E_material|²/σ² + κ²/18
@@ -49,18 +50,18 @@
 //! and noise alone lowers the minimum by about half of a chi-square variable with one degree of
 //! freedom, for any true material: in 58 cases (six materials from a spring to strong losses, 3 to
 //! 60 lines, 1 and 5 % of noise, 200 draws each) the 99 % quantile of twice the decrease was 0.4 to
-//! 9.4 (chi-square: 6.6). A decrease above [`LARGEST_DECREASE`] is not causal. κ cannot
-//! be determined if the band does not determine the slope of E', for example from five lines over a
-//! decade at 5 % of noise.
+//! 9.4 (chi-square: 6.6). Values whose decrease is above [`LARGEST_DECREASE`] are not causal. κ
+//! cannot be determined if the band does not determine the slope of E', for example from five lines
+//! over a decade at 5 % of noise.
 //!
 //! The optimum of a non-negative least-squares problem is found only to a tolerance; the result
-//! contains the residual and a lower bound of it by duality, and the verdict is
-//! [`Verdict::Undecided`] if the threshold lies between them.
+//! contains the residual and a lower bound of the residual by duality, and the verdict is
+//! [`Verdict::Undecided`] if the threshold is between the two.
 //!
 //! # Local relation
 //! E'' ≈ (π/2) dE'/d(ln ω) needs no fit, but it is exact only for weak power laws; for a single
-//! relaxation it is wrong by the factor π/2 at ωτ = 1. A threshold that accepts this law accepts
-//! nearly everything.
+//! relaxation it is wrong by the factor π/2 at ωτ = 1. A threshold that accepts a single relaxation
+//! accepts nearly everything.
 //!
 //! ```
 //! use rodwave::kramers_kronig::{KramersKronig, Verdict};
@@ -78,8 +79,8 @@
 //!
 //! # Limitations
 //! A causal material that resonates is not a relaxing one and is reported as not causal; polymers
-//! do not resonate by themselves. Over a narrow band almost any values are those of some causal
-//! material, and noise hides the rest.
+//! do not resonate in this way. Over a narrow band almost any values are those of some
+//! causal material, and noise hides the rest.
 //!
 //! Theory: `docs/theory/kramers-kronig.md`.
 
@@ -109,15 +110,15 @@ const SLOWEST: f64 = 1e4;
 /// hundred terms.
 const ROUNDING: f64 = 1e-10;
 
-/// Largest twofold decrease of the sum of squares by a factor on all losses that is attributed to
-/// noise: three standard deviations.
+/// Largest value, for twice the decrease of the sum of squares by a factor on all losses, that is
+/// attributed to noise: three standard deviations.
 pub const LARGEST_DECREASE: f64 = 9.0;
 
 /// Prior standard deviation of a factor on all losses.
 const WIDE: f64 = 3.0;
 
-/// Widest band, as the ratio of its ends: the grid of relaxation times grows with it, and the cost
-/// as its square.
+/// Widest band, as the ratio of its ends: the grid of relaxation times grows with the band, and the
+/// cost as the square of the grid.
 const WIDEST: f64 = 1e50;
 
 /// The causal material nearest to given values of a complex modulus, and its distance from them.
@@ -127,7 +128,7 @@ pub struct KramersKronig {
     /// The lines in the given order.
     pub lines: Vec<ResidualLine>,
     /// Root mean square of |E - E_causal|/|E| over the lines, or of |E - E_causal| over its
-    /// standard error if each line has its own.
+    /// standard error if each line has its own standard error.
     pub residual: f64,
     /// Lower bound of the residual of the best causal material.
     pub residual_lower_bound: f64,
@@ -138,8 +139,8 @@ pub struct KramersKronig {
     /// The common errors subtracted from the given values, each in units of its standard
     /// uncertainty; empty if none were stated.
     pub common_errors: Vec<f64>,
-    /// Result of an additional factor on all losses; `None` for a law, and if the nearest material
-    /// has no loss.
+    /// Result of the fit with an additional factor on all losses; `None` for a law, and if the
+    /// nearest material has no loss.
     pub loss_error: Option<LossError>,
     /// E∞ of the nearest causal material \[Pa\].
     pub equilibrium_modulus: f64,
@@ -154,10 +155,10 @@ pub struct KramersKronig {
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct LossError {
-    /// Relative error κ: the given losses exceed those of a causal material by this fraction of
-    /// the nearest one's.
+    /// Relative error κ: the given losses exceed those of a causal material by this fraction of the
+    /// losses of the nearest causal material.
     pub factor: f64,
-    /// Lower bound of the twofold decrease of Σ |δE|²/σ² by the factor; the error of the grid is
+    /// Lower bound of twice the decrease of Σ |δE|²/σ² by the factor; the error of the grid is
     /// subtracted.
     pub decrease: f64,
 }
@@ -205,8 +206,8 @@ impl KramersKronig {
     /// Tests values of the complex `modulus` \[Pa\] at `omega` > 0 [rad/s], each with the relative
     /// standard error `relative_error`, (E|δE|²)^½/|E| of both parts together; 0 for a law.
     ///
-    /// The scatter of n lines adds `relative_error` (1 + 3/(2√n)) to the threshold, its mean and
-    /// three standard deviations.
+    /// The scatter of n lines adds its mean plus three standard deviations to the threshold,
+    /// `relative_error` (1 + 3/(2√n)).
     ///
     /// # Errors
     /// [`RodwaveError::LengthMismatch`]; [`RodwaveError::TooFewSamples`] below three lines;
@@ -227,9 +228,9 @@ impl KramersKronig {
     ///
     /// The nearest causal material minimises the distance in units of these errors, and
     /// [`residual`](Self::residual), [`residual_lower_bound`](Self::residual_lower_bound) and
-    /// [`threshold`](Self::threshold) are root mean squares of |E - E_causal| by its standard
-    /// error. As the true material lies in the cone, the residual is at most 1 on average, and
-    /// n lines add 1 + 3/(2√n) to the threshold.
+    /// [`threshold`](Self::threshold) are root mean squares of |E - E_causal| divided by its
+    /// standard error. As the true material is in the cone, the residual is at most 1 on average,
+    /// and n lines add 1 + 3/(2√n) to the threshold.
     ///
     /// # Errors
     /// As [`Self::of_modulus`]; [`RodwaveError::NonPhysical`] unless all errors are finite and
@@ -387,7 +388,7 @@ impl KramersKronig {
         );
         let has_loss = loss.iter().any(|loss| *loss > 0.0);
         let loss_error = (with_loss_error && scatter > 0.0 && has_loss).then(|| {
-            // in units of the noise; with common errors these are those of the scale
+            // in units of the noise; with common errors, the scale is the noise
             let by_noise = |values: &[f64]| values.iter().map(|v| v / scatter).collect::<Vec<_>>();
             let mut vectors = common.vectors().to_vec();
             vectors.push(by_noise(&loss));

@@ -8,15 +8,15 @@
 //! Linear laws are complex moduli E(ω): [`modulus`] contains them, [`medium`] their wave
 //! propagation, and [`kramers_kronig`] tests whether measured values are causal. [`element`] and
 //! [`transition`] transfer the state of a section through rods, cones, horns, masses, springs and
-//! dashpots; [`chain`] combines them to bodies, with the mobility of their faces at any frequency;
-//! [`synthesis`] converts spectra to histories. [`slenderness`] gives the error of one-dimensional
-//! theory and corrects it.
+//! dashpots; [`chain`] combines them into bodies, with the mobility of their faces at any
+//! frequency; [`synthesis`] converts spectra to histories. [`slenderness`] gives the error of
+//! one-dimensional theory and corrects it.
 //!
-//! Nonlinear laws are inelastic strain rates F(σ): [`inelastic`], with the direct problem of paper
-//! D in [`characteristics`] and, for bodies of several parts, branches and contacts,
-//! [`line`](mod@line). [`lumped`] is an independent second solver, [`impact`] computes the impact
-//! of a striker on a rod, and [`experiment`] simulates the records of instruments. [`digits`] writes numbers in
-//! sentences.
+//! Nonlinear laws are inelastic strain rates F(σ), see [`inelastic`]. [`characteristics`] solves
+//! the direct problem of paper D, and [`line`](mod@line) bodies of several parts, branches and
+//! contacts. [`lumped`] is an independent second solver, [`impact`] computes the impact of a
+//! striker on a rod, and [`experiment`] simulates the records of instruments. [`digits`] formats
+//! numbers for messages.
 //!
 //! ```
 //! use rodwave::inelastic::Maxwell;
@@ -38,9 +38,9 @@
 //!
 //! # Conventions
 //! SI units throughout. Time factor e^{+iωt}, so E'' >= 0 and the propagation coefficient γ = α +
-//! ik has α >= 0 and k > 0 for ω > 0. x and the particle velocity v grow along the rod; stress and
-//! normal force are positive in tension, contact forces in compression. The state of a section is
-//! (N, v).
+//! ik has α >= 0 and k > 0 for ω > 0. x and the particle velocity v are positive along the rod;
+//! stress and normal force are positive in tension, contact forces in compression. The state of a
+//! section is (N, v).
 //!
 //! # Errata of the source
 //! The "finite system method" of paper D is not described in public text; the method of
@@ -90,7 +90,8 @@ pub use characteristics::DirectProblem;
 pub use error::RodwaveError;
 pub use rod::InelasticRod;
 
-// Types in signatures, re-exported for dependents of this crate alone in the matching version.
+// Types that appear in signatures, re-exported so that a program that depends on this crate alone
+// uses the matching version.
 pub use num_complex;
 
 #[cfg(doctest)]

@@ -11,30 +11,31 @@
 //! Waves R = s - v and L = s + v, s = σ/Z, travel one cell per step (Courant number 1) in every
 //! segment: the time step is common, but each material has its own cell length, so that fast
 //! neighbours do not increase the cost of slow materials ([`Grid`]). Values are at the centres of
-//! cells; ends and contacts lie half a cell from the nearest centre, and are solved half a step
+//! cells; ends and contacts are half a cell from the nearest centre, and are solved half a step
 //! later with the arriving waves. Relaxation is split off symmetrically (Strang) and exact for each
 //! branch. The scheme is stable for any law, and [`Ledger`] balances to rounding on any grid.
 //!
 //! # Accuracy
-//! The scheme is second order for smooth histories of a line whose segments have whole numbers of
-//! cells, for which elastic lines are exact, and first order behind jumps. Other lines have wave
-//! speeds rounded by [`Grid::largest_rounding`], at most 1e-3 unless [`Line::with_speed_tolerance`]
-//! sets another limit: this adds errors of 2e-4 to 9e-4 of the largest value, which fall with the
-//! tolerance but not with the step. A smaller tolerance gives more cells, up to 64 times as many,
-//! or is rejected. The force of a contact is that of whole steps; [`ContactHistory::opens`] gives
-//! its end within a step.
+//! If all segments have whole numbers of cells, the scheme is exact for elastic lines, second order
+//! for smooth histories, and first order after jumps. Other lines have wave speeds rounded by
+//! [`Grid::largest_rounding`], at most 1e-3 unless [`Line::with_speed_tolerance`] sets another
+//! limit: this adds errors of 2e-4 to 9e-4 of the largest value, which fall with the tolerance but
+//! not with the step. A smaller tolerance gives more cells, up to 64 times as many, or is rejected.
+//! The force of a contact is given per whole step; [`ContactHistory::opens`] gives the end of the
+//! contact within a step.
 //!
-//! The grid differs from that of [`crate::characteristics`], which has nodes at the ends and one
-//! branch: the two verify each other.
+//! The grid differs from that of [`crate::characteristics`], which has nodes at the ends: the two
+//! solvers verify each other.
 //!
 //! # Derivatives
 //! The tangent-linear model is integrated in the same sweep: derivatives of every gauge, end and
-//! contact by ln Eᵢ and by all parameters of all laws ([`Line::parameters`]). A modulus changes
-//! impedances, shares of branches, relaxation, and the wave speed; on a fixed grid, the
-//! latter shifts the waves by ∓½ c dt ∂/∂x per step, which is computed by differences of second
-//! order in the cell. The derivative by ln E is therefore accurate to second order; those by the
-//! law are the exact derivatives of the scheme. Where a contact opens or closes, the derivative is
-//! that at a fixed sequence of states.
+//! contact with respect to ln Eᵢ and all parameters of all laws ([`Line::parameters`]). A modulus
+//! changes impedances, shares of branches, relaxation, and the wave speed. On a fixed grid, the
+//! change of the wave speed shifts the waves by ∓½ c dt ∂/∂x per step, which is computed by
+//! differences of second order in the cell. The derivative with respect to ln E is therefore
+//! accurate to second order; those with respect to the parameters of the law are the exact
+//! derivatives of the scheme. Where a contact opens or closes, the derivative assumes a fixed
+//! sequence of open and closed states.
 //!
 //! ```
 //! use rodwave::line::{Body, End, Gauge, Line, Segment};
@@ -226,7 +227,8 @@ impl Line {
         Ok(Self { right, ..self })
     }
 
-    /// Sets the largest relative change of a wave speed for whole numbers of cells (default 1e-3).
+    /// Sets the largest relative change of a wave speed to get whole numbers of cells (default
+    /// 1e-3).
     ///
     /// # Errors
     /// [`RodwaveError::NonPhysical`] unless it is finite and above 0.
@@ -295,10 +297,11 @@ impl Line {
         self.run_with_derivatives(longest_step, duration, gauges, &[])
     }
 
-    /// [`Self::run`] with the derivatives of all histories by `parameters`, in one sweep.
+    /// [`Self::run`] with the derivatives of all histories with respect to `parameters`, in one
+    /// sweep.
     ///
     /// # Errors
-    /// As [`Self::run`]; [`RodwaveError::UnknownParameter`] for one that is not among
+    /// As [`Self::run`]; [`RodwaveError::UnknownParameter`] for a parameter that is not among
     /// [`Self::parameters`].
     pub fn run_with_derivatives(
         &self,

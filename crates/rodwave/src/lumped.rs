@@ -5,8 +5,8 @@
 //! (leapfrog). The source term is the rate F(σ) itself, evaluated at mid-step, so that nothing is
 //! shared with [`crate::characteristics`]: neither the travelling waves nor the exact flows of the
 //! laws. At Courant number 1 and F = 0 the two schemes would be equivalent; the chain therefore
-//! runs well below it. It is second order, slightly dispersive, and rings at the grid scale behind
-//! a jump.
+//! runs well below it. It is second order, slightly dispersive, and rings at the grid scale after a
+//! jump.
 //!
 //! Theory: `docs/theory/direct-problem.md#the-independent-solver`.
 
@@ -51,7 +51,7 @@ pub struct LumpedRod<L> {
     stress: Vec<f64>,
     /// F at the last mid-step, the predictor of the next one
     inelastic_rate: Vec<f64>,
-    /// share of the modulus of the branch with the law, and the stress in it, beside a spring
+    /// with a spring in parallel: share of the law's branch in the modulus, and the stress in it
     branch: Option<(f64, Vec<f64>)>,
     dissipated: f64,
 }
@@ -139,7 +139,7 @@ impl<L: InelasticLaw> LumpedRod<L> {
         let base = position
             .floor()
             .clamp(1.0, (self.velocity.len() - 3) as f64);
-        // NaN is at no node; the value read there becomes NaN
+        // NaN is at no node; the value interpolated there becomes NaN
         let first = (base as usize).max(1) - 1;
         let around = std::array::from_fn(|k| self.velocity[first + k]);
         cubic(around, position - base).value
@@ -207,8 +207,8 @@ impl<L: InelasticLaw> LumpedRod<L> {
         self.velocity[0] += self.dt / self.end_mass() * self.stress[0];
     }
 
-    /// Adds to node 0 the velocity of one step due to `pressure` \[Pa\] on the face, positive in
-    /// compression.
+    /// Adds to node 0 the velocity change of one step due to `pressure` \[Pa\] on the face,
+    /// positive in compression.
     pub fn push_face(&mut self, pressure: f64) {
         self.velocity[0] += self.dt / self.end_mass() * pressure;
     }
@@ -251,8 +251,8 @@ impl<L: InelasticLaw> LumpedRod<L> {
     /// from rest.
     ///
     /// # Errors
-    /// [`RodwaveError::ExcitationTooShort`] if a time lies beyond the end of the excitation,
-    /// [`RodwaveError::NonPhysical`] if one is not finite or more than 1e9 steps away.
+    /// [`RodwaveError::ExcitationTooShort`] if a time is after the end of the excitation,
+    /// [`RodwaveError::NonPhysical`] if a time is not finite or more than 1e9 steps away.
     pub fn free_end_velocity(
         mut self,
         excitation: &dyn VelocityHistory,

@@ -31,7 +31,8 @@ use crate::quotient::quotient;
 /// Propagation of harmonic waves in a material of given density.
 ///
 /// Every [`ComplexModulus`] is such a law. A fit to measured waves such as
-/// [`PowerLawPropagation`](crate::modulus::PowerLawPropagation) is one without being a modulus.
+/// [`PowerLawPropagation`](crate::modulus::PowerLawPropagation) is also such a law, although it is
+/// not a modulus.
 pub trait PropagationLaw {
     /// Propagation coefficient γ = α + ik [1/m] at `omega` [rad/s] for `density` [kg/m³]; 0 at ω =
     /// 0.
@@ -42,8 +43,8 @@ pub trait PropagationLaw {
 
     /// Derivative dγ/dω [s/m] at `omega` ≠ 0 [rad/s] for `density` [kg/m³].
     ///
-    /// The default is a difference of fourth order over ±0.2 % of ω, of relative error 1e-12 where
-    /// γ is smooth on the scale of an octave.
+    /// The default is a difference of fourth order over ±0.2 % of ω, with a relative error of 1e-12
+    /// where γ is smooth on the scale of an octave.
     fn propagation_derivative(&self, omega: f64, density: f64) -> Complex64 {
         fourth_order_difference(omega, |omega| self.propagation_coefficient(omega, density)) / omega
     }
@@ -149,8 +150,8 @@ impl<L: PropagationLaw> Medium<L> {
         self.propagation_coefficient(omega).im
     }
 
-    /// Phase velocity ω/k [m/s] at `omega` [rad/s], an even function; at ω = 0 that of the static
-    /// modulus E(0), which is 0 for a fluid.
+    /// Phase velocity ω/k [m/s] at `omega` [rad/s], an even function; at ω = 0 the velocity with
+    /// the static modulus E(0), which is 0 for a fluid.
     #[must_use]
     pub fn phase_velocity(&self, omega: f64) -> f64 {
         if omega == 0.0 {
@@ -161,8 +162,8 @@ impl<L: PropagationLaw> Medium<L> {
         }
     }
 
-    /// Group velocity dω/dk [m/s] at `omega` [rad/s], an even function; at ω = 0 that of the static
-    /// modulus E(0), which is 0 for a fluid.
+    /// Group velocity dω/dk [m/s] at `omega` [rad/s], an even function; at ω = 0 the velocity with
+    /// the static modulus E(0), which is 0 for a fluid.
     ///
     /// Exact for every law with an exact slope; see [`ComplexModulus::slope`] and
     /// [`PropagationLaw::propagation_derivative`].

@@ -107,7 +107,7 @@ pub trait ComplexModulus {
 
 /// A complex modulus that is analytic in the open right half of the plane of s.
 ///
-/// Only such a law may be used if the transform is taken off the ω axis, as in the damped
+/// Only such a law may be used if the transform is evaluated off the ω axis, as in the damped
 /// transforms of impact problems. A table of measured values, or a fit to one, need not be
 /// analytic.
 ///
@@ -135,10 +135,10 @@ fn check_modulus(modulus: Complex64) -> Result<Complex64, RodwaveError> {
     Ok(modulus)
 }
 
-/// Derivative of `function` by ln |ω|; 0 at ω = 0.
+/// Derivative of `function` with respect to ln |ω|; 0 at ω = 0.
 ///
-/// With h = 1e-3 the truncation error is h⁴/30 = 3e-14 of the fifth derivative by ln ω, the
-/// rounding error 1.5 ulp/h = 3e-13 of the value.
+/// With h = 1e-3 the truncation error is h⁴/30 = 3e-14 of the fifth derivative with respect to ln
+/// ω, the rounding error 1.5 ulp/h = 3e-13 of the value.
 pub(crate) fn fourth_order_difference(
     omega: f64,
     function: impl Fn(f64) -> Complex64,

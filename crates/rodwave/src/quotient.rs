@@ -5,7 +5,7 @@ use num_complex::Complex64;
 /// a/b.
 ///
 /// The plain quotient computes ab* and |b|², which overflow above 1e154 or so and lose digits below
-/// 1e-154. Only there another form is used, so that all other results are bit-identical.
+/// 1e-154. Another form is used only there, so that all other results are bit-identical.
 #[inline]
 pub(crate) fn quotient(a: Complex64, b: Complex64) -> Complex64 {
     let plain = a / b;
@@ -22,8 +22,8 @@ fn scaled(a: Complex64, b: Complex64) -> Complex64 {
     if size.is_normal() {
         (a / size) / (b / size)
     } else {
-        // a denormal magnitude has few digits, and its reciprocal overflows: 2^1000 preserves all
-        // of them
+        // a denormal magnitude has few digits, and its reciprocal overflows: the factor 2^1000
+        // preserves all of them
         const UP: f64 = 1.071_508_607_186_267_3e301;
         let size = (b * UP).l1_norm();
         (a * UP / size) / (b * UP / size)

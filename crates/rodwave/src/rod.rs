@@ -4,7 +4,7 @@ use crate::RodwaveError;
 use crate::error::check_positive;
 use crate::inelastic::InelasticLaw;
 
-/// A straight uniform rod that obeys (Ödeen 1993, paper D, eqs. 1, 2, 7).
+/// A straight uniform rod that obeys the equations of paper D (Ödeen 1993, paper D, eqs. 1, 2, 7).
 ///
 /// ```
 /// use rodwave::{InelasticRod, inelastic::Maxwell};
@@ -42,15 +42,15 @@ impl<L: InelasticLaw> InelasticRod<L> {
         Ok(rod)
     }
 
-    /// Gives the law to a branch in parallel with a spring that has `share` w of the modulus, a
-    /// standard solid:
+    /// Assigns the law to a branch in parallel with a spring that has the share w of the modulus,
+    /// which gives a standard solid:
     ///
     /// ```text
     /// σ = wEε + σ_b ,    ∂σ_b/∂t = (1 - w) E (∂ε/∂t - F(σ_b))
     /// ```
     ///
     /// [`lumped`](crate::lumped), [`impact`](crate::impact), [`line`](crate::line) and
-    /// [`BranchedProblem`](crate::characteristics::BranchedProblem) follow it.
+    /// [`BranchedProblem`](crate::characteristics::BranchedProblem) include the spring.
     ///
     /// # Errors
     /// [`RodwaveError::NonPhysical`] unless the share is between 0 and 1.
@@ -68,7 +68,7 @@ impl<L: InelasticLaw> InelasticRod<L> {
         })
     }
 
-    /// Share of the modulus of a spring in parallel with the branch of the law; 0 without one.
+    /// Share of a spring in parallel with the law's branch in the modulus; 0 without a spring.
     #[must_use]
     pub fn spring(&self) -> f64 {
         self.spring
@@ -86,7 +86,7 @@ impl<L: InelasticLaw> InelasticRod<L> {
         self.density
     }
 
-    /// Young's modulus E \[Pa\], the elastic part of the strain rate.
+    /// Young's modulus E \[Pa\] of the elastic part of the strain rate.
     #[must_use]
     pub fn modulus(&self) -> f64 {
         self.modulus

@@ -1,9 +1,9 @@
 //! Slenderness: limits of one-dimensional theory, and corrections beyond them.
 //!
 //! The waves of this crate obey γ² = -ρω²/E. In a rod of finite diameter D the material also moves
-//! laterally, by Poisson's ratio ν, and its inertia slows down short waves. The wave number k is
-//! then too large for the modulus, and a modulus computed from a measured k by one-dimensional
-//! theory is too small.
+//! laterally, according to Poisson's ratio ν, and the inertia of this motion slows down short
+//! waves. The wave number k is then too large for the modulus, and a modulus computed from a
+//! measured k by one-dimensional theory is too small.
 //!
 //! | theory | assumption | range |
 //! |---|---|---|
@@ -15,8 +15,8 @@
 //! All implement [`RodTheory`], in both directions: the propagation coefficient from the complex
 //! modulus, and the modulus, corrected for lateral inertia, from a measured propagation
 //! coefficient. [`Slenderness`] contains the conditions (i) and (ii) of paper A,
-//! [`Theory::error_left`] the remaining error of a theory. Use one theory for a whole band: where
-//! two meet, the modulus has a step.
+//! [`Theory::error_left`] gives the remaining error of a theory. Use one theory for a whole band:
+//! where two theories meet, the modulus has a step.
 //!
 //! ```
 //! use num_complex::Complex64;
@@ -46,16 +46,16 @@
 //! B = ρω²a²/E        K = -γ²a²        (real E: B = (ωa/c₀)², K = (ka)²)
 //! ```
 //!
-//! by an equation f(B, K, ν) = 0, which for thin rods is elementary theory, K = B. It is also valid
-//! for complex E, as the field equations in the frequency domain are those of elasticity with
-//! complex moduli.
+//! by an equation f(B, K, ν) = 0, which reduces to elementary theory, K = B, for thin rods. The
+//! equation is also valid for complex E, as the field equations in the frequency domain are those
+//! of elasticity with complex moduli.
 //!
 //! # Limitations
 //! - Poisson's ratio is one real number per rod. In a polymer it has a small imaginary part ν'' and
 //!   depends on frequency: ν = 1/2 - E/6K_b for a real bulk modulus K_b. As B is an analytic
 //!   function of ν, the effect of ν'' is i ν'' ∂E/∂ν to first order, with ∂E/∂ν from
-//!   [`CorrectedModulus::by_poisson_ratio`]: for ν = 0.4, λ = 5D, ν'' = -0.008 it takes 0.0012 off
-//!   E''/E'.
+//!   [`CorrectedModulus::by_poisson_ratio`]: for ν = 0.4, λ = 5D, ν'' = -0.008 it lowers E''/E' by
+//!   0.0012.
 //! - Rods are round, except for [`LoveRayleigh::rectangular`], and far longer than their diameter:
 //!   no end effects.
 //! - First branch only. Above the cut-off of the second branch a struck rod carries more than one

@@ -10,7 +10,7 @@ use crate::inelastic::LANES;
 /// A window of fixed length on a longer buffer: shifting the values moves the window, not the
 /// values.
 ///
-/// It is followed by `padding` zeros, which complete its last block.
+/// The window is followed by `padding` zeros, which complete its last block.
 #[derive(Debug, Clone)]
 pub(crate) struct SlidingWindow {
     buffer: Vec<f64>,
@@ -117,7 +117,8 @@ mod tests {
 
     #[test]
     fn a_window_slides_as_an_array_shifts_and_is_padded_with_zeros() {
-        // lengths below, at and above whole blocks; enough slides to come round several times
+        // lengths below, at and above whole blocks; enough slides to reach the end of the buffer
+        // often
         for len in 9..50 {
             let (mut up, mut down) = (SlidingWindow::zeros(len), SlidingWindow::zeros(len));
             let (mut shifted_up, mut shifted_down) = (vec![0.0; len], vec![0.0; len]);

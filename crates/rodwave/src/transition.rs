@@ -15,8 +15,8 @@
 //! The entries grow as e^{αL} over a damped body. Up to αL ≈ 700 nothing overflows, and the
 //! free-end mobility, a ratio of two entries of one row, keeps its digits. Quantities that are
 //! *differences* of large entries do not: the rounding errors of determinant, inverse and the state
-//! transferred along +x grow by a factor e^{2αL}, so that all digits are lost at αL ≈ 18. Beyond
-//! overflow the mobility is an error. A [`Chain`](crate::Chain) has none of these limits.
+//! transferred along +x grow by a factor e^{2αL}, so that all digits are lost at αL ≈ 18. If the
+//! matrix overflows, the mobility is an error. A [`Chain`](crate::Chain) has none of these limits.
 //!
 //! ```
 //! use rodwave::medium::Medium;
@@ -240,7 +240,7 @@ impl TransitionMatrix {
     }
 }
 
-/// Elements in series with those of `right` first: `p_b * p_a` is A followed by B along +x (paper
+/// Puts elements in series, those of `right` first: `p_b * p_a` is A followed by B along +x (paper
 /// E, eq. A9).
 impl Segment {
     /// Returns the transition matrix from the near to the far end for a part made of `medium`, at

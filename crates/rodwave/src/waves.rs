@@ -1,7 +1,7 @@
 //! The two travelling waves of a uniform rod.
 //!
-//! Strain, velocity, normal force, any quantity that obeys q'' = γ²q, is (Ödeen 1993, paper B, eqs.
-//! 1 and 4)
+//! Any quantity q that obeys q'' = γ²q, such as strain, velocity or normal force, is (Ödeen 1993,
+//! paper B, eqs. 1 and 4)
 //!
 //! ```text
 //! q(x) = P e^{-γx} + N e^{γx}
@@ -64,8 +64,8 @@ pub struct WaveSeparation {
     /// length: the largest amplification of relative errors of the values. 1 is the best;
     /// infinity means that the waves cannot be separated.
     pub condition_number: f64,
-    /// Root of the sum of squares not explained by the two waves, over that of the values; 0 for
-    /// two sections.
+    /// Root of the sum of squares that the two waves do not explain, over the root of the sum of
+    /// squares of the values; 0 for two sections.
     pub misfit: f64,
 }
 
@@ -182,11 +182,11 @@ impl TravellingWaves {
     }
 }
 
-/// Waves at one section from the values at others, on many lines at once.
+/// Waves at one section from the values at others, at many lines at once.
 ///
-/// On every line the waves at x are $`P(x) = \sum_j p_j q_j`$ and $`N(x) = \sum_j n_j q_j`$ of the
-/// values $`q_j`$ at the sections, by least squares as in [`TravellingWaves::from_sections`]. The
-/// weights depend on the rod and on the sections alone: they are found once, and each further
+/// At every line the waves at x are $`P(x) = \sum_j p_j q_j`$ and $`N(x) = \sum_j n_j q_j`$ with
+/// the values $`q_j`$ at the sections, by least squares as in [`TravellingWaves::from_sections`].
+/// The weights depend on the rod and on the sections alone: they are found once, and each further
 /// record costs a multiplication and an addition per line and section.
 ///
 /// | array | shape |
@@ -301,7 +301,8 @@ struct Columns<'a> {
     rows: Vec<[Complex64; 2]>,
     /// Coefficient of the projection of the second column on the first.
     shared: Complex64,
-    /// Squares of both columns, and of what the second has beyond the first.
+    /// Squares of both columns, and of the part of the second column that is orthogonal to the
+    /// first.
     squares: [f64; 2],
     beyond: f64,
 }
@@ -367,8 +368,8 @@ impl<'a> Columns<'a> {
         (1.0 + self.shared.norm() * (forward / backward).sqrt()) / self.sine()
     }
 
-    /// Weights of the value at each section in both waves, forward at x₁ and backward at x_n; of
-    /// those that fit equally well where they are not told apart, the smallest.
+    /// Weights of the value at each section in both waves, forward at x₁ and backward at x_n. If
+    /// the waves cannot be separated, the smallest of the weights that fit equally well.
     fn weights(&self) -> impl Iterator<Item = [Complex64; 2]> {
         let shared = self.shared;
         let are_distinguishable = self.are_distinguishable();
@@ -385,7 +386,8 @@ impl<'a> Columns<'a> {
     }
 }
 
-/// e^{-γx} along two ways whose product is `whole`; from one of them, unless that is too small.
+/// e^{-γx} along two paths, where the product of both is `whole`. Only one exponential is computed,
+/// unless it is too small.
 fn both_ways(gamma: Complex64, whole: Complex64, [first, second]: [f64; 2]) -> [Complex64; 2] {
     if first == 0.0 {
         return [Complex64::ONE, whole];
@@ -473,9 +475,8 @@ mod tests {
         }
     }
 
-    /// The fit is a projection: its residual is orthogonal to both waves, and changing either wave
-    /// increases it. The plan is linear in the values, noise included, and refuses what does
-    /// not fit it.
+    /// The planned waves are those of single lines, noise included. The plan refuses arrays of
+    /// other sizes.
     #[test]
     fn planned_waves_are_those_of_single_lines() {
         let gamma: Vec<Complex64> = (0..40)
@@ -514,6 +515,8 @@ mod tests {
         assert!(SectionWaves::new(&[], &[], 0.0).is_err());
     }
 
+    /// The fit is a projection: its residual is orthogonal to both waves, and changing either wave
+    /// increases it.
     #[test]
     fn the_misfit_is_smallest() {
         let positions = [0.0, 0.11, 0.27, 0.31];
@@ -545,8 +548,7 @@ mod tests {
         assert!((found.waves.at(1.0) + 1.0).norm() < 1e-15);
         let at_rest = TravellingWaves::from_sections(Complex64::ZERO, &[0.0, 1.0], &[one, one]);
         assert!(at_rest.unwrap().condition_number.is_infinite());
-        // next to it, the condition number is the inverse of the distance: |sin kΔx| = 1e-6, twice
-        // over
+        // next to this frequency, the condition number is twice the inverse of |sin kΔx| = 1e-6
         let near = Complex64::new(0.0, std::f64::consts::PI - 1e-6);
         let found = TravellingWaves::from_sections(near, &[0.0, 1.0], &[one, -one]).unwrap();
         assert!((found.condition_number * 0.5e-6 - 1.0).abs() < 1e-6);

@@ -107,7 +107,7 @@ pub struct Check {
     pub reason: Option<String>,
 }
 
-/// Number without a claim.
+/// Computed number without an expected value.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Observation {
     pub what: String,

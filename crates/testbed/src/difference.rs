@@ -4,7 +4,7 @@ use num_complex::Complex64;
 
 use crate::claim::Found;
 
-/// Returns the largest magnitude; NaN if there is one, so that it cannot pass.
+/// Returns the largest magnitude; NaN if any value is NaN, so that a NaN cannot pass a test.
 pub fn largest(values: impl IntoIterator<Item = f64>) -> f64 {
     values.into_iter().map(f64::abs).fold(0.0, |worst, value| {
         if value > worst || value.is_nan() {

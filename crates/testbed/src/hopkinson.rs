@@ -1,4 +1,4 @@
-//! A shot on split Hopkinson bars in the order of a laboratory: a force on the incident bar, waves
+//! A shot on split Hopkinson bars in the order of an experiment: a force on the incident bar, waves
 //! through bars and specimen, gauges with errors, an averaging recorder, noise, a converter.
 //!
 //! The waves are marched along characteristics in time; no transform and no propagation coefficient
@@ -22,9 +22,9 @@ use crate::noise::Noise;
 pub struct HopkinsonRig {
     /// Law of the bars \[Pa\].
     pub law: GeneralisedMaxwell,
-    /// [kg/m³].
+    /// Density [kg/m³].
     pub density: f64,
-    /// \[m\].
+    /// Diameter \[m\].
     pub diameter: f64,
     /// Lengths of the incident and the transmitted bar \[m\].
     pub lengths: [f64; 2],
@@ -41,7 +41,7 @@ pub struct HopkinsonRig {
     pub after: f64,
 }
 
-/// Exact histories of a shot, at `step` from the begin of the pulse on.
+/// Exact histories of a shot, `step` \[s\] apart, from the start of the pulse on.
 #[derive(Debug, Clone)]
 pub struct HopkinsonTruth {
     pub step: f64,
@@ -56,7 +56,7 @@ pub struct HopkinsonTruth {
     pub ledger: Ledger,
 }
 
-/// Errors of one laboratory.
+/// Errors of the measurement in one laboratory.
 #[derive(Debug, Clone)]
 pub struct RecorderErrors {
     /// Factor of each gauge of each bar.
@@ -70,7 +70,7 @@ pub struct RecorderErrors {
 }
 
 impl HopkinsonRig {
-    /// Bars of a polyamide: loss factor of some 4 % at 5 to 20 kHz.
+    /// Creates bars of a polyamide: loss factor of some 4 % at 5 to 20 kHz.
     pub fn nylon() -> Result<Self, RodwaveError> {
         let branch = |modulus: f64, relaxation_time: f64| MaxwellBranch {
             modulus,
@@ -145,8 +145,8 @@ impl HopkinsonRig {
 }
 
 impl HopkinsonTruth {
-    /// Samples of all gauges at `rate` \[Hz\]: means over two sampling intervals around each,
-    /// weighted as a triangle.
+    /// Returns the samples of all gauges at `rate` \[Hz\]: means over two sampling intervals around
+    /// each sample, with triangular weights.
     pub fn recorded(&self, rate: f64, errors: &RecorderErrors, seed: u64) -> [Vec<Vec<f64>>; 2] {
         let mut noise = Noise::seeded(seed);
         let mut out = [Vec::new(), Vec::new()];
@@ -173,12 +173,13 @@ impl HopkinsonTruth {
         out
     }
 
-    /// A history through the recorder's mean at times \[s\] since the beginning of the record.
+    /// Returns the mean of a history by the recorder at a `time` \[s\] since the start of the
+    /// record.
     pub fn seen(&self, history: &[f64], rate: f64, time: f64) -> f64 {
         self.mean(history, time - self.before, 1.0 / rate)
     }
 
-    /// Engineering strain of a specimen of a length \[m\], positive in compression.
+    /// Returns the engineering strain of a specimen of a length \[m\], positive in compression.
     pub fn strain(&self, length: f64) -> Vec<f64> {
         let mut sum = 0.0;
         let pairs = self.velocity[0].iter().zip(&self.velocity[1]);

@@ -1,8 +1,8 @@
-//! One shot on a long bar, in the order of a laboratory: the force of a striker, waves between two
-//! free ends or a free one and a mass, gauges with gains, a filter, noise, a converter.
+//! One shot on a long bar, in the order of an experiment: the force of a striker, waves between two
+//! free ends or a free end and a mass, gauges with gains, a filter, noise, a converter.
 //!
-//! One-dimensional waves from their transforms on a damped line; neither a transition matrix nor an
-//! inversion is used.
+//! One-dimensional waves are computed from their transforms on a damped line, without a transition
+//! matrix and without an inversion.
 
 use std::f64::consts::{PI, TAU};
 
@@ -11,14 +11,14 @@ use rodwave::fourier::RealFourier;
 
 use crate::noise::Noise;
 
-/// Round bar that is struck at x = 0 and free at x = `length` but for a mass, with strain gauges.
+/// Round bar with strain gauges, struck at x = 0 and free at x = `length` except for a mass.
 #[derive(Debug, Clone)]
 pub struct LongBar {
     /// E(s) \[Pa\] on the right half plane.
     pub modulus: fn(Complex64) -> Complex64,
-    /// [kg/m³].
+    /// Density [kg/m³].
     pub density: f64,
-    /// \[m\].
+    /// Length \[m\].
     pub length: f64,
     pub diameter: f64,
     /// Mass on the end \[kg\].
@@ -26,7 +26,7 @@ pub struct LongBar {
     pub gauges: Vec<f64>,
     /// Rise, duration and fall of the force \[s\], a trapezoid of 4 kN.
     pub pulse: [f64; 3],
-    /// \[Hz\].
+    /// Sampling rate \[Hz\].
     pub rate: f64,
     pub n_samples: usize,
     /// Silence before the blow \[s\].
@@ -60,7 +60,8 @@ impl LongBar {
         }
     }
 
-    /// Returns the records of one shot by gauges of sensitivities `gains`, one row each.
+    /// Returns the records of one shot, one row for each gauge; `gains` are the sensitivities of
+    /// the gauges.
     pub fn shot(&self, gains: &[f64], seed: u64) -> Vec<Vec<f64>> {
         // so long that later arrivals are below rounding, under a damping that loses half of the
         // digits
@@ -84,7 +85,7 @@ impl LongBar {
                     let s = Complex64::new(damping, TAU * line as f64 / period);
                     let modulus = (self.modulus)(s);
                     let gamma = s * (self.density / modulus).sqrt();
-                    // part of a wave of strain that comes back with the other sign
+                    // fraction of a strain wave that returns with the opposite sign
                     let held = self.end_mass * s * s / (area * modulus * gamma);
                     let back = (1.0 - held) / (1.0 + held);
                     // sinh γ(L - x)/sinh γL without overflowing terms
@@ -114,7 +115,7 @@ impl LongBar {
         4e3 * (t / rise).min((duration - t) / fall).clamp(0.0, 1.0)
     }
 
-    /// Four poles at a fifth of the rate.
+    /// Returns the response of a filter with four poles at a fifth of the sampling rate.
     fn filter(&self, s: Complex64) -> Complex64 {
         let corner = TAU * 0.2 * self.rate;
         [0.382_683_432_365_09, 0.923_879_532_511_29]

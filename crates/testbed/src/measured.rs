@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 /// Returns the folder of measured records: the one named by `RODLAB_DATA` or, without the variable,
-/// `../shared/data` beside the repository. If neither exists, reports on the standard error that
+/// `../shared/data` next to the repository. If neither exists, reports on the standard error that
 /// the test is skipped.
 ///
 /// # Panics

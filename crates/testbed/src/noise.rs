@@ -5,8 +5,8 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
-/// Number of draws of a statistical test: `usual`, or as many as the environment variable `SEEDS`
-/// says.
+/// Number of draws of a statistical test: `usual`, or the value of the environment variable
+/// `SEEDS`.
 #[allow(
     clippy::expect_used,
     reason = "a test that was asked for another number of draws should not run with the usual one"
@@ -29,7 +29,7 @@ impl Noise {
         StandardNormal.sample(&mut self.0)
     }
 
-    /// Returns `history` with a white noise of this standard deviation.
+    /// Returns `history` with white noise of this standard deviation.
     pub fn added_to(&mut self, history: &[f64], deviation: f64) -> Vec<f64> {
         let noisy = history.iter().map(|v| v + deviation * self.normal());
         noisy.collect()
@@ -40,7 +40,7 @@ impl Noise {
         (0.5 * variance).sqrt() * Complex64::new(self.normal(), self.normal())
     }
 
-    /// Returns spectra or ratios with a noise of this variance on each line.
+    /// Returns spectra or ratios with noise of this variance on each line.
     pub fn on(&mut self, clean: &[Complex64], variance: &[f64]) -> Vec<Complex64> {
         let lines = clean.iter().zip(variance);
         lines.map(|(value, v)| value + self.circular(*v)).collect()

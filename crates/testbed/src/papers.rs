@@ -24,7 +24,7 @@ use self::error::FixtureError;
 use self::printed_table::PrintedTable;
 use self::si_table::SiTable;
 
-/// Transcribed work, from the root of the workspace.
+/// Folder of the transcribed work, relative to the root of the workspace.
 pub const PAPERS: &str = "fixtures/papers/odeen1993";
 /// Readings of the units of paper D, which are not a table of the paper.
 const READINGS: &str = "paper_d_readings.ron";

@@ -16,7 +16,7 @@ use rodwave::synthesis::DampedSynthesis;
 
 /// Sampling rate \[Hz\]; not in the papers, like the following constants.
 pub const RATE_HZ: f64 = 65_536.0;
-/// Factor by which histories are finer.
+/// Number of samples of a history per sample of the recorder.
 pub const OVERSAMPLING: usize = 8;
 /// Samples before a blow on an end.
 pub const LEAD: usize = 64;
@@ -40,7 +40,7 @@ pub struct Recorder {
 
 impl Recorder {
     /// Filters and samples exact `histories`, one per channel, at [`OVERSAMPLING`] times the rate,
-    /// for a converter of `bits`.
+    /// for a converter with `bits` bits.
     pub fn new(
         histories: &[Vec<f64>],
         quantity: Quantity,
@@ -81,8 +81,8 @@ impl Recorder {
         )
     }
 
-    /// Returns `count` blows, each with the strength that `strength` draws before it. The range of
-    /// the converter fits blows of the strength `range`.
+    /// Returns `count` blows, each with a strength drawn by `strength`. The range of the converter
+    /// fits blows of the strength `range`.
     pub fn blows(
         &self,
         range: f64,
@@ -94,7 +94,7 @@ impl Recorder {
         for channel in self.filtered.channels() {
             let history = self.filtered.channel(channel.name())?;
             let peak = history.iter().fold(0.0_f64, |peak, a| peak.max(a.abs()));
-            // one-sided density of white noise: variance by half the rate
+            // one-sided density of white noise: variance divided by half the rate
             let density = (NOISE * peak).powi(2) / (0.5 * RATE_HZ);
             let converter = Converter::new(self.bits, RANGE * range * peak)?;
             instrument = instrument
@@ -126,15 +126,15 @@ pub fn name(index: usize) -> String {
     format!("sensor {index}")
 }
 
-/// Returns a `history` of the recorder's fineness behind `lead` samples at rest, `n_samples` of the
-/// recorder in all.
+/// Returns `history`, with the oversampling of the recorder, after `lead` samples at rest, in total
+/// `n_samples` samples of the recorder.
 pub fn after_rest(history: &[f64], lead: usize, n_samples: usize) -> Vec<f64> {
     let rest = std::iter::repeat_n(0.0, lead * OVERSAMPLING);
     let whole = rest.chain(history.iter().copied());
     whole.take(n_samples * OVERSAMPLING).collect()
 }
 
-/// Returns the exact accelerations of the struck and the free end of a specimen behind [`LEAD`]
+/// Returns the exact accelerations of the struck and the free end of a specimen after [`LEAD`]
 /// samples of rest, for `n_samples` of the recorder.
 pub fn end_accelerations(
     medium: &Medium<ConstantQ>,
@@ -143,7 +143,7 @@ pub fn end_accelerations(
 ) -> Result<[Vec<f64>; 2], RodwaveError> {
     let interval = 1.0 / (RATE_HZ * FINER);
     let duration = (n_samples * OVERSAMPLING) as f64 * interval;
-    // 2.5 intervals leave no ringing, and are the same for both ends
+    // 2.5 intervals leave no ringing, and are used for both ends
     let synthesis = DampedSynthesis::new(duration, interval)?.smoothed(2.5 * interval)?;
     let exact = EndAccelerationTest::analytic(medium, specimen)?
         .record(&RaisedCosine::new(BLOW.0, BLOW.1)?, &synthesis)?;

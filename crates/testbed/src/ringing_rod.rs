@@ -1,5 +1,5 @@
-//! A metal rod that hangs free, is struck at one end and rings: waves to and fro, not a sum of
-//! modes; noise and a converter.
+//! A metal rod that hangs free, is struck at one end and rings, computed from waves to and fro, not
+//! from a sum of modes; noise and a converter.
 
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI, TAU};
 
@@ -11,22 +11,23 @@ use crate::noise::Noise;
 /// Free rod with an accelerometer at the far end.
 #[derive(Debug, Clone)]
 pub struct RingingRod {
-    /// \[m\].
+    /// Length \[m\].
     pub length: f64,
     pub diameter: f64,
-    /// [kg/m³].
+    /// Density [kg/m³].
     pub density: f64,
-    /// |E| at 5 kHz \[Pa\], which grows with the power of constant loss.
+    /// Magnitude of E at 5 kHz \[Pa\]; it grows as a power of frequency, as for a constant loss
+    /// factor.
     pub modulus: f64,
     pub loss_factor: f64,
     /// Mass of the accelerometer \[kg\].
     pub end_mass: f64,
-    /// \[Hz\].
+    /// Sampling rate \[Hz\].
     pub rate: f64,
 }
 
 impl RingingRod {
-    /// A bar of steel of 600 mm by 12 mm.
+    /// Creates a steel bar of 600 mm by 12 mm.
     pub fn steel(loss_factor: f64) -> Self {
         Self {
             length: 0.6,
@@ -39,13 +40,13 @@ impl RingingRod {
         }
     }
 
-    /// E at s.
+    /// Returns E at s.
     pub fn modulus_at(&self, s: Complex64) -> Complex64 {
         self.modulus * (s / (TAU * 5e3)).powf(self.loss_factor / FRAC_PI_2)
     }
 
-    /// Acceleration of the far end from a blow of a half sine of 60 us at the near one on, without
-    /// errors.
+    /// Returns the acceleration of the far end, from the start of a blow on the near end (a half
+    /// sine of 60 us) on, without errors.
     pub fn ringing(&self, n_samples: usize) -> Vec<f64> {
         const DURATION: f64 = 60e-6;
         let n = 4 * n_samples;
@@ -75,7 +76,7 @@ impl RingingRod {
             .collect()
     }
 
-    /// Record of a history with noise, relative to the largest value, in 16 bits.
+    /// Returns the record of a history in 16 bits, with `noise` relative to the largest value.
     pub fn recorded(exact: &[f64], noise: f64, seed: u64) -> Vec<f64> {
         let largest = exact.iter().fold(0.0_f64, |a, x| a.max(x.abs()));
         let step = largest / 32768.0;

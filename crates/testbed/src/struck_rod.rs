@@ -1,5 +1,5 @@
 //! A rod struck as in paper D: striker, rod, filter and samples in the order of an experiment, and
-//! the response of the lumped chain, which is not the solver that identifies.
+//! the response of the lumped chain, which is independent of the solver of the identification.
 
 use rodwave::band_limited::{SampledHistory, VelocityHistory};
 use rodwave::experiment::{Acquisition, VelocityRecord};
@@ -12,8 +12,7 @@ use rodwave::{InelasticRod, RodwaveError};
 #[derive(Debug, Clone)]
 pub struct StruckRod<L> {
     pub striker: Striker,
-    /// Length of the rod, and of it the distance of the section of the excitation from the free
-    /// end \[m\].
+    /// Length of the rod, and distance of the section of the excitation from the free end \[m\].
     pub rod_length: f64,
     pub section_distance: f64,
     pub diameter: f64,
@@ -23,7 +22,7 @@ pub struct StruckRod<L> {
     pub acquisition: Acquisition,
     /// Longest cell of the solver of striker and rod \[m\].
     pub cell: f64,
-    /// Steps of the chain in travels of one of its cells.
+    /// Time step of the chain, in travel times of a wave through one of its cells.
     pub courant_number: f64,
 }
 
@@ -46,11 +45,11 @@ impl<L: InelasticLaw> StruckRod<L> {
         self.test()?.record(&self.acquisition, self.cell)
     }
 
-    /// Returns the velocity of the free end at `times` \[s\] by a chain of so many cells that is
-    /// driven by an excitation.
+    /// Returns the velocity of the free end at `times` \[s\] by a chain of `cells` cells that is
+    /// driven by an `excitation`.
     ///
-    /// Driven by what a recorder passes, it loses nothing in the recorder: its filter does not
-    /// commute with a nonlinear rod.
+    /// If the excitation has passed the filter of a recorder, the response must not be filtered
+    /// again: the filter does not commute with a nonlinear rod.
     pub fn by_chain(
         &self,
         cells: usize,
@@ -61,8 +60,8 @@ impl<L: InelasticLaw> StruckRod<L> {
         LumpedRod::new(&rod, cells, self.courant_number)?.free_end_velocity(excitation, times)
     }
 
-    /// Returns the same, extrapolated from chains of `cells` and of twice as many, which removes
-    /// the leading error.
+    /// Returns the velocity of the free end, extrapolated from chains of `cells` and of twice as
+    /// many cells, which removes the leading error.
     pub fn by_two_chains(
         &self,
         cells: usize,
@@ -83,8 +82,8 @@ pub fn times(count: usize, rate_hz: f64) -> Vec<f64> {
     (0..count).map(|k| k as f64 / rate_hz).collect()
 }
 
-/// Returns the excitation behind a rounded striker at `times`: that of a flat one, smoothed by a
-/// normal density of `deviation` \[s\].
+/// Returns the excitation by a striker with a rounded end at `times`: the excitation by a `flat`
+/// one, smoothed by a normal density of `deviation` \[s\].
 pub fn rounded(flat: &SampledHistory, times: &[f64], deviation: f64) -> Vec<f64> {
     let end = times.last().copied().unwrap_or_default();
     let places: Vec<f64> = (-40..=40).map(|k| 0.1 * f64::from(k)).collect();

@@ -31,8 +31,8 @@ impl Anchors<'_> {
 }
 
 impl KnownWaveNumber {
-    /// Returns the log likelihood of a course with `state` at this frequency. The anchor counts the
-    /// waves; it does not move them.
+    /// Returns the log likelihood of a course with `state` at this frequency. The anchor changes
+    /// the weights of the courses and so the count of waves; it does not move the courses.
     pub(super) fn log_likelihood(&self, state: &State) -> f64 {
         let Complex64 {
             im: wave_number, ..

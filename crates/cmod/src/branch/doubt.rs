@@ -18,7 +18,7 @@ pub enum BranchDoubt {
         other: f64,
     },
     /// Another wave speed explains the lines as well, so that the number of waves is unknown: the
-    /// lines begin too far from 0 Hz, or lie too far apart, and there is no prior knowledge.
+    /// lines begin too far from 0 Hz, or are too far apart, and there is no prior knowledge.
     #[error(
         "a wave speed of {other:.0} m/s explains the first lines nearly as well as {chosen:.0} m/s"
     )]
@@ -28,8 +28,8 @@ pub enum BranchDoubt {
         /// Other speed [m/s].
         other: f64,
     },
-    /// The lines around this one do not lie on a smooth curve, or those at a lower frequency did
-    /// not for more than half a wave.
+    /// The lines around this one do not lie on a smooth curve, or the lines at lower frequencies
+    /// did not over more than half a wave.
     #[error(
         "over several lines the misfit of a smooth wave number is {chi_square:.1} times its expectation, expected at most {limit}"
     )]
@@ -40,12 +40,12 @@ pub enum BranchDoubt {
         limit: f64,
     },
     /// The damping is negative beyond its error: the count of waves is wrong, Ψ is the complex
-    /// conjugate, or its ends are interchanged.
+    /// conjugate, or the two ends are interchanged.
     #[error(
         "the lines around give alpha L = {damping_length:.1e}, {deviations:.1} standard errors below 0"
     )]
     Turned {
-        /// αL from this line and those around it.
+        /// αL from this line and the lines around it.
         damping_length: f64,
         /// αL divided by its standard error.
         deviations: f64,
@@ -53,7 +53,8 @@ pub enum BranchDoubt {
     /// No line of the record determines its roots.
     #[error("noise leaves no line of the record from which waves could be counted")]
     Undetermined,
-    /// The line lies farther from the value expected from the other lines than its noise allows.
+    /// The root of the line is farther from the value expected from the other lines than the noise
+    /// allows.
     #[error("kL = {found:.2}, expected {expected:.2} from the other lines")]
     Leap {
         /// Phase expected from the other lines, in rad.
@@ -89,7 +90,7 @@ pub enum BranchDoubt {
 }
 
 impl BranchDoubt {
-    /// Returns true if the branch itself is doubtful, rather than just this line noisy.
+    /// Returns true if the branch itself is doubtful, false if only the line is noisy.
     #[must_use]
     pub fn is_ambiguous(&self) -> bool {
         !matches!(self, Self::NegativeDamping { .. })

@@ -12,40 +12,40 @@ use num_complex::Complex64;
 use super::anchor::Anchors;
 use super::path::{Passage, Sight, State, WANDER};
 
-/// Maximum number of half waves among which a course may begin; more cannot be distinguished and
-/// would fill the memory.
+/// Maximum number of half waves in the range of phases in which courses begin; more cannot be
+/// distinguished and would fill the memory.
 const MOST_BEGINNINGS: f64 = 2e5;
 
 /// Standard deviation of the phase \[rad\] above which a course branches into the roots of a line.
 const LOST_PHASE: f64 = 0.7;
 /// Distance of the farthest root into which a course branches, in standard deviations.
 const REACH: f64 = 3.0;
-/// Distance of the roots of a well-determined line from the point where two of them meet, in
-/// standard deviations of Ψ.
+/// Minimum distance of the roots of a well-determined line from the point where two of them meet,
+/// in standard deviations of Ψ.
 const WELL_DETERMINED: f64 = 6.0;
 /// Initial standard deviation of the phase \[rad\] of a course that begins at a root; neighbouring
 /// roots are farther away.
 const INITIAL_SPREAD: f64 = 0.3;
-/// Standard deviation of dγ/dω divided by γ/ω, which is 1 except for dispersion, beyond the part
-/// given by causality: the phase velocity rises with frequency where there is damping, dk/dω = (k -
-/// 2α/π)/ω for a constant loss factor.
+/// Standard deviation of dγ/dω divided by γ/ω. The quotient differs from 1 only by dispersion; the
+/// part of the dispersion given by causality is included separately: the phase velocity rises with
+/// frequency where there is damping, dk/dω = (k - 2α/π)/ω for a constant loss factor.
 const DISPERSION: f64 = 0.05;
-/// Maximum standard deviation of the wave speed of a new course.
+/// Maximum relative standard deviation of the wave speed of a new course.
 const MOST_SPREAD: f64 = 0.5;
 /// Number of lines at which courses begin: more than one, because one may be an outlier.
 const BEGINNINGS: usize = 3;
-/// Ratio of the frequencies within which the first of them is searched.
+/// Ratio of the frequencies of successive lines that are tried until the first of them is found.
 const SEARCH_RATIO: f64 = 1.02;
 /// Log weight, relative to the best course, below which a course is dropped.
 const NEGLIGIBLE: f64 = -23.0;
 /// Maximum number of courses.
 const MOST_COURSES: usize = 2048;
-/// Maximum number of courses of which pairs are compared.
+/// Maximum number of courses up to which pairs of courses are compared for merging.
 const MOST_MERGED: usize = 64;
 /// Distance below which courses are merged, in standard deviations of γ and dγ/dω.
 const TOGETHER: f64 = 0.5;
 
-/// Line of any record, in order of frequency.
+/// Line of any record; the lines are in order of frequency.
 #[derive(Clone, Copy)]
 pub(super) struct LineAt<'a> {
     pub(super) omega: f64,
@@ -107,9 +107,9 @@ impl Course {
 }
 
 impl LineAt<'_> {
-    /// Returns the distance between two meeting roots relative to the expected noise; above 1 noise
-    /// cannot exchange them. The distance in Ψ is |Ψ'|²/(2|Ψ''|), and where Ψ'' vanishes a
-    /// phase of a radian is still |Ψ'|.
+    /// Returns the distance of a root from the point where it meets another root, relative to
+    /// [`WELL_DETERMINED`] standard deviations of the noise; above 1, noise cannot exchange the two
+    /// roots. The distance in Ψ is |Ψ'|²/(2|Ψ''|), limited to |Ψ'|, the change of Ψ per radian.
     fn determination_at(&self, root: Complex64) -> f64 {
         let [_, slope, curvature] = self.sight.observation.expand(root);
         let noise = WELL_DETERMINED * self.sight.variance.sqrt();
@@ -118,7 +118,7 @@ impl LineAt<'_> {
         distance / noise
     }
 
-    /// Returns the determination at the lowest root.
+    /// Returns `determination_at` for the root with the lowest phase; 0 without a root.
     fn determination(&self) -> f64 {
         let mut first: Option<Complex64> = None;
         self.sight
@@ -133,7 +133,7 @@ impl LineAt<'_> {
 }
 
 impl Courses {
-    /// Follows all courses through the `lines`, of which there is at least one.
+    /// Follows all courses through the `lines`, at least one.
     pub(super) fn follow(&mut self, lines: &[LineAt<'_>], anchors: &Anchors<'_>) {
         self.alive.clear();
         self.passages.clear();
@@ -245,9 +245,9 @@ impl Courses {
             return;
         };
         let usable = || lines.iter().filter(|line| !line.missing);
-        // The transit time is below half the length of the record whose transform the closest lines
-        // belong to: a wave number that advances by more than half a wave per line cannot
-        // be distinguished from one that does not.
+        // The transit time is assumed to be below half the length of the record to which the
+        // closest lines belong: a wave number that advances by more than half a wave per line
+        // cannot be distinguished from one that does not.
         let closest = usable()
             .zip(usable().skip(1))
             .map(|(a, b)| b.omega - a.omega)
@@ -282,7 +282,7 @@ impl Courses {
         }
     }
 
-    /// Returns courses from all roots of one line, extrapolated back to `first_omega`.
+    /// Adds courses from all roots of one line, extrapolated back to `first_omega`.
     fn begin_at(
         &mut self,
         line: &LineAt<'_>,
@@ -303,8 +303,8 @@ impl Courses {
             .observation
             .visit_roots(sight.observed, lowest..highest, &mut |root| {
                 let slowness = root / (length * omega);
-                // from here to the first line the phase velocity decreases by causality, and
-                // randomly
+                // from here down to the first line the phase velocity decreases by causality, and
+                // changes randomly
                 let first = slowness + Complex64::new(0.0, 2.0 / PI * slowness.re.max(0.0) * down);
                 let by_dispersion = DISPERSION * DISPERSION;
                 let by_wander = WANDER * WANDER * down / 3.0;
@@ -376,7 +376,7 @@ impl Courses {
         }
     }
 
-    /// Merges courses that have converged, with the history of the heavier one.
+    /// Merges courses that have converged; the history of the one with the larger weight is kept.
     fn merge(&mut self) {
         let mut this = 0;
         while this < self.alive.len() {
@@ -407,8 +407,8 @@ impl Courses {
     }
 
     /// Returns the number of lines on the best course, and the variance of their noise divided by
-    /// the assumed one: the median of |misfit|² divided by its expectation, which is ln 2 for
-    /// normal noise and insensitive to outliers.
+    /// the assumed one: the median of |misfit|² divided by its expectation, and by ln 2, the value
+    /// of this median for normal noise. The median is insensitive to outliers.
     pub(super) fn excess(&mut self) -> (usize, f64) {
         self.misfits.clear();
         let mut passage = self.alive.first().and_then(|course| course.last);

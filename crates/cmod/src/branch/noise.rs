@@ -12,7 +12,7 @@ use num_complex::Complex64;
 use super::forward::LineAt;
 use super::tracked::Place;
 
-/// Noise assumed if none is stated, divided by (½ + |Ψ|²)^½; only its form matters.
+/// Noise assumed if none is stated, divided by (½ + |Ψ|²)^½; only its dependence on Ψ matters.
 const ASSUMED: f64 = 0.03;
 /// Lower limit of the noise, divided by (¼ + |Ψ|²)^½, however low the stated noise.
 const LEAST: f64 = 1e-4;
@@ -21,8 +21,8 @@ const LEAST: f64 = 1e-4;
 const MOST: f64 = 0.1;
 /// Scatter of neighbours, as a ratio of variances, up to which the stated noise is accepted.
 const SCATTER: f64 = 2.0;
-/// Misfit of a course relative to the stated variance up to which the level is kept: at first, and
-/// after an adjustment.
+/// Misfit of a course relative to the stated variance up to which the level is kept: `EXCESS` at
+/// first, `SETTLED` after an adjustment.
 const EXCESS: f64 = 1.3;
 const SETTLED: f64 = 1.1;
 /// Additional tolerance in standard errors of the misfit.
@@ -113,7 +113,7 @@ impl NoiseLevel {
 }
 
 /// Returns the squared distance of a line from the straight line through its neighbours, divided by
-/// its expectation if it is noise only.
+/// its expectation for noise alone.
 fn deviation(first: &LineAt<'_>, middle: &LineAt<'_>, last: &LineAt<'_>) -> Option<f64> {
     let width = last.omega - first.omega;
     if width <= 0.0 {

@@ -1,4 +1,4 @@
-//! Observations of a phase that is known only up to full turns and, mostly, up to its sign.
+//! Observations of a phase that is known only up to full turns and, in most cases, up to its sign.
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use std::ops::Range;
@@ -35,21 +35,21 @@ pub trait PhaseObservation {
     }
 }
 
-/// Ψ = cosh x: a specimen of length ℓ with a free end (paper A), or three gauges at distances ℓ
-/// (paper B).
+/// Ψ = cosh x: a specimen of length ℓ with a free end (paper A), or three gauges spaced by ℓ (paper
+/// B).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct FreeEnd;
 
-/// Ψ = cosh x + μ x sinh x: `FreeEnd` with a mass of μ times that of the specimen at its free end
-/// (paper A, eq. 1).
+/// Ψ = cosh x + μ x sinh x: `FreeEnd` with a mass of μ times the mass of the specimen at its free
+/// end (paper A, eq. 1).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct EndMass {
     /// μ, 0 or above.
     pub mass_ratio: f64,
 }
 
-/// Ψ = e^{-x}: a wave that has travelled by ℓ, as between two sections without reflections, or from
-/// a gauge to an end and back.
+/// Ψ = e^{-x}: a wave that has travelled the distance ℓ, for example between two sections without
+/// reflections, or from a gauge to an end and back.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Travel;
 
@@ -185,7 +185,7 @@ impl PhaseObservation for Travel {
     }
 }
 
-/// Returns cosh and sinh together: one exponential, one sine and one cosine.
+/// Returns cosh x and sinh x, computed together from one exponential, one sine and one cosine.
 fn cosh_sinh(x: Complex64) -> (Complex64, Complex64) {
     let (sin, cos) = x.im.sin_cos();
     let growing = x.re.exp();
@@ -202,13 +202,13 @@ fn cosh_sinh(x: Complex64) -> (Complex64, Complex64) {
     )
 }
 
-/// Returns artanh z, for the half plane Im z >= 0 that a wave along +x occupies.
+/// Returns artanh z for Im z >= 0, the half plane of a wave along +x.
 fn half_log_ratio(z: Complex64) -> Complex64 {
     0.5 * ((1.0 + z) / (1.0 - z)).ln()
 }
 
-/// Full turns 2πm that have a root in `phases` within half a turn, if roots lag behind them by at
-/// most `lag`.
+/// Returns the numbers m of the full turns 2πm that can have a root in `phases`: roots are within
+/// half a turn of 2πm, and lag behind it by at most `lag` more.
 #[expect(
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,
@@ -256,8 +256,8 @@ impl Root {
 
 /// Value of 2Ψ''δΨ/Ψ'² below which two roots are far apart.
 const FAR: f64 = 0.1;
-/// Maximum distance of a root from that of the parabola, as a fraction of the distance between the
-/// two; beyond, it may be another root.
+/// Maximum distance of the first root from the root of the parabola, as a fraction of half the
+/// distance between the two roots of the parabola; farther away it may be another root.
 const NEAR_PARABOLA: f64 = 0.5;
 
 fn nearest_by_parabola<O: PhaseObservation + ?Sized>(
@@ -374,7 +374,7 @@ fn settle<O: PhaseObservation + ?Sized>(
     settle_from(observation, observed, start, observation.expand(start))
 }
 
-/// Halley's iteration with Ψ at the start known.
+/// Halley's iteration, given Ψ and its derivatives at the start.
 fn settle_from<O: PhaseObservation + ?Sized>(
     observation: &O,
     observed: Complex64,
@@ -433,7 +433,8 @@ mod tests {
                 let [plus, slope_plus, _] = observation.expand(x + h);
                 let [minus, slope_minus, _] = observation.expand(x - h);
                 let [_, slope, curvature] = observation.expand(x);
-                // Truncation h²/6 of the next derivatives but one, which are below 100 here.
+                // The truncation error is h²/6 times the derivative two orders higher, which is
+                // below 100 here.
                 assert!(
                     ((plus - minus) / (2.0 * h) - slope).norm() < 3e-7,
                     "{name} {x}"
@@ -466,7 +467,7 @@ mod tests {
                 for direction in 0..8 {
                     let expected = x + Complex64::from_polar(way, 0.8 * f64::from(direction));
                     let [nearest, other] = observation.nearest_roots(observed, expected).unwrap();
-                    // 1e-14 of rounding through a slope of 0.05 at least
+                    // rounding of 1e-14 divided by a slope of at least 0.05
                     assert!((nearest - x).norm() < 1e-11, "{name} {x}: {nearest}");
                     assert!((other - expected).norm() > way, "{name} {x}: {other}");
                 }
@@ -479,7 +480,7 @@ mod tests {
     fn roots_that_nearly_meet_are_told_apart() {
         for mass_ratio in [0.0, 0.05, 0.2] {
             let observation = EndMass { mass_ratio };
-            // where the slope vanishes: by Newton's iteration on it, from kL = 3π
+            // the point where the slope vanishes, by Newton's iteration from near kL = 3π
             let mut meeting =
                 Complex64::new(0.0, 3.0 * PI - 3.0 * PI * mass_ratio / (1.0 + mass_ratio));
             for _ in 0..50 {
@@ -497,7 +498,7 @@ mod tests {
                 } else {
                     (reflected, x)
                 };
-                // the other one only to the third order of their distance
+                // the other root is accurate only to the third order of their distance
                 assert!(
                     (nearest - here).norm() < 3e-4,
                     "{mass_ratio}: {nearest} {here}"

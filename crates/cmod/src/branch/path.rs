@@ -18,8 +18,8 @@ pub(super) const WANDER: f64 = 0.15;
 /// |δΨ|²/E|δΨ|² above which a line counts as an outlier; noise alone exceeds it once in 8000 lines.
 pub(super) const BAD_LINE: f64 = 9.0;
 
-/// Probability that a line is independent of γ, and the range of Ψ in which it then lies, divided
-/// by 1 + |Ψ|².
+/// Probability that a line is independent of γ, and the squared range of Ψ in which such a line
+/// lies, divided by 1 + |Ψ|².
 const STRAY: f64 = 0.01;
 const STRAY_VARIANCE: f64 = 4.0;
 
@@ -42,10 +42,10 @@ pub(super) struct Sight<'a> {
     pub(super) variance: f64,
 }
 
-/// Data of the passage of one line that smoothing needs.
+/// Data from the passage of one line that the smoothing needs.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Passage {
-    /// Index of the line before, in the list of all passages.
+    /// Index of the previous line in the list of all passages.
     pub(super) before: Option<usize>,
     /// Predicted γ, its variance and its covariance with the slope.
     gamma: Complex64,
@@ -72,7 +72,8 @@ impl State {
     /// Predicts the state at a frequency higher or, with a negative `step`, lower than `omega`.
     pub(super) fn predict(&mut self, omega: f64, step: f64) {
         let way = step.abs();
-        // the lower end of the step, where the e-folds are longest; from 0 the step is one e-fold
+        // the lower end of the step, where an e-fold of frequency is shortest; a step from 0 counts
+        // as one e-fold
         let from = omega.min(omega + step).max(way);
         let rate = WANDER * WANDER * self.slope.norm_sqr() / from;
         self.gamma += self.slope * step;
@@ -363,7 +364,7 @@ mod tests {
         FreeEnd.visit_roots(sight.observed, 0.0..3.0, &mut |found| root = Some(found));
         let root = root.unwrap();
         let [_, slope, _] = FreeEnd.expand(root);
-        // Ψ' δx against the noise and the variance of γ, both in Ψ
+        // Ψ' δx relative to the noise and the error of γ, both as variances of Ψ
         let expected = slope.norm_sqr() * 4.0 * 0.004 + 0.01;
         let misfit = slope * (root - 2.0 * state.gamma);
         let chi_square = misfit.norm_sqr() / expected;

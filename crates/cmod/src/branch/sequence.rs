@@ -1,4 +1,4 @@
-//! Branch along the lines of one record, as the methods need it.
+//! Branches of the lines of one record, in the form that the methods need.
 
 use num_complex::Complex64;
 
@@ -19,12 +19,12 @@ pub struct ResolvedRoot {
     pub branch: Branch,
     /// Probability of the branch, see [`TrackedLine::confidence`].
     pub confidence: f64,
-    /// γL from this line and those around it; with end mass, if there is one.
+    /// γL from this line and the lines around it; with the end mass, if there is one.
     pub expected: Complex64,
-    /// Standard error of `expected`, of real and imaginary part each.
+    /// Standard error of the real part and of the imaginary part of `expected`.
     pub expected_error: f64,
-    /// γL with the end mass from the root nearest to `expected`, where there is one; equal to
-    /// `gamma_length` without.
+    /// Root γL of the equation with end mass that is nearest to `expected`, `None` if there is no
+    /// root nearby; equal to `gamma_length` without end mass.
     pub loaded_gamma_length: Option<Complex64>,
     /// Main reason to doubt the branch, if there is one.
     pub doubt: Option<BranchDoubt>,
@@ -34,8 +34,8 @@ pub struct ResolvedRoot {
 ///
 /// `frequency_hz` and `acceleration_ratio` have one entry per line. A line at 0 Hz gives γ = 0,
 /// whatever its ratio. The noise of Ψ is estimated from its scatter. [`BranchTracker`] does the
-/// same with a stated noise, gaps, several records and prior knowledge. before.
-/// A wave speed in a [`BranchDoubt`] is in specimen lengths per second, as no length is given.
+/// same with a stated noise, gaps, several records and prior knowledge. A wave speed in a
+/// [`BranchDoubt`] is in specimen lengths per second, as no length is given.
 ///
 /// # Validity
 /// The lines must be close enough for kL to advance by less than π per line. [`BranchDoubt`]
@@ -96,8 +96,8 @@ pub(crate) struct SpecimenRecord<'a> {
 }
 
 impl SpecimenRecord<'_> {
-    /// Puts every line on its branch. The equation with its mass is followed, not that of a free
-    /// end: a heavy mass lets |Ψ| exceed 1 without any damping, and k of the free end would be
+    /// Assigns every line to its branch. The equation with the end mass is followed, not that of a
+    /// free end: a heavy mass lets |Ψ| exceed 1 without any damping, and k of the free end would be
     /// constant there.
     pub(crate) fn resolve(&self, tracker: &BranchTracker) -> Result<Vec<ResolvedRoot>, CmodError> {
         let loaded = EndMass {
@@ -216,8 +216,8 @@ mod tests {
         }
     }
 
-    /// Above 100 half waves a dispersion of a few per cent exceeds one half wave: the count is
-    /// undetermined, and every line is doubtful.
+    /// Above 100 half waves a dispersion of a few per cent exceeds one half wave: the count of
+    /// waves is undetermined, and every line is doubtful.
     #[test]
     fn a_start_behind_very_many_waves_is_doubted_on_every_line() {
         let exact = |f: f64| Complex64::new(0.001, 1.0) * (PI * 100.3 * f / 10_000.0);

@@ -14,9 +14,9 @@ pub struct TrackedLine {
     pub root: Option<Complex64>,
     /// γℓ from this line and all others, a smooth curve.
     pub expected: Complex64,
-    /// Standard error of `expected`, of real and imaginary part each.
+    /// Standard error of the real part and of the imaginary part of `expected`.
     pub expected_error: f64,
-    /// Probability that the root belongs to γ of the material; 0 where the assumptions have
+    /// Probability that the root belongs to the γ of the material; 0 where the assumptions have
     /// failed.
     pub confidence: f64,
     /// Reason why the branch may be wrong. The count of waves is in doubt where it [is
@@ -33,8 +33,7 @@ impl TrackedLine {
         doubt: None,
     };
 
-    /// Returns the integers s and n of Table 1 on which the root lies, s = 1 and n = 0 if there is
-    /// no root.
+    /// Returns the integers s and n of Table 1 for the root, or for `expected` if there is no root.
     #[must_use]
     pub fn branch(&self) -> Branch {
         Branch::at(self.root.unwrap_or(self.expected).im)
@@ -47,7 +46,8 @@ impl TrackedLine {
 pub struct SpeedHypothesis {
     /// Phase velocity ω/k at the first line [m/s].
     pub wave_speed: f64,
-    /// Probability; the sum over all hypotheses is 1.
+    /// Probability; the sum over all hypotheses is at most 1, because improbable wave speeds are
+    /// not listed.
     pub probability: f64,
 }
 
@@ -57,10 +57,10 @@ pub struct SpeedHypothesis {
 pub struct TrackedBranches {
     /// Tracked lines per record, in the order of the input.
     pub records: Vec<Vec<TrackedLine>>,
-    /// Possible courses, the most probable first; none if there was no line to begin with.
+    /// Possible wave speeds, the most probable first; empty if no line could be used as a start.
     pub hypotheses: Vec<SpeedHypothesis>,
-    /// Scatter of the lines about the smooth curve relative to the stated noise, as amplitudes; at
-    /// least 1 with a stated variance.
+    /// Scatter of the lines about the smooth curve relative to the stated noise, as a ratio of
+    /// amplitudes; at least 1 with a stated variance.
     pub noise_factor: f64,
 }
 

@@ -22,7 +22,7 @@ pub const SLOWEST_WAVE: f64 = 20.0;
 pub const FASTEST_WAVE: f64 = 20e3;
 /// Default confidence below which a branch counts as doubtful.
 pub const LEAST_CONFIDENCE: f64 = 0.9999;
-/// Range around a guess of the wave speed in which it is searched, in standard deviations.
+/// Half width of the search range around a guess of the wave speed, in standard deviations.
 const WITHIN: f64 = 5.0;
 /// Maximum number of noise adjustments.
 const ADJUSTMENTS: usize = 6;
@@ -138,7 +138,8 @@ impl BranchTracker {
     /// Adds a known wave number k [rad/m] at a frequency \[Hz\], inside or outside of the record,
     /// with its standard error.
     ///
-    /// It distinguishes between counts of waves, and moves no line.
+    /// It only distinguishes between possible counts of waves; it does not change the γ of any
+    /// line.
     ///
     /// # Errors
     /// [`CmodError::NonPhysical`] unless frequency and standard error are finite and above 0 and k
@@ -164,8 +165,9 @@ impl BranchTracker {
         Ok(self)
     }
 
-    /// Adds a known branch at a frequency \[Hz\], for a specimen of `length` \[m\]: kL lies in the
-    /// quadrant of the branch, within half of its width.
+    /// Adds a known branch at a frequency \[Hz\], for a specimen of `length` \[m\]: kL is the
+    /// middle of the quadrant of the branch, with half the width of the quadrant as its standard
+    /// error.
     ///
     /// # Errors
     /// [`CmodError::NonPhysical`] unless frequency and length are finite and above 0.
@@ -183,7 +185,7 @@ impl BranchTracker {
     /// Sets the confidence below which a branch is doubtful, instead of [`LEAST_CONFIDENCE`].
     ///
     /// # Errors
-    /// [`CmodError::NonPhysical`] unless it is at least ½ and below 1.
+    /// [`CmodError::NonPhysical`] unless the confidence is at least ½ and below 1.
     pub fn with_least_confidence(mut self, least_confidence: f64) -> Result<Self, CmodError> {
         if !(0.5..1.0).contains(&least_confidence) {
             return Err(CmodError::NonPhysical {
@@ -196,7 +198,7 @@ impl BranchTracker {
         Ok(self)
     }
 
-    /// Puts all lines of all `records` on their branches. The records are of one material: they
+    /// Assigns all lines of all `records` to their branches. The records are of one material: they
     /// share γ(ω).
     ///
     /// # Errors

@@ -1,9 +1,9 @@
 //! Conversion of the courses of γ(ω) to results per line: the root of each line and its confidence.
 //!
-//! Of the many roots of a line, the right one is that to which the true γℓ is nearer than to any
-//! other. The smoothed γℓ of a course is normal with a known variance, so that the probability of
-//! the half plane of a root, relative to the next root, is a value of the error function; courses
-//! count with their weights.
+//! Of the many roots of a line, the right one is the one nearest to the true γℓ. The smoothed γℓ of
+//! a course is normally distributed with a known variance. The probability that it is nearer to a
+//! root than to the next root is therefore given by the error function, and is averaged over the
+//! courses with their weights.
 
 use std::f64::consts::{FRAC_1_SQRT_2, PI};
 
@@ -19,19 +19,20 @@ use super::tracked::{SpeedHypothesis, TrackedLine};
 const RIVALS: usize = 8;
 /// Log weight below which a course is not compared.
 const NO_RIVAL: f64 = -16.0;
-/// Distance \[rad\] below which roots are one: k changes by less than 0.2 % between them where kL >
-/// π.
+/// Distance \[rad\] below which two roots count as one: k changes by less than 0.2 % between them
+/// where kL > π.
 pub(super) const ONE_ROOT: f64 = 0.005;
-/// Mean of |misfit|² divided by its expectation over [`NEIGHBOURHOOD`] lines above which the cause
-/// is not noise.
+/// Mean over [`NEIGHBOURHOOD`] lines of |misfit|² divided by its expectation, above which the
+/// misfit is not due to noise.
 const ERRATIC: f64 = 6.0;
 const NEIGHBOURHOOD: f64 = 8.0;
-/// |misfit|² divided by its expectation above which a single line is an outlier; noise exceeds it once in 10⁷ lines.
+/// |misfit|² divided by its expectation, above which a single line is an outlier; noise exceeds
+/// this limit once in 10⁷ lines.
 const STRANGE: f64 = 16.0;
 const SURPRISE: f64 = 4.0;
-/// Standard errors beyond which a probability is 1 to all digits.
+/// Number of standard errors beyond which a probability is 1 to all digits.
 const SURE: f64 = 8.3;
-/// Standard errors below 0 at which a damping is negative.
+/// Number of standard errors below 0 beyond which a damping counts as negative.
 const SURELY_NEGATIVE: f64 = 4.0;
 
 /// All courses of significant weight, smoothed.
@@ -48,9 +49,10 @@ pub(super) struct Verdict {
 /// Misfit of a line and its neighbours from the first course.
 #[derive(Debug, Clone, Copy)]
 struct Misfit {
-    /// Mean over the neighbourhood; infinite behind a long erratic stretch.
+    /// Mean over the neighbourhood; infinite after a long erratic stretch.
     around: f64,
-    /// |misfit|² divided by its expectation, predicted from the lines before; `None` without a prediction.
+    /// |misfit|² from the prediction by the previous lines, divided by its expectation; `None`
+    /// without a prediction.
     own: Option<f64>,
 }
 
@@ -245,12 +247,12 @@ fn is_strange(misfit: &Misfit, line: &LineAt<'_>, best: &Phase) -> bool {
     (line.sight.observed - value).norm_sqr() > STRANGE * expected
 }
 
-/// γℓ of a course on a line, as a normal distribution that is truncated where the damping is
+/// γℓ of a course at a line, as a normal distribution that is truncated where the damping is
 /// negative.
 struct Phase {
     /// Mean without truncation.
     raw: Complex64,
-    /// Standard deviation of real and imaginary part each, without truncation.
+    /// Standard deviation of the real part and of the imaginary part, without truncation.
     spread: f64,
     mean: Complex64,
     /// Variance of the real part.
@@ -321,9 +323,9 @@ fn cut_below_zero(mean: f64, spread: f64) -> (f64, f64) {
     (mean + spread * hazard, spread * spread * variance)
 }
 
-/// Returns the mean misfit over the lines before and behind each line, the larger of both; infinite
-/// behind a stretch of more than half a wave in which it exceeds the limit, because the count of
-/// waves is then lost.
+/// Returns, for each line, the larger of the mean misfits over the lines before and after it;
+/// infinite after a stretch of more than half a wave in which the mean exceeds the limit, because
+/// the count of waves is then lost.
 fn local_misfit(chi_square: &[Option<f64>], best: &[Smoothed], lines: &[LineAt<'_>]) -> Vec<f64> {
     let share = 1.0 / NEIGHBOURHOOD;
     let running = |mean: &mut f64, chi_square: &Option<f64>| {

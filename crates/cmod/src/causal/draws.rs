@@ -17,16 +17,19 @@ use crate::self_calibration::vectors::{dot, subtract};
 
 /// Number of draws: the standard errors scatter by 4 %.
 const DRAWS: u32 = 300;
-/// Relaxation times per decade of the draws, beside those that are occupied.
+/// Relaxation times per decade in the projections of the draws, in addition to those of the nearest
+/// material.
 const TIMES_A_DECADE: f64 = 24.0;
 
-/// Changes of the nearest material by draws of its errors.
+/// Changes of the nearest material due to draws of the errors.
 #[derive(Debug, Clone)]
 pub(super) struct Draws {
     times: Vec<f64>,
-    /// Changes of the spring and of the branches by each draw, over the root of their number.
+    /// Changes of the spring and of the branches due to each draw without its common errors,
+    /// divided by the square root of the number of draws.
     random: Vec<Vec<f64>>,
-    /// The parts of these changes that follow from the common errors: for one standard uncertainty.
+    /// Changes of the spring and of the branches due to each common error of one standard
+    /// uncertainty.
     common: Vec<Vec<f64>>,
     /// Standard errors of the sizes of the common errors.
     pub(super) errors_of_sizes: Vec<f64>,
@@ -35,7 +38,8 @@ pub(super) struct Draws {
 }
 
 impl Draws {
-    /// Draws about `nearest`, the projection of the values. `None` where a number is not finite.
+    /// Makes the draws about `nearest`, the projection of the values. `None` where a number is not
+    /// finite.
     pub(super) fn about(nearest: &Projection, values: &Whitened<'_>) -> Option<Self> {
         let material = &nearest.material;
         let of_grid = values.grid(TIMES_A_DECADE)?.into_iter();
@@ -57,7 +61,7 @@ impl Draws {
 
         let mut normal = normals();
         let sources = values.common.vectors();
-        // the sizes that are found are the products of the whitened vectors with the residual
+        // the sizes found are the scalar products of the whitened vectors with the residual
         let directions: Vec<Vec<f64>> = sources
             .iter()
             .map(|vector| {
@@ -114,13 +118,13 @@ impl Draws {
         .filter(|draws| draws.degrees_of_freedom.is_finite())
     }
 
-    /// Returns the changes of the modulus at s = `place` by independent errors of variance 1.
+    /// Returns the changes of the modulus at s = `place` due to independent errors of variance 1.
     pub(super) fn random_changes(&self, place: Complex64) -> Vec<Complex64> {
         self.changes(place, &self.random)
     }
 
-    /// Returns the change of the modulus at s = `place` by each of the common errors, if it is
-    /// wrong by one standard uncertainty.
+    /// Returns the change of the modulus at s = `place` due to each common error of one standard
+    /// uncertainty.
     pub(super) fn common_changes(&self, place: Complex64) -> Vec<Complex64> {
         self.changes(place, &self.common)
     }

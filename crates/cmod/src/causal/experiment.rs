@@ -16,27 +16,27 @@ use crate::validity::Violation;
 
 /// Maximum number of linearisations.
 const MOST_ROUNDS: u32 = 30;
-/// Sum of squares of the change of all lines, in units of their errors, below which the material is
-/// at rest: one standard error changes them by 1.
+/// Sum of squares of the change of all lines, in units of their errors, below which the iteration
+/// has converged; a change by one standard error gives 1.
 const AT_REST: f64 = 1e-3;
 
-/// Line that takes part.
+/// Line that is used in the estimate.
 struct Part<'a> {
     line: &'a ModulusLine,
     place: Complex64,
-    /// Factor of its estimated variance.
+    /// Factor on the variance of the line, if that variance is an estimate.
     factor: f64,
     inertia: Inertia,
-    /// Modulus about which it is linearised, with the errors of the specimen.
+    /// Modulus about which the line is linearised, including the errors of the specimen.
     modulus: Complex64,
 }
 
 /// Effect of lateral inertia on a line.
 #[derive(Debug, Clone, Copy)]
 struct Inertia {
-    /// The modulus over the apparent one, that of one-dimensional waves.
+    /// Ratio of the modulus to the apparent modulus of one-dimensional waves.
     factor: Complex64,
-    /// Change of the modulus by one standard uncertainty of Poisson's ratio, over the modulus.
+    /// Relative change of the modulus due to one standard uncertainty of Poisson's ratio.
     by_poisson_ratio: Complex64,
 }
 
@@ -45,9 +45,9 @@ const NO_INERTIA: Inertia = Inertia {
     by_poisson_ratio: Complex64::ZERO,
 };
 
-/// Finds the material nearest to the lines of an `experiment` in the band of its valid lines, with
-/// the errors of the `measured` sources, which the experiment removes from the measured data; without
-/// lateral inertia, if its theory is given.
+/// Finds the material nearest to the lines of an `experiment` in the band of its valid lines. The
+/// experiment removes the errors of the `measured` sources from its data. If a theory of lateral
+/// inertia is given, the effect of lateral inertia is removed.
 pub(crate) fn of_experiment(
     experiment: &impl Experiment,
     measured: &[ErrorSource],
@@ -130,7 +130,7 @@ pub(crate) fn of_experiment(
             .take(measured.len())
             .collect();
         for (at, part) in parts.iter_mut().enumerate() {
-            // errors of the specimen stay in the modulus about which the next round is linear
+            // errors of the specimen stay in the modulus about which the next round linearises
             let specimen = shifts.iter().zip(&projected.sizes).skip(measured.len());
             let errors = specimen.filter_map(|(shift, size)| Some(*size * shift.get(at)?));
             part.modulus = projected.material.at(part.place) + errors.sum::<Complex64>();
@@ -150,10 +150,10 @@ pub(crate) fn of_experiment(
     }
 }
 
-/// Returns the lines of `start` between the first and the last that is valid in `judged`, except
-/// those that one-dimensional waves or the stated limit of the coherence exclude, and the effect of
-/// the scatter of their variances. They are linearised about the material nearest to those with a
-/// modulus of their own.
+/// Returns the lines of `start` between the first and the last line that is valid in `judged`,
+/// except those with a coherence below the stated limit or, without a correction of lateral
+/// inertia, with too short a wavelength; and the effect of the scatter of their variances. The
+/// lines are linearised about the material nearest to the informative ones.
 fn parts<'a>(
     experiment: &impl Experiment,
     start: &'a ModulusEstimate,

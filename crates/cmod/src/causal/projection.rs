@@ -1,4 +1,4 @@
-//! Projection of values on lines onto the cone of relaxing materials.
+//! Projection of the values of lines onto the cone of relaxing materials.
 
 use num_complex::Complex64;
 use rodwave::modulus::MaxwellBranch;
@@ -12,13 +12,14 @@ use crate::self_calibration::vectors::{dot, subtract, without};
 const TIMES_A_DECADE: f64 = 64.0;
 /// Decades of the grid beyond the band: at this distance a branch is a spring or a dashpot to 1e-4.
 const DECADES_BEYOND: f64 = 2.0;
-/// Decrease of the sum of squares by one more branch, relative to 1, below which there is none.
+/// Predicted decrease of the sum of squares by one more branch, as a fraction of its mean per value
+/// (or of 1, if that is less), below which no branch is added.
 const TOLERANCE: f64 = 1e-10;
 
-/// Value on a line, with its independent error.
+/// Value of a line, with its independent error.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Value {
-    /// Place s of the line [1/s]: iω, or σ + iω with added damping.
+    /// s of the line [1/s]: iω, or σ + iω with added damping.
     pub(super) place: Complex64,
     /// E \[Pa\].
     pub(super) modulus: Complex64,
@@ -49,14 +50,14 @@ pub(super) struct Whitened<'a> {
     pub(super) common: CommonErrors,
     /// The values and readings in units of their independent errors.
     plain: Vec<f64>,
-    /// The same in units of all errors.
+    /// The values and readings in units of all errors.
     target: Vec<f64>,
 }
 
 impl<'a> Whitened<'a> {
-    /// Takes `values`, which are all wrong by each of the `common` vectors \[Pa\] if its source is
-    /// wrong by one standard uncertainty. Further `readings`, with errors of variance 1, are sums of
-    /// the sizes of these errors with the given factors.
+    /// Creates whitened `values`. Each of the `common` vectors \[Pa\] is the error of all values if
+    /// its source is wrong by one standard uncertainty. Further `readings`, with errors of variance
+    /// 1, are sums of the sizes of these errors with the given factors.
     pub(super) fn new(
         values: &'a [Value],
         common: &[Vec<Complex64>],
@@ -90,7 +91,7 @@ impl<'a> Whitened<'a> {
         self.plain.len()
     }
 
-    /// Returns a material on the lines, in units of the independent errors.
+    /// Returns the moduli of a material at the lines, in units of the independent errors.
     fn of_material(&self, material: impl Fn(Complex64) -> Complex64) -> Vec<f64> {
         let mut column = whitened(self.values, self.values.iter().map(|v| material(v.place)));
         column.resize(self.rows(), 0.0);
@@ -146,7 +147,7 @@ impl<'a> Whitened<'a> {
         dot(&difference, &difference)
     }
 
-    /// Returns relaxation times of the band and [`DECADES_BEYOND`].
+    /// Returns relaxation times of the band and of [`DECADES_BEYOND`] on either side of it.
     pub(super) fn grid(&self, times_a_decade: f64) -> Option<Vec<f64>> {
         let sizes = || self.values.iter().map(|value| value.place.norm());
         let lowest = sizes().min_by(f64::total_cmp)?;
@@ -168,7 +169,7 @@ pub(super) fn solved(problem: &NonNegative) -> Vec<f64> {
     problem.solve_to(TOLERANCE).coefficients
 }
 
-/// The relaxing material nearest to values.
+/// The relaxing material nearest to the values.
 #[derive(Debug, Clone)]
 pub(super) struct Projection {
     pub(super) material: Material,
@@ -188,7 +189,8 @@ pub(super) struct Material {
 }
 
 impl Material {
-    /// Takes the coefficients of a spring and of branches with these `times` that are not 0.
+    /// Creates a material from the coefficients of a spring and of branches with these `times`;
+    /// branches with the coefficient 0 are left out.
     pub(super) fn of(times: &[f64], coefficients: &[f64]) -> Self {
         let (equilibrium, moduli) = coefficients.split_at(coefficients.len().min(1));
         let branches = times

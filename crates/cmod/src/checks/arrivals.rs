@@ -5,13 +5,13 @@ use super::{
 };
 use crate::error::{CmodError, check_not_negative, check_positive};
 
-/// Least number of samples before the blow, or before the wave, for a mean square.
+/// Minimum number of samples before the blow, or before the wave, for a mean square.
 const FEWEST_SAMPLES: usize = 8;
 
 /// Record of a blow in one channel.
 #[derive(Debug, Clone, Copy)]
 pub struct Channel<'a> {
-    /// Samples, in any unit; those of all channels at the same times.
+    /// Samples in any unit, at the same times in all channels.
     pub samples: &'a [f64],
     /// Distance of the section from the impacted end \[m\].
     pub distance: f64,
@@ -46,20 +46,20 @@ struct Noise {
 struct Wave {
     /// Correlation divided by its scatter.
     correlation: f64,
-    /// Probability that noise alone gives less, and more.
+    /// Probabilities that noise alone gives a lower (`opposite`) and a higher (`same`) correlation.
     opposite: f64,
     same: f64,
     channel: Option<usize>,
 }
 
 impl<'a> Arrivals<'a> {
-    /// Records of two channels or more, sampled every `interval` \[s\], of a blow that begins with
-    /// sample `blow`.
+    /// Creates the checks for records of two or more channels, sampled every `interval` \[s\], of a
+    /// blow that begins at sample `blow`.
     ///
     /// # Errors
     /// [`CmodError::GaugeCount`] for fewer than two channels, [`CmodError::NonPhysical`] for the
     /// interval or a distance, [`CmodError::LengthMismatch`] for histories of different length,
-    /// [`CmodError::TooFewSamples`] if fewer than 8 samples come before the blow,
+    /// [`CmodError::TooFewSamples`] if fewer than 8 samples precede the blow or none follows it,
     /// [`CmodError::NonFiniteSample`].
     pub fn new(channels: Vec<Channel<'a>>, interval: f64, blow: usize) -> Result<Self, CmodError> {
         check_positive("sampling interval [s]", interval)?;
@@ -96,22 +96,23 @@ impl<'a> Arrivals<'a> {
         })
     }
 
-    /// Checks that every channel is silent until a wave of `fastest` speed [m/s] can have come from
-    /// the impacted end, with the probability `level` of a false alarm.
+    /// Checks that every channel is silent until a wave of the speed `fastest` [m/s] can have
+    /// arrived from the impacted end, with the probability `level` of a false alarm.
     ///
-    /// The statistic of a channel is the ratio of the mean square between the blow and that moment
-    /// to the one before the blow. Noise alone gives 1, with the F-distribution; its degrees of
-    /// freedom are reduced for the correlation of the noise before the blow. The least p-value
-    /// of all channels counts, corrected for their number. Channels with fewer than 8 samples
-    /// in between do not take part.
+    /// The statistic of a channel is the mean square between the blow and that moment, divided by
+    /// the mean square before the blow. For noise alone it is about 1 and has the F-distribution,
+    /// with degrees of freedom that are reduced for the correlation of the noise before the blow.
+    /// The least p-value of all channels counts, corrected for the number of channels. Channels
+    /// with fewer than 8 samples between blow and arrival are not checked.
     ///
     /// `fastest` is the speed of the front, √(E/ρ) of the unrelaxed modulus: more than any phase
-    /// velocity of the band, by the dispersion due to the loss factor up to the sampling rate.
-    /// A filter of linear phase rings before the wave and fails.
+    /// velocity of the band, by the dispersion between the band and the sampling rate that the loss
+    /// factor causes. A linear-phase filter rings before the wave, so a record filtered in this way
+    /// fails.
     ///
     /// # Errors
     /// [`CmodError::NonPhysical`] for speed and level, [`CmodError::TooFewSamples`] if no channel
-    /// takes part, [`CmodError::NoNoise`] for a channel without any noise before the blow.
+    /// can be checked, [`CmodError::NoNoise`] for a channel without any noise before the blow.
     pub fn causality(&self, fastest: f64, level: f64) -> Result<CheckOutcome, CmodError> {
         let level = check_level(level)?;
         check_positive("fastest wave speed [m/s]", fastest)?;
@@ -129,7 +130,7 @@ impl<'a> Arrivals<'a> {
             let n = ahead.len() as f64;
             let deviations = ahead.iter().map(|value| (value - noise.mean).powi(2));
             let before = self.blow as f64;
-            // The mean of the noise is itself known only to within its scatter.
+            // The mean of the noise is itself an estimate with scatter.
             let expected = noise.mean_square * (1.0 + noise.persistence / before);
             let statistic = deviations.sum::<f64>() / n / expected;
             let p_value = fisher_tail(
@@ -156,11 +157,11 @@ impl<'a> Arrivals<'a> {
     /// with at most the probability `level` of a false alarm.
     ///
     /// Each channel is correlated with the one nearest to the impact for `duration` \[s\] from the
-    /// arrival of a wave of the given `speed` [m/s]. The statistic is the lowest correlation of
-    /// all channels, divided by its scatter due to noise: many standard deviations above 0 if
-    /// the sign is right, below 0 if it is wrong. Its distribution is Student's, as the noise
-    /// is estimated from the samples before the blow. The duration must end before a reflection
-    /// arrives. Where the wave is below the noise the check is undecided.
+    /// arrival of a wave of the given `speed` [m/s]. The statistic is the lowest correlation of all
+    /// channels, divided by its scatter due to noise: many standard deviations above 0 if the sign
+    /// is right, below 0 if it is wrong. Its distribution is Student's, as the noise is estimated
+    /// from the samples before the blow. The duration must end before a reflection arrives. If the
+    /// wave is below the noise, the check is undecided.
     ///
     /// # Errors
     /// [`CmodError::NonPhysical`] for speed, duration and level, [`CmodError::TooFewSamples`] if
@@ -256,7 +257,7 @@ impl<'a> Arrivals<'a> {
         })
     }
 
-    /// Number of whole samples in a time.
+    /// Returns the number of whole samples in a time.
     #[expect(
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,

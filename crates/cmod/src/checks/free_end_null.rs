@@ -10,12 +10,13 @@ use crate::multi_point::{GaugeSpectra, Quantity};
 
 /// Maximum number of Gauss-Newton steps per line.
 const MOST_STEPS: u32 = 60;
-/// Degrees of freedom of the noise of a line up to which a ratio to it has no variance.
+/// Degrees of freedom of the noise of a line up to which a ratio to this noise has no finite
+/// variance.
 const FEWEST_DEGREES_OF_FREEDOM: f64 = 4.0;
 /// Smallest fraction of a step that is tried.
 const SMALLEST_FRACTION: f64 = 1e-6;
 
-/// Free-end null check: three sections or more see one motion of a free end, and γ.
+/// Free-end null check: three or more sections must agree on one motion of the free end and one γ.
 ///
 /// Beyond the free end of a rod there is no force except that of its mass m. At the distance d from
 /// the end every quantity is therefore one amplitude c times a known function of γ,
@@ -24,14 +25,14 @@ const SMALLEST_FRACTION: f64 = 1e-6;
 /// b_j = c f(γd_j) ,    f = sinh γd + lγ cosh γd (strain) or cosh γd + lγ sinh γd (motion) ,    l = m/(ρA)
 /// ```
 ///
-/// while a support, a crack or a sensor with wrong position or calibration adds a second wave. γ
-/// and c of every test are fitted on each line, and χ² = 2Σ|b - cf|²/σ² has 2(M(n - 1) - 1) degrees
+/// while a support, a crack or a sensor with wrong position or calibration adds a second wave. On
+/// each line, γ and one c per test are fitted, and χ² = 2Σ|b - cf|²/σ² has 2(M(n - 1) - 1) degrees
 /// of freedom for M tests with n sections. The statistic is the sum over all lines divided by the
 /// sum of their degrees of freedom; noise alone gives 1.
 ///
-/// Two sections agree on some γ despite any error, so that three are needed. A rod that is not
-/// one-dimensional, because of bending or of lateral inertia that changes the shape of the waves
-/// near the end, fails as well.
+/// Two sections always agree on some γ, whatever their errors, so three are needed. A rod whose
+/// waves are not one-dimensional, because of bending or of lateral inertia that changes the shape
+/// of the waves near the end, fails as well.
 ///
 /// ```
 /// use cmod::checks::{FreeEndNull, USUAL_LEVEL};
@@ -95,15 +96,15 @@ impl FreeEndNull {
 
     /// Sets the degrees of freedom of a measured noise, per sensor and line.
     ///
-    /// A ratio to an estimate of ν degrees of freedom is on average ν/(ν - 2) times that to the
-    /// noise itself. The statistic is divided by this factor and compared with Fisher's
-    /// distribution instead of chi-square, with the degrees of freedom of all sensors and lines
-    /// together in the denominator: over some thousand lines a noise that is known to some per
-    /// cent would otherwise fail every record.
+    /// The ratio to an estimated noise power of ν degrees of freedom is on average ν/(ν - 2) times
+    /// the ratio to the true noise power. The statistic is divided by this factor and compared with
+    /// Fisher's distribution instead of chi-square, with the degrees of freedom of all sensors and
+    /// lines together in the denominator: otherwise every record of some thousand lines would fail
+    /// if its noise has an error of some per cent.
     ///
     /// # Errors
     /// [`CmodError::NonPhysical`] unless a line has more than 4 degrees of freedom, below which
-    /// such ratios have no variance.
+    /// such ratios have no finite variance.
     pub fn with_noise_freedom(mut self, freedom: VarianceFreedom) -> Result<Self, CmodError> {
         let freedom = freedom.check()?;
         if freedom.line <= FEWEST_DEGREES_OF_FREEDOM {
@@ -118,14 +119,14 @@ impl FreeEndNull {
     }
 
     /// Checks `spectra`, one row per distance, near the `propagation_coefficient` γ [1/m] of each
-    /// line from any method, with the probability `level` of a false alarm. Lines with a
-    /// non-finite γ or value do not take part.
+    /// line from any method, with the probability `level` of a false alarm. Lines with a non-finite
+    /// γ or value are skipped.
     ///
     /// # Errors
     /// [`CmodError::NonPhysical`] for the level; for the `spectra` the errors of
     /// [`MultiPoint::estimate`](crate::MultiPoint::estimate); [`CmodError::LengthMismatch`] for γ;
-    /// [`CmodError::NoNoise`] if the noise of a sensor is 0; [`CmodError::NoLines`] if no line
-    /// takes part.
+    /// [`CmodError::NoNoise`] if the noise of a sensor is 0; [`CmodError::NoLines`] if no line can
+    /// be checked.
     pub fn check(
         &self,
         spectra: &GaugeSpectra<'_>,
@@ -170,7 +171,7 @@ impl FreeEndNull {
             Some(noise) => {
                 let statistic = total / all * (1.0 - 2.0 / noise.line);
                 let of_noise = (count * n) as f64 * noise.own;
-                // the ratio scatters more than with the known noise, by (ν - 2)/(ν - 4)
+                // the ratio scatters more than with a known noise, by (ν - 2)/(ν - 4)
                 let of_lines = all * (noise.line - 4.0) / (noise.line - 2.0);
                 (statistic, fisher_tail(statistic, of_lines, of_noise))
             }
@@ -180,7 +181,7 @@ impl FreeEndNull {
     }
 }
 
-/// Noise of all sensors on one line.
+/// Returns the noise of all sensors at one line.
 #[allow(
     clippy::indexing_slicing,
     reason = "`GaugeSpectra::check` has refused noise of another length"
@@ -292,9 +293,9 @@ impl<'a> Fit<'a> {
 mod tests {
     use super::*;
 
-    /// Noise that was assumed 10 % too small in amplitude: chi-square of many lines fails a correct
-    /// record, Fisher's distribution for a noise of 100 degrees of freedom in all, which is
-    /// known to 14 %, does not.
+    /// A noise assumed 10 % too small in amplitude: chi-square of many lines fails a correct
+    /// record; Fisher's distribution for a noise of 100 degrees of freedom in all, whose power has
+    /// a standard error of 14 %, does not.
     #[test]
     fn a_noise_that_is_known_to_some_per_cent_fails_nobody() {
         let rod = RodWithFreeEnd {

@@ -9,7 +9,7 @@ use super::{Check, CheckOutcome, CheckVerdict, check_level, chi_square_tail};
 use crate::error::CmodError;
 use crate::estimate::{ErrorSource, ModulusEstimate, ModulusLine};
 
-/// Fits of the nearest material, each with the weights of the previous one.
+/// Maximum number of fits of the nearest material, each with weights from the previous fit.
 const MOST_ROUNDS: u32 = 4;
 
 /// Checks that the modulus of an `estimate` can be that of a relaxing material, with at most the
@@ -18,12 +18,12 @@ const MOST_ROUNDS: u32 = 4;
 /// The nearest relaxing material is fitted in units of the random errors of the lines, with the
 /// common errors of the specimen free within their uncertainties
 /// ([`KramersKronig::of_modulus_with_common_errors`]). With known variances the residual sum of
-/// squares F = |δE|²/σ², including those of the common errors, is that of a projection on a cone.
-/// The nearest material lies on a face of the cone of p dimensions, the number of its parameters
-/// above 0. For records that end on this face, twice the sum exceeds a value at most as often as a
-/// chi-square variable with 2n - p degrees of freedom for n lines: the residual is perpendicular to
-/// the face, and the truth, which lies in the cone, can only shorten it (Wollan & Dykstra,
-/// *Conditional tests with an order restriction as a null hypothesis*, 1986).
+/// squares F = |δE|²/σ², including the squares of the common errors, is that of a projection onto a
+/// cone. The nearest material lies on a face of the cone of p dimensions, the number of its
+/// parameters above 0. For records projected onto this face, twice the sum exceeds a value at most
+/// as often as a chi-square variable with 2n - p degrees of freedom for n lines: the residual is
+/// perpendicular to the face, and the truth, which lies in the cone, can only shorten it (Wollan &
+/// Dykstra, *Conditional tests with an order restriction as a null hypothesis*, 1986).
 ///
 /// With a variance of ν degrees of freedom, F of a line follows Fisher's distribution, P(F > x) =
 /// (1 + 2x/ν)^{-ν/2}, so that
@@ -33,34 +33,35 @@ const MOST_ROUNDS: u32 = 4;
 /// ```
 ///
 /// has the distribution of F with a known variance, however small ν is. Σu replaces ΣF and is
-/// minimised by the nearest material: distant lines count less. It is ν/(ν + 2) of the logarithm of
-/// a likelihood, of which a parameter absorbs half of a chi-square variable: p counts by this
-/// factor. Where neighbours share their variances, their u are correlated: with D degrees of
-/// freedom of all lines together the variance of Σu is larger by 1 + n (2/D - 2/Σν), and chi-square
-/// is scaled to it.
+/// minimised by the nearest material: outlying lines count less. Σu is ν/(ν + 2) times the
+/// logarithm of a likelihood, of which a parameter absorbs half of a chi-square variable: p is
+/// multiplied by this factor. Where neighbours share their variances, their u are correlated: with
+/// D degrees of freedom of all lines together the variance of Σu is larger by 1 + n (2/D - 2/Σν),
+/// and chi-square is scaled to it.
 ///
-/// An error common to all losses is hidden in this sum. The second statistic is the decrease due to
-/// a factor on all losses ([`LossError`](rodwave::kramers_kronig::LossError)), with one degree of
-/// freedom; the probability is twice the smaller.
+/// This sum hides an error common to all losses. The second statistic is the decrease due to a
+/// factor on all losses ([`LossError`](rodwave::kramers_kronig::LossError)), with one degree of
+/// freedom; the p-value is twice the smaller of the two p-values.
 ///
 /// The statistic is the root mean square residual, and noise alone gives 1. The error of the grid
-/// of relaxation times is subtracted first; if only that decides, the check is undecided.
+/// of relaxation times is subtracted first; if the verdict depends on the accuracy of the optimum,
+/// the check is undecided.
 ///
-/// The lines of [`passivity`](super::passivity) take part, at least three.
+/// The same lines are used as in [`passivity`](super::passivity); at least three are needed.
 ///
 /// # Errors
-/// [`CmodError::NonPhysical`] for the level, [`CmodError::NoLines`] if fewer than three lines take
-/// part, [`CmodError::NoNoise`] if a standard error is 0.
+/// [`CmodError::NonPhysical`] for the level, [`CmodError::NoLines`] if fewer than three lines can
+/// be used, [`CmodError::NoNoise`] if a standard error is 0.
 pub fn kramers_kronig(estimate: &ModulusEstimate, level: f64) -> Result<CheckOutcome, CmodError> {
     kramers_kronig_on(estimate, usize::MAX, level)
 }
 
-/// Checks at most `most_lines` of the lines, evenly chosen: the effort grows with their number, and
-/// an error of a modulus seldom affects one line of thousands only. The detectable error decreases
-/// with the root of the number.
+/// Checks at most `most_lines` lines, evenly chosen: the effort grows with their number, and an
+/// error of a modulus seldom affects only one line of thousands. The detectable error decreases
+/// with the square root of the number of lines.
 ///
 /// # Errors
-/// As [`kramers_kronig`].
+/// Those of [`kramers_kronig`].
 pub fn kramers_kronig_on(
     estimate: &ModulusEstimate,
     most_lines: usize,
@@ -107,7 +108,7 @@ pub fn kramers_kronig_on(
     }
     let n = lines.len() as f64;
     let by_common: f64 = nearest.common_errors.iter().map(|xi| 0.5 * xi * xi).sum();
-    // sum for residuals smaller by this factor
+    // sum for residuals multiplied by `factor`
     let sum = |factor: f64| -> f64 {
         let of_line = |(line, f): (&Tested<'_>, &f64)| line.like_chi_square(factor * factor * f);
         let of_lines: f64 = lines.iter().zip(&squares).map(of_line).sum();
@@ -128,9 +129,11 @@ pub fn kramers_kronig_on(
         }
         chi_square_tail(2.0 * sum(factor) / spread, freedom / spread)
     };
-    // The optimum lies between the two; the smaller residual must already be too large.
+    // The residual of the optimum lies between its lower bound and the residual found; even the
+    // lower bound must be too large.
     let all_lines = p_of(nearest.residual_lower_bound);
-    // Fewer squares with the weights of the lines: at least as much of the concave u.
+    // The decrease is that of the weighted squares; since u is concave, Σu decreases at least as
+    // much.
     let loss_alone = nearest
         .loss_error
         .map_or(1.0, |error| chi_square_tail(error.decrease / spread, 1.0));
@@ -158,12 +161,12 @@ pub fn kramers_kronig_on(
     .at(worst))
 }
 
-/// Line that takes part.
+/// Line that is checked.
 struct Tested<'a> {
     line: &'a ModulusLine,
     /// (E|δE|²)^½ due to noise [Pa].
     error: f64,
-    /// Degrees of freedom of its square, if estimated.
+    /// Degrees of freedom of the square of `error`, if estimated.
     freedom: Option<f64>,
 }
 
@@ -200,7 +203,7 @@ impl<'a> Tested<'a> {
 }
 
 /// Returns the degrees of freedom absorbed by the parameters of the `nearest` material. Each common
-/// error absorbs the one that it adds.
+/// error absorbs the one degree of freedom that it adds.
 fn taken_up(nearest: &KramersKronig, lines: &[Tested<'_>]) -> f64 {
     let elastic = [nearest.equilibrium_modulus, nearest.viscosity];
     let parameters = nearest.branches.len() + elastic.iter().filter(|x| **x > 0.0).count();
@@ -221,7 +224,7 @@ fn squares(nearest: &KramersKronig, lines: &[Tested<'_>]) -> Vec<f64> {
         .collect()
 }
 
-/// Returns δE of every source over the lines, 0 where a line does not depend on it.
+/// Returns δE of every source on all lines, 0 where a line does not depend on the source.
 fn common_errors(lines: &[Tested<'_>]) -> Vec<Vec<Complex64>> {
     let mut sources: Vec<ErrorSource> = Vec::new();
     for shift in lines

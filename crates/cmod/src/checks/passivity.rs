@@ -10,18 +10,19 @@ use crate::estimate::ModulusEstimate;
 /// Checks that E'' of an `estimate` is nowhere below 0 by more than its random errors allow, with
 /// at most the probability `level` of a false alarm.
 ///
-/// Two tests are made, each at half of the level, of the relative loss l = E''/|E| and its random
-/// error σ: of its mean by Σ(l/σ²)/√Σ(1/σ²), and of a single line by the least l/σ of all lines.
-/// The statistic is the more extreme of both, in standard errors below 0. With estimated variances
+/// The relative loss l = E''/|E| with its random error σ is tested twice, each time at half of the
+/// level: its mean by Σ(l/σ²)/√Σ(1/σ²), and single lines by the least l/σ of all lines. The
+/// statistic is the more extreme of the two, in standard errors below 0. With estimated variances
 /// l/σ of a line follows Student's distribution, and the sum is divided by √Σ(l²/σ⁴) instead:
-/// whatever the estimates are, errors of either sign are equally likely. Uncertainty of the
-/// specimen is not noise: a position that makes E'' negative is to be detected.
+/// whatever the estimates are, errors of either sign are equally likely. The uncertainty of the
+/// specimen does not count as noise: a wrong position that makes E'' negative is to be detected.
 ///
-/// Lines of negative damping take part, though they are not valid; lines with a doubtful branch do
-/// not. The p-value is that of a material without losses; with losses a false alarm is rarer.
+/// Lines of negative damping are included, although they are not valid; lines with a doubtful
+/// branch are not. The p-value is that of a material without losses; with losses a false alarm is
+/// rarer.
 ///
 /// # Errors
-/// [`CmodError::NonPhysical`] for the level, [`CmodError::NoLines`] if no line takes part,
+/// [`CmodError::NonPhysical`] for the level, [`CmodError::NoLines`] if no line can be checked,
 /// [`CmodError::NoNoise`] if a standard error is 0.
 pub fn passivity(estimate: &ModulusEstimate, level: f64) -> Result<CheckOutcome, CmodError> {
     let level = check_level(level)?;
@@ -44,7 +45,7 @@ pub fn passivity(estimate: &ModulusEstimate, level: f64) -> Result<CheckOutcome,
         let weight = 1.0 / (error * error);
         square += freedom.map_or(weight, |_| weight * z * z);
         let tail = student_tail_below(z, freedom);
-        // far in the tail both p-values of two lines may underflow to 0
+        // far in the tail the p-values of two lines may both underflow to 0
         if (tail, z) < (least.0, least.1) {
             least = (tail, z, Some(line.index));
         }

@@ -1,4 +1,4 @@
-//! Judgement of a line by its limits.
+//! Judgement of a line by the acceptance limits.
 
 use super::{ModulusLine, VarianceFreedom};
 use crate::error::CmodError;
@@ -12,7 +12,7 @@ pub(crate) struct Acceptance {
     limits: AcceptanceLimits,
     degrees_of_freedom: Option<f64>,
     own_degrees_of_freedom: Option<f64>,
-    /// Number of standard errors of the random part.
+    /// Number of standard errors that make up the possible random error.
     factor: f64,
 }
 
@@ -119,7 +119,7 @@ impl Acceptance {
         violations
     }
 
-    /// Returns the violation of the least coherence, if `coherence` is below it.
+    /// Returns the violation of the coherence limit, if `coherence` is below it.
     pub(crate) fn incoherent(&self, coherence: f64) -> Option<Violation> {
         (coherence < self.limits.coherence).then_some(Violation::CoherenceTooLow {
             coherence,
@@ -136,8 +136,8 @@ mod tests {
     fn five_standard_errors_of_a_known_variance_are_more_of_an_estimated_one() {
         let known = Acceptance::new(AcceptanceLimits::default(), None).unwrap();
         assert!((coverage_factor(PROBABILITY_WITHIN, None).unwrap() - known.factor).abs() < 1e-6);
-        // Student's distribution with 18 degrees of freedom: the tail by its series, 2.87e-7 at
-        // 7.59
+        // Student's distribution with 18 degrees of freedom: the tail, from its series, is 2.87e-7
+        // at 7.59
         let ten_averages = Acceptance::new(AcceptanceLimits::default(), Some(18.0)).unwrap();
         assert!(
             (ten_averages.factor - 7.6).abs() < 0.1,

@@ -80,8 +80,8 @@ impl Budget {
     }
 
     /// Returns the effective degrees of freedom, (u/u_r)⁴ν by Welch and Satterthwaite: stated
-    /// uncertainties have infinitely many, the random error u_r has those of its variance.
-    /// `None` if that is known, too.
+    /// uncertainties count with infinitely many, the random error u_r with the degrees of freedom ν
+    /// of its variance. `None` if the variance is known, too.
     #[must_use]
     pub fn effective_degrees_of_freedom(&self) -> Option<f64> {
         let freedom = self.degrees_of_freedom?;
@@ -92,7 +92,7 @@ impl Budget {
     /// Returns the standard uncertainty times the coverage factor of this `probability`.
     ///
     /// # Errors
-    /// As [`coverage_factor`].
+    /// Those of [`coverage_factor`].
     pub fn expanded_uncertainty(&self, probability: f64) -> Result<f64, CmodError> {
         let factor = coverage_factor(probability, self.effective_degrees_of_freedom())?;
         Ok(factor * self.standard_uncertainty())
@@ -100,11 +100,11 @@ impl Budget {
 }
 
 impl ModulusLine {
-    /// Expanded uncertainty of a quantity for a coverage of `probability`: the whole of random and
-    /// common errors ([`Self::budget`]).
+    /// Returns the expanded uncertainty of a quantity for a coverage of `probability`, from random
+    /// and common errors together ([`Self::budget`]).
     ///
     /// # Errors
-    /// As [`coverage_factor`].
+    /// Those of [`coverage_factor`].
     pub fn expanded_uncertainty(
         &self,
         quantity: BudgetedQuantity,
@@ -113,7 +113,7 @@ impl ModulusLine {
         self.budget(quantity).expanded_uncertainty(probability)
     }
 
-    /// Returns the budget of one of its quantities, to first order.
+    /// Returns the budget of one quantity of the line, to first order.
     #[must_use]
     pub fn budget(&self, quantity: BudgetedQuantity) -> Budget {
         let systematic = self.uncertainty.systematic.iter();

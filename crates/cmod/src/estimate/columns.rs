@@ -57,7 +57,7 @@ impl Columns {
 
 type Quantity = (&'static str, &'static str, fn(&ModulusLine) -> f64);
 
-/// Line numbers are exact as `f64` up to 2^53.
+/// Name, unit and value of the columns. Line numbers are exact as `f64` up to 2^53.
 const QUANTITIES: [Quantity; 23] = [
     ("line", "1", |line| line.index as f64),
     ("frequency", "Hz", |line| line.frequency_hz),

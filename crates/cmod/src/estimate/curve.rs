@@ -22,7 +22,7 @@ pub enum PlottedQuantity {
 }
 
 impl PlottedQuantity {
-    /// Returns value and standard error on a line.
+    /// Returns the value of a line and its standard error.
     #[must_use]
     pub fn of(self, line: &ModulusLine) -> (f64, f64) {
         let error = &line.standard_error;
@@ -49,7 +49,7 @@ impl PlottedQuantity {
     }
 }
 
-/// Quantity over frequency in pieces.
+/// Quantity over frequency, in pieces of valid or invalid lines.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 #[non_exhaustive]
@@ -80,8 +80,9 @@ pub struct CurveSegment {
 }
 
 impl ModulusEstimate {
-    /// Returns `quantity` over frequency with bands of ± `standard_errors` σ, in pieces of one
-    /// verdict. A refused line ends a piece, too: nothing is drawn across it.
+    /// Returns `quantity` over frequency with bands of ± `standard_errors` σ, in pieces of lines
+    /// that are all valid or all invalid. A refused line ends a piece, too: nothing is drawn across
+    /// it.
     ///
     /// ```
     /// # use cmod::{Specimen, TwoPoint};

@@ -4,10 +4,10 @@ use crate::error::{CmodError, check_positive};
 
 /// Degrees of freedom of the estimated variance of one line.
 ///
-/// A variance from n averages has 2(n - 1), one from a noise measured in K segments has 2K. A line
-/// and its neighbours may share an estimate, pooled over them: `line` is then that of the pooled
-/// estimate, and `own` the contribution of the line itself. The sum of `own` over some lines is the
-/// number of degrees of freedom of these lines together.
+/// A variance from n averages has 2(n - 1) degrees of freedom, one from a noise measured in K
+/// segments has 2K. A line and its neighbours may share a pooled estimate: `line` is then the
+/// number of the pooled estimate, and `own` the contribution of the line itself. The sum of `own`
+/// over some lines is the number of degrees of freedom of these lines together.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct VarianceFreedom {
@@ -18,7 +18,7 @@ pub struct VarianceFreedom {
 }
 
 impl VarianceFreedom {
-    /// Sets the degrees of freedom of a line, and its `own` contribution to those of all lines.
+    /// Creates the degrees of freedom of a line, and its `own` contribution to those of all lines.
     ///
     /// # Errors
     /// [`CmodError::NonPhysical`] unless both are finite and above 0, and `own` at most `line`.
@@ -51,8 +51,8 @@ impl VarianceFreedom {
         Ok(self)
     }
 
-    /// Returns those of Σ vᵢ with independent estimates vᵢ of these degrees of freedom each (Welch
-    /// and Satterthwaite).
+    /// Returns the degrees of freedom of Σ vᵢ, a sum of independent estimates vᵢ with the degrees
+    /// of freedom `self` each (Welch and Satterthwaite).
     pub(crate) fn of_sum(self, parts: impl Iterator<Item = f64> + Clone) -> Self {
         let sum: f64 = parts.clone().sum();
         let squares: f64 = parts.map(|part| part * part).sum();
@@ -77,7 +77,7 @@ mod tests {
         let four = one.of_sum([3.0; 4].into_iter());
         assert_eq!(four, VarianceFreedom::new(32.0, 8.0).unwrap());
         assert_eq!(one.of_sum([3.0, 0.0].into_iter()), one);
-        // half of the variance is known: four times the degrees of freedom
+        // three averages give 2(3 - 1) degrees of freedom
         let of_three = VarianceFreedom::new(4.0, 4.0).unwrap();
         assert_eq!(VarianceFreedom::of_averages(3.0).unwrap(), of_three);
         assert!(VarianceFreedom::of_averages(1.5).is_err());

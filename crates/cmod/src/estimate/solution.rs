@@ -19,7 +19,7 @@ use crate::validity::{GREATEST_SECOND_ORDER, Validity, Violation};
 pub(crate) struct Solution {
     pub(crate) index: usize,
     pub(crate) frequency: ComplexFrequency,
-    /// γ [1/m], at that frequency.
+    /// γ [1/m] at `frequency`.
     pub(crate) gamma: Complex64,
     /// ρ [kg/m³].
     pub(crate) density: f64,
@@ -28,7 +28,7 @@ pub(crate) struct Solution {
     /// Covariance of γ due to noise [1/m²].
     pub(crate) random: ComplexCovariance,
     /// Shifts due to the specimen. Empty if it has no uncertainty. The error of one-dimensional
-    /// theory is added here.
+    /// theory is added by `into_line`.
     pub(crate) systematic: Vec<SystematicShift>,
     /// |dE/E| divided by the relative error of the measured quantity.
     pub(crate) error_amplification: f64,
@@ -44,7 +44,7 @@ pub(crate) struct Solution {
 }
 
 impl Solution {
-    /// Returns the judged line. Refused if one of its numbers is not finite.
+    /// Returns the judged line, or a refusal if one of its numbers is not finite.
     pub(crate) fn into_line(self, acceptance: &Acceptance) -> Result<ModulusLine, Refusal> {
         let gamma = self.gamma;
         let frequency_hz = self.frequency.hz();
@@ -122,12 +122,13 @@ impl Solution {
 }
 
 impl ModulusEstimate {
-    /// Returns the estimate with every modulus changed by the fraction `change` of itself, which has
-    /// a standard error, such as from the temperature of the test to another one.
+    /// Returns the estimate with every modulus changed by the fraction `change` of itself, for
+    /// example from the temperature of the test to another one; `standard_error` is the standard
+    /// error of this fraction.
     ///
     /// # Errors
-    /// [`CmodError::NonPhysical`] unless the change leaves a positive part and its standard error is
-    /// not negative.
+    /// [`CmodError::NonPhysical`] unless 1 + `change` is positive and the standard error is not
+    /// negative.
     pub fn changed_by(&self, change: f64, standard_error: f64) -> Result<Self, CmodError> {
         check_positive(
             "modulus at the reference over that of the test",
@@ -167,8 +168,9 @@ impl ModulusEstimate {
         })
     }
 
-    /// Returns the estimate with every line replaced by `revise`, which judges it by the acceptance
-    /// with the degrees of freedom of the line. Lines without a value are refused for `reason`.
+    /// Returns the estimate with every line replaced by `revise`, which judges the line with an
+    /// acceptance for its degrees of freedom. Lines for which `revise` returns `None` are refused
+    /// for `reason`.
     pub(crate) fn revised(
         &self,
         reason: Refusal,
@@ -193,7 +195,7 @@ impl ModulusEstimate {
 
 impl ModulusLine {
     /// Returns the line with all results derived from its corrected modulus, propagation
-    /// coefficient and uncertainty. Violations other than of the size of an error are kept
+    /// coefficient and uncertainty. Violations that do not concern the size of an error are kept
     /// where `stays` returns true. `None` if a number is not finite.
     pub(crate) fn revised(
         mut self,
@@ -227,14 +229,15 @@ impl ModulusLine {
 }
 
 /// Returns the error of one-dimensional theory for a `modulus` at kD = `wave_number`: E' is too
-/// small by at most ½ν²(kD/2)² of itself, E'' is right. `None` without a wave, or for ν = 0.
+/// small by at most ½ν²(kD/2)² of itself, and E'' is not affected. `None` without a wave, or for
+/// ν = 0.
 fn lateral_inertia(
     modulus: Complex64,
     wave_number: f64,
     poisson_ratio: f64,
 ) -> Option<SystematicShift> {
     let error = elementary_theory_error(TAU / wave_number, poisson_ratio).ok()?;
-    // E'' is right, and E''/E' too large by the part that E' is too small
+    // E'' is not affected, so E''/E' is too large by the fraction by which E' is too small
     let bound = modulus.re.abs() * error.loss_factor;
     (bound > 0.0).then(|| SystematicShift::of_lateral_inertia(Complex64::new(bound, 0.0)))
 }

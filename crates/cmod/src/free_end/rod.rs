@@ -28,8 +28,8 @@ impl RodWithFreeEnd {
         self.end_mass / (self.density * 0.25 * PI * self.diameter * self.diameter)
     }
 
-    /// Returns the arrangement `with` the rod that has each uncertain quantity that affects the
-    /// length of the end mass increased and decreased.
+    /// Returns the arrangements that `with` creates from the rod with each uncertain quantity that
+    /// affects the length of the end mass increased and decreased.
     pub(crate) fn changed<T>(
         &self,
         uncertainty: &SectionUncertainty,
@@ -81,7 +81,7 @@ pub(crate) struct FreeEndShape {
 }
 
 impl FreeEndShape {
-    /// Returns cosh γd + lγ sinh γd, for a strain sinh γd + lγ cosh γd.
+    /// Returns cosh γd + lγ sinh γd for a motion, sinh γd + lγ cosh γd for a strain.
     pub(crate) fn at(&self, distance: f64, gamma: Complex64) -> Jet {
         let end = Jet::linear(self.length_of_end_mass * gamma, self.length_of_end_mass);
         let cosh = Jet::cosh(distance, gamma);

@@ -10,24 +10,24 @@ use rodwave::fourier::RealFourier;
 use crate::error::{CmodError, check_positive};
 use crate::estimate::VarianceFreedom;
 
-/// Part of the spacing of the modes on both sides of the expected frequency within which a mode is
-/// sought.
+/// Half width of the search range around the expected frequency of a mode, as a fraction of the
+/// spacing of the modes.
 const REACH: f64 = 0.3;
-/// Power of a mode over the median of the power there.
+/// Minimum ratio of the power of a mode to the median power in its search range.
 const ABOVE_MEDIAN: f64 = 100.0;
-/// Fewest lines on each side of a mode.
+/// Minimum number of fitted lines on each side of a mode.
 const FEWEST_LINES: usize = 12;
-/// Most lines on each side.
+/// Maximum number of fitted lines on each side of a mode.
 const MOST_LINES: usize = 400;
-/// Power of another vibration over that of the strongest mode from which it is named.
+/// Power of another vibration, relative to the strongest mode, above which it is reported.
 const ELSEWHERE: f64 = 0.1;
-/// Lines on each side per width at half power.
+/// Number of fitted lines on each side, as a multiple of the width of the peak at half power.
 const WIDTHS: f64 = 6.0;
-/// Unknowns of a mode: amplitude, pole, and a parabola of all others.
+/// Number of unknowns of a mode: amplitude, pole, and a parabola for all other modes.
 const UNKNOWNS: usize = 5;
-/// Most steps of the iteration.
+/// Maximum number of steps of the iteration.
 const MOST_STEPS: usize = 60;
-/// Part of the sampling rate up to which modes are sought.
+/// Fraction of the sampling rate up to which modes are sought.
 const HIGHEST: f64 = 0.45;
 
 /// A mode $`e^{st}`$.
@@ -58,11 +58,11 @@ pub struct Missing {
 pub struct Poles {
     /// The modes that were found, in order.
     pub found: Vec<Pole>,
-    /// Those that do not stand out.
+    /// The expected modes that do not stand out from the other lines.
     pub missing: Vec<Missing>,
-    /// Frequency of the strongest line that belongs to none of the modes, if its power is a tenth
-    /// of the strongest mode's or more \[Hz\]: another vibration, or a wave speed that is far
-    /// off.
+    /// Frequency \[Hz\] of the strongest line that belongs to none of the modes, if its power is
+    /// more than a tenth of that of the strongest mode: another vibration, or a wave speed that is
+    /// far off.
     pub strongest_elsewhere: Option<f64>,
 }
 
@@ -76,14 +76,15 @@ impl Poles {
     /// X_k = B/(1 - z e^{-iω_kΔt}) + b₀ + b₁k + b₂k² ,
     /// ```
     ///
-    /// exactly, wherever the record ends; the parabola is that of all other modes, far away. B, b
-    /// and z follow by least squares on the lines around the mode, their noise from the
-    /// residual. The frequency of a mode predicts that of the next. The poles of several records
-    /// are averaged; if they differ beyond their errors, by the scatter.
+    /// exactly, wherever the record ends; the parabola represents all other modes, which are far
+    /// away. B, b and z follow by least squares on the lines around the mode, and the noise of
+    /// these lines from the residual. The frequency of a mode predicts that of the next mode. The
+    /// poles of several records are averaged; if they differ by more than their errors, the
+    /// variance of the mean follows from their scatter.
     ///
     /// # Errors
     /// [`CmodError::NonPhysical`] for a rate that is not above 0, a sample that is not finite, or
-    /// records of less than 64 samples.
+    /// records of fewer than 64 samples.
     pub fn of(
         records: &[&[f64]],
         rate_hz: f64,
@@ -164,7 +165,7 @@ impl Poles {
     }
 }
 
-/// Mean of the poles of several records with its variance and degrees of freedom.
+/// Returns the mean of the poles of several records with its variance and degrees of freedom.
 fn mean(fits: &[Fit]) -> Option<(Complex64, f64, f64)> {
     let weights: f64 = fits.iter().map(|fit| fit.variance.recip()).sum();
     let sum: Complex64 = fits.iter().map(|fit| fit.s / fit.variance).sum();
@@ -194,15 +195,15 @@ struct Fit {
     s: Complex64,
     variance: f64,
     freedom: f64,
-    /// Half the width of its lines \[Hz\].
+    /// Half the width of the band of fitted lines \[Hz\].
     width_hz: f64,
 }
 
 /// Lines of one record.
 struct Spectrum {
-    /// Without a window.
+    /// Fourier transform without a window.
     lines: Vec<Complex64>,
-    /// Power with Hann's window, in which a mode is no larger than it is near.
+    /// Power with Hann's window, with which a distant mode contributes little to a line.
     power: Vec<f64>,
     /// \[Hz\].
     step_hz: f64,
@@ -249,7 +250,7 @@ impl Spectrum {
         line.min(self.lines.len().saturating_sub(1))
     }
 
-    /// The strongest of the `counted` lines in a band, with its power.
+    /// Returns the strongest of the `counted` lines in a band, with its power.
     fn strongest(
         &self,
         (from_hz, to_hz): (f64, f64),
@@ -262,7 +263,7 @@ impl Spectrum {
             .max_by(|a, b| a.1.total_cmp(&b.1))
     }
 
-    /// The mode near `expected` \[Hz\]; `None` if none stands out.
+    /// Fits the mode near `expected` \[Hz\]; `None` if none stands out.
     #[expect(
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,
@@ -311,7 +312,7 @@ impl Spectrum {
         };
         let omega = TAU * peak as f64 * self.step_hz;
         let start = |decay: f64| (Complex64::new(-decay, omega) * self.sample).exp();
-        // from much slower than the record to the width of the peak
+        // starting values of the decay, from much slower than one record length to much faster
         let per_record = TAU * self.step_hz;
         let fits = [0.03, 0.3, 1.0, 3.0, 10.0, 30.0]
             .into_iter()
@@ -333,12 +334,12 @@ impl Spectrum {
 struct LinesOfMode<'a> {
     /// $`e^{-i\omega_k\Delta t}`$.
     turns: Vec<Complex64>,
-    /// From -1 to 1.
+    /// Places of the lines, from -1 to 1.
     places: Vec<f64>,
     values: &'a [Complex64],
 }
 
-/// z of a mode.
+/// Fitted z of a mode.
 struct FittedPole {
     z: Complex64,
     /// E|δz|².
@@ -348,15 +349,15 @@ struct FittedPole {
 }
 
 impl LinesOfMode<'_> {
-    /// Least squares from a start: B and the parabola for a z at a time, Gauss and Newton's step
-    /// for z.
+    /// Fits z by Gauss-Newton steps from a start; B and the parabola follow by linear least squares
+    /// for each z.
     fn fit(&self, start: Complex64) -> Option<FittedPole> {
         let mut z = start;
         let mut best = self.linear(z)?;
         for _ in 0..MOST_STEPS {
             let jacobian = self.columns(z, Some(best.amplitude));
             let step = least_squares(&jacobian, &best.residual)?.last().copied()?;
-            // halved until it is an improvement
+            // the step is halved until it is an improvement
             let mut part = 1.0;
             let better = loop {
                 let next = z + part * step;
@@ -389,7 +390,7 @@ impl LinesOfMode<'_> {
         })
     }
 
-    /// Columns of B, the parabola, and z where the amplitude is known.
+    /// Returns the columns of B and the parabola and, if the amplitude is given, of z.
     fn columns(&self, z: Complex64, amplitude: Option<Complex64>) -> Vec<Vec<Complex64>> {
         let pole: Vec<Complex64> = self
             .turns
@@ -410,7 +411,7 @@ impl LinesOfMode<'_> {
         columns
     }
 
-    /// B and the parabola by linear least squares for a z.
+    /// Returns the linear least-squares fit of B and the parabola for a given z.
     fn linear(&self, z: Complex64) -> Option<Linear> {
         let columns = self.columns(z, None);
         let found = least_squares(&columns, self.values)?;
@@ -423,7 +424,7 @@ impl LinesOfMode<'_> {
     }
 }
 
-/// Linear least squares for a z.
+/// Result of the linear least squares for a given z.
 struct Linear {
     amplitude: Complex64,
     residual: Vec<Complex64>,
@@ -453,7 +454,7 @@ fn matrix(columns: &[Vec<Complex64>]) -> Mat<Complex64> {
     })
 }
 
-/// Factors of the columns; `None` if one is not finite.
+/// Returns the factors of the columns; `None` if one is not finite.
 fn least_squares(columns: &[Vec<Complex64>], values: &[Complex64]) -> Option<Vec<Complex64>> {
     let (scaled, sizes) = unit(columns);
     let right = Mat::from_fn(values.len(), 1, |i, _| {
@@ -468,7 +469,7 @@ fn least_squares(columns: &[Vec<Complex64>], values: &[Complex64]) -> Option<Vec
     factors.iter().all(|x| x.is_finite()).then_some(factors)
 }
 
-/// Last element of the diagonal of (JᴴJ)⁻¹.
+/// Returns the last element of the diagonal of (JᴴJ)⁻¹.
 fn last_of_inverse(columns: &[Vec<Complex64>]) -> Option<f64> {
     let (scaled, sizes) = unit(columns);
     let jacobian = matrix(&scaled);
@@ -482,7 +483,7 @@ fn last_of_inverse(columns: &[Vec<Complex64>]) -> Option<f64> {
     Some(solved[(last, 0)].re / (size * size))
 }
 
-/// Columns of unit length, and their lengths.
+/// Returns the columns scaled to unit length, and their original lengths.
 fn unit(columns: &[Vec<Complex64>]) -> (Vec<Vec<Complex64>>, Vec<f64>) {
     columns
         .iter()

@@ -1,8 +1,8 @@
 //! Choice of gauge positions.
 //!
 //! For a guess of the material and of the waves, the standard error of γ is predicted before the
-//! gauges are mounted (Cramér-Rao, as in [`MultiPoint`](super::MultiPoint)). Gauges on a grid are
-//! singular at ka = nπ, for any waves.
+//! gauges are mounted (Cramér-Rao, as in [`MultiPoint`](super::MultiPoint)). Gauges on a grid of
+//! spacing a are singular at ka = nπ, for any waves.
 
 use std::f64::consts::{PI, TAU};
 
@@ -13,19 +13,19 @@ use super::projection::Projection;
 use super::spectra::{WhiteLine, check_positions};
 use crate::error::{CmodError, check_frequencies, check_not_negative, check_positive};
 
-/// Expected waves in the rod: an incident one of amplitude 1 along +x, and its reflection.
+/// Expected waves in the rod: an incident wave of amplitude 1 along +x, and its reflection.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ExpectedWaves {
     /// Section at which the incident wave has the amplitude 1 \[m\].
     pub incident_at: f64,
-    /// Section from which it is reflected \[m\].
+    /// Section from which the incident wave is reflected \[m\].
     pub reflector_at: f64,
     /// Reflection coefficient N/P there: -1 for the strain at a free end, 1 at a fixed one, 0 for
     /// no reflection.
     pub reflection: Complex64,
 }
 
-/// Predicted error on one line.
+/// Predicted error of one line.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct Prediction {
@@ -95,7 +95,7 @@ pub fn predict<L: PropagationLaw>(
 }
 
 /// Returns the spacing of the coarsest grid on which all `positions` \[m\] lie within `tolerance`
-/// \[m\]: Euclid's algorithm on their distances. `None` if the only grid is finer than ten times
+/// \[m\], by Euclid's algorithm on their distances. `None` if the only grid is finer than ten times
 /// the tolerance.
 ///
 /// # Errors
@@ -112,12 +112,12 @@ pub fn common_spacing(positions: &[f64], tolerance: f64) -> Result<Option<f64>, 
         }
         spacing = a;
     }
-    // for distances so unequal that their quotient overflows the spacing is undetermined
+    // for distances so unequal that their quotient overflows, the spacing is undetermined
     check_not_negative("common spacing of the gauges [m]", spacing)?;
     Ok((spacing > 10.0 * tolerance).then_some(spacing))
 }
 
-/// Maximum number of half waves between neighbouring gauges for listed frequencies.
+/// Maximum number of half waves in the common spacing up to which singular frequencies are listed.
 const MOST_HALF_WAVES: f64 = 1e5;
 
 /// Returns the frequencies \[Hz\] up to `highest_hz` at which all gauges are multiples of half a

@@ -1,4 +1,4 @@
-//! Sensitivities, delays and positions of gauges from the lines themselves.
+//! Sensitivities, delays and positions of gauges, determined from the lines.
 
 use num_complex::Complex64;
 
@@ -20,7 +20,7 @@ pub trait GaugeMethod: Sized {
     /// Returns the gauged rod.
     fn rod(&self) -> &GaugedRod;
 
-    /// Returns its uncertainties.
+    /// Returns the uncertainties of the gauged rod.
     fn uncertainty(&self) -> &GaugeUncertainty;
 
     /// Returns the complex modulus.
@@ -29,13 +29,13 @@ pub trait GaugeMethod: Sized {
     /// Those of the method.
     fn estimate_modulus(&self, spectra: &GaugeSpectra<'_>) -> Result<ModulusEstimate, CmodError>;
 
-    /// Returns true if the last of the rod's positions is that of a free end, and the gauges
-    /// measure a motion, whose slope is 0 there.
+    /// Returns true if the last of the rod's positions is that of a free end and the gauges measure
+    /// a motion, whose slope is 0 at a free end without mass.
     fn ends_with_slope(&self) -> bool {
         false
     }
 
-    /// Returns the length of the rod that has the mass on its end \[m\].
+    /// Returns the length of rod with the same mass as the mass on the end \[m\].
     fn end_length(&self) -> f64 {
         0.0
     }
@@ -46,8 +46,8 @@ pub trait GaugeMethod: Sized {
     }
 
     /// Returns the complex modulus from gauges at these `positions` \[m\]: by least squares where
-    /// the method allows only its own positions. It is the modulus on the lines s = σ + iω of
-    /// the added damping σ.
+    /// the method allows only its own positions. The result is the modulus on the lines s = σ + iω
+    /// of the added damping σ.
     ///
     /// # Errors
     /// Those of the method and of the positions.
@@ -122,7 +122,7 @@ impl GaugeMethod for ThreePoint {
         };
         let mut method = MultiPoint::new(moved)?.with_uncertainty(self.uncertainty.clone())?;
         method.settings = self.settings;
-        // the closed form counts the waves, with sufficiently accurate positions
+        // the positions are accurate enough for the closed form to count the waves
         method.settings.wave_speed = speed_of_first_lines(&self.estimate(spectra)?);
         method.estimate_modulus(spectra)
     }
@@ -167,12 +167,12 @@ impl SelfCalibration {
 }
 
 impl CausalEstimate {
-    /// Projects the lines of gauges by a `method` on the relaxing materials, with all its
-    /// uncertainties. With [added damping](MultiPoint::with_added_damping) the same material
-    /// answers on the axis.
+    /// Projects the gauge lines of a `method` onto the cone of relaxing materials, with all
+    /// uncertainties of the method. With [added damping](MultiPoint::with_added_damping), the
+    /// material found also gives the modulus on the axis.
     ///
     /// # Errors
-    /// As [`CausalEstimate::of_ratio`].
+    /// Those of [`CausalEstimate::of_ratio`].
     pub fn of_gauges(
         method: &impl GaugeMethod,
         spectra: &GaugeSpectra<'_>,
@@ -204,7 +204,7 @@ impl<'a, M: GaugeMethod> GaugeExperiment<'a, M> {
         self.sources.iter().map(|(source, _)| *source).collect()
     }
 
-    /// Returns each error of one standard uncertainty, at s = σ + iω.
+    /// Returns the error of each source for one standard uncertainty, at s = σ + iω.
     fn errors(&self, s: Complex64) -> impl Iterator<Item = GaugeError> {
         let sources = self.sources.iter();
         let rod = self.method.rod();
@@ -302,7 +302,8 @@ impl<M: GaugeMethod> Experiment for GaugeExperiment<'_, M> {
             let mut sources = self.sources.iter();
             !sources.any(|(source, _)| *source == shift.source)
         });
-        // of the smooth modulus: in the noise of the line they would be taken for what the noise is
+        // scaled to the smooth modulus: shifts scaled to the modulus of the line would contain its
+        // noise
         let (of_modulus, of_gamma) = (modulus / line.modulus, gamma / line.propagation_coefficient);
         shifts.extend(others.map(|shift| {
             SystematicShift::new(

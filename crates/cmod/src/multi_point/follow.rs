@@ -1,8 +1,8 @@
-//! Wave number from line to line, where there is no closed form.
+//! Wave number followed from line to line, where there is no closed form.
 //!
-//! The followed quantity is γ/ω, nearly constant over a quarter wave: the mean of the lines before,
-//! each weighted by its information on γ/ω. A singular line has almost no weight and cannot affect
-//! the others.
+//! The followed quantity is γ/ω, which is nearly constant over a quarter wave. Its expectation is
+//! the mean of the previous lines, each weighted by its information on γ/ω. A singular line has
+//! almost no weight and cannot affect the others.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -41,7 +41,7 @@ impl Expectation {
         self.slowness.im * (omega - self.last_omega) * self.distance
     }
 
-    /// Returns the doubt about `gamma`, found at ω.
+    /// Returns the doubt about the branch of `gamma`, found at ω.
     pub(super) fn doubt(&self, omega: Complex64, gamma: Complex64) -> Option<BranchDoubt> {
         let advance = self.advance(omega.re);
         let expected = self.gamma(omega).im * self.distance;

@@ -16,8 +16,8 @@ pub(super) struct SolvedLine {
     pub(super) gamma: Complex64,
     /// E|δγ|² [1/m²].
     pub(super) variance: f64,
-    /// Influence of each gauge, if any property of a gauge is uncertain or the end has a mass; else
-    /// empty.
+    /// Influence of each gauge, if any property of a gauge is uncertain or the end has a mass;
+    /// otherwise empty.
     pub(super) influence: Vec<GaugeInfluence>,
     /// Second-order error of γ divided by |δγ|² \[m\].
     pub(super) curvature: f64,

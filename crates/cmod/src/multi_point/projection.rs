@@ -1,5 +1,5 @@
-//! One line by variable projection: the two waves are eliminated, and the residual is minimised
-//! over γ.
+//! Fit of one line by variable projection: the two waves are eliminated, and the residual is
+//! minimised with respect to γ.
 //!
 //! With b the values of the gauges and A(γ) = [e^{-γx}, e^{γx}], both divided by the noise of each
 //! gauge, the waves that fit b best are c = A⁺b, and
@@ -66,7 +66,7 @@ pub(super) struct Minimum {
 /// Linearisation of a line about some γ, in units of its noise.
 #[derive(Debug, Clone)]
 pub(super) struct About {
-    /// Step from that γ to the one of the line [1/m].
+    /// Step from that γ to the γ of the line [1/m].
     pub(super) step: Complex64,
     /// Inverse of the variance of γ.
     pub(super) information: f64,
@@ -80,15 +80,15 @@ pub(super) struct About {
     pub(super) square: f64,
 }
 
-/// Orthonormal columns at one γ, with room for a row of gauges.
+/// Orthonormal columns at one γ, with memory for a row of gauges.
 pub(super) struct Projection {
     /// x - x₁ and x_n - x.
     from_first: Vec<f64>,
     to_last: Vec<f64>,
     /// Sign of the forward wave in each row: -1 where a motion has zero slope at a free end.
     forward_signs: Vec<f64>,
-    /// Length ℓ \[m\] of the rod in each row that has the mass on the end: the waves there have the
-    /// factors 1 - ℓγ and 1 + ℓγ.
+    /// Length ℓ \[m\] of rod with the same mass as the mass attached at each row, 0 at a gauge: the
+    /// waves there have the factors 1 - ℓγ and 1 + ℓγ.
     end_lengths: Vec<f64>,
     gamma: Complex64,
     aperture: f64,
@@ -109,7 +109,8 @@ impl Projection {
     }
 
     /// Creates the projection with the end of the rod as the last row, for gauges of motion if
-    /// `is_slope`. The force there is that of a mass, which `end_length` \[m\] of the rod has:
+    /// `is_slope`. The force there is that of a mass equal to the mass of `end_length` \[m\] of
+    /// rod:
     ///
     /// ```text
     /// P e^{-γL} (1 - ℓγ) ± N e^{γL} (1 + ℓγ) = 0 .
@@ -199,7 +200,7 @@ impl Projection {
         distinguishable.then_some(())
     }
 
-    /// Sets A', with the columns at their γ.
+    /// Sets A' at the γ of the columns.
     fn set_slopes(&mut self) {
         let [first, second] = &mut self.slope_columns;
         for ((s, f), x) in first.iter_mut().zip(&self.forward).zip(&self.from_first) {
@@ -291,8 +292,8 @@ impl Projection {
     /// determined.
     ///
     /// The iteration ends when the step is a hundredth of the standard error estimated from the
-    /// residuals, or rounding. That step is still taken; its remaining error is of the order of
-    /// the relative noise.
+    /// residuals, or at the level of rounding. That step is still taken; its remaining error is of
+    /// the order of the relative noise.
     pub(super) fn minimise(&mut self, start: Complex64, line: &WhiteLine) -> Option<Minimum> {
         let mut gamma = start;
         let mut now = self.evaluate(gamma, line)?;
@@ -317,7 +318,7 @@ impl Projection {
                     termination,
                 });
             }
-            // The model varies with the phase over the aperture: no step beyond one radian.
+            // The model varies with the phase over the aperture, so no step exceeds one radian.
             let most = self.aperture.recip();
             if step.norm() > most {
                 step *= most / step.norm();
@@ -341,8 +342,8 @@ impl Projection {
         Some(lost(gamma, &now, MOST_STEPS))
     }
 
-    /// Returns the fractions of the gauges in d^H d at `gamma`, which is that of the last
-    /// evaluation or sufficiently near: those of the noise of each gauge in the variance of γ.
+    /// Returns the contributions of the gauges to d^H d at `gamma`: the noise of each gauge
+    /// contributes to the variance of γ in the same proportions.
     pub(super) fn shares(&mut self, gamma: Complex64, line: &WhiteLine) -> Option<Vec<f64>> {
         self.set(gamma, &line.weights)?;
         self.set_slopes();
@@ -362,8 +363,8 @@ impl Projection {
 
     /// Returns the influence of each gauge on the solution `gamma`: an additional value, q' dx for
     /// an offset dx and q u for a relative error u of the sensitivity, changes γ by its product
-    /// with d^H, divided by d^H d; likewise a change of the length of the rod that has the mass on the
-    /// end.
+    /// with d^H, divided by d^H d. The same applies to a change of the length of rod that
+    /// represents the mass on the end.
     pub(super) fn influence(
         &mut self,
         gamma: Complex64,
@@ -394,10 +395,10 @@ impl Projection {
         Some(influence)
     }
 
-    /// Returns the information of the line about a rod with the propagation coefficient `gamma`:
-    /// the Gauss-Newton step to the γ of its values with the inverse of its variance, and the
-    /// residual in the directions of errors of the gauges. Each of `errors` is a gauge with the
-    /// factor on its values q and that on their slope q'.
+    /// Linearises the line about a rod with the propagation coefficient `gamma`: returns the
+    /// Gauss-Newton step to the γ of the measured values with the inverse of its variance, and the
+    /// products of the residual with the errors of the gauges. Each of `errors` gives a gauge, the
+    /// factor on its values q and the factor on their slope q'.
     pub(super) fn about(
         &mut self,
         gamma: Complex64,
@@ -409,7 +410,7 @@ impl Projection {
         let n = self.n_gauges();
         let count = line.values.len();
         let (mut residuals, mut tangents) = (Vec::with_capacity(count), Vec::with_capacity(count));
-        // for each error: its addition to the values, and P of that
+        // for each error: the projection P of its contribution to the values
         let mut added = vec![Vec::with_capacity(count); errors.len()];
         for values in line.values.chunks_exact(n) {
             let y = self.coefficients(values.iter().copied());
@@ -490,8 +491,8 @@ impl Projection {
             let c = self.amplitudes(self.coefficients(values.iter().copied()));
             let w = self.set_slope(c);
             let drift = self.amplitudes(w);
-            // P(A''c/2 - A'A⁺A'c): deviation of the residual from its tangent d at a distance 1 of
-            // γ
+            // P(A''c/2 - A'A⁺A'c): deviation of the residual from its tangent d for a change of γ
+            // by 1
             let [first, second] = &self.slope_columns;
             let columns = first.iter().zip(second);
             for (((s, (f, b)), x), y) in self
@@ -503,7 +504,8 @@ impl Projection {
             {
                 *s = f * (-0.5 * x * c[0] - drift[0]) + b * (-0.5 * y * c[1] - drift[1]);
             }
-            // the second derivative of the row of a mass, which lies at x_n, beyond that of a gauge
+            // additional second derivative of the row of a mass, which is at x_n, compared with
+            // that of a gauge
             let rows = self.slope.iter_mut().zip(&self.forward);
             for ((s, f), (x, length)) in rows.zip(self.from_first.iter().zip(&self.end_lengths)) {
                 if *length > 0.0 {
@@ -533,7 +535,7 @@ impl Projection {
     }
 }
 
-/// Derivatives of ln(1 - ℓγ) and ln(1 + ℓγ) by ℓ [1/m].
+/// Returns the derivatives of ln(1 - ℓγ) and ln(1 + ℓγ) with respect to ℓ [1/m].
 fn by_end_length(length: f64, gamma: Complex64) -> [Complex64; 2] {
     [
         -gamma / (1.0 - length * gamma),
@@ -586,7 +588,8 @@ mod tests {
         let at = projection.evaluate(GAMMA, &line).unwrap();
         // rounding of the values, squared
         assert!(at.misfit < 1e-28 * line.power);
-        // V = |δγ|² d^H d near the minimum; the next order is the curvature, of order the aperture
+        // V = |δγ|² d^H d near the minimum; the next order is the curvature, of the order of the
+        // aperture
         for delta in [Complex64::new(1e-5, 0.0), Complex64::new(0.0, 1e-5)] {
             let beside = projection.evaluate(GAMMA + delta, &line).unwrap();
             let ratio = beside.misfit / (at.information * delta.norm_sqr());
@@ -604,8 +607,8 @@ mod tests {
         assert!((found.gamma - GAMMA).norm() < 1e-13 * GAMMA.norm());
     }
 
-    /// V beyond its tangent, by differences: |P(γ+δ)b| = |δ d + δ² q + ...| in the part that is
-    /// orthogonal to both.
+    /// Compares the curvature, |q|/|d| in |P(γ+δ)b| = |δ d + δ² q + ...|, with that of the closed
+    /// form for three equidistant gauges.
     #[test]
     fn the_curvature_is_the_second_order_of_the_residual() {
         let mut projection = Projection::new(&[0.0, 0.1, 0.2]);

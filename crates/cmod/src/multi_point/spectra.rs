@@ -33,7 +33,7 @@ impl GaugedRod {
         self.distances().fold(f64::INFINITY, f64::min)
     }
 
-    /// Returns the distances between neighbours \[m\].
+    /// Returns the distances between neighbouring gauges \[m\].
     pub(super) fn distances(&self) -> impl Iterator<Item = f64> {
         let positions = &self.positions;
         positions
@@ -42,7 +42,7 @@ impl GaugedRod {
             .map(|(x, y)| y - x)
     }
 
-    /// Returns the length of the rod that has this mass, m/(ρA) \[m\].
+    /// Returns the length of rod that has this mass, m/(ρA) \[m\].
     pub(super) fn length_of(&self, mass: f64) -> f64 {
         mass / (self.density * std::f64::consts::FRAC_PI_4 * self.diameter * self.diameter)
     }
@@ -88,7 +88,7 @@ pub(super) fn check_positions(positions: &[f64]) -> Result<(), CmodError> {
     Ok(())
 }
 
-/// Fourier transforms of the signals of the gauges in one test or several, and their noise.
+/// Fourier transforms of the gauge signals in one or several tests, and their noise.
 ///
 /// | field | shape |
 /// |---|---|
@@ -150,13 +150,14 @@ impl GaugeSpectra<'_> {
     }
 }
 
-/// Weight of the condition at a free end relative to the largest of a gauge. It leaves 1e-6 of the
-/// variances, which an exact condition would not; rounding grows to 1e-13.
+/// Weight of the condition at a free end relative to the largest weight of a gauge. The condition
+/// keeps 1e-6 of the variance of that gauge, where an exact condition would have none; rounding
+/// grows to 1e-13.
 const WEIGHT_OF_FREE_END: f64 = 1e3;
 
 /// Line of all tests, divided by the noise of each gauge.
 pub(super) struct WhiteLine {
-    /// (n_tests · n_gauges), gauge by gauge of the first test, then of the next.
+    /// Values (n_tests · n_gauges), gauge by gauge of the first test, then of the next.
     pub(super) values: Vec<Complex64>,
     /// 1/noise of each gauge; 1 without noise.
     pub(super) weights: Vec<f64>,
@@ -169,7 +170,7 @@ pub(super) struct WhiteLine {
 }
 
 impl WhiteLine {
-    /// Creates a line for `n_rows` rows: one more than there are gauges where the last is a free
+    /// Creates a line for `n_rows` rows: one more than there are gauges if the last row is a free
     /// end.
     pub(super) fn for_spectra(spectra: &GaugeSpectra<'_>, n_rows: usize) -> Self {
         Self {

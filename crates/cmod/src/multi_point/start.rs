@@ -1,10 +1,10 @@
 //! Start of the wave number: one wave speed for the first lines together.
 //!
 //! On a single line V(γ) has many minima. However, only one speed, nearly constant over the first
-//! wavelengths, explains many lines at once: of a series of speeds the one is chosen that minimises
-//! the misfit, averaged over lines with up to one wavelength between the outermost gauges. The
-//! logarithm of the misfit is averaged without the worst third of the lines, so that outliers do
-//! not decide. The best speeds are compared again on more lines.
+//! wavelengths, explains many lines at once: from a series of speeds, the search chooses the one
+//! that minimises the misfit, averaged over lines with up to one wavelength between the outermost
+//! gauges. The logarithm of the misfit is averaged without the worst third of the lines, so that
+//! outliers have no influence. The best speeds are compared again on more lines.
 
 use num_complex::Complex64;
 
@@ -19,7 +19,7 @@ const SLOWEST: f64 = 20.0;
 const FASTEST: f64 = 20e3;
 /// Factor of the range around a guess.
 const GUESS_FACTOR: f64 = 1.5;
-/// Ratio of neighbouring speeds: a third of a radian at one wavelength.
+/// Ratio of neighbouring speeds: the phase differs by a third of a radian at one wavelength.
 const SPEED_RATIO: f64 = 1.055;
 /// Values of α/k tried: loss factors of about 0, 0.12 and 0.4.
 const DAMPING: [f64; 3] = [0.0, 0.06, 0.2];
@@ -30,8 +30,8 @@ const MORE_LINES: usize = 64;
 const FINALISTS: usize = 8;
 /// Minimum number of lines for distinguishing speeds without a guess.
 const FEWEST_LINES: usize = 8;
-/// Misfit of one speed and one damping for all lines, relative to the root mean square of the
-/// gauges.
+/// Misfit allowed because one speed and one damping are used for all lines, relative to the root
+/// mean square of the gauges.
 const MODEL_ERROR: f64 = 0.02;
 /// Logarithm of the ratio above which two speeds are distinct.
 const DISTINCT: f64 = 0.3;
@@ -44,7 +44,7 @@ pub(super) struct Start {
     pub(super) doubt: Option<BranchDoubt>,
 }
 
-/// Compares speeds over the `usable` lines (their indices); `None` if there is no line.
+/// Compares speeds over the lines with the indices `usable`; `None` if there is no line.
 pub(super) fn wave_speed(
     projection: &mut Projection,
     spectra: &GaugeSpectra<'_>,
@@ -78,7 +78,7 @@ pub(super) fn wave_speed(
         }
         tried.push(best);
         let next = speed * SPEED_RATIO;
-        // a guess at the limits of the double range stops growing, or grows endlessly
+        // for a guess at the limits of the range of `f64` the speed stops growing, or overflows
         if next <= speed || next == f64::INFINITY {
             break;
         }
@@ -222,7 +222,7 @@ mod tests {
 
     #[test]
     fn the_speed_is_found_wherever_the_lines_begin() {
-        // the phase over 0.2 m is 0.02 and 4 on the first line
+        // the phase over 0.2 m at the first line is 0.02 to 4 rad
         for first_hz in [20.0, 500.0, 1000.0, 4000.0] {
             let start = start_of(first_hz, 300);
             assert!(start.doubt.is_none(), "{first_hz} Hz: {:?}", start.doubt);

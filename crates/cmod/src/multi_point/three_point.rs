@@ -5,7 +5,7 @@
 //! ```
 //!
 //! with q₀ at the middle and q₁, q₂ at the distance a on either side of it. The equation is that of
-//! a rod with a free end of length a, and has the same root and branches (eqs. 8-9, Table 1):
+//! a rod of length a with a free end, and has the same root and branches (eqs. 8-9, Table 1):
 //! [`crate::branch`].
 
 use std::f64::consts::TAU;
@@ -64,7 +64,7 @@ struct Ratio {
     frequency_hz: f64,
     value: Complex64,
     variance: f64,
-    /// Fractions due to the three gauges.
+    /// Parts of the variance due to the three gauges.
     parts: [f64; 3],
     /// Error of |Ψ| divided by the relative error of the gauges.
     amplification: f64,
@@ -145,12 +145,12 @@ impl ThreePoint {
         })
     }
 
-    /// Sets the standard uncertainties of density and positions, which are common to all lines. By
-    /// default both are exact.
+    /// Sets the standard uncertainties of the rod and its gauges, which are common to all lines. By
+    /// default all quantities are exact.
     ///
     /// # Errors
     /// [`CmodError::NonPhysical`] for a value that is not finite or below 0;
-    /// [`CmodError::GaugeCount`] unless there is none or one for each gauge.
+    /// [`CmodError::GaugeCount`] unless each list is empty or has one value per gauge.
     pub fn with_uncertainty(mut self, uncertainty: GaugeUncertainty) -> Result<Self, CmodError> {
         self.uncertainty = uncertainty.check(self.rod.positions.len(), false)?;
         Ok(self)
@@ -172,8 +172,8 @@ impl ThreePoint {
     /// E|δγ|² = [(σ₁² + σ₂²)/4 + |Ψ|² σ₀²] / (a² |sinh γa|² Σ|q̂₀|²)
     /// ```
     ///
-    /// It grows without bound near ka = nπ and where a node lies at the middle gauge. Such lines
-    /// are marked.
+    /// It grows without bound near ka = nπ and where a node is at the middle gauge. Such lines are
+    /// marked.
     ///
     /// # Errors
     /// Errors of the `spectra` as a whole: [`CmodError::NoLines`], [`CmodError::NoTests`],

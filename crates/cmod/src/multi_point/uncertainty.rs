@@ -7,7 +7,7 @@ use crate::error::{CmodError, check_not_negative};
 use crate::estimate::{ErrorSource, SystematicShift};
 
 /// Standard uncertainties of a rod with gauges, independent of each other and the same on all
-/// lines; 0, or no positions, for exact quantities.
+/// lines; 0, or an empty list, for exact quantities.
 ///
 /// ```text
 /// density:           dE/E = dρ/ρ
@@ -16,12 +16,12 @@ use crate::estimate::{ErrorSource, SystematicShift};
 /// delay of j:        dE/E = -(2/γ) (∂γ/∂ln q_j) (-s dt_j)
 /// ```
 ///
-/// A gauge with an offset dx measures q(x) + q'(x) dx, and the change of γ is that of any other
-/// error of this gauge: for several gauges ∂γ/∂x_j = Σ d_j* q'_j/Σ|d|² over the tests, q' = γ (N
-/// e^{γx} - P e^{-γx}) and d as in [`MultiPoint`](super::MultiPoint::estimate); for three by dΨ;
-/// likewise with q_j in place of q'_j for an error of its sensitivity. A common shift of all gauges
-/// changes nothing, nor does a common sensitivity or delay, and a common scale is one
-/// of the length: Σ ∂γ/∂x_j = 0, Σ ∂γ/∂ln q_j = 0, Σ x_j ∂γ/∂x_j = γ.
+/// A gauge with an offset dx measures q(x) + q'(x) dx, which changes γ like any other error of this
+/// gauge: for several gauges ∂γ/∂x_j = Σ d_j* q'_j/Σ|d|² over the tests, q' = γ (N e^{γx} - P
+/// e^{-γx}) and d as in [`MultiPoint`](super::MultiPoint::estimate); for three equidistant gauges,
+/// through dΨ. For an error of the sensitivity, q_j takes the place of q'_j. A common shift of all
+/// gauges changes nothing, nor does a common error of sensitivity or delay; a common scale of the
+/// positions acts like a scale of the length: Σ ∂γ/∂x_j = 0, Σ ∂γ/∂ln q_j = 0, Σ x_j ∂γ/∂x_j = γ.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct GaugeUncertainty {
     /// Uncertainty of the density [kg/m³].
@@ -32,15 +32,16 @@ pub struct GaugeUncertainty {
     pub factors: Vec<f64>,
     /// Uncertainty of the delay of the channel of each gauge \[s\].
     pub delays: Vec<f64>,
-    /// Uncertainty of the position of the free end \[m\], if the rod has one that is used.
+    /// Uncertainty of the position of the free end \[m\], if a free end is used.
     pub free_end: f64,
-    /// Uncertainty of the mass on that end \[kg\].
+    /// Uncertainty of the mass on the free end \[kg\].
     pub end_mass: f64,
-    /// Uncertainty of the diameter \[m\], which acts through that mass alone.
+    /// Uncertainty of the diameter \[m\], which acts only through the mass on the free end.
     pub diameter: f64,
 }
 
-/// Error of one gauge: the additional measured value, by its value and by the slope there.
+/// Error of one gauge: the additional measured value, as factors on the value and on the slope
+/// there.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct GaugeError {
     pub(super) gauge: usize,
@@ -51,7 +52,7 @@ pub(super) struct GaugeError {
 
 impl GaugeError {
     /// Returns the error of a source that is wrong by its standard `uncertainty`, at s = σ + iω;
-    /// `None` if it is not of one of the `rod`'s gauges.
+    /// `None` if the source does not belong to a gauge of the `rod` or to its free end.
     pub(super) fn of(
         source: ErrorSource,
         uncertainty: f64,
@@ -83,7 +84,8 @@ pub(super) struct GaugeInfluence {
     pub(super) position: Complex64,
     /// ∂γ/∂ln q [1/m].
     pub(super) scale: Complex64,
-    /// ∂γ/∂ℓ [1/m²] by the stated length of the rod that has the mass on the end, in its row.
+    /// ∂γ/∂ℓ [1/m²] with respect to the stated length ℓ of rod that has the same mass as the mass
+    /// on the end, in the row of the end.
     pub(super) end_length: Complex64,
 }
 
@@ -137,7 +139,7 @@ impl GaugeUncertainty {
         Ok(self)
     }
 
-    /// Returns true if any property of a gauge is uncertain.
+    /// Returns true if any property of a gauge or of the free end is uncertain.
     pub(super) fn is_of_gauges(&self) -> bool {
         [&self.positions, &self.factors, &self.delays]
             .into_iter()
@@ -147,7 +149,8 @@ impl GaugeUncertainty {
             || self.end_mass > 0.0
     }
 
-    /// Changes of the length m/(ρA) of the rod that has the mass on the end \[m\], by their sources.
+    /// Returns the changes of the length m/(ρA) \[m\] of rod that has the same mass as the mass on
+    /// the end, with their sources.
     fn of_end_length(&self, rod: &GaugedRod, mass: f64) -> [(ErrorSource, f64); 3] {
         let length = rod.length_of(mass);
         [
@@ -161,7 +164,7 @@ impl GaugeUncertainty {
     }
 
     /// Returns the uncertain sources of the gauges with their standard uncertainties: positions,
-    /// sensitivities, delays.
+    /// sensitivities, delays and the free end.
     pub(super) fn of_gauges(&self) -> impl Iterator<Item = (ErrorSource, f64)> {
         fn of(
             values: &[f64],

@@ -5,8 +5,8 @@ use num_complex::Complex64;
 use super::projection::TestWaves;
 use crate::complex_frequency::ComplexFrequency;
 
-/// Quantity measured by the gauges. All of these obey the same equation (paper B, after eq. 7); the
-/// choice only determines the conversion of the waves of one into those of another.
+/// Quantity measured by the gauges. All quantities obey the same equation (paper B, after eq. 7);
+/// the choice only determines the conversion of waves from one quantity to another.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Quantity {
     /// ε = ∂u/∂x, positive in tension.
@@ -21,7 +21,7 @@ pub enum Quantity {
 }
 
 impl Quantity {
-    /// Returns the powers of ∂/∂x and ∂/∂t that convert u into it.
+    /// Returns the powers of ∂/∂x and ∂/∂t that convert u into the quantity.
     pub(crate) fn derivatives(self) -> (i32, i32) {
         match self {
             Self::Strain => (1, 0),
@@ -40,7 +40,7 @@ pub struct WavesAtSection {
     pub forward: Complex64,
     /// N e^{γx}, along -x.
     pub backward: Complex64,
-    /// E|δP|², real and imaginary part together, one half each, uncorrelated.
+    /// E|δP|², real and imaginary part together; half of it is due to each of them, uncorrelated.
     pub forward_variance: f64,
     /// E|δN|².
     pub backward_variance: f64,
@@ -62,18 +62,18 @@ impl WavesAtSection {
     }
 }
 
-/// Data of a line that the waves need.
+/// Data of a line from which its waves are computed.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct LineOfWaves {
     pub(super) frequency: ComplexFrequency,
     pub(super) gamma: Complex64,
     /// Variance E|δγ|² [1/m²].
     pub(super) gamma_variance: f64,
-    /// (A^H A)⁻¹ divided by the variance of a value: its diagonal and its element 1, 2.
+    /// (A^H A)⁻¹ times the variance of a value: its diagonal and its element 1, 2.
     pub(super) covariance: (f64, f64, Complex64),
 }
 
-/// Returns the waves `from_first` \[m\] behind the first gauge and `to_last` \[m\] before the last,
+/// Returns the waves `from_first` \[m\] beyond the first gauge and `to_last` \[m\] before the last,
 /// converted from `measured` to `wanted`.
 ///
 /// With δc = A⁺e - A⁺A'c δγ and δγ uncorrelated with A⁺e, a wave P = c₁ e^{-γx} changes by δP =

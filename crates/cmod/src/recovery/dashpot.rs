@@ -93,9 +93,9 @@ impl Dashpot {
         }
     }
 
-    /// Returns the stress after `duration` \[s\] under `stress` \[Pa\] as a function of time \[s\];
-    /// by integration, with steps not above `longest_step`, or the time at which the
-    /// integration failed. `largest` is the largest stress \[Pa\] of the whole load.
+    /// Returns the stress after `duration` \[s\] under a `stress` \[Pa\] that is a function of time
+    /// \[s\], integrated with steps of at most `longest_step`; or the time at which the integration
+    /// failed. `largest` is the largest stress \[Pa\] of the whole load.
     pub(super) fn drive(
         &self,
         from: SpringStress,
@@ -143,7 +143,7 @@ mod tests {
     }
 
     /// Closed form and integration must agree to the stated error of the integration, for any
-    /// exponent and state before.
+    /// exponent and any initial state.
     #[test]
     fn closed_form_agrees_with_the_differential_equation() {
         for exponent in [0.0, 1e-6, 0.3, 1.0, 1.8, 5.0] {

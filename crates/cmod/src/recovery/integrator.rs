@@ -1,7 +1,7 @@
 //! Integration of a smooth system of ordinary differential equations with control of the error.
 //!
 //! The method is the pair of orders 5 and 4 of Dormand and Prince (1980). The error is controlled
-//! per unit of time, so that the tolerance is met over the whole interval and not in every one of a
+//! per unit of time, so that the tolerance applies to the whole interval and not to every one of a
 //! hundred thousand steps.
 
 /// Number of unknowns: the stress and its derivatives with respect to the two parameters.
@@ -57,7 +57,7 @@ const DIFFERENCE: [f64; 7] = [
 pub(super) struct Interval {
     /// Length of the interval; it begins at 0.
     pub(super) duration: f64,
-    /// Longest step: shorter variations of the load would be missed.
+    /// Longest step; a longer one could miss variations of the load.
     pub(super) longest_step: f64,
     /// Accepted error of the unknowns at the end; these must be of order 1.
     pub(super) tolerance: f64,
@@ -177,8 +177,8 @@ mod tests {
             .unwrap();
             for (value, rate) in end.iter().zip(rates) {
                 let exact = 20.0_f64.cos() + (-20.0 * rate).exp();
-                // these equations damp errors; the rounding of 20 s in some thousand steps is below
-                // 1e-13
+                // these equations damp errors; the rounding over 20 s in some thousand steps is
+                // below 1e-13
                 assert!(
                     (value - exact).abs() < tolerance + 1e-13,
                     "{tolerance} {rate}"

@@ -7,7 +7,7 @@
 
 use crate::directions::Directions;
 
-/// Fraction of the largest singular value below which a singular value is rounding.
+/// Fraction of the largest singular value below which a singular value counts as rounding.
 const RANK: f64 = 1e-9;
 const MOST_ITERATIONS: usize = 200;
 /// Maximum change of a parameter in one iteration: a logarithm by 1 is a factor of e.
@@ -60,7 +60,7 @@ impl Directions {
         step
     }
 
-    /// Returns the reduction predicted by the linear model of the step.
+    /// Returns the reduction of the sum of squares that the linear model predicts for the step.
     fn promised_reduction(&self, damping: f64) -> f64 {
         self.singular_values
             .iter()
@@ -94,8 +94,8 @@ pub(super) struct Minimum {
     pub(super) ending: Ending,
 }
 
-/// Minimises |r|² from `start`; `Ok(None)` if the start has no finite residuals. Errors are those
-/// of the problem.
+/// Minimises |r|² from `start`; `Ok(None)` if the start has no finite residuals. Errors of
+/// `problem` are passed on.
 pub(super) fn minimise<E>(
     start: &[f64],
     problem: impl Fn(&[f64]) -> Result<Linearised, E>,

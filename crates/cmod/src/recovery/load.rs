@@ -8,7 +8,7 @@ use crate::error::{CmodError, check_not_negative, check_positive};
 /// Number of integration steps per period of a sine.
 const STEPS_PER_PERIOD: f64 = 8.0;
 
-/// Part of a load, with its own time from 0.
+/// Part of a load; its time starts at 0.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub enum LoadSegment {
@@ -28,7 +28,7 @@ pub enum LoadSegment {
         /// Duration \[s\].
         duration: f64,
     },
-    /// σ_a + σ_c sin 2πf_c t, the load of Test 6.
+    /// Stress σ_a + σ_c sin 2πf_c t, as in Test 6.
     Periodic {
         /// Mean stress σ_a \[Pa\].
         mean: f64,
@@ -116,7 +116,7 @@ impl LoadHistory {
         Ok(Self { segments })
     }
 
-    /// Creates a constant `stress` \[Pa\] during `duration` \[s\]: Tests 1-5.
+    /// Creates a load of constant `stress` \[Pa\] for `duration` \[s\], as in Tests 1-5.
     ///
     /// # Errors
     /// Those of [`LoadHistory::new`].
@@ -124,9 +124,9 @@ impl LoadHistory {
         Self::new(vec![LoadSegment::Constant { stress, duration }])
     }
 
-    /// Creates straight lines between samples of the `stress` \[Pa\] at increasing `time` \[s\], as
-    /// recorded by a testing machine or in an impact. Both have one entry per sample; the first
-    /// sample is applied as a step.
+    /// Creates a load of straight lines between samples of the `stress` \[Pa\] at increasing `time`
+    /// \[s\], as recorded by a testing machine or in an impact. Both arrays have one entry per
+    /// sample; the first sample is applied as a step.
     ///
     /// # Errors
     /// [`CmodError::ReadingCount`] for unequal lengths, [`CmodError::NoLoad`] for fewer than two
@@ -176,9 +176,10 @@ impl LoadHistory {
         self.segments.iter().map(LoadSegment::duration).sum()
     }
 
-    /// Returns the load with each periodic segment replaced by the constant stress of the same mean
-    /// rate |σ|^m σ, to which the dashpot responds before its own stress becomes significant.
-    /// It is accurate enough for a start and avoids thousands of periods.
+    /// Returns the load with each periodic segment replaced by the constant stress with the same
+    /// mean of |σ|^m σ, which drives the dashpot as long as the stress of the parallel spring is
+    /// small. This is accurate enough for a start and avoids the integration of thousands of
+    /// periods.
     pub(super) fn averaged(&self, m: f64) -> Self {
         let average = |mean: f64, amplitude: f64| {
             // sixteen equidistant phases; the mean over a period converges fast with their number
@@ -340,8 +341,8 @@ mod tests {
             load.response(&PAIR).unwrap().value,
             averaged.response(&PAIR).unwrap().value,
         );
-        // the dashpot moves by a fifth of the load; the amplitude of the load affects this to
-        // second order
+        // the stress of the spring reaches a fifth of the load; the amplitude of the load affects
+        // it to second order
         assert!((a / b - 1.0).abs() < 0.02, "{a} {b}");
         // the mean stress has a rate that is lower by m(m+1)/4 (13/32)² = 20 %
         let mean = LoadHistory::creep(32e6, 100.0).unwrap();

@@ -63,8 +63,8 @@ impl Recovery {
         self.initial_dashpot_stress
     }
 
-    /// Returns t_r \[s\], in which the change of the loss factor falls to one half (paper C, eq. 5,
-    /// corrected); infinite for m = 0 or zero load.
+    /// Returns t_r \[s\], the time in which the change of the loss factor falls to one half (paper
+    /// C, eq. 5, corrected); infinite for m = 0 or zero load.
     #[must_use]
     pub fn recovery_time(&self) -> f64 {
         1.0 / (self.model.parameters.exponent * self.initial_rate())
@@ -157,8 +157,8 @@ mod tests {
         }
     }
 
-    /// Compares equation 4 with the integrated model: 600 s of rest belong to the load, then the
-    /// recovery starts later.
+    /// Compares equation 4 with the integrated model: if 600 s of rest count as part of the load,
+    /// the recovery starts 600 s later.
     #[test]
     fn recovery_continues_a_rest_after_the_load() {
         let model = ThreeElement::new(PRINTED).unwrap();
@@ -179,13 +179,13 @@ mod tests {
             .unwrap();
         for t in [0.0, 60.0, 7200.0] {
             let (a, b) = (now.dashpot_stress(600.0 + t), later.dashpot_stress(t));
-            // integration error of 1e-9 of 45 MPa, at a stress of a third of it
+            // integration error: 1e-9 of 45 MPa, at a stress of a third of 45 MPa
             assert!((a / b - 1.0).abs() < 3e-9, "{t}: {a} {b}");
             let (a, b) = (
                 now.loss_factor_change(OMEGA, 600.0 + t),
                 model.loss_factor_change(OMEGA, b),
             );
-            // multiplied by m
+            // the error above, multiplied by m
             assert!((a / b - 1.0).abs() < 6e-9, "{t}: {a} {b}");
         }
     }

@@ -37,7 +37,7 @@ impl RecoveryTest {
     /// # Errors
     /// [`CmodError::NonPhysical`] for a frequency that is not above 0, a negative virgin error or a
     /// load without stress; [`CmodError::ReadingCount`] for unequal lengths;
-    /// [`CmodError::TooFewReadings`] without any; [`CmodError::Reading`] for times that are
+    /// [`CmodError::TooFewReadings`] without readings; [`CmodError::Reading`] for times that are
     /// negative or do not increase, changes that are not finite, errors that are not above 0.
     pub fn new(
         name: impl Into<String>,
@@ -149,10 +149,10 @@ impl RecoveryTest {
 }
 
 /// Converts values of all readings of `tests` (a residual, or its derivatives), test after test, to
-/// uncorrelated ones of unit variance.
+/// uncorrelated values of unit variance.
 ///
 /// The virgin loss factor was measured once, so its error is one number for all readings of all
-/// tests. The covariance is that of independent errors σᵢ and this common one: D (I + a aᵀ) D with
+/// tests. The covariance of the independent errors σᵢ and this common error is D (I + a aᵀ) D with
 /// D = diag σᵢ, aᵢ = σ₀/σᵢ. What is applied is (I + a aᵀ)^(-1/2) D⁻¹, in closed form.
 pub(super) fn whiten(tests: &[RecoveryTest], values: &mut [f64]) {
     let errors = || {
@@ -200,8 +200,8 @@ mod tests {
         RecoveryTest::new("Test 2", load, 10e3, readings)
     }
 
-    /// Checks Wᵀ C W = I over the readings of two tests: independent errors, and that of the virgin
-    /// loss factor between any two readings, column by column.
+    /// Checks Wᵀ C W = I over the readings of two tests, column by column. C has independent
+    /// errors, and the error of the virgin loss factor between any two readings.
     #[test]
     fn r12_whitened_errors_of_all_tests_are_independent_and_of_unit_variance() {
         let sigma = [1e-3, 2e-3, 5e-4, 3e-3, 8e-4];

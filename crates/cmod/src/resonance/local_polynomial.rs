@@ -77,8 +77,8 @@ impl LocalPolynomial {
         )
     }
 
-    /// Returns the derivative of the value at t with respect to that of a point at `at` with this
-    /// `weight`.
+    /// Returns the derivative of the value at t with respect to the value of a point at `at` with
+    /// this `weight`.
     pub(super) fn influence(&self, t: f64, at: f64, weight: f64) -> f64 {
         let terms = self.basis(t).into_iter().zip(self.basis(at));
         let sum: f64 = terms
@@ -88,7 +88,8 @@ impl LocalPolynomial {
         weight * sum
     }
 
-    /// Returns the zero of the real part nearest to the middle, if it lies among the points.
+    /// Returns the zero of the real part that Newton's method finds from the middle, if it is in
+    /// the range of the points.
     pub(super) fn zero_of_real_part(&self) -> Option<f64> {
         let mut t = 0.0;
         for _ in 0..MOST_STEPS {
@@ -131,8 +132,8 @@ mod tests {
         assert!((fit.zero_of_real_part().unwrap() - 0.2).abs() < 1e-13);
     }
 
-    /// The value is the sum of those of the points, each times its influence; the influences of the
-    /// points on themselves sum to the number of coefficients.
+    /// The value is the sum of the values of the points, each times its influence; the influences
+    /// of the points on themselves sum to the number of coefficients.
     #[test]
     fn influences_are_those_of_the_points() {
         let points: Vec<_> = (0..9)

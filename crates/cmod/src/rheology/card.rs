@@ -1,20 +1,20 @@
 //! Cards of finite-element programs for a Prony series.
 //!
-//! A rod gives E(ω); a program for solids needs shear and bulk modulus. The missing information is
-//! the Poisson ratio, and an assumption on its change ([`BulkBehaviour`]). All programs but one
-//! describe a relaxation by a sum of exponentials:
+//! A test of a rod gives E(ω); a program for solids needs shear and bulk modulus. The missing
+//! information is the Poisson ratio, and an assumption about how it changes ([`BulkBehaviour`]).
+//! All programs but one describe a relaxation by a sum of exponentials:
 //!
 //! | program | card | moduli | relaxation times |
 //! |---|---|---|---|
 //! | Abaqus | `*VISCOELASTIC, TIME=PRONY` | ratios gᵢ, kᵢ to the instantaneous modulus; `*ELASTIC` is instantaneous or long-term as stated | τᵢ, common to shear and bulk |
 //! | ANSYS | `TB,PRONY` for `SHEAR` and `BULK` | ratios αᵢ to the instantaneous modulus, which is `MP,EX` | τᵢ |
-//! | LS-DYNA | `*MAT_GENERAL_VISCOELASTIC` (076) | Gᵢ themselves, that of rate 0 is the long-term one; `BULK` elastic | βᵢ = 1/τᵢ |
+//! | LS-DYNA | `*MAT_GENERAL_VISCOELASTIC` (076) | Gᵢ themselves, the Gᵢ of rate 0 is the long-term modulus; `BULK` elastic | βᵢ = 1/τᵢ |
 //! | COMSOL | *Generalized Maxwell*, table of branches | Gᵢ; the main branch is long-term; bulk elastic | τᵢ |
 //! | Code_Aster | `DYNA_VISCO` | E'(f) and E''/E'(f) in the band | |
 //! | JSON | | Eᵢ of the rod; G(∞), Gᵢ and K of the solid, bulk elastic | τᵢ |
 //!
-//! Units are SI. Numbers are written with all their digits, in the ten columns of LS-DYNA with at
-//! least six.
+//! Units are SI. Numbers are written with all their digits; in the ten columns of LS-DYNA with at
+//! least six, for values of 1e-9 and above.
 //!
 //! ```
 //! use cmod::rheology::card::{BulkBehaviour, MaterialCard, Moduli};
@@ -45,18 +45,18 @@ use crate::error::{CmodError, check_not_negative, check_positive};
 use in_band::in_band;
 use isotropic::Isotropic;
 
-/// Maximum number of terms of ANSYS for shear, and for bulk.
+/// Maximum number of Prony terms of ANSYS, for shear and for bulk each.
 pub const ANSYS_TERMS: usize = 100;
-/// Maximum number of terms of `*MAT_GENERAL_VISCOELASTIC`, that of rate 0 included.
+/// Maximum number of terms of `*MAT_GENERAL_VISCOELASTIC`, including the term of rate 0.
 pub const LS_DYNA_TERMS: usize = 18;
 
-/// Meaning of the elastic constants beside a Prony series of Abaqus.
+/// Meaning of the elastic constants that accompany a Prony series in Abaqus.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Moduli {
-    /// Constants of the fastest load, E(∞): `MODULI=INSTANTANEOUS`. Abaqus does not accept it in
+    /// Constants for the fastest load, E(∞): `MODULI=INSTANTANEOUS`. Abaqus does not accept this in
     /// the frequency domain.
     Instantaneous,
-    /// Constants of the slowest load, E(0): `MODULI=LONG TERM`.
+    /// Constants for the slowest load, E(0): `MODULI=LONG TERM`.
     LongTerm,
 }
 
@@ -67,12 +67,12 @@ pub enum BulkBehaviour {
     /// Eᵢ/E(∞).
     ConstantPoissonRatio,
     /// No relaxation: K = E(∞)/(3 (1 - 2ν)) with the instantaneous ν, and G = 3KE/(9K - E), which
-    /// is a Prony series with as many branches of shorter times. The Poisson ratio increases
+    /// is a Prony series with as many branches as E and shorter times. The Poisson ratio increases
     /// towards 1/2 as the material relaxes, as for polymers.
     Elastic,
 }
 
-/// Material in the form of the programs.
+/// Material data from which the cards of the programs are written.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MaterialCard<'a> {
     name: &'a str,
@@ -81,7 +81,7 @@ pub struct MaterialCard<'a> {
     /// Instantaneous Poisson ratio for an elastic bulk.
     instantaneous_ratio: f64,
     law: GeneralisedMaxwell,
-    /// The series with the errors of its data, if it is that of a fit.
+    /// Series with its errors, if it comes from a fit.
     measured: Option<MeasuredLaw>,
     comments: Vec<String>,
 }
@@ -180,9 +180,9 @@ impl<'a> MaterialCard<'a> {
         self
     }
 
-    /// Sets the Poisson ratio at `frequency_hz` instead of the instantaneous one: for
-    /// [`BulkBehaviour::Elastic`] K = E'/(3 (1 - 2ν)) with E' at this frequency. ν(ω) = 1/2 -
-    /// E(ω)/(6K) is then ν there, in its real part. Its `standard_uncertainty` u, if stated,
+    /// States that the Poisson ratio applies at `frequency_hz` and is not the instantaneous one.
+    /// For [`BulkBehaviour::Elastic`], K = E'/(3 (1 - 2ν)) with E' at this frequency; the real part
+    /// of ν(ω) = 1/2 - E(ω)/(6K) then equals ν there. The `standard_uncertainty` u of ν, if stated,
     /// causes a relative uncertainty 2u/(1 - 2ν) of K, which is stated in a comment.
     ///
     /// # Errors
@@ -231,7 +231,7 @@ impl<'a> MaterialCard<'a> {
         }
     }
 
-    /// Returns the comments, each after the comment `mark` of the program.
+    /// Returns the comments, one per line, each after the comment `mark` of the program.
     fn commented(&self, mark: &str) -> String {
         let comments = self.comments.iter();
         comments.map(|text| format!("{mark} {text}\n")).collect()
@@ -242,10 +242,10 @@ impl<'a> MaterialCard<'a> {
     ///
     /// # Errors
     /// [`CmodError::CardName`] unless the name is a letter followed by at most 79 letters, digits,
-    /// `-` or `_`; [`CmodError::NonPhysical`] unless the density is finite and above 0, the
-    /// Poisson ratio above -1 and below 1/2 (at 1/2 the bulk modulus is infinite), the series
-    /// has branches, and it is a solid: without a long-term modulus the ratios of Abaqus and
-    /// ANSYS sum to 1, which they refuse or round.
+    /// `-` or `_`; [`CmodError::NonPhysical`] unless the density is finite and above 0, the Poisson
+    /// ratio is above -1 and below 1/2 (at 1/2 the bulk modulus is infinite), and the series has
+    /// branches and a long-term modulus. Without a long-term modulus the ratios of Abaqus and ANSYS
+    /// sum to 1, which these programs refuse or round.
     pub fn new(
         name: &'a str,
         density: f64,
@@ -291,17 +291,17 @@ impl<'a> MaterialCard<'a> {
         })
     }
 
-    /// Returns the independent errors of the series; none unless it is that of a fit for which
-    /// [`MeasuredLaw::of`] finds them.
+    /// Returns the independent errors of the series; empty unless the series comes from a fit for
+    /// which [`MeasuredLaw::of`] finds them.
     #[must_use]
     pub fn errors(&self) -> &[LawError] {
         self.measured.as_ref().map_or(&[], MeasuredLaw::errors)
     }
 
-    /// Creates the card of a draw: the series moved by `standard[k]` standard uncertainties of error
-    /// k of [`Self::errors`], of this `density` [kg/m³] and instantaneous `poisson_ratio`, without
-    /// the comments. With standard normal numbers the draws have the covariance of the fit, for a
-    /// Monte Carlo calculation of the program.
+    /// Creates the card of a random draw: the series moved by `standard[k]` standard uncertainties
+    /// of error k of [`Self::errors`], with this `density` [kg/m³] and instantaneous
+    /// `poisson_ratio`, without the comments. If `standard` holds standard normal numbers, the
+    /// draws have the covariance of the fit, for a Monte Carlo calculation with the program.
     ///
     /// # Errors
     /// Those of [`Self::new`], and those of [`MeasuredLaw::moved`].
@@ -322,11 +322,11 @@ impl<'a> MaterialCard<'a> {
         )
     }
 
-    /// Writes the keywords of a material of Abaqus, from `*MATERIAL` to the Prony series.
+    /// Writes the Abaqus keywords of the material, from `*MATERIAL` to the Prony series.
     ///
     /// # Errors
-    /// [`CmodError::NonPhysical`] if branches lie so close that the roots of
-    /// [`BulkBehaviour::Elastic`] cannot be separated.
+    /// [`CmodError::NonPhysical`] if the relaxation times of branches are so close that the roots
+    /// of [`BulkBehaviour::Elastic`] cannot be separated.
     pub fn abaqus(&self, moduli: Moduli, bulk: BulkBehaviour) -> Result<String, CmodError> {
         let solid = Isotropic::of(&self.law, self.ratio(bulk), bulk)?;
         let (keyword, shear, compression) = match moduli {
@@ -342,7 +342,7 @@ impl<'a> MaterialCard<'a> {
         };
         let (young, poisson) = isotropic::young_and_poisson(shear, compression);
         let (young, poisson) = match (moduli, bulk) {
-            // as given, without the rounding of a conversion forth and back
+            // as given, without the rounding of a conversion back and forth
             (Moduli::Instantaneous, _) => (self.law.unrelaxed_modulus(), self.ratio(bulk)),
             (Moduli::LongTerm, BulkBehaviour::ConstantPoissonRatio) => {
                 (self.law.equilibrium_modulus(), self.poisson_ratio)
@@ -369,10 +369,10 @@ impl<'a> MaterialCard<'a> {
         Ok(text)
     }
 
-    /// Writes the commands of ANSYS for `material`, to be read in `/PREP7`.
+    /// Writes the ANSYS commands for material number `material`, to be read in `/PREP7`.
     ///
     /// # Errors
-    /// [`CmodError::CardTerms`] for more than [`ANSYS_TERMS`]; those of [`Self::abaqus`].
+    /// [`CmodError::CardTerms`] for more than [`ANSYS_TERMS`] terms; those of [`Self::abaqus`].
     pub fn ansys(&self, material: u32, bulk: BulkBehaviour) -> Result<String, CmodError> {
         let solid = Isotropic::of(&self.law, self.ratio(bulk), bulk)?;
         check_terms("ANSYS", solid.terms.len(), ANSYS_TERMS)?;
@@ -405,11 +405,11 @@ impl<'a> MaterialCard<'a> {
         Ok(text)
     }
 
-    /// Writes the keyword of LS-DYNA for `material`, with [`BulkBehaviour::Elastic`].
+    /// Writes the LS-DYNA keyword for material number `material`, with [`BulkBehaviour::Elastic`].
     ///
     /// # Errors
-    /// [`CmodError::CardTerms`] for more than [`LS_DYNA_TERMS`], the long-term modulus included;
-    /// those of [`Self::abaqus`].
+    /// [`CmodError::CardTerms`] for more than [`LS_DYNA_TERMS`] terms, including the long-term
+    /// modulus; those of [`Self::abaqus`].
     pub fn ls_dyna(&self, material: u32) -> Result<String, CmodError> {
         let solid = Isotropic::of(&self.law, self.instantaneous_ratio, BulkBehaviour::Elastic)?;
         check_terms("LS-DYNA", solid.terms.len() + 1, LS_DYNA_TERMS)?;
@@ -458,8 +458,8 @@ fn size_at(fit: &RheologicalFit, omega: f64) -> Result<String, CmodError> {
     ))
 }
 
-/// Accepts a long-term shear modulus that is above 0 in spite of rounding: it is the instantaneous
-/// one minus the terms.
+/// Checks that the long-term shear modulus, the instantaneous one minus the terms, is above 0 in
+/// spite of rounding.
 fn check_long_term(solid: &Isotropic) -> Result<(), CmodError> {
     check_positive("long-term shear modulus [Pa]", solid.long_term_shear()).map(drop)
 }

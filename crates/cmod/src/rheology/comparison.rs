@@ -29,10 +29,10 @@ pub struct Comparison {
 pub struct ComparisonRow {
     /// Fit of the law.
     pub fit: RheologicalFit,
-    /// Criterion minus that of the preferred law.
+    /// Criterion of this law minus that of the preferred law.
     pub difference: f64,
-    /// exp(-difference/2), normalised to the sum of all: for BIC the probability of the law, if
-    /// one of them is true and all are equally probable a priori. 0 for a law that is the same
+    /// exp(-difference/2), divided by the sum over all laws: for BIC the probability of the law, if
+    /// one of the laws is true and all are equally probable a priori. 0 for a law that is the same
     /// function as a preceding one.
     pub weight: f64,
     /// Preceding law that is the same function, such as Zener's and a generalised Maxwell model
@@ -62,7 +62,7 @@ impl Comparison {
             }
         }
         let score = |row: &ComparisonRow| options.criterion.of(row.fit.aicc, row.fit.bic);
-        // a function has one value; the law of simplest form comes first
+        // laws that are the same function share one value; the law of simplest form comes first
         let own = |row: &ComparisonRow| (row.fit.law.simplest(), row.fit.parameters.len());
         let scores: Vec<f64> = rows
             .iter()
@@ -102,9 +102,9 @@ impl Comparison {
         })
     }
 
-    /// Returns the modulus at `omega` > 0 [rad/s] as the mean over the laws with their
-    /// [weights](ComparisonRow::weight), with the scatter between them in its covariance;
-    /// `None` if none could be fitted.
+    /// Returns the modulus at `omega` > 0 [rad/s] as the mean of the laws with their
+    /// [weights](ComparisonRow::weight). Its covariance includes the scatter between the laws.
+    /// Returns `None` if no law could be fitted.
     ///
     /// # Errors
     /// Those of [`RheologicalFit::prediction`].
@@ -131,7 +131,7 @@ impl Comparison {
         }))
     }
 
-    /// Returns the preferred law; `None` if none could be fitted.
+    /// Returns the preferred law; `None` if no law could be fitted.
     #[must_use]
     pub fn best(&self) -> Option<&RheologicalFit> {
         self.rows.first().map(|row| &row.fit)

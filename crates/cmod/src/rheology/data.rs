@@ -25,7 +25,7 @@ pub struct ModulusPoint {
 }
 
 impl ModulusPoint {
-    /// Creates a point with a circular error: `standard_error` \[Pa\] of E' and of E'' each,
+    /// Creates a point with a circular error: the same `standard_error` \[Pa\] for E' and for E'',
     /// uncorrelated.
     #[must_use]
     pub fn circular(frequency_hz: f64, modulus: Complex64, standard_error: f64) -> Self {
@@ -63,11 +63,11 @@ pub struct ModulusData {
     pub(super) scatter: VarianceScatter,
 }
 
-/// Effect of the scatter of estimated variances on a fit that uses them as weights, as means over
-/// the lines; 1 if they are known.
+/// Effect of the scatter of estimated variances on a fit that uses them as weights: factors, as
+/// means over the lines; 1 if the variances are known.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct VarianceScatter {
-    /// Factor of the variance of a line, ν/(ν - 2), which the points have already.
+    /// Factor of the variance of a line, ν/(ν - 2), which the points already include.
     pub(crate) of_variance: f64,
     /// Factor of the covariance of the parameters, (ν - 2)/(ν - 4).
     pub(crate) of_covariance: f64,
@@ -82,7 +82,7 @@ impl VarianceScatter {
         of_chi_squared: 1.0,
     };
 
-    /// Returns the factors for a variance with `degrees_of_freedom` ν, which is known without them.
+    /// Returns the factors for a variance with `degrees_of_freedom` ν; `None` for a known variance.
     ///
     /// # Errors
     /// [`CmodError::NonPhysical`] for 4 degrees of freedom or fewer: weighted sums have no variance
@@ -105,7 +105,7 @@ impl VarianceScatter {
         })
     }
 
-    /// Returns the mean over parts with their numbers of lines.
+    /// Returns the mean of the factors of several parts, weighted by their numbers of lines.
     pub(crate) fn mean(parts: impl Iterator<Item = (Self, usize)>) -> Self {
         let (mut sum, mut lines) = ([0.0; 3], 0.0);
         for (own, own_lines) in parts {
@@ -163,7 +163,7 @@ impl Whitening {
         Complex64::new(storage, (second - self.mixed * storage) / self.loss)
     }
 
-    /// Returns the whitening of a real modulus, without weight for a loss.
+    /// Returns the whitening of a real modulus; a loss has no weight.
     pub(super) fn of_real(standard_error: f64) -> Self {
         Self {
             storage: standard_error.recip(),
@@ -172,8 +172,8 @@ impl Whitening {
         }
     }
 
-    /// Returns the variance of E', the covariance, and the variance of E'' \[Pa²\], infinite where
-    /// there is none.
+    /// Returns the variance of E', the covariance, and the variance of E'' \[Pa²\]; the latter is
+    /// infinite if the modulus is real.
     pub(super) fn covariance(self) -> [f64; 3] {
         if self.loss <= 0.0 {
             return [self.storage.powi(-2), 0.0, f64::INFINITY];
@@ -240,12 +240,12 @@ impl ModulusData {
     /// Adds the errors that the points share, independent of each other and one per source.
     ///
     /// They have no influence on the weights of a fit, on the law at the minimum and on χ²: the
-    /// covariance of the parameters is `C_random + Σ_s g_s g_sᵀ` with g_s the change of the
+    /// covariance of the parameters is `C_random + Σ_s g_s g_sᵀ`, where g_s is the change of the
     /// parameters due to the shift of source s.
     ///
     /// # Errors
-    /// [`CmodError::LengthMismatch`] unless there is a shift per point; [`CmodError::ModulusPoint`]
-    /// unless all are finite.
+    /// [`CmodError::LengthMismatch`] unless there is one shift per point;
+    /// [`CmodError::ModulusPoint`] unless all shifts are finite.
     pub fn with_common_errors(mut self, common: Vec<CommonError>) -> Result<Self, CmodError> {
         for error in &common {
             check_length("common error", error.shift.len(), self.len())?;
@@ -271,8 +271,8 @@ impl ModulusData {
         Ok(self)
     }
 
-    /// Takes the valid lines of an estimate, with the covariance of their random errors and their
-    /// common errors.
+    /// Creates the data from the valid lines of an estimate, with the covariance of their random
+    /// errors and their common errors.
     ///
     /// # Errors
     /// Those of [`Self::from_lines`]; [`CmodError::NoLines`] if no line is valid.
@@ -280,20 +280,20 @@ impl ModulusData {
         Self::from_lines(estimate.valid())
     }
 
-    /// Takes lines of an estimate, with the covariance of their random errors and their common
-    /// errors. A density that is wrong by 1 % makes every line wrong by 1 %: this does not
-    /// affect the weight of a line, but is an error of the law.
+    /// Creates the data from lines of an estimate, with the covariance of their random errors and
+    /// their common errors. A density that is wrong by 1 % makes every line wrong by 1 %: this does
+    /// not affect the weight of a line, but is an error of the law.
     ///
-    /// A variance estimated with ν degrees of freedom scatters, and with it the weight of its line.
-    /// The mean of 1/s² is ν/(ν - 2) of 1/σ²: the variances are multiplied by this factor, so
-    /// that χ² has the mean of known ones. The effect of the scatter of the weights is included
-    /// in the errors of the parameters and in the distribution of χ²
+    /// A variance estimated with ν degrees of freedom scatters, and so does the weight of its line.
+    /// The mean of 1/s² is ν/(ν - 2) times 1/σ². The variances are multiplied by this factor, so
+    /// that the mean of χ² is that for known variances. The effect of the scatter of the weights is
+    /// included in the errors of the parameters and in the distribution of χ²
     /// ([`RheologicalFit`](super::RheologicalFit)).
     ///
     /// # Errors
     /// Those of [`Self::new`]. Lines without a random error would have infinite weight and are
-    /// refused. [`CmodError::NonPhysical`] if a variance has 4 degrees of freedom or fewer, as
-    /// from three hits: weighted sums have no variance then.
+    /// refused. [`CmodError::NonPhysical`] if a variance has 4 degrees of freedom or fewer, for
+    /// example from three hits: weighted sums have no variance then.
     pub fn from_lines<'a>(
         lines: impl IntoIterator<Item = &'a ModulusLine>,
     ) -> Result<Self, CmodError> {
@@ -330,9 +330,10 @@ impl ModulusData {
         data.with_common_errors(common)
     }
 
-    /// Returns the data, whose moduli carry a draw of their estimated variances, with a further error
-    /// from a source of numbers of the standard normal distribution: laws fitted to such draws scatter
-    /// by their stated random errors, which contain what the scatter of estimated variances costs.
+    /// Adds a further random error to moduli that carry a random draw from their estimated
+    /// variances; `normal` supplies standard normal numbers. Laws fitted to such moduli scatter by
+    /// their stated random errors, which include the effect of the scatter of the estimated
+    /// variances.
     #[must_use]
     pub fn with_scatter_of_weights(mut self, mut normal: impl FnMut() -> f64) -> Self {
         let part = self.scatter.of_covariance - 1.0 / self.scatter.of_variance;
@@ -384,7 +385,8 @@ impl ModulusData {
         self.omega.is_empty()
     }
 
-    /// Returns the number of measured values: two per line over frequency, one over time.
+    /// Returns the number of measured values: two per line for data over frequency, one for data
+    /// over time.
     pub(super) fn values(&self) -> usize {
         let real = self.readings.iter().filter(|reading| reading.is_real());
         2 * self.len() - real.count()
@@ -415,8 +417,7 @@ impl ModulusData {
         (lowest * highest).sqrt() / TAU
     }
 
-    /// Returns the lowest and highest angular frequency [rad/s].
-    /// Lowest and highest frequency \[Hz\].
+    /// Returns the lowest and the highest frequency \[Hz\].
     #[must_use]
     pub fn band_hz(&self) -> [f64; 2] {
         let (lowest, highest) = self.band();
@@ -436,7 +437,7 @@ impl ModulusData {
         self.picked(&order)
     }
 
-    /// Returns the lines of these numbers, in their order.
+    /// Returns the lines with the indices `order`, in that order.
     pub(super) fn picked(&self, order: &[usize]) -> Self {
         fn picked<T: Copy>(values: &[T], order: &[usize]) -> Vec<T> {
             let of = |line: &usize| values.get(*line).copied();
@@ -456,8 +457,8 @@ impl ModulusData {
         }
     }
 
-    /// Concatenates all lines of several data, in units where their moduli are divided by
-    /// `factors`. A source is one error for all of them: the specimen is the same.
+    /// Concatenates the lines of several data sets, with the moduli of each set divided by its
+    /// factor. A source is one error for all sets, because the specimen is the same.
     pub(super) fn joined<'a>(parts: impl Iterator<Item = (&'a Self, f64)>) -> Self {
         let mut all = Self {
             omega: Vec::new(),
@@ -533,7 +534,7 @@ fn check_point(index: usize, point: &ModulusPoint) -> Result<(), CmodError> {
         );
     }
     let omega = TAU * point.frequency_hz;
-    // a relaxation time is of the order of the inverse
+    // relaxation times are of the order of its inverse
     if !(omega.is_finite() && omega.recip().is_finite()) {
         return refused(
             "frequency [Hz]",

@@ -1,15 +1,17 @@
-//! Residual of a law that the common errors of its data do not explain.
+//! Part of the residual of a law that the common errors of its data do not explain.
 //!
-//! An error that all lines share, as that of the mass on the end of a rod, bends the modulus by far
-//! more than noise, and no law of the material follows it. Judged by noise alone the right law would
-//! be refused. With the whitened shifts g_s of the common errors, one column of G each, what is left
-//! of the residual r of the minimum and the errors that explain it are
+//! An error that all lines share, such as that of the mass on the end of a rod, distorts the
+//! modulus by far more than noise, and no law of the material describes this distortion. Judged by
+//! noise alone, the right law would be refused. Let the whitened shifts g_s of the common errors be
+//! the columns of G. The remaining residual and the common errors ξ that explain the rest of the
+//! residual r of the minimum follow from
 //!
 //! ```text
 //! min_ξ |r - G⊥ξ|² + |ξ|² ,   G⊥ = G - JJ⁺G ,
 //! ```
 //!
-//! which is the least χ² of the law with the covariance I + GGᵀ, linear in parameters and errors.
+//! which is the least χ² of the law with the covariance I + GGᵀ, linearised in parameters and
+//! errors.
 
 use super::data::ModulusData;
 use super::fit::ErrorScale;
@@ -17,11 +19,12 @@ use super::least_squares::Linearised;
 use crate::directions::Directions;
 use rodwave::numerics::CommonErrors;
 
-/// Residual without what common errors explain.
+/// Residual without the part that common errors explain.
 #[derive(Debug, Clone)]
 pub(super) struct Explained {
     pub(super) residual: Vec<f64>,
-    /// Its sum of squares and that of the errors, in their standard uncertainties.
+    /// Sum of squares of the residual, plus that of the errors in units of their standard
+    /// uncertainties.
     pub(super) chi_squared: f64,
 }
 
@@ -31,8 +34,9 @@ impl Explained {
         scale != ErrorScale::FromResidual && !data.common.is_empty()
     }
 
-    /// Separates the whitened residual of a minimum, with its derivatives. Where the errors of the lines
-    /// follow from the residual, common errors explain nothing.
+    /// Separates the explained part from the whitened residual of a minimum, given with its
+    /// derivatives. Where the errors of the lines follow from the residual, common errors explain
+    /// nothing.
     pub(super) fn of(
         data: &ModulusData,
         linearised: &Linearised,
@@ -66,7 +70,7 @@ impl Explained {
     }
 }
 
-/// A whitened shift without what a change of the parameters of the law follows.
+/// Returns a whitened shift without the part that a change of the parameters of the law can follow.
 fn beside_the_law(shift: &[f64], linearised: &Linearised, information: &Directions) -> Vec<f64> {
     let change = information.change(linearised, shift);
     let rows = linearised.jacobian.chunks_exact(change.len().max(1));

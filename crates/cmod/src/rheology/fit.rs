@@ -27,8 +27,8 @@ pub enum Criterion {
     /// χ² + p ln n (Schwarz): finds the true order where there is one.
     #[default]
     Bic,
-    /// χ² + 2p + 2p(p + 1)/(n - p - 1) (Akaike, Hurvich & Tsai): best prediction, rather too many
-    /// branches than too few.
+    /// χ² + 2p + 2p(p + 1)/(n - p - 1) (Akaike, Hurvich & Tsai): gives the best prediction, with
+    /// too many branches rather than too few.
     Aicc,
 }
 
@@ -51,14 +51,15 @@ pub struct FitOptions {
     pub confidence: f64,
     /// Criterion for the order of a Prony series.
     pub criterion: Criterion,
-    /// Greatest number of branches of a Prony series of chosen order, if it is limited.
+    /// Maximum number of branches of a Prony series whose order is found from the data, if it is
+    /// limited.
     pub most_branches: Option<usize>,
-    /// True if profiles are computed where the linearised interval is unreliable. Without them
+    /// True if profiles are computed where the linearised interval is unreliable. Without profiles
     /// such a parameter counts as not identifiable.
     pub profiles: bool,
-    /// True if profiles are computed for the parameters of a Prony series of chosen order as well.
-    /// They take most of the time of a [master curve](super::MasterCurve) of many branches, of
-    /// which the shifts have profiles in any case.
+    /// True if profiles are computed for the parameters of a Prony series whose order is found from
+    /// the data as well. They take most of the time of a [master curve](super::MasterCurve) with
+    /// many branches. The shifts of a master curve have profiles in any case.
     pub series_profiles: bool,
 }
 
@@ -152,8 +153,8 @@ impl FitOptions {
 pub(super) struct Scores {
     pub(super) aicc: f64,
     pub(super) bic: f64,
-    /// Criterion that weights predictions: AIC, χ² + 2p, where the errors are known, and AICc,
-    /// whose correction is that for a variance from the residual, where they are not.
+    /// Criterion for the weights of predictions: AIC, χ² + 2p, where the errors are known;
+    /// otherwise AICc, whose correction applies to a variance from the residual.
     pub(super) prediction: f64,
 }
 
@@ -192,15 +193,15 @@ impl Scores {
 ///
 /// χ² = Σ δᵀC⁻¹δ over the lines, with δ = (Re, Im) of the law minus the measured modulus and C the
 /// covariance of the line, is minimised in coordinates that keep every parameter in its range, with
-/// exact derivatives. Errors are of first order at the minimum; where they are large, intervals and
-/// verdicts come from profiles of χ².
+/// exact derivatives. Standard errors are of first order at the minimum; where they are large,
+/// intervals and verdicts come from profiles of χ².
 ///
-/// The weights are those of the random errors. χ² and the residuals are what neither the law nor the
-/// common errors within their uncertainties explain: the covariance of the data is C + Σ_s δE_s
-/// δE_sᵀ, where the random errors are stated. [Common
+/// The weights follow from the random errors alone. Where the random errors are stated, the
+/// covariance of the data is C + Σ_s δE_s δE_sᵀ: χ² and the residuals are the part that neither the
+/// law nor the common errors, within their uncertainties, explain. [Common
 /// errors](ModulusData::with_common_errors) shift the parameters by g_s = J⁺W δE_s (J the whitened
 /// Jacobian, W the whitening), and the covariance of the parameters is C_random + Σ_s g_s g_sᵀ:
-/// more lines do not reduce it.
+/// more lines do not reduce the part of the common errors.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 #[must_use]
@@ -223,7 +224,8 @@ pub struct RheologicalFit {
     pub directions: Vec<Vec<f64>>,
     /// χ² with the stated errors.
     pub chi_squared: f64,
-    /// Number of values, two per line or one over time, minus the number of singular values above 0.
+    /// Number of values, two per line or one for data over time, minus the number of singular
+    /// values above 0.
     pub degrees_of_freedom: usize,
     /// Basis of the standard errors.
     pub error_scale: ErrorScale,
@@ -231,37 +233,38 @@ pub struct RheologicalFit {
     /// (ν - 2)/(ν - 4) for the scatter of the weights where the variances of the lines are estimates
     /// with ν degrees of freedom.
     pub variance_factor: f64,
-    /// Corrected Akaike information criterion, up to a constant of the data.
+    /// Corrected Akaike information criterion, up to a constant that depends only on the data.
     pub aicc: f64,
     /// Bayesian information criterion, up to the same constant.
     pub bic: f64,
-    /// Whitened residuals, law minus measured: two per line, of which the second is 0 over time.
+    /// Whitened residuals, law minus measured: two per line, the second of which is 0 for data over
+    /// time.
     pub residuals: Vec<f64>,
     /// Test of the residuals for whiteness.
     pub whiteness: Whiteness,
     /// Reason why the iteration ended.
     pub ending: Ending,
-    /// Greatest E∞ \[Pa\] of a Prony series chosen without a spring that the data do not exclude
-    /// at the level of the fit. Near 0 the material has no equilibrium modulus; if of the
-    /// order of the modulus, the series lacks one by chance, because a slow branch fits as
-    /// well.
+    /// For a Prony series chosen without a spring, the greatest E∞ \[Pa\] that the data do not
+    /// exclude at the confidence level of the fit. If it is near 0, the material has no equilibrium
+    /// modulus; if it is of the order of the modulus, the series lacks a spring by chance, because
+    /// a slow branch fits as well.
     pub equilibrium_limit: Option<f64>,
-    /// Ratio of the variance of χ² to that for known errors.
+    /// Ratio of the variance of χ² to its variance for known errors.
     pub(super) dispersion: f64,
     pub(super) information: Directions,
     pub(super) coordinates: Vec<f64>,
     /// Lowest and highest angular frequency of the data [rad/s].
     pub(super) band: (f64, f64),
-    /// Orders from which the one of a Prony series was chosen; empty where it was given.
+    /// Orders among which that of a Prony series was chosen; empty where the order was given.
     pub(super) alternatives: Vec<Alternative>,
-    /// Lines of the data for a Prony series of chosen order; none otherwise.
+    /// Lines of the data for a Prony series whose order was found from the data; empty otherwise.
     pub(super) support: Support,
 }
 
-/// Order from which a criterion chose.
+/// One of the orders among which a criterion chose.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Alternative {
-    /// Probability of the order, from the criterion of prediction.
+    /// Probability of the order, from the criterion for predictions.
     pub(super) weight: f64,
     pub(super) model: Prony,
     pub(super) coordinates: Vec<f64>,
@@ -293,11 +296,11 @@ impl RheologicalFit {
     /// parameters, random and common.
     ///
     /// Where a criterion chose the order of a Prony series, the modulus is the mean over the orders
-    /// with their weights w (exp(-AIC/2), normalised; AICc for errors from the residual), and
-    /// their scatter counts as an error: C = Σ w (C_k + d_k d_kᵀ), d_k the difference of order
-    /// k from the mean (Buckland, Burnham & Augustin, *Biometrics* **53** (1997) 603). Such a
-    /// series is no law of the material: within the band, neither part is stated more precisely
-    /// than the mean of the lines within a decade of `omega`.
+    /// with their weights w (exp(-AIC/2), normalised; AICc for errors from the residual), and their
+    /// scatter counts as an error: C = Σ w (C_k + d_k d_kᵀ), where d_k is the difference of order k
+    /// from the mean (Buckland, Burnham & Augustin, *Biometrics* **53** (1997) 603). Such a series
+    /// is not a law of the material. Within the band, neither the real nor the imaginary part is
+    /// therefore stated more precisely than the mean of the lines within a decade of `omega`.
     ///
     /// # Errors
     /// [`CmodError::NonPhysical`] unless the frequency is finite and above 0;
@@ -308,7 +311,8 @@ impl RheologicalFit {
     }
 
     /// Returns E(t), or 1/J(t) of creep, at `time` > 0 \[s\] after a step, as the real part of the
-    /// modulus, with its covariance as in [`Self::prediction`]. It lies within the band if 1/t does.
+    /// modulus, with its covariance as in [`Self::prediction`]. The result is within the band if
+    /// 1/t is.
     ///
     /// # Errors
     /// Those of [`Self::prediction`]; [`CmodError::LawOverTime`] for power laws.
@@ -434,13 +438,13 @@ pub struct PredictedModulus {
     /// Part due to the random errors, and to the choice of an order or a law.
     pub random_covariance: [[f64; 2]; 2],
     /// True if the frequency lies between the lowest and the highest line of the data. Beyond them
-    /// the modulus and its covariance are valid only if the law is that of the material there
-    /// too, which the data cannot show.
+    /// the modulus and its covariance are valid only if the law describes the material there too,
+    /// which the data cannot show.
     pub within_band: bool,
 }
 
 impl PredictedModulus {
-    /// Loss factor η = E''/E' and its standard error, to first order
+    /// Returns the loss factor η = E''/E' and its standard error, to first order
     ///
     /// ```text
     /// s²(η) = (s²(E'') - 2 η cov(E', E'') + η² s²(E')) / E'²
@@ -454,8 +458,8 @@ impl PredictedModulus {
     }
 }
 
-/// Refuses data with fewer values than `parameters`, or no more where the errors follow from the
-/// residual.
+/// Refuses data with fewer values than `parameters`, or with as many where the errors follow from
+/// the residual.
 pub(super) fn enough(
     data: &ModulusData,
     parameters: usize,

@@ -1,4 +1,4 @@
-//! Fit of a law to moduli: its starts, and the least of its minima.
+//! Fit of a law to moduli: its starts, and the lowest of its minima.
 
 use super::data::ModulusData;
 use super::fit::{FitOptions, RheologicalFit, enough};
@@ -16,18 +16,18 @@ impl RheologicalFit {
     /// Fits `law` to `data`; the starts are the best points of a grid.
     ///
     /// # Errors
-    /// [`CmodError::TooFewReadings`] for fewer values (two per line) than parameters, or no more
+    /// [`CmodError::TooFewReadings`] for fewer values (two per line) than parameters, or as many
     /// where the errors follow from the residual; [`CmodError::NonPhysical`] for a density or a
     /// level of confidence out of its range; [`CmodError::NoLaw`] if no start has a finite χ².
     pub fn new(data: &ModulusData, law: Law, options: &FitOptions) -> Result<Self, CmodError> {
         Self::of_law(data, law, None, options)
     }
 
-    /// Fits the law of `start`, with its number of branches if it is a Prony series, from its
-    /// parameters.
+    /// Fits the law of `start`, starting from its parameters. A Prony series keeps its number of
+    /// branches.
     ///
-    /// Only one minimisation is made, without a search for others: for data similar to those of a
-    /// previous fit.
+    /// Only one minimisation is made, without a search for other minima. This is meant for data
+    /// similar to those of a previous fit.
     ///
     /// # Errors
     /// Those of [`Self::new`].
@@ -142,7 +142,7 @@ impl RheologicalFit {
     }
 }
 
-/// Minimises from all starts and evaluates the best.
+/// Minimises from all starts and evaluates the best minimum.
 fn best_of<M: Model>(
     model: &M,
     data: &ModulusData,

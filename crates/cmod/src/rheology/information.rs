@@ -5,7 +5,7 @@ use num_complex::Complex64;
 use super::least_squares::Linearised;
 use crate::directions::Directions;
 
-/// Fraction of the largest singular value below which a singular value is rounding.
+/// Fraction of the largest singular value below which a singular value counts as rounding.
 const RANK: f64 = 1e-10;
 
 #[allow(
@@ -19,8 +19,8 @@ impl Directions {
         Self::of(&linearised.residual, parameters, entry, RANK)
     }
 
-    /// Returns the change of the coordinates due to a change `whitened` of the data, J⁺ times it; 0
-    /// along undetermined directions.
+    /// Returns the change of the coordinates due to a change `whitened` of the data, J⁺ times
+    /// `whitened`; 0 along undetermined directions.
     pub(super) fn change(&self, linearised: &Linearised, whitened: &[f64]) -> Vec<f64> {
         let parameters = self.singular_values.len();
         let mut gradient = vec![0.0; parameters];
@@ -93,11 +93,10 @@ impl Directions {
         ]
     }
 
-    /// Returns the other coordinate whose error is most correlated with that of `index`, among
-    /// those that share the least determined direction with it, and the coefficient.
+    /// Returns the other coordinate with the largest part in the least determined direction of
+    /// coordinate `index`, and the correlation coefficient of the two.
     pub(super) fn partner(&self, index: usize) -> Option<(usize, f64)> {
-        // smallest singular value in which the coordinate takes part: it contributes most of its
-        // variance
+        // the direction that contributes most to the variance of the coordinate
         let floor = RANK * self.singular_values.first().copied().unwrap_or(0.0);
         let weight = |k: usize| self.vectors[k][index] / self.singular_values[k].max(floor);
         let weakest =
@@ -110,8 +109,8 @@ impl Directions {
         correlation.is_finite().then_some((partner, correlation))
     }
 
-    /// Returns the correlation coefficient of two coordinates; singular values at rounding are
-    /// replaced by the least one above it.
+    /// Returns the correlation coefficient of two coordinates; singular values below the limit of
+    /// rounding are replaced by this limit.
     pub(super) fn correlation(&self, i: usize, j: usize) -> f64 {
         let floor = RANK * self.singular_values.first().copied().unwrap_or(0.0);
         let sum = |i: usize, j: usize| -> f64 {

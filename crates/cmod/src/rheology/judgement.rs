@@ -18,7 +18,8 @@ use super::whiteness::Whiteness;
 use crate::directions::Directions;
 use crate::error::CmodError;
 
-/// Correlation above which a parameter counts as undetermined together with one of large error.
+/// Correlation with a parameter of large error above which the linear error of a parameter counts
+/// as unreliable too.
 const ASSOCIATED: f64 = 0.3;
 
 /// Data for judging a minimum.
@@ -29,18 +30,18 @@ pub(super) struct Scene<'a, M: ?Sized> {
     pub(super) band: (f64, f64),
     pub(super) sequences: &'a [Range<usize>],
     pub(super) options: FitOptions,
-    /// First parameter whose profile is computed; the earlier ones count as not identifiable where
-    /// they are not linear.
+    /// First parameter whose profile is computed; earlier ones count as not identifiable where
+    /// their linear error is unreliable.
     pub(super) profiled_from: usize,
-    /// True if the evaluation ends at the first parameter behind the first that is not identified:
-    /// the fit is of no use then.
+    /// True if the evaluation ends at the first parameter, other than parameter 0, that is not
+    /// identified: the fit is of no use then.
     pub(super) ends_at_open: bool,
     /// Coordinates in other regions from which the law may fit as well.
     pub(super) elsewhere: Vec<Vec<f64>>,
 }
 
-/// Least penalty of a loss in χ²: with the threshold four standard deviations, which noise reaches
-/// at one place in 30 000.
+/// Least penalty in χ² for a loss: with the threshold it amounts to four standard deviations, which
+/// noise reaches at one place in 30 000.
 const LEAST_PRICE: f64 = 12.0;
 /// Largest number of minima that are judged, each lower than the one before.
 const ROUNDS: usize = 6;
@@ -71,7 +72,7 @@ impl<M: Model + ?Sized> Scene<'_, M> {
             } * self.data.scatter.of_covariance;
             let common = self.common_shifts(&minimum, &information);
             let quantile = self.options.quantile(degrees_of_freedom);
-            // in the last round the minimum stands, and a lower one beside it leaves an open end
+            // in the last round the minimum is kept; a lower one next to it makes the ends open
             let is_last = round + 1 == ROUNDS;
             let others = match self.others(&minimum, variance_factor * quantile * quantile) {
                 Err(_) if is_last => Ok(Vec::new()),
@@ -167,10 +168,10 @@ impl<M: Model + ?Sized> Scene<'_, M> {
 
     /// Returns the increase of χ² that defines the end of an interval, for each parameter.
     ///
-    /// A loss that is searched for at all places of the band is always found somewhere, even where
-    /// there is none. Unless χ² without it is larger by the threshold and the penalty g ln n of
-    /// its g parameters (Schwarz), or [`LEAST_PRICE`], the data may have none, and its
-    /// parameters have an end only where χ² has risen by as much. The same applies to a
+    /// A search for a loss at all places of the band always finds one, even where there is none.
+    /// Unless χ² without the loss is larger by the threshold plus the penalty g ln n of its g
+    /// parameters (Schwarz), or plus [`LEAST_PRICE`] if that is larger, the data may have no loss,
+    /// and its parameters have an end only where χ² has risen by as much. The same applies to a
     /// parallel spring: each can replace the other.
     fn thresholds(&self, minimum: &Minimum, threshold: f64, variance_factor: f64) -> Vec<f64> {
         let kinds = self.model.kinds();

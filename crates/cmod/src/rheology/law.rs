@@ -25,7 +25,8 @@ pub enum Law {
     Maxwell,
     /// [`FractionalMaxwell`]: E₁ (sτ)^α/(1 + (sτ)^α).
     FractionalMaxwell,
-    /// [`ConstantQ`]: E (s/ω₀)^{2g}, described by its loss factor, ω₀ the geometric mean of the ends of the band.
+    /// [`ConstantQ`]: E (s/ω₀)^{2g}, described by its loss factor, where ω₀ is the geometric mean
+    /// of the ends of the band.
     ConstantQ,
     /// [`SpringPot`]: the same function, described by its exponent.
     SpringPot,
@@ -37,7 +38,7 @@ pub enum Law {
     FractionalZener,
     /// [`HavriliakNegami`]: E₀ + ΔE (1 - (1 + (sτ)^α)^{-β}); its second exponent is given as αβ.
     HavriliakNegami,
-    /// [`GeneralisedMaxwell`]: E∞ + Σ Eᵢ sτᵢ/(1 + sτᵢ), of the order chosen by the criterion.
+    /// [`GeneralisedMaxwell`]: E∞ + Σ Eᵢ sτᵢ/(1 + sτᵢ), with the order chosen by the criterion.
     GeneralisedMaxwell,
     /// [`PowerLaw`]: α = a ω^p, k = b ω^q, for a rod of this density ρ [kg/m³].
     PowerLaw {
@@ -93,8 +94,8 @@ pub enum FittedLaw {
 }
 
 impl Law {
-    /// Returns all laws, the power laws for a rod of this `density` [kg/m³]. Each is known by its
-    /// text.
+    /// Returns all laws, the power laws for a rod of this `density` [kg/m³]. The text of a law
+    /// identifies it.
     ///
     /// ```
     /// use cmod::rheology::Law;
@@ -119,8 +120,9 @@ impl Law {
         ]
     }
 
-    /// Returns true if the law has a response at all lines, and one that tells of its parameters: power
-    /// laws have none over time, and a step of strain leaves nothing of a parallel dashpot.
+    /// Returns true if the law has a response at all lines, and the response depends on its
+    /// parameters: power laws have no response over time, and the relaxation after a step of strain
+    /// does not depend on a parallel dashpot.
     pub(super) fn is_defined_on(self, data: &ModulusData) -> bool {
         let is_relaxation = |reading: &Reading| matches!(reading, Reading::Relaxation { .. });
         match self {
@@ -130,9 +132,9 @@ impl Law {
         }
     }
 
-    /// Returns the law with these values of its parameters in SI, in the order of
-    /// [`RheologicalFit::parameters`](super::RheologicalFit); `reference_omega` [rad/s] is that
-    /// of constant Q and of the spring-pot.
+    /// Returns the law with the parameters `values` in SI units, in the order of
+    /// [`RheologicalFit::parameters`](super::RheologicalFit); `reference_omega` [rad/s] is the
+    /// reference of constant Q and of the spring-pot.
     ///
     /// # Errors
     /// [`CmodError::ChangedResult`] for another number of values; [`CmodError::NonPhysical`] and
@@ -223,7 +225,7 @@ impl Law {
     }
 }
 
-/// Returns the series of so many parameters: with an equilibrium modulus if their number is odd.
+/// Returns the series with this number of parameters: with an equilibrium modulus if it is odd.
 fn series(parameters: usize) -> Prony {
     Prony::new(parameters % 2 == 1, parameters / 2)
 }
@@ -264,8 +266,9 @@ impl FittedLaw {
         })
     }
 
-    /// Returns what the law gives \[Pa\] at each line of `data`: E(iω) over frequency, E(t) or 1/J(t)
-    /// with the ramp of the test over time, where power laws give NaN.
+    /// Returns the response of the law \[Pa\] at each line of `data`: E(iω) for data over
+    /// frequency; E(t) or 1/J(t), with the ramp of the test, for data over time, where power laws
+    /// give NaN.
     #[must_use]
     pub fn response(&self, data: &ModulusData) -> Vec<Complex64> {
         let of = |(omega, reading): (f64, Reading)| match reading {
@@ -305,8 +308,8 @@ impl FittedLaw {
         }
     }
 
-    /// Returns the simplest law that is the same function: a generalised Maxwell model of one
-    /// branch or none is another law, and the spring-pot is constant Q.
+    /// Returns the simplest law that is the same function: a generalised Maxwell model with one
+    /// branch or none is a simpler law, and the spring-pot is constant Q.
     #[must_use]
     pub fn simplest(&self) -> Law {
         match self {
@@ -333,7 +336,7 @@ impl FittedLaw {
         }
     }
 
-    /// Returns the coordinates of its model.
+    /// Returns the coordinates of the law in its model.
     pub(super) fn coordinates(&self) -> Result<Vec<f64>, CmodError> {
         let reference = || reference(self.reference_omega());
         Ok(match self {

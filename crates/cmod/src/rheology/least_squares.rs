@@ -20,7 +20,7 @@ pub(super) enum Effort {
     Full,
     /// Accuracy of 1e-2 in χ², for a comparison of values of χ² that differ by more.
     Comparison,
-    /// The accuracy of `Comparison` in few iterations: a slower search lies in a flat valley.
+    /// Accuracy of `Comparison` in few iterations: a search that needs more is in a flat valley.
     Search,
 }
 
@@ -42,7 +42,7 @@ impl Effort {
         }
     }
 
-    /// Returns the negligible reduction of a long step.
+    /// Returns the negligible reduction of χ² for a long step.
     fn idle(self) -> f64 {
         match self {
             Self::Full => IDLE,
@@ -53,14 +53,15 @@ impl Effort {
 
 /// Maximum change of a coordinate in one iteration: a logarithm by 1.5 is a factor of 4.5.
 const LONGEST_STEP: f64 = 1.5;
-/// Factor by which a component may exceed its limit, to follow another that is held there.
+/// Factor by which a component may exceed its limit, in order to follow another that is held at the
+/// limit.
 const MOST_EXCESS: f64 = 1.3;
 /// Damping in units of χ² per squared unit of an undetermined coordinate.
 const FLOOR: f64 = 1e-3;
-/// Length from which a step with a predicted reduction of at most [`IDLE`] is omitted.
+/// Length of a step from which it is omitted if its predicted reduction is at most [`IDLE`].
 const IDLE_STEP: f64 = 0.1;
-/// Fraction of the effect of one standard deviation on χ²: a parameter is then within 0.06 of its
-/// standard error.
+/// Fraction of the effect of one standard deviation on χ²: a parameter is then within 0.06 standard
+/// errors of the minimum.
 const IDLE: f64 = 3e-3;
 const LEAST_DAMPING: f64 = 1e-8;
 
@@ -73,8 +74,8 @@ pub(super) struct Minimum {
     pub(super) ending: Ending,
 }
 
-/// Whitened residuals (law minus measured; two per line, the second 0 over time) and their derivatives
-/// by rows.
+/// Whitened residuals (law minus measured; two per line, the second 0 for data over time) and their
+/// derivatives by rows.
 #[derive(Debug, Clone)]
 pub(super) struct Linearised {
     pub(super) residual: Vec<f64>,
@@ -289,7 +290,7 @@ impl Normal {
         self.matrix[i.min(j) * self.parameters + i.max(j)]
     }
 
-    /// Returns the components of the step that are not held.
+    /// Determines the components of the step that are not held.
     fn solve(&mut self, damping: f64) -> Option<()> {
         let p = self.parameters;
         for j in 0..p {

@@ -32,10 +32,10 @@ use crate::error::CmodError;
 /// Neighbouring temperatures are first shifted onto each other where they overlap, if the curves
 /// differ there by no more than their errors. Temperatures that are not connected with the
 /// reference by such overlaps, or by [stated shifts](TemperatureSweep::with_stated_shifts), are
-/// omitted. Then series and all shifts are fitted together to all lines, so that the shifts have a
-/// covariance; χ² and the whiteness of the residuals test whether the material has a master curve.
-/// b_T is 1 unless stated; where χ² rejects that (p < 0.01), all b_T are fitted too, and kept
-/// if BIC prefers them.
+/// omitted. Then the series and all shifts are fitted together to all lines, so that the shifts
+/// have a covariance; χ² and the whiteness of the residuals test whether the material has a master
+/// curve. b_T is 1 unless stated; where the overlaps or χ² (p < 0.01) reject that, all b_T are
+/// fitted too, and kept if BIC prefers them.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 #[must_use]
@@ -49,8 +49,8 @@ pub struct MasterCurve {
     pub reference_temperature: f64,
     /// Shifts, one per temperature that is connected with the reference.
     pub shifts: Vec<Shift>,
-    /// Unconnected temperatures: their curves, or those between, overlap nowhere within their
-    /// errors, and no shift was stated. They are not part of the curve.
+    /// Temperatures that neither an overlap within the errors nor a stated shift connects with the
+    /// reference. They are not part of the curve.
     pub unconnected: Vec<f64>,
     /// All lines at their reduced frequencies, in the order of the sweep.
     pub points: Vec<MasterPoint>,
@@ -67,22 +67,21 @@ pub struct Shift {
     pub log_shift: f64,
     /// Standard error of ln a_T, with the scatter between the orders; 0 at the reference.
     pub standard_error: f64,
-    /// Part of it due to the choice of the order: the scatter between the orders.
+    /// Part of the standard error due to the choice of the order: the scatter between the orders.
     pub order_error: f64,
     /// Interval of ln a_T at the level of the fit.
     pub interval: Interval,
     /// Identifiability by the data, with the chosen series.
     pub verdict: Verdict,
-    /// True if ln a_T is the stated one, because the curves overlap nowhere; it has no error of
-    /// its own then.
+    /// True if ln a_T is the stated value, because the curves do not overlap; it then has no error.
     pub is_stated: bool,
     /// b_T, as stated or estimated.
     pub vertical: f64,
-    /// Standard error of ln b_T; 0 where it was stated, or is 1 because the data do not require
+    /// Standard error of ln b_T; 0 if b_T was stated, or is 1 because the data do not require
     /// another value.
     pub vertical_standard_error: f64,
-    /// ln (a_T/a_{T-1}) from the overlap with the previous temperature; `None` for the first, and
-    /// where they do not overlap.
+    /// ln (a_T/a_{T-1}) from the overlap with the previous temperature; `None` for the first
+    /// temperature, and where the curves do not overlap.
     pub overlap: Option<f64>,
 }
 
@@ -92,13 +91,13 @@ pub struct Shift {
 pub struct MasterPoint {
     /// T \[K\].
     pub temperature: f64,
-    /// Frequency times a_T \[Hz\]; of a line over time 1/(2πt) times a_T.
+    /// Frequency times a_T \[Hz\]; for a line over time, 1/(2πt) times a_T.
     pub reduced_frequency_hz: f64,
-    /// Time over a_T \[s\] of a line over time.
+    /// Time divided by a_T \[s\], for a line over time.
     pub reduced_time: Option<f64>,
     /// Modulus divided by b_T \[Pa\].
     pub modulus: Complex64,
-    /// Modulus of the series there \[Pa\].
+    /// Modulus of the series at the reduced frequency or time \[Pa\].
     pub fitted: Complex64,
 }
 
@@ -243,7 +242,7 @@ impl MasterCurve {
                     upper: log_shift + quantile * standard_error,
                     method: IntervalMethod::Linear,
                 };
-                // the wider side of a profile counts
+                // on each side, the wider of the two intervals counts
                 let profile = own.map(|k| found[k].interval);
                 let interval = match profile.filter(|of| of.method == IntervalMethod::Profile) {
                     Some(of) => Interval {
@@ -277,7 +276,7 @@ impl MasterCurve {
                 };
             }
         }
-        // with the shifts as they are stated
+        // with the shifts of the result
         let shifted = ModulusData {
             omega: placed.omega.clone(),
             ..shifted
@@ -316,24 +315,24 @@ impl MasterCurve {
     /// Fits the laws of Williams, Landel & Ferry and of Arrhenius to the identified shifts.
     ///
     /// # Errors
-    /// [`CmodError::TooFewReadings`] below three temperatures whose shifts are identified;
+    /// [`CmodError::TooFewReadings`] for fewer than three temperatures whose shifts are identified;
     /// [`CmodError::ShiftsUndetermined`] if the data leave a combination of the shifts
-    /// undetermined; [`CmodError::ChangedResult`] if lists of this result were changed and
-    /// there are more shifts than parameters.
+    /// undetermined; [`CmodError::ChangedResult`] if lists of this result were changed and there
+    /// are more shifts than parameters.
     pub fn shift_laws(&self) -> Result<ShiftLaws, CmodError> {
         self.shift_laws_with(None)
     }
 
-    /// Fits the same laws with equal and independent errors of all identified shifts, of the size
-    /// of their scatter about WLF.
+    /// Fits the same laws with equal and independent errors of all identified shifts. The size of
+    /// these errors is the scatter of the shifts about WLF.
     ///
-    /// The shifts of a master curve err together, so that [`Self::shift_laws`] weighs differences
-    /// of neighbours far more than the shifts themselves. Where WLF does not hold within these
-    /// errors, the minimum may pass by all shifts, and this one is the description.
-    ///
+    /// The errors of the shifts of a master curve are correlated, so that [`Self::shift_laws`]
+    /// weights the differences of neighbours far more than the shifts themselves. Where WLF does
+    /// not hold within these errors, its minimum may miss all shifts. Then the laws fitted by
+    /// scatter describe the shifts.
     /// # Errors
-    /// Those of [`Self::shift_laws`]; [`CmodError::TooFewReadings`] below four temperatures whose
-    /// shifts are identified.
+    /// Those of [`Self::shift_laws`]; [`CmodError::TooFewReadings`] for fewer than four
+    /// temperatures whose shifts are identified.
     pub fn shift_laws_by_scatter(&self) -> Result<ShiftLaws, CmodError> {
         let equal = self.shift_laws_with(Some(1.0))?.wlf;
         if equal.degrees_of_freedom == 0 {
@@ -346,7 +345,7 @@ impl MasterCurve {
         self.shift_laws_with(Some(scatter))
     }
 
-    /// Fits both laws with the covariance of the shifts, or with this variance of each.
+    /// Fits both laws with the covariance of the shifts, or with `variance` for each of them.
     fn shift_laws_with(&self, variance: Option<f64>) -> Result<ShiftLaws, CmodError> {
         let reference = self.reference_temperature;
         let others: Vec<&Shift> = self
@@ -404,7 +403,7 @@ impl MasterCurve {
 struct OfShifts {
     means: Vec<f64>,
     covariance: Vec<Vec<f64>>,
-    /// Scatter between the orders, part of the square roots of the covariance.
+    /// Scatter between the orders, a part of the standard errors.
     order_errors: Vec<f64>,
 }
 

@@ -1,15 +1,16 @@
-//! A fitted law with its errors, in the form in which a later calculation follows them.
+//! A fitted law with its errors, in a form that later calculations can propagate.
 
 use super::fit::RheologicalFit;
 use super::law::FittedLaw;
 use crate::error::CmodError;
 
-/// Part of the error of a law: independent of all other parts, with one standard uncertainty.
+/// Part of the error of a law, independent of all other parts, of the size of one standard
+/// uncertainty.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LawError {
     /// Source, such as `noise 1` or `density`.
     pub source: String,
-    /// Changes of the parameters on their [scales](super::Scale), in their order.
+    /// Changes of the parameters on their [scales](super::Scale), in the order of the parameters.
     pub shift: Vec<f64>,
 }
 
@@ -17,8 +18,8 @@ pub struct LawError {
 ///
 /// The covariance of the parameters of a [`RheologicalFit`] is $`\sum_k e_k e_k^T`$: the axes of
 /// the random errors, and one vector for each common source. With standard normal numbers $`z_k`$
-/// the parameters $`p + \sum_k z_k e_k`$ are a draw of the law; one $`z_k = \pm 1`$ at a time gives
-/// the effect of each source on whatever is computed from the law.
+/// the parameters $`p + \sum_k z_k e_k`$ are a random draw of the law; one $`z_k = \pm 1`$ at a
+/// time gives the effect of each source on any quantity computed from the law.
 ///
 /// ```
 /// use cmod::rheology::{FitOptions, Law, MeasuredLaw, ModulusData, ModulusPoint, RheologicalFit};
@@ -37,39 +38,41 @@ pub struct LawError {
 pub struct MeasuredLaw {
     law: FittedLaw,
     coordinates: Vec<f64>,
-    /// True for a parameter of which the modulus is a linear function.
+    /// True for each parameter on which the modulus depends linearly.
     is_linear: Vec<bool>,
     errors: Vec<LawError>,
 }
 
-/// Least factor of a modulus or viscosity that is moved.
+/// Least factor by which a modulus or viscosity is multiplied.
 const LEAST_FACTOR: f64 = 1e-3;
 
-/// Lengths to which the change of the parameters by a common error is limited, the first that has
-/// enough of its effect. A law is nearly linear over the first: of a series with weakly determined
-/// branches, lines of 0.03 % and a lateral inertia of 0.2 %, the force of an impact has twice its
-/// error with the second. The shifts of a master curve need more.
+/// Lengths to which the change of the parameters by a common error is limited; the first that
+/// reproduces enough of the effect of the error is used. A law is nearly linear over the first
+/// length. For example, for a series with weakly determined branches, from lines of 0.03 % with a
+/// lateral inertia of 0.2 %, the second length doubles the error of the force of an impact. The
+/// shifts of a master curve need longer changes.
 const REACHES: [f64; 3] = [0.3, 1.0, 3.0];
 
-/// Largest part of the effect of a common error that a change of the parameters may lack.
+/// Largest part of the effect of a common error that a change of the parameters may fail to
+/// reproduce.
 const MOST_LOST: f64 = 0.5;
 
-/// Part that it may lack in any case: a standard error of all data together.
+/// Effect that may be missing in any case: one standard error of all data together.
 const LEAST_LOST: f64 = 1.0;
 
-/// Change of the parameters along the axes of their errors that has the effect of a common error,
-/// as far as one of limited length can.
+/// Change of the parameters along the axes of their errors that reproduces the effect of a common
+/// error, as far as its limited length allows.
 struct Held {
     change: Vec<f64>,
     /// Effect of the error on the data, in standard errors of all data together.
     effect: f64,
-    /// Effect that the change lacks.
+    /// Part of the effect that the change does not reproduce, in the same unit.
     lost: f64,
 }
 
 impl Held {
-    /// The shortest change that has enough of the effect of the `wanted` one, with the `signals` S of
-    /// the axes; the longest if none has.
+    /// Returns the shortest change that reproduces enough of the effect of the `wanted` change, or
+    /// the longest if none does. `signals` holds the signal-to-noise ratios S of the axes.
     fn of(wanted: &[f64], signals: &[f64]) -> Self {
         let [shorter @ .., longest] = REACHES;
         let tried = shorter.into_iter();
@@ -121,17 +124,17 @@ impl Held {
 }
 
 impl MeasuredLaw {
-    /// Takes the law of `fit` with the axes of its random errors and its common errors.
+    /// Creates the law of `fit` with the axes of its random errors and its common errors.
     ///
-    /// An axis of which the data determine little is held by a prior of one standard deviation of a
+    /// An axis that the data determine poorly is limited by a prior, whose standard deviation is a
     /// factor e for the parameters: with a signal-to-noise ratio s its length is 1/√(1 + s²)
-    /// instead of 1/s, and 1 where the data do not determine it at all. A common error changes the
-    /// parameters as little as meets its effect on the data.
+    /// instead of 1/s, and 1 where the data do not determine it at all. A common error is
+    /// represented by a change of the parameters as small as its effect on the data allows.
     ///
     /// # Errors
     ///
-    /// [`CmodError::CardUndetermined`] if such a change lacks more than half of the effect of a common
-    /// error.
+    /// [`CmodError::CardUndetermined`] if more than half of the effect of a common error is missing
+    /// from such a change.
     pub fn of(fit: &RheologicalFit) -> Result<Self, CmodError> {
         let size = fit.variance_factor.sqrt();
         let signals: Vec<f64> = fit.signal_to_noise.iter().map(|s| s / size).collect();
@@ -192,7 +195,7 @@ impl MeasuredLaw {
     ///
     /// # Errors
     ///
-    /// [`CmodError::ChangedResult`] for an error that has not one change for each parameter,
+    /// [`CmodError::ChangedResult`] for an error without one change per parameter,
     /// [`CmodError::NonPhysical`] for a change that is not finite.
     pub fn new(law: FittedLaw, errors: Vec<LawError>) -> Result<Self, CmodError> {
         let coordinates = law.coordinates()?;
@@ -222,23 +225,23 @@ impl MeasuredLaw {
         })
     }
 
-    /// The law.
+    /// Returns the law.
     #[must_use]
     pub fn law(&self) -> &FittedLaw {
         &self.law
     }
 
-    /// Its independent errors.
+    /// Returns the independent errors of the law.
     #[must_use]
     pub fn errors(&self) -> &[LawError] {
         &self.errors
     }
 
-    /// The law moved by `standard[k]` standard uncertainties of error k; errors beyond the end of
-    /// the slice are not moved.
+    /// Returns the law moved by `standard[k]` standard uncertainties of error k; errors beyond the
+    /// end of the slice are not applied.
     ///
-    /// Moduli and viscosities change by parts of themselves, so that changes of branches which
-    /// cancel do so whatever their size; all other parameters change on their scales.
+    /// Moduli and viscosities change by fractions of themselves, so that changes of branches that
+    /// cancel each other do so for any size; all other parameters change on their scales.
     ///
     /// # Errors
     ///
@@ -297,8 +300,8 @@ mod tests {
             .unwrap()
     }
 
-    /// Sum of squares of half the differences by one error at a time, against the covariance that
-    /// the fit predicts.
+    /// Compares the sum of squares of half the differences, with one error at a time, with the
+    /// covariance that the fit predicts.
     #[test]
     fn independent_errors_have_the_covariance_of_the_prediction() {
         let data = data();
@@ -316,7 +319,7 @@ mod tests {
                         standard[k] = z;
                         measured.moved(&standard).unwrap().modulus(omega)
                     };
-                    // small, for the derivative: some directions are far from linear at one
+                    // a small step, for the derivative: some directions are far from linear at one
                     // standard uncertainty
                     let half = (at(1e-3) - at(-1e-3)) / 2e-3;
                     found[0] += half.re * half.re;
@@ -325,8 +328,8 @@ mod tests {
                 let expected = fit.prediction(omega).unwrap().covariance;
                 for (part, found) in found.into_iter().enumerate() {
                     let expected = expected[part][part];
-                    // the prior lessens an error, and other orders of a series are only in the
-                    // prediction
+                    // the prior reduces an error, and only the prediction includes other orders of
+                    // a series
                     let least = fit
                         .signal_to_noise
                         .iter()
@@ -349,8 +352,9 @@ mod tests {
         }
     }
 
-    /// A polymer of four decades of branches measured over one and a half to 0.1 %, with an error
-    /// that rises as the square of the frequency: branches and spring compensate each other.
+    /// A polymer with branches over four decades, measured over one and a half decades to 0.1 %,
+    /// with an error that rises as the square of the frequency: branches and spring compensate each
+    /// other.
     #[test]
     fn a_series_with_weakly_determined_branches_is_followed() {
         let branches = (2..6).map(|k| MaxwellBranch {
@@ -415,7 +419,7 @@ mod tests {
                 }
             };
             let off: Vec<Complex64> = odd.iter().zip(&wanted).map(|(o, w)| o - w).collect();
-            // half is what no relaxing law has: storage that rises without loss
+            // no relaxing law can follow half of it: a storage modulus that rises without a loss
             assert!(
                 rms(&off) < 0.6 * rms(&wanted) && rms(&even) < 0.25 * rms(&wanted),
                 "{}: {:e} and {:e} of {:e}",

@@ -21,7 +21,7 @@ pub(super) trait Model {
     }
 
     /// Writes the moduli at `lines` and, by rows, their derivatives with respect to the
-    /// coordinates; false where there is no such law.
+    /// coordinates; returns false where there is no such law.
     fn evaluate(
         &self,
         at: &[f64],
@@ -63,12 +63,13 @@ impl ParameterKind {
         }
     }
 
-    /// Sets that the parameter describes a loss that vanishes where `coordinate` goes to -∞.
+    /// Marks the parameter as describing a loss that vanishes where `coordinate` goes to -∞.
     pub(super) fn of_loss(self, coordinate: usize) -> Self {
         self.of_loss_towards(coordinate, -1.0)
     }
 
-    /// Sets a loss that vanishes where `coordinate` goes to ∞ (1) or to -∞ (-1).
+    /// Marks the parameter as describing a loss that vanishes where `coordinate` goes to ∞ (1) or
+    /// to -∞ (-1).
     pub(super) fn of_loss_towards(mut self, coordinate: usize, vanishes_towards: f64) -> Self {
         self.loss = Some(Loss {
             coordinate,
@@ -93,8 +94,8 @@ pub(super) struct Partial<'a, M> {
 }
 
 impl<'a, M: Model> Partial<'a, M> {
-    /// Creates the model; `free` lists the free coordinates of `whole`, of which `at` has one entry
-    /// each.
+    /// Creates the model; `at` has one entry per coordinate of `whole`, and `free` lists the free
+    /// ones.
     pub(super) fn new(whole: &'a M, at: Vec<f64>, free: Vec<usize>) -> Self {
         let of = |index: &usize| {
             let kind = whole.kinds().get(*index)?;
@@ -117,7 +118,7 @@ impl<'a, M: Model> Partial<'a, M> {
         }
     }
 
-    /// Returns all coordinates.
+    /// Returns all coordinates of the whole model.
     pub(super) fn whole_at(&self, free: &[f64]) -> Vec<f64> {
         let mut at = self.at.clone();
         for (index, value) in self.free.iter().zip(free) {
@@ -274,7 +275,7 @@ impl<L: DifferentiableModulus> Linked<L> {
     }
 }
 
-/// Returns a law of this kind; only its type matters.
+/// Returns the model; of the law in it only the type matters.
 pub(super) fn kelvin_voigt() -> Result<Linked<KelvinVoigt>, rodwave::RodwaveError> {
     Ok(Linked {
         law: KelvinVoigt::new(1.0, 1.0)?,

@@ -9,7 +9,7 @@ use super::symmetric::{add_products, factorise, solve};
 ///
 /// The columns are whitened values of a law. Two neighbours of a grid of relaxation times differ
 /// enough that squaring their condition number does not matter for a start that is refined
-/// afterwards; a column that is dependent on the others within rounding does not enter.
+/// afterwards; a column that depends on the others within rounding is not used.
 #[derive(Debug)]
 pub(crate) struct NonNegative {
     columns: usize,
@@ -31,7 +31,7 @@ pub(crate) struct Optimum {
     pub(crate) square: f64,
 }
 
-/// Pivot of columns of length 1 below which it is rounding.
+/// Pivot of columns of length 1 below which it counts as rounding.
 const LEAST_PIVOT: f64 = 1e-12;
 /// Number of columns up to which all are tried at once before the search.
 const FEW: usize = 40;
@@ -41,7 +41,8 @@ const FEW: usize = 40;
     reason = "the matrix has n rows of n elements and the lists n, and all indices are numbers of columns, of which there are n"
 )]
 impl NonNegative {
-    /// Takes `columns` and `target` of the same length; columns that are 0 get the coefficient 0.
+    /// Creates the problem of `columns` and `target` of the same length; columns that are 0 get the
+    /// coefficient 0.
     pub(crate) fn new(columns: &[Vec<f64>], target: &[f64]) -> Self {
         let n = columns.len();
         let rows: Vec<f64> = (0..target.len())
@@ -71,7 +72,7 @@ impl NonNegative {
         }
     }
 
-    /// Replaces the target, of the same `columns`.
+    /// Replaces the target; `columns` must be those of the problem.
     pub(crate) fn set_target(&mut self, columns: &[Vec<f64>], target: &[f64]) {
         for ((own, column), length) in self.target.iter_mut().zip(columns).zip(&self.lengths) {
             *own = dot(column, target) / length;
@@ -79,7 +80,7 @@ impl NonNegative {
         self.square = dot(target, target);
     }
 
-    /// Returns the problem of some of the columns.
+    /// Returns the problem with only the `chosen` columns.
     pub(crate) fn of_columns(&self, chosen: &[usize]) -> Self {
         let pick = |values: &[f64]| chosen.iter().map(|j| values[*j]).collect::<Vec<f64>>();
         Self {
@@ -95,14 +96,14 @@ impl NonNegative {
         }
     }
 
-    /// Solves until no single column is predicted to lower the square by 1e-4 of its mean per value
+    /// Solves until no single column is predicted to lower |b - A x|² by 1e-4 of its mean per value
     /// (or of 1, if that is less): close enough for a start.
     pub(crate) fn solve(&self) -> Optimum {
         self.solve_to(1e-4)
     }
 
-    /// Solves until no single column is predicted to lower the square by the fraction `tolerance` of
-    /// its mean per value (or of 1, if that is less). Many columns together may lower it by far
+    /// Solves until no single column is predicted to lower |b - A x|² by the fraction `tolerance`
+    /// of its mean per value (or of 1, if that is less). Many columns together may lower it by far
     /// more, where they are nearly dependent.
     pub(crate) fn solve_to(&self, tolerance: f64) -> Optimum {
         let n = self.columns;
@@ -151,7 +152,7 @@ impl NonNegative {
     }
 
     /// Moves to the optimum of the passive columns; those that would become negative are removed.
-    /// Returns false, without a move, if the entering one would become negative.
+    /// Returns false, without a move, if the entering column would become negative.
     fn settle(&self, x: &mut [f64], passive: &mut Vec<usize>, entering: usize) -> bool {
         loop {
             let Some(optimum) = self.least_squares(passive) else {
@@ -248,8 +249,8 @@ mod tests {
         let enough = 1e-2 * (optimum.square / 20.0).sqrt();
         for (column, amount) in columns.iter().zip(&optimum.coefficients) {
             let gradient = dot(column, &rest) / dot(column, column).sqrt();
-            // the tolerance that ends the search; for passive columns rounding by a condition of
-            // 1e6
+            // the tolerance that ends the search; for passive columns, rounding at a condition
+            // number of 1e6
             assert!(gradient < 1.01 * enough, "{gradient:e}");
             assert!(*amount == 0.0 || gradient.abs() < 1e-10, "{gradient:e}");
         }

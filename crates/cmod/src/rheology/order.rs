@@ -1,11 +1,11 @@
 //! Number of branches of a Prony series, and the series with them.
 //!
 //! χ² is a convex function of the relaxation spectrum, a distribution E(τ) >= 0, and the best
-//! spectrum consists of lines. They are found by non-negative least squares on a grid of relaxation
-//! times, neighbours are merged, and all parameters of the series are refined; while a further line
-//! still lowers χ², it is added. No series with more branches fits better, so only shorter ones are
-//! tried: branches are merged or removed one at a time, each time the one of least cost, and all is
-//! refined again. The criterion chooses among the orders.
+//! spectrum consists of discrete lines. These lines are found by non-negative least squares on a
+//! grid of relaxation times, neighbours are merged, and all parameters of the series are refined.
+//! Further lines are added as long as they lower χ². No series with more branches fits better, so
+//! only shorter ones are tried: branches are merged or removed one at a time, each time the one of
+//! least cost, and the rest is refined again. The criterion chooses among the orders.
 
 mod refined;
 mod series;
@@ -26,7 +26,7 @@ use crate::error::CmodError;
 
 /// Weight relative to the best order below which an order does not contribute to a prediction.
 const LEAST_WEIGHT: f64 = 1e-3;
-/// Excess of the criterion over its best value at which the search ends, twice in a row.
+/// The search ends when the criterion exceeds its best value by this amount at two orders in a row.
 const HOPELESS: f64 = 30.0;
 
 /// Generalised Maxwell model of a chosen or given order.
@@ -54,7 +54,7 @@ pub struct Order {
     pub aicc: f64,
     /// Bayesian information criterion.
     pub bic: f64,
-    /// Criterion of predictions.
+    /// Criterion for predictions.
     prediction: f64,
 }
 
@@ -70,8 +70,8 @@ impl PronyFit {
         Self::judged(data, options, chosen)
     }
 
-    /// Fits a series of `branches` branches, also where the data do not resolve them, which the
-    /// verdicts report.
+    /// Fits a series of `branches` branches, even if the data do not resolve them; the verdicts
+    /// report this.
     ///
     /// # Errors
     /// Those of [`RheologicalFit::new`].
@@ -155,7 +155,7 @@ fn no_law() -> CmodError {
 pub(super) struct Chosen {
     pub(super) best: Refined,
     pub(super) orders: Vec<Order>,
-    /// Series of these orders; none where the order was given.
+    /// Series of these orders; empty if the order was given.
     tried: Vec<Refined>,
 }
 
@@ -171,7 +171,7 @@ impl Chosen {
     }
 
     /// Returns the greatest E∞ that the data do not exclude in addition to the branches of a series
-    /// without one.
+    /// without a spring.
     fn equilibrium_limit(&self, data: &ModulusData, options: &FitOptions) -> Option<f64> {
         let solid = self.best.with_spring(data).filter(|_| options.profiles)?;
         let model = Prony::new(true, solid.series.branches.len());
@@ -211,7 +211,7 @@ impl Chosen {
     }
 }
 
-/// Returns the alternatives with their weights exp(-A/2), normalised, from their criterion A of
+/// Returns the alternatives with their weights exp(-A/2), normalised, from their criterion A for
 /// predictions.
 pub(super) fn weighted(mut all: Vec<(f64, Alternative)>) -> Vec<Alternative> {
     let least = all

@@ -1,4 +1,4 @@
-//! Data of relaxation and creep: lines over time, alone and beside those over frequency.
+//! Data of relaxation and creep: lines over time, alone or together with lines over frequency.
 
 use std::borrow::Cow;
 use std::f64::consts::PI;
@@ -10,13 +10,13 @@ use super::straight_line;
 use super::transient::{Reading, respond};
 use crate::error::CmodError;
 
-/// Distance in ln ω of the lines that give the slope of a creep modulus.
+/// Distance in ln ω within which lines determine the slope of the creep modulus at a line.
 const SLOPE_WITHIN: f64 = 1.2;
 
 /// Modulus measured at one time after the start of the load.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TransientPoint {
-    /// Time since the load began to grow \[s\], above that in which it grew.
+    /// Time since the load began to rise \[s\], longer than the rise.
     pub time: f64,
     /// Stress over strain \[Pa\]: E(t) of relaxation, 1/J(t) of creep.
     pub modulus: f64,
@@ -24,7 +24,7 @@ pub struct TransientPoint {
     pub standard_error: f64,
 }
 
-/// Quantity that is held in a test over time.
+/// Quantity that is kept constant in a test over time.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum TransientTest {
     /// Strain: the stress relaxes.
@@ -34,7 +34,7 @@ pub enum TransientTest {
 }
 
 impl TransientTest {
-    /// Returns the reading of a test whose ramp took this part of the time.
+    /// Returns the reading of a test whose ramp took the fraction `ramp` of the time.
     pub(super) fn reading(self, ramp: f64) -> Reading {
         match self {
             Self::Relaxation => Reading::Relaxation { ramp },
@@ -44,17 +44,17 @@ impl TransientTest {
 }
 
 impl ModulusData {
-    /// Takes moduli over time from a test whose load grew in proportion to time during the first `ramp`
-    /// \[s\] and was held from then on; 0 for a step.
+    /// Creates the data from moduli over time of a test whose load rose in proportion to time
+    /// during the first `ramp` \[s\] and was held from then on; `ramp` is 0 for a step.
     ///
-    /// The response of a law is E(t), or 1/J(t), of that load, without approximation: rows shortly after
-    /// the ramp count fully. Laws are predicted over frequency all the same; the band of the data is
-    /// that of the inverse times, ω = 1/t.
+    /// The response of a law is E(t), or 1/J(t), for this load, without approximation: points
+    /// shortly after the ramp count fully. Predictions of the laws are functions of frequency all
+    /// the same; the band of the data is that of the inverse times, ω = 1/t.
     ///
     /// # Errors
-    /// [`CmodError::NoLines`]; [`CmodError::NonPhysical`] unless the ramp is finite and not below 0;
-    /// [`CmodError::ModulusPoint`] unless the times increase from above the ramp, and moduli and
-    /// standard errors are finite and above 0.
+    /// [`CmodError::NoLines`]; [`CmodError::NonPhysical`] unless the ramp is finite and not below
+    /// 0; [`CmodError::ModulusPoint`] unless the times increase and are longer than the ramp, and
+    /// moduli and standard errors are finite and above 0.
     ///
     /// ```
     /// use cmod::rheology::{ModulusData, FitOptions, Law, RheologicalFit, TransientPoint, TransientTest};
@@ -134,8 +134,8 @@ impl ModulusData {
         })
     }
 
-    /// Joins data of one material at one temperature, such as those over frequency and those over
-    /// time. A common error of one source is one error of all of them.
+    /// Joins data of one material at one temperature, such as data over frequency and data over
+    /// time. A common error of one source is one error for all of them.
     ///
     /// # Errors
     /// [`CmodError::NoLines`] without data.
@@ -146,7 +146,8 @@ impl ModulusData {
         Ok(Self::joined(parts.iter().map(|part| (part, 1.0))).in_order())
     }
 
-    /// Returns the time since the start of the load \[s\] of a line that is one over time.
+    /// Returns the time since the start of the load \[s\] of a line over time; `None` for a line
+    /// over frequency.
     #[must_use]
     pub fn time(&self, line: usize) -> Option<f64> {
         let reading = self.readings.get(line)?;
@@ -156,7 +157,7 @@ impl ModulusData {
             .map(f64::recip)
     }
 
-    /// Returns what was held at a line that is one over time.
+    /// Returns the test of a line over time; `None` for a line over frequency.
     #[must_use]
     pub fn test(&self, line: usize) -> Option<TransientTest> {
         match self.readings.get(line)? {
@@ -177,15 +178,15 @@ impl ModulusData {
         self
     }
 
-    /// Returns true if a line is one over time.
+    /// Returns true if some lines are over time.
     #[must_use]
     pub fn has_times(&self) -> bool {
         self.readings.iter().any(|reading| reading.is_real())
     }
 
-    /// Returns moduli that are linear in those of the springs of a law, to start fits: a creep modulus
-    /// 1/J(t) where m is the slope of its logarithm over that of ω is E(t) πm/sin πm, exactly for
-    /// a power of time.
+    /// Returns moduli that are linear in the moduli of the springs of a law, to start fits. Where
+    /// ln(1/J) has the slope m with respect to ln ω, the creep modulus 1/J(t) is E(t) πm/sin πm,
+    /// exactly so for a power of time.
     #[allow(
         clippy::indexing_slicing,
         reason = "every line has a frequency, a reading and a modulus"
@@ -210,8 +211,8 @@ impl ModulusData {
         Cow::Owned(moduli)
     }
 
-    /// Returns the response at a line to what is linear in the springs of a law, which is that of
-    /// relaxation where the line is one of creep.
+    /// Returns the response at a line that is linear in the springs of a law; for a line of creep,
+    /// this is the response of relaxation.
     pub(super) fn linear_response(
         &self,
         line: usize,
@@ -225,9 +226,9 @@ impl ModulusData {
         place.and_then(of).unwrap_or(Complex64::ZERO)
     }
 
-    /// Returns the lines of the kind of `reading`, of tests over time at the times since the middle of
-    /// the ramp: there a smooth modulus is nearly that of a step (Zapas & Phillips, *J. Res. Natl.
-    /// Bur. Stand.* **75A** (1971) 33).
+    /// Returns the lines of the kind of `reading`. For tests over time, the times count from the
+    /// middle of the ramp, which makes a smooth modulus nearly that of a step (Zapas & Phillips,
+    /// *J. Res. Natl. Bur. Stand.* **75A** (1971) 33).
     pub(super) fn as_steps(&self, reading: Reading) -> Self {
         let is_own = |line: &usize| {
             self.readings

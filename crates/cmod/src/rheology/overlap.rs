@@ -7,20 +7,20 @@ use super::data::ModulusData;
 
 /// Steps of the shift per mean distance of the lines.
 const STEPS_A_LINE: f64 = 4.0;
-/// Golden sections of two steps: the shift is then known to a hundredth of a step.
+/// Number of golden sections of two steps: they determine the shift to a hundredth of a step.
 const REFINEMENTS: u32 = 12;
 const GOLDEN: f64 = 0.618_033_988_749_894_9;
 /// Minimum number of points in the overlap, of both curves together.
 const FEWEST: usize = 3;
-/// Correction of an overlap of few points, which is good by chance: the mean square is raised by
-/// this fraction over the number of points.
+/// Correction for an overlap of few points, which may be good by chance: the mean square is raised
+/// by the fraction `CHANCE` over the number of points.
 const CHANCE: f64 = 6.0;
 
-/// Mean square of a point, two values, relative to the covariances of both curves, if they differ
-/// by noise.
+/// Mean square of a point, which has two values, relative to the covariances of both curves, if the
+/// curves differ by noise only.
 const OF_NOISE: f64 = 2.0;
-/// Accepted excess over [`OF_NOISE`]: for errors that are stated too small by half, and as a
-/// fraction for one point; for m points it is less by √m.
+/// Accepted excess over [`OF_NOISE`]: `UNDERSTATED` for errors that are stated too small by half;
+/// `MOST_EXCESS` as a fraction for one point, which is less by √m for m points.
 const UNDERSTATED: f64 = 3.0;
 const MOST_EXCESS: f64 = 4.0;
 
@@ -31,14 +31,14 @@ pub(super) struct Overlap {
     pub(super) log_shift: f64,
     /// ln of the factor b.
     pub(super) log_factor: f64,
-    /// Number of points of both within the band of the other.
+    /// Number of points of both curves within the band of the other curve.
     pub(super) points: usize,
     /// Mean whitened square of these points.
     pub(super) mean_square: f64,
 }
 
 impl Overlap {
-    /// Returns true if the curves differ there by no more than noise.
+    /// Returns true if the curves differ in the overlap by no more than noise.
     pub(super) fn agrees(&self) -> bool {
         let chance = OF_NOISE * (1.0 + MOST_EXCESS / count(self.points).sqrt());
         self.mean_square <= chance + UNDERSTATED
@@ -48,9 +48,10 @@ impl Overlap {
 /// Returns the shift s for which E_b(ω) = b E_a(ω e^s) fits best, with b = 1 or free; `None` if no
 /// shift makes the curves overlap.
 ///
-/// The measure is the mean square of the difference to the other curve, relative to the covariance
-/// of both, interpolated over ln ω, over all points of both that lie within the band of
-/// the other. A mean is used so that no overlap is preferred for its length.
+/// The measure is the mean square of the difference between a point and the other curve,
+/// interpolated over ln ω, relative to the covariance of both. The mean is over all points of both
+/// curves within the band of the other curve. A mean is used so that no overlap is preferred for
+/// its length.
 pub(super) fn best(a: &ModulusData, b: &ModulusData, free_factor: bool) -> Option<Overlap> {
     let ((a_low, a_high), (b_low, b_high)) = (a.band(), b.band());
     let spacing = (b_high / b_low).ln() / count(b.len() - 1).max(1.0);
@@ -63,7 +64,7 @@ pub(super) fn best(a: &ModulusData, b: &ModulusData, free_factor: bool) -> Optio
     )]
     let steps = ((last - first) / step).ceil().min(1e5) as u32;
     let at = |k: u32| first + (last - first) * f64::from(k) / f64::from(steps);
-    // lines of one kind stand beside each other
+    // only lines of one kind are compared with each other
     let mut pairs: Vec<(ModulusData, ModulusData)> = Vec::new();
     for reading in &a.readings {
         let is_new = |(own, _): &(ModulusData, ModulusData)| {
@@ -98,7 +99,7 @@ pub(super) fn best(a: &ModulusData, b: &ModulusData, free_factor: bool) -> Optio
     let (_, k, found) = (0..=steps)
         .filter_map(|k| measure(at(k)).map(|found| (value(&found), k, found)))
         .min_by(|x, y| x.0.total_cmp(&y.0))?;
-    // for few lines a step is many standard errors of the shift: the least value between the
+    // for few lines a step is many standard errors of the shift: find the least value between the
     // neighbours
     let (mut low, mut high) = (at(k.saturating_sub(1)), at((k + 1).min(steps)));
     let mut least = (value(&found), found);
@@ -120,8 +121,8 @@ pub(super) fn best(a: &ModulusData, b: &ModulusData, free_factor: bool) -> Optio
     Some(least.1)
 }
 
-/// Returns the mean of ln(|E_data|/|E_curve|) over the points of the data, the second of each pair,
-/// that, shifted by `s`, lie within the band of the curve, the first.
+/// Returns the mean of ln(|E_data|/|E_curve|) over the points of the data that, shifted by `s`, are
+/// within the band of the curve. Each pair is a curve and its data.
 fn factor(pairs: &[(ModulusData, ModulusData)], s: f64) -> Option<f64> {
     let lines = pairs.iter().flat_map(|(curve, data)| {
         let lines = data.omega.iter().zip(&data.modulus);
@@ -136,9 +137,9 @@ fn factor(pairs: &[(ModulusData, ModulusData)], s: f64) -> Option<f64> {
     (!ratios.is_empty()).then(|| ratios.iter().sum::<f64>() / count(ratios.len()))
 }
 
-/// Returns the sum of the squares of the difference, relative to the covariance of both, over the
-/// points of `data` that, shifted by `s`, lie within the band of `curve` times the factor, and
-/// their number.
+/// Returns the sum of the squares of the difference between `data` and `curve` times the factor,
+/// relative to the covariance of both, over the points of `data` that, shifted by `s`, are within
+/// the band of `curve`; and the number of these points.
 fn distance(data: &ModulusData, curve: &ModulusData, s: f64, log_factor: f64) -> (f64, usize) {
     let (shift, factor) = (s.exp(), log_factor.exp());
     let mut sum = 0.0;
@@ -169,7 +170,7 @@ fn distance(data: &ModulusData, curve: &ModulusData, s: f64, log_factor: f64) ->
 /// on either side, of which one may be missing, with its covariance as in
 /// [`Whitening::covariance`].
 ///
-/// A straight line between two points a decade is off by some per cent where the loss has its peak,
+/// With two points per decade, a straight line is off by some per cent at the peak of the loss,
 /// more than the noise of an instrument.
 fn interpolated(curve: &ModulusData, omega: f64) -> Option<(Complex64, [f64; 3])> {
     let after = curve.omega.partition_point(|line| *line < omega);

@@ -5,8 +5,9 @@ use std::fmt;
 use crate::estimate::ErrorSource;
 
 /// Largest standard error, on the scale of the parameter, up to which the linearised interval is
-/// used and the parameter counts as identified without further search. At a quarter of a natural
-/// logarithm the two intervals differ by some tenths of their width.
+/// used and the parameter counts as identified without further search. At a standard error of a
+/// quarter of a natural logarithm, this interval and that of the profile differ by some tenths of
+/// their width.
 pub const LINEAR_BELOW: f64 = 0.25;
 
 /// Widest interval of a parameter that counts as identified, on its scale: a factor of ten.
@@ -90,9 +91,9 @@ pub struct CommonShift {
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct Interval {
-    /// Lower end; the end of the range of the parameter where the data set none.
+    /// Lower end, or the end of the range of the parameter if the data set no limit.
     pub lower: f64,
-    /// Upper end.
+    /// Upper end, likewise.
     pub upper: f64,
     /// Method of determination.
     pub method: IntervalMethod,
@@ -110,11 +111,11 @@ impl Interval {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum IntervalMethod {
-    /// Standard error on the scale of the parameter.
+    /// From the standard error on the scale of the parameter.
     Linear,
     /// Profile of χ²: the parameter is held at a value, all others are fitted again, and the end is
-    /// where χ² has risen by the quantile of its distribution. Common errors widen it on both
-    /// sides, in squares.
+    /// where χ² has risen by the quantile of its distribution. Common errors widen the interval on
+    /// both sides, added in squares.
     Profile,
 }
 
@@ -130,8 +131,8 @@ pub enum Verdict {
     BoundedAbove(Reason),
     /// Only values below the lower end are excluded.
     BoundedBelow(Reason),
-    /// The data set no end; the value is where the iteration stopped, not a property of the
-    /// material.
+    /// The data set no limit; the value is the point at which the iteration stopped, not a property
+    /// of the material.
     NotIdentifiable(Reason),
 }
 
@@ -159,7 +160,7 @@ impl Verdict {
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub enum Reason {
-    /// The relaxation takes place outside of the band; only its flank lies inside.
+    /// The relaxation takes place outside of the band; only its flank is inside.
     OutsideBand {
         /// Relaxation time τ \[s\].
         relaxation_time: f64,
@@ -168,7 +169,7 @@ pub enum Reason {
         /// 1/ω of the lowest line \[s\].
         longest: f64,
     },
-    /// Another parameter compensates a change of this one.
+    /// Another parameter compensates for a change of this one.
     Correlated {
         /// Name of the other parameter.
         with: String,

@@ -101,8 +101,8 @@ impl PowerLawModel {
         }
     }
 
-    /// Fits straight lines through ln α and ln k of the points with α > 0; `None` if fewer than two
-    /// have.
+    /// Fits straight lines through ln α and ln k of the points with α > 0; `None` for fewer than
+    /// two such points.
     pub(super) fn start(&self, data: &ModulusData) -> Option<Vec<f64>> {
         let mut damping = Vec::new();
         let mut wave_number = Vec::new();

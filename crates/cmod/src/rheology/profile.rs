@@ -4,8 +4,8 @@ use super::data::ModulusData;
 use super::least_squares::{Effort, minimise};
 use super::model::Model;
 
-/// Range over which a parameter is followed on its scale, a factor of 1e21 for a logarithm: beyond,
-/// no law here depends on it.
+/// Range over which a parameter is followed on its scale, a factor of 1e21 for a logarithm: beyond
+/// it, no law here depends on the parameter.
 const RANGE: f64 = 50.0;
 /// Distances beyond an end at which χ² is evaluated again: a plateau may follow a rise.
 const BEYOND: [f64; 5] = [0.0, 1.0, 3.0, 9.0, 27.0];
@@ -32,13 +32,13 @@ pub(super) struct Profile<'a, M: ?Sized> {
     pub(super) data: &'a ModulusData,
     pub(super) at: &'a [f64],
     pub(super) chi_squared: f64,
-    /// Other coordinates from which the law may fit as well.
+    /// Coordinates in other regions from which the law may fit as well.
     pub(super) elsewhere: &'a [Vec<f64>],
     pub(super) index: usize,
     pub(super) threshold: f64,
 }
 
-/// Rise of χ² and its coordinates.
+/// Rise of χ², and the coordinates at which it is reached.
 type Reached = (f64, Vec<f64>);
 
 #[allow(
@@ -46,7 +46,7 @@ type Reached = (f64, Vec<f64>);
     reason = "`index` is that of a parameter of the model, and `at` and the minima have one coordinate for each"
 )]
 impl<M: Model + ?Sized> Profile<'_, M> {
-    /// Searches in the direction of the sign of `first_step`.
+    /// Searches for the end of the interval in the direction of the sign of `first_step`.
     pub(super) fn end(&self, first_step: f64) -> End {
         let mut inside = (0.0, self.at.to_vec());
         let mut step = first_step;
@@ -139,8 +139,8 @@ impl<M: Model + ?Sized> Profile<'_, M> {
         }
     }
 
-    /// Finds where χ² passes the threshold. It is nearly a parabola in the coordinate: its root is
-    /// nearly a straight line.
+    /// Finds where the rise of χ² passes the threshold. The rise is nearly a parabola in the
+    /// coordinate, so that its square root is nearly a straight line.
     fn between(&self, mut inside: Reached, (mut outside, mut rise_outside): (f64, f64)) -> f64 {
         let threshold = self.threshold;
         for _ in 0..20 {

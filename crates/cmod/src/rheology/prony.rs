@@ -9,8 +9,9 @@ use super::model::{Model, ParameterKind};
 use super::parameter::Scale;
 use super::transient::{Lines, Reading, left_of_branch, respond};
 
-/// E = E∞ + Σ Eᵢ z(ωτᵢ) with z(x) = ix/(1 + ix), in ln E∞ (unless E∞ = 0), ln Eᵢ, ln τᵢ, and the
-/// logarithms of the shifts a_T: on a line of temperature T the law is evaluated at ω a_T.
+/// E = E∞ + Σ Eᵢ z(ωτᵢ) with z(x) = ix/(1 + ix), as a function of ln E∞ (unless E∞ = 0), ln Eᵢ, ln
+/// τᵢ, and the logarithms of the shifts a_T: at a line of temperature T the law is evaluated at ω
+/// a_T.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Prony {
     solid: bool,
@@ -52,7 +53,7 @@ impl Prony {
             let (modulus, relaxation) = if solid || i + 1 < branches {
                 (modulus.of_loss(time - 1), relaxation.of_loss(time - 1))
             } else {
-                // without a spring the slowest branch becomes one when its time is long
+                // without a spring the slowest branch acts as one when its time is long
                 (modulus, relaxation.of_loss_towards(time, 1.0))
             };
             kinds.push(modulus.of_relaxation(time));
@@ -112,8 +113,8 @@ impl Prony {
         GeneralisedMaxwell::new(equilibrium.first().map_or(0.0, |e| e.exp()), branches)
     }
 
-    /// Returns the coordinates of a series, without shifts, in the order of increasing relaxation
-    /// times.
+    /// Returns the coordinates of a series, without shifts; `branches` are in the order of
+    /// increasing relaxation times.
     pub(super) fn coordinates(equilibrium_modulus: f64, branches: &[MaxwellBranch]) -> Vec<f64> {
         let mut at = Vec::with_capacity(1 + 2 * branches.len());
         if equilibrium_modulus > 0.0 {
@@ -137,8 +138,8 @@ pub(super) fn share(x: f64) -> Complex64 {
     }
 }
 
-/// Returns the part of the modulus of a branch that is active at x = ωτ, and its derivative by ln x;
-/// that of relaxation for creep.
+/// Returns the part of the modulus of a branch that is active at x = ωτ, and its derivative with
+/// respect to ln x; for creep, the values of relaxation.
 pub(super) fn share_of(reading: Reading, x: f64) -> (Complex64, Complex64) {
     match reading {
         Reading::Oscillation => {
@@ -192,7 +193,7 @@ impl Model for Prony {
         {
             let shift = self.shift_of_line.get(line).copied().flatten();
             let shifted = shift.map_or(omega, |k| omega * values[shifts + k]);
-            // the shares of the branches of these times
+            // sums the branches; `share` is a function of the relaxation time
             let series = |share: &dyn Fn(f64) -> (Complex64, Complex64), row: &mut [Complex64]| {
                 let mut sum = Complex64::from(equilibrium);
                 let mut slope = Complex64::ZERO;

@@ -8,8 +8,8 @@
 //!
 //! WLF has C₁ = β/(κ ln 10) and C₂ = 1/κ; Arrhenius, ln a_T = (E_a/R)(1/T - 1/Tᵣ), is the case κ =
 //! 1/Tᵣ with β = E_a/(R Tᵣ²), because T = Tᵣ + d. The laws are therefore nested, and one parameter
-//! decides between them. β and κ remain finite where the shifts are a straight line and C₁ and C₂
-//! do not.
+//! decides between them. β and κ remain finite where the shifts are a straight line, whereas C₁ and
+//! C₂ do not.
 
 use std::fmt;
 
@@ -61,7 +61,7 @@ impl Wlf {
     }
 
     /// Returns true if the shifts determine C₁ and C₂ separately: κ exceeds two of its standard
-    /// errors. Otherwise only their ratio is known, C₁/C₂ = β/ln 10.
+    /// errors. Otherwise only their ratio is determined, C₁/C₂ = β/ln 10.
     #[must_use]
     pub fn constants_are_identified(&self) -> bool {
         self.curvature > 2.0 * self.covariance[1][1].sqrt()
@@ -85,7 +85,8 @@ pub struct Arrhenius {
 }
 
 impl Arrhenius {
-    /// Returns ln a_T at `temperature` \[K\] with its standard error; `None` unless it is above 0.
+    /// Returns ln a_T at `temperature` \[K\] with its standard error; `None` unless the temperature
+    /// is above 0.
     #[must_use]
     pub fn log_shift(&self, temperature: f64) -> Option<(f64, f64)> {
         (temperature > 0.0).then(|| {
@@ -104,13 +105,13 @@ pub struct ShiftLaws {
     pub wlf: Wlf,
     /// Law of Arrhenius.
     pub arrhenius: Arrhenius,
-    /// Probability that WLF gains as much over Arrhenius if the latter is true (χ² of one degree
-    /// of freedom).
+    /// Probability of a decrease of χ² from Arrhenius to WLF at least as large as found, if
+    /// Arrhenius is true (χ² of one degree of freedom).
     pub arrhenius_p_value: f64,
 }
 
 impl ShiftLaws {
-    /// Fits both to `log_shifts` at `differences` T - Tᵣ \[K\] with their `covariance`.
+    /// Fits both laws to `log_shifts` at `differences` T - Tᵣ \[K\] with their `covariance`.
     pub(super) fn new(
         reference_temperature: f64,
         differences: &[f64],
@@ -242,7 +243,7 @@ impl Problem<'_> {
         }
     }
 
-    /// Fits WLF by Gauss-Newton with halved steps from the law of Arrhenius, which is one of this
+    /// Fits WLF by Gauss-Newton with halved steps from the law of Arrhenius, which has the same
     /// form.
     fn wlf(&self, reference: f64, arrhenius: &Arrhenius) -> Wlf {
         let mut slope = arrhenius.activation_energy / (GAS_CONSTANT * reference * reference);
@@ -336,7 +337,7 @@ impl Cholesky {
         Some(Self { rows })
     }
 
-    /// Solves L⁻¹ x in place.
+    /// Replaces x by L⁻¹ x.
     fn solve(&self, x: &mut [f64]) {
         for (i, row) in self.rows.iter().enumerate() {
             let known: f64 = row[..i].iter().zip(x.iter()).map(|(l, x)| l * x).sum();

@@ -1,5 +1,5 @@
-//! Starts for the laws with one relaxation: the best points of a grid, on which the moduli are
-//! linear.
+//! Starts for the laws with one relaxation: the best points of a grid. At each point the law is
+//! linear in its moduli.
 
 use std::f64::consts::FRAC_PI_2;
 
@@ -90,7 +90,7 @@ pub(super) fn of_one_relaxation(data: &ModulusData, shape: Shape) -> Vec<Vec<f64
     best.into_iter().map(|(_, at)| at).collect()
 }
 
-/// Returns coordinates at the limits that a relaxation may have without an effect on the data:
+/// Returns coordinates at the limits that a relaxation may reach without an effect on the data:
 /// slower than the band, with a parallel spring and without one, and faster.
 pub(super) fn at_the_limits(data: &ModulusData, shape: Shape) -> Vec<Vec<f64>> {
     const FAR: f64 = 30.0;
@@ -133,8 +133,8 @@ pub(super) fn of_elastic(data: &ModulusData) -> Vec<Vec<f64>> {
     vec![vec![modulus.ln()]]
 }
 
-/// Returns ln |E| and ln of the loss factor, as means; the latter from the slope of E(t) where there
-/// are lines over time.
+/// Returns ln |E| and ln of the loss factor, as means; the latter from the slope of the modulus if
+/// there are lines over time.
 pub(super) fn of_constant_q(data: &ModulusData) -> Vec<f64> {
     let n = count(data.len());
     let size: f64 = data.modulus.iter().map(|e| e.norm().ln() / n).sum();
@@ -159,8 +159,9 @@ pub(super) fn of_spring_pot(data: &ModulusData) -> Vec<f64> {
     at
 }
 
-/// Returns ln E₁, ln τ and, for exponents below 1, their log-odds of a law without a spring: the
-/// best of a grid for each of the `exponents`, and of these the two best.
+/// Returns starts for a law without a spring: ln E₁, ln τ and, for exponents below 1, the log-odds
+/// of the exponent. They are the best of a grid for each of the `exponents`, and of these the two
+/// best.
 pub(super) fn of_fluid(data: &ModulusData, exponents: &[f64]) -> Vec<Vec<f64>> {
     let (lowest, highest) = data.band();
     let decade = std::f64::consts::LN_10;
@@ -213,8 +214,8 @@ fn one_modulus(
     (square - mixed * mixed / own, mixed / own)
 }
 
-/// Returns ln E and ln η of the Kelvin-Voigt model, which is linear in E and η over frequency. Over
-/// time E is the least modulus, which is reached in the middle of the times.
+/// Returns ln E and ln η of the Kelvin-Voigt model, which is linear in E and η over frequency. For
+/// data over time, E is the least modulus and η/E is the geometric middle of the times.
 pub(super) fn of_kelvin_voigt(data: &ModulusData) -> Vec<f64> {
     if data.has_times() {
         let moduli = data.modulus.iter().map(|modulus| modulus.norm());
@@ -233,14 +234,14 @@ pub(super) fn of_power_law(data: &ModulusData, model: &PowerLawModel) -> Option<
     model.start(data)
 }
 
-/// Returns evenly chosen lines.
+/// Returns the numbers of evenly spaced lines, at most [`MOST_LINES`].
 fn some_lines(data: &ModulusData) -> Vec<usize> {
     let stride = data.len().div_ceil(MOST_LINES);
     (0..data.len()).step_by(stride.max(1)).collect()
 }
 
-/// Returns the best E₀ and ΔE >= 0 of E₀ + ΔE `law`(s), and χ². Where one would be 0 or less it is
-/// set to a thousandth of the modulus, from which the iteration can depart.
+/// Returns the best E₀ and ΔE >= 0 of E₀ + ΔE `law`(s), and χ². A value that is not above a
+/// thousandth of the modulus is set to this thousandth, from which the iteration can depart.
 #[allow(
     clippy::indexing_slicing,
     reason = "`lines` are numbers of lines of `data`"

@@ -1,4 +1,4 @@
-//! Lines of the data beside a frequency, which limit what a series of chosen order tells there.
+//! Lines of the data near a frequency, which limit the accuracy of a series of chosen order there.
 
 use super::data::ModulusData;
 use super::transient::Reading;
@@ -7,7 +7,7 @@ use super::transient::Reading;
 /// fifth within a decade, so that a series cannot follow the lines more closely than this.
 const REACH: f64 = 10.0;
 
-/// The lines to which a series of chosen order was fitted.
+/// Lines to which a series of chosen order was fitted.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(super) struct Support {
     lines: Vec<Line>,
@@ -40,8 +40,8 @@ impl Support {
         }
     }
 
-    /// Variances of the real and the imaginary part \[Pa²\] of the mean of the lines within a decade
-    /// of `omega`; 0 where there is none of this kind.
+    /// Returns the variances of the real and the imaginary part \[Pa²\] of the mean of the lines
+    /// within a decade of `omega`; 0 where there is no line of this kind.
     pub(super) fn variances_about(&self, omega: f64, reading: Reading) -> [f64; 2] {
         let is_near = |line: &&Line| {
             line.reading.is_like(reading) && (omega / REACH..=omega * REACH).contains(&line.omega)

@@ -9,18 +9,18 @@ use crate::error::{CmodError, check_positive};
 /// E(ω, T) = b_T E_ref(ω a_T)
 /// ```
 ///
-/// A master curve determines a_T. b_T follows from rubber elasticity if densities are given, b_T =
-/// ρT/(ρᵣTᵣ), because it is entropic. Otherwise it is 1 as long as the curves are compatible with
+/// A master curve determines a_T. If densities are given, b_T = ρT/(ρᵣTᵣ) follows from rubber
+/// elasticity, which is entropic. Otherwise b_T is 1 as long as the curves are compatible with
 /// that, and is estimated where they are not.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TemperatureSweep {
     pub(super) temperatures: Vec<f64>,
     pub(super) data: Vec<ModulusData>,
-    /// ρT, or 1; the factor b_T is its ratio to that of the reference.
+    /// ρT, or 1; the factor b_T is its ratio to the value at the reference.
     pub(super) vertical: Vec<f64>,
     /// True if the factors are stated.
     pub(super) vertical_is_stated: bool,
-    /// ln a_T to connect temperatures whose curves do not overlap, up to a constant.
+    /// Stated ln a_T, up to a constant, to connect temperatures whose curves do not overlap.
     pub(super) stated_shifts: Option<Vec<f64>>,
 }
 
@@ -29,8 +29,9 @@ impl TemperatureSweep {
     /// temperature.
     ///
     /// # Errors
-    /// [`CmodError::TooFewReadings`] below two temperatures or below three points at one of them;
-    /// [`CmodError::Temperature`] unless all are finite, above 0 and increasing.
+    /// [`CmodError::TooFewReadings`] for fewer than two temperatures, or fewer than three points at
+    /// one of them; [`CmodError::Temperature`] unless all temperatures are finite, above 0 and
+    /// increasing.
     pub fn new(steps: Vec<(f64, ModulusData)>) -> Result<Self, CmodError> {
         if steps.len() < 2 {
             return Err(CmodError::TooFewReadings {
@@ -65,12 +66,12 @@ impl TemperatureSweep {
         })
     }
 
-    /// Sets ln a_T at each temperature, up to a constant, such as from a known law of
-    /// [shifts](super::ShiftLaws). Where neighbouring curves do not overlap, the shift between
-    /// them is the stated one; where they do, it is fitted as usual.
+    /// Sets ln a_T at each temperature, up to a constant, for example from a known law of
+    /// [shifts](super::ShiftLaws). Where neighbouring curves do not overlap, the shift between them
+    /// is the stated one; where they overlap, it is fitted as usual.
     ///
     /// # Errors
-    /// [`CmodError::LengthMismatch`]; [`CmodError::NonPhysical`] unless all are finite.
+    /// [`CmodError::LengthMismatch`]; [`CmodError::NonPhysical`] unless all values are finite.
     pub fn with_stated_shifts(mut self, log_shifts: &[f64]) -> Result<Self, CmodError> {
         crate::error::check_length("array of shifts", log_shifts.len(), self.data.len())?;
         if let Some(value) = log_shifts.iter().find(|value| !value.is_finite()) {
@@ -88,7 +89,8 @@ impl TemperatureSweep {
     /// temperatures.
     ///
     /// # Errors
-    /// [`CmodError::LengthMismatch`]; [`CmodError::NonPhysical`] unless all are finite and above 0.
+    /// [`CmodError::LengthMismatch`]; [`CmodError::NonPhysical`] unless all densities are finite
+    /// and above 0.
     pub fn with_rubber_elasticity(mut self, densities: &[f64]) -> Result<Self, CmodError> {
         crate::error::check_length("array of densities", densities.len(), self.data.len())?;
         for ((vertical, density), temperature) in self
@@ -103,7 +105,7 @@ impl TemperatureSweep {
         Ok(self)
     }
 
-    /// Sets the factor of the modulus to 1 at all temperatures: none is estimated.
+    /// Sets the factor of the modulus to 1 at all temperatures, so that none is estimated.
     #[must_use]
     pub fn without_factors(mut self) -> Self {
         self.vertical.fill(1.0);
@@ -111,7 +113,7 @@ impl TemperatureSweep {
         self
     }
 
-    /// Returns some of the steps.
+    /// Returns the sweep with only these `steps`.
     pub(super) fn part(&self, steps: std::ops::RangeInclusive<usize>) -> Self {
         let (first, count) = (*steps.start(), steps.count());
         let pick = |values: &[f64]| values.iter().skip(first).take(count).copied().collect();
@@ -136,7 +138,7 @@ impl TemperatureSweep {
         &self.data
     }
 
-    /// Returns b_T for a reference.
+    /// Returns b_T of all temperatures, with the temperature of index `reference` as reference.
     #[allow(
         clippy::indexing_slicing,
         reason = "`MasterCurve::new` refuses a reference beyond the temperatures, each of which has its factor"

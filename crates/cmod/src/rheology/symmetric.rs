@@ -1,6 +1,6 @@
 //! Sums of products and Cholesky factors, which take most of the time of a fit.
 //!
-//! Both are vectorised over columns, so that every sum is taken in the order of its terms and all
+//! Both are vectorised over columns, so that every sum adds its terms in their order and all
 //! processors give the same digits.
 
 /// Number of rows, or columns of a factor, that are added to the sums together.
@@ -45,7 +45,7 @@ fn add_products_vectorised(sums: &mut [f64], rows: &[f64], columns: usize) {
         let (a, b) = block.split_at(2 * columns);
         let ((a, b), (c, d)) = (a.split_at(columns), b.split_at(columns));
         for (i, sums) in sums.chunks_exact_mut(columns).enumerate() {
-            // from a whole vector on; the elements below the diagonal are never read
+            // starts at a whole vector; the elements below the diagonal are never read
             let first = i - i % 4;
             let factors = [a[i], b[i], c[i], d[i]];
             let rest = a[first..]
@@ -81,7 +81,7 @@ pub(crate) fn factorise(factor: &mut [f64], size: usize, least_pivot: f64) -> bo
     })
 }
 
-/// [`factorise`] as a task of this kind.
+/// [`factorise`] as a task that can be run with the vector instructions of the processor.
 struct Factorisation<'a> {
     factor: &'a mut [f64],
     size: usize,
@@ -224,7 +224,8 @@ mod tests {
             let mut factor = matrix.clone();
             assert!(factorise(&mut factor, size, 0.0));
             solve(&factor, &mut z);
-            // M times ones gives ones back, to rounding times a condition number of some thousands
+            // the right side is M times ones, so that the solution is 1, to rounding times a
+            // condition number of some thousands
             assert!(z.iter().all(|z| (z - 1.0).abs() < 1e-11), "{z:?}");
             matrix[size * size - 1] = -1.0;
             assert!(!factorise(&mut matrix, size, 0.0));

@@ -1,29 +1,31 @@
 //! Moduli over time: relaxation after a step or a ramp of strain, and creep after one of stress.
 //!
-//! A strain that grows in proportion to time up to ε₀ at t₁ and is held requires the stress E(t) ε₀,
-//! and a stress that does so causes the strain J(t) σ₀, with
+//! A strain that rises in proportion to time up to ε₀ at t₁ and is then held requires the stress
+//! E(t) ε₀. A stress with this history, up to σ₀, causes the strain J(t) σ₀, with
 //!
 //! ```text
 //! E(t) = (1/2πi) ∫ e^{st} E(s)/s h(st₁) ds ,    J(t) = (1/2πi) ∫ e^{st} 1/(s E(s)) h(st₁) ds ,
 //! h(y) = (1 - e^{-y})/y
 //! ```
 //!
-//! so that every law that is known at complex s is known over time, with the same derivatives. The
-//! integrals are taken by the midpoint rule on the cotangent contour of Trefethen, Weideman & Schmelzer
-//! (*BIT* **46** (2006) 653), z = st = N (0.5017 θ cot 0.6407θ - 0.6122 + 0.2645 iθ), whose error is
-//! 3.9^{-N}.
+//! so that every law that can be evaluated at complex s can be evaluated over time, with the same
+//! derivatives. The integrals are computed by the midpoint rule on the cotangent contour of
+//! Trefethen, Weideman & Schmelzer (*BIT* **46** (2006) 653), z = st = N (0.5017 θ cot 0.6407θ -
+//! 0.6122 + 0.2645 iθ), whose error is 3.9^{-N}.
 //!
-//! A line stands at ω = 1/t: a shift a_T of a temperature moves it as it moves a frequency.
+//! A line over time has ω = 1/t, so that the shift a_T of a temperature moves it in the same way as
+//! a frequency.
 
 use std::f64::consts::PI;
 use std::sync::LazyLock;
 
 use num_complex::Complex64;
 
-/// Points N of the contour; half of them are the conjugates of the others.
+/// Number N of points of the contour; half of them are the conjugates of the others.
 const POINTS: u32 = 24;
-/// Part of the time taken by the ramp up to which one contour serves; above it e^{-st₁} grows on it
-/// too much, and the ramp is the difference of two ramps without end.
+/// Fraction of the time taken by the ramp up to which one contour suffices. Above it, e^{-st₁}
+/// grows too much on the contour, and the ramp is computed as the difference of two ramps without
+/// end.
 const SHORT_RAMP: f64 = 0.25;
 
 /// Kind of a line of data.
@@ -33,18 +35,18 @@ pub(super) enum Reading {
     Oscillation,
     /// E(t) at t = 1/ω.
     Relaxation {
-        /// Part of the time that the ramp of strain took.
+        /// Fraction of the time that the ramp of strain took.
         ramp: f64,
     },
     /// 1/J(t) at t = 1/ω.
     Creep {
-        /// Part of the time that the ramp of stress took.
+        /// Fraction of the time that the ramp of stress took.
         ramp: f64,
     },
 }
 
 impl Reading {
-    /// Returns the part of the time that the ramp took.
+    /// Returns the fraction of the time that the ramp took.
     pub(super) fn ramp(&self) -> f64 {
         match self {
             Self::Oscillation => 0.0,
@@ -52,7 +54,7 @@ impl Reading {
         }
     }
 
-    /// Returns true for two readings of one kind.
+    /// Returns true if two readings are of one kind.
     pub(super) fn is_like(&self, other: Self) -> bool {
         std::mem::discriminant(self) == std::mem::discriminant(&other)
     }
@@ -79,12 +81,12 @@ pub(super) struct Lines<'a> {
 }
 
 impl<'a> Lines<'a> {
-    /// Takes angular frequencies [rad/s], or the inverses of times, with what is read there.
+    /// Creates lines from angular frequencies [rad/s], or inverse times [1/s], with their readings.
     pub(super) fn new(omega: &'a [f64], readings: &'a [Reading]) -> Self {
         Self { omega, readings }
     }
 
-    /// Takes angular frequencies [rad/s].
+    /// Creates lines over frequency from angular frequencies [rad/s].
     #[cfg(test)]
     pub(super) fn oscillating(omega: &'a [f64]) -> Self {
         let readings = &[];
@@ -102,7 +104,8 @@ impl<'a> Lines<'a> {
     }
 }
 
-/// Points z of the contour in the upper half plane, with e^z z'(θ)/(iN) twice, for the conjugates.
+/// Points z of the contour in the upper half plane, with 2 e^z z'(θ)/(iN): the 2 is for the
+/// conjugates.
 static CONTOUR: LazyLock<Vec<(Complex64, Complex64)>> = LazyLock::new(|| {
     let n = f64::from(POINTS);
     let at = |k: u32| {
@@ -120,15 +123,15 @@ static CONTOUR: LazyLock<Vec<(Complex64, Complex64)>> = LazyLock::new(|| {
 /// h(y) = (1 - e^{-y})/y.
 fn mean_of_ramp(y: Complex64) -> Complex64 {
     if y.norm_sqr() < 1e-4 {
-        // the next term is y⁵/720 of 1: 1e-13
+        // the next term is y⁵/720, 1e-13 of 1
         1.0 - y / 2.0 * (1.0 - y / 3.0 * (1.0 - y / 4.0 * (1.0 - y / 5.0)))
     } else {
         (1.0 - (-y).exp()) / y
     }
 }
 
-/// Calls `with` for the points z and weights c of `Re Σ c Y(z/t)`, the response at t of a law Y to a
-/// load that takes the part `ramp` of t to grow.
+/// Calls `with` for the points z and weights c of `Re Σ c Y(z/t)`, the response at t of a law Y to
+/// a load that rises during the fraction `ramp` of t.
 fn points(ramp: f64, mut with: impl FnMut(Complex64, Complex64)) {
     if ramp <= SHORT_RAMP {
         for (z, c) in CONTOUR.iter() {
@@ -136,7 +139,7 @@ fn points(ramp: f64, mut with: impl FnMut(Complex64, Complex64)) {
         }
         return;
     }
-    // a ramp without end, less one that begins where the load is held
+    // a ramp without end, minus one that begins where the load is held
     let rest = 1.0 - ramp;
     for (z, c) in CONTOUR.iter() {
         let c = c / (z * z) / ramp;
@@ -145,10 +148,10 @@ fn points(ramp: f64, mut with: impl FnMut(Complex64, Complex64)) {
     }
 }
 
-/// Response of a law at one line.
+/// Returns the response of a law at one line; `None` where there is no law.
 ///
-/// `at_s` returns E(s) and writes its derivatives by the parameters; those of the response are left
-/// in `gradient`. `scratch` has the length of `gradient`.
+/// `at_s` returns E(s) and writes its derivatives with respect to the parameters; the derivatives
+/// of the response are written to `gradient`. `scratch` has the length of `gradient`.
 pub(super) fn respond(
     (omega, reading): (f64, Reading),
     gradient: &mut [Complex64],
@@ -190,8 +193,9 @@ pub(super) fn respond(
     is_law.then(|| sum.into())
 }
 
-/// Part that is left of the spring of a branch under a held strain, and its derivative by ln τ, where
-/// the time is `x` relaxation times, and the strain took the part `ramp` of it to grow.
+/// Returns the fraction of the modulus of a branch that is left under a held strain, and its
+/// derivative with respect to ln τ. The time is `x` relaxation times, and the strain rose during
+/// the fraction `ramp` of it.
 pub(super) fn left_of_branch(x: f64, ramp: f64) -> (f64, f64) {
     // nothing is left, and infinity times 0 would be NaN
     let x = x.min(1e4);
@@ -201,10 +205,10 @@ pub(super) fn left_of_branch(x: f64, ramp: f64) -> (f64, f64) {
     }
     let y = ramp * x;
     let held = (ramp * x - x).exp();
-    // h and its derivative by ln y
+    // h and its derivative with respect to ln y
     let mean = if y > 0.0 { -(-y).exp_m1() / y } else { 1.0 };
     let by_log = if y < 1e-3 {
-        // the next term is y³/8 of 1/2
+        // the next term is y³/8
         -y / 2.0 + y * y / 3.0
     } else {
         (-y).exp() - mean
@@ -243,14 +247,15 @@ mod tests {
         ]
     }
 
-    /// Mean of `f` over the ramp, from t - t₁ to t, by the tanh-sinh rule: laws are infinite at 0.
+    /// Mean of `f` over the ramp, from t - t₁ to t, by the tanh-sinh rule, as laws are infinite
+    /// at 0.
     fn mean_over_ramp(time: f64, ramp: f64, f: impl Fn(f64) -> f64) -> f64 {
         let h = 1.0 / 64.0;
         (-256..=256)
             .map(|k| h * f64::from(k))
             .map(|u| {
                 let inner = 0.5 * PI * u.sinh();
-                // distance from the begin, without cancellation
+                // distance from the start, without cancellation
                 let share = (1.0 + (-2.0 * inner).exp()).recip();
                 let weight = 0.25 * PI * u.cosh() / inner.cosh().powi(2);
                 weight * h * f(time * (1.0 - ramp) + time * ramp * share)
@@ -265,7 +270,7 @@ mod tests {
                 let time = 10f64.powi(decade);
                 let exact = law.relaxation_modulus(time).unwrap();
                 let found = response(law.as_ref(), time, Reading::Relaxation { ramp: 0.0 });
-                // 3.9^-24 = 7e-15, and rounding, of what had not yet relaxed a while ago
+                // 3.9^-24 = 7e-15 and rounding, relative to the modulus before its relaxation
                 let scale = law.at(1.0 / time).norm();
                 assert!(
                     (found - exact).abs() < 1e-12 * scale,
@@ -273,7 +278,8 @@ mod tests {
                 );
                 let exact = law.creep_compliance(time).unwrap().recip();
                 let found = response(law.as_ref(), time, Reading::Creep { ramp: 0.0 });
-                // the closed form of a soft solid is a difference of two of 2000 times its size
+                // the closed form of a soft solid is the difference of two numbers of 2000 times
+                // its size
                 assert!(
                     (found / exact - 1.0).abs() < 1e-11,
                     "{index} {time}: {found} {exact}"
@@ -291,7 +297,7 @@ mod tests {
                     let exact = mean_over_ramp(time, ramp, relaxation);
                     let found = response(law.as_ref(), time, Reading::Relaxation { ramp });
                     // the difference of two ramps loses a factor of four at most; a long ramp ends
-                    // where the law is steep: the rule of the mean has some 1e-11
+                    // where the law is steep: the rule for the mean has an error of some 1e-11
                     let scale = exact.abs() + law.at(1.0 / time).norm();
                     assert!(
                         (found - exact).abs() < 1e-10 * scale,
@@ -329,7 +335,7 @@ mod tests {
                 };
                 let scratch = &mut [Complex64::ZERO; 2];
                 respond((time.recip(), reading), &mut gradient, scratch, at_s);
-                // 5e-10 of the series of a short ramp
+                // the series for a short ramp has an error of 5e-10
                 let error = (slope - gradient[1].re).abs();
                 assert!(error < 1e-9, "{ramp} {time} {slope} {}", gradient[1].re);
                 assert!((left - gradient[0].re).abs() < 1e-11);

@@ -8,17 +8,18 @@ use statrs::distribution::{ContinuousCDF, Normal};
 use super::count;
 use super::transient::Reading;
 
-/// Two tests of the whitened residuals, in the order of frequency: of their signs, and of
-/// neighbours.
+/// Two tests of the whitened residuals in the order of frequency: one of their signs, and one of
+/// the correlation of neighbours.
 ///
-/// A law that is not that of the material leaves residuals that keep their sign over many lines. χ²
-/// detects this only if the stated errors are right; these two tests do not use their size. Both
-/// use the residuals of E' and E'' together, and are one-sided: few runs, positive correlation.
+/// A law that does not describe the material leaves residuals that keep their sign over many lines.
+/// χ² detects this only if the stated errors are right; these two tests do not use the size of the
+/// errors. Both use the residuals of E' and E'' together, and are one-sided: few runs, positive
+/// correlation.
 ///
 /// # Validity
-/// The tests are asymptotic, from some twenty residuals on, and for errors that are independent
-/// from line to line. The fitted parameters reduce the correlation slightly: the probabilities are
-/// slightly too large.
+/// The tests are asymptotic: they apply from some twenty residuals on, to errors that are
+/// independent from line to line. The fitted parameters reduce the correlation slightly, so that
+/// the probabilities are slightly too large.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct Whiteness {
@@ -36,8 +37,8 @@ pub struct Whiteness {
 }
 
 impl Whiteness {
-    /// Tests `residual`, which has two entries per line, the second of which counts over frequency;
-    /// neighbours are lines within one of the `sequences`.
+    /// Tests `residual`, which has two entries per line, the second of which counts only for data
+    /// over frequency; neighbours are lines within one of the `sequences`.
     pub(super) fn of(residual: &[f64], readings: &[Reading], sequences: &[Range<usize>]) -> Self {
         let mut runs = 0;
         let (mut expected, mut variance) = (0.0, 0.0);

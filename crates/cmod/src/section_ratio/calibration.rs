@@ -10,7 +10,7 @@ use crate::lateral_inertia::LateralInertia;
 use crate::self_calibration::{Experiment, LinearisedLine, SelfCalibration, found};
 
 impl SelfCalibration {
-    /// Returns the estimate by a `method` of a ratio, with the [common errors](RatioLines::common)
+    /// Returns the estimate of a `method` for a ratio, with the [common errors](RatioLines::common)
     /// of the ratio determined from its lines.
     ///
     /// `None` if there are no common errors, or if the lines are too few to determine them.
@@ -61,18 +61,18 @@ impl SelfCalibration {
 }
 
 impl CausalEstimate {
-    /// Projects the lines of a measured ratio by a `method` on the relaxing materials, with the
-    /// [common errors](RatioLines::common) of the ratio and those of the rod; without lateral
-    /// inertia, if its theory is given.
+    /// Projects the lines of a measured ratio, evaluated by a `method`, onto the relaxing
+    /// materials, with the [common errors](RatioLines::common) of the ratio and those of the rod.
+    /// If the theory of lateral inertia is given, its effect is removed.
     ///
-    /// The lines between the first and the last valid one take part, also those without a valid
+    /// The lines between the first and the last valid one are used, including those without a valid
     /// modulus of their own, except where the wave is not one-dimensional or the coherence is below
-    /// its limit. A rod that the ratio does not determine to first order, as that of
+    /// its limit. A method whose ratio does not determine the rod to first order, such as
     /// [`Resonances`](crate::Resonances), has no such estimate; project its
     /// [moduli](CausalEstimate::new).
     ///
     /// # Errors
-    /// Those of the method; [`CmodError::TooFewReadings`] below three lines;
+    /// Those of the method; [`CmodError::TooFewReadings`] for fewer than three lines;
     /// [`CmodError::NonPhysical`] for variances with 4 degrees of freedom or fewer.
     pub fn of_ratio(
         method: &(impl RatioMethod + ?Sized),
@@ -97,14 +97,15 @@ impl<M: RatioMethod + ?Sized> RatioExperiment<'_, M> {
     fn measured(&self) -> Vec<ErrorSource> {
         let errors = self.lines.common.iter();
         let mut measured: Vec<ErrorSource> = errors.map(|error| error.source()).collect();
-        // a mass acts on the ratio as a sensor does, and not linearly if it is large
+        // a mass acts on the ratio like an error of a sensor, but not linearly if it is large
         if !measured.is_empty() && self.method.without_error_of_mass(0.0).is_some() {
             measured.push(ErrorSource::AccelerometerMass);
         }
         measured
     }
 
-    /// Size of the error of the mass among those removed, behind those of the ratio.
+    /// Returns the size of the error of the mass in `removed`, where it follows the errors of the
+    /// ratio.
     fn error_of_mass(&self, removed: &[f64]) -> Option<f64> {
         removed.get(self.lines.common.len()).copied()
     }

@@ -9,12 +9,12 @@ use crate::branch::BranchDoubt;
 /// Advance of the phase over which the weight of a line decreases to 1/e.
 const MEMORY: f64 = PI;
 
-/// Standard deviation of d ln(γ/ω)/d ln ω over materials: dispersion is coupled to the loss, and is
-/// 0.03 for a loss factor of 0.1.
+/// Standard deviation of d ln(γ/ω)/d ln ω among materials: dispersion is coupled to the loss, and
+/// is 0.03 for a loss factor of 0.1.
 const DISPERSION: f64 = 0.05;
 
-/// Straight line through γ/ω over ln ω, with the weight of γ/ω of each previous line, decreasing
-/// with the phase.
+/// Straight line through γ/ω over ln ω, weighted with the information of each previous line on γ/ω,
+/// which decreases with the phase.
 ///
 /// Lines near singular ones have almost no weight. A prior on the dispersion keeps the slope near
 /// 0, so that few and noisy lines do not create one.
@@ -23,7 +23,7 @@ pub(super) struct Expectation {
     start: Complex64,
     /// Distance for counting waves \[m\].
     distance: f64,
-    /// Known delay, over which no wave must be counted [s].
+    /// Known delay [s], in which no waves need to be counted.
     delay: f64,
     last_omega: f64,
     /// Weighted means of ln ω and γ/ω, and the sums about them.
@@ -70,7 +70,7 @@ impl Expectation {
         self.slowness.im * (omega - self.last_omega) * self.distance
     }
 
-    /// Returns the part of the advance that is not due to the known delay, of either sign.
+    /// Returns the absolute value of the part of the advance that is not due to the known delay.
     fn unknown_advance(&self, omega: f64) -> f64 {
         (self.advance(omega) - self.delay * (omega - self.last_omega)).abs()
     }
@@ -113,8 +113,8 @@ impl Expectation {
 mod tests {
     use super::*;
 
-    /// A power law is a straight line except for its curvature, and outliers without weight do not
-    /// change it.
+    /// A power law is followed except for its curvature, and outliers without weight do not change
+    /// the line.
     #[test]
     fn dispersion_is_followed() {
         let law = |omega: f64| Complex64::new(0.02, 1.0) * 9e-4 * omega.powf(0.97);

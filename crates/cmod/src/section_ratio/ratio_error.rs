@@ -1,5 +1,5 @@
-//! Errors of a measured ratio that are the same in every hit: of the sensitivities, and of the
-//! delay between the channels.
+//! Errors of a measured ratio that are the same in every hit: those of the sensitivities, and of
+//! the delay between the channels.
 
 use std::f64::consts::TAU;
 
@@ -8,7 +8,7 @@ use num_complex::Complex64;
 use crate::error::{CmodError, check_frequencies, check_not_negative};
 use crate::estimate::{ErrorSource, SystematicShift};
 
-/// Error δΨ/Ψ of a measured ratio on every line, due to one source that is wrong by its standard
+/// Error δΨ/Ψ of a measured ratio at every line, due to one source that is wrong by its standard
 /// uncertainty. Averages over hits do not reduce it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RatioError {
@@ -38,7 +38,7 @@ impl RatioError {
         })
     }
 
-    /// Creates the error of a delay of the numerator behind the denominator with
+    /// Creates the error of a delay of the numerator relative to the denominator with
     /// `standard_uncertainty` u \[s\]: δΨ/Ψ = -iωu.
     ///
     /// # Errors
@@ -75,7 +75,7 @@ impl RatioError {
     }
 }
 
-/// Returns E|δΨ|² of a `ratio` on line `index` due to all these errors.
+/// Returns E|δΨ|² of a `ratio` at line `index` due to all these errors.
 pub(crate) fn variance(errors: &[RatioError], index: usize, ratio: Complex64) -> f64 {
     let relative = errors.iter().filter_map(|error| error.relative.get(index));
     relative.map(|relative| (ratio * relative).norm_sqr()).sum()

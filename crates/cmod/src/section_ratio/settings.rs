@@ -13,7 +13,7 @@ use super::{SectionRatio, slope};
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct SectionUncertainty {
     /// Uncertainty of each distance of a section \[m\]: from the free end, or from the other
-    /// section. A sensor on the end itself has none.
+    /// section. A sensor on the end itself has no such uncertainty.
     pub distance: f64,
     /// Uncertainty of the diameter \[m\]. It acts only through the mass on the end.
     pub diameter: f64,
@@ -33,11 +33,11 @@ impl SectionUncertainty {
     }
 }
 
-/// Settings of one method, each set by the methods that have it.
+/// Settings of one method; a method sets only those that it has.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(crate) struct Settings {
     pub(crate) wave_speed: Option<f64>,
-    /// Delay of the numerator behind the denominator [s].
+    /// Delay of the numerator relative to the denominator [s].
     pub(crate) delay: Option<f64>,
     pub(crate) uncertainty: SectionUncertainty,
     pub(crate) limits: AcceptanceLimits,
@@ -51,8 +51,8 @@ pub(crate) struct Changed<T> {
 }
 
 impl<T> Changed<T> {
-    /// Returns the arrangements `by` plus and minus the uncertainty of a quantity; `None` if that
-    /// is exact.
+    /// Returns the arrangements with a quantity changed by plus and minus its uncertainty; `None`
+    /// if the quantity is exact.
     pub(crate) fn of(source: ErrorSource, uncertainty: f64, by: impl Fn(f64) -> T) -> Option<Self> {
         (uncertainty > 0.0).then(|| Self {
             source,

@@ -6,8 +6,8 @@ use super::RatioError;
 use crate::error::{CmodError, check_frequencies, check_length};
 use crate::estimate::VarianceFreedom;
 
-/// Measured ratio Ψ of two spectra on increasing frequencies, with its variance and the accuracy of
-/// that. All arrays have one entry per line.
+/// Measured ratio Ψ of two spectra at increasing frequencies, with its variance and the accuracy of
+/// the variance. All arrays have one entry per line.
 #[derive(Debug, Clone, Copy)]
 pub struct RatioLines<'a> {
     /// Frequencies \[Hz\].
@@ -19,7 +19,7 @@ pub struct RatioLines<'a> {
     pub variance: &'a [f64],
     /// Degrees of freedom of the variances; `None` if they are known.
     pub freedom: Option<&'a [VarianceFreedom]>,
-    /// Ordinary coherence, where there is one; used only by [`TwoPoint`](crate::TwoPoint), for its
+    /// Ordinary coherence, if available; used only by [`TwoPoint`](crate::TwoPoint), for its
     /// [limit](crate::validity::AcceptanceLimits::coherence).
     pub coherence: Option<&'a [f64]>,
     /// Common errors of the ratio, each with one entry per line; none for exact sensors.
@@ -48,7 +48,7 @@ impl<'a> RatioLines<'a> {
         }
     }
 
-    /// Refuses arrays that do not fit; `name` is the name of the ratio.
+    /// Refuses arrays whose lengths do not match; `name` is the name of the ratio.
     pub(crate) fn check(&self, name: &'static str) -> Result<(), CmodError> {
         check_frequencies(self.frequency_hz)?;
         let count = self.frequency_hz.len();
@@ -93,7 +93,7 @@ impl<'a> RatioLines<'a> {
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct RatioOfSpectra {
-    /// Ψ; NaN on a line without signal in the denominator.
+    /// Ψ; NaN at a line without signal in the denominator.
     pub ratio: Vec<Complex64>,
     /// E|δΨ|², real and imaginary part together.
     pub variance: Vec<f64>,

@@ -10,27 +10,28 @@ use num_complex::Complex64;
 use super::{MeasuredRatio, SectionRatio, Settings};
 use crate::branch::BranchDoubt;
 
-/// Speeds tried without a guess [m/s], from soft rubber to beyond any solid in a rod.
+/// Speeds tried without a guess [m/s], from that of soft rubber to above that of any solid rod.
 const SLOWEST: f64 = 20.0;
 const FASTEST: f64 = 20e3;
 /// Factor of the range around a guess.
 const GUESS_FACTOR: f64 = 1.5;
-/// Ratio of neighbouring speeds: a fifth of a radian at one wavelength; closer where lines beyond
-/// it are compared.
+/// Ratio of neighbouring speeds: a fifth of a radian at one wavelength; closer to 1 where lines
+/// beyond one wavelength are compared.
 const SPEED_RATIO: f64 = 1.03;
 /// Values of α/k tried: loss factors of about 0, 0.12 and 0.4.
 const DAMPING: [f64; 3] = [0.0, 0.06, 0.2];
 /// Number of lines compared at each speed.
 const LINES: usize = 24;
-/// Minimum number of lines compared where they are more than a wavelength apart from the first:
-/// without a delay, and with one, where dispersion over many waves matters more than their number.
+/// Minimum number of lines compared, even where they are beyond one wavelength over the distance:
+/// without a delay, and with one, where dispersion over many waves matters more than the number of
+/// lines.
 const FEWEST_COMPARED: usize = LINES / 2;
 const FEWEST_COMPARED_WITH_DELAY: usize = 4;
 /// Minimum number of lines for distinguishing speeds without a guess.
 const FEWEST_LINES: usize = 8;
 /// Misfit of one speed and one damping for all lines, relative to the size of the ratio.
 const MODEL_ERROR: f64 = 0.05;
-/// Logarithm of the ratio above which two speeds are distinct.
+/// Logarithm of the ratio of two speeds above which they are distinct.
 const DISTINCT: f64 = 0.2;
 /// Difference of mean log misfits below which two speeds are not distinguished.
 const TOO_CLOSE: f64 = 0.1;
@@ -57,7 +58,7 @@ pub(super) fn wave_speed(
             let unknown = (0.5 / step_hz).min(delay / 3.0);
             (distance / (delay + unknown), distance / (delay - unknown))
         }
-        // below, two speeds have the same ratios on equidistant lines
+        // below this speed, two speeds have the same ratios on equidistant lines
         (None, None) => (SLOWEST.max(2.0 * step_hz * distance), FASTEST),
     };
     let mut misfits = Vec::with_capacity(LINES);
@@ -87,7 +88,7 @@ pub(super) fn wave_speed(
             .min_by(|a, b| a.0.total_cmp(&b.0));
         tried.extend(best);
         let next = speed * ratio;
-        // a guess at the limits of the double range stops growing, or grows endlessly
+        // a speed at the limits of the double range stops growing, or becomes infinite
         if next <= speed || next == f64::INFINITY {
             break;
         }
@@ -129,7 +130,7 @@ pub(super) fn wave_speed(
     })
 }
 
-/// Returns the distance of neighbouring lines [Hz]; 0 for a single one.
+/// Returns the median distance of neighbouring lines [Hz]; 0 for a single line.
 fn median_step(measured: &[MeasuredRatio<'_>]) -> f64 {
     let mut steps: Vec<f64> = measured
         .iter()

@@ -36,7 +36,7 @@ pub fn lines_per_independent_line(frequency_hz: &[f64], added_damping: f64) -> f
 }
 
 /// Returns the modulus on the axis, E(iω) = E(s) + [E_smooth(iω) - E_smooth(s)], from an `estimate`
-/// on the lines s. Where the lines are too few for a smooth modulus all are refused.
+/// on the lines s. Where the lines are too few for a smooth modulus, all are refused.
 pub(crate) fn on_axis(
     estimate: &ModulusEstimate,
     added_damping: f64,

@@ -1,24 +1,24 @@
-//! Line about a smooth modulus, and its residual from any modulus.
+//! Line linearised about a smooth modulus, and the residual that no modulus explains.
 
 use num_complex::Complex64;
 
 use super::vectors::{dot, subtract};
 use crate::estimate::{ErrorSource, SystematicShift};
 
-/// Line about a smooth modulus. Its derivatives are independent of the noise, unlike those at the
-/// modulus of the line itself: where the data determine a source poorly, that correlation would be
-/// mistaken for its error.
+/// Line linearised about a smooth modulus. Its derivatives are independent of the noise, unlike
+/// those at the modulus of the line itself: where the data determine a source poorly, their
+/// correlation with the noise would be mistaken for an error of the source.
 pub(crate) struct LinearisedLine {
     pub(crate) modulus: Complex64,
     /// E|δE|² \[Pa²\].
     pub(crate) variance: f64,
     pub(crate) shifts: Vec<SystematicShift>,
-    /// Residual from any modulus, where there are redundant measurements.
+    /// Residual that no modulus explains, if there are redundant measurements.
     pub(crate) misfit: Option<Misfit>,
 }
 
-/// Least squares of the residual from any modulus, in units of the noise, with respect to errors of
-/// the measured sources.
+/// Least squares of the residual that no modulus explains, in units of the noise, with respect to
+/// errors of the measured sources.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Misfit {
     /// Products of the derivatives with each other, by rows.
@@ -31,8 +31,8 @@ pub(crate) struct Misfit {
 }
 
 impl Misfit {
-    /// Returns the sum over the lines, from which errors of the sizes `removed` were taken out,
-    /// with these errors included.
+    /// Returns the sum over the lines, from which errors of the sizes `removed` were removed, as it
+    /// is before their removal.
     pub(crate) fn of(lines: &[LinearisedLine], removed: &[f64]) -> Self {
         let n = removed.len();
         let mut sum = Self {
@@ -56,11 +56,11 @@ impl Misfit {
         sum
     }
 
-    /// Returns the same information on `n` sources, of which the measured ones are the first, as
-    /// readings with errors of variance 1: sums of the sizes with the given factors, and their
-    /// values.
+    /// Returns the same information on `n` sources, the measured ones first, as readings with
+    /// errors of variance 1: each is a sum of the sizes with given factors, and the value of this
+    /// sum.
     pub(crate) fn readings(&self, n: usize) -> Vec<(Vec<f64>, f64)> {
-        // Cholesky factors by rows; a source that earlier ones replace leaves no pivot
+        // Cholesky factors by rows; a source that depends on earlier ones leaves no pivot
         let measured = self.gradient.len();
         let mut rest = self.normal.clone();
         let mut right = self.gradient.clone();
@@ -89,7 +89,7 @@ impl Misfit {
         readings
     }
 
-    /// Returns the sum of squares without errors of these `sizes`.
+    /// Returns the sum of squares after removal of errors of these `sizes`.
     pub(super) fn left(&self, sizes: &[f64]) -> f64 {
         let rows = self.normal.chunks_exact(self.gradient.len().max(1));
         let quadratic: f64 = rows
@@ -111,7 +111,7 @@ pub(crate) fn sources_of(lines: &[LinearisedLine], measured: &[ErrorSource]) -> 
     sources
 }
 
-/// Returns the part of the `shifts` of a line due to `source`; 0 where it does not depend on it.
+/// Returns the part of the `shifts` of a line due to `source`; 0 if the line does not depend on it.
 pub(crate) fn shift_of(shifts: &[SystematicShift], source: ErrorSource) -> SystematicShift {
     let mut sum = SystematicShift::new(source, Complex64::ZERO, Complex64::ZERO);
     for shift in shifts {

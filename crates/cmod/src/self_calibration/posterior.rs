@@ -17,7 +17,7 @@ const FEWEST_PER_UNKNOWN: f64 = 3.0;
 pub(super) struct Posterior {
     pub(super) sources: Vec<ErrorSource>,
     pub(super) sizes: Vec<f64>,
-    /// Cholesky factor of their covariance, by rows.
+    /// Cholesky factor of the covariance of the remaining errors, by rows.
     pub(super) factor: Vec<Vec<f64>>,
     pub(super) mean_square: f64,
     /// Smooth modulus of each line.
@@ -25,8 +25,9 @@ pub(super) struct Posterior {
 }
 
 impl Posterior {
-    /// Solves for the errors from `lines` about a smooth modulus, from whose `measured` sources
-    /// errors of the sizes `removed` were taken out. `None` if the lines are too few.
+    /// Solves for the errors from `lines` linearised about a smooth modulus, from which errors of
+    /// the `measured` sources with the sizes `removed` were removed. `None` if the lines are too
+    /// few.
     pub(super) fn of(
         lines: &[&ModulusLine],
         about: &[LinearisedLine],
@@ -70,7 +71,7 @@ impl Posterior {
             / (freedom + misfit.degrees_of_freedom);
         let (sizes, covariance) = ridge(&columns, &target, &misfit, mean_square.max(1.0))?;
         let mut smooth = smoothing.smooth(&without(&with_errors, &shifts, &sizes));
-        // errors of the specimen stay in the lines about which the next round is linear
+        // the next round linearises about lines that still contain the errors of the specimen
         let specimen = || sources.iter().zip(&sizes).skip(measured.len());
         for (modulus, line) in smooth.iter_mut().zip(about) {
             let errors =
@@ -91,7 +92,8 @@ impl Posterior {
         })
     }
 
-    /// Returns the largest difference of a size from that of `others`, in its standard errors.
+    /// Returns the largest difference of a size from that of `others`, in standard errors of the
+    /// size.
     pub(super) fn distance(&self, others: &[f64]) -> f64 {
         others
             .iter()
@@ -102,8 +104,8 @@ impl Posterior {
     }
 }
 
-/// Returns min (|b - Jξ|² + that of the `misfit`)/s² + |ξ|² and the covariance of ξ, (I +
-/// JᵀJ/s²)⁻¹. `None` if a value is not finite.
+/// Returns the ξ that minimises (|b - Jξ|² + the square of the `misfit`)/s² + |ξ|², and the
+/// covariance of ξ, (I + JᵀJ/s²)⁻¹. `None` if a value is not finite.
 fn ridge(
     columns: &[Vec<f64>],
     target: &[f64],

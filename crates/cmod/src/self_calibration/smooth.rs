@@ -1,4 +1,5 @@
-//! Projection of values on lines onto smooth and causal moduli, and its residual.
+//! Projection of values at lines onto smooth and causal moduli, and the residual of this
+//! projection.
 
 use faer::Mat;
 use num_complex::Complex64;
@@ -8,11 +9,11 @@ use super::vectors::{dot, subtract};
 use crate::complex_frequency::ComplexFrequency;
 use crate::estimate::ModulusLine;
 
-/// Ratio of neighbouring relaxation times. Coefficients of any sign on a grid of 2.5 leave 1e-4 of
-/// a loss that rises by powers of ten, which causes a bias of many standard errors in quiet
-/// records; on this grid the residual is below any noise.
+/// Ratio of neighbouring relaxation times. With a ratio of 2.5, coefficients of any sign leave 1e-4
+/// of a loss that rises by powers of ten, which causes a bias of many standard errors in quiet
+/// records; with this ratio the residual is below any noise.
 const GRID: f64 = 1.5;
-/// Extension of the grid beyond the band.
+/// Factor by which the grid extends beyond the band.
 const BEYOND: f64 = 1000.0;
 
 /// Least-squares fit of a smooth modulus to lines, in units of their noise.
@@ -102,7 +103,7 @@ impl Smoothing {
         values
     }
 
-    /// Returns the residual of whitened `values` from any smooth modulus.
+    /// Returns the part of whitened `values` that no smooth modulus explains.
     pub(super) fn rest_of(&self, values: &[f64]) -> Vec<f64> {
         let mut rest = values.to_vec();
         for direction in &self.basis {
@@ -143,7 +144,7 @@ struct SmoothModulus {
 
 impl SmoothModulus {
     /// Creates the functions with terms up to `largest` \[Pa\] at increasing places s; `None`
-    /// without any.
+    /// without places.
     fn on(places: &[Complex64], largest: f64) -> Option<Self> {
         let lowest = places.first()?.im;
         let highest = places.last()?.im;

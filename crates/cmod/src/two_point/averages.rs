@@ -4,24 +4,25 @@
 //! auto-spectrum of the free end: over n blows the least-squares slope of â₁ on â₂, an H₁ estimate
 //! with the free end as input. The residual of â₁ has the mean square (1 - γ²) G₁₁, γ² being the
 //! ordinary coherence, and n - 1 complex degrees of freedom: its variance is n(1 - γ²) G₁₁/(n - 1),
-//! and that of the slope, a mean over n blows, is
+//! and the variance of the slope, a mean over n blows, is
 //!
 //! ```text
 //! E|δΨ|² = (1 - γ²) G₁₁ / ((n - 1) G₂₂) = |Ψ|² (1 - γ²) / ((n - 1) γ²)
 //! ```
 //!
-//! With n instead of n - 1, as often written, it would be right only for many averages: for ten
-//! blows a tenth too small. Estimated with 2(n - 1) real degrees of freedom, it scatters by 1/(n -
-//! 1)^½ of itself from line to line, and an error divided by its root is distributed as Student's
-//! t. Neighbouring lines can share their information on the noise:
-//! [`crate::section_ratio::pooling`].
+//! With n instead of n - 1, as often written, the variance would be right only for many averages:
+//! for ten blows it would be a tenth too small. Estimated with 2(n - 1) real degrees of freedom,
+//! the variance scatters from line to line by the fraction 1/(n - 1)^½, and an error divided by the
+//! square root of the variance is distributed as Student's t. Neighbouring lines can share their
+//! information on the noise: [`crate::section_ratio::pooling`].
 //!
 //! # Bias
 //! Noise of relative power a in â₂ lowers Ψ by the factor 1/(1 + a). As γ² <= 1/(1 + a), the bias
-//! is at most 1 - γ² of Ψ; relative to the standard error of one part at most [2(n - 1) γ² (1 -
-//! γ²)]^½: for ten blows a tenth of it at γ² = 0.9994. Averaging does not remove it. The error
-//! limits keep it small unless they are relaxed; then a limit on the
-//! [coherence](crate::validity::AcceptanceLimits::coherence) is needed.
+//! is at most the fraction 1 - γ² of Ψ. Relative to the standard error of the real or imaginary
+//! part, it is at most [2(n - 1) γ² (1 - γ²)]^½: for ten blows, a tenth of the standard error at
+//! γ² = 0.9994. Averaging does not remove the bias. The error limits keep it small unless they are
+//! relaxed; then a limit on the [coherence](crate::validity::AcceptanceLimits::coherence) is
+//! needed.
 
 use num_complex::Complex64;
 
@@ -30,7 +31,7 @@ use crate::error::{CmodError, check_length};
 /// Excess of a coherence over 1 that is attributed to rounding.
 const ROUNDING: f64 = 1e-12;
 
-/// Ratio of the accelerations of the ends from spectra averaged over several blows, on increasing
+/// Ratio of the accelerations of the ends from spectra averaged over several blows, at increasing
 /// frequencies. All arrays have one entry per line.
 #[derive(Debug, Clone, Copy)]
 pub struct AveragedRatio<'a> {
@@ -38,15 +39,16 @@ pub struct AveragedRatio<'a> {
     pub frequency_hz: &'a [f64],
     /// Ψ, impacted end to free end, as H₁ = G₂₁/G₂₂ with G₂₁ the mean of â₁ â₂*.
     pub acceleration_ratio: &'a [Complex64],
-    /// Ordinary coherence γ² of the two; NaN where there is none: the line is refused.
+    /// Ordinary coherence γ² of the two accelerations; NaN where there is none: the line is
+    /// refused.
     pub coherence: &'a [f64],
     /// Number n of averages; the effective number for overlapping segments.
     pub averages: f64,
 }
 
-/// Returns E|δΨ|² on every line, real and imaginary part together, from the ordinary `coherence` γ²
-/// and the number of `averages` n: |Ψ|² (1 - γ²)/((n - 1) γ²). Infinite where γ² = 0 or NaN, to be
-/// refused there.
+/// Returns E|δΨ|² at every line, real and imaginary part together, from the ordinary `coherence` γ²
+/// and the number of `averages` n: |Ψ|² (1 - γ²)/((n - 1) γ²). The result is infinite where γ² is 0
+/// or NaN; such a line is refused later.
 ///
 /// ```
 /// use cmod::two_point::variance_from_coherence;
@@ -59,8 +61,8 @@ pub struct AveragedRatio<'a> {
 /// ```
 ///
 /// # Errors
-/// [`CmodError::TooFewAverages`] below 2, where a coherence is always 1; [`CmodError::Coherence`]
-/// for one that is not from 0 to 1; [`CmodError::LengthMismatch`].
+/// [`CmodError::TooFewAverages`] below 2 averages, with which a coherence is always 1;
+/// [`CmodError::Coherence`] for a coherence that is not from 0 to 1; [`CmodError::LengthMismatch`].
 pub fn variance_from_coherence(
     acceleration_ratio: &[Complex64],
     coherence: &[f64],

@@ -11,12 +11,13 @@ pub const MOST_NEWTON_STEPS: u32 = 50;
 /// Maximum number of Newton steps at an intermediate mass ratio.
 const NEWTON_STEPS_EACH: u32 = 5;
 
-/// Limit of |f f''|/|f'|² for Newton's iteration to converge to the nearest root: one half
-/// (Kantorovich) if f'' were constant; the margin allows for its change over the step.
+/// Limit of |f f''|/|f'|² up to which Newton's iteration converges to the nearest root: it would be
+/// one half (Kantorovich) if f'' were constant; the margin allows for the change of f'' over the
+/// step.
 const SURE_CONVERGENCE: f64 = 0.2;
 
-/// Limit of the same quantity (Kantorovich) at which the root of an intermediate mass ratio is
-/// accurate enough for the next step.
+/// Limit of |f f''|/|f'|² (Kantorovich) at which the root of an intermediate mass ratio is accurate
+/// enough for the next step.
 const NEAR_ENOUGH: f64 = 1e-4;
 
 /// Smallest step in the mass ratio, as a fraction of it.
@@ -45,8 +46,8 @@ pub struct EndMassRoot {
     pub termination: Termination,
     /// Number of steps in the mass ratio: more than one where another root is near.
     pub steps: u32,
-    /// Mass ratio at which the continuation came so near to a double root that it may have left
-    /// its branch.
+    /// Mass ratio at which the continuation came so near a double root that it may have left its
+    /// branch.
     pub lost_at: Option<f64>,
 }
 
@@ -73,7 +74,7 @@ pub(super) struct Slopes {
 }
 
 /// Hyperbolic functions of one γL, from which f and its derivatives at any mass ratio follow
-/// without further ones.
+/// without further evaluations.
 #[derive(Clone, Copy)]
 struct Hyperbolic {
     x: Complex64,
@@ -93,8 +94,8 @@ impl Way {
         self.start + step * (self.velocity + step * self.half_acceleration)
     }
 
-    /// Returns true if the second order is at most half of the first: beyond, the parabola leads to
-    /// any root, and its end may be near a wrong one.
+    /// Returns true if the second order is at most half of the first order: beyond this, the
+    /// parabola may lead to any root, and its end may be near a wrong one.
     fn bends_little(&self, step: f64) -> bool {
         4.0 * step * step * self.half_acceleration.norm_sqr() <= self.velocity.norm_sqr()
     }
@@ -203,10 +204,10 @@ impl EndMassEquation {
         }
     }
 
-    /// Newton's iteration from `start`, as printed (paper A, eq. 5).
+    /// Runs Newton's iteration from `start`, as printed (paper A, eq. 5).
     ///
-    /// At low losses the start γ₀L, which differs by μγ₀L, may lie beyond a zero of f', and the
-    /// iteration converges to the root of another branch.
+    /// At low losses the start γ₀L, which differs from the root by μγ₀L, may be beyond a zero of
+    /// f', and the iteration then converges to the root of another branch.
     #[must_use]
     pub fn newton(&self, start: Complex64) -> EndMassRoot {
         self.newton_after(start, 0)
@@ -248,15 +249,15 @@ impl EndMassEquation {
         ended(&at, lost, already + MOST_NEWTON_STEPS)
     }
 
-    /// Continuation in the mass ratio from the root `free_end` of μ = 0.
+    /// Follows the root from `free_end`, the root for μ = 0, by continuation in the mass ratio.
     ///
-    /// The mass is increased in steps, and the root is followed on its branch: a step follows the
-    /// parabola dx/dμ, d²x/dμ², and is limited such that its second order is at most half of
-    /// the first and Newton's iteration surely finds the root from there, |f f''| <= |f'|²/5,
-    /// at its end and in its middle. In between the parabola is nearer to its roots, and
-    /// these are one branch. Usually one step suffices, or a few for many waves; where two roots
-    /// come near to each other more are needed, and where they meet within 1/1024 of the mass
-    /// the root counts as [lost](EndMassRoot::lost_at).
+    /// The mass is increased in steps, and the root is followed on its branch. A step follows the
+    /// parabola given by dx/dμ and d²x/dμ². It is limited such that its second order is at most
+    /// half of the first order, and that Newton's iteration surely finds the root, |f f''| <=
+    /// |f'|²/5, from the end and from the middle of the step. In between, the parabola is nearer to
+    /// its roots, and these are one branch. Usually one step suffices, or a few for many waves.
+    /// More steps are needed where two roots come near each other; where two roots meet within
+    /// 1/1024 of the mass, the root counts as [lost](EndMassRoot::lost_at).
     #[must_use]
     pub fn continuation(&self, free_end: Complex64) -> EndMassRoot {
         if self.mass_ratio == 0.0 {
@@ -309,9 +310,9 @@ impl EndMassEquation {
 }
 
 impl EndMassEquation {
-    /// Continues from the free end, and if the result differs from the root `tracked` along the
-    /// lines, returns the tracked root: on a noisy line the path from μ = 0 can pass a point
-    /// where two roots meet on the wrong side.
+    /// Continues from the free end. If the result differs from the root `tracked` along the lines,
+    /// returns the tracked root: on a noisy line the path from μ = 0 can pass a point where two
+    /// roots meet on the wrong side.
     pub(super) fn continuation_checked(
         &self,
         free_end: Complex64,
@@ -395,7 +396,7 @@ mod tests {
                 assert!(root.termination.was_successful());
                 root.gamma_length
             };
-            // The terms of the series grow as (|x| / |sinh x|)^n: h keeps their ratio at 1e-2 or
+            // The terms of the series grow like (|x| / |sinh x|)^n: h keeps their ratio at 1e-2 or
             // less.
             let h = 1e-2 * free_end.sinh().norm() / (1.0 + free_end.norm()).powi(2);
             let [b, a, o, c, d] = [-2.0, -1.0, 0.0, 1.0, 2.0].map(|j| root(j * h));
@@ -410,7 +411,8 @@ mod tests {
         }
     }
 
-    /// Heavy accelerometers too: up to the mass of the specimen itself.
+    /// The branch is followed even with heavy accelerometers, up to the mass of the specimen
+    /// itself.
     #[test]
     fn continuation_follows_its_branch() {
         for mass_ratio in [0.0, 0.04, 0.2, 1.0] {
@@ -432,7 +434,7 @@ mod tests {
                 }
                 let root = equation.continuation(free_end);
                 assert!(root.termination.was_successful());
-                // Rounding through |f'| >= 0.05.
+                // Tolerance: rounding divided by |f'| >= 0.05.
                 assert!((root.gamma_length - exact).norm() < 1e-12 * (1.0 + exact.norm()));
             }
         }

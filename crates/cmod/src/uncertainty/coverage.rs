@@ -12,12 +12,13 @@ use crate::error::{CmodError, check_positive};
 /// ([`STANDARD_ERRORS_WITHIN`](crate::validity::STANDARD_ERRORS_WITHIN)).
 pub(crate) const PROBABILITY_WITHIN: f64 = 0.999_999_426_696_856;
 
-/// Returns the factor k with |error| <= kσ with this `probability`: Student's distribution if σ was
-/// estimated with `degrees_of_freedom`, else the normal distribution.
+/// Returns the factor k for which |error| <= kσ with this `probability`: from Student's
+/// distribution if σ was estimated with `degrees_of_freedom`, otherwise from the normal
+/// distribution.
 ///
 /// # Errors
-/// [`CmodError::NonPhysical`] unless the probability lies between 0 and 1, the degrees of freedom
-/// are 0.01 or more, and the factor is a number.
+/// [`CmodError::NonPhysical`] unless the probability is between 0 and 1, the degrees of freedom are
+/// 0.01 or more, and the factor is a number.
 pub fn coverage_factor(
     probability: f64,
     degrees_of_freedom: Option<f64>,
@@ -38,7 +39,7 @@ pub fn coverage_factor(
     directly(probability, degrees_of_freedom)
 }
 
-/// Returns the factor by the quantile of the distribution.
+/// Returns the factor from the quantile of the distribution.
 fn directly(probability: f64, degrees_of_freedom: Option<f64>) -> Result<f64, CmodError> {
     // the lower tail: 1 - p/2 would lose the digits of a small p
     let tail = 0.5 * (1.0 - probability);
@@ -84,7 +85,7 @@ fn directly(probability: f64, degrees_of_freedom: Option<f64>) -> Result<f64, Cm
 }
 
 /// Least degrees of freedom. With one there is neither mean nor variance; far below, the inverse of
-/// the incomplete beta function has no digits.
+/// the incomplete beta function has no correct digits.
 const FEWEST: f64 = 0.01;
 
 /// Degrees of freedom from which Student's distribution is expanded about the normal one; the
@@ -107,9 +108,10 @@ const FEWEST_OF_SERIES: f64 = 1.0;
 /// Number of terms of a [`Series`].
 const TERMS: usize = 48;
 
-/// Chebyshev series of ln k in 1/ν, for one probability and ν from 1 to [`MANY`]. Each line of an
-/// estimate may have degrees of freedom of its own, and Student's quantile takes as long as the rest
-/// of the line; both probabilities that every line needs have a series, within 1e-10 of k.
+/// Chebyshev series of ln k in 1/ν, for one probability and ν from 1 to [`MANY`]. The degrees of
+/// freedom may differ from line to line, and the computation of Student's quantile takes as long as
+/// the rest of the line. The two probabilities that every line needs therefore have a series,
+/// accurate to 1e-10 of k.
 struct Series {
     coefficients: [f64; TERMS],
 }
@@ -217,9 +219,9 @@ mod tests {
         }
     }
 
-    /// The series beside the quantile at five hundred degrees of freedom: 48 terms leave 4e-13 of ln k
-    /// and the inverse of the incomplete beta function has errors of some 1e-11 of its own; 24 terms
-    /// would leave 5e-9.
+    /// Compares the series with the quantile at five hundred degrees of freedom: 48 terms leave an
+    /// error of 4e-13 of ln k, and the inverse of the incomplete beta function has errors of some
+    /// 1e-11; 24 terms would leave 5e-9.
     #[test]
     fn the_series_is_the_quantile() {
         for probability in [PROBABILITY_WITHIN, 0.95] {

@@ -9,7 +9,7 @@ pub const GREATEST_STORAGE_MODULUS_ERROR: f64 = 0.01;
 pub const GREATEST_LOSS_FACTOR_ERROR: f64 = 0.05;
 
 /// Number of standard errors that must lie within the accepted error of E' and of the loss factor.
-/// At five, one line in 1.7 million at the very limit exceeds it: in practice none of a record.
+/// At five, one line in 1.7 million at the very limit exceeds it: in practice no line of a record.
 pub const STANDARD_ERRORS_WITHIN: f64 = 5.0;
 
 /// Default of [`AcceptanceLimits::error_amplification`]. No calibration of a pair of sensors
@@ -26,7 +26,7 @@ pub const GREATEST_SECOND_ORDER: f64 = 0.1;
 pub const GREATEST_POISSON_RATIO: f64 = 0.5;
 
 /// Number of standard errors of the common sources for
-/// [`AcceptanceLimits::common_storage_modulus`]: some 95 %.
+/// [`AcceptanceLimits::common_storage_modulus`]: about 95 %.
 pub const COMMON_STANDARD_ERRORS_WITHIN: f64 = 2.0;
 
 /// Error limits that a valid line must meet. The limits of a method are part of its settings.
@@ -37,7 +37,7 @@ pub const COMMON_STANDARD_ERRORS_WITHIN: f64 = 2.0;
 /// defaults, noise and theory leave E' of a valid line within 1 % and its loss factor within 5 %.
 ///
 /// A common error, of the length, the density or the mass of the accelerometer, shifts all lines
-/// alike and therefore makes none invalid. It is stated beside the random error
+/// alike and therefore makes none invalid. It is stated next to the random error
 /// ([`ModulusLine::systematic_error`](crate::ModulusLine::systematic_error)) and is part of the
 /// standard error. `common_storage_modulus` sets a bound on it, too.
 ///
@@ -64,10 +64,10 @@ pub struct AcceptanceLimits {
     /// Greatest relative common error of E' due to all common sources together, as
     /// [`COMMON_STANDARD_ERRORS_WITHIN`] standard errors. Infinite by default.
     pub common_storage_modulus: f64,
-    /// Greatest Poisson's ratio ν that the material may have, from 0 to 0.5. One-dimensional
-    /// theory makes E' too small by up to (πνD/λ)²/2 of itself: with 0.5, the default, 1 % at
-    /// λ = 11 D. Where ν is known, [`LateralInertia`](crate::LateralInertia) removes that
-    /// error. 0 is for waves without lateral inertia, as in one-dimensional simulations.
+    /// Greatest Poisson's ratio ν that the material may have, from 0 to 0.5. One-dimensional theory
+    /// makes E' too small by up to the fraction (πνD/λ)²/2: with 0.5, the default, 1 % at λ = 11 D.
+    /// Where ν is known, [`LateralInertia`](crate::LateralInertia) removes that error. 0 is for
+    /// waves without lateral inertia, as in one-dimensional simulations.
     pub greatest_poisson_ratio: f64,
     /// Greatest |dE/E| divided by |dΨ/Ψ|.
     pub error_amplification: f64,
@@ -97,7 +97,7 @@ impl AcceptanceLimits {
     };
 
     /// No limits: only the conditions of the paper and the reports of the solution are checked.
-    /// One-dimensional theory is taken as exact.
+    /// One-dimensional theory counts as exact.
     pub const NONE: Self = Self {
         storage_modulus: f64::INFINITY,
         loss_factor: f64::INFINITY,

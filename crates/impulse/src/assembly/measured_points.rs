@@ -8,8 +8,8 @@ use super::Substructure;
 use crate::error::check_spacing;
 use crate::{Domain, ImpactBody, ImpulseError, MeasuredBody};
 
-/// A member of an [`Assembly`](super::Assembly) by the measured mobilities of its points and between
-/// them, all along one direction.
+/// A member of an [`Assembly`](super::Assembly) described by the measured mobilities at and between
+/// its points, all along one direction.
 #[derive(Debug, Clone)]
 pub struct MeasuredPoints {
     n_points: usize,
@@ -18,9 +18,9 @@ pub struct MeasuredPoints {
 }
 
 impl MeasuredPoints {
-    /// Creates a member of `n_points` points from the upper triangle of its mobilities by rows:
-    /// for two points those of the first, between both, and of the second. The behaviour at low
-    /// frequency is that of the first entry.
+    /// Creates a member of `n_points` points from the upper triangle of its mobilities, by rows:
+    /// for two points, the mobility of the first point, the one between both points, and that of
+    /// the second point. The behaviour at low frequency is that of the first entry.
     ///
     /// # Errors
     ///
@@ -55,12 +55,13 @@ impl MeasuredPoints {
         &self.entries
     }
 
-    /// Draws a member with random errors as [`MeasuredBody::drawn`] does, the noise of each entry
-    /// for itself, `scale` and `delay` \[s\] the same for all entries, as of one hammer.
+    /// Draws a member with random errors as [`MeasuredBody::drawn`] does. The noise of each entry
+    /// is drawn independently; `scale` and `delay` \[s\] are the same for all entries, as with one
+    /// hammer.
     ///
     /// # Errors
     ///
-    /// As [`MeasuredBody::drawn`].
+    /// The errors of [`MeasuredBody::drawn`].
     pub fn drawn(
         &self,
         scale: f64,
@@ -81,7 +82,7 @@ impl MeasuredPoints {
         })
     }
 
-    /// Place of an entry of the upper triangle or its mirror image.
+    /// Returns the entry at a row and a column of the symmetric matrix.
     fn entry(&self, row: usize, column: usize) -> Option<&MeasuredBody> {
         let (row, column) = (row.min(column), row.max(column));
         let before = row * (2 * self.n_points + 1).saturating_sub(row) / 2;

@@ -10,7 +10,7 @@ use rodwave::chain::{AnalyticChain, FaceMobilities};
 use crate::kernel::mobility_beyond;
 use crate::{Domain, ImpactBody, ImpulseError, MobilityLaw};
 
-/// A member of an [`Assembly`](super::Assembly) by the mobilities of its points.
+/// A member of an [`Assembly`](super::Assembly), described by the mobilities of its points.
 ///
 /// Implemented by [`rodwave::Chain`] and [`rodwave::chain::AnalyticChain`], whose point 0 is the
 /// impact face and whose point 1 is the far face, by [`AtFace`] for any body that is joined at its
@@ -22,9 +22,9 @@ pub trait Substructure {
     /// Number of points.
     fn n_points(&self) -> usize;
 
-    /// Returns the mobilities \[m/(N s)\] of the points at `s` [1/s], `(n_points, n_points)`: the
-    /// velocity of the point of the row over the force on that of the column, both along the same
-    /// direction for all points. The matrix is symmetric.
+    /// Returns the mobilities \[m/(N s)\] of the points at `s` [1/s], `(n_points, n_points)`: entry
+    /// (i, k) is the velocity of point i over the force on point k, in the same direction for all
+    /// points. The matrix is symmetric.
     ///
     /// # Errors
     ///
@@ -38,10 +38,10 @@ pub trait Substructure {
     fn front_conductance(&self, point: usize) -> Option<f64>;
 }
 
-/// A member that threads share.
+/// A member that can be shared between threads.
 pub type SharedSubstructure = Arc<dyn Substructure + Send + Sync>;
 
-/// A body that is joined at its impact face alone: a member of one point.
+/// A member of one point: a body that is joined at its impact face alone.
 #[derive(Debug, Clone)]
 pub struct AtFace<B>(B);
 
@@ -153,15 +153,15 @@ fn of_faces(
     }))
 }
 
-/// Rate [1/s] at which the front of a computed member is taken: the waves in a member of a
-/// centimetre have decayed before they are back.
+/// Rate [1/s] at which the front of a computed member is evaluated: in a member of a centimetre the
+/// waves decay before they return.
 const FRONT: f64 = 1e8;
 
-/// Growth of the mobility over a decade from which the front is that of a massless spring.
+/// Growth of the mobility over a decade above which the front counts as a massless spring.
 const SPRING: f64 = 3.0;
 
-/// Conductance of the front of a point that is known at high frequency; `None` on lines, and for a
-/// massless spring at the point.
+/// Returns the front conductance of a point that is known at high frequency; `None` on lines, and
+/// for a massless spring at the point.
 fn conductance(
     domain: Domain,
     mobility_at: impl Fn(Complex64) -> Result<Complex64, ImpulseError>,

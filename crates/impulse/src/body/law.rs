@@ -29,8 +29,8 @@ pub struct MobilityLaw<F> {
 }
 
 impl<F: Fn(Complex64) -> Complex64> MobilityLaw<F> {
-    /// Creates a body that is not free from a mobility \[m/(N s)\] that is analytic and passive for
-    /// $`\operatorname{Re} s > 0`$.
+    /// Creates a body from a mobility \[m/(N s)\] that is analytic and passive for
+    /// $`\operatorname{Re} s > 0`$; the body is not free.
     #[must_use]
     pub fn analytic(law: F) -> Self {
         Self {
@@ -51,7 +51,7 @@ impl<F: Fn(Complex64) -> Complex64> MobilityLaw<F> {
         }
     }
 
-    /// Makes the body free, of this `mass` \[kg\]: $`G \to 1/(sM)`$ for $`s \to 0`$.
+    /// Makes the body free, with the mass `mass` \[kg\]: $`G \to 1/(sM)`$ for $`s \to 0`$.
     ///
     /// # Errors
     ///

@@ -10,7 +10,7 @@ use super::{Domain, ImpactBody};
 use crate::ImpulseError;
 use crate::error::{check_not_negative, check_positive, check_samples};
 
-/// Fewest lines of a fit of two numbers with a standard error.
+/// Fewest lines for the fit of [`MeasuredBody::completed_below`].
 const FEWEST_LINES: usize = 3;
 
 /// A weighed mass.
@@ -75,28 +75,28 @@ pub struct MeasuredBody {
     front_error: f64,
     /// relative standard uncertainty common to all lines
     scale_error: f64,
-    /// standard uncertainty of the delay of the motion behind the force \[s\]
+    /// standard uncertainty of the delay of the motion after the force \[s\]
     delay_error: f64,
     /// index of the first measured line
     first_measured: usize,
 }
 
-/// Drawn errors that the lines of a body have in common.
+/// Drawn errors that all lines of a body have in common.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct CommonErrors {
-    /// The behaviour at low frequency, of a drawn mass.
+    /// Behaviour at low frequency, with a drawn mass.
     low: LowFrequency,
     scale: f64,
     delay: f64,
 }
 
 impl MeasuredBody {
-    /// Creates a body of this `mobility` \[m/(N s)\] on lines `frequency_step_hz` apart.
+    /// Creates a body with this `mobility` \[m/(N s)\] on lines `frequency_step_hz` apart.
     ///
     /// # Errors
     ///
-    /// [`ImpulseError::NonPhysical`] for the step or the mass, [`ImpulseError::TooShort`] below
-    /// eight lines, [`ImpulseError::NonFinite`] for a line that is read,
+    /// [`ImpulseError::NonPhysical`] for the step or the mass, [`ImpulseError::TooShort`] for fewer
+    /// than eight lines, [`ImpulseError::NonFinite`] for a line above 0 Hz,
     /// [`ImpulseError::MissingZeroLine`].
     pub fn from_mobility(
         mobility: &[Complex64],
@@ -144,12 +144,13 @@ impl MeasuredBody {
         })
     }
 
-    /// Creates a body of this `accelerance` $`i\omega G`$ \[m/(N s²)\] on lines `frequency_step_hz`
-    /// apart; the line at 0 Hz is not read and `low` must not be [`LowFrequency::Measured`].
+    /// Creates a body with this `accelerance` $`i\omega G`$ \[m/(N s²)\] on lines
+    /// `frequency_step_hz` apart; the line at 0 Hz is not read and `low` must not be
+    /// [`LowFrequency::Measured`].
     ///
     /// # Errors
     ///
-    /// As [`MeasuredBody::from_mobility`].
+    /// The errors of [`MeasuredBody::from_mobility`].
     pub fn from_accelerance(
         accelerance: &[Complex64],
         frequency_step_hz: f64,
@@ -171,12 +172,13 @@ impl MeasuredBody {
         Self::from_mobility(&mobility, frequency_step_hz, low)
     }
 
-    /// Sets the `variance` of the mobility \[(m/(N s))²\], line by line; that at 0 Hz is not read.
+    /// Sets the `variance` of the mobility \[(m/(N s))²\], one entry per line; the entry at 0 Hz is
+    /// not read.
     ///
     /// # Errors
     ///
     /// [`ImpulseError::LengthMismatch`]; [`ImpulseError::NonFinite`]; [`ImpulseError::NonPhysical`]
-    /// for a negative one.
+    /// for a negative variance.
     pub fn with_variance(self, variance: &[f64]) -> Result<Self, ImpulseError> {
         const WHAT: &str = "variance of the mobility";
         if variance.len() != self.mobility.len() {
@@ -200,13 +202,13 @@ impl MeasuredBody {
         })
     }
 
-    /// Sets the degrees of freedom of the variances, line by line; the default is infinite.
-    /// Probabilities ([`MeasuredBody::screen`]) follow Student's distribution with them. The
-    /// entry at 0 Hz is not read.
+    /// Sets the degrees of freedom of the variances, one entry per line; the default is infinite.
+    /// [`MeasuredBody::screen`] computes its probabilities from Student's distribution with them.
+    /// The entry at 0 Hz is not read.
     ///
     /// # Errors
     ///
-    /// [`ImpulseError::LengthMismatch`]; [`ImpulseError::NonPhysical`] for one that is not
+    /// [`ImpulseError::LengthMismatch`]; [`ImpulseError::NonPhysical`] for an entry that is not
     /// positive.
     pub fn with_degrees_of_freedom(self, freedom: &[f64]) -> Result<Self, ImpulseError> {
         if freedom.len() != self.mobility.len() {
@@ -233,8 +235,8 @@ impl MeasuredBody {
         Ok(Self { freedom, ..self })
     }
 
-    /// Sets the relative standard uncertainty common to all lines, such as that of the sensors; the
-    /// mass found from the lines has it too.
+    /// Sets the relative standard uncertainty common to all lines, such as that of the sensors; it
+    /// also applies to the mass that is found from the lines.
     ///
     /// # Errors
     ///
@@ -246,8 +248,8 @@ impl MeasuredBody {
         })
     }
 
-    /// Sets the standard uncertainty \[s\] of the delay of the motion behind the force, such as that of
-    /// the channels: screening allows for it.
+    /// Sets the standard uncertainty \[s\] of the delay of the motion after the force, such as that
+    /// of the channels. Screening allows for it.
     ///
     /// # Errors
     ///
@@ -259,8 +261,8 @@ impl MeasuredBody {
         })
     }
 
-    /// Sets the first measured line; the lines before it are those of the weighed mass and are no
-    /// evidence for it.
+    /// Sets the first measured line; the lines below it were computed from the weighed mass and
+    /// cannot check it.
     #[must_use]
     pub fn with_first_measured(self, line: usize) -> Self {
         Self {
@@ -297,7 +299,7 @@ impl MeasuredBody {
         })
     }
 
-    /// Replaces the lines by as many others.
+    /// Replaces the lines; their number stays the same.
     pub(super) fn with_mobility(self, mobility: Vec<Complex64>) -> Self {
         Self { mobility, ..self }
     }
@@ -345,7 +347,7 @@ impl MeasuredBody {
         self.first_measured
     }
 
-    /// True if lines, mass or front impedance have an error of their own.
+    /// Returns true if the lines, the mass or the front impedance are uncertain.
     #[must_use]
     pub fn is_uncertain(&self) -> bool {
         let of_mass = match self.low {
@@ -360,10 +362,10 @@ impl MeasuredBody {
         self.given_front
     }
 
-    /// Draws a body with random errors: of the lines by their variance, circular and independent of
-    /// each other; of the scale of all lines by the relative standard error `scale`, and of the
-    /// delay of the response behind the force by the standard error `delay` \[s\]; of a weighed
-    /// mass and of the front impedance by their standard errors.
+    /// Draws a body with random errors: of each line by its variance, circular and independent; of
+    /// the scale of all lines by the relative standard error `scale`; of the delay of the response
+    /// after the force by the standard error `delay` \[s\]; of a weighed mass and of the front
+    /// impedance by their standard errors.
     ///
     /// # Errors
     ///
@@ -401,7 +403,7 @@ impl MeasuredBody {
         })
     }
 
-    /// The body with drawn errors of its lines and its front, and these in common.
+    /// Returns the body with drawn errors of its lines and its front, and with the `common` errors.
     pub(crate) fn with_errors(
         &self,
         common: CommonErrors,
@@ -427,8 +429,8 @@ impl MeasuredBody {
         Ok(drawn)
     }
 
-    /// $`G - 1/(i\omega M) - 1/Z`$, the decaying part, line by line. For a free body it vanishes
-    /// with $`\omega`$, except for $`-1/Z`$.
+    /// Returns $`G - 1/(i\omega M) - 1/Z`$, the decaying part, line by line. Apart from $`-1/Z`$,
+    /// it vanishes in proportion to $`\omega`$ for a free body.
     pub(crate) fn remainder(&self, conductance: f64) -> Vec<Complex64> {
         let lines = self.mobility.iter().enumerate();
         lines
@@ -436,7 +438,7 @@ impl MeasuredBody {
             .collect()
     }
 
-    /// $`1/(i\omega M)`$ of a free body; 0 on line 0 and for other bodies.
+    /// Returns $`1/(i\omega M)`$ of a free body; 0 on line 0 and for other bodies.
     pub(super) fn rigid(&self, line: usize) -> Complex64 {
         match (self.low, line) {
             (LowFrequency::Free(weighed), 1..) => {
@@ -451,9 +453,9 @@ impl MeasuredBody {
         TAU * self.frequency_step_hz * line as f64
     }
 
-    /// Replaces the lines below `from_hz` by those of the weighed mass, $`i\omega G = (1 -
-    /// e\omega^2)/M`$, where $`e`$ is fitted to the lines from there up to `to_hz`; their
-    /// variance becomes that of the mass.
+    /// Returns the body with its lines below `from_hz` replaced by those of the weighed mass,
+    /// $`i\omega G = (1 - e\omega^2)/M`$, where $`e`$ is fitted to the lines from `from_hz` to
+    /// `to_hz`. Their variance becomes that of the mass.
     ///
     /// # Validity
     ///
@@ -515,8 +517,8 @@ impl MeasuredBody {
         Ok(completed)
     }
 
-    /// Front conductance $`1/Z`$, 0 if not given: a constant on all lines is confined to time 0,
-    /// which causality does not concern.
+    /// Front conductance $`1/Z`$, 0 if not given: a constant on all lines is an impulse at time 0,
+    /// which causality does not exclude.
     pub(super) fn conductance(&self) -> f64 {
         self.given_front.map_or(0.0, |impedance| 1.0 / impedance)
     }

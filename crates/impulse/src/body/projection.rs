@@ -1,21 +1,21 @@
-//! Projection of measured lines on bodies that can be: causal, passive, or both.
+//! Projection of measured lines onto physically possible bodies: causal, passive, or both.
 
 use num_complex::Complex64;
 
 use super::measured::LowFrequency;
 use crate::{MeasuredBody, fourier};
 
-/// Most alternations between both sets.
+/// Largest number of alternations between both sets.
 const ALTERNATIONS: usize = 50;
 
-/// Change by an alternation, relative to the body, at which it ends.
+/// Relative change of the body by an alternation, below which the alternations end.
 const SETTLED: f64 = 1e-9;
 
-/// Bodies on which lines are projected.
+/// Set of bodies onto which lines are projected.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Projection {
-    /// Those that do not answer before the impulse.
+    /// Bodies that do not respond before the impulse.
     ///
     /// The rigid-body motion and the instantaneous response, $`1/Z`$, are subtracted, the second
     /// half of the period is set to zero as the time before the impulse, and both are added
@@ -25,9 +25,9 @@ pub enum Projection {
     /// smears jumps into the time before the impulse: this part is removed too, so that lines near
     /// the end of the band change.
     Causal,
-    /// Those that return no energy: a real part below 0 becomes 0.
+    /// Bodies that generate no energy: a real part below 0 becomes 0.
     Passive,
-    /// Those that do neither, by alternating projections.
+    /// Bodies that do neither, by alternating projections.
     CausalAndPassive,
 }
 
@@ -37,16 +37,16 @@ pub enum Projection {
 pub struct LineChange {
     /// Number of lines that have changed.
     pub n_lines: usize,
-    /// Root of the sum of the squared changes over that of the squared lines.
+    /// Root of the sum of the squared changes, divided by the sum of the squared lines.
     pub relative: f64,
     /// Root mean square change over all lines in standard errors; `None` without variances.
     pub in_errors: Option<f64>,
-    /// The line that has changed most in its standard errors, and by how many.
+    /// The line with the largest change in standard errors, and this change.
     pub largest: Option<(usize, f64)>,
 }
 
 impl MeasuredBody {
-    /// Returns the body with its lines projected; its variances stay.
+    /// Returns the body with its lines projected; the variances stay unchanged.
     #[must_use]
     pub fn projected(&self, onto: Projection) -> Self {
         match onto {
@@ -67,8 +67,8 @@ impl MeasuredBody {
         }
     }
 
-    /// Compares the lines with those of `before`, by the standard errors of `before`. Lines above
-    /// the shorter body are not compared.
+    /// Compares the lines with those of `before`, in standard errors of `before`. Lines that only
+    /// the longer spectrum has are not compared.
     #[must_use]
     pub fn change_from(&self, before: &Self) -> LineChange {
         let pairs = self.mobility().iter().zip(before.mobility());

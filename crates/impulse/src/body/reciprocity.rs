@@ -25,8 +25,9 @@ impl Reciprocity {
     /// Compares `forward` and `backward` \[m/(N s)\] with their `variances` \[(m/(N s))²\], all
     /// `(n_lines)` from 0 Hz.
     ///
-    /// The difference of a line has the sum of both variances; its squared magnitude over that is
-    /// exponentially distributed for reciprocal lines, and exceeds 4² once in nine million.
+    /// The variance of the difference of a line is the sum of both variances. For reciprocal lines
+    /// the squared magnitude of the difference, divided by this sum, is exponentially distributed;
+    /// it exceeds 4² once in nine million.
     ///
     /// # Errors
     ///
@@ -96,12 +97,14 @@ impl Reciprocity {
 }
 
 impl MeasuredBody {
-    /// Compares a transfer mobility with the `backward` one, struck where the other responded, and
-    /// returns the mean of both with their comparison. Without variances no line contradicts.
+    /// Compares this transfer mobility with the `backward` one, for which the points of the force
+    /// and of the response are exchanged. Returns the mean of both with their comparison. Without
+    /// variances no line counts as contradicting.
     ///
     /// # Errors
     ///
-    /// [`ImpulseError::GridMismatch`] and [`ImpulseError::LengthMismatch`] for other lines.
+    /// [`ImpulseError::GridMismatch`] and [`ImpulseError::LengthMismatch`] for lines of another
+    /// spacing or number.
     pub fn mean_of_directions(&self, backward: &Self) -> Result<(Self, Reciprocity), ImpulseError> {
         check_spacing(
             "backward mobility",

@@ -13,7 +13,7 @@ use crate::fourier;
 use finding::{LEVEL, below};
 use num_complex::Complex64;
 
-/// Standard uncertainties of a stated delay within which a line is not said to generate energy.
+/// Number of standard uncertainties of the delay within which a line does not count as active.
 const DELAYS: f64 = 3.0;
 
 /// Numbers of neighbouring lines whose mean real part is tested.
@@ -25,10 +25,11 @@ const DELAY_STEPS: i32 = 16;
 /// Number of excluded lags next to the impulse, over which the roll-off smears jumps.
 const NEAR_IMPULSE: usize = 4;
 
-/// Fraction of the magnitude below minus which a real part counts as negative (rounding).
+/// A real part counts as negative if it is below minus this fraction of the magnitude (rounding).
 const ROUNDING: f64 = 1e-9;
 
-/// Phase error at the last nearly rigid line in the delay: up to 1.3e-3 for the same bodies.
+/// Phase error at the last nearly rigid line, for the tolerance of the delay: up to 1.3e-3 for rods
+/// of constant loss factor and for two masses with a spring.
 const DELAY_TOLERANCE: f64 = 1.5e-3;
 
 /// Number of terms of the law fitted to the real part of nearly rigid lines, and to their phase.
@@ -40,15 +41,16 @@ const SMOOTH: usize = 5;
 /// Fewest nearly rigid lines: one more than the fitted terms.
 const FEWEST_RIGID: usize = TERMS + 1;
 
-/// Real over imaginary part below which the lowest lines are those of a rigid or a fixed body.
+/// Ratio of real to imaginary part below which the lowest lines are those of a rigid or a fixed
+/// body.
 const RIGID: f64 = 0.5;
 
-/// Fewest resonance spacings for a scatter of their means.
+/// Fewest resonance spacings from which the scatter of their means is found.
 const FEWEST_SPACINGS: usize = 3;
 
-/// Factor by which a curve must rise and fall for an extremum to be that of a resonance, and
-/// fraction of its mean, without which noise of low lines about zero would cause extrema all the
-/// time.
+/// Least rise and fall of a curve about an extremum that counts as a resonance: as a factor, and as
+/// a fraction of the mean of the curve ([`LEAST_SWING`]). Without the latter, the noise of low
+/// lines about zero would cause many spurious extrema.
 const SWING: f64 = 1.5;
 const LEAST_SWING: f64 = 0.3;
 
@@ -109,8 +111,8 @@ impl MeasuredBody {
         }
     }
 
-    /// Mean of Re G over whole resonance spacings: the mean of $`\operatorname{Re}\coth\gamma L`$
-    /// over each is 1 for any damping.
+    /// Finds the front impedance from the mean of Re G over whole resonance spacings: the mean of
+    /// $`\operatorname{Re}\coth\gamma L`$ over one spacing is 1 for any damping.
     fn front_limit(&self) -> Option<FrontLimit> {
         // the real part of nearly rigid lines is noise
         let lines = self.mobility().iter().skip(1);
@@ -238,8 +240,8 @@ impl MeasuredBody {
         (active.iter().filter(|line| **line).count(), worst)
     }
 
-    /// Mass and delay from the measured nearly rigid lines of a free body: least squares of the
-    /// real part of iωG by even powers of ω, and of its phase by the others.
+    /// Finds mass and delay from the measured nearly rigid lines of a free body: least squares of
+    /// the real part of iωG with the terms 1, ω², ω⁴, and of its phase with ω, ω², ω⁴.
     fn rigid_lines(&self) -> (Option<MassCheck>, Option<DelayCheck>) {
         let LowFrequency::Free(weighed) = self.low_frequency() else {
             return (None, None);
@@ -319,7 +321,7 @@ impl MeasuredBody {
     }
 }
 
-/// Least squares by three terms.
+/// Least squares with three terms.
 struct Fit {
     terms: [f64; TERMS],
     /// Standard error of the first term, from the scatter.
@@ -329,8 +331,8 @@ struct Fit {
 
 impl Fit {
     /// Fits rows and their values: modified Gram-Schmidt from the last term to the first, whose
-    /// independent part remains at the end. `None` if the number of rows is less than that of
-    /// terms plus two, or for dependent terms.
+    /// independent part remains at the end. `None` for fewer than [`FEWEST_RIGID`] rows or for
+    /// dependent terms.
     fn of(rows: impl Iterator<Item = ([f64; TERMS], f64)>) -> Option<Self> {
         let (mut columns, mut values) = ([const { Vec::new() }; TERMS], Vec::new());
         for (row, value) in rows {
@@ -378,8 +380,8 @@ impl Fit {
     }
 }
 
-/// Indices of the maxima or minima, whichever are more, of a curve that varies by at least
-/// [`SWING`]: neighbours are one resonance spacing apart.
+/// Returns the indices of the maxima or of the minima, whichever are more numerous, between which
+/// the curve varies by at least a factor [`SWING`]: neighbours are one resonance spacing apart.
 fn turns(curve: &[f64]) -> Vec<usize> {
     let least = LEAST_SWING * curve.iter().sum::<f64>() / curve.len() as f64;
     let (mut highest, mut lowest) = (Vec::new(), Vec::new());

@@ -4,10 +4,10 @@ use crate::ImpulseError;
 
 /// A piecewise linear force-approach curve, with optionally stiffer unloading.
 ///
-/// Loading follows the curve, beyond its last point along the last piece. Without an unloading
-/// stiffness unloading follows the same path. With one, the force falls from the end of loading to
-/// zero along a straight line of that stiffness, leaves a dent, and reloads on the same line: the
-/// energy between the two paths is lost.
+/// Loading follows the curve and, beyond its last point, the extension of the last piece. Without
+/// an unloading stiffness, unloading follows the same path. With one, the force falls from the end
+/// of loading to zero along a straight line of that stiffness and leaves a dent; reloading follows
+/// the same straight line. The energy between the two paths is lost.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TabulatedContact {
     /// (δ, F), the first (0, 0)
@@ -22,9 +22,9 @@ impl TabulatedContact {
     ///
     /// # Errors
     ///
-    /// [`ImpulseError::TooShort`] below two points; [`ImpulseError::ContactTable`] unless both δ
-    /// and F are finite and increase from point to point, with slopes and energies within the
-    /// floating-point range.
+    /// [`ImpulseError::TooShort`] for fewer than two points; [`ImpulseError::ContactTable`] unless
+    /// both δ and F are finite and increase from point to point, with slopes and energies within
+    /// the floating-point range.
     pub fn new(points: &[(f64, f64)]) -> Result<Self, ImpulseError> {
         if points.len() < 2 {
             return Err(ImpulseError::TooShort {
@@ -103,7 +103,7 @@ impl TabulatedContact {
         }
     }
 
-    /// Start of each piece and its slope.
+    /// Index of the first point of each piece, and the slope of the piece.
     fn pieces(&self) -> impl Iterator<Item = (usize, f64)> + '_ {
         self.points.windows(2).enumerate().map(|(index, piece)| {
             let slope = match piece {
@@ -129,7 +129,7 @@ impl TabulatedContact {
         (force, self.energy[piece] + 0.5 * way * (y0 + force))
     }
 
-    /// Force at `delta` >= 0 for the deepest approach so far, `deepest`.
+    /// Returns the force at `delta` >= 0 after a deepest approach of `deepest`.
     pub(super) fn force(&self, deepest: f64, delta: f64) -> f64 {
         match self.unloading_stiffness {
             Some(stiffness) if delta < deepest => {
@@ -139,14 +139,15 @@ impl TabulatedContact {
         }
     }
 
-    /// Approach at which the force of unloading vanishes.
+    /// Returns the approach at which the force vanishes on unloading.
     pub(super) fn dent(&self, deepest: f64) -> f64 {
         self.unloading_stiffness.map_or(0.0, |stiffness| {
             deepest - self.loading(deepest).0 / stiffness
         })
     }
 
-    /// Energy from a fixed origin to `delta` >= 0 on the path of this `deepest` approach.
+    /// Returns the energy from a fixed origin to `delta` >= 0 after a deepest approach of
+    /// `deepest`.
     pub(super) fn energy(&self, deepest: f64, delta: f64) -> f64 {
         match self.unloading_stiffness {
             Some(stiffness) if delta < deepest => {
@@ -184,7 +185,7 @@ mod tests {
                 "{delta}"
             );
         }
-        // loading took 1 + 5 J, unloading gives 9/4 back
+        // loading takes 1 + 5 J, unloading returns 9/4 J
         let lost = hysteretic.energy(0.0, 3.0)
             - (hysteretic.energy(3.0, 3.0) - hysteretic.energy(3.0, 0.0));
         assert!((lost - (6.0 - 2.25)).abs() < 1e-14);

@@ -1,28 +1,28 @@
-//! Arrival of a wave, from the wave itself.
+//! Arrival of a wave, found from the wave itself.
 
-/// Parts of the peak between which the front is taken as a straight line.
+/// Fractions of the peak between which the front is approximated by a straight line.
 const FROM: f64 = 0.1;
 const TO: f64 = 0.5;
 
 /// Time at which a wave begins.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Arrival {
-    /// Time at which the straight line through 10 % and 50 % of the peak begins \[s\].
+    /// Time at which the straight line through 10 % and 50 % of the peak starts from zero \[s\].
     pub time: f64,
-    /// Its standard error by noise and sampling \[s\].
+    /// Standard error of the time, from noise and sampling \[s\].
     pub standard_error: f64,
     /// The peak, with its sign.
     pub peak: f64,
 }
 
 impl Arrival {
-    /// The arrival of the wave in `samples`, `step` \[s\] apart from `start` \[s\], with noise of
-    /// the standard deviation `noise`.
+    /// Finds the arrival of the wave in `samples`, `step` \[s\] apart from `start` \[s\] on, with
+    /// noise of the standard deviation `noise`.
     ///
     /// `None` if the largest sample does not exceed ten times the noise.
     ///
-    /// The time error of a level that is crossed with slope $`s`$ is $`u/s`$; that of the intercept
-    /// $`t_0 = t_{10} - \tfrac14(t_{50} - t_{10})`$ is $`u/s\,\sqrt{(5/4)^2 + (1/4)^2}`$.
+    /// The time error of a level that is crossed with slope $`s`$ is $`u/s`$; the time error of the
+    /// intercept $`t_0 = t_{10} - \tfrac14(t_{50} - t_{10})`$ is $`u/s\,\sqrt{(5/4)^2 + (1/4)^2}`$.
     #[must_use]
     pub fn of(samples: &[f64], start: f64, step: f64, noise: f64) -> Option<Self> {
         let peak = samples
@@ -51,8 +51,8 @@ impl Arrival {
     }
 }
 
-/// First sample of a pulse: beyond 5 % of the largest one and five times the noise, for three
-/// samples.
+/// Returns the first sample of a pulse: three samples in succession exceed 5 % of the largest one
+/// and five times the noise.
 pub(super) fn first_sample(samples: &[f64], noise: f64) -> Option<usize> {
     let largest = samples.iter().fold(0.0_f64, |a, x| a.max(x.abs()));
     if largest <= 10.0 * noise {

@@ -1,4 +1,4 @@
-//! Stress over strain, of one shot or as the mean of several.
+//! Stress against strain, of one shot or as the mean of several.
 
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
@@ -11,30 +11,30 @@ use crate::error::check_probability;
 
 /// Number of strains of a mean curve.
 const PLACES: usize = 200;
-/// Part of the largest strain rate below which a specimen no longer deforms: its stress falls at
-/// one strain.
+/// Fraction of the largest strain rate below which a specimen no longer deforms: its stress then
+/// falls at constant strain.
 const SLOW: f64 = 0.2;
 /// Fewest samples of a shot from the start of its loading to its largest strain.
 const FEWEST: usize = 8;
 
-/// Stress over strain of a shot, or the mean of several with the same bars on specimens of one
-/// kind.
+/// Stress against strain of a shot, or the mean of several shots with the same bars on specimens of
+/// one kind.
 ///
-/// Each curve is read at the same strains. There an error of the strain is one of the stress as
-/// well,
+/// Each curve is read at the same strains. At a given strain, an error of the strain acts as an
+/// error of the stress,
 ///
 /// ```math
 /// \delta\sigma\big|_\varepsilon = \delta\sigma - \frac{d\sigma}{d\varepsilon}\,\delta\varepsilon .
 /// ```
 ///
-/// Noise and the size of each specimen differ from shot to shot, as the specimens do: together they
-/// are the scatter $`s`$. The other sources move all shots alike. The mean of $`n`$ shots has the
-/// variance $`s^2/n`$, with $`n - 1`$ degrees of freedom, plus that of the mean effect of each
-/// shared source. Of one shot the scatter is that by its noise and size.
+/// Noise, the measured size of each specimen and the specimens themselves differ from shot to shot:
+/// together they are the scatter $`s`$. The other sources move all shots alike. The mean of $`n`$
+/// shots has the variance $`s^2/n`$, with $`n - 1`$ degrees of freedom, plus the variance of the
+/// mean effect of each shared source. For one shot the scatter is that of its noise and size.
 #[derive(Debug, Clone)]
 #[non_exhaustive]
 pub struct MeanCurve {
-    /// Engineering strain; `(n_places)` as all others.
+    /// Engineering strain; `(n_places)`, like all other arrays.
     pub strain: Vec<f64>,
     /// Mean engineering stress \[Pa\].
     pub stress: Vec<f64>,
@@ -44,7 +44,7 @@ pub struct MeanCurve {
     pub scatter: Vec<f64>,
     /// Standard deviation between shots that their own stated errors explain \[Pa\].
     pub explained: Vec<f64>,
-    /// Standard error of the stress by sources that all shots share \[Pa\].
+    /// Standard error of the stress from the sources that all shots share \[Pa\].
     pub common: Vec<f64>,
     /// Number of shots.
     pub n_shots: usize,
@@ -52,7 +52,8 @@ pub struct MeanCurve {
     freedom: f64,
 }
 
-/// The effects of noise and sources on the stress of a shot at given strains.
+/// Stress and strain rate of a shot at given strains, with the effects of noise and sources on the
+/// stress.
 struct Read {
     stress: Vec<f64>,
     rate: Vec<f64>,
@@ -66,8 +67,8 @@ impl MeanCurve {
     ///
     /// # Errors
     ///
-    /// [`ImpulseError::TooShort`] for no shot, or for a shot with less than eight samples of rising
-    /// strain.
+    /// [`ImpulseError::TooShort`] for no shot, or for a shot with fewer than eight samples of
+    /// rising strain.
     pub fn of(shots: &[HopkinsonResult]) -> Result<Self, ImpulseError> {
         let freedom = match shots {
             [] => {
@@ -155,8 +156,8 @@ impl MeanCurve {
             .collect()
     }
 
-    /// Half width of the band in which the mean stress lies with the probability `level`;
-    /// `(n_places)`.
+    /// Returns the half width of the band in which the mean stress lies with the probability
+    /// `level`; `(n_places)`.
     ///
     /// Student's factor has $`(n - 1)\,u^4/(s^2/n)^2`$ degrees of freedom.
     ///
@@ -173,18 +174,20 @@ impl MeanCurve {
             .collect())
     }
 
-    /// Variance between shots over what their own errors explain, both averaged over strain.
+    /// Ratio of the variance between shots to that explained by their own errors, both averaged
+    /// over strain.
     #[must_use]
     pub fn scatter_ratio(&self) -> f64 {
         let sum = |values: &[f64]| values.iter().map(|x| x * x).sum::<f64>();
         sum(&self.scatter) / sum(&self.explained)
     }
 
-    /// Returns true if equal specimens scatter so much with less than the probability `chance`.
+    /// Returns true if equal specimens would scatter so much with a probability below `chance`.
     ///
-    /// The ratio of [variances](Self::scatter_ratio) times $`n - 1`$ is taken for $`\chi^2`$ with
-    /// $`n - 1`$ degrees of freedom: the shots differ by one number each, as by a diameter.
-    /// Curves that cross have more, and the level is then lower than stated.
+    /// The ratio of [variances](Self::scatter_ratio) multiplied by $`n - 1`$ is assumed to be
+    /// distributed as $`\chi^2`$ with $`n - 1`$ degrees of freedom: the shots differ by one number
+    /// each, such as a diameter. Curves that cross differ by more numbers, and the level is then
+    /// lower than stated.
     ///
     /// # Errors
     ///
@@ -201,8 +204,8 @@ impl MeanCurve {
     }
 }
 
-/// Samples and strains of a shot from its first load until it no longer deforms; each strain above
-/// all before it.
+/// Returns the samples and strains of a shot from its first load until it no longer deforms; each
+/// strain is above all strains before it.
 fn rising(shot: &HopkinsonResult) -> Result<Vec<(f64, f64)>, ImpulseError> {
     let strain = shot.curves.of(Curve::Strain);
     let rate = shot.curves.of(Curve::StrainRate);
@@ -262,7 +265,7 @@ impl Read {
             places.iter().map(|place| between(values, *place)).collect()
         };
         let stress = read(shot.curves.of(Curve::Stress));
-        // slope over ten places: noise of a sample is none of the curve
+        // slope over ten places, to exclude the noise of single samples
         let slope: Vec<f64> = (0..strains.len())
             .map(|at| {
                 let (low, high) = (at.saturating_sub(5), (at + 5).min(strains.len() - 1));

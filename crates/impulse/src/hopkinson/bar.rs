@@ -16,18 +16,18 @@ use crate::error::{check_not_negative, check_positive};
 pub struct Known {
     /// The value.
     pub value: f64,
-    /// Its standard uncertainty, 0 for an exact value.
+    /// Standard uncertainty of the value, 0 for an exact value.
     pub standard_uncertainty: f64,
 }
 
 impl Known {
-    /// A value without error.
+    /// Creates a value without error.
     #[must_use]
     pub fn exactly(value: f64) -> Self {
         Self::within(value, 0.0)
     }
 
-    /// A value with a standard uncertainty in its unit.
+    /// Creates a value with a standard uncertainty in its unit.
     #[must_use]
     pub fn within(value: f64, standard_uncertainty: f64) -> Self {
         Self {
@@ -36,7 +36,7 @@ impl Known {
         }
     }
 
-    /// The value `standard` standard uncertainties away.
+    /// Returns the value moved by `standard` standard uncertainties.
     pub(super) fn moved(self, standard: f64) -> f64 {
         self.value + standard * self.standard_uncertainty
     }
@@ -81,8 +81,8 @@ impl BarMaterial {
         })
     }
 
-    /// The same material with a law that was measured up to a frequency \[Hz\]: a band that is not
-    /// stated ends there at the latest.
+    /// Returns the material with a law that was measured up to `frequency_hz` \[Hz\]: a default
+    /// band ends there at the latest.
     #[must_use]
     pub fn known_to(self, frequency_hz: f64) -> Self {
         Self {
@@ -91,7 +91,7 @@ impl BarMaterial {
         }
     }
 
-    /// Frequency up to which the law was measured \[Hz\], infinite for a law that holds at all
+    /// Frequency up to which the law was measured \[Hz\], infinite for a law that is valid at all
     /// frequencies.
     #[must_use]
     pub fn known_to_hz(&self) -> f64 {
@@ -103,7 +103,7 @@ impl BarMaterial {
     ///
     /// # Errors
     ///
-    /// [`ImpulseError::NonPhysical`] for one of them.
+    /// [`ImpulseError::NonPhysical`] for a value that is not above 0.
     pub fn of_wave_speed(density: f64, speed: f64) -> Result<Self, ImpulseError> {
         check_positive("wave speed of a bar [m/s]", speed)?;
         let modulus = check_positive("modulus of a bar [Pa]", density * speed * speed)?;
@@ -114,8 +114,8 @@ impl BarMaterial {
         Self::new(density, Arc::new(law))
     }
 
-    /// The same material with its complex modulus times `factor` and its density times
-    /// `density_factor`.
+    /// Returns the material with its complex modulus multiplied by `factor` and its density
+    /// multiplied by `density_factor`.
     ///
     /// # Errors
     ///
@@ -167,14 +167,14 @@ impl PropagationLaw for Scaled {
 pub struct BarGauge {
     /// Distance from the end of the bar at the specimen \[m\].
     pub distance: Known,
-    /// Relative standard uncertainty of its strain: gauge factor, bridge and amplifier.
+    /// Relative standard uncertainty of the strain: gauge factor, bridge and amplifier.
     pub factor_uncertainty: f64,
-    /// Standard uncertainty of its time against the other gauges \[s\].
+    /// Standard uncertainty of the time of its record relative to the other gauges \[s\].
     pub delay_uncertainty: f64,
 }
 
 impl BarGauge {
-    /// A gauge at a distance \[m\] without any error.
+    /// Creates a gauge at `distance` \[m\] without error.
     #[must_use]
     pub fn at(distance: f64) -> Self {
         Self {
@@ -194,7 +194,7 @@ pub struct HopkinsonBar {
     pub diameter: Known,
     /// Length \[m\].
     pub length: Known,
-    /// Poisson's ratio, for the lateral inertia by Pochhammer and Chree; without it waves are
+    /// Poisson's ratio, for the lateral inertia after Pochhammer and Chree; without it waves are
     /// one-dimensional.
     pub poisson_ratio: Option<Known>,
     /// One gauge, or two.
@@ -276,18 +276,18 @@ impl HopkinsonBar {
     ///
     /// # Errors
     ///
-    /// As [`Self::propagation`].
+    /// The errors of [`Self::propagation`].
     pub fn phase_velocity(&self, frequency_hz: f64) -> Result<f64, ImpulseError> {
         let omega = std::f64::consts::TAU * frequency_hz;
         Ok(omega / self.propagation(omega)?.im)
     }
 
-    /// The bar as if it were elastic, without dispersion, with the phase velocity at
+    /// Returns an elastic bar without dispersion, with the phase velocity of this bar at
     /// `frequency_hz` > 0.
     ///
     /// # Errors
     ///
-    /// As [`Self::propagation`].
+    /// The errors of [`Self::propagation`].
     pub fn as_elastic(&self, frequency_hz: f64) -> Result<Self, ImpulseError> {
         let speed = self.phase_velocity(frequency_hz)?;
         Ok(Self {

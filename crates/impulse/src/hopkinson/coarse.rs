@@ -1,4 +1,4 @@
-//! The record at the sampling rate that its band needs, for errors.
+//! The record at the sampling rate that its band needs, for the computation of errors.
 
 use super::curves::Curves;
 use super::noise::QuietNoise;
@@ -10,8 +10,9 @@ const PER_PERIOD: f64 = 4.0;
 /// Fewest samples of a result.
 const FEWEST: usize = 64;
 
-/// A record whose samples are means of several, with its plan. Histories in the band keep their
-/// amplitude to 10 % at its last line, which is enough for errors, and cost as much less.
+/// A record whose samples are means of several samples, with its plan. Histories in the band keep
+/// their amplitude to 10 % at the last line of the band, which is enough for errors, and cost less
+/// in proportion.
 pub(super) struct Coarse {
     pub(super) plan: Plan,
     pub(super) record: HopkinsonRecord,
@@ -53,14 +54,14 @@ impl Coarse {
         }
     }
 
-    /// The noise of its samples.
+    /// Returns the noise of the samples of the coarse record.
     pub(super) fn noises(&self, noises: &[Vec<QuietNoise>; 2]) -> [Vec<QuietNoise>; 2] {
         noises
             .each_ref()
             .map(|gauges| gauges.iter().map(|noise| noise.coarser(self.by)).collect())
     }
 
-    /// Histories at all samples of the result, between its own ones.
+    /// Interpolates histories from the coarse samples to all samples of the result.
     #[expect(
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,

@@ -13,21 +13,21 @@ use crate::ImpulseError;
 /// A history of a result.
 ///
 /// Waves are strains, positive in tension. Forces, stress and strain are positive in the sense of
-/// the loading. In torsion forces are torques [N m], velocities angular [rad/s], strains shear
-/// strains.
+/// the loading. In torsion forces are torques [N m], velocities are angular [rad/s], and strains
+/// are shear strains.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Curve {
-    /// Incident wave at its face.
+    /// Incident wave at the face of the incident bar.
     IncidentWave,
     /// Reflected wave at the face of the incident bar.
     ReflectedWave,
-    /// Wave that leaves the specimen, at the face of the transmitted bar.
+    /// Transmitted wave, which leaves the specimen, at the face of the transmitted bar.
     TransmittedWave,
-    /// Force of the face of the incident bar \[N\].
+    /// Force at the face of the incident bar \[N\].
     Force1,
-    /// Force of the face of the transmitted bar \[N\].
+    /// Force at the face of the transmitted bar \[N\].
     Force2,
-    /// Difference of the two \[N\].
+    /// Difference of the two forces \[N\].
     ForceDifference,
     /// Velocity of the face of the incident bar along x [m/s].
     Velocity1,
@@ -46,7 +46,7 @@ pub enum Curve {
 }
 
 impl Curve {
-    /// All of them, in the order of [`Curves`].
+    /// All histories, in the order of [`Curves`].
     pub const ALL: [Self; 13] = [
         Self::IncidentWave,
         Self::ReflectedWave,
@@ -63,7 +63,7 @@ impl Curve {
         Self::TrueStrain,
     ];
 
-    /// Place among all.
+    /// Index of the history in [`Curves`].
     pub(super) fn place(self) -> usize {
         self as usize
     }
@@ -74,7 +74,7 @@ impl Curve {
 pub struct Curves(pub(super) Vec<Vec<f64>>);
 
 impl Curves {
-    /// One history.
+    /// Returns one history.
     #[must_use]
     pub fn of(&self, curve: Curve) -> &[f64] {
         self.0.get(curve.place()).map_or(&[], Vec::as_slice)

@@ -1,4 +1,4 @@
-//! Objections to a result, with what was found.
+//! Objections to a result, with the values found.
 
 use std::fmt;
 
@@ -15,30 +15,30 @@ use super::specimen::Loading;
 const SPEED: f64 = 0.03;
 /// Largest relative difference of the two forces.
 const FORCES: f64 = 0.1;
-/// Largest pull of a face in compression over the largest force.
+/// Largest pull of a face in compression, relative to the largest force.
 const PULL: f64 = 0.05;
 /// Largest strain of a bar: metals and glassy polymers are elastic up to some 2 %.
 const BAR_STRAIN: f64 = 0.03;
-/// Smallest strain of a pulse above which gauges are used.
+/// Smallest strain of a pulse for which gauges are used.
 const LEAST_STRAIN: f64 = 5e-6;
-/// Smallest reflected wave over the incident one.
+/// Smallest ratio of the reflected to the incident wave.
 const REFLECTED: f64 = 0.05;
 
-/// Largest incident wave at the end of its window, over its peak, that is not remarked on.
+/// Largest incident wave at the end of its window, relative to its peak, that causes no remark.
 const REMARKED_TAIL: f64 = 0.005;
 
 /// An objection to a result.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub enum Finding {
-    /// The incident wave has the other sign than the loading.
+    /// The sign of the incident wave is opposite to that of the loading.
     WrongSign {
         /// The loading of the test.
         loading: Loading,
         /// Peak of the incident strain.
         peak: f64,
     },
-    /// Strains that no bar has, or that no gauge sees.
+    /// Strains too large for a bar, or too small for a gauge.
     StrainOfBar {
         /// Largest strain.
         largest: f64,
@@ -50,31 +50,31 @@ pub enum Finding {
         /// The highest frequency of the law \[Hz\].
         known_to_hz: f64,
     },
-    /// The incident pulse runs on when the reflected one comes.
+    /// The incident pulse has not ended when the reflected one arrives.
     Overlap {
         /// Duration without overlap \[s\].
         alone: f64,
     },
-    /// The incident wave has not died away when the reflected one comes.
+    /// The incident wave has not died away when the reflected one arrives.
     Tail {
-        /// Its mean at the end of its window over its largest value.
+        /// Mean of the incident wave at the end of its window, divided by its largest value.
         part: f64,
     },
     /// The record ends while the specimen is loaded.
     RecordEnds {
-        /// Force at the end over its largest value.
+        /// Force at the end, divided by its largest value.
         part: f64,
     },
-    /// The reflected wave comes at another time than the wave speed and the position of the gauge
-    /// say.
+    /// The reflected wave arrives at another time than the wave speed and the position of the gauge
+    /// give.
     WaveSpeed {
         /// Stated wave speed [m/s].
         stated: f64,
-        /// Wave speed between the passages [m/s].
+        /// Wave speed found between the passages [m/s].
         found: f64,
     },
-    /// The force of the transmitted face comes before that of the incident one, which no specimen
-    /// does.
+    /// The force of the transmitted face begins before that of the incident one, which is
+    /// impossible.
     TransmittedEarly {
         /// Lead of the transmitted force \[s\].
         by: f64,
@@ -85,16 +85,16 @@ pub enum Finding {
         side: Side,
         /// Largest pull \[N\].
         pull: f64,
-        /// Its standard error \[N\].
+        /// Standard error of the pull \[N\].
         standard_error: f64,
         /// Largest force of the transmitted face \[N\].
         largest: f64,
     },
     /// The forces of the two faces differ by a nearly constant factor.
     ForcesDiffer {
-        /// Incident over transmitted.
+        /// Ratio of incident to transmitted force.
         ratio: f64,
-        /// Its standard error.
+        /// Standard error of the ratio.
         standard_error: f64,
     },
     /// The specimen is never in equilibrium.
@@ -102,11 +102,11 @@ pub enum Finding {
         /// Median size of the index while the specimen is loaded.
         index: f64,
     },
-    /// The equilibrium was supposed and cannot be seen.
+    /// Equilibrium was assumed and cannot be checked.
     EquilibriumSupposed,
     /// The specimen hardly deforms: it is stiffer or stronger than the bars.
     StrongerThanBars {
-        /// Largest reflected over largest incident wave.
+        /// Ratio of the largest reflected to the largest incident wave.
         reflected: f64,
     },
     /// Lines are amplified more than tenfold.
@@ -117,7 +117,8 @@ pub enum Finding {
 }
 
 impl Finding {
-    /// Returns true if there is no stress-strain curve at all; otherwise there is one, in doubt.
+    /// Returns true if the finding allows no stress-strain curve at all; otherwise there is a
+    /// curve, in doubt or with a remark.
     #[must_use]
     pub fn forbids(&self) -> bool {
         matches!(
@@ -126,7 +127,7 @@ impl Finding {
         )
     }
 
-    /// Returns true for a remark that puts nothing in doubt.
+    /// Returns true for a remark that does not put the result in doubt.
     #[must_use]
     pub fn is_remark(&self) -> bool {
         matches!(self, Self::EquilibriumSupposed | Self::Tail { .. })
@@ -215,7 +216,7 @@ impl fmt::Display for Finding {
     }
 }
 
-/// The objections to a result.
+/// Returns the objections to a result.
 pub(super) fn of(
     result: &HopkinsonResult,
     test: &HopkinsonTest,
@@ -306,7 +307,7 @@ fn passages(
         let expected = 2.0 * distance / speed;
         let late = second.time - first.time;
         let error = first.standard_error.hypot(second.standard_error);
-        // a specimen that is loaded slowly reflects with the front of the incident wave at first
+        // a specimen that is loaded slowly at first reflects the front of the incident wave
         if late.abs() > SPEED * expected + 5.0 * error {
             findings.push(Finding::WaveSpeed {
                 stated: speed,
@@ -314,8 +315,8 @@ fn passages(
             });
         }
     }
-    // fronts of different shape begin at a time of their own, forces of the two faces at the same
-    // one
+    // fronts of different shape begin at different times, the forces of the two faces at the same
+    // time
     let position = |bar: &HopkinsonBar| -> f64 {
         let gauges = bar.gauges.iter();
         gauges.fold(0.0, |sum, gauge| {
@@ -344,8 +345,8 @@ fn forces_lead(result: &HopkinsonResult) -> f64 {
     }
 }
 
-/// The face that pulls most, where it does so beyond its error and a twentieth of the largest
-/// force.
+/// Returns the face that pulls most, if the pull exceeds three standard errors plus a twentieth of
+/// the largest force.
 fn pulls(result: &HopkinsonResult) -> Option<Finding> {
     let largest = result.curves.of(Curve::Force2).iter().copied();
     let largest = largest.fold(0.0_f64, f64::max);

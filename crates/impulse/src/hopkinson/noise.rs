@@ -10,9 +10,10 @@ use crate::ImpulseError;
 
 /// Fewest samples of a silence.
 const FEWEST: usize = 32;
-/// Standard deviations of the first samples beyond which a sample is not at rest.
+/// Distance from rest, in standard deviations of the first samples, beyond which a sample is
+/// disturbed.
 const DISTURBED: f64 = 20.0;
-/// Part of the largest sample that belongs to a pulse.
+/// Fraction of the largest sample above which a sample belongs to a pulse.
 const PULSE: f64 = 0.05;
 /// Number of segments, each half overlapped, over which the power is averaged.
 const SEGMENTS: usize = 8;
@@ -21,7 +22,7 @@ const SEGMENTS: usize = 8;
 /// around it.
 ///
 /// The spectrum is the mean of periodograms over half-overlapped segments with Hann's window (Welch
-/// 1967), but nowhere less than that of the resolution of the converter, $`q^2/12`$.
+/// 1967), but nowhere less than the noise of the resolution of the converter, $`q^2/12`$.
 #[derive(Debug, Clone)]
 pub struct QuietNoise {
     /// Level at rest.
@@ -40,7 +41,7 @@ impl QuietNoise {
     ///
     /// # Errors
     ///
-    /// [`ImpulseError::TooShort`] for less than 32 silent samples.
+    /// [`ImpulseError::TooShort`] for fewer than 32 silent samples.
     pub fn before_pulse(samples: &[f64], silent: usize) -> Result<Self, ImpulseError> {
         let quiet = samples.get(..silent).unwrap_or(samples);
         if quiet.len() < FEWEST {
@@ -84,7 +85,7 @@ impl QuietNoise {
         })
     }
 
-    /// The noise of means of `by` samples each, as far as it is in the band of such a record.
+    /// Returns the noise of means of `by` samples each, within the band of such a record.
     pub(super) fn coarser(&self, by: usize) -> Self {
         let kept = (self.power.len().saturating_sub(1) / by).max(4) + 1;
         let power = self.power.iter().take(kept);
@@ -116,7 +117,7 @@ impl QuietNoise {
         }
     }
 
-    /// Power between the lines of a segment.
+    /// Interpolates the power between the lines of a segment.
     #[expect(
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,
@@ -128,15 +129,16 @@ impl QuietNoise {
             let found = self.power.get(index).or(self.power.last());
             found.copied().unwrap_or(0.0)
         };
-        // the level was taken off: the lines next to 0 are those of the next
+        // the level was subtracted: the lines next to 0 take the power of the next line
         let below = below.max(2);
         let share = (place - below as f64).clamp(0.0, 1.0);
         (1.0 - share) * at(below) + share * at(below + 1)
     }
 }
 
-/// First of the `silent` samples that lies twenty standard deviations of their first eighth from
-/// its mean, and a twentieth of the largest sample of the record, which hum and drift do not.
+/// Returns the first of the `silent` samples that differs from the mean of their first eighth by
+/// more than twenty standard deviations of this eighth and more than a twentieth of the largest
+/// sample of the record. Hum and drift do not differ by so much.
 pub(super) fn first_disturbed(samples: &[f64], silent: usize) -> Option<usize> {
     let quiet = samples.get(..silent).unwrap_or(samples);
     let beginning = quiet.get(..quiet.len() / 8)?;
@@ -150,7 +152,8 @@ pub(super) fn first_disturbed(samples: &[f64], silent: usize) -> Option<usize> {
     quiet.iter().position(disturbed)
 }
 
-/// The smallest difference between two different samples: the step of the converter, or rounding.
+/// Returns the smallest difference between two different samples: the step of the converter, or
+/// rounding.
 fn converter_step(samples: &[f64]) -> f64 {
     let mut sorted = samples.to_vec();
     sorted.sort_by(f64::total_cmp);

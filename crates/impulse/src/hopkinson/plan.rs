@@ -6,7 +6,7 @@ use std::ops::Range;
 use super::bar::HopkinsonBar;
 use crate::ImpulseError;
 
-/// The method by which the waves of one bar are told apart.
+/// Method that separates the waves of one bar.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum WaveSeparation {
     /// One gauge, where the waves pass one after the other.
@@ -15,12 +15,12 @@ pub enum WaveSeparation {
     TwoGauges,
     /// One gauge and the free end of the transmitted bar: all waves at all times.
     FreeEnd,
-    /// One gauge on the incident bar, whose face has the force of the other face: all waves at all
-    /// times, without a test of equilibrium.
+    /// One gauge on the incident bar, with the force of its face assumed equal to that of the other
+    /// face: all waves at all times, without a test of equilibrium.
     Balanced,
 }
 
-/// The forces from which the stress is taken.
+/// Forces from which the stress is computed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum StressFrom {
     /// Face of the transmitted bar: one wave.
@@ -33,16 +33,16 @@ pub enum StressFrom {
 
 /// Largest amplification of a line that is used.
 pub(super) const MOST_AMPLIFICATION: f64 = 10.0;
-/// The band falls from 1 to 0 between these parts of its end.
+/// Fractions of the end of the band between which the amplitude falls from 1 to 0.
 const FALLS: [f64; 2] = [0.75, 1.25];
-/// Part of a window before the first sample that is seen.
+/// Fraction of a window before the first sample of the pulse.
 const GUARD: f64 = 0.05;
-/// Most terms of a series of passages.
+/// Largest number of terms of a series of passages.
 const MOST_TERMS: f64 = 500.0;
 /// Fewest samples of a result.
 const FEWEST: usize = 16;
 
-/// The plan.
+/// Band, windows and times of a result.
 #[derive(Debug, Clone)]
 pub(super) struct Plan {
     pub(super) rate_hz: f64,
@@ -50,23 +50,24 @@ pub(super) struct Plan {
     pub(super) n_transform: usize,
     /// Half-amplitude end of the band \[Hz\].
     pub(super) band_hz: f64,
-    /// Amplitude of each line from 0 Hz to the last that is not 0.
+    /// Amplitude of each line from 0 Hz to the last one above 0.
     pub(super) weight: Vec<f64>,
     /// Largest amplification of a wave carried back to a face, within the band.
     pub(super) amplification: f64,
-    /// Samples of incident, reflected and transmitted pulse, if they are cut.
+    /// Samples of incident, reflected and transmitted pulse, where windows separate them.
     pub(super) windows: [Range<usize>; 3],
     /// Samples of the result.
     pub(super) result: Range<usize>,
     /// Terms of the series of passages of each bar.
     pub(super) terms: [usize; 2],
-    /// End of the incident pulse within its window; `false` if it runs on into the reflected one.
+    /// True if the incident pulse ends within its window; `false` if it runs on into the reflected
+    /// one.
     pub(super) incident_ends: bool,
-    /// Mean strain of the incident wave at the end of its window; 0 if it is not cut.
+    /// Mean strain of the incident wave at the end of its window; 0 without windows.
     pub(super) incident_tail: f64,
-    /// Its size over the largest strain.
+    /// Magnitude of this mean, divided by the largest strain.
     pub(super) tail_part: f64,
-    /// The record ends before the window of a pulse does.
+    /// True if the record ends before the window of a pulse.
     pub(super) record_ends: bool,
 }
 
@@ -113,14 +114,14 @@ impl Plan {
             [distance(first_bar).1, distance(second_bar).1],
         );
         let samples = |seconds: f64| seconds * rate;
-        // one gauge sees the incident pulse alone for so long
+        // time for which one gauge records the incident pulse alone
         let alone = samples(2.0 * near[0] / speeds[0]);
         let guard = (GUARD * alone).max(4.0);
         let start =
             (given.first_sample as f64 - guard).max(given.silent.min(given.first_sample) as f64);
         let at_face = start + samples(far[0] / speeds[0]);
         let end = given.n_samples as f64;
-        // a filter reaches about a period of its end ahead
+        // the band limit reaches ahead by about a period of its end; two are kept
         let edge = 2.0 * rate / band_hz;
 
         let incident_end = (start + alone).min(end);
@@ -233,8 +234,8 @@ impl Plan {
         })
     }
 
-    /// The plan with a band twice as wide, in which no wave is amplified more than in this one;
-    /// `None` if the record or the waves of a bar do not reach so far.
+    /// Returns the plan with a band twice as wide, or as wide as the sampling rate allows, in which
+    /// no wave is amplified more than in this one; `None` if a bar has no wave at one of its lines.
     pub(super) fn wider(&self, bars: [&HopkinsonBar; 2]) -> Option<Self> {
         let band_hz = (2.0 * self.band_hz).min(0.5 * self.rate_hz / FALLS[1]);
         let line_hz = self.rate_hz / self.n_transform as f64;
@@ -250,7 +251,7 @@ impl Plan {
         })
     }
 
-    /// The plan for means of `by` samples each.
+    /// Returns the plan for means of `by` samples each.
     pub(super) fn coarser(&self, by: usize) -> Self {
         let rate_hz = self.rate_hz / by as f64;
         let n_samples = self.n_samples / by;
@@ -283,8 +284,8 @@ impl Plan {
     }
 }
 
-/// Length of the transform of so many samples: sums of passages and their reflections reach to
-/// three times the record before they would come round.
+/// Returns the length of the transform of `n_samples` samples: sums of passages and their
+/// reflections reach up to three times the record before they would wrap round.
 fn n_transform(n_samples: usize) -> usize {
     (4 * n_samples).next_power_of_two()
 }
@@ -302,7 +303,7 @@ fn weights(band_hz: f64, line_hz: f64, n_transform: usize) -> Vec<f64> {
         .collect()
 }
 
-/// Amplitude at a part of the end of the band.
+/// Returns the amplitude at a frequency, given as a fraction of the end of the band.
 fn roll_off(part: f64) -> f64 {
     let [from, to] = FALLS;
     let place = ((part - from) / (to - from)).clamp(0.0, 1.0);
@@ -313,8 +314,8 @@ fn mean_size(samples: &[f64]) -> f64 {
     samples.iter().map(|x| x.abs()).sum::<f64>() / samples.len().max(1) as f64
 }
 
-/// Growth of a wave at a frequency that is carried back from the nearest gauge to its face, in the
-/// bar where it is larger.
+/// Returns the growth of a wave at a frequency when it is carried back from the nearest gauge to
+/// the face, in the bar where it is larger.
 fn amplification(bars: [&HopkinsonBar; 2], frequency_hz: f64) -> Result<f64, ImpulseError> {
     let mut most = 0.0_f64;
     for bar in bars {
@@ -325,10 +326,10 @@ fn amplification(bars: [&HopkinsonBar; 2], frequency_hz: f64) -> Result<f64, Imp
     Ok(most)
 }
 
-/// End of the band \[Hz\], and the largest amplification in it.
+/// Returns the end of the band \[Hz\], and the largest amplification in it.
 ///
-/// By default the smallest of: a third of the sampling rate; the frequency up to which the laws of
-/// the bars were measured; the frequency of a wavelength of two diameters; the frequency beyond
+/// The default is the smallest of: a third of the sampling rate; the frequency up to which the laws
+/// of the bars were measured; the frequency of a wavelength of two diameters; the frequency beyond
 /// which a wave that is carried back to its face grows more than tenfold.
 fn band(given: &Given<'_>) -> Result<(f64, f64), ImpulseError> {
     let highest = given.rate_hz / 3.0;

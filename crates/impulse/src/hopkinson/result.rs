@@ -12,12 +12,12 @@ use crate::ImpulseError;
 
 /// Part of the peak above which the specimen counts as loaded.
 const LOADED: f64 = 0.1;
-/// Largest equilibrium index.
+/// Largest index that counts as equilibrium.
 const INDEX_LIMIT: f64 = 0.05;
-/// Part of the loaded samples after the start of equilibrium that must have it.
+/// Fraction of the loaded samples after the start of equilibrium that must be in equilibrium.
 const MOST: f64 = 0.95;
 
-/// Standard errors of the noise in the band that a part above the band exceeds.
+/// Number of standard errors of the noise in the band that a part above the band must exceed.
 const ABOVE_NOISE: f64 = 2.0;
 
 /// Effect of one standard uncertainty of a source on all histories.
@@ -41,8 +41,8 @@ impl SourceEffect {
         }
     }
 
-    /// Effect of what the waves have above the band, by the same histories in a `wider` one; `None`
-    /// if it is nowhere more than noise.
+    /// Returns the effect of the part of the waves above the band, from the same histories in a
+    /// `wider` band; `None` if it nowhere exceeds the noise.
     pub(super) fn above_band(wider: &Curves, nominal: &Curves, random: &Curves) -> Option<Self> {
         let curves = wider.0.iter().zip(&nominal.0).zip(&random.0);
         let effect: Vec<Vec<f64>> = curves
@@ -67,12 +67,12 @@ impl SourceEffect {
         })
     }
 
-    /// Takes effects at the samples of a coarse record to those of the result.
+    /// Interpolates the effects from the samples of a coarse record to those of the result.
     pub(super) fn refine(&mut self, coarse: &Coarse) {
         self.effect = coarse.refined(&self.effect);
     }
 
-    /// Adds so many times the effect.
+    /// Adds `times` times the effect.
     pub(super) fn add_to(&self, curves: &mut Curves, times: f64) {
         for (sum, effect) in curves.0.iter_mut().zip(&self.effect.0) {
             for (sum, effect) in sum.iter_mut().zip(effect) {
@@ -81,7 +81,7 @@ impl SourceEffect {
         }
     }
 
-    /// Change of a history, with its sign; `(n_samples)`.
+    /// Returns the change of a history, with its sign; `(n_samples)`.
     #[must_use]
     pub fn on(&self, curve: Curve) -> &[f64] {
         self.effect.of(curve)
@@ -93,14 +93,15 @@ impl SourceEffect {
 pub struct Equilibrium {
     /// Index $`2(F_1 - F_2)/(F_1 + F_2)`$; NaN where the specimen is not loaded; `(n_samples)`.
     pub index: Vec<f64>,
-    /// Its standard error; `(n_samples)`.
+    /// Standard error of the index; `(n_samples)`.
     pub standard_error: Vec<f64>,
-    /// Time from which on 95 % of the loaded samples have an index of at most 0.05 and two
+    /// Time from which on 95 % of the loaded samples have an index of at most 0.05 plus two
     /// standard errors \[s\].
     pub from: Option<f64>,
-    /// Force of the incident face over that of the transmitted face, by their impulses.
+    /// Ratio of the force of the incident face to that of the transmitted face, from their
+    /// impulses.
     pub force_ratio: f64,
-    /// Its standard error.
+    /// Standard error of the force ratio.
     pub force_ratio_error: f64,
 }
 
@@ -116,36 +117,36 @@ pub struct Energies {
 }
 
 impl Energies {
-    /// The work that is neither of the transmitted bar nor of the deformation: that of moving the
-    /// specimen \[J\].
+    /// Returns the work that goes neither into the transmitted bar nor into the deformation: the
+    /// work of moving the specimen \[J\].
     #[must_use]
     pub fn residual(&self) -> f64 {
         self.into_specimen - self.out_of_specimen - self.deformation
     }
 }
 
-/// A stress-strain curve with everything that belongs to it.
+/// A stress-strain curve with all histories, errors and findings of its shot.
 #[derive(Debug, Clone)]
 #[non_exhaustive]
 pub struct HopkinsonResult {
-    /// Time of the first sample, that of the arrival at the specimen less a guard \[s\].
+    /// Time of the first sample, which is the arrival at the specimen less a guard \[s\].
     pub start_time: f64,
     /// Time between samples \[s\].
     pub time_step: f64,
     /// All histories.
     pub curves: Curves,
-    /// Standard deviation of all histories by noise.
+    /// Standard deviation of all histories due to noise.
     pub random: Curves,
     /// Effects of common errors, by source.
     pub common: Vec<SourceEffect>,
-    /// Standard deviation of all histories over draws of noise and all sources together, if it was
-    /// asked for.
+    /// Standard deviation of all histories over draws of noise and all sources together, if
+    /// requested.
     pub monte_carlo: Option<Curves>,
     /// Degrees of freedom of the random error.
     pub degrees_of_freedom: f64,
     /// Arrivals of the incident, the reflected and the transmitted wave at the specimen.
     pub arrivals: [Option<Arrival>; 3],
-    /// Lag that was taken off the transmitted bar \[s\].
+    /// Lag that was subtracted from the transmitted bar \[s\].
     pub lag_taken: f64,
     /// End of the band \[Hz\].
     pub band_hz: f64,
@@ -226,7 +227,7 @@ impl HopkinsonResult {
         self.start_time + index as f64 * self.time_step
     }
 
-    /// Standard error of a history by all common sources together; `(n_samples)`.
+    /// Returns the standard error of a history from all common sources together; `(n_samples)`.
     #[must_use]
     pub fn common_error(&self, curve: Curve) -> Vec<f64> {
         let mut squares = vec![0.0; self.n_samples()];
@@ -238,7 +239,7 @@ impl HopkinsonResult {
         squares.into_iter().map(f64::sqrt).collect()
     }
 
-    /// Standard error of a history by noise and common sources; `(n_samples)`.
+    /// Returns the standard error of a history from noise and common sources; `(n_samples)`.
     #[must_use]
     pub fn standard_error(&self, curve: Curve) -> Vec<f64> {
         let common = self.common_error(curve);
@@ -246,11 +247,11 @@ impl HopkinsonResult {
         both.map(|(common, random)| common.hypot(*random)).collect()
     }
 
-    /// Half width of the band in which a single sample lies with the probability `level`;
-    /// `(n_samples)`.
+    /// Returns the half width of the band in which a single sample lies with the probability
+    /// `level`; `(n_samples)`.
     ///
-    /// Student's factor has $`\nu u^4/u_r^4`$ degrees of freedom, of which the random error $`u_r`$
-    /// has $`\nu`$ and stated uncertainties are exact (JCGM 100, annex G).
+    /// Student's factor has $`\nu u^4/u_r^4`$ degrees of freedom: the random error $`u_r`$ has
+    /// $`\nu`$, and stated uncertainties are exact (JCGM 100, annex G).
     ///
     /// # Errors
     ///

@@ -19,17 +19,17 @@ pub(super) struct BarLines {
     gamma: Vec<Complex64>,
     /// Force, or torque, per strain.
     pub(super) stiffness: Vec<Complex64>,
-    /// Velocity of the face per strain, or angular velocity.
+    /// Velocity of the face, or angular velocity, per strain.
     pub(super) speed: Vec<Complex64>,
 }
 
 impl BarLines {
-    /// The lines of `bar`; `torsion` has torques and angular velocities by the strain at the
-    /// surface.
+    /// Computes the lines of `bar`. In `torsion` they are for torques, angular velocities and the
+    /// strain at the surface.
     pub(super) fn of(bar: &HopkinsonBar, plan: &Plan, torsion: bool) -> Result<Self, ImpulseError> {
         let radius = 0.5 * bar.diameter.value;
         let area = std::f64::consts::PI * radius * radius;
-        // a torque M = G J/R of the strain at the surface, J/R = A R/2
+        // a torque M = G J/R times the strain at the surface, J/R = A R/2
         let (section, per_velocity) = if torsion {
             (0.5 * area * radius, 1.0 / radius)
         } else {
@@ -64,7 +64,7 @@ impl BarLines {
         (-gamma * distance).exp()
     }
 
-    /// $`\sum_{n=0}^{N} e^{-2n\gamma d}`$ on a line.
+    /// Returns $`\sum_{n=0}^{N} e^{-2n\gamma d}`$ on a line.
     fn passages(&self, line: usize, distance: f64, terms: usize) -> Complex64 {
         let once = self.carried(line, 2.0 * distance);
         (0..terms).fold(Complex64::ONE, |sum, _| 1.0 + once * sum)
@@ -89,12 +89,14 @@ pub(super) struct Spectra<'a> {
 }
 
 impl Spectra<'_> {
-    /// The spectrum of a part of the record of a gauge, in strain, without its level at rest.
+    /// Returns the spectrum of a part of the record of a gauge, in strain, without its level at
+    /// rest.
     fn of(&mut self, bar: usize, gauge: usize, from: usize, to: usize) -> Vec<Complex64> {
         self.of_both(bar, gauge, from..to, (0..0, 0.0))
     }
 
-    /// The spectrum of the samples `cut` with a constant strain added to the samples `added`.
+    /// Returns the spectrum of the samples `cut` with a constant strain added to the samples
+    /// `added`.
     fn of_both(
         &mut self,
         bar: usize,
@@ -127,8 +129,8 @@ impl Spectra<'_> {
             .collect()
     }
 
-    /// Removes what the sums of passages have after the end of the record, where they lack the next
-    /// reflections.
+    /// Removes the part of the sums of passages after the end of the record, where the next
+    /// reflections are missing.
     fn end_with_record(&mut self, lines: &mut [Complex64]) {
         self.transform.lines().fill(Complex64::ZERO);
         for (to, from) in self.transform.lines().iter_mut().zip(lines.iter()) {
@@ -173,7 +175,7 @@ impl Spectra<'_> {
                     .map(|(line, strain)| strain * bar.passages(line, behind, terms))
                     .collect();
                 self.end_with_record(&mut along);
-                // without a passage within the record nothing comes back
+                // without a passage within the record no reflection returns
                 let returns = if terms == 0 { 0.0 } else { -1.0 };
                 let mut waves = FaceWaves::default();
                 for (line, along) in along.iter().enumerate() {
@@ -197,8 +199,8 @@ impl Spectra<'_> {
         }
     }
 
-    /// Waves at the face of the incident bar; `force` of the other face is used if the two are to
-    /// balance.
+    /// Computes the waves at the face of the incident bar. The `force` of the other face is used if
+    /// the two forces are assumed equal.
     pub(super) fn incident(
         &mut self,
         separation: WaveSeparation,
@@ -242,10 +244,10 @@ impl Spectra<'_> {
         }
     }
 
-    /// Waves by two gauges: with strains $`\varepsilon_a`$ first along x and $`\varepsilon_b`$ a
-    /// distance $`d`$ behind it, $`P_a(1 - e^{-2\gamma d}) = \varepsilon_a - \varepsilon_b
-    /// e^{-\gamma d}`$ and $`N_b(1 - e^{-2\gamma d}) = \varepsilon_b - \varepsilon_a e^{-\gamma
-    /// d}`$.
+    /// Computes the waves from two gauges. With the strain $`\varepsilon_a`$ of the first gauge
+    /// along x and $`\varepsilon_b`$ at a distance $`d`$ after it,
+    /// $`P_a(1 - e^{-2\gamma d}) = \varepsilon_a - \varepsilon_b e^{-\gamma d}`$ and
+    /// $`N_b(1 - e^{-2\gamma d}) = \varepsilon_b - \varepsilon_a e^{-\gamma d}`$.
     fn two_gauges(&mut self, bar: usize, lines: &BarLines) -> FaceWaves {
         let distances = self.distances(bar);
         let [one, other] = distances.as_slice() else {
@@ -275,7 +277,7 @@ impl Spectra<'_> {
     }
 }
 
-/// Level and noise of each gauge, after a check that the silence is one.
+/// Returns level and noise of each gauge, after a check that there is no pulse in the silence.
 pub(super) fn noises(record: &HopkinsonRecord) -> Result<[Vec<QuietNoise>; 2], ImpulseError> {
     let of = |gauges: &Vec<Vec<f64>>, bar: &'static str| {
         let noise = |samples: &Vec<f64>| match first_disturbed(samples, record.silent) {

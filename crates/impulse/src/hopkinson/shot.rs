@@ -18,12 +18,12 @@ use super::source::{MaterialVariation, Setup, Source};
 use super::specimen::{Loading, TestSpecimen};
 use crate::ImpulseError;
 
-/// Draws of the noise: their standard deviation is known to 7 %.
+/// Number of draws of the noise: the standard deviation is then known to 7 %.
 const DRAWS: usize = 100;
-/// Fewest draws of all errors together: a standard deviation to 16 %.
+/// Fewest draws of all errors together: the standard deviation is then known to 16 %.
 const FEWEST_DRAWS: usize = 20;
 
-/// A test: bars, specimen, loading, and how it is evaluated.
+/// A test: bars, specimen, loading and method of evaluation.
 #[derive(Debug, Clone)]
 pub struct HopkinsonTest {
     /// Incident and transmitted bar.
@@ -34,17 +34,17 @@ pub struct HopkinsonTest {
     pub loading: Loading,
     /// Separation of the waves of each bar.
     pub separation: [WaveSeparation; 2],
-    /// Forces from which the stress is taken.
+    /// Forces from which the stress is computed.
     pub stress: StressFrom,
-    /// End of the band \[Hz\], where the amplitude is a half; chosen by default.
+    /// End of the band \[Hz\], where the amplitude is a half; `None` for the default.
     pub band_hz: Option<f64>,
-    /// Takes the lag between the arrivals at the two faces off the transmitted bar, instead of
-    /// trusting positions and wave speeds.
+    /// True to subtract the lag between the arrivals at the two faces from the transmitted bar,
+    /// instead of relying on positions and wave speeds.
     pub align_arrivals: bool,
     /// Uncertain properties of the materials.
     pub variations: Vec<MaterialVariation>,
-    /// Draws of noise and all sources together, by which the linear errors are judged; none for no
-    /// such judgement.
+    /// Number of draws of noise and all sources together, which check the linear errors; `None` for
+    /// no check.
     pub monte_carlo: Option<usize>,
 }
 
@@ -108,11 +108,11 @@ impl HopkinsonTest {
     /// # Errors
     ///
     /// [`ImpulseError::NonPhysical`], [`ImpulseError::LengthMismatch`], [`ImpulseError::NonFinite`]
-    /// for numbers that cannot be; [`ImpulseError::SilenceEnds`] for a silence with a pulse in
-    /// it; [`ImpulseError::TooShort`] for a silence or a record that is too short;
-    /// [`ImpulseError::NoPulse`] for a gauge without a pulse;
-    /// [`ImpulseError::TransmittedFirst`] if the transmitted bar answers before the incident one;
-    /// [`ImpulseError::NoBarWave`] for a band beyond the waves of a bar.
+    /// for impossible values; [`ImpulseError::SilenceEnds`] for a silence with a pulse in it;
+    /// [`ImpulseError::TooShort`] for a silence or a record that is too short;
+    /// [`ImpulseError::NoPulse`] for a gauge without a pulse; [`ImpulseError::TransmittedFirst`] if
+    /// the transmitted bar responds before the incident one; [`ImpulseError::NoBarWave`] for a band
+    /// beyond the waves of a bar.
     pub fn evaluate(
         &self,
         record: &HopkinsonRecord,
@@ -235,7 +235,7 @@ impl HopkinsonTest {
         Ok(result)
     }
 
-    /// The gauge of a bar that is farthest from the specimen.
+    /// Returns the gauge of a bar that is farthest from the specimen.
     fn farthest(&self, bar: usize) -> usize {
         let gauges = self
             .bars
@@ -250,7 +250,8 @@ impl HopkinsonTest {
         farthest.0
     }
 
-    /// First sample of the pulse on the incident bar, after a check of the order of the bars.
+    /// Returns the first sample of the pulse on the incident bar, after a check of the order of the
+    /// bars.
     fn first_samples(
         &self,
         record: &HopkinsonRecord,
@@ -317,11 +318,11 @@ struct Quiet<'a> {
 }
 
 impl Quiet<'_> {
-    /// Standard deviation of all histories over draws of the noise, and of all sources with their
-    /// coarse effects if they are given.
+    /// Returns the standard deviation of all histories over draws of the noise and, if they are
+    /// given, of all sources with their coarse effects.
     ///
-    /// A material is known one standard uncertainty above and below alone: its effect is taken for
-    /// linear.
+    /// A material is only given one standard uncertainty above and below its property: the effect
+    /// is assumed linear.
     fn scatter(
         &self,
         setup: &Setup,

@@ -43,23 +43,24 @@ pub enum Source {
     GaugeFactor(Side, usize),
     /// Distance of a gauge from the specimen.
     GaugePosition(Side, usize),
-    /// Time of a gauge against the others.
+    /// Time of a gauge relative to the others.
     Delay(Side, usize),
     /// Diameter of a bar.
     Diameter(Side),
     /// Length of a bar, where its free end is used.
     BarLength(Side),
-    /// Poisson's ratio of a bar.
+    /// A property of the materials, by the name of its variation.
     PoissonRatio(Side),
     /// A varied material, by its name.
     Material(String),
-    /// Incident wave after the end of its window, which is not counted: its mean at that end is the
+    /// Incident wave after the end of its window, which is neglected: its mean at that end is the
     /// standard uncertainty.
     Tail,
-    /// Addition of the incident wave, or of a level that has shifted, to the reflected wave; the
+    /// Part of the incident wave, or a shifted level, in the window of the reflected wave; the
     /// standard uncertainty is that of the tail.
     LevelOfReflected,
-    /// Part of the records above the end of the band, up to twice that, where it exceeds the noise.
+    /// Part of the records above the end of the band, up to twice its frequency, where it exceeds
+    /// the noise.
     AboveBand,
     /// Length of the specimen.
     SpecimenLength,
@@ -71,7 +72,7 @@ pub enum Source {
 
 impl Source {
     /// Returns true if other shots with the same bars have another error of this source. The tail
-    /// of a pulse is that of the striker.
+    /// of a pulse comes from the striker, which all shots share.
     #[must_use]
     pub fn is_of_one_shot(&self) -> bool {
         matches!(
@@ -105,19 +106,19 @@ impl fmt::Display for Source {
     }
 }
 
-/// An uncertain property of materials: both bars one standard uncertainty above and below it. A bar
-/// of another material has none.
+/// An uncertain property of materials, given by the materials of both bars one standard uncertainty
+/// above and below it; `None` for a bar of another material.
 #[derive(Debug, Clone)]
 pub struct MaterialVariation {
     /// Name, such as `wave speed of steel`.
     pub name: String,
     /// Materials of the two bars one standard uncertainty above.
     pub above: [Option<BarMaterial>; 2],
-    /// The same below.
+    /// Materials of the two bars one standard uncertainty below.
     pub below: [Option<BarMaterial>; 2],
 }
 
-/// Numbers of a test that its sources vary.
+/// Values of a test that its sources vary.
 #[derive(Debug, Clone)]
 pub(super) struct Setup {
     pub(super) bars: [HopkinsonBar; 2],
@@ -126,13 +127,13 @@ pub(super) struct Setup {
     gauges: [Vec<(f64, f64)>; 2],
     /// Strain of the incident wave after its window.
     pub(super) tail: f64,
-    /// Strain in the window of the reflected wave that is none of it.
+    /// Strain in the window of the reflected wave that does not belong to this wave.
     pub(super) level: f64,
     tail_uncertainty: f64,
 }
 
 impl Setup {
-    /// The numbers of a test whose incident wave ends its window with a strain of `tail`.
+    /// Creates the values of a test whose incident wave ends its window with a strain of `tail`.
     pub(super) fn new(bars: &[HopkinsonBar; 2], specimen: TestSpecimen, tail: f64) -> Self {
         let plain = |bar: &HopkinsonBar| vec![(1.0, 0.0); bar.gauges.len()];
         Self {
@@ -145,21 +146,21 @@ impl Setup {
         }
     }
 
-    /// Factor and delay \[s\] of a gauge.
+    /// Returns factor and delay \[s\] of a gauge.
     pub(super) fn of_gauge(&self, bar: usize, gauge: usize) -> (f64, f64) {
         let of_bar = self.gauges.get(bar);
         let found = of_bar.and_then(|gauges| gauges.get(gauge));
         found.copied().unwrap_or((1.0, 0.0))
     }
 
-    /// Takes `lag` \[s\] off the gauges of the transmitted bar.
+    /// Subtracts `lag` \[s\] from the times of the gauges of the transmitted bar.
     pub(super) fn advance_transmitted(&mut self, lag: f64) {
         for (_, delay) in &mut self.gauges[1] {
             *delay += lag;
         }
     }
 
-    /// The uncertain sources.
+    /// Returns the uncertain sources.
     pub(super) fn sources(&self, variations: &[MaterialVariation]) -> Vec<Source> {
         let mut found = Vec::new();
         let mut add = |source: Source, uncertainty: f64| {
@@ -197,7 +198,7 @@ impl Setup {
         found
     }
 
-    /// The numbers with one `source` moved by `standard` standard uncertainties.
+    /// Returns the values with one `source` moved by `standard` standard uncertainties.
     pub(super) fn moved(
         &self,
         source: &Source,
@@ -250,7 +251,7 @@ impl Setup {
             }
             Source::Tail => moved.tail = standard * self.tail_uncertainty,
             Source::LevelOfReflected => moved.level = standard * self.tail_uncertainty,
-            // an effect on the histories, of no number of the test
+            // acts on the histories, not on a value of the test
             Source::AboveBand => {}
             Source::SpecimenLength => move_known(&mut moved.specimen.length),
             Source::SpecimenDiameter => move_known(&mut moved.specimen.diameter),

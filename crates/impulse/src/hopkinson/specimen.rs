@@ -13,7 +13,7 @@ pub enum Loading {
     /// Waves of tension; stress and strain are positive in tension.
     Tension,
     /// Waves of torsion: strains are shear strains at the surface of the bars, forces are torques,
-    /// velocities angular ones.
+    /// and velocities are angular.
     Torsion,
 }
 
@@ -37,7 +37,7 @@ impl Loading {
 pub struct TestSpecimen {
     /// Length \[m\].
     pub length: Known,
-    /// Diameter \[m\]; of a tube the outer one.
+    /// Diameter \[m\]; the outer diameter of a tube.
     pub diameter: Known,
     /// Thickness of the wall of a tube in torsion \[m\].
     pub wall: Option<Known>,

@@ -39,7 +39,8 @@ impl StudentFactors {
         })
     }
 
-    /// Half width of the band for a standard `error` of which `random` has the degrees of freedom.
+    /// Returns the half width of the band for a standard `error`, whose random part `random` has
+    /// the degrees of freedom.
     #[expect(
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,
@@ -50,8 +51,8 @@ impl StudentFactors {
             return 0.0;
         }
         let last = (self.nodes.len() - 1) as f64;
-        // Welch and Satterthwaite: 1/ν is that of the random part times the fourth power of its
-        // share
+        // Welch and Satterthwaite: 1/ν is that of the random part multiplied by the fourth power of
+        // its share
         let place = last * (random / error).powi(4).min(1.0);
         let before = place.min(last - 1.0) as usize;
         let factor = match self.nodes.get(before..before + 2) {
@@ -73,7 +74,7 @@ mod tests {
             for share in [0.05, 0.31, 0.77, 0.93, 1.0_f64] {
                 let exact = StudentsT::new(0.0, 1.0, freedom / share.powi(4)).unwrap();
                 let found = factors.half_width(1.0, share);
-                // by the probability: quantiles of the library are off by some 1e-4
+                // compared by probability: quantiles of the library are off by some 1e-4
                 let off = exact.cdf(found) - 0.975;
                 assert!(off.abs() < 5e-6, "{freedom} {share}: {found} {off:e}");
             }

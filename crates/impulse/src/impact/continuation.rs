@@ -1,4 +1,4 @@
-//! Continuation of a measured mobility above its last line, by the echoes in its lines.
+//! Continuation of a measured mobility above its last line, from the echoes found in its lines.
 //!
 //! Theory: `docs/theory/force-uncertainty.md#above-the-lines`.
 
@@ -10,39 +10,40 @@ use num_complex::Complex64;
 
 use crate::{Domain, ImpactBody, ImpulseError};
 
-/// Lines of a measured body that are taken as known.
+/// Lines of a measured body that are treated as known.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Known {
     All,
-    /// The lower two thirds: what is above them is continued from there.
+    /// The lower two thirds; the lines above them are replaced by a continuation.
     Lower,
 }
 
-/// Number of lines over that of the lowest ones, in which a soft material delays echoes more.
+/// Number of lines divided by the number of lowest lines that are left out, because a soft material
+/// delays echoes more there.
 const LEFT_OUT: usize = 5;
 
-/// Number of lines above the last one over the number of measured lines.
+/// Number of lines above the last one, divided by the number of measured lines.
 const ABOVE: usize = 15;
 
-/// Largest number of lines of a window in which the echoes are found; with more lines they are
-/// several apart, so that the window spans a third of all.
+/// Largest number of lines of a window in which the echoes are found. If a body has more lines, the
+/// lines of the window are several lines apart, so that the window spans a third of all.
 const HIGHEST_ORDER: usize = 48;
 
 /// Least number of lines of a window.
 const FEWEST: usize = 2;
 
-/// Least power of an echo over that of the noise, the median over all directions.
+/// Least ratio of the power of an echo to the noise, which is the median power of all directions.
 const ABOVE_NOISE: f64 = 10.0;
 
-/// Least power of an echo over that of the strongest.
+/// Least ratio of the power of an echo to that of the strongest echo.
 const ROUNDING: f64 = 1e-10;
 
 /// A measured body with lines above the last measured one.
 ///
 /// The wave that returns to a face of front impedance Z is $`R = (ZG - 1)/(ZG + 1)`$ times the one
 /// that left it. Each echo of delay $`\tau`$ is a term $`a\,e^{-i\omega\tau}`$ of R whose amplitude
-/// changes slowly with frequency: a sum of damped exponentials over the lines, which goes
-/// on above them. None of them may grow, and R stays at most 1, so that the continued body is
+/// changes slowly with frequency: R is a sum of damped exponentials over the lines, which continues
+/// above them. No exponential may grow, and |R| stays at most 1, so that the continued body is
 /// passive. R is rolled off to 0, the front impedance, over fifteen times the measured lines.
 pub(super) struct Continued<'a> {
     body: &'a dyn ImpactBody,
@@ -53,8 +54,8 @@ pub(super) struct Continued<'a> {
 }
 
 impl<'a> Continued<'a> {
-    /// Continues a body that is known on lines; `None` for another one, or without a front
-    /// impedance.
+    /// Continues a body that is known on lines; `None` for another body, without a front impedance,
+    /// or if the lines are too few or not finite.
     pub(super) fn of(body: &'a dyn ImpactBody, known: Known) -> Result<Option<Self>, ImpulseError> {
         let (
             Domain::Lines {
@@ -80,7 +81,7 @@ impl<'a> Continued<'a> {
             .collect::<Result<Vec<_>, ImpulseError>>()?;
         let stride = reflection.len().div_ceil(3 * HIGHEST_ORDER).max(1);
         let order = reflection.len() / (3 * stride);
-        // what is not finite is refused with its place by the kernel
+        // the kernel refuses a line that is not finite, with its index
         let all_finite = reflection.iter().all(|line: &Complex64| line.is_finite());
         if order < FEWEST || !all_finite {
             return Ok(None);
@@ -102,8 +103,8 @@ impl<'a> Continued<'a> {
     }
 }
 
-/// A measured body by every second of its lines: what rings for longer than half of its period comes
-/// round twice as early.
+/// A measured body reduced to every second line: its period is half as long, so that long ringing
+/// wraps round twice as early.
 pub(super) struct EverySecond<'a>(pub(super) &'a dyn ImpactBody);
 
 impl ImpactBody for EverySecond<'_> {
@@ -164,9 +165,9 @@ impl ImpactBody for Continued<'_> {
     }
 }
 
-/// Continues `values` by `n_more` as a sum of damped exponentials, found by the rotation of the
-/// signal subspace of `order` values that are `stride` apart (ESPRIT: Roy and Kailath 1989). No term
-/// grows; terms below the noise are left out. `None` if the decomposition fails.
+/// Continues `values` by `n_more` values as a sum of damped exponentials, found by the rotation of
+/// the signal subspace of `order` values that are `stride` apart (ESPRIT: Roy and Kailath 1989). No
+/// term grows; terms below the noise are left out. `None` if the decomposition fails.
 fn continued(
     values: &[Complex64],
     (order, stride): (usize, usize),
@@ -206,7 +207,8 @@ fn continued(
     let upper = signal.subrows(0, order - 1).adjoint() * signal.subrows(1, order - 1);
     let rotation = &upper + last.adjoint() * (last * &upper) * Scale((1.0 / without).into());
     let modes = rotation.eigen().ok()?;
-    // one that grows is noise or an echo that hardly decays: it decays as much as it grew
+    // a growing term is noise or an echo that hardly decays: it is made to decay at its rate of
+    // growth
     let passive = |z: &Complex64| {
         if z.norm_sqr() > 1.0 {
             1.0 / z.conj()
@@ -215,8 +217,8 @@ fn continued(
         }
     };
     let ratios: Vec<Complex64> = modes.S().column_vector().iter().map(passive).collect();
-    // amplitudes by least squares, of each of the `stride` interleaved series by itself: delays
-    // beyond half of their period are not told apart between them
+    // amplitudes by least squares, separately for each of the `stride` interleaved series: lines
+    // that are `stride` apart do not distinguish delays beyond half of their period
     let n_each = values.len() / stride;
     let series = values.get(values.len() - n_each * stride..)?;
     let mut basis = Mat::<Complex64>::zeros(n_each, n_terms);
@@ -250,7 +252,7 @@ mod tests {
 
     const IMPEDANCE: f64 = 1000.0;
 
-    /// A long rod with a soft piece before its front piece: two echoes, each weaker at higher
+    /// A long rod with a soft piece behind its front piece: two echoes, each weaker at higher
     /// frequency.
     fn reflection(frequency_hz: f64) -> Complex64 {
         let echo = |size: f64, delay: f64, loss: f64| {
@@ -275,8 +277,8 @@ mod tests {
         for (step_hz, n_lines) in [(50.0, 201), (5.0, 2001)] {
             let measured = body(step_hz, n_lines);
             let continued = Continued::of(&measured, Known::All).unwrap().unwrap();
-            // an octave higher: the roll-off has taken a twentieth, and the prediction is off by as
-            // much; without it all would be missing
+            // up to an octave higher, the roll-off removes a twentieth and the continuation has an
+            // error of the same size; without a continuation the whole echo would be missing
             for line in n_lines..2 * n_lines - 1 {
                 let s = Complex64::new(0.0, TAU * step_hz * line as f64);
                 let ratio = IMPEDANCE * continued.mobility_at(s).unwrap();
@@ -291,7 +293,7 @@ mod tests {
         }
     }
 
-    /// The lines that a `Domain` may state, of which those of a `MeasuredBody` are some.
+    /// Lines that a `Domain` may state, including some that a `MeasuredBody` refuses.
     #[test]
     fn few_lines_and_wrong_ones_are_not_continued() {
         struct Wrong(usize, f64);

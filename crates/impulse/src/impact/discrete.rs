@@ -27,18 +27,18 @@ pub enum FirstForce {
     Unbounded,
 }
 
-/// Part of the lines of measured bodies that is left out, to tell how much it matters.
+/// Part of the lines of measured bodies that is left out to find its effect.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Less {
     /// The echoes above the lines.
     Echoes,
-    /// The upper third of the lines, over which the echoes are continued.
+    /// The upper third of the lines, which is replaced by the continuation of the echoes.
     UpperLines,
     /// Every second line.
     EverySecondLine,
 }
 
-/// A face of a body, besides its kernel.
+/// Properties of a face of a body, other than its kernel.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Face {
     /// Mass of a free body \[kg\].
@@ -55,7 +55,7 @@ impl Face {
     }
 }
 
-/// The kernels of two bodies and their contact law; made by
+/// The kernels of two bodies and their contact law; created by
 /// [`Impact::discretised`](crate::Impact::discretised).
 ///
 /// ```
@@ -83,7 +83,7 @@ pub struct DiscreteImpact {
     given_law: ContactLaw,
     /// compliance \[m/N\] of springs at the faces that are in the sum, not in the law
     springs: f64,
-    /// mobility \[m/(N s)\] of both faces beyond the band, and a decade further
+    /// mobility \[m/(N s)\] of both faces far above the band, and a decade higher
     beyond: [f64; 2],
 }
 
@@ -152,8 +152,7 @@ impl DiscreteImpact {
         }
     }
 
-    /// Replaces what is drawn of bodies, law and velocity; the kernel of a body that is not drawn
-    /// is kept.
+    /// Replaces the drawn bodies, law and velocity; the kernel of a body that is not drawn is kept.
     pub(super) fn replaced(&self, drawn: &DrawnImpact) -> Result<Self, ImpulseError> {
         let velocity = drawn.velocity.unwrap_or(self.velocity);
         if drawn.bodies.iter().all(Option::is_none) && drawn.law.is_none() {
@@ -175,8 +174,8 @@ impl DiscreteImpact {
         Self::new(velocity, faces, kernels, law)
     }
 
-    /// The impact of the same `bodies` with less known of the lines of measured ones; `None` if none
-    /// is measured.
+    /// Returns the impact of the same `bodies` with a part of the lines of measured bodies left
+    /// out; `None` if no body is measured.
     pub(super) fn with_less(
         &self,
         bodies: [&dyn ImpactBody; 2],
@@ -217,7 +216,7 @@ impl DiscreteImpact {
     ///
     /// # Errors
     ///
-    /// As [`DiscreteImpact::predict`].
+    /// The errors of [`DiscreteImpact::predict`].
     pub fn stick_force(&self) -> Result<ForceHistory, ImpulseError> {
         let force = self.march()?.run_sticking()?;
         self.history(force)
@@ -249,7 +248,7 @@ impl DiscreteImpact {
         self.faces.map(|face| face.mass)
     }
 
-    /// Flags of the measured bodies.
+    /// True for each body that is measured.
     pub(super) fn measured(&self) -> [bool; 2] {
         self.faces.map(|face| face.is_measured)
     }
@@ -272,9 +271,8 @@ impl DiscreteImpact {
         })
     }
 
-    /// Creates a history with forces at the middle of their steps. This also holds for convolution
-    /// quadrature: the step of the velocity given at time 0 acts half a step earlier in its
-    /// rules.
+    /// Creates a history with forces at the middle of their steps. This also applies to convolution
+    /// quadrature, in whose rules the velocity step of time 0 acts half a step earlier.
     pub(super) fn history(&self, force: Vec<f64>) -> Result<ForceHistory, ImpulseError> {
         let time_step = self.kernels[0].grid().time_step;
         ForceHistory::new(0.5 * time_step, time_step, force)

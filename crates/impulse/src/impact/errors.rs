@@ -13,10 +13,10 @@ use crate::{ContactLaw, ImpactBody, ImpulseError};
 /// Default number of draws: the standard deviation is then known to 5 %.
 pub(super) const DRAWS: usize = 200;
 
-/// A body that threads share.
+/// A body that can be shared between threads.
 pub type SharedBody = Arc<dyn ImpactBody + Send + Sync>;
 
-/// One draw of an impact. What is `None` is as the impact states it.
+/// One draw of an impact. A quantity that is `None` keeps its stated value.
 #[derive(Clone, Default)]
 pub struct DrawnImpact {
     /// The bodies.
@@ -51,7 +51,8 @@ impl ImpactSource {
 }
 
 impl DrawnImpact {
-    /// The draw of one source alone; `None` if it is as stated at `velocity`.
+    /// Returns the draw of one source alone; `None` if the draw leaves this source as stated, the
+    /// velocity at `velocity`.
     pub(super) fn only(&self, source: ImpactSource, velocity: f64) -> Option<Self> {
         let [first, second] = &self.bodies;
         let mut only = Self::default();
@@ -86,7 +87,7 @@ pub trait ImpactDraws {
     /// Error of a draw.
     type Error: From<ImpulseError>;
 
-    /// Number of draws; below 2 there are no errors.
+    /// Number of draws; with fewer than 2 no errors are computed.
     fn n_draws(&self) -> usize;
 
     /// Returns the next draw of an impact that is stated at `velocity` [m/s].
@@ -96,7 +97,7 @@ pub trait ImpactDraws {
     /// An error ends the prediction.
     fn draw(&mut self, velocity: f64) -> Result<DrawnImpact, Self::Error>;
 
-    /// Ends a long prediction by an error: called between marches.
+    /// Can end a long prediction with an error: called between marches.
     ///
     /// # Errors
     ///
@@ -106,7 +107,7 @@ pub trait ImpactDraws {
     }
 }
 
-/// A function that draws something.
+/// A function that draws a body or a contact law.
 type Draw<'a, T> = Box<dyn Fn(&mut dyn Rng) -> Result<T, ImpulseError> + 'a>;
 
 /// Errors of an impact that are independent of each other.
@@ -156,8 +157,8 @@ impl fmt::Debug for ImpactErrors<'_> {
 }
 
 impl<'a> ImpactErrors<'a> {
-    /// Creates the errors of an impact of which only the velocity has one: its standard error
-    /// [m/s].
+    /// Creates the errors of an impact of which only the velocity is uncertain, with this
+    /// `standard_error` [m/s].
     #[must_use]
     pub fn of_velocity(standard_error: f64) -> Self {
         Self {

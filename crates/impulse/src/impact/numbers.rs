@@ -1,4 +1,4 @@
-//! Numbers of an impact, and their combination one by one.
+//! Scalar results of an impact, and their combination one by one.
 
 use super::{FirstForce, Prediction};
 use crate::ForceHistory;
@@ -6,19 +6,19 @@ use crate::ForceHistory;
 /// Number of quantities in [`ImpactNumbers`].
 const COUNT: usize = 11;
 
-/// Quantities of an impact in SI units, or errors of them; `None` for those that an impact does not
-/// define.
+/// Scalar results of an impact in SI units, or their errors; `None` for those that an impact does
+/// not define.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct ImpactNumbers {
-    /// Largest force \[N\] without a limit to the band; that in the band where the first force is
-    /// [`FirstForce::Unbounded`].
+    /// Largest force \[N\] without a band limit; if the first force is [`FirstForce::Unbounded`],
+    /// the largest force in the band.
     pub peak: Option<f64>,
-    /// Its time \[s\].
+    /// Time of the largest force \[s\].
     pub time_of_peak: Option<f64>,
     /// Largest force in the band \[N\].
     pub limited_peak: Option<f64>,
-    /// Its time \[s\].
+    /// Time of the largest force in the band \[s\].
     pub time_of_limited_peak: Option<f64>,
     /// End of the last main contact \[s\].
     pub end: Option<f64>,
@@ -104,7 +104,7 @@ impl ImpactNumbers {
         }
     }
 
-    /// Combines the quantities one by one; `None` if either is missing.
+    /// Combines the quantities one by one; a result is `None` if either quantity is missing.
     pub(super) fn with(&self, other: &Self, combine: impl Fn(f64, f64) -> f64) -> Self {
         let other = other.all();
         let mut pairs = self.all().into_iter().zip(other);

@@ -1,4 +1,4 @@
-//! Standard deviations of an impact over draws of what is uncertain.
+//! Standard deviations of the results of an impact over draws of its uncertain inputs.
 
 use super::{FirstForce, ImpactNumbers, ImpactSource, Prediction};
 use crate::ForceHistory;
@@ -17,36 +17,37 @@ impl Run {
     }
 }
 
-/// Standard deviations of an impact over draws; in [`UncertainPrediction`](super::UncertainPrediction).
+/// Standard deviations of an impact over draws, part of an
+/// [`UncertainPrediction`](super::UncertainPrediction).
 #[derive(Debug, Clone)]
 #[non_exhaustive]
 pub struct Spread {
     /// Number of draws.
     pub n_draws: usize,
-    /// Standard deviations of the numbers. That of the end is `None` where the number of main
+    /// Standard deviations of the numbers. The deviation of the end is `None` if the number of main
     /// contacts differs from draw to draw.
     pub numbers: ImpactNumbers,
     /// Standard deviation of the force in the band, at its times \[N\].
     pub limited: Vec<f64>,
-    /// Standard deviation of the force of the march, at its times \[N\].
+    /// Standard deviation of the force without a band limit, at its times \[N\].
     pub force: Vec<f64>,
-    /// Standard deviations of the force in the band \[N\] by one source alone, the others as
-    /// stated, over up to 48 draws; of the sources that are drawn.
+    /// Standard deviations of the force in the band \[N\] due to one source alone, the others as
+    /// stated, over up to 48 draws; one entry per drawn source.
     pub parts: Vec<(ImpactSource, Vec<f64>)>,
-    /// Largest deviation of the force in the band over its standard deviation, one per draw, in
-    /// ascending order.
+    /// Largest ratio of the deviation of the force in the band to its standard deviation, one per
+    /// draw, in ascending order.
     largest: Vec<f64>,
 }
 
 impl Spread {
-    /// Multiple of the standard deviation within which a fraction `level` of the draws has the
-    /// whole force in the band.
+    /// Returns the multiple of the standard deviation within which the whole force in the band lies
+    /// for a fraction `level` of the draws.
     #[must_use]
     pub fn simultaneous_factor(&self, level: f64) -> f64 {
         quantile(&self.largest, level)
     }
 
-    /// The same deviations at the times of other histories.
+    /// Returns the deviations at the times of other histories.
     pub(super) fn at_times(self, of: &Run, limited: &ForceHistory, force: &ForceHistory) -> Self {
         Self {
             limited: resampled(&of.limited, &self.limited, limited),
@@ -180,7 +181,7 @@ fn deviation(values: &[f64]) -> f64 {
     moments.deviations().first().copied().unwrap_or(f64::NAN)
 }
 
-/// `values` at the times of `of`, interpolated linearly to the times of `to`.
+/// Interpolates `values` linearly from the times of `of` to the times of `to`.
 pub(super) fn resampled(of: &ForceHistory, values: &[f64], to: &ForceHistory) -> Vec<f64> {
     let (start, step) = (of.time_at(0), of.time_step());
     let mut pairs = values.windows(2).enumerate().peekable();

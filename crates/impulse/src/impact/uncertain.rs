@@ -1,4 +1,4 @@
-//! Prediction of an impact in a band, with a band of its own.
+//! Prediction of an impact in a band of frequencies, with a band of uncertainty.
 
 use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
 
@@ -14,14 +14,14 @@ use crate::{BandLimit, Coverage, Domain, ForceBand, ForceHistory, ImpulseError};
 /// Fewest steps of a march.
 const FEWEST_STEPS: f64 = 4096.0;
 
-/// Number of draws that are marched side by side, whatever the number of threads.
+/// Number of draws that are computed as one block, whatever the number of threads.
 const SIDE_BY_SIDE: usize = 8;
 
-/// Number of draws, in whole blocks, of which each source is also marched alone: their standard
+/// Number of draws, in whole blocks, for which each source is also drawn alone: their standard
 /// deviations are then known to 10 %.
 const OF_PARTS: usize = 48;
 
-/// An impact with errors; made by [`Impact::with_errors`].
+/// An impact with errors; created by [`Impact::with_errors`].
 #[derive(Debug, Clone)]
 pub struct UncertainImpact<'a, D> {
     impact: Impact<'a>,
@@ -29,7 +29,7 @@ pub struct UncertainImpact<'a, D> {
     band: Option<BandLimit>,
 }
 
-/// A number with its standard error; of an [`UncertainPrediction`].
+/// Largest force of an [`UncertainPrediction`], with its standard error.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct PeakForce {
@@ -37,15 +37,15 @@ pub struct PeakForce {
     pub force: f64,
     /// Time \[s\].
     pub time: f64,
-    /// Standard error of the force \[N\]; only that of the step without draws.
+    /// Standard error of the force \[N\]; without draws, the numerical error alone.
     pub standard_error: f64,
     /// Degrees of freedom of the standard error: the draws less one; infinite without draws.
     pub degrees_of_freedom: f64,
 }
 
 impl PeakForce {
-    /// Half width \[N\] of the interval that holds the force with the probability `level`, by
-    /// Student's distribution.
+    /// Returns the half width \[N\] of the interval that contains the force with the probability
+    /// `level`, by Student's distribution.
     ///
     /// # Errors
     ///
@@ -63,22 +63,22 @@ impl PeakForce {
     }
 }
 
-/// Force, contacts and balance of an impact, the force in its band, and the errors of all; made by
-/// [`UncertainImpact::predict`].
+/// Force, contacts and balance of an impact, the force in its band, and the errors of all; created
+/// by [`UncertainImpact::predict`].
 #[derive(Debug, Clone)]
 #[non_exhaustive]
 pub struct UncertainPrediction {
-    /// The march of the stated impact.
+    /// Prediction of the stated impact.
     pub prediction: Prediction,
-    /// Start of the force without a limit to the band.
+    /// Start of the force without a band limit.
     pub first_force: FirstForce,
     /// The band.
     pub band: BandLimit,
     /// The force in the band.
     pub limited: ForceHistory,
-    /// Numerical error of the force in the band, at its times: twice its change with half the step
-    /// and, over a period of the last line of measured bodies, its changes with less known of their
-    /// lines \[N\].
+    /// Numerical error \[N\] of the force in the band, at its times: twice its change with half the
+    /// step, combined with its changes if parts of the lines of measured bodies are left out (root
+    /// mean square over a period of the last line).
     pub numerical: Vec<f64>,
     /// Numerical errors of the numbers.
     pub numerical_numbers: ImpactNumbers,
@@ -88,7 +88,7 @@ pub struct UncertainPrediction {
 
 impl<'a> Impact<'a> {
     /// Sets the errors of bodies, contact and velocity: an [`ImpactErrors`](super::ImpactErrors) or
-    /// any other source of draws. The prediction then has a band.
+    /// any other source of draws. The prediction then has a band of uncertainty.
     #[must_use]
     pub fn with_errors<D: ImpactDraws>(self, errors: D) -> UncertainImpact<'a, D> {
         UncertainImpact {
@@ -98,7 +98,8 @@ impl<'a> Impact<'a> {
         }
     }
 
-    /// Upper end of the lines of a measured body \[Hz\]; infinite if both are computed.
+    /// Upper end of the lines of the measured bodies \[Hz\], the lower one of two; infinite if both
+    /// bodies are computed.
     fn highest_measured_hz(&self) -> f64 {
         self.lines()
             .map(|(frequency_step_hz, n_lines)| frequency_step_hz * (n_lines as f64 - 1.0))
@@ -119,8 +120,9 @@ impl<'a> Impact<'a> {
 }
 
 impl<D: ImpactDraws> UncertainImpact<'_, D> {
-    /// Sets the band of the force; by default up to 10 kHz as in paper E, or to half of the highest
-    /// frequency of a measured body, at which the band is 12 dB down.
+    /// Sets the band of the force. The default reaches up to 10 kHz as in paper E or, if that is
+    /// lower, to half of the highest frequency of a measured body, at which highest frequency the
+    /// band is 12 dB down.
     #[must_use]
     pub fn in_band(self, band: BandLimit) -> Self {
         Self {
@@ -130,16 +132,16 @@ impl<D: ImpactDraws> UncertainImpact<'_, D> {
     }
 
     /// Computes the impact for `duration` \[s\] as [`Impact::predict`] does, the force in the band,
-    /// and their errors: by the march again with half the step, by two or three with less known of
-    /// the lines if a body is measured, and by one march per draw with a step that resolves the
-    /// band. The draws do not depend on the number of threads.
+    /// and their errors. The errors come from a second march with half the step, from two or three
+    /// marches with parts of the lines left out if a body is measured, and from one march per draw
+    /// with a step that resolves the band. The draws do not depend on the number of threads.
     ///
     /// The default step is that of [`BandLimit::time_step`] or a 4096th of the duration, whichever
     /// is shorter.
     ///
     /// # Errors
     ///
-    /// As [`Impact::predict`] and [`Prediction::band_limited`]; those of the draws;
+    /// The errors of [`Impact::predict`], [`Prediction::band_limited`] and the draws;
     /// [`ImpulseError::NonPhysical`] for a band beyond the lines of a measured body.
     pub fn predict(mut self, duration: f64) -> Result<UncertainPrediction, D::Error> {
         let band = self.checked_band()?;
@@ -151,8 +153,8 @@ impl<D: ImpactDraws> UncertainImpact<'_, D> {
         let discrete = self.discretised(step, duration)?;
         let run = run(&discrete, band)?;
         self.errors.check_cancelled()?;
-        // ringing of a body known only on the frequency axis must die out within a period that
-        // depends on the duration
+        // ringing of a body that is known only on the frequency axis must decay within a period
+        // that depends on the duration
         let bodies = [self.impact.first, self.impact.second];
         let longer = bodies.iter().any(|b| b.domain() == Domain::FrequencyAxis);
         let check_for = if longer { 2.0 } else { 1.0 } * duration;
@@ -203,7 +205,7 @@ impl<D: ImpactDraws> UncertainImpact<'_, D> {
         Ok(band)
     }
 
-    /// A step of at most `longest` that fills the period of a measured body.
+    /// Returns the longest step up to `longest` that divides the period of a measured body.
     fn filling_the_period(&self, longest: f64) -> f64 {
         let period = self.impact.lines().map(|(step_hz, _)| 1.0 / step_hz).next();
         period.map_or(longest, |period| period / (period / longest).ceil())
@@ -213,7 +215,8 @@ impl<D: ImpactDraws> UncertainImpact<'_, D> {
         self.impact.clone().in_steps_of(step).discretised(duration)
     }
 
-    /// Standard deviations over the draws, and the march of the stated impact with their step.
+    /// Returns the standard deviations over the draws, and the march of the stated impact with the
+    /// step of the draws.
     fn spread(
         &mut self,
         step: f64,
@@ -271,13 +274,14 @@ fn run(discrete: &DiscreteImpact, band: BandLimit) -> Result<Run, ImpulseError> 
 }
 
 impl UncertainPrediction {
-    /// The numbers of the stated impact.
+    /// Returns the numbers of the stated impact.
     #[must_use]
     pub fn numbers(&self) -> ImpactNumbers {
         ImpactNumbers::of(&self.prediction, self.first_force, &self.limited)
     }
 
-    /// Standard errors of the numbers, that of the step included; `None` without draws.
+    /// Returns the standard errors of the numbers, including the numerical errors; `None` without
+    /// draws.
     #[must_use]
     pub fn errors(&self) -> Option<ImpactNumbers> {
         let spread = self.spread.as_ref()?;
@@ -302,8 +306,8 @@ impl UncertainPrediction {
         }
     }
 
-    /// Standard errors of the force in the band \[N\], that of the step included; `None` without
-    /// draws.
+    /// Returns the standard errors of the force in the band \[N\], including the numerical error;
+    /// `None` without draws.
     #[must_use]
     pub fn limited_errors(&self) -> Option<Vec<f64>> {
         let spread = self.spread.as_ref()?;
@@ -311,8 +315,8 @@ impl UncertainPrediction {
         Some(pairs.map(|(a, b)| a.hypot(*b)).collect())
     }
 
-    /// Returns the band that holds the whole force in the band of frequencies with the probability
-    /// `level`; `None` without draws.
+    /// Returns the band of uncertainty that contains the whole force in the band of frequencies
+    /// with the probability `level`; `None` without draws.
     ///
     /// # Errors
     ///

@@ -8,10 +8,10 @@ use super::{Front, TimeGrid, Weights};
 use crate::{Domain, ImpactBody, ImpulseError, fourier};
 
 /// Number of Nyquist bands of the time step whose lines are summed. The averages decrease as the
-/// square of the frequency and have a double zero at every even band; from the middle of the bands
-/// to their end they are rolled off, which adds a zero of second order at either end. The
-/// truncation changes a kink of the averages, as at an echo, by 3 % of it, and decreases with the
-/// fifth power of the distance from there.
+/// square of the frequency and have a double zero at the end of every second band. From the middle
+/// of the bands to their end they are rolled off, which adds a zero of second order at either end
+/// of the roll-off. The truncation changes a kink of the averages, such as at an echo, by 3 % of
+/// the kink; the change decreases with the fifth power of the distance from the kink.
 pub(super) const BANDS: usize = 8;
 
 /// aT_p on the line Re s = a: the alias of the next period is e^{-18} = 1.5e-8, and the rounding
@@ -21,8 +21,8 @@ const DAMPING_OVER_PERIOD: f64 = 18.0;
 /// Number of steps over which the roll-off of the bands smears events at time 0.
 const SMEARED: usize = 16;
 
-/// Period for a body on the frequency axis, in durations: free vibrations may take three of them to
-/// decay.
+/// Period of the transform for a body that is known on the frequency axis, in multiples of the
+/// duration: free vibrations may need three durations to decay.
 const AXIS_PERIODS: usize = 8;
 
 /// Largest number of points of the period of a measured body: a gibibyte.
@@ -59,7 +59,7 @@ pub(super) fn weights<B: ImpactBody + ?Sized>(
     for line in 0..n_lines {
         let s = Complex64::new(damping, TAU * line as f64 / period);
         let mobility = match (rigid, line) {
-            // the rest of a free body vanishes at 0 Hz
+            // without its rigid-body motion, a free body does not move at 0 Hz
             (Some(_), 0) => Complex64::ZERO,
             (Some(mass), _) => body.mobility_at(s)? - 1.0 / (s * mass),
             (None, _) => body.mobility_at(s)?,
@@ -83,7 +83,7 @@ pub(super) fn weights<B: ImpactBody + ?Sized>(
         *weight *= scale * (damping * time_step * index as f64).exp();
     }
     let ahead = match body.domain() {
-        // the last weights are at times just before 0, grown by a whole period
+        // the last weights are at times just before 0, amplified over a whole period
         Domain::RightHalfPlane => {
             let unwind = (-DAMPING_OVER_PERIOD).exp();
             rms(weights.get(n_points - 4..).unwrap_or_default()) * unwind
@@ -96,7 +96,7 @@ pub(super) fn weights<B: ImpactBody + ?Sized>(
     };
     match body.domain() {
         Domain::RightHalfPlane => {
-            // only the roll-off of the bands is before time 0, grown by a period
+            // only the smearing by the roll-off is before time 0, amplified over a period
             let near = SMEARED.min(n_steps / 2);
             mirror(&mut weights, near, (-DAMPING_OVER_PERIOD).exp());
         }
@@ -120,7 +120,7 @@ pub(super) fn weights<B: ImpactBody + ?Sized>(
     })
 }
 
-/// Adds to the value at every time that at the same time before 0.
+/// Adds the value at each time before 0 to the value at the same time after 0.
 ///
 /// This preserves the real part of every line, which determines the causal response: a step smeared
 /// about time 0 by the band limit becomes a step again, and with $`\operatorname{Re} G \ge 0`$ the
@@ -136,8 +136,8 @@ fn mirror(weights: &mut [f64], n_steps: usize, scale: f64) {
     }
 }
 
-/// Number of points of the period of a measured body: its number of steps, which must be whole
-/// within rounding.
+/// Returns the number of time steps in the period of a measured body, which must be whole within
+/// rounding.
 #[expect(
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,
@@ -186,7 +186,7 @@ fn average(s: Complex64, time_step: f64, line: usize, n_points: usize) -> Comple
     (sine / half).powu(2)
 }
 
-/// 1 over the lower half of the bands, then half a period of a cosine down to 0.
+/// Returns 1 over the lower half of the bands, then half a period of a cosine down to 0.
 fn roll_off(line: usize, n_points: usize) -> f64 {
     let last = BANDS * n_points / 2;
     if 2 * line <= last {
@@ -219,8 +219,8 @@ fn fold(folded: &mut [Complex64], n_points: usize, line: usize, value: Complex64
     add((n_points - index) % n_points, weight * value.conj());
 }
 
-/// Root mean square velocity that a unit force over `n_steps` still causes about half a period
-/// later. Noise adds up to little over so many steps.
+/// Returns the root mean square velocity that a unit force over `n_steps` still causes about half a
+/// period later. Noise largely cancels in the sum over so many steps.
 fn ringing(weights: &[f64], n_steps: usize) -> f64 {
     let n_points = weights.len();
     let middle = 3 * n_points / 8..5 * n_points / 8;

@@ -9,13 +9,13 @@ use crate::error::check_samples;
 /// Fraction of its peak above which a force counts as acting.
 const ACTS: f64 = 0.02;
 
-/// Samples of ringing of a recorder's anti-alias filter before and after.
+/// Samples of ringing of a recorder's anti-alias filter before and after a blow.
 const RINGS_BEFORE: usize = 5;
 const RINGS_AFTER: usize = 13;
 
-/// Number of samples before and after its peak in which a blow acts: that of the longest of several
-/// measured blows above 2 % of the peak, plus 5 samples before and 13 after for the ringing of an
-/// anti-alias filter.
+/// Number of samples before and after its peak in which a blow acts: the largest numbers of several
+/// measured blows above 2 % of their peaks, plus 5 samples before and 13 after for the ringing of
+/// an anti-alias filter.
 ///
 /// # Validity
 ///
@@ -30,8 +30,8 @@ pub struct BlowSpan {
 }
 
 impl BlowSpan {
-    /// Returns the span of the longest of these `forces` \[N\]; `None` if there are none, or if one
-    /// is nowhere compressive.
+    /// Returns the span of the longest of these `forces` \[N\]; `None` if there are none, or if a
+    /// force is nowhere compressive.
     ///
     /// # Errors
     ///

@@ -13,7 +13,7 @@ const WITHOUT_FORCE: f64 = 0.05;
 /// A blow whose force is both measured and reconstructed.
 #[derive(Debug, Clone, Copy)]
 pub struct CalibrationBlow<'a> {
-    /// Force reconstructed from the response, by a frequency response to which the blow has not
+    /// Force reconstructed from the response, with a frequency response to which the blow has not
     /// contributed.
     pub reconstructed: &'a ForceHistory,
     /// Measured force at the same times \[N\]; `(n_samples)`.
@@ -24,17 +24,17 @@ pub struct CalibrationBlow<'a> {
 
 /// The scatter between blows, $`\sigma^2(t) = a^2 + b^2F^2(t)`$.
 ///
-/// The variance of an averaged frequency response takes the errors of its lines as independent.
+/// The variance of an averaged frequency response treats the errors of its lines as independent.
 /// Differences between blows, such as position and direction, change all lines together and
 /// dominate the error if few blows are alike. Blows with a measured force reveal this: each is
-/// reconstructed from the others, and the difference is the error itself.
+/// reconstructed with the frequency response of the others, and the difference is the error itself.
 ///
 /// # Validity
 ///
 /// The blow must be like the others. Errors within one blow are correlated, so that the number of
-/// degrees of freedom is that of the blows less one, and bands use Student's distribution. The
-/// correlation of the error over time is not known from so few blows; draws take the samples as
-/// independent, so that a simultaneous band is rather too wide.
+/// degrees of freedom is the number of blows less one, and bands use Student's distribution. The
+/// correlation of the error over time is not known from so few blows; draws treat the samples as
+/// independent, so that a simultaneous band is somewhat too wide.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct CalibrationScatter {
@@ -42,10 +42,10 @@ pub struct CalibrationScatter {
     pub without_force: f64,
     /// Error b proportional to the force, relative to it.
     pub relative: f64,
-    /// Root mean square error of the impulses, relative to them.
+    /// Root mean square of the relative errors of the impulses.
     pub relative_impulse: f64,
-    /// Mean square of the errors over the stated ones: 1 if noise is the only cause. `None` if no
-    /// errors were stated.
+    /// Mean square of the ratio of the errors to the stated standard errors: 1 if noise is the only
+    /// cause. `None` if no errors were stated.
     pub over_stated: Option<f64>,
     /// Number of blows.
     pub n_blows: usize,
@@ -57,9 +57,9 @@ impl CalibrationScatter {
     ///
     /// # Errors
     ///
-    /// [`ImpulseError::TooShort`] below three blows, or if no blow has samples in the window with
-    /// or without force; [`ImpulseError::LengthMismatch`]; [`ImpulseError::NonFinite`] for a
-    /// measured force.
+    /// [`ImpulseError::TooShort`] for fewer than three blows, or if no blow has samples in the
+    /// window with or without force; [`ImpulseError::LengthMismatch`]; [`ImpulseError::NonFinite`]
+    /// for a measured force.
     pub fn of(blows: &[CalibrationBlow<'_>], window: Range<usize>) -> Result<Self, ImpulseError> {
         if blows.len() < 3 {
             return Err(ImpulseError::TooShort {
@@ -124,7 +124,7 @@ impl CalibrationScatter {
             }
         }
         let additive = quiet / n_quiet as f64;
-        // an error with force below the one without is scatter of the estimate
+        // an error during the force below that without force is due to the scatter of the estimate
         let with_force = (loud - additive * n_loud as f64).max(0.0);
         let scatter = Self {
             without_force: additive.sqrt(),
@@ -142,8 +142,8 @@ impl CalibrationScatter {
         }
     }
 
-    /// Error of `history`, reconstructed like the blows, over the samples `window`; zero outside
-    /// it.
+    /// Returns the error of `history`, reconstructed like the blows, over the samples `window`;
+    /// zero outside the window.
     #[must_use]
     pub fn error(&self, history: &ForceHistory, window: Range<usize>) -> ForceError {
         let force = history.force();
@@ -163,18 +163,19 @@ impl CalibrationScatter {
 /// Number of lines on either side over which the noise between blows is averaged.
 const NEIGHBOURS: usize = 8;
 
-/// Lines of the response to one blow and of the average of calibration blows, by the scatter
-/// between the blows.
+/// Errors of the response to one blow and of the average frequency response, line by line, from the
+/// scatter between calibration blows.
 ///
-/// With $`n`$ blows of the spectra $`\hat F_{ik} = \sum_m F_{im} e^{-2\pi ikm/N}`$
+/// With $`n`$ blows with the spectra $`\hat F_{ik} = \sum_m F_{im} e^{-2\pi ikm/N}`$
 ///
 /// ```math
 /// \mathrm E|\delta\hat x_k|^2 = \mathrm{var}\,\bar H_k \sum_i |\hat F_{ik}|^2,
 /// ```
 ///
-/// the first averaged over 17 lines: with few blows the scatter on a line is known only to a factor
-/// of two, and weights from it would favour lines that are underestimated. Position and direction
-/// of a blow change the response itself, line by line and in proportion to it.
+/// where the left side is averaged over 17 lines: with few blows the scatter on a line is known
+/// only to a factor of two, and weights from it would favour lines whose scatter is underestimated.
+/// The position and direction of a blow change the response itself, line by line and in proportion
+/// to it.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct CalibrationLines {
@@ -187,10 +188,10 @@ pub struct CalibrationLines {
     /// Mean power of the forces \[N²\], for
     /// [`Reconstruction::like_blows`](crate::Reconstruction::like_blows).
     pub power: Vec<f64>,
-    /// Mean spectrum of the forces \[N\], brought to the time and the size of the hardest one and
-    /// to their mean duration: their common part.
+    /// Mean spectrum of the forces \[N\], the common part of the blows. Each force is moved to the
+    /// time and scaled to the size of the hardest one, and stretched to the mean duration.
     pub mean_blow: Vec<Complex64>,
-    /// Spectrum of what each of them differs by from the mean \[N\].
+    /// Spectra of the differences of these forces from the mean \[N\].
     pub differences: Vec<Vec<Complex64>>,
 }
 
@@ -205,7 +206,7 @@ impl CalibrationLines {
     ///
     /// # Errors
     ///
-    /// [`ImpulseError::TooShort`] below two blows; [`ImpulseError::LengthMismatch`];
+    /// [`ImpulseError::TooShort`] for fewer than two blows; [`ImpulseError::LengthMismatch`];
     /// [`ImpulseError::NonFinite`] for a force.
     pub fn of(variance: &[f64], forces: &[&[f64]]) -> Result<Self, ImpulseError> {
         let n_blows = forces.len();
@@ -281,7 +282,7 @@ mod tests {
             assert!((variance - 0.5).abs() < 1e-12, "{variance}");
             assert!((power - 1.0).abs() < 1e-12, "{power}");
         }
-        // the mean of what is known, and nothing where the line is not
+        // the mean of the known lines, and NaN on an unknown line
         let lines = CalibrationLines::of(&[0.2, 0.4, f64::NAN, 0.6, 0.8], &[force; 4]).unwrap();
         assert!((lines.noise[0] - 2.0).abs() < 1e-12 && lines.noise[2].is_nan());
         assert!(CalibrationLines::of(&[0.5; 5], &[force; 1]).is_err());

@@ -11,8 +11,8 @@ use crate::error::check_positive;
 const POINTS: usize = 81;
 /// Factor by which the curve extends beyond the strongest component.
 const BEYOND: f64 = 10.0;
-/// Factor by which it extends below the weakest: such a regularisation removes less than a part in
-/// a million and equals none.
+/// Factor by which the curve extends below the weakest component: such a regularisation removes
+/// less than a part in a million and equals none.
 const AS_NONE: f64 = 1e-6;
 /// Relative difference below which scores count as equal.
 const FLAT: f64 = 1e-9;
@@ -88,7 +88,7 @@ fn grid((smallest, largest): (f64, f64)) -> Vec<f64> {
         .collect()
 }
 
-/// $`n\rho^2/(n-\sum\varphi)^2`$; infinite if no degrees of freedom remain for validation.
+/// Returns $`n\rho^2/(n-\sum\varphi)^2`$; infinite if no degrees of freedom remain for validation.
 fn cross_validation(modes: &Modes, point: &CurvePoint) -> f64 {
     if point.freedom_left > 0.0 {
         modes.n_data * point.squared_residual / point.freedom_left.powi(2)
@@ -97,7 +97,7 @@ fn cross_validation(modes: &Modes, point: &CurvePoint) -> f64 {
     }
 }
 
-/// Minus the distance from the chord, on the side of the corner.
+/// Sets the score to minus the distance from the chord, on the side of the corner.
 fn score_by_chord(curve: &mut [CurvePoint]) {
     let place = |p: &CurvePoint| [p.squared_residual.ln(), p.squared_norm.ln()];
     let is_on_plane = |p: &CurvePoint| place(p).iter().all(|x| x.is_finite());
@@ -120,7 +120,7 @@ fn score_by_chord(curve: &mut [CurvePoint]) {
     }
 }
 
-/// The parameter of the lowest score, refined between its neighbours.
+/// Returns the parameter of the lowest score, refined between its neighbours.
 fn lowest(curve: &[CurvePoint], score: Option<&dyn Fn(f64) -> f64>) -> (f64, ChoiceVerdict) {
     let scored = curve
         .iter()
@@ -158,7 +158,7 @@ fn lowest(curve: &[CurvePoint], score: Option<&dyn Fn(f64) -> f64>) -> (f64, Cho
     ((0.5 * (a + b)).exp(), ChoiceVerdict::Found)
 }
 
-/// Zero of the score, which increases.
+/// Returns the zero of the score, which increases.
 fn crossing(curve: &[CurvePoint], score: impl Fn(f64) -> f64) -> (f64, ChoiceVerdict) {
     let (Some(first), Some(last)) = (curve.first(), curve.last()) else {
         return (f64::NAN, ChoiceVerdict::NoCorner);
@@ -178,6 +178,6 @@ fn crossing(curve: &[CurvePoint], score: impl Fn(f64) -> f64) -> (f64, ChoiceVer
             b = middle;
         }
     }
-    // the largest that the noise still allows
+    // the largest parameter that the noise still allows
     (a.exp(), ChoiceVerdict::Found)
 }

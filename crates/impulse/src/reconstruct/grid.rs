@@ -72,7 +72,7 @@ impl Support {
     }
 }
 
-/// $`\sum_k s_k e^{i\theta_k l}`$ over both sides, for the lags of a support.
+/// Returns $`\sum_k s_k e^{i\theta_k l}`$, summed over both sides, for the lags of a support.
 pub(super) fn lags(lines: &[f64], n_samples: usize, length: usize) -> Vec<f64> {
     let lines: Vec<Complex64> = lines.iter().map(|s| (*s).into()).collect();
     let mut lags = fourier::to_samples(&lines, n_samples);

@@ -12,7 +12,7 @@ use super::shifted::Shift;
 use super::{FrequencyBand, Penalty};
 use crate::ImpulseError;
 
-/// Least square with full precision: smaller ones are within the precision of the smallest normal
+/// Smallest square with full precision: smaller squares lose digits near the smallest normal
 /// number.
 const LEAST_POWER: f64 = f64::MIN_POSITIVE / f64::EPSILON;
 
@@ -50,7 +50,7 @@ pub(super) struct Transformed<'a> {
 )]
 impl Transformed<'_> {
     /// Computes the sums, with the errors of the frequency response weighted for a force of this
-    /// `power` on every line, if it is known yet.
+    /// `power` on every line, if the power is already known.
     pub(super) fn weighted(&self, power: Option<&[f64]>) -> Result<WeightedLines, ImpulseError> {
         let n_lines = self.grid.n_lines();
         let mut lines = WeightedLines {
@@ -130,7 +130,7 @@ impl Transformed<'_> {
         // a significant line has a mean above zero with its neighbours
         let is_told = self.errors.is_some() && n_told > 0;
         if !is_told && lines.power[line] < LEAST_POWER {
-            // its digits are lost: it gives no force
+            // its digits are lost: the line gives no force
             lines.power[line] = 0.0;
             lines.cross[line] = Complex64::ZERO;
             return Ok(Some(match reason {
@@ -143,9 +143,9 @@ impl Transformed<'_> {
         Ok(None)
     }
 
-    /// Variance of $`\sum_r w_r H_r^*\hat x_r`$ on every line for a force of this `power`: that of
-    /// the responses as stated, or `unit_noise` if not stated, and that of the frequency
-    /// responses.
+    /// Returns the variance of $`\sum_r w_r H_r^*\hat x_r`$ on every line for a force of this
+    /// `power`: from the noise of the responses, stated or `unit_noise`, and from the errors of the
+    /// frequency responses.
     pub(super) fn cross_variance(
         &self,
         weights_for: Option<&[f64]>,
@@ -155,7 +155,7 @@ impl Transformed<'_> {
         self.cross_variance_of(weights_for, variance_by(power, unit_noise))
     }
 
-    /// Covariance of the same sums over a support, as histories.
+    /// Returns the covariance of the sums of [`Self::cross_variance`] over a support, as histories.
     pub(super) fn cross_covariance(
         &self,
         weights_for: Option<&[f64]>,
@@ -171,7 +171,7 @@ impl Transformed<'_> {
         shift.covariance(&self.noise_filters(weights_for, power, unit_noise), support)
     }
 
-    /// Filters of the errors whose variance is [`Self::cross_variance`].
+    /// Returns the filters of the errors whose variance is [`Self::cross_variance`].
     pub(super) fn noise_filters(
         &self,
         weights_for: Option<&[f64]>,
@@ -181,7 +181,8 @@ impl Transformed<'_> {
         self.filters(weights_for, variance_by(power, unit_noise))
     }
 
-    /// Filter of every sensor from white noise of variance N per line to the cross sums.
+    /// Returns for every sensor the filter from white noise of variance N per line to the cross
+    /// sums.
     pub(super) fn filters(
         &self,
         weights_for: Option<&[f64]>,
@@ -202,16 +203,17 @@ impl Transformed<'_> {
         self.sensors.iter().enumerate().map(of_sensor).collect()
     }
 
-    /// Factor from the solution to the force, from sample `first` on: 1 without a window.
+    /// Returns the factor from the solution to the force, from sample `first` on: 1 without a
+    /// window.
     pub(super) fn growth_from(&self, first: usize) -> impl Iterator<Item = f64> {
         let growth = self.shift.iter().flat_map(move |s| s.growth_from(first));
         let none = self.shift.is_none().then(|| std::iter::repeat(1.0));
         growth.chain(none.into_iter().flatten())
     }
 
-    /// Square root of that variance under white noise of standard deviation 1 on all responses,
-    /// over the number of samples. The squares of very large or very small weights lose their
-    /// digits.
+    /// Returns the standard deviation of the cross sums under white noise of standard deviation 1
+    /// on all responses, divided by the square root of the number of samples. It is not computed
+    /// from squares, which would lose digits for very large or very small weights.
     pub(super) fn white_cross_deviation(&self, weights_for: Option<&[f64]>) -> Vec<f64> {
         let of_line = |line: usize| {
             let gains = self.sensors.iter().enumerate().map(|(index, sensor)| {
@@ -226,8 +228,8 @@ impl Transformed<'_> {
         (0..self.grid.n_lines()).map(of_line).collect()
     }
 
-    /// Magnitude of the contribution of a unit response of sensor `index` to the cross sum of a
-    /// line.
+    /// Returns the magnitude of the contribution of a unit response of sensor `index` to the cross
+    /// sum of a line.
     fn cross_gain(&self, index: usize, line: usize, weights_for: Option<&[f64]>) -> f64 {
         let sensor = &self.sensors[index];
         let errors = self.errors.as_ref();
@@ -256,6 +258,7 @@ impl Transformed<'_> {
         !sensor.is_left_out(line) && !self.is_outside_band(line)
     }
 
+    /// Returns
     /// $`\sum|\hat x - H\hat F|^2/(\mathrm E|\delta\hat x|^2 + \mathrm E|\delta H|^2|\hat F|^2)`$
     /// over the used lines and both sides, with the `power` of the force in the denominator.
     pub(super) fn chi_square(&self, force: &[Complex64], power: &[f64]) -> f64 {
@@ -272,7 +275,8 @@ impl Transformed<'_> {
         sensors.map(of_sensor).sum()
     }
 
-    /// The power of a force on every line; on a support without the zeros that it cannot resolve.
+    /// Returns the power of a force on every line; on a support without the zeros that the support
+    /// cannot resolve.
     pub(super) fn power_of(&self, force: &[Complex64]) -> Vec<f64> {
         let power: Vec<f64> = force.iter().map(Complex64::norm_sqr).collect();
         match &self.errors {
@@ -286,7 +290,8 @@ impl Transformed<'_> {
         self.band.is_some_and(|band| !band.holds(frequency_hz))
     }
 
-    /// ‖x - h*F‖/‖x‖ over all sensors and the included lines of each, by Parseval's relation.
+    /// Returns ‖x - h*F‖/‖x‖ over all sensors and the included lines of each, by Parseval's
+    /// relation.
     pub(super) fn relative_residual(&self, force: &[Complex64]) -> f64 {
         // relative to the largest line: no square then overflows or underflows
         let lines = self.responses.iter().flatten();
@@ -306,8 +311,8 @@ impl Transformed<'_> {
     }
 }
 
-/// Variance of the response of a sensor on a line for a force of this `power`: noise (`unit_noise`
-/// if unknown) plus that of H.
+/// Returns the variance of the response of a sensor on a line for a force of this `power`: the
+/// noise (`unit_noise` if unknown) plus the effect of the error of H.
 #[allow(
     clippy::indexing_slicing,
     reason = "forces come with all lines, which `line` counts"
@@ -319,7 +324,8 @@ fn variance_by(power: &[f64], unit_noise: f64) -> impl Fn(&Sensor<'_>, usize) ->
     }
 }
 
-/// $`1/(\mathrm{E}|\delta x|^2 + \mathrm{E}|\delta H|^2|F|^2)`$, or 1 if the noise is not known.
+/// Returns $`1/(\mathrm{E}|\delta x|^2 + \mathrm{E}|\delta H|^2|F|^2)`$, or 1 if the noise is not
+/// known.
 #[allow(
     clippy::indexing_slicing,
     reason = "a force comes with all lines of the grid, which `line` counts"
@@ -332,7 +338,7 @@ pub(super) fn weight(sensor: &Sensor<'_>, line: usize, power: Option<&[f64]>) ->
 }
 
 impl WeightedLines {
-    /// Modes with every used line as a component.
+    /// Returns the modes, with every used line as a component.
     pub(super) fn modes(&self, penalty: Penalty) -> Modes {
         let mut modes = Modes {
             strengths: Vec::new(),
@@ -358,8 +364,8 @@ impl WeightedLines {
         modes
     }
 
-    /// Unexplained energy of the responses; a difference at the rounding of its terms counts as
-    /// zero.
+    /// Returns the unexplained energy of the responses; a difference at the rounding of its terms
+    /// counts as zero.
     pub(super) fn unexplained(&self, explained: f64) -> f64 {
         let rest = self.energy - explained;
         if rest > self.n_data.sqrt() * f64::EPSILON * self.energy {

@@ -16,10 +16,10 @@ const OF_BLOW: f64 = 0.02;
 /// Gauss-Newton steps that align a blow with another.
 const STEPS: usize = 12;
 
-/// Mean of these spectra over records of `n_samples` samples, each moved to the time, and brought
-/// to the size, of the one with the greatest energy, and stretched to the geometric mean of the
-/// durations: the mean of blows of several durations would be blunter than any. With it the spectra
-/// of what each differs by.
+/// Returns the mean of these spectra over records of `n_samples` samples, and the spectra of the
+/// differences of the blows from it. Each blow is moved to the time and scaled to the size of the
+/// blow with the greatest energy, and stretched to the geometric mean of the durations: without the
+/// stretch, a mean of blows of several durations would be blunter than any of them.
 pub(super) fn of(
     spectra: &[Vec<Complex64>],
     n_samples: usize,
@@ -67,13 +67,13 @@ struct Alignment {
     ln_stretch: f64,
 }
 
-/// Samples before and after a blow and its half lengths that are kept: filters of recorders ring
-/// over less.
+/// Samples kept on either side in addition to a blow and its length on either side: filters of
+/// recorders ring for fewer samples.
 const BESIDE: usize = 64;
 
-/// A blow, interpolated between its samples; nothing far from it.
+/// A blow, interpolated between its samples; zero far from it.
 pub(super) struct MeanBlow {
-    /// Points from sample `first` on, over the period of the record.
+    /// Interpolated points of the kept samples, from sample `first` of the record on.
     fine: Vec<f64>,
     first: usize,
     n_samples: usize,
@@ -122,7 +122,7 @@ impl MeanBlow {
         blow
     }
 
-    /// The samples of a record that are kept, at [`FINER`] points a sample.
+    /// Interpolates the kept samples of a record, with [`FINER`] points per sample.
     fn interpolated(&self, samples: &[f64]) -> Vec<f64> {
         let length = self.fine.len() / FINER;
         let kept: Vec<f64> = (self.first..self.first + length)
@@ -131,7 +131,8 @@ impl MeanBlow {
         fourier::to_samples(&fourier::to_spectrum(&kept), FINER * length)
     }
 
-    /// Difference of a blow of the calibration from this one, on the same clock.
+    /// Interpolates the `spectrum` of the difference of a calibration blow from this blow, on the
+    /// same time axis.
     pub(super) fn difference(&self, spectrum: &[Complex64]) -> Self {
         let samples = fourier::to_samples(spectrum, self.n_samples);
         Self {
@@ -140,8 +141,8 @@ impl MeanBlow {
         }
     }
 
-    /// Samples from `first` on of the blow with its largest value at sample `peak`, `stretch` times
-    /// as long.
+    /// Returns the samples from `first` on of the blow with its largest value at sample `peak`,
+    /// `stretch` times as long.
     #[allow(
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,
@@ -168,12 +169,13 @@ impl MeanBlow {
             .collect()
     }
 
-    /// Position of the largest value in samples.
+    /// Returns the position of the largest value in samples.
     fn peak(&self) -> f64 {
         self.first as f64 + self.top as f64 / FINER as f64
     }
 
-    /// First sample and number of samples of the blow with half its length on either side.
+    /// Returns the first sample and the number of samples of the blow with half its length on
+    /// either side.
     fn extent(&self) -> (usize, usize) {
         let (before, after) = self.reach;
         let half = (before + after) / 2 + 1;

@@ -13,15 +13,15 @@ use super::outcome::{NonNegativity, PivotingEnd};
 /// Number of block exchanges without a reduction of violations before violations are exchanged one
 /// by one.
 const PATIENCE: u32 = 3;
-/// Limit of pivoting steps per unknown; single exchanges are known to terminate, and rarely need
-/// one each.
+/// Largest number of pivoting steps per unknown; single exchanges are known to terminate, and
+/// rarely need one step per unknown.
 const STEPS_PER_UNKNOWN: usize = 3;
 /// Fraction of the largest element below which a violation is rounding.
 const ROUNDING: f64 = 1e-12;
 
-/// The minimum of $`\frac12 f^T A f - b^T f`$ with $`f \ge 0`$, from the sign of `start` (block
-/// principal pivoting of L. F. Portugal, J. J. Júdice and L. N. Vicente, with its rule of single
-/// exchanges, which prevents cycling). A must be positive definite.
+/// Finds the minimum of $`\frac12 f^T A f - b^T f`$ with $`f \ge 0`$, starting from the signs of
+/// `start` (block principal pivoting of L. F. Portugal, J. J. Júdice and L. N. Vicente, with its
+/// rule of single exchanges, which prevents cycling). A must be positive definite.
 ///
 /// The conditions of the minimum are $`f \ge 0`$, $`y = Af - b \ge 0`$ and $`f_i y_i = 0`$.
 pub(super) fn minimise(
@@ -75,8 +75,8 @@ pub(super) fn minimise(
         }
     };
     for f in &mut force {
-        // for a converged solution this removes rounding, otherwise the violations stated by the
-        // end
+        // for a converged solution this removes rounding, otherwise the violations that `end`
+        // reports
         *f = f.max(0.0);
     }
     let worst = (0..n)
@@ -98,7 +98,7 @@ pub(super) fn minimise(
     (force, report)
 }
 
-/// Solution with the other samples at zero, and $`Af - b`$.
+/// Returns the solution with the samples that are not free at zero, and $`Af - b`$.
 fn solve(matrix: &Mat<f64>, right_side: &[f64], is_free: &[bool]) -> Option<(Vec<f64>, Vec<f64>)> {
     let free: Vec<usize> = (0..is_free.len()).filter(|i| is_free[*i]).collect();
     let mut force = vec![0.0; is_free.len()];

@@ -44,7 +44,7 @@ pub enum Penalty {
 }
 
 impl Penalty {
-    /// $`\omega^{2p}`$.
+    /// Returns $`\omega^{2p}`$.
     pub(super) fn weight(self, omega: f64) -> f64 {
         match self {
             Self::Size => 1.0,
@@ -56,18 +56,18 @@ impl Penalty {
 
 /// Source of the parameter $`\lambda`$ of a regularisation.
 ///
-/// Its unit is that of $`\mu`$ of [`Regularisation`]: that of $`|H|^2`$ if the noise is not known
-/// and $`w = 1`$.
+/// It has the unit of $`\mu`$ of [`Regularisation`], which is that of $`|H|^2`$ if the noise is not
+/// known and $`w = 1`$.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub enum Parameter {
     /// Value given by the caller, above zero.
     Given(f64),
-    /// Corner of the curve of $`\log\eta^2`$ over $`\log\rho^2`$, with the residual $`\rho`$ and
-    /// the penalised norm $`\eta`$: the largest curvature (Tikhonov), or the point farthest
-    /// from the chord between the ends (truncated). It needs no noise level but satisfies no
-    /// optimality criterion: at the corner the noise no longer dominates the norm, and may still be
-    /// several times that of cross validation.
+    /// Corner of the curve of $`\log\eta^2`$ against $`\log\rho^2`$, with the residual $`\rho`$ and
+    /// the penalised norm $`\eta`$: the point of largest curvature (Tikhonov), or the point
+    /// farthest from the chord between the ends (truncated). It needs no noise level but satisfies
+    /// no optimality criterion: at the corner the noise no longer dominates the norm, but may still
+    /// be several times that of cross validation.
     LCurve,
     /// Minimum of $`n\rho^2/(n - \sum\varphi)^2`$ with n data: the best prediction of a left-out
     /// datum, if the noise is white after weighting. Needs no noise level.
@@ -78,8 +78,8 @@ pub enum Parameter {
     Discrepancy,
 }
 
-/// Share of a limit of a band by which a line may lie beyond it: the sampling rate of a time axis is
-/// rounded.
+/// Fraction of a limit of a band by which a line may lie beyond it, since the sampling rate of a
+/// time axis is rounded.
 const ROUNDED: f64 = 1e-6;
 
 /// Band of the lines used, including both limits.

@@ -14,20 +14,20 @@ pub struct ReconstructedForce {
     /// The parameter of the regularisation and its source; `None` without one.
     pub parameter: Option<ChosenParameter>,
     /// The error of the force: the noise of the responses and the variance of the frequency
-    /// responses, propagated by the linear method, and the part removed by the regularisation.
-    /// If tension is forbidden it is the error of the same method with tension, which is not
-    /// smaller; the peak has its own ([`ReconstructedForce::peak_interval`]).
+    /// responses, propagated by the linear method, and the part removed by the regularisation. If
+    /// tension is forbidden, it is the error of the same method with tension allowed, which is not
+    /// smaller; the peak has an interval of its own ([`ReconstructedForce::peak_interval`]).
     pub error: RandomErrorOfForce,
     /// Impulse over the support, or the period, with tension allowed \[N s\]: a force without
     /// tension may turn noise into impulse. `None` without a support if the line at 0 Hz is
     /// not used: the mean is then undetermined.
     pub impulse: Option<f64>,
-    /// Estimate of the part removed by the regularisation \[N\]: the difference from the force
-    /// without it, if frequency responses have errors on a support and that force is therefore
-    /// like the calibration blows; otherwise $`-(1-\varphi)\hat F`$ of the force found, as a
-    /// history. The true force is about the force minus this estimate. It includes only the force
-    /// that was found: if a line is lost altogether, the estimate is too small. The error
-    /// contains it. All zero without regularisation.
+    /// Estimate of the part removed by the regularisation \[N\]. If frequency responses have errors
+    /// on a support, the force without regularisation is like the calibration blows, and the
+    /// estimate is the difference from that force; otherwise it is $`-(1-\varphi)\hat F`$ of the
+    /// force found, as a history. The true force is near the force minus this estimate. The
+    /// estimate includes only the force that was found: if a line is lost altogether, it is too
+    /// small. The error of the force contains the estimate. All zero without regularisation.
     pub regularisation_bias: Vec<f64>,
     /// Unexplained part of the responses, $`\|x - h*F\|/\|x\|`$ over all lines with a known
     /// frequency response.
@@ -46,9 +46,8 @@ pub struct ReconstructedForce {
     pub silent_components: usize,
     /// Result of the non-negativity constraint; `None` if tension is allowed.
     pub non_negativity: Option<NonNegativity>,
-    /// Profile interval of the force at the time of its peak \[N\], if tension is forbidden and
-    /// the noise is known or estimated; `None` if a minimum on the way to its ends was not
-    /// found.
+    /// Profile interval of the force at the time of its peak \[N\], if tension is forbidden and the
+    /// noise is known or estimated; `None` if the search for one of its ends failed.
     pub peak_interval: Option<ProfileInterval>,
     /// Truncation of the responses in the records; the worst of several sensors.
     pub response_end: ResponseEnd,
@@ -67,8 +66,8 @@ pub enum RandomErrorOfForce {
         /// Standard deviation of the noise, in the unit of the responses.
         standard_deviation: f64,
     },
-    /// Unknown: the noise is not known and cannot be estimated, as the force explains the response
-    /// exactly, as in a plain division.
+    /// Unknown: the noise is not known and cannot be estimated because the force explains the
+    /// response exactly, as in a plain division.
     NoiseNotKnown,
 }
 
@@ -91,7 +90,7 @@ pub struct ChosenParameter {
     pub value: f64,
     /// Source of the parameter.
     pub method: Parameter,
-    /// Points in increasing order of the parameter; empty for a given one.
+    /// Points in increasing order of the parameter; empty for a given parameter.
     pub curve: Vec<CurvePoint>,
     /// Verdict on the choice.
     pub verdict: ChoiceVerdict,
@@ -111,9 +110,9 @@ pub struct CurvePoint {
     pub degrees_of_freedom: f64,
     /// Number of real data minus the degrees of freedom.
     pub freedom_left: f64,
-    /// Function evaluated by the method: that of cross validation (its minimum), minus the
-    /// curvature or the distance from the chord of the L-curve (its minimum), or the relative
-    /// discrepancy (its zero).
+    /// Score of the method: the function of cross validation, of which the minimum is sought; minus
+    /// the curvature of the L-curve or minus its distance from the chord (minimum); or the relative
+    /// discrepancy (zero).
     pub score: f64,
 }
 
@@ -131,7 +130,7 @@ pub enum ChoiceVerdict {
     /// Not reached: the responses do not exceed their noise, every regularisation is consistent,
     /// and the force is nearly zero.
     NotReached,
-    /// No finite point of the curve to choose; the weakest regularisation was taken.
+    /// The curve has no finite point; the weakest regularisation is used.
     NoCorner,
 }
 
@@ -139,7 +138,7 @@ pub enum ChoiceVerdict {
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct NonNegativity {
-    /// End of the search; tells whether the conditions of the minimum are met.
+    /// End of the search; states whether the conditions of the minimum are met.
     pub end: PivotingEnd,
     /// Number of sets of free samples tried.
     pub steps: usize,
@@ -200,10 +199,10 @@ pub enum ResponseEnd {
     /// Decayed: the last fiftieth of the record is below 1 % of the peak (root mean square,
     /// including an offset).
     DiedOut,
-    /// Truncated: the record is a part of the response, and the division takes it for a whole
+    /// Truncated: the record is a part of the response, and the division treats it as a whole
     /// period.
     CutOff {
-        /// Root mean square of the last fiftieth over the peak.
+        /// Root mean square of the last fiftieth, divided by the peak.
         relative_level: f64,
     },
 }
@@ -245,8 +244,8 @@ impl ResponseEnd {
     }
 }
 
-/// An interval of a number of a force without tension, with probability 0.683, as for one standard
-/// error, and 0.95.
+/// Intervals of a number of a force without tension, with the probabilities 0.683, that of one
+/// standard error, and 0.95.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct ProfileInterval {

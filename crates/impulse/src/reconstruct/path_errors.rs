@@ -13,12 +13,13 @@ const TELLS: f64 = 4.0;
 /// Errors of frequency responses, and the assumed force where these are not significant.
 ///
 /// With a measured $`H = H_0 + \delta H`$ the sum of $`w|H|^2`$ over the lines of a support is too
-/// large by that of $`w\,\mathrm{var} H`$, and the force too small. Without this part the sum is
+/// large by the sum of $`w\,\mathrm{var} H`$, and the force too small. Without this part the sum is
 /// unbiased, but not positive where $`H`$ is only error. Lines are therefore weighted by the share
 /// $`S = \mathrm{SNR}/(1+\mathrm{SNR})`$, with the signal-to-noise ratio averaged over as many
-/// lines as the support cannot resolve, and each component of the force by its information. The
-/// undetermined part, mainly the force beyond the band of the hammer, is assumed to be that of a
-/// blow like those of the calibration ([`super::supposed`]), or without them to have zero mean.
+/// lines as the support cannot resolve, and each component of the force is weighted by its
+/// information. The undetermined part, mainly the force beyond the band of the hammer, is assumed
+/// to be that of a blow like the calibration blows ([`super::supposed`]) or, without them, to have
+/// zero mean.
 pub(super) struct PathErrors {
     /// Share S of every sensor and line.
     pub(super) shares: Vec<Vec<f64>>,
@@ -86,7 +87,7 @@ impl PathErrors {
                 let power = of_other_durations(blows);
                 power.into_iter().map(|power| scale * power).collect()
             }
-            // the power of the blows for which this noise gives such errors
+            // the power of blows for which this noise would give such errors
             None => (0..n_lines)
                 .map(|line| {
                     let sensors = transformed.sensors.iter();
@@ -110,7 +111,7 @@ impl PathErrors {
         })
     }
 
-    /// The assumed power of the force on every line.
+    /// Returns the assumed power of the force on every line.
     pub(super) fn assumed_power(&self) -> Vec<f64> {
         let of = |inverse: &f64| {
             if *inverse > 0.0 {
@@ -122,13 +123,14 @@ impl PathErrors {
         self.prior.iter().map(of).collect()
     }
 
-    /// The power of a force on every line, without the zeros that its support cannot resolve.
+    /// Returns the power of a force on every line, without the zeros that its support cannot
+    /// resolve.
     pub(super) fn resolved_power(&self, power: &[f64]) -> Vec<f64> {
         mean_about(power, self.half)
     }
 }
 
-/// Inverse of the assumed power of the force on every line, from that of `blows`.
+/// Returns the inverse of the assumed power of the force on every line, from the power of `blows`.
 pub(super) fn of_lines(transformed: &Transformed<'_>, blows: &[f64]) -> Vec<f64> {
     let shares = vec![vec![1.0; blows.len()]; transformed.sensors.len()];
     let scale = energy_over(transformed, &shares, blows);
@@ -139,7 +141,8 @@ pub(super) fn of_lines(transformed: &Transformed<'_>, blows: &[f64]) -> Vec<f64>
     blows.iter().map(inverse).collect()
 }
 
-/// Energy of the force over that of `blows`, from the part of the responses beyond their noise.
+/// Returns the energy of the force divided by that of `blows`, from the part of the responses
+/// beyond their noise.
 #[allow(
     clippy::indexing_slicing,
     reason = "shares, blows and responses have an entry a line, which `line` counts"
@@ -161,7 +164,7 @@ pub(super) fn energy_over(
             expected += by * told * blows[line];
         }
     }
-    // for noise alone: the energy that two standard deviations of it could hide
+    // for noise alone: the energy that two standard deviations of the noise could hide
     let found = found.max(2.0 * scatter.sqrt());
     if expected > 0.0 {
         found / expected
@@ -174,15 +177,15 @@ pub(super) fn energy_over(
 /// Largest relative difference of durations from those of the calibration blows over which their
 /// spectrum is averaged.
 const DURATIONS: f64 = 0.3;
-/// Durations on either side.
+/// Number of durations on either side.
 const N_DURATIONS: i32 = 10;
 
-/// Assumed power over its largest, at least: a thousandth of the amplitude is not known of any
-/// force.
+/// Least ratio of the assumed power to its largest value: a thousandth of the amplitude is not
+/// known for any force.
 const LEAST_SHARE: f64 = 1e-6;
 
-/// Mean spectrum of the energy of blows of other durations than `blows`: a zero that a blow has at
-/// one frequency is none of all blows.
+/// Returns the mean spectrum of the energy of blows of other durations than `blows`: a zero in the
+/// spectrum of one blow is not a zero of all blows.
 fn of_other_durations(blows: &[f64]) -> Vec<f64> {
     let at = |line: usize| blows.get(line).or(blows.last()).copied().unwrap_or(0.0);
     let of = |place: f64| {
@@ -208,7 +211,7 @@ fn whole(place: f64) -> usize {
     place as usize
 }
 
-/// Mean over `half` lines on either side and the line itself, mirrored at the ends.
+/// Returns the mean over `half` lines on either side and the line itself, mirrored at the ends.
 #[allow(
     clippy::indexing_slicing,
     reason = "a mirrored place is between 0 and the last, and sums have one entry more than places"

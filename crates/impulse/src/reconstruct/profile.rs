@@ -1,4 +1,4 @@
-//! Profile intervals of numbers of a force without tension.
+//! Profile intervals of linear functions of a force without tension.
 
 #![allow(
     clippy::indexing_slicing,
@@ -27,13 +27,13 @@ pub(super) struct Constrained {
 }
 
 impl Constrained {
-    /// Returns the interval of $`l^Tf`$ for non-negative weights l: the values t for which the
-    /// least $`f^TAf - 2b^Tf`$ with $`f \ge 0`$ and $`l^Tf = t`$ is within the square of a
-    /// standard normal quantile of the least without t, where noise has the weighted variance
-    /// `noise`; widened by the `bias` of the number.
+    /// Returns the interval of $`l^Tf`$ for non-negative weights l. It contains the values t for
+    /// which the least $`f^TAf - 2b^Tf`$ with $`f \ge 0`$ and $`l^Tf = t`$ exceeds the least
+    /// without the condition on t by at most the square of a standard normal quantile, where noise
+    /// has the weighted variance `noise`. The interval is widened by the `bias` of the number.
     ///
-    /// Every t belongs to a multiplier $`\nu`$: the minimum with $`b + \nu l`$. If samples are held
-    /// at zero the true limit is a mixture of chi-squares below this one.
+    /// Every t belongs to a multiplier $`\nu`$, the minimum with $`b + \nu l`$ in place of b. If
+    /// samples are held at zero, the true limit is a mixture of chi-squares below this one.
     pub(super) fn interval(
         &self,
         weights: &[f64],
@@ -56,8 +56,8 @@ impl Constrained {
         })
     }
 
-    /// Value at which the cost is `limit` above the `least`, on the side of `sign`; the last value
-    /// if it is nowhere.
+    /// Returns the value at which the cost is `limit` above the `least`, on the side of `sign`; the
+    /// last value found if the cost does not reach this limit.
     fn end(&self, weights: &[f64], (least, limit): (f64, f64), sign: f64) -> Option<f64> {
         let at = |price: f64| -> Option<(f64, f64)> {
             let sides = self.right_side.iter().zip(weights);
@@ -66,8 +66,8 @@ impl Constrained {
             (report.end == PivotingEnd::Converged)
                 .then(|| (dot(weights, &force), self.cost(&force) - least))
         };
-        // the cost grows as the square of the multiplier, by the variance of the number, until a
-        // sample becomes or leaves zero
+        // the cost grows as the square of the multiplier, in proportion to the variance of the
+        // number, until a sample becomes or leaves zero
         let curvature: f64 = (0..weights.len())
             .map(|i| weights[i] * weights[i] * self.matrix[(i, i)])
             .sum::<f64>()

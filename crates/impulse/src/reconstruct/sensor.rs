@@ -47,8 +47,8 @@ impl<'a> Sensor<'a> {
     ///
     /// # Errors
     ///
-    /// [`ImpulseError::TooShort`] below four samples, [`ImpulseError::NonFinite`] for a sample,
-    /// [`ImpulseError::LengthMismatch`] for the frequency response.
+    /// [`ImpulseError::TooShort`] for fewer than four samples, [`ImpulseError::NonFinite`] for a
+    /// sample, [`ImpulseError::LengthMismatch`] for the frequency response.
     pub fn new(
         response: &'a [f64],
         frequency_response: &'a [Complex64],
@@ -94,8 +94,8 @@ impl<'a> Sensor<'a> {
         Ok(Self { noise, ..self })
     }
 
-    /// Sets the variance of the frequency response: circular, independent between lines and of the
-    /// response. A value that is not finite or is negative excludes its line.
+    /// Sets the variance of the frequency response: circular, independent between lines and
+    /// independent of the response. A value that is negative or not finite excludes its line.
     ///
     /// # Errors
     ///

@@ -48,8 +48,9 @@ impl Shift {
         squares.sum::<f64>() / self.weights.len() as f64
     }
 
-    /// Covariance over a support of $`\sum_m c_{n-m}e_m`$, $`c_n = \sum_k C_k e^{i\theta_kn}`$, for
-    /// noise e with mean variance N per line; the sum over `filters` C. One transform per lag.
+    /// Returns the covariance over a support of $`\sum_m c_{n-m}e_m`$,
+    /// $`c_n = \sum_k C_k e^{i\theta_kn}`$, for noise e with mean variance N per line, summed over
+    /// the `filters` C. It takes one transform per lag.
     #[allow(
         clippy::indexing_slicing,
         reason = "the support lies in the record, places in the record are taken modulo it, and lags are those of the support"
@@ -83,9 +84,9 @@ impl Shift {
         covariance
     }
 
-    /// $`\lvert C'_k\rvert^2`$ of the same sum times $`e^{\sigma t_n}`$: the variance of its lines,
-    /// stationary again, with $`c'_n = c_ne^{\sigma t_n}`$ for lags n of either sign up to half
-    /// the record.
+    /// Returns $`\lvert C'_k\rvert^2`$, the variance of the lines of the sum in
+    /// [`Self::covariance`] multiplied by $`e^{\sigma t_n}`$, which is stationary again:
+    /// $`c'_n = c_ne^{\sigma t_n}`$ for lags n of either sign up to half the record.
     #[allow(
         clippy::indexing_slicing,
         reason = "a lag of half the record at most is a place of its weights"

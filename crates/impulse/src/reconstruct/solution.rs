@@ -45,8 +45,8 @@ pub(super) enum Gain {
         /// Matrix Q.
         quadratic: faer::Mat<f64>,
         informed: Option<Informed>,
-        /// The gain without regularisation, if that force is like the calibration blows: its error
-        /// is the known one.
+        /// The gain without regularisation, if the force without it is like the calibration blows:
+        /// its error is the known one.
         plain: Option<faer::Mat<f64>>,
         /// Covariance of the part removed by the regularisation, for noise of weighted variance 1.
         lost: Option<faer::Mat<f64>>,
@@ -54,7 +54,8 @@ pub(super) enum Gain {
 }
 
 impl Solved {
-    /// Interval of the peak of a force without tension, for noise of the weighted variance `noise`.
+    /// Returns the interval of the peak of a force without tension, for noise of the weighted
+    /// variance `noise`.
     #[allow(
         clippy::indexing_slicing,
         reason = "the support lies in the record, of which the bias has an element a sample"
@@ -108,12 +109,12 @@ impl Solved {
         Some(self.lines.n_data - 2.0 * trace(&once) + trace(&twice))
     }
 
-    /// Error of a force of this `power`, with `unit_noise` if the noise is not known; it includes
-    /// the part removed by the regularisation.
+    /// Returns the error of a force of this `power`, with `unit_noise` if the noise is not known;
+    /// it includes the part removed by the regularisation.
     ///
-    /// A regularisation is a prior assumption on the force: its variance is the posterior one (G.
-    /// Wahba's interval), or that of `bias` where this is greater. If the force without
-    /// regularisation has an error of its own, the error is that and the `bias`.
+    /// A regularisation is a prior assumption on the force: the variance is the posterior one (G.
+    /// Wahba's interval), or the square of `bias` where this is greater. If the error of the force
+    /// without regularisation is known, the squares of that error and of the `bias` are added.
     pub(super) fn error(
         &self,
         transformed: &Transformed<'_>,
@@ -121,7 +122,7 @@ impl Solved {
         unit_noise: f64,
         bias: &[f64],
     ) -> Result<ForceError, ImpulseError> {
-        // weights are those of the noise if it is known
+        // if the noise is known, the weights contain it
         let noise = if unit_noise > 0.0 { unit_noise } else { 1.0 };
         let n_samples = self.samples.len();
         let none = ForceError::none(n_samples);
@@ -214,7 +215,8 @@ impl Solved {
         })
     }
 
-    /// Root mean square of the force under white noise of 1.
+    /// Returns the root mean square of the force for white noise of root mean square 1 on all
+    /// responses.
     pub(super) fn noise_gain(
         &self,
         transformed: &Transformed<'_>,
@@ -284,7 +286,7 @@ impl Solved {
         }
     }
 
-    /// $`-(1-\varphi)\hat F`$ as a history.
+    /// Returns $`-(1-\varphi)\hat F`$ as a history.
     #[allow(
         clippy::indexing_slicing,
         reason = "the problem and the force have `length` elements, which the support of the record holds"

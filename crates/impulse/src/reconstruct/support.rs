@@ -30,20 +30,20 @@ pub(super) struct SupportProblem {
 
 /// Normal equations that weight every component by its information.
 ///
-/// The components v of the force are those in which the equations $`Qf = b`$ with $`\mathrm{cov}\,b
-/// = T`$ and the assumed force of covariance $`P^{-1}`$ are $`\mu f = b \pm \sqrt\tau`$ and $`f = 0
-/// \pm 1`$. Least squares of both is $`(a\mu + 1) f = a b`$ with $`a = \mu/\tau`$, 0 where errors
-/// of the frequency response leave a $`\mu`$ below zero; without such errors $`\tau = \mu`$ and $`a
-/// = 1`$.
+/// In the components v of the force, the equations $`Qf = b`$ with $`\mathrm{cov}\,b = T`$ are
+/// $`\mu f = b \pm \sqrt\tau`$, and the assumed force of covariance $`P^{-1}`$ is $`f = 0 \pm 1`$.
+/// Least squares of both is $`(a\mu + 1) f = a b`$ with $`a = \mu/\tau`$; a is 0 where errors of
+/// the frequency response leave $`\mu`$ below zero. Without such errors $`\tau = \mu`$ and
+/// $`a = 1`$.
 pub(super) struct Informed {
-    /// Matrix from the given right side to that of the informed equations.
+    /// Matrix from the given right side to the right side of the informed equations.
     pub(super) weights: Mat<f64>,
     /// P: variance that the assumed force adds to the right side.
     pub(super) prior: Mat<f64>,
 }
 
 impl Informed {
-    /// Computes Q and b of the informed equations as well.
+    /// Creates the informed equations; also returns their Q and b.
     #[allow(
         clippy::indexing_slicing,
         reason = "all lists and matrices have as many elements a side as the right side"
@@ -60,7 +60,7 @@ impl Informed {
         let prior = toeplitz(&lags(&errors.prior, n_samples, length));
         let (values, vectors) = eigen(&prior, length)?;
         let largest = values.iter().copied().fold(0.0, f64::max);
-        // a component of so much greater power needs no assumption
+        // a component of such a great power needs no assumption
         let least = largest * f64::EPSILON * length as f64;
         let whitening = Mat::from_fn(length, length, |i, j| {
             vectors[(i, j)] / values[j].max(least).sqrt()
@@ -126,7 +126,7 @@ impl Informed {
         Ok((Self { weights, prior }, informed, right_side))
     }
 
-    /// Covariance of the right side, from that of the given one.
+    /// Returns the covariance of the right side, from the covariance of the given right side.
     pub(super) fn covariance(&self, given: &Mat<f64>) -> Mat<f64> {
         &self.weights * given * self.weights.transpose() + &self.prior
     }
@@ -225,7 +225,7 @@ impl SupportProblem {
         })
     }
 
-    /// The matrix from the right side to the force, $`V\,\mathrm{diag}(\varphi/\mu)\,V^T`$.
+    /// Returns the matrix from the right side to the force, $`V\,\mathrm{diag}(\varphi/\mu)\,V^T`$.
     pub(super) fn inverse(&self, filter: Filter, parameter: f64) -> Mat<f64> {
         let n = self.vectors.nrows();
         let scaled = Mat::from_fn(n, n, |i, j| {
@@ -239,7 +239,7 @@ impl SupportProblem {
         scaled * self.vectors.transpose()
     }
 
-    /// $`V\,\mathrm{diag}((1-\varphi)^2/\lambda)\,V^T`$: variance of the part lost by
+    /// Returns $`V\,\mathrm{diag}((1-\varphi)^2/\lambda)\,V^T`$: the covariance of the part lost by
     /// regularisation, for noise of weighted variance 1.
     pub(super) fn lost(&self, filter: Filter, parameter: f64) -> Option<Mat<f64>> {
         if filter == Filter::None {
@@ -253,7 +253,7 @@ impl SupportProblem {
         Some(scaled * self.vectors.transpose())
     }
 
-    /// $`Q + \lambda D`$.
+    /// Returns $`Q + \lambda D`$.
     pub(super) fn regularised(&self, filter: Filter, parameter: f64) -> Mat<f64> {
         let lambda = if filter == Filter::Tikhonov {
             parameter
@@ -272,7 +272,7 @@ impl SupportProblem {
     }
 }
 
-/// Square root S of a covariance $`C = S S^T`$.
+/// Returns a square root S of a covariance $`C = S S^T`$.
 pub(super) fn error_factor(covariance: &Mat<f64>) -> Result<Mat<f64>, ImpulseError> {
     let length = covariance.nrows();
     let (values, vectors) = eigen(covariance, length)?;

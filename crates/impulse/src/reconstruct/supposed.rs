@@ -10,21 +10,21 @@ use super::mean_blow::MeanBlow;
 const PLACES: i32 = 8;
 /// Samples on either side of the best correlation in which positions are tried.
 const REACH: i32 = 2;
-/// Step of derivatives by the position in samples.
+/// Step of the derivatives with respect to the position, in samples.
 const PLACE_STEP: f64 = 0.125;
-/// Starts of the logarithm of the stretch.
+/// Start values of the logarithm of the stretch.
 const STRETCHES: [f64; 7] = [-0.36, -0.24, -0.12, 0.0, 0.12, 0.24, 0.36];
-/// Step of derivatives by the logarithm of the stretch.
+/// Step of the derivatives with respect to the logarithm of the stretch.
 const STRETCH_STEP: f64 = 0.04;
 /// Prior standard deviations of the logarithm of the size, of the position in samples, and of the
 /// logarithm of the stretch. The first two are determined by any blow; durations of blows by one
-/// hammer with other tips, hands and places differ by a third.
+/// hammer with different tips, hands and places differ by a third.
 const SPREADS: [f64; 3] = [1.0, 4.0, 0.3];
-/// Variances s² of the shape that are weighed, in half powers of ten from 1 down.
+/// Number of variances s² of the shape that are tried, in half powers of ten from 1 down.
 const VARIANCES: u8 = 15;
-/// Fits of blow and variance in turn.
+/// Number of alternating fits of blow and variance.
 const ROUNDS: usize = 3;
-/// Gauss-Newton steps, at most, and the change that ends them.
+/// Largest number of Gauss-Newton steps, and the change below which they end.
 const STEPS: usize = 8;
 const SETTLED: f64 = 1e-4;
 
@@ -36,29 +36,30 @@ pub(super) struct Told {
     pub(super) information: f64,
 }
 
-/// The shape of the blows of the calibration: their mean, and what each differs by.
+/// The shape of the calibration blows: their mean, and the difference of each from the mean.
 pub(super) struct CalibrationShape {
     pub(super) mean: MeanBlow,
     pub(super) differences: Vec<MeanBlow>,
 }
 
-/// A blow like those of the calibration, and the precision with which it is assumed.
+/// A blow like the calibration blows, and the precision with which it is assumed.
 ///
-/// The force is $`f = a\,m((t-t_0)/T) + \sum_i c_i\,a\,d_i((t-t_0)/T) + d`$, with the mean blow m
-/// of the calibration and what each of its blows differs by, $`d_i`$. The response determines size
-/// a, position t₀ and stretch T within wide priors; $`c_i`$ have the variance of one more blow. The
-/// remaining deviation d has the covariance $`s^2 C`$, C that of a force with the spectrum of the
-/// blows at any of their durations. ln s² is its posterior mean given the components that the
-/// responses determine, of a prior that is flat from 10⁻⁷ to 1. A force whose known part is a
-/// blow of the calibration is taken as one beyond the band too; one of another shape stays as open
-/// as its shape differs. The precision of all that is assumed,
+/// The force is $`f = a\,m((t-t_0)/T) + \sum_i c_i\,a\,d_i((t-t_0)/T) + d`$, with the mean
+/// calibration blow m and the differences $`d_i`$ of the calibration blows from it. The response
+/// determines size a, position t₀ and stretch T within wide priors; $`c_i`$ have the variance of
+/// one more blow. The remaining deviation d has the covariance $`s^2 C`$, where C is the covariance
+/// of a force with the spectrum of the blows at any of their durations. ln s² is its posterior mean
+/// given the components that the responses determine, with a prior that is flat from 10⁻⁷ to 1. If
+/// the known part of a force is a calibration blow, the force is assumed to be such a blow beyond
+/// the band too; if it has another shape, its part beyond the band is as uncertain as its shape is
+/// different. The precision of all that is assumed,
 ///
 /// ```math
 /// (s^2 C + J B J^T)^{-1} = s^{-2}\left(C^{-1} - C^{-1}J\,(s^2 B^{-1} + J^T C^{-1} J)^{-1} J^T C^{-1}\right) ,
 /// ```
 ///
-/// with the derivatives J by a, t₀, T and $`c_i`$ and their prior variances B, leaves these to the
-/// responses.
+/// with the derivatives J with respect to a, t₀, T and $`c_i`$ and the prior variances B of these
+/// parameters, leaves the parameters to be determined by the responses.
 pub(super) struct Supposed {
     pub(super) mean: Vec<f64>,
     pub(super) precision: Mat<f64>,
@@ -69,7 +70,7 @@ struct Blow {
     size: f64,
     /// Position of the largest value in samples of the support.
     place: f64,
-    /// Logarithm of its duration over that of the mean blow.
+    /// Logarithm of the ratio of its duration to that of the mean blow.
     stretch: f64,
 }
 
@@ -79,15 +80,15 @@ struct Shape {
     ln_probability: f64,
 }
 
-/// The values less those of a blow, their derivatives by its parameters, and the prior precisions
-/// of these.
+/// The determined values less those of a blow, their derivatives with respect to its parameters,
+/// and the prior precisions of the parameters.
 struct Linearised {
     residual: Vec<f64>,
     columns: Vec<Vec<f64>>,
     precisions: Vec<f64>,
 }
 
-/// The determined components, and how samples become components.
+/// The determined components, and the transform from samples to components.
 struct Problem<'a> {
     shape: &'a CalibrationShape,
     support: Support,
@@ -154,7 +155,7 @@ pub(super) fn blow(
     reason = "columns of derivatives have an element for each of three parameters and each component"
 )]
 impl Problem<'_> {
-    /// The most probable blow of all starts, and the variance of its shape.
+    /// Returns the most probable blow of all starts, and the variance of its shape.
     fn most_probable(&self, components: &Mat<f64>) -> Option<(Blow, f64)> {
         let weights = self.weights(1.0);
         let force: Vec<f64> = (0..self.support.length)
@@ -200,7 +201,7 @@ impl Problem<'_> {
         Some((blow, shape.variance))
     }
 
-    /// Samples of a blow on the support.
+    /// Returns the samples of a blow on the support.
     fn samples(&self, blow: Blow) -> Vec<f64> {
         self.samples_of(&self.shape.mean, blow)
     }
@@ -213,7 +214,7 @@ impl Problem<'_> {
         samples
     }
 
-    /// The determined components of these samples.
+    /// Returns the determined components of these samples.
     fn components(&self, samples: &[f64]) -> Vec<f64> {
         let of = |told: &Told| {
             let terms = samples.iter().enumerate();
@@ -222,19 +223,20 @@ impl Problem<'_> {
         self.told.iter().map(of).collect()
     }
 
-    /// The values less those of a blow.
+    /// Returns the determined values less those of a blow.
     fn residual(&self, blow: Blow) -> Vec<f64> {
         let told = self.told.iter().zip(self.components(&self.samples(blow)));
         told.map(|(told, own)| told.value - own).collect()
     }
 
-    /// Precisions of the values for a variance of the shape.
+    /// Returns the precisions of the values for a variance of the shape.
     fn weights(&self, variance: f64) -> Vec<f64> {
         let of = |told: &Told| told.information / (1.0 + variance * told.information);
         self.told.iter().map(of).collect()
     }
 
-    /// The `unit` blow at its best size, and by how much it reduces the sum of squares.
+    /// Returns the reduction of the sum of squares by the `unit` blow at its best size, and this
+    /// blow.
     fn sized(&self, unit: Blow, weights: &[f64]) -> (f64, Blow) {
         let (mut along, mut square) = (0.0, 0.0);
         let components = self.components(&self.samples(unit));
@@ -246,8 +248,8 @@ impl Problem<'_> {
         (along * along.max(0.0) / square, Blow { size, ..unit })
     }
 
-    /// Derivatives of the samples by the logarithm of the size, the place and the logarithm of the
-    /// stretch.
+    /// Returns the derivatives of the samples with respect to the logarithm of the size, the place,
+    /// the logarithm of the stretch, and the parts of the differences of the shape.
     fn derivatives(&self, blow: Blow) -> Vec<Vec<f64>> {
         let by = |step: f64, change: &dyn Fn(f64) -> Blow| -> Vec<f64> {
             let (ahead, behind) = (self.samples(change(step)), self.samples(change(-step)));
@@ -270,8 +272,8 @@ impl Problem<'_> {
         of_blow.into_iter().chain(of_shape).collect()
     }
 
-    /// Inverse prior variances of the parameters of [`Self::derivatives`]. The covariance of `n`
-    /// differences is known with n - 1 degrees of freedom.
+    /// Returns the inverse prior variances of the parameters of [`Self::derivatives`]. The
+    /// covariance of `n` differences is known with n - 1 degrees of freedom.
     fn precisions(&self) -> Vec<f64> {
         let n = self.shape.differences.len() as f64;
         let of_difference = (n - 3.0).max(1.0) * n / (n + 1.0);
@@ -280,7 +282,7 @@ impl Problem<'_> {
         of_blow.into_iter().chain(of_shape).collect()
     }
 
-    /// The determined components about a blow.
+    /// Linearises the determined components about a blow.
     fn linearised(&self, blow: Blow) -> Linearised {
         let derivatives = self.derivatives(blow);
         Linearised {
@@ -290,7 +292,8 @@ impl Problem<'_> {
         }
     }
 
-    /// The most probable blow near `start` for a variance of the shape, by Gauss-Newton.
+    /// Finds the most probable blow near `start` for a variance of the shape, by Gauss-Newton
+    /// steps.
     fn refined(&self, start: Blow, variance: f64) -> Option<Blow> {
         let weights = self.weights(variance);
         let mut blow = start;
@@ -312,8 +315,8 @@ impl Problem<'_> {
         Some(blow)
     }
 
-    /// The shape given a blow: likelihood of the determined components with covariance
-    /// $`s^2 + 1/\kappa + J B J^T`$ for every s².
+    /// Finds the shape given a blow, from the likelihood of the determined components with
+    /// covariance $`s^2 + 1/\kappa + J B J^T`$ for every s².
     fn shape(&self, blow: Blow) -> Option<Shape> {
         let linearised = self.linearised(blow);
         let of_stretch = 0.5 * (blow.stretch / SPREADS[2]).powi(2);
@@ -328,7 +331,7 @@ impl Problem<'_> {
             let explained: f64 = (0..count).map(|i| side[(i, 0)] * solved[(i, 0)]).sum();
             let pairs = linearised.residual.iter().zip(&weights);
             let square: f64 = pairs.map(|(r, w)| w * r * r).sum();
-            // told components have information: their precisions are above zero
+            // determined components have information: their precisions are above zero
             let ln_determinant = (0..count)
                 .map(|i| 2.0 * factor.L()[(i, i)].ln())
                 .sum::<f64>()
@@ -357,7 +360,7 @@ impl Problem<'_> {
     reason = "there are as many precisions as columns, which `i` and `j` count"
 )]
 impl Linearised {
-    /// $`J^T W J + B^{-1}`$ and $`J^T W r`$ of the determined components.
+    /// Returns $`J^T W J + B^{-1}`$ and $`J^T W r`$ of the determined components.
     fn normal_equations(&self, weights: &[f64]) -> (Mat<f64>, Mat<f64>) {
         let columns = &self.columns;
         let sum = |a: &[f64], b: &[f64]| -> f64 {

@@ -125,8 +125,8 @@ fn noise_is_amplified_by_the_stated_gain() {
             stated = found.noise_gain;
         }
         let found = (squares / n_trials as f64).sqrt() / level;
-        // 20 trials of 2000 samples, coloured by the gain to no fewer than a tenth of independent
-        // ones: four times 1/sqrt(2 * 4000) is 4.5 %
+        // four times 1/sqrt(2 * 4000) = 4.5 %: 20 trials of 2000 samples, which the gain correlates
+        // to no fewer than a tenth of independent ones
         assert!((found / stated - 1.0).abs() < 0.045, "{found} {stated}");
     }
 }
@@ -201,7 +201,7 @@ fn a_band_keeps_its_lines_and_names_the_others() {
             .iter()
             .all(|line| line.reason == ExclusionReason::OutsideBand)
     );
-    // what is lost is the energy of the force's lines above the band, here by direct sums
+    // the lost part is the energy of the force's lines above the band, here by direct sums
     let lost: f64 = (201..=N / 2)
         .map(|k| direct(&force, k).norm_sqr() * if k == N / 2 { 1.0 } else { 2.0 })
         .sum();
@@ -286,7 +286,7 @@ fn integrated() -> (Vec<f64>, Vec<Complex64>) {
     (response, lines.collect())
 }
 
-/// Methods of choice all come near the best parameter of their kind of regularisation, which is
+/// All methods of choice come near the best parameter of their kind of regularisation, which is
 /// known only from the true force.
 #[test]
 fn the_chosen_parameter_is_near_the_best() {
@@ -325,9 +325,9 @@ fn the_chosen_parameter_is_near_the_best() {
         let best = best.fold(f64::INFINITY, f64::min);
         assert!(best < 0.1 * plain, "{best} {plain}: nothing to choose");
         let chosen = [
-            // the price of each is what is known of the method: validation is nearly best,
-            // discrepancy smooths too much, and at the corner of the L-curve the noise
-            // has only ceased to rule the norm: a tenth of it in amplitude remains here
+            // known properties of the methods: validation is nearly best, discrepancy smooths too
+            // much, and at the corner of the L-curve the noise has only just ceased to dominate the
+            // norm: a tenth of it in amplitude remains here
             (Parameter::GeneralisedCrossValidation, 1.15),
             (Parameter::Discrepancy, 1.6),
             (Parameter::LCurve, 0.1 * plain / best),
@@ -366,7 +366,7 @@ fn the_curvature_is_that_of_the_curve() {
         let cross = first[0] * second[1] - first[1] * second[0];
         let numerical = cross / first[0].hypot(first[1]).powi(3);
         let found = modes.curvature(log.exp());
-        // central differences: step^2, and rounding over step^2
+        // central differences: step^2, and rounding divided by step^2
         let tolerance = 1e-5 * numerical.abs().max(1.0);
         assert!(
             (found - numerical).abs() < tolerance,
@@ -389,7 +389,7 @@ fn two_sensors_are_weighed_by_their_noise_on_every_line() {
     let both = Reconstruction::of_sensors(sensors.to_vec(), RATE).unwrap();
     let both = both.solve().unwrap();
     for k in [3, 90, 700] {
-        // the mean of two numbers, weighed by inverse variances, by direct sums
+        // the mean of two numbers, weighted by inverse variances, by direct sums
         let quotients = [(0, &h1, 0.4_f64), (1, &h2, 5.0)].map(|(index, h, level)| {
             let quotient = direct(&responses[index], k) / h[k];
             (quotient, h[k].norm_sqr() / (level * level))

@@ -6,9 +6,10 @@ use crate::{ContactEnd, ForceBand, ForceError, ForceHistory, ImpactForce};
 
 /// Interval in standard errors of the time within which the force must be linear.
 const REACH: f64 = 2.0;
-/// Largest deviation from a straight line, in standard errors of the force at the reach.
+/// Largest deviation from a straight line at the reach, in standard errors of the force, divided by
+/// the reach.
 const STRAIGHT: f64 = 0.25;
-/// Probability of an earlier separation from which it is reported.
+/// Probability above which an earlier separation is reported.
 const WORTH_A_WORD: f64 = 1e-3;
 
 /// The standard error of the end of a contact.
@@ -37,7 +38,7 @@ pub enum EndVerdict {
         deviation: f64,
     },
     /// The faces may have separated earlier, where the force is close to zero within the contact.
-    /// The end has two or more likely values, which no standard error describes.
+    /// The end has two or more likely values, which a standard error cannot describe.
     MayEndEarlier {
         /// Time of the minimum \[s\].
         time: f64,
@@ -114,9 +115,9 @@ impl ForceError {
     }
 }
 
-/// Returns the band of the impact force of `impact` from that of its stick force: without tension;
-/// from contact until the upper limit of the stick force first falls to zero after the stated end,
-/// and zero afterwards. Where the lower limit is zero the contact may have ended.
+/// Returns the band of the impact force of `impact` from the band of its stick force. The band
+/// excludes tension; it is zero before contact and after the upper limit of the stick force first
+/// falls to zero beyond the stated end. Where the lower limit is zero the contact may have ended.
 ///
 /// # Validity
 ///

@@ -30,13 +30,13 @@ pub struct MonteCarlo {
 
 impl StickUncertainty<'_> {
     /// Solves `problem` for `n_draws` draws: Gaussian, circular and independent between lines for
-    /// the mobilities. Contacts end as by [`separate`] with `threshold` \[N\].
+    /// the mobilities. [`separate`] finds the end of each contact with `threshold` \[N\].
     ///
     /// # Errors
     ///
-    /// As [`StickProblem::error`] and [`separate`]; [`ImpulseError::TooShort`] below 50 draws;
-    /// [`ImpulseError::NonPhysical`] for a velocity or mass so uncertain that a draw of it is not
-    /// above zero.
+    /// The errors of [`StickProblem::error`] and [`separate`]; [`ImpulseError::TooShort`] for fewer
+    /// than 50 draws; [`ImpulseError::NonPhysical`] for a velocity or mass so uncertain that a draw
+    /// is not above zero.
     pub fn monte_carlo(
         &self,
         problem: &StickProblem<'_>,

@@ -68,12 +68,12 @@ fn linear_propagation_and_draws_agree() {
         let peak = stick.history.peak().force;
         let pairs = linear.standard_error().iter().zip(&drawn.stick_deviation);
         for (n, (linear, drawn)) in pairs.enumerate() {
-            // 1/sqrt(2*1500) = 1.8 %, four of them, and a second-order part of the order of the
+            // four times 1/sqrt(2*1500) = 1.8 %, and a second-order part of the order of the
             // squared error of 5 %
             assert!((drawn / linear - 1.0).abs() < 0.08, "{n}: {drawn} {linear}");
         }
         for (mean, force) in drawn.stick_mean.iter().zip(stick.history.force()) {
-            // the error of a mean, four of them, and the same second order
+            // four times the error of a mean, and the same second order
             assert!((mean - force).abs() < 0.01 * peak, "{mean} {force}");
         }
 
@@ -85,8 +85,8 @@ fn linear_propagation_and_draws_agree() {
         let mean = ends.iter().sum::<f64>() / ends.len() as f64;
         let squares: f64 = ends.iter().map(|t| (t - mean).powi(2)).sum();
         let deviation = (squares / (ends.len() as f64 - 1.0)).sqrt();
-        // 1.8 %, four of them; the interpolation of the end between samples and the curvature, as
-        // much again
+        // four times 1.8 %; the interpolation of the end between samples and the curvature, as much
+        // again
         let ratio = deviation / end.standard_error;
         assert!((ratio - 1.0).abs() < 0.14, "{deviation} {end:?}");
         assert!(
@@ -94,7 +94,7 @@ fn linear_propagation_and_draws_agree() {
             "{mean} {end:?}"
         );
 
-        // the band of the contact: of the histories that were drawn, at each time
+        // the band of the contact: share of the drawn histories inside it, over all times
         let band = linear.pointwise(&stick.history, 0.95).unwrap();
         let band = contact_band(&band, &impact);
         let n_samples = stick.history.force().len();
@@ -104,7 +104,8 @@ fn linear_propagation_and_draws_agree() {
             .map(|force| band.part_inside(force, 0..n_samples))
             .sum();
         let inside = inside / f64::from(1500);
-        // what is surely zero counts as covered; in contact it is 95 %
+        // times at which the force is surely zero count as covered; during contact the share is 95
+        // %
         assert!(inside > 0.95, "{inside}");
         let contact = 0..stick.history.index_near(0.5 * end.time).unwrap();
         let begin = stick.history.index_near(0.0).unwrap() + 1;
@@ -114,16 +115,17 @@ fn linear_propagation_and_draws_agree() {
             .map(|force| band.part_inside(force, begin..contact.end))
             .sum();
         let inside = inside / f64::from(1500);
-        // correlated over the contact by the scales: as if of some hundred draws, three times 0.7 %
+        // the scales correlate the errors over the contact: as if from some hundred draws, three
+        // times 0.7 %
         assert!((inside - 0.95).abs() < 0.02, "{inside}");
         let by_draws = drawn.contact_band(0.95).unwrap();
         let at = stick.history.index_near(0.5 * end.time).unwrap();
-        // quantiles at 2.5 % of 1500 draws have 7 % of their distance as error
+        // the quantiles at 2.5 % of 1500 draws have an error of 7 % of their distance
         let width = |band: &ForceBand| band.upper[at] - band.lower[at];
         let ratio = width(&by_draws) / width(&band);
         assert!((ratio - 1.0).abs() < 0.15, "{ratio}");
 
-        // its lists may be changed, but all of them together
+        // the lists of a result may only be changed together
         let mut cut = drawn;
         cut.impact_forces[1].truncate(3);
         let refused = cut.contact_band(0.95).unwrap_err();
@@ -134,7 +136,7 @@ fn linear_propagation_and_draws_agree() {
     }
 }
 
-/// Compares the effect of each common cause with a finite difference of the force itself.
+/// Compares the effect of each common cause with a finite difference of the force.
 #[test]
 fn common_causes_act_as_differences_of_the_force_say() {
     let bodies = sprung_mass();
@@ -212,7 +214,7 @@ fn common_causes_act_as_differences_of_the_force_say() {
         assert!(largest > 0.0);
         for (n, error) in error.standard_error().iter().enumerate() {
             let difference = (changed.force()[n] - force.force()[n]).abs();
-            // second order, 1e-6, and rounding of the forces over the difference
+            // second order, 1e-6, and rounding of the forces divided by the difference
             assert!((difference - error).abs() < 1e-4 * largest, "{index} {n}");
         }
     }
@@ -230,7 +232,7 @@ fn an_end_is_flagged_where_it_is_not_linear() {
     let (stick, impact) = history(&line);
     let error = ForceError::none(40).with_common(vec![10.0; 40]);
     let end = error.contact_end(&stick, &impact).unwrap();
-    // 10 N over 5 N a millisecond
+    // 10 N divided by 5 N/ms
     assert!((end.standard_error - 2e-3).abs() < 1e-12);
     assert_eq!(end.verdict, EndVerdict::Linear);
 

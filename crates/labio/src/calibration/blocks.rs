@@ -26,7 +26,7 @@ use crate::{BlockSource, Channel, LabioError, SensorChain, channel};
 pub struct CalibratedBlocks<S> {
     source: S,
     channels: Vec<Channel>,
-    /// Rows with their chains.
+    /// Row index and chain of each converted channel.
     chains: Vec<(usize, SensorChain)>,
 }
 

@@ -27,8 +27,8 @@ pub enum BridgeLayout {
     },
     /// Four gauges, neighbours with strains of opposite sign: bending.
     FullBending,
-    /// Two axial gauges and two transverse ones on both sides of a beam, each pair in adjacent arms:
-    /// bending.
+    /// Two axial gauges and two transverse ones, one of each on either side of a beam, each pair in
+    /// adjacent arms: bending.
     FullBendingPoisson {
         /// Poisson's ratio of the beam \[-\].
         poisson_ratio: f64,
@@ -49,8 +49,8 @@ impl BridgeLayout {
         }
     }
 
-    /// Relative change x of the resistance of an axial gauge at `r` = V/V_ex; NaN where only an
-    /// infinite one would reach it.
+    /// Relative change x of the resistance of an axial gauge at `r` = V/V_ex; NaN if no finite
+    /// change of resistance gives `r`.
     pub(crate) fn relative_resistance(self, r: f64) -> f64 {
         let [n, a, b] = self.constants();
         if a - b * r <= 0.0 {
@@ -220,7 +220,8 @@ mod tests {
             for strain in [0.1, 0.002, -0.03] {
                 let arms = change.map(|per_strain| 350.0 * (1.0 + per_strain * 2.1 * strain));
                 let voltage = divided(arms, 5.0);
-                // differences of two dividers near one half lose the digits of 1/strain
+                // the difference of two divider ratios near one half loses as many digits as
+                // 1/strain has
                 let tolerance = 1e-12;
                 assert!(
                     (bridge.strain(voltage) / strain - 1.0).abs() < tolerance,
@@ -234,7 +235,8 @@ mod tests {
 
     #[test]
     fn a_voltage_that_no_strain_gives_is_no_strain() {
-        // a quarter bridge goes to half the excitation as the resistance grows without limit
+        // the output of a quarter bridge approaches half the excitation as the resistance grows
+        // without limit
         assert!(bridge(BridgeLayout::Quarter).strain(2.5).is_nan());
         assert!(bridge(BridgeLayout::Quarter).strain(2.4).is_finite());
     }

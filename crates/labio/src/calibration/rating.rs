@@ -51,7 +51,7 @@ impl Rating {
         }
     }
 
-    /// The value in its own unit.
+    /// The value, in [`Self::unit`].
     #[must_use]
     pub fn value(&self) -> f64 {
         self.value
@@ -69,7 +69,7 @@ impl Rating {
         self.uncertainty
     }
 
-    /// The value in SI.
+    /// The value in the SI unit.
     #[must_use]
     pub fn si(&self) -> f64 {
         self.unit.to_si(self.value)

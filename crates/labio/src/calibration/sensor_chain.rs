@@ -295,13 +295,13 @@ impl SensorChain {
         self.calibrated_on
     }
 
-    /// Relative standard uncertainty of a quantity measured by this chain: the root of the summed
-    /// squares of its factors' uncertainties, taken as independent.
+    /// Relative standard uncertainty of a quantity measured by this chain: the root sum of squares
+    /// of the relative uncertainties of its factors, which are assumed independent.
     ///
     /// # Validity
     ///
-    /// Bridges: to first order in the strain, which neglects a thousandth of the uncertainty at a
-    /// strain of a thousandth.
+    /// For bridges, to first order in the strain: a strain of 0.001 changes the uncertainty by a
+    /// relative 0.001, which is neglected.
     #[must_use]
     pub fn relative_uncertainty(&self) -> f64 {
         let gain = self.gain.relative_uncertainty();
@@ -348,8 +348,8 @@ impl SensorChain {
         })
     }
 
-    /// Returns the quantity, in SI, for the recorded number `recorded` (in SI); NaN for a voltage
-    /// that no strain gives.
+    /// Returns the quantity, in SI units, for the recorded number `recorded` (in SI units); NaN for
+    /// a voltage that no strain produces.
     #[must_use]
     pub fn si_from(&self, recorded: f64) -> f64 {
         let signal = self.polarity.sign() * (recorded - self.offset);
@@ -369,7 +369,7 @@ impl SensorChain {
         self.polarity.sign() * signal + self.offset
     }
 
-    /// Returns the dimension of what the chain records for `quantity`, the inverse of
+    /// Returns the dimension of the recorded number for `quantity`, the inverse of
     /// [`Self::quantity_from`].
     pub(crate) fn recorded_dimension(&self, quantity: Quantity) -> Option<Dimension> {
         let signal = match &self.transducer {
@@ -385,7 +385,7 @@ impl SensorChain {
 
 fn positive(what: &'static str, rating: &Rating) -> Result<(), LabioError> {
     check_positive(what, rating.value())?;
-    // in SI: a unit prefix may take the value out of the range of `f64`
+    // in SI units: a unit prefix may take the value out of the range of `f64`
     check_positive(what, rating.si())?;
     Ok(())
 }
@@ -467,7 +467,8 @@ mod tests {
             chain.quantity_from(Quantity::Voltage).unwrap(),
             Quantity::Force
         );
-        // 100 N give 400 pC, these 4 V, inverted and lifted by the offset; a few roundings
+        // 100 N give 400 pC, hence 4 V, which are inverted and shifted by the offset; a few
+        // roundings
         assert!((chain.recorded_from(100.0) + 3.75).abs() < 1e-14);
         assert!((chain.si_from(-3.75) - 100.0).abs() < 1e-12);
         assert_eq!(
@@ -549,7 +550,7 @@ mod tests {
         let gain = rating(100.0, "1").with_uncertainty(4.0).unwrap();
         let chain = SensorChain::of_sensitivity(sensitivity).unwrap();
         let chain = chain.with_gain(gain).unwrap();
-        // 3 and 4 percent are 5 percent, within roundings
+        // 3 % and 4 % combine to 5 %, within rounding errors
         assert!((chain.relative_uncertainty() - 0.05).abs() < 1e-15);
     }
 
@@ -579,7 +580,7 @@ mod tests {
         #[test]
         fn what_is_recorded_of_a_quantity_stands_for_it(chain in chains(), y in -1e-3..1e-3) {
             let back = chain.si_from(chain.recorded_from(y));
-            // one volt of offset costs the digits by which the signal is smaller
+            // an offset of 1 V costs the digits by which the signal is smaller than 1 V
             let signal = (chain.recorded_from(y) - chain.offset()).abs();
             let lost = 1e-15 * (1.0 + chain.offset().abs() / signal.max(1e-300));
             prop_assert!((back - y).abs() <= 4.0 * lost * y.abs(), "{back} {y}");

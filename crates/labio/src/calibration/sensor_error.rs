@@ -1,6 +1,6 @@
-//! Errors of a sensor that all samples share.
+//! Sensor errors that all samples share.
 
-/// Standard uncertainties of the chain of a sensor, or of the ratio of two.
+/// Standard uncertainties of the measuring chain of a sensor, or of the ratio of two sensors.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct SensorError {
     /// Relative uncertainty of the sensitivity.
@@ -10,8 +10,8 @@ pub struct SensorError {
 }
 
 impl SensorError {
-    /// Returns the errors of the ratio or the sum of delays of two independent sensors: the root of
-    /// the summed squares.
+    /// Returns the uncertainties of the ratio of two independent sensors: the root sum of squares
+    /// of the relative gain uncertainties, and likewise of the delays.
     #[must_use]
     pub fn combined(self, other: Self) -> Self {
         Self {
@@ -20,7 +20,7 @@ impl SensorError {
         }
     }
 
-    /// Returns true if there is an error.
+    /// Returns true if the gain or the delay is uncertain.
     #[must_use]
     pub fn is_uncertain(self) -> bool {
         self.gain > 0.0 || self.delay > 0.0

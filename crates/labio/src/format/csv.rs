@@ -2,35 +2,36 @@
 //!
 //! # Recognition by content
 //!
-//! - The encoding: UTF-8 with or without mark, UTF-16 with mark, else ISO-8859-1.
-//! - The dialect ([`CsvDialect`]): the separator and the decimal mark under which the first
-//!   thousand lines hold the largest block of numbers; everything above the block is the header.
-//!   The one ambiguous case, a file of `1,5` on every line without names, is rejected.
-//! - A row of names and a row of units right above the numbers. Units may also follow names: `Time
-//!   [s]`, `Time (s)`, `Time/s`, `time_s`. Above numbers between blanks, names may be separated by
-//!   tabulators, semicolons, bars, commas or their units. All other lines of the header become
-//!   properties.
-//! - Settings of an oscilloscope in the columns before the first rows of numbers become properties,
-//!   and tell the units.
+//! - The encoding: UTF-8 with or without byte-order mark, UTF-16 with byte-order mark, else
+//!   ISO-8859-1.
+//! - The dialect ([`CsvDialect`]): the separator and the decimal mark that give the largest block
+//!   of numbers in the first thousand lines; everything above the block is the header. The one
+//!   ambiguous case, a file of `1,5` on every line without names, is rejected.
+//! - A row of names and a row of units right above the numbers. Units may also follow names:
+//!   `Time [s]`, `Time (s)`, `Time/s`, `time_s`. If the numbers are separated by blanks, the names
+//!   may be separated by tabs, semicolons, bars, commas or their units. All other lines of the
+//!   header become properties.
+//! - Settings of an oscilloscope in the columns next to the first rows of numbers become properties
+//!   and supply the units.
 //! - Complex numbers in one cell, `1.5-2j`.
-//! - The abscissa ([`CsvAbscissa`]): the first column that is called time, or the first column of
-//!   all if it is in a unit of time, is a frequency or an index, or if there are no names and it
-//!   increases evenly. Otherwise the abscissa is the sample index.
+//! - The abscissa ([`CsvAbscissa`]): the first column that is called time; otherwise the first
+//!   column of all, if it has a unit of time, is a frequency or an index, or increases evenly in a
+//!   table without names. Otherwise the abscissa is the sample index.
 //!
 //! # Rounded times
 //!
 //! A column of times with few digits does not give exact times. If the digits are compatible with
 //! an even spacing and determine its step to [`ROUNDED_STEP_TOLERANCE`], the abscissa is even with
-//! that step. If they do not determine it and values repeat, a strict reading rejects the column
-//! and names the remedy, [`CsvAbscissa::Step`] or [`CsvAbscissa::Rate`]; a tolerant reading
-//! takes the estimated step and reports a defect. All other columns are taken as written, evenly
+//! that step. If they do not determine the step and values repeat, a strict reading rejects the
+//! column and names the remedy, [`CsvAbscissa::Step`] or [`CsvAbscissa::Rate`]; a tolerant reading
+//! uses the estimated step and reports a defect. All other columns are used as written, evenly
 //! spaced or not.
 //!
 //! # Strictness
 //!
-//! Rejected, and skipped with a defect in a tolerant reading: a row unlike the others (it is left
-//! out), a cell that is not a number or is missing above others (NaN takes its place). Columns may
-//! end early.
+//! Rejected, or in a tolerant reading skipped with a defect: a row unlike the others (the row is
+//! left out), and a cell that is not a number or is empty above other numbers of its column (NaN
+//! takes its place). Columns may end early.
 
 mod abscissa;
 mod abscissa_name;
@@ -55,8 +56,8 @@ pub use columns::{Columns, TableColumn, read_columns};
 const FORMAT: &str = "csv";
 
 /// Text tables. The writer uses comma separators, decimal points, names with units in brackets,
-/// properties as comments and the fewest digits that read back to the same bits; its files read
-/// back to the same contents.
+/// properties as comments, and the fewest digits that read back to the same bits; reading its files
+/// gives the same contents.
 ///
 /// # Examples
 ///
@@ -83,11 +84,11 @@ pub enum CsvSeparator {
     Comma,
     /// `;`
     Semicolon,
-    /// A tabulator.
+    /// A tab.
     Tab,
     /// `|`
     Bar,
-    /// Any number of blanks and tabulators.
+    /// Any number of blanks and tabs.
     Blanks,
 }
 
@@ -143,7 +144,7 @@ impl CsvDialect {
     /// # Errors
     ///
     /// [`LabioError::Malformed`] if there is no table of numbers in the first thousand lines, or if
-    /// commas may be separators or decimal marks.
+    /// commas could be either separators or decimal marks.
     pub fn of(bytes: &[u8]) -> Result<Self, LabioError> {
         dialect::detect(&text::decode(bytes, FORMAT)?.0)
     }
@@ -155,15 +156,15 @@ pub enum CsvAbscissa {
     /// The column that looks like an abscissa, see the [module](self).
     #[default]
     ByContent,
-    /// The column of this number, from 1.
+    /// The column with this number, from 1.
     Column(usize),
-    /// The column as by content, with this step in the unit of the column, which may deviate by
-    /// half a step and by its rounding.
+    /// The column as by content, with this step in the unit of the column; the values may deviate
+    /// from even spacing by half a step plus their rounding.
     Step(f64),
     /// The column as by content, but sampled at this rate \[Hz\] if the column itself does not
-    /// determine an even spacing: times rounded to single precision or to a few digits. The
-    /// column may deviate from it by half a step and by its rounding; a column without a unit
-    /// is taken as seconds.
+    /// determine an even spacing, as for times rounded to single precision or to a few digits. The
+    /// values may deviate from the rate by half a step plus their rounding; a column without a unit
+    /// is assumed to be in seconds.
     Rate(f64),
     /// No column: every column is a series over the sample index.
     Index,
@@ -172,7 +173,7 @@ pub enum CsvAbscissa {
 /// Known properties of a table.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct CsvOptions {
-    /// The dialect; by content if `None`.
+    /// The dialect; found by content if `None`.
     pub dialect: Option<CsvDialect>,
     /// The abscissa.
     pub abscissa: CsvAbscissa,
@@ -199,7 +200,7 @@ impl CsvOptions {
 ///
 /// # Errors
 ///
-/// [`LabioError`] with line and column of what is unexpected; also if the file contradicts
+/// [`LabioError`] with line and column of the unexpected text; also if the file contradicts
 /// `options`.
 ///
 /// # Examples
@@ -243,7 +244,7 @@ pub fn read_with(
     Ok(contents)
 }
 
-/// Text, encoding and dialect of a table.
+/// Returns text, encoding and dialect of a table.
 fn opened<'a>(
     bytes: &'a [u8],
     options: &CsvOptions,
@@ -264,8 +265,8 @@ impl Reader for Csv {
         FORMAT
     }
 
-    /// Returns true if the beginning holds a table. Almost every text with numbers does: the other
-    /// formats must be tried first.
+    /// Returns true if the beginning contains a table. Almost every text with numbers does, so the
+    /// other formats must be tried first.
     fn recognises(&self, head: &[u8]) -> bool {
         let head = dialect::searched(head);
         let Ok((text, _)) = text::decode(head.get(..head.len() & !1).unwrap_or(head), FORMAT)

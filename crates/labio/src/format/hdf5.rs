@@ -1,5 +1,5 @@
-//! HDF5 files, read only: those of MATLAB 7.3 (saved with `-v7.3`), netCDF-4, and those of recorders
-//! and programs such as h5py.
+//! HDF5 files, read only: files of MATLAB 7.3 (saved with `-v7.3`), netCDF-4 files, and files of
+//! recorders and programs such as h5py.
 //!
 //! Needs the feature `hdf5`.
 //!
@@ -16,18 +16,18 @@
 //!
 //! Complex numbers are pairs of numbers named `r` and `i` (h5py) or `real` and `imag` (MATLAB).
 //!
-//! The coordinate variable of a dimension (netCDF, or a scale that is attached to the axis) is the
-//! abscissa of the series along it, and no series itself. Without one the abscissa is the sample
-//! index from 0. Packed variables of netCDF (`scale_factor`, `add_offset`) are unpacked; a sample
-//! that is `_FillValue`, or was never written to a file of netCDF, is missing, which rejects the
-//! variable.
+//! The coordinate variable of a dimension (in netCDF, or a scale that is attached to the axis)
+//! becomes the abscissa of the series along that dimension, and is not a series itself. Without a
+//! coordinate variable, the abscissa is the sample index from 0. Packed variables of netCDF
+//! (`scale_factor`, `add_offset`) are unpacked. A sample that is equal to `_FillValue`, or was
+//! never written to a netCDF file, is missing; a missing sample rejects the variable.
 //!
 //! # Rejected files
 //!
-//! - Types without a number: other compounds, enumerations, opaque ones, integers beyond
-//!   $`2^{53}`$, sparse matrices and objects of MATLAB. A strict reading rejects the file, a
-//!   tolerant one skips the data set with a defect. A damaged data set is treated alike.
-//! - Contents beyond a [`MemoryLimit`], in either reading.
+//! - Types without a number: other compounds, enumerations, opaque types, integers beyond
+//!   $`2^{53}`$, sparse matrices and MATLAB objects. A strict reading rejects the file; a tolerant
+//!   one skips the data set with a defect. Damaged data sets are treated in the same way.
+//! - Contents beyond a [`MemoryLimit`], in a strict or a tolerant reading.
 //!
 //! Links to other files are not followed.
 
@@ -52,7 +52,7 @@ const FORMAT: &str = "hdf5";
 
 const SIGNATURE: &[u8] = b"\x89HDF\r\n\x1a\n";
 
-/// Depth of nested groups that are read.
+/// Greatest depth of nested groups that is read.
 const DEEPEST: usize = 64;
 
 /// HDF5 files, read only; see the [module](self).
@@ -79,8 +79,8 @@ impl Reader for Hdf5 {
         FORMAT
     }
 
-    /// Returns true for the signature at the beginning or after a block of the user of 512, 1024 or
-    /// 2048 bytes. MATLAB writes its own header into the first.
+    /// Returns true for the signature at the beginning or after a user block of 512, 1024 or 2048
+    /// bytes. MATLAB writes its header into a user block of 512 bytes.
     fn recognises(&self, head: &[u8]) -> bool {
         let at = |offset: usize| head.get(offset..).is_some_and(|h| h.starts_with(SIGNATURE));
         [0, 512, 1024, 2048].into_iter().any(at)
@@ -91,11 +91,11 @@ impl Reader for Hdf5 {
     }
 }
 
-/// Reads a whole file whose contents take memory up to `limit`.
+/// Reads a whole file whose contents may take memory up to `limit`.
 ///
 /// # Errors
 ///
-/// As [`Hdf5`] as a [`Reader`]; [`LabioError::MemoryLimit`] beyond the limit.
+/// Errors of [`Hdf5`] as a [`Reader`]; [`LabioError::MemoryLimit`] beyond the limit.
 pub fn read_within(
     bytes: &[u8],
     strictness: Strictness,
@@ -130,22 +130,22 @@ pub fn read_within(
     Ok(hierarchy.reading.contents)
 }
 
-/// Contents read so far, and what the rest of the file needs of them.
+/// Contents read so far, and the state needed to read the rest of the file.
 struct Hierarchy {
     reading: Reading,
-    /// Addresses of the groups that were read, or of MATLAB's that are being read: a group may be
-    /// linked into itself.
+    /// Addresses of the groups that were read or, in a MATLAB file, that are being read: a group
+    /// may be linked into itself.
     visited: HashSet<u64>,
     root: Group,
-    /// Cells and fields of arrays of structures of MATLAB, by their addresses, once they are needed.
+    /// Cells and fields of MATLAB's structure arrays by their addresses, read when first needed.
     referenced: Option<Rc<matlab::Referenced>>,
     scales: coordinate::Scales,
-    /// Samples that were never written have the value of netCDF for them.
+    /// True for a netCDF file: its default fill value marks samples that were never written.
     is_netcdf: bool,
 }
 
 impl Hierarchy {
-    /// Reads all data sets of a group and of those within.
+    /// Reads all data sets of a group and of the groups within it.
     fn group(&mut self, group: &Group, path: &str, depth: usize) -> Result<(), LabioError> {
         let at = group.address();
         if !self.visited.insert(at) {
@@ -186,7 +186,7 @@ impl Hierarchy {
     }
 }
 
-/// Text or single number of an attribute; `None` for references and arrays.
+/// Returns the text or the single number of an attribute; `None` for references and arrays.
 fn text_of(attribute: &Attribute) -> Option<String> {
     if let Ok(text) = attribute.read_string() {
         return Some(text.trim_end_matches(['\0', ' ']).to_owned());
@@ -197,7 +197,7 @@ fn text_of(attribute: &Attribute) -> Option<String> {
         .map(|number| number.to_string())
 }
 
-/// The attribute called `name` as a text.
+/// Returns the attribute called `name` as a text.
 fn attribute(dataset: &Dataset, name: &str) -> Option<String> {
     text_of(&dataset.attribute(name).ok()?)
 }

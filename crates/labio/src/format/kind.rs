@@ -1,8 +1,8 @@
-//! Kind of a series in words, for formats that have no field for it.
+//! Names of the kinds of series, for formats that have no field for the kind.
 
 use crate::SeriesKind;
 
-/// Kind of a series in words.
+/// Returns the kind of a series in words.
 pub(crate) fn kind_name(kind: SeriesKind) -> String {
     let name = match kind {
         SeriesKind::General => "general",
@@ -22,7 +22,7 @@ pub(crate) fn kind_name(kind: SeriesKind) -> String {
     name.to_owned()
 }
 
-/// Kind of a series, from the words.
+/// Returns the kind of a series that has this name.
 pub(crate) fn kind_of_name(name: &str) -> Option<SeriesKind> {
     const NAMED: [SeriesKind; 12] = [
         SeriesKind::General,

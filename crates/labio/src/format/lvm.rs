@@ -1,5 +1,5 @@
-//! LabVIEW measurement files (`.lvm`): text tables with a header of tags for the file and one for
-//! each segment.
+//! LabVIEW measurement files (`.lvm`): text tables with a header of tags for the file and one
+//! header for each segment.
 //!
 //! ```text
 //! LabVIEW Measurement
@@ -18,24 +18,24 @@
 //! # Abscissa
 //!
 //! The column of X values is printed with six decimals and does not give exact times. If it agrees
-//! within its digits with $`X_0 + i\,\Delta_X`$, the tags `X0` and `Delta_X` are taken; otherwise
-//! the values are uneven and taken as written. `Delta_X` itself may be rounded (`0.000977` for
-//! 1/1024 s): it is kept as written, and the property `customary rate` of the series names the rate
+//! within its digits with $`X_0 + i\,\Delta_X`$, the tags `X0` and `Delta_X` are used; otherwise
+//! the values are uneven and used as written. `Delta_X` itself may be rounded (`0.000977` for
+//! 1/1024 s). It is kept as written, and the property `customary rate` of the series names the rate
 //! that it may represent ([`customary_rate`](super::customary_rate)).
 //!
 //! # Blocks
 //!
-//! A file in which only the first packet has a header (`Multi_Headings No`) continues with rows of
-//! the next packets. If the X values continue evenly, the packets are one series. Otherwise every
-//! packet is a series, with the property `block`; several hits are stored in one file this way. If
-//! the packets are single rows, they are one series with uneven abscissa.
+//! A file in which only the first packet has a header (`Multi_Headings No`) continues with the rows
+//! of the next packets. If the X values continue evenly, the packets are one series. Otherwise
+//! every packet is a series with the property `block`; files with several hits are written in this
+//! way. If the packets are single rows, they are one series with an uneven abscissa.
 //!
 //! # Strictness
 //!
-//! Rejected, and skipped with a defect in a tolerant reading: a packet with fewer rows than
-//! `Samples` announces (the end of a truncated file), a cell that is not a number or missing (NaN
-//! takes its place), a cell where a channel has no sample, and a header after the first segment
-//! that cannot be understood.
+//! Rejected, or in a tolerant reading skipped with a defect: a packet with fewer rows than
+//! `Samples` announces (the end of a truncated file), a cell that is missing or not a number (NaN
+//! takes its place), a filled cell where a channel has no sample, and a header after the first
+//! segment that cannot be understood.
 
 mod channel;
 mod rows;
@@ -124,7 +124,7 @@ impl<'a> Source<'a> {
         Some(taken)
     }
 
-    /// The next line that holds more than separators; it is not taken.
+    /// Returns the next line that contains more than separators, without consuming it.
     fn skip_blank(&mut self, separator: char) -> Option<(u64, &'a str)> {
         while let Some((number, line)) = self.peek() {
             if !line.chars().all(|c| c == separator || c.is_whitespace()) {
@@ -135,7 +135,7 @@ impl<'a> Source<'a> {
         None
     }
 
-    /// The next line, which belongs to a header.
+    /// Returns the next line, which belongs to a header.
     fn header_line(&mut self) -> Result<(u64, &'a str), LabioError> {
         self.take().ok_or_else(|| {
             malformed(
@@ -152,7 +152,7 @@ fn malformed(place: Place, field: &str, found: String, expected: &str) -> LabioE
     error::malformed(FORMAT, place, field, found, expected)
 }
 
-/// Place of a value in the table; columns are counted from 0 in the code and from 1 in the place.
+/// Place of a value in the table; `column` is counted from 0, the column of the place from 1.
 fn cell(line: u64, column: usize) -> Place {
     Place::Cell {
         line,
@@ -160,14 +160,14 @@ fn cell(line: u64, column: usize) -> Place {
     }
 }
 
-/// The columns that hold abscissae.
+/// The columns that contain abscissae.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum XColumns {
-    /// None; the first column is present but empty.
+    /// No abscissa; the first column is present but empty.
     No,
     /// The first column, for the first channel.
     One,
-    /// One before each channel.
+    /// One abscissa column before each channel.
     Multi,
 }
 

@@ -1,4 +1,5 @@
-//! MATLAB files of version 5 (saved with `-v6` or `-v7`); written as those of `-v6`.
+//! MATLAB files of version 5 (saved with `-v6` or `-v7`); the writer produces files as saved with
+//! `-v6`.
 //!
 //! # Variables
 //!
@@ -8,20 +9,21 @@
 //! | matrix `a` | a series for each of its columns `a(:,1)`, ..., or of its rows `a(1,:)`, ... if these are longer |
 //! | array of more axes | a series for each of its columns `a(:,1,1)`, ... |
 //! | single number or text | property of the contents |
-//! | empty array | property of the contents that says so |
+//! | empty array | property of the contents that states this |
 //! | structure `s` | its fields `s.length`, those of an array of structures `s(2).length` |
 //! | cell array `c` | its cells `c{1}` |
 //!
-//! The abscissa is the sample index from 0, as the file does not tell which variable holds the
-//! times. The property `class` of a series names the class of numbers that are not `double`.
+//! The abscissa is the sample index from 0, because the file does not state which variable contains
+//! the times. The property `class` of a series names the class of the numbers if it is not
+//! `double`.
 //!
 //! # Rejected files
 //!
-//! - Files of version 4 and of version 7.3 (which are HDF5), by name.
+//! - Files of version 4 and of version 7.3 (which are HDF5); the error names the version.
 //! - Sparse matrices, objects, function handles and integers beyond $`2^{53}`$: a strict reading
-//!   rejects the file, a tolerant one skips the variable with a defect. A damaged variable is
-//!   treated alike.
-//! - Contents beyond a [`MemoryLimit`], in either reading.
+//!   rejects the file; a tolerant one skips the variable with a defect. Damaged variables are
+//!   treated in the same way.
+//! - Contents beyond a [`MemoryLimit`], in a strict or a tolerant reading.
 
 mod element;
 mod matrix;
@@ -44,11 +46,11 @@ const FORMAT: &str = "mat5";
 /// Bytes before the first variable.
 const HEADER_BYTES: usize = 128;
 
-/// Type of an element that holds an array, and of one that holds another element deflated.
+/// Type of an element that contains an array; `COMPRESSED` is that of a deflated element.
 const MATRIX: u32 = 14;
 const COMPRESSED: u32 = 15;
 
-/// Length of the type and the length of an element.
+/// Bytes of the tag of an element: its type and its length.
 const TAG_BYTES: u64 = 8;
 
 /// MATLAB files of version 5; see the [module](self).
@@ -70,7 +72,7 @@ const TAG_BYTES: u64 = 8;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Mat5;
 
-/// Distinguishable versions.
+/// Versions of MATLAB files that can be distinguished.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Version {
     Four,
@@ -93,8 +95,9 @@ impl Version {
     }
 }
 
-/// Returns true for a file of version 4, which begins with five integers of one variable and its
-/// name, ended by a zero. The thousands digit of the first integer gives its byte order.
+/// Returns true for a file of version 4, which begins with five integers that describe a variable,
+/// followed by its name and a zero byte. The thousands digit of the first integer gives the byte
+/// order.
 fn is_version_4(head: &[u8], integer: fn([u8; 4]) -> i32, machine: i32) -> bool {
     let Some((numbers, rest)) = head.split_first_chunk::<20>() else {
         return false;
@@ -132,11 +135,11 @@ impl Reader for Mat5 {
     }
 }
 
-/// Reads a whole file whose contents take memory up to `limit`.
+/// Reads a whole file whose contents may take memory up to `limit`.
 ///
 /// # Errors
 ///
-/// As [`Mat5`] as a [`Reader`]; [`LabioError::MemoryLimit`] beyond the limit.
+/// Errors of [`Mat5`] as a [`Reader`]; [`LabioError::MemoryLimit`] beyond the limit.
 pub fn read_within(
     bytes: &[u8],
     strictness: Strictness,
@@ -173,7 +176,7 @@ pub fn read_within(
     let (_, variables) = bytes.split_at(HEADER_BYTES);
     let mut cursor = Cursor::new(variables, Origin::File(HEADER_BYTES as u64), big_endian);
     loop {
-        // after a wrong length the next element cannot be found
+        // after a wrong length, the next element cannot be found
         let element = match cursor.element() {
             Ok(Some(element)) => element,
             Ok(None) => break,
@@ -219,7 +222,8 @@ fn packed(
     read
 }
 
-/// Inflates the body of an array, as long as its own tag says. `budget` counts the bytes produced.
+/// Inflates the body of an array, to the length stated in its tag. `budget` counts the bytes
+/// produced.
 fn unpack(
     deflated: &[u8],
     at: u64,

@@ -1,4 +1,4 @@
-//! Arrays of MATLAB as series, whichever version of the file they are from.
+//! MATLAB arrays as series, for all versions of the file format.
 
 use crate::series::every;
 use crate::{Abscissa, Ordinate, Series, SeriesAxis, SeriesKind};
@@ -9,13 +9,12 @@ pub(super) struct Array<'a> {
     pub(super) name: &'a str,
     /// Lengths of the axes, whose product is the number of values.
     pub(super) shape: &'a [usize],
-    /// Class of the numbers, as `double`.
+    /// Class of the numbers, such as `double`.
     pub(super) class: &'a str,
 }
 
 impl<'a> Array<'a> {
-    /// A series for each column; the rows of a matrix that is wider than tall are the longer
-    /// series.
+    /// Returns a series for each column or, for a matrix that is wider than tall, for each row.
     pub(super) fn series(self, values: &'a Ordinate) -> impl Iterator<Item = Series> + 'a {
         let count: usize = self.shape.iter().product();
         let n_rows = self.shape.first().copied().unwrap_or(1);
@@ -67,13 +66,13 @@ impl<'a> Array<'a> {
     }
 }
 
-/// Text in place of an array without values.
+/// Returns the text that replaces an array without values.
 pub(super) fn empty(shape: &[usize], class: &str) -> String {
     let shape: Vec<String> = shape.iter().map(usize::to_string).collect();
     format!("empty, {} {class}", shape.join("x"))
 }
 
-/// Text of a single number; `None` of more.
+/// Returns the text of a single number; `None` if there are several.
 pub(super) fn single(values: &Ordinate) -> Option<String> {
     match values {
         Ordinate::Real(values) => match values.as_slice() {
@@ -87,7 +86,8 @@ pub(super) fn single(values: &Ordinate) -> Option<String> {
     }
 }
 
-/// Subscripts of column `index`, from 1, in MATLAB's order: the first varies fastest.
+/// Returns the subscripts of column `index`, from 1, in MATLAB's order: the first subscript varies
+/// fastest.
 fn subscripts(mut index: usize, shape: &[usize]) -> String {
     let texts: Vec<String> = shape
         .iter()
@@ -100,14 +100,14 @@ fn subscripts(mut index: usize, shape: &[usize]) -> String {
     texts.join(",")
 }
 
-/// The rows of an array of characters with their names; `None` unless it has rows.
+/// Returns the rows of an array of characters with their names; `None` if the array has no rows.
 pub(super) fn text_rows<'a>(
     name: &'a str,
     shape: &[usize],
     characters: &'a [char],
 ) -> Option<impl Iterator<Item = (String, String)> + 'a> {
     let n_rows = match *shape {
-        // the shape counts units of the encoding, of which a character may need several
+        // the shape counts code units; a character may consist of several
         [1, _] => 1,
         [n_rows, n_columns] if n_rows > 0 && n_rows * n_columns == characters.len() => n_rows,
         _ => return None,

@@ -4,11 +4,11 @@ use crate::{LabioError, Ordinate, Place, Series};
 
 /// Limit of the memory that the contents of a packed or nested file may take.
 ///
-/// A deflated byte may expand to a thousand, and a byte of a MATLAB file to a series with a name.
-/// The readers of such formats, [`mat5`](super::mat5) and [`npz`](super::npz), count the memory of
-/// what they keep before they allocate it and reject a file that needs more than the limit with
-/// [`LabioError::MemoryLimit`], even in a tolerant reading. By default the limit is
-/// [`Self::OF_ANY_FILE`] and [`Self::OF_A_BYTE`] bytes for every byte of the file, at most
+/// A deflated byte may expand to a thousand bytes, and a byte of a MATLAB file to a series with a
+/// name. The readers of such formats, [`mat5`](super::mat5) and [`npz`](super::npz), count the
+/// memory of the contents before they allocate it, and reject a file that needs more than the limit
+/// with [`LabioError::MemoryLimit`], even in a tolerant reading. By default the limit is
+/// [`Self::OF_ANY_FILE`] plus [`Self::OF_A_BYTE`] bytes for every byte of the file, at most
 /// [`Self::MOST`]; packing shrinks records of measurements to a half or a third.
 ///
 /// # Examples
@@ -36,7 +36,7 @@ pub struct MemoryLimit {
 impl MemoryLimit {
     /// Bytes that the contents of any file may take by default: 256 MiB.
     pub const OF_ANY_FILE: u64 = 256 << 20;
-    /// Bytes that the contents may take by default for every byte of the file, beyond
+    /// Bytes that the contents may take by default for every byte of the file, in addition to
     /// [`Self::OF_ANY_FILE`].
     pub const OF_A_BYTE: u64 = 64;
     /// Upper bound of the default limit: 16 GiB.
@@ -66,7 +66,7 @@ impl MemoryLimit {
     }
 }
 
-/// Memory taken so far while a file is read.
+/// Memory used so far while a file is read.
 #[derive(Debug)]
 pub(super) struct Budget {
     format: &'static str,
@@ -74,7 +74,7 @@ pub(super) struct Budget {
     taken: u64,
 }
 
-/// Memory of a text besides its bytes: its place in a list and the smallest allocation.
+/// Memory of a text in addition to its bytes: its entry in a list and the smallest allocation.
 const OF_A_TEXT: usize = size_of::<String>() + 16;
 
 impl Budget {
@@ -109,7 +109,7 @@ impl Budget {
         Ok(())
     }
 
-    /// Returns memory that was needed temporarily.
+    /// Subtracts memory that was needed temporarily.
     pub(super) fn give_back(&mut self, bytes: usize) {
         self.taken = self.taken.saturating_sub(bytes as u64);
     }

@@ -4,16 +4,16 @@
 //!
 //! [`read`] and [`Blocks`] read the layout of stored hammer tests: a two-dimensional array of
 //! little-endian `f64`, shape `(1 + n_channels, n_samples)`. Row 0 is time in seconds. The file has
-//! no names and units: the caller gives them, and the samples are taken as SI.
+//! no names and units: the caller supplies them, and the samples are assumed to be in SI units.
 //!
 //! # Any array
 //!
-//! [`Npy`] reads arrays of one or two axes, of integers, floating-point and complex numbers of
-//! either byte order and order of memory. The samples are along the longer axis: an array of shape
-//! `(3, 4)` is the series `[0, :]`, `[1, :]`, `[2, :]`, one of shape `(4, 3)` the series `[:, 0]`,
-//! `[:, 1]`, `[:, 2]`. The abscissa is the sample index from 0, as the file has none; the
-//! properties keep the rest of the header. Names, units and abscissae cannot be written:
-//! [`npz`](super::npz) holds them.
+//! [`Npy`] reads arrays of one or two axes, of integers, floating-point and complex numbers, in
+//! either byte order and either memory order. The samples are along the longer axis: an array of
+//! shape `(3, 4)` gives the series `[0, :]`, `[1, :]`, `[2, :]`, an array of shape `(4, 3)` the
+//! series `[:, 0]`, `[:, 1]`, `[:, 2]`. The abscissa is the sample index from 0, because the file
+//! has no abscissa; the properties keep the rest of the header. Names, units and abscissae cannot
+//! be written: [`npz`](super::npz) stores them.
 
 pub(super) mod array;
 mod blocks;
@@ -80,16 +80,17 @@ pub fn read(path: impl AsRef<Path>, channels: &[Channel]) -> Result<Record, Labi
 
 /// Reads an array from `reader` to its end; `channels` name the rows after the row of times.
 ///
-/// The sampling rate is the number of steps over the time between first and last sample.
+/// The sampling rate is the number of steps divided by the time between first and last sample.
 ///
 /// # Errors
 ///
 /// - [`LabioError::Read`]: the bytes cannot be read.
 /// - [`LabioError::MalformedHeader`], [`LabioError::WrongDimensions`],
 ///   [`LabioError::WrongElement`], [`LabioError::NoData`], [`LabioError::Truncated`],
-///   [`LabioError::TrailingBytes`]: it is not the array expected.
-/// - [`LabioError::NonUniformTime`]: a time step is off by more than [`TIME_STEP_TOLERANCE`].
-/// - the errors of [`Record::new`] for channels and samples.
+///   [`LabioError::TrailingBytes`]: the bytes are not an array of the expected layout.
+/// - [`LabioError::NonUniformTime`]: a time step deviates from the mean step by more than a
+///   relative [`TIME_STEP_TOLERANCE`].
+/// - The errors of [`Record::new`] for channels and samples.
 pub fn read_from(mut reader: impl Read, channels: &[Channel]) -> Result<Record, LabioError> {
     let mut bytes = Vec::new();
     reader
@@ -119,7 +120,7 @@ pub fn read_from(mut reader: impl Read, channels: &[Channel]) -> Result<Record, 
 fn parse(bytes: &[u8]) -> Result<Array2<f64>, LabioError> {
     match header_end(bytes) {
         Some(end) if bytes.len() == end => return Err(LabioError::NoData { format: FORMAT }),
-        // the parser below allocates memory for a header of the announced length
+        // the parser below would allocate memory for a header of the announced length
         Some(end) if bytes.len() < end => {
             return Err(LabioError::MalformedHeader {
                 format: FORMAT,
@@ -130,8 +131,8 @@ fn parse(bytes: &[u8]) -> Result<Array2<f64>, LabioError> {
     }
     match ArrayView2::<f64>::view_npy(bytes) {
         Ok(view) => Ok(view.to_owned()),
-        // the shape agrees with the bytes; only the alignment of the buffer in memory does not suit
-        // a view
+        // the shape agrees with the bytes; only the alignment of the buffer in memory does not
+        // allow a view
         Err(ViewNpyError::MisalignedData) => {
             Array2::read_npy(bytes).map_err(|error| LabioError::MalformedHeader {
                 format: FORMAT,
@@ -172,8 +173,8 @@ fn parse(bytes: &[u8]) -> Result<Array2<f64>, LabioError> {
     }
 }
 
-/// End of the header, whose length follows the magic string and two bytes of version; `None` if
-/// there is no such header, which the parser then reports.
+/// Returns the end of the header. The length of the header follows the magic string and two bytes
+/// of version; `None` if there is no such header, which the parser then reports.
 fn header_end(bytes: &[u8]) -> Option<usize> {
     match bytes.strip_prefix(b"\x93NUMPY")? {
         [1, _, a, b, ..] => Some(10 + usize::from(u16::from_le_bytes([*a, *b]))),
@@ -185,7 +186,7 @@ fn header_end(bytes: &[u8]) -> Option<usize> {
     }
 }
 
-/// Start and rate of a uniform row of times.
+/// Start and rate of a row of evenly spaced times.
 struct Clock {
     start_time: f64,
     sampling_rate_hz: f64,

@@ -1,13 +1,13 @@
 //! `NumPy`'s `.npz`: a ZIP archive of arrays, each with a name.
 //!
-//! Every array of one axis is a series of its name, an array of two axes several series (see
-//! [`npy`](super::npy)); single numbers and texts are properties of the contents. Deflated and
-//! stored members are read; the writer stores.
+//! Every array of one axis is a series with the name of the array, an array of two axes gives
+//! several series (see [`npy`](super::npy)); single numbers and texts are properties of the
+//! contents. Deflated and stored members are read; the writer stores its members.
 //!
 //! # Other information
 //!
-//! The writer stores the other information of the series `F` in separate members, which are left
-//! out if empty and which the reader reads back:
+//! The writer stores the other information about the series `F` in separate members. Empty members
+//! are left out; the reader reads them all back:
 //!
 //! | member | shape | content |
 //! |---|---|---|
@@ -18,8 +18,9 @@
 //!
 //! # Strictness
 //!
-//! A member that is not an array, or has an element or shape that cannot be a series, is rejected;
-//! in a tolerant reading it is a defect. Contents beyond a [`MemoryLimit`] are rejected in either.
+//! A member that is not an array, or whose element or shape does not allow a series, is rejected;
+//! in a tolerant reading it is a defect. Contents beyond a [`MemoryLimit`] are rejected in both
+//! kinds of reading.
 
 mod about;
 mod write;
@@ -38,13 +39,13 @@ use crate::{Contents, LabioError, Place, Series};
 
 const FORMAT: &str = "npz";
 
-/// Most bytes that one deflated byte expands to.
+/// Largest number of bytes to which one deflated byte can expand.
 const OF_A_DEFLATED_BYTE: usize = 1032;
 
 /// Memory of a series without its numbers: its name and its four properties, each a short text.
 const OF_A_SERIES: usize = size_of::<Series>() + 12 * (size_of::<String>() + 32);
 
-/// Archives of arrays of `NumPy`.
+/// `NumPy` archives of arrays.
 ///
 /// # Examples
 ///
@@ -96,11 +97,11 @@ impl Reader for Npz {
     }
 }
 
-/// Reads a whole archive whose contents take memory up to `limit`.
+/// Reads a whole archive whose contents may take memory up to `limit`.
 ///
 /// # Errors
 ///
-/// As [`Npz`] as a [`Reader`]; [`LabioError::MemoryLimit`] beyond the limit.
+/// Errors of [`Npz`] as a [`Reader`]; [`LabioError::MemoryLimit`] beyond the limit.
 pub fn read_within(
     bytes: &[u8],
     strictness: Strictness,
@@ -192,7 +193,7 @@ fn member(
         .map_err(|error| zip_error(error, 0, &format!("name of member {index}")))?
         .into_owned();
     let at = member.header_start();
-    // data announced by the header beyond this cannot exist
+    // the compressed data cannot contain more than this, whatever the header announces
     let most_unpacked = usize::try_from(member.compressed_size())
         .unwrap_or(usize::MAX)
         .saturating_mul(OF_A_DEFLATED_BYTE);
@@ -205,7 +206,7 @@ fn member(
             expected: "an array, `.npy`".to_owned(),
         });
     };
-    // a member is inflated as far as its own header says, whatever the archive says
+    // a member is inflated as far as the header of its array states, whatever the archive states
     let mut bytes = Vec::new();
     let mut unpack = |count: u64, bytes: &mut Vec<u8>| {
         (&mut member)
@@ -255,7 +256,7 @@ fn zip_error(error: ZipError, at: u64, field: &str) -> LabioError {
     }
 }
 
-/// Single numbers and texts.
+/// Returns single numbers and texts as properties.
 fn as_properties(name: &str, values: Values) -> Vec<(String, String)> {
     let texts: Vec<String> = match values {
         Values::Real(values) => values.iter().map(|value| format!("{value}")).collect(),

@@ -1,12 +1,12 @@
-//! Variables that Octave saves as text (`save hits.mat a b`, its default), read only. Other programs
-//! write them too, because they need no library for it.
+//! Variables that Octave saves as text (`save hits.mat a b`, its default), read only. Other
+//! programs write such files too, because this needs no library.
 //!
 //! # Variables
 //!
 //! | variable | becomes |
 //! |---|---|
-//! | numbers, text, structures and cell arrays | as in a file of MATLAB: [`mat5`](super::mat5) |
-//! | range `0:1e-5:1` | series of its values |
+//! | numbers, text, structures and cell arrays | as in a MATLAB file: [`mat5`](super::mat5) |
+//! | range `0:1e-5:1` | series of the values of the range |
 //! | missing value `NA` | NaN |
 //!
 //! # Rejected files
@@ -14,8 +14,8 @@
 //! - Sparse, diagonal and permutation matrices, objects, function handles, reversed ranges and
 //!   integers from $`2^{53}`$ on: a strict reading rejects the file, a tolerant one skips the
 //!   variable with a defect.
-//! - Binary files of Octave (`-binary`), which are not recognised; `save -v7` or `-hdf5` writes what
-//!   the readers for MATLAB and HDF5 read.
+//! - Binary files of Octave (`-binary`), which are not recognised; `save -v7` or `save -hdf5`
+//!   writes files that the readers for MATLAB and HDF5 accept.
 
 mod numbers;
 
@@ -31,10 +31,10 @@ use numbers::{Numbers, next_number, real, transposed};
 
 const FORMAT: &str = "octave";
 
-/// Bytes of a file in which its first variable begins.
+/// Number of bytes at the start of a file within which its first variable begins.
 const HEAD_BYTES: usize = 4096;
 
-/// Integer from which on double precision does not have all.
+/// Integer from which on not every integer is exact in double precision.
 const EXACT: f64 = 9_007_199_254_740_992.0;
 
 /// Text files of Octave; see the [module](self).
@@ -46,8 +46,8 @@ impl Reader for OctaveText {
         FORMAT
     }
 
-    /// Returns true for a file whose first lines are comments, among them the name of a variable and,
-    /// in the next line, its type.
+    /// Returns true for a file whose first lines are comments that include the name of a variable
+    /// and, in the next line, its type.
     fn recognises(&self, head: &[u8]) -> bool {
         let head = String::from_utf8_lossy(head.get(..HEAD_BYTES).unwrap_or(head));
         let head = head.trim_start_matches('\u{feff}');
@@ -87,20 +87,20 @@ impl Reader for OctaveText {
     }
 }
 
-/// Signs that begin a comment, in which all but the values stands.
+/// Characters that begin a comment; everything except the values is written in comments.
 const COMMENT: [char; 2] = ['#', '%'];
 
-/// Key and value of a comment.
+/// Returns key and value of a comment.
 fn field(line: &str) -> Option<(&str, &str)> {
     let (key, value) = line.trim().strip_prefix(COMMENT)?.split_once(':')?;
     Some((key.trim(), value.trim()))
 }
 
-/// The lines of a file that are not read yet, and what was read.
+/// The lines of a file that are still to be read, and the contents read so far.
 struct File<'a, I: Iterator<Item = (u64, &'a str)>> {
     text: &'a str,
     lines: Peekable<I>,
-    /// Number of the line read last.
+    /// Number of the line that was read last.
     line: u64,
     reading: Reading,
 }
@@ -132,11 +132,11 @@ impl<'a, I: Iterator<Item = (u64, &'a str)>> File<'a, I> {
         }
     }
 
-    /// Returns the value of the next comment, which must have this key.
+    /// Returns the value of the next comment, which must have the key `key`.
     fn header(&mut self, key: &str) -> Result<&'a str, LabioError> {
         let expected = format!("`# {key}: ...`");
         if self.coming() == Some("name") && key != "name" {
-            // left for a tolerant reading to go on with
+            // the name is not consumed, so that a tolerant reading can continue with it
             return Err(self.malformed("comment", "the next name", &expected));
         }
         let line = self.filled(&expected)?;
@@ -153,7 +153,7 @@ impl<'a, I: Iterator<Item = (u64, &'a str)>> File<'a, I> {
         count.map_err(|_| self.malformed(key, &text::quoted(value), "a count"))
     }
 
-    /// Key of the next line that is not blank, which is not read.
+    /// Returns the key of the next line that is not blank, without consuming the line.
     fn coming(&mut self) -> Option<&'a str> {
         while self
             .lines
@@ -196,8 +196,9 @@ impl<'a, I: Iterator<Item = (u64, &'a str)>> File<'a, I> {
         error::malformed(FORMAT, Place::Line(self.line), field, found, expected)
     }
 
-    /// Reads a variable, an element of a cell array or a field: its name, and what `read` reads under
-    /// that name. An error is a defect of a tolerant reading, which goes on with the next name.
+    /// Reads a variable, an element of a cell array or a field: its name, and then, with `read`,
+    /// its contents. In a tolerant reading, an error is a defect, and reading continues with the
+    /// next name.
     fn element(
         &mut self,
         read: impl FnOnce(&mut Self, &str) -> Result<(), LabioError>,
@@ -211,7 +212,7 @@ impl<'a, I: Iterator<Item = (u64, &'a str)>> File<'a, I> {
         })
     }
 
-    /// Reads a variable from its type on.
+    /// Reads a variable, starting at its type.
     fn variable(&mut self, name: String, depth: usize) -> Result<(), LabioError> {
         if name.len() > LONGEST_NAME || depth > DEEPEST {
             let found = format!("{} bytes, {depth} levels deep", name.len());
@@ -230,7 +231,7 @@ impl<'a, I: Iterator<Item = (u64, &'a str)>> File<'a, I> {
             "scalar struct" => {
                 self.structure(|file, field| file.variable(format!("{name}.{field}"), depth + 1))
             }
-            // an array of structures is a cell array for each field
+            // a structure array is stored as a cell array for each field
             "struct" => self.structure(|file, field| {
                 file.header("type")?;
                 let part = |index: usize, count: usize| match count {
@@ -327,7 +328,7 @@ impl<'a, I: Iterator<Item = (u64, &'a str)>> File<'a, I> {
         line.map_or(self.text.len() as u64, |line| self.at(line))
     }
 
-    /// Reads `count` numbers, however many stand in a line.
+    /// Reads `count` numbers, with any number of them in a line.
     fn values(
         &mut self,
         name: &str,
@@ -372,7 +373,7 @@ impl<'a, I: Iterator<Item = (u64, &'a str)>> File<'a, I> {
     }
 
     fn strings(&mut self, name: &str) -> Result<(), LabioError> {
-        // old versions write one text, and its length alone
+        // old versions write one text, preceded only by its length
         let n_rows = match self.coming() {
             Some("elements") => self.count("elements")?,
             _ => 1,
@@ -387,7 +388,7 @@ impl<'a, I: Iterator<Item = (u64, &'a str)>> File<'a, I> {
             let length = self.count("length")?;
             let expected = format!("a text of {length} characters");
             let (mut text, mut characters, mut is_first) = (String::new(), 0, true);
-            // a text may have several lines; its length counts bytes of whatever encoding
+            // a text may have several lines; its length is in bytes of an unknown encoding
             while text.len() < length && characters < length {
                 if !is_first {
                     text.push('\n');
@@ -415,7 +416,7 @@ impl<'a, I: Iterator<Item = (u64, &'a str)>> File<'a, I> {
         let refused = |file: &Self| file.malformed(name, &text::quoted(line), EXPECTED);
         let numbers: Option<Vec<f64>> = line.split_ascii_whitespace().map(real).collect();
         let (first, limit, step) = match numbers.as_deref() {
-            // a fourth number that is not 0 reverses it
+            // a nonzero fourth number would reverse the range
             Some(&[first, limit, step]) => (first, limit, step),
             Some(&[first, limit, step, reversed]) if reversed.abs() < 0.5 => (first, limit, step),
             _ => return Err(refused(self)),
@@ -423,7 +424,7 @@ impl<'a, I: Iterator<Item = (u64, &'a str)>> File<'a, I> {
         let n = if has_length {
             limit
         } else {
-            // a limit that is reached but for rounding belongs to it
+            // a limit that is missed only by rounding belongs to the range
             ((limit - first) / step * (1.0 + 3.0 * f64::EPSILON)).floor() + 1.0
         };
         if !(n.is_finite() && first.is_finite() && step.is_finite()) {
@@ -448,7 +449,8 @@ impl<'a, I: Iterator<Item = (u64, &'a str)>> File<'a, I> {
         Ok(())
     }
 
-    /// Reads the elements of a cell array; `part` names one by its number, from 1, and their count.
+    /// Reads the elements of a cell array; `part` names an element from its number, counted from 1,
+    /// and the number of elements.
     fn cells(
         &mut self,
         name: &str,
@@ -465,8 +467,8 @@ impl<'a, I: Iterator<Item = (u64, &'a str)>> File<'a, I> {
         })
     }
 
-    /// Reads so many elements or fields, each by `read` from its type on, by its number from 1 and its
-    /// name.
+    /// Reads `count` elements or fields. `read` reads each of them, starting at its type, and
+    /// receives its number, counted from 1, and its name.
     fn parts(
         &mut self,
         count: usize,
@@ -482,7 +484,7 @@ impl<'a, I: Iterator<Item = (u64, &'a str)>> File<'a, I> {
         Ok(())
     }
 
-    /// Reads the fields of a structure; `read` reads one from its type on.
+    /// Reads the fields of a structure; `read` reads each field, starting at its type.
     fn structure(
         &mut self,
         mut read: impl FnMut(&mut Self, &str) -> Result<(), LabioError>,

@@ -1,13 +1,15 @@
 //! Waveforms of oscilloscopes, read only: LeCroy (`.trc`), Tektronix (`.wfm`, `.isf`).
 //!
-//! Each trace is a series in the vertical unit of the file over the time from the trigger. A
-//! segment of a sequence or of a fast frame is a series of its own, `C1 (segment 2)`. A number in
-//! single precision, such as the interval of a LeCroy, is the shortest decimal that is stored so.
+//! Each trace is a series in the vertical unit of the file; its abscissa is the time from the
+//! trigger. Each segment of a sequence or of a fast frame is a separate series, `C1 (segment 2)`. A
+//! number stored in single precision, such as the interval of a LeCroy trace, is read as the
+//! shortest decimal number with that single-precision value.
 //!
 //! # Rejected files
 //!
-//! Envelopes, histograms, pixel maps and complex traces, by name. A strict reading rejects a file
-//! that is shorter than its header says; a tolerant one returns the samples that are there.
+//! Envelopes, histograms, pixel maps and complex traces; the error names them. A strict reading
+//! rejects a file that is shorter than its header states; a tolerant one returns the samples that
+//! exist.
 
 mod fields;
 mod isf;
@@ -24,7 +26,7 @@ use crate::{Abscissa, Contents, LabioError, Ordinate, Series, SeriesKind};
 /// A trace, or a segment of one.
 struct Trace {
     name: String,
-    /// Time of the first sample and between samples.
+    /// Time of the first sample; `step` is the time between samples.
     start: f64,
     step: f64,
     time_unit: String,
@@ -35,7 +37,7 @@ struct Trace {
 
 impl Trace {
     fn into_series(self) -> Series {
-        // LeCroy writes the second with a capital, which is the siemens
+        // LeCroy writes the unit second as a capital `S`, which is the symbol of the siemens
         let seconds = if self.time_unit.eq_ignore_ascii_case("s") {
             "s".to_owned()
         } else {
@@ -56,7 +58,7 @@ impl Trace {
     }
 }
 
-/// Contents of traces, and of the defect of a file that is too short.
+/// Returns the contents of traces, with the defect of a file that is too short.
 fn contents(format: &'static str, traces: Vec<Trace>, cut: Option<LabioError>) -> Contents {
     let mut contents = Contents::of_format(format);
     contents.series = traces.into_iter().map(Trace::into_series).collect();
@@ -64,7 +66,7 @@ fn contents(format: &'static str, traces: Vec<Trace>, cut: Option<LabioError>) -
     contents
 }
 
-/// The shortest decimal number that is stored as `value` in single precision.
+/// Returns the shortest decimal number that is stored as `value` in single precision.
 fn decimal(value: f32) -> f64 {
     value
         .to_string()

@@ -4,14 +4,15 @@ use crate::format::memory::Budget;
 use crate::format::{MemoryLimit, Strictness};
 use crate::{Contents, LabioError, Place, Series};
 
-/// Depth of nested structures that are read; laboratory data are not nested deeper.
+/// Greatest depth of nested structures that is read; laboratory data are not nested deeper.
 pub(super) const DEEPEST: usize = 64;
 
-/// Longest name of a field including those of the structures around it. MATLAB allows 63 bytes per
-/// level; without a bound, one long name could precede each of a million empty fields.
+/// Greatest length of the name of a field, including the names of the structures around it. MATLAB
+/// allows 63 bytes per level; without a bound, one long name could precede each of a million empty
+/// fields.
 pub(super) const LONGEST_NAME: usize = 512;
 
-/// Contents read so far, and their memory.
+/// Contents read so far, and the memory that they take.
 #[derive(Debug)]
 pub(super) struct Reading {
     pub(super) contents: Contents,
@@ -45,8 +46,8 @@ impl Reading {
         Ok(())
     }
 
-    /// Turns `error` into a defect of a tolerant reading. Contents beyond the memory limit are
-    /// rejected in either.
+    /// Turns `error` into a defect in a tolerant reading. Contents beyond the memory limit are
+    /// rejected in both kinds of reading.
     pub(super) fn pass_over(&mut self, error: LabioError, at: u64) -> Result<(), LabioError> {
         if self.strictness == Strictness::Strict || matches!(error, LabioError::MemoryLimit { .. })
         {

@@ -1,4 +1,5 @@
-//! Atomic replacement of a file: it is either the old one or all of the new one.
+//! Atomic replacement of a file: at any time, the path has either the old file or the complete new
+//! one.
 
 use std::ffi::OsString;
 use std::fs::{self, File, OpenOptions};
@@ -8,12 +9,12 @@ use std::process;
 
 use crate::LabioError;
 
-/// Number of names tried before giving up: a name is taken only by another writer of this process
+/// Number of names tried before giving up: a name is in use only by another writer of this process
 /// or by a leftover file.
 const ATTEMPTS: u32 = 1000;
 
-/// Passes `write` a new file in the folder of `path` and renames it to `path` after all is on the
-/// disk; otherwise removes it.
+/// Passes `write` a new file in the folder of `path`, and renames it to `path` after everything is
+/// on the disk; if an error occurs, removes the new file.
 pub(super) fn replace(
     path: &Path,
     write: impl FnOnce(&mut dyn Write) -> Result<(), LabioError>,

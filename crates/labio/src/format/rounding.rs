@@ -56,7 +56,7 @@ impl WrittenValues {
         })
     }
 
-    /// Returns the values in `range`, which must lie within them.
+    /// Returns the values in `range`, which must be within the bounds.
     #[allow(
         clippy::indexing_slicing,
         reason = "a value is pushed together with its half unit, and the caller's range ends with the values or before"
@@ -68,8 +68,8 @@ impl WrittenValues {
         }
     }
 
-    /// Returns the first index at which a value is not `start + index * step` within the rounding
-    /// of all three.
+    /// Returns the first index at which a value differs from `start + index * step` by more than
+    /// the rounding of value, start and step.
     pub(crate) fn first_off(&self, start: Written, step: Written) -> Option<usize> {
         self.values
             .iter()
@@ -94,7 +94,7 @@ impl WrittenValues {
             .position(|(i, value)| (start + i as f64 * step).to_bits() != value.to_bits())
     }
 
-    /// Returns start and step of the even spacing that the values are roundings of, with the
+    /// Returns start and step of the even spacing whose rounded values these are, with the
     /// uncertainty of the step due to the rounding of the first and last value; `None` if the
     /// spacing is not even.
     pub(crate) fn even_spacing(&self) -> Option<(f64, Written)> {
@@ -109,7 +109,7 @@ impl WrittenValues {
         if !step.is_finite() || step.abs() < f64::MIN_POSITIVE {
             return None;
         }
-        // a straight line within the roundings is nowhere farther from the chord than at one of its
+        // a straight line that passes within all roundings is farthest from the chord at one of its
         // ends
         let start = Written {
             value: first.value,
@@ -127,7 +127,7 @@ impl WrittenValues {
         ))
     }
 
-    /// Returns true if the values are `start + index * step` within the rounding of the arithmetic.
+    /// Returns true if the values are `start + index * step` within arithmetic rounding errors.
     pub(crate) fn is_even(&self, start: f64, step: f64) -> bool {
         self.values.iter().enumerate().all(|(i, value)| {
             let expected = start + i as f64 * step;
@@ -135,8 +135,8 @@ impl WrittenValues {
         })
     }
 
-    /// Returns the number of fewest digits that gives every value within rounding of the
-    /// arithmetic, or `step` if none does.
+    /// Returns the step with the fewest digits that reproduces every value within arithmetic
+    /// rounding errors, or `step` if there is none.
     fn plain(&self, start: f64, step: f64) -> f64 {
         (0..17)
             .filter_map(|digits| format!("{step:.digits$e}").parse::<f64>().ok())
@@ -145,8 +145,8 @@ impl WrittenValues {
     }
 }
 
-/// Returns the first of `times`, if all of them are within half a step of an even spacing of `step`
-/// from it.
+/// Returns the first of `times` if all of them are within half a step of the evenly spaced times
+/// that begin there with this `step`.
 pub(crate) fn start_at_step(times: &[f64], step: f64) -> Option<f64> {
     let start = *times.first()?;
     let within = |(i, time): (usize, &f64)| (time - (start + i as f64 * step)).abs() <= 0.5 * step;
@@ -194,8 +194,9 @@ impl fmt::Display for RateFamily {
 /// Returns the customary rate closest to `1 / step` among those compatible with a step \[s\]
 /// written to `± half_unit` \[s\].
 ///
-/// A step of 1/1024 s is printed as `0.000977` with six decimals, which taken literally is a rate
-/// of 1023.5 Hz. The result is only a proposal: the file does not tell the clock of the instrument.
+/// A step of 1/1024 s is printed as `0.000977` with six decimals; taken literally, this is a rate
+/// of 1023.5 Hz. The result is only a proposal: the file does not contain the clock rate of the
+/// instrument.
 ///
 /// `None` if no customary rate is possible, or if the step is not a positive number.
 ///
@@ -255,14 +256,14 @@ mod tests {
 
     #[test]
     fn a_rounded_column_is_even_as_far_as_it_says() {
-        // 1/51200 s in six decimals
+        // 1/51200 s printed with six decimals
         let column = written(&[
             "0.000000", "0.000020", "0.000039", "0.000059", "0.000078", "0.000098",
         ]);
         let (start, step) = column.even_spacing().unwrap();
         assert_eq!(start.to_bits(), 0.0_f64.to_bits());
         assert!((step.value - 1.0 / 51200.0).abs() <= step.half_unit);
-        // the end is known to half a unit, over five steps, twice
+        // the first and the last value are each known to half a unit, divided by five steps
         assert!((step.half_unit / 0.2e-6 - 1.0).abs() < 1e-12);
         let truth = Written::exactly(1.0 / 51200.0);
         assert_eq!(column.first_off(Written::exactly(0.0), truth), None);

@@ -10,7 +10,7 @@ use crate::{
     Series, SeriesKind, Unit,
 };
 
-/// The records made of the series of a file, and the series that are in none of them.
+/// The records made from the series of a file, and the series that are in no record.
 #[derive(Debug)]
 #[non_exhaustive]
 #[must_use]
@@ -19,7 +19,7 @@ pub struct SampledTogether {
     pub records: Vec<Record>,
     /// Reasons why the other series are in no record.
     pub left_out: Vec<LabioError>,
-    /// Name of the channel made of each series of the file; `None` if it is in no record.
+    /// Name of the channel made from each series of the file; `None` if the series is in no record.
     pub channel_names: Vec<Option<String>>,
 }
 
@@ -45,23 +45,24 @@ struct Clock {
 type ClockBits = (usize, u64, u64);
 
 impl Clock {
-    /// Bits of the time axis: two are the same if no bit differs.
+    /// Returns the bits of the time axis: two axes are the same if no bit differs.
     fn bits(self) -> ClockBits {
         (self.n, self.start.to_bits(), self.step.to_bits())
     }
 }
 
 impl Contents {
-    /// Makes records of the series: histories of a known quantity over an even time axis. Those on
-    /// the same axis, sample for sample, are the channels of one record, in SI units.
+    /// Combines the series into records: time histories of a known quantity on an even time axis.
+    /// Series on the same axis, sample for sample, are the channels of one record, in SI units.
     ///
-    /// A channel has the name of its series. If that is empty or common to several channels, the
-    /// response's degree of freedom is added, for example `acceleration 3+Z`. A repeated name
-    /// is another hit: it goes into the first record of the same axis that does not have it.
+    /// A channel has the name of its series. If the name is empty or common to several channels,
+    /// the response's degree of freedom is added, for example `acceleration 3+Z`. A repeated name
+    /// belongs to another hit: the series goes into the first record with the same axis and without
+    /// that name.
     ///
-    /// A series without a unit in the file can be given one beforehand: set
-    /// [`SeriesAxis::unit`](crate::SeriesAxis::unit) of
-    /// its [`ordinate_axis`](Series::ordinate_axis).
+    /// A unit that is missing in the file can be set before the call: set
+    /// [`SeriesAxis::unit`](crate::SeriesAxis::unit) in the
+    /// [`ordinate_axis`](Series::ordinate_axis) of the series.
     ///
     /// # Examples
     ///
@@ -95,8 +96,8 @@ impl Contents {
         }
         let names = names(&candidates);
         let mut channel_names = vec![None; self.series.len()];
-        // the n-th series of a name goes to the n-th record on its time axis, which is the first
-        // without that name
+        // the n-th series with a name goes to the n-th record with its time axis, which is the
+        // first record without that name
         let mut groups: Vec<Group<'_>> = Vec::new();
         let mut groups_of_clock: HashMap<ClockBits, Vec<usize>> = HashMap::new();
         let mut n_of_name: HashMap<(ClockBits, String), usize> = HashMap::new();
@@ -143,7 +144,7 @@ struct Group<'a> {
 }
 
 impl Group<'_> {
-    /// Returns the record, and the series of its channels.
+    /// Returns the record, and the indices of the series that are its channels.
     fn record(self, provenance: &Provenance) -> Result<(Record, Vec<usize>), LabioError> {
         let series = self
             .members
@@ -244,8 +245,8 @@ impl<'a> Candidate<'a> {
     }
 }
 
-/// Names of the channels: those of the series, with the degree of freedom where the name alone is
-/// ambiguous.
+/// Returns the names of the channels: those of the series, with the degree of freedom where the
+/// name alone is ambiguous.
 fn names(candidates: &[Candidate<'_>]) -> Vec<String> {
     let mut first = HashMap::new();
     let mut ambiguous = HashSet::new();
@@ -324,7 +325,7 @@ mod tests {
         assert_eq!(channel_names(record), ["hammer", "end A"]);
         assert_eq!(record.channel("hammer").unwrap().to_vec(), [0.0, 2000.0]);
         assert_eq!(record.channel("end A").unwrap().to_vec(), [0.0, 9.80665]);
-        // dyadic numbers in milliseconds: a unit of the last place for the factor 1/1000
+        // dyadic numbers in milliseconds: the factor 1/1000 costs a unit in the last place
         assert!((record.sampling_rate_hz() - 2000.0).abs() < 1e-12 * 2000.0);
         assert!((record.start_time() - 0.25).abs() < 1e-16);
     }
@@ -350,7 +351,7 @@ mod tests {
             ]
         );
 
-        // a name for several degrees of freedom
+        // the same name for several degrees of freedom
         let node = |node: &str| ("uff58.response_node".to_owned(), node.to_owned());
         let direction =
             |direction: &str| ("uff58.response_direction".to_owned(), direction.to_owned());

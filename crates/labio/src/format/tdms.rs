@@ -1,35 +1,38 @@
-//! TDMS, the files of `LabVIEW` and of DAQmx devices: reading.
+//! Reader of TDMS, the file format of `LabVIEW` and of DAQmx devices.
 //!
 //! # The format
 //!
-//! A file is a sequence of segments. Each has a lead-in, metadata with changes of the objects (the
-//! file, groups, channels) and raw data of channels, in chunks: one channel after the other, or
-//! interleaved, or as a DAQmx device delivered them. Everything else is as in the segment before.
-//! Either byte order is read; numbers of the lead-in's first eight bytes are always little-endian.
+//! A file is a sequence of segments. Each segment has a lead-in, metadata with changes of the
+//! objects (the file, groups, channels) and raw data of channels, in chunks: one channel after the
+//! other, or interleaved, or as delivered by a DAQmx device. Everything else is as in the segment
+//! before. Either byte order is read; numbers in the first eight bytes of the lead-in are always
+//! little-endian.
 //!
 //! # Series
 //!
-//! A series is one channel. Its name is the channel's, its group is the property `tdms.group`; all
-//! properties of the channel follow. The abscissa begins at `wf_start_offset` and has the step
-//! `wf_increment`, seconds unless `wf_xunit_string` says otherwise; without these it is the sample
-//! index. The unit of the ordinate is `unit_string`. Properties of the file are those
-//! of the contents, those of groups have the group's name and a slash before theirs.
+//! A series is one channel. Its name is that of the channel, its group is the property
+//! `tdms.group`; all properties of the channel follow. The abscissa begins at `wf_start_offset` and
+//! has the step `wf_increment`, in seconds unless `wf_xunit_string` states another unit; without
+//! these properties it is the sample index. The unit of the ordinate is `unit_string`. Properties
+//! of the file become properties of the contents; the names of group properties are preceded by the
+//! name of the group and a slash.
 //!
-//! Numbers are doubles; integers of 64 bits are rounded to 53. Times become seconds since the first
-//! of them, which is the property `tdms.first_time`. Channels of text are skipped and named in the
-//! property `tdms.text_channel` of the contents; channels without raw data in `tdms.empty_channel`.
+//! Numbers are converted to doubles; 64-bit integers are rounded to 53 bits. Times become seconds
+//! since the first of them, which is the property `tdms.first_time`. Text channels are skipped and
+//! named in the property `tdms.text_channel` of the contents; channels without raw data are named
+//! in `tdms.empty_channel`.
 //!
 //! Scales (`NI_Scale[..]`) are applied unless `NI_Scaling_Status` is `scaled`: linear, polynomial,
 //! table (constant beyond its ends), sum and difference, strain gauges in a bridge, resistance
-//! thermometers and thermocouples. Another kind of scale is an error that
-//! names it: raw numbers are never returned as scaled ones.
+//! thermometers and thermocouples. Any other kind of scale causes an error that names it: raw
+//! numbers are never returned as scaled ones.
 //!
 //! # Limits
 //!
 //! Numbers in extended precision (80 bits) are rejected. Index files (`.tdms_index`) are not used.
 //!
-//! A tolerant reading of a truncated file returns the samples that exist and leaves out channels
-//! that cannot be scaled; both are listed as defects.
+//! A tolerant reading returns the samples that exist in a truncated file and leaves out channels
+//! that cannot be scaled; both faults are listed as defects.
 
 use std::collections::HashMap;
 
@@ -98,7 +101,7 @@ impl Reader for Tdms {
         };
         let mut objects = Objects::default();
         if let Err(error) = segments(bytes, &mut objects, &mut pass_over) {
-            // after an unreadable part the start of the next one is unknown
+            // the start of the part that follows an unreadable one is unknown
             pass_over(error)?;
         }
         let mut series = Vec::new();
@@ -158,7 +161,7 @@ fn segments(
             layout = Layout::of(&segment, objects)?;
         }
         if segment.contains.raw_data() {
-            // a segment after a broken one is at the offset that this one gives
+            // the offset of the next segment is known even if this one is broken
             layout.read(&segment, objects).or_else(&mut *pass_over)?;
         }
         offset = segment.end;

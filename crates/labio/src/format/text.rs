@@ -1,4 +1,4 @@
-//! Text of a laboratory file: its encoding, its lines, and numbers as instruments write them.
+//! Text of a laboratory file: its encoding, its lines, and numbers as written by instruments.
 
 use std::borrow::Cow;
 
@@ -7,7 +7,7 @@ use num_complex::Complex64;
 
 use crate::{LabioError, Place, SeriesAxis, Unit};
 
-/// Longest piece of a file that an error quotes.
+/// Greatest number of characters of a file that an error quotes.
 const LONGEST_QUOTE: usize = 40;
 
 /// The sign between integer part and fraction.
@@ -37,8 +37,8 @@ impl Encoding {
     }
 }
 
-/// Decodes `bytes`: UTF-8 or, with its byte order mark, UTF-16; everything else is ISO-8859-1, in
-/// which every byte is a character. A byte order mark is not part of the text.
+/// Decodes `bytes`: UTF-8, or UTF-16 if there is a byte-order mark of it; everything else is
+/// ISO-8859-1, in which every byte is a character. A byte-order mark is not part of the text.
 pub(crate) fn decode<'a>(
     bytes: &'a [u8],
     format: &'static str,
@@ -76,7 +76,7 @@ pub(crate) fn decode<'a>(
     }
 }
 
-/// The lines of `text` with their numbers from 1. LF, CR LF and CR end a line.
+/// Returns the lines of `text` with their numbers from 1. LF, CR LF and CR end a line.
 pub(crate) fn lines(text: &str) -> impl Iterator<Item = (u64, &str)> {
     let old_mac = memchr(b'\n', text.as_bytes()).is_none();
     let mut rest = Some(text);
@@ -97,7 +97,7 @@ pub(crate) fn lines(text: &str) -> impl Iterator<Item = (u64, &str)> {
     })
 }
 
-/// Trims `text` of blanks; a cell of a table rarely has any.
+/// Removes the blanks around `text`; a cell of a table rarely has any.
 pub(crate) fn trimmed(text: &str) -> &str {
     let bare = |byte: Option<&u8>| byte.is_some_and(u8::is_ascii_graphic);
     if bare(text.as_bytes().first()) && bare(text.as_bytes().last()) {
@@ -107,7 +107,7 @@ pub(crate) fn trimmed(text: &str) -> &str {
     }
 }
 
-/// Splits a line into cells at `sign`, an ASCII byte, without the blanks around them.
+/// Splits a line at `sign`, an ASCII byte, into cells without the blanks around them.
 pub(crate) fn cells(line: &str, sign: u8) -> impl Iterator<Item = &str> {
     let ends = memchr_iter(sign, line.as_bytes()).chain([line.len()]);
     ends.scan(0, move |begin, end| {
@@ -117,7 +117,7 @@ pub(crate) fn cells(line: &str, sign: u8) -> impl Iterator<Item = &str> {
     })
 }
 
-/// A piece of a file as quoted in an error.
+/// Returns a piece of a file as quoted in an error.
 pub(crate) fn quoted(found: &str) -> String {
     let mut shown = String::new();
     for (count, c) in found.chars().enumerate() {
@@ -134,8 +134,8 @@ pub(crate) fn quoted(found: &str) -> String {
     format!("`{shown}`")
 }
 
-/// Parses a real number, with blanks around it allowed; `NaN`, `inf` and the infinity sign that
-/// oscilloscopes write for an overload are numbers.
+/// Parses a real number; blanks around it are allowed. `NaN`, `inf` and the infinity sign, which
+/// oscilloscopes write for an overload, are numbers.
 pub(crate) fn real(text: &str, mark: DecimalMark) -> Option<f64> {
     let text = trimmed(text);
     match text.bytes().find(|byte| !matches!(byte, b'+' | b'-'))? {
@@ -181,7 +181,7 @@ pub(crate) fn complex(text: &str, mark: DecimalMark) -> Option<Complex64> {
     Some(Complex64::new(real(re, mark)?, real(&im, mark)?))
 }
 
-/// The text of the real part of a complex number.
+/// Returns the text of the real part of a complex number.
 pub(crate) fn real_part(text: &str) -> Option<&str> {
     parts(text).map(|(re, _)| re)
 }
@@ -204,7 +204,7 @@ fn parts(text: &str) -> Option<(&str, &str)> {
     Some((body.get(..split)?, body.get(split..)?))
 }
 
-/// Creates an axis with its unit, if the text is a known one; an empty text is no unit.
+/// Creates an axis, with its unit if the text is a known one; an empty text is not a unit.
 pub(crate) fn axis(label: impl Into<String>, unit_text: impl Into<String>) -> SeriesAxis {
     let unit_text = unit_text.into();
     SeriesAxis {
@@ -214,7 +214,7 @@ pub(crate) fn axis(label: impl Into<String>, unit_text: impl Into<String>) -> Se
     }
 }
 
-/// Returns the unit of a text.
+/// Returns the unit written as `text`, if it is a known one.
 pub(crate) fn known_unit(text: &str) -> Option<Unit> {
     if text.is_empty() {
         return None;
@@ -222,8 +222,9 @@ pub(crate) fn known_unit(text: &str) -> Option<Unit> {
     Unit::parse(text).ok()
 }
 
-/// Half a unit of the last digit written of a finite number: the largest rounding error. A zero
-/// with an exponent counts as exact, as any other number would be written with another first digit.
+/// Returns half a unit of the last digit written of a finite number: the largest rounding error. A
+/// zero with an exponent counts as exact, because any other number would be written with a nonzero
+/// first digit.
 pub(crate) fn half_unit(text: &str, mark: DecimalMark) -> f64 {
     let point = match mark {
         DecimalMark::Point => b'.',
@@ -319,7 +320,7 @@ mod tests {
 
     #[test]
     fn the_last_digit_says_how_far_a_number_was_rounded() {
-        // powers of ten are exact to a unit in the last place
+        // powers of ten are exact within a unit in the last place
         let close = |text: &str, unit: f64| {
             let found = half_unit(text, DecimalMark::Point);
             assert!((found / unit - 1.0).abs() < 1e-15, "{text}: {found}");

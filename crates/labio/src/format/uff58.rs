@@ -2,12 +2,13 @@
 //!
 //! # The format
 //!
-//! A universal file is a sequence of data sets, each between two lines ` -1`. Its number is on the
-//! line after the first of them. Number 164 has the units of functions that state none, number 15 the
-//! coordinates of their nodes ([`POSITION`]); all others but 58 are skipped, and their numbers are
-//! listed in [`Contents::properties`]. A data set 58 has eleven records in fixed columns and
-//! then its numbers: abscissa (unless evenly spaced) and real or complex ordinate of each point, in
-//! rows of `E13.5` and `E20.12` or, in a 58b, as IEEE numbers of either byte order.
+//! A universal file is a sequence of data sets, each between two lines ` -1`. The number of a data
+//! set is on the line after the first ` -1`. Data set 164 contains the units for functions that
+//! state none, data set 15 the coordinates of their nodes ([`POSITION`]); all others but 58 are
+//! skipped, and their numbers are listed in [`Contents::properties`]. A data set 58 has eleven
+//! records in fixed columns and then its numbers: abscissa (unless evenly spaced) and real or
+//! complex ordinate of each point, in rows of `E13.5` and `E20.12` or, in a 58b, as IEEE numbers in
+//! either byte order.
 //!
 //! # Series
 //!
@@ -17,34 +18,36 @@
 //! | kind | record 6, function type |
 //! | abscissa | record 7 if evenly spaced, else the data |
 //! | labels and texts of units of the axes | records 8 and 9 |
-//! | unit of the ordinate | record 9, divided by that of record 10 if there is one; without texts, by the specific data types and the system of data set 164 |
-//! | unit of the abscissa | record 8, or s and Hz if it has no text but the specific type of a time or a frequency |
+//! | unit of the ordinate | record 9, divided by that of record 10 if there is one; without texts, from the specific data types and the unit system of data set 164 |
+//! | unit of the abscissa | record 8; s or Hz if it has no text but the specific type of a time or a frequency |
 //!
-//! Everything else is in the properties, from which it is written back: `uff58.id2` to `uff58.id5`,
-//! `uff58.function_id`, `uff58.version`, `uff58.load_case`, `uff58.response_entity`, `.._node`,
-//! `.._direction`, the same of `uff58.reference`, `uff58.z_value`, for each of `abscissa`,
-//! `ordinate`, `denominator` and `z` its `.._type` (specific data type) and `.._exponents` (of
-//! length, force and temperature), `uff58.denominator_label`, `.._unit`, the same of `z`,
-//! `uff58.encoding` and `uff58.precision`. An empty field (0, `NONE`) is no property. Properties
-//! with other names are not written: the format has no place for them.
+//! Everything else is in the properties, and the writer writes these back: `uff58.id2` to
+//! `uff58.id5`, `uff58.function_id`, `uff58.version`, `uff58.load_case`, `uff58.response_entity`,
+//! `.._node`, `.._direction`, likewise for `uff58.reference`, `uff58.z_value`, for each of
+//! `abscissa`, `ordinate`, `denominator` and `z` its `.._type` (specific data type) and
+//! `.._exponents` (of length, force and temperature), `uff58.denominator_label`, `.._unit`,
+//! likewise for `z`, `uff58.encoding` and `uff58.precision`. An empty field (0, `NONE`) does not
+//! become a property. Properties with other names are not written: the format has no place for
+//! them.
 //!
 //! # Tolerated deviations
 //!
-//! Files of well-known programs contain the following, none of which makes the data ambiguous:
-//! columns that touch; numbers divided by blanks instead of columns; exponents with `D`, with three
-//! digits, without a letter; a last row that is partial or filled with zeros; separators and lines
-//! padded to 80 columns; a `-1` inside a data set; line ends of either kind; texts in UTF-8 or
-//! Latin-1; a line end before the closing `-1` of a 58b, and a wrong number of bytes in its first
-//! line, provided that the number of points leads to a separator. Anything else is an error that
-//! names record and field; in a tolerant reading it is a defect, and the points that could be
-//! read are kept.
+//! Files of well-known programs contain the following deviations, none of which makes the data
+//! ambiguous: columns that touch; numbers separated by blanks instead of columns; exponents with
+//! `D`, with three digits, without a letter; a last row that is partial or filled with zeros;
+//! separators and lines padded to 80 columns; a `-1` inside a data set; line ends of either kind;
+//! texts in UTF-8 or Latin-1; a line end before the closing `-1` of a 58b, and a wrong number of
+//! bytes in its first line, provided that the number of points leads to a separator. Anything else
+//! is an error that names record and field; in a tolerant reading it is a defect, and the points
+//! that could be read are kept.
 //!
 //! # Precision
 //!
 //! A 58b in double precision keeps every bit of the values (an uneven abscissa is written in double
 //! precision too). Text keeps 13 digits in double and 6 in single precision. Start and step of an
-//! even abscissa, and the z value, have 12 columns in the header of either: about 8 digits. Steps
-//! in files of other programs have 6 digits; the property [`STEP_HALF_UNIT`] gives their precision.
+//! even abscissa, and the z value, have 12 columns in the header of both forms: about 8 digits.
+//! Steps in files of other programs have 6 digits; the property [`STEP_HALF_UNIT`] states their
+//! precision.
 //!
 //! ```
 //! use labio::format::{Reader, Strictness, Writer, uff58::{ByteOrder, Encoding, Precision, Uff58, Uff58Writer}};
@@ -101,9 +104,9 @@ const FORMAT: &str = "uff58";
 
 /// Property of the file: the number of a skipped data set, one property for each.
 pub const SKIPPED: &str = "uff58.skipped_data_set";
-/// Property of an evenly spaced series: half a unit of the last digit in which the step is written.
-/// From it and the step [`customary_rate`](crate::format::customary_rate) finds the nominal
-/// sampling rate.
+/// Property of an evenly spaced series: half a unit of the last digit with which the step is
+/// written. From the step and this half unit, [`customary_rate`](crate::format::customary_rate)
+/// finds the nominal sampling rate.
 pub const STEP_HALF_UNIT: &str = "uff58.step_half_unit";
 /// Property of the file: number of data sets 58, present only if it is zero.
 pub const N_DATA_SETS: &str = "uff58.n_data_sets_58";
@@ -125,7 +128,7 @@ pub enum ByteOrder {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 #[non_exhaustive]
 pub enum Encoding {
-    /// The encoding in the property `uff58.encoding` of the series; text without it.
+    /// The encoding stated in the property `uff58.encoding` of the series; text if there is none.
     #[default]
     AsRead,
     /// Text.
@@ -138,7 +141,8 @@ pub enum Encoding {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 #[non_exhaustive]
 pub enum Precision {
-    /// The precision in the property `uff58.precision` of the series; double without it.
+    /// The precision stated in the property `uff58.precision` of the series; double if there is
+    /// none.
     #[default]
     AsRead,
     /// 6 digits as text, 24 bits as IEEE numbers.
@@ -161,8 +165,8 @@ impl Reader for Uff58 {
         FORMAT
     }
 
-    /// Returns true for a line `    -1` and a line with a number that ends in its sixth column. A
-    /// column of numbers that begins with -1 is not a universal file.
+    /// Returns true for a line `    -1` followed by a line with a number that ends in its sixth
+    /// column. A column of numbers that begins with -1 is not a universal file.
     fn recognises(&self, head: &[u8]) -> bool {
         let mut lines = Lines::new(head);
         let first = std::iter::from_fn(|| lines.next_line()).find(|line| !line.is_blank());
@@ -220,7 +224,7 @@ impl Reader for Uff58 {
     }
 }
 
-/// Advances to the line before the next separator, which may open a data set.
+/// Advances to just before the next separator, which may open a data set.
 fn resume(lines: &mut Lines<'_>) {
     while let Some(line) = lines.peek_line() {
         if line.is_separator() {
@@ -230,7 +234,7 @@ fn resume(lines: &mut Lines<'_>) {
     }
 }
 
-/// Number and letter of an identifier line.
+/// Returns number and letter of an identifier line.
 fn data_set_number(line: Line<'_>) -> Option<(u32, bool)> {
     let (columns, rest) = line.bytes.split_at(line.bytes.len().min(6));
     let number = std::str::from_utf8(columns.trim_ascii())
@@ -265,7 +269,8 @@ fn data_set(
     if number == 58 {
         return data_set_58(line, binary, lines, contents);
     }
-    // functions are whole without them: those of another layout are passed over and listed
+    // functions can be read without these data sets: those of an unexpected layout are skipped and
+    // listed
     let mut after = *lines;
     let read = match number {
         164 => surroundings.read_units(&mut after, contents),
@@ -423,7 +428,7 @@ impl Uff58Writer {
     }
 }
 
-/// Number of bytes of the rows.
+/// Returns the number of bytes of the rows.
 fn text_size(header: &Header) -> usize {
     let widths = ascii_rows::layout(header);
     let row: usize = widths.iter().sum::<usize>() + 1;

@@ -5,19 +5,19 @@
 //!
 //! Integer samples are divided by the largest magnitude $`2^{b-1}`$ of their $`b`$ bits, so that
 //! full scale is ±1 and the largest positive sample is one step below 1; 8-bit samples are offset
-//! by 128 first. Floating-point samples are not scaled. The SI value of ±1 is not in the file: it
-//! must be given to [`Blocks`], and a [`Series`] stays in fractions of full scale. The
+//! by 128 first. Floating-point samples are not scaled. The file does not contain the SI value of
+//! ±1: it must be passed to [`Blocks`], and a [`Series`] stays in fractions of full scale. The
 //! property `encoding` of the contents names the representation.
 //!
 //! # Names and units
 //!
-//! WAVE has no fields for either. The channels are called `channel 1`, `channel 2`, ...; the writer
-//! puts other names, and units, into the comment of the file (`ICMT`), from which the reader takes
-//! them back.
+//! WAVE has no fields for names and units. The channels are called `channel 1`, `channel 2`, ...;
+//! the writer puts other names, and units, into the comment of the file (`ICMT`), from which the
+//! reader restores them.
 //!
 //! # Strictness
 //!
-//! Rejected, and a defect in a tolerant reading: missing bytes, or bytes after those that the
+//! Rejected, or in a tolerant reading a defect: missing bytes, or bytes after those that the
 //! headers announce. Existing samples are returned.
 
 mod blocks;
@@ -36,11 +36,12 @@ use layout::Layout;
 
 const FORMAT: &str = "wav";
 
-/// Start of the comment that holds names and units.
+/// Start of the comment that contains names and units.
 const CHANNELS_COMMENT: &str = "channels: ";
 
-/// WAVE files. As a [`Writer`](crate::format::Writer) it keeps the encoding of the contents that
-/// were read, and uses 64-bit floating point for others; [`WavWriter`] sets the encoding.
+/// WAVE files. As a [`Writer`](crate::format::Writer) it keeps the encoding of contents that were
+/// read from a WAVE file, and uses 64-bit floating point for other contents; [`WavWriter`] sets the
+/// encoding.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Wav;
 
@@ -72,7 +73,7 @@ impl WavEncoding {
         Self::Float64,
     ];
 
-    /// Name as in the property `encoding`.
+    /// Name used in the property `encoding`.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -101,7 +102,7 @@ impl WavEncoding {
         }
     }
 
-    /// Decodes consecutive samples. `put` receives the position of each sample and its value in
+    /// Decodes consecutive samples. `put` receives the index of each sample and its value in
     /// fractions of full scale.
     fn decode(self, bytes: &[u8], put: impl FnMut(usize, f64)) {
         fn each<const N: usize>(
@@ -118,7 +119,7 @@ impl WavEncoding {
             Self::Pcm16 => each(bytes, |b| f64::from(i16::from_le_bytes(b)) / 32_768.0, put),
             Self::Pcm24 => each(
                 bytes,
-                // in the upper three bytes of four, so that the sign bit is in place
+                // in the upper three of four bytes, so that the sign bit is in place
                 |[a, b, c]| f64::from(i32::from_le_bytes([0, a, b, c])) / 2_147_483_648.0,
                 put,
             ),
@@ -189,14 +190,14 @@ impl Reader for Wav {
     }
 }
 
-/// Default names, without units.
+/// Returns the default names, without units.
 fn default_channels(n_channels: usize) -> Vec<(String, String)> {
     (1..=n_channels)
         .map(|number| (format!("channel {number}"), String::new()))
         .collect()
 }
 
-/// Names and units from the comment: `hammer [N]; end A [m/s^2]`.
+/// Reads names and units from the comment: `hammer [N]; end A [m/s^2]`.
 fn parse_channels(comment: &str) -> Vec<(String, String)> {
     comment
         .split("; ")
@@ -209,7 +210,7 @@ fn parse_channels(comment: &str) -> Vec<(String, String)> {
         .collect()
 }
 
-/// The comment that holds `channels`, if it can represent them.
+/// Returns the comment that contains `channels`, if it can represent them.
 fn channels_comment(channels: &[(String, String)]) -> Option<String> {
     let texts: Vec<String> = channels
         .iter()

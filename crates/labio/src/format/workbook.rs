@@ -1,19 +1,19 @@
-//! Workbooks of Excel, `.xlsx` of 2007 and later and `.xls` of 97 to 2003: each worksheet with
-//! numbers is a table as in a [text file](super::csv).
+//! Excel workbooks, `.xlsx` of 2007 and later and `.xls` of 97 to 2003: each worksheet with numbers
+//! is a table as in a [text file](super::csv).
 //!
-//! The numbers are those of the cells, of formulas the last values that Excel computed; what a cell
-//! shows, with fewer digits, does not matter. Names, units, other information above the numbers and
-//! the abscissa are found as in a text table. Charts and worksheets without numbers are left out;
-//! the names of the latter are properties. With several worksheets of numbers, series are named
-//! `worksheet/column`.
+//! The numbers are the stored values of the cells and, for formulas, the last values that Excel
+//! computed, not the shorter numbers that a cell displays. Names, units, other information above
+//! the numbers and the abscissa are found as in a text table. Charts and worksheets without numbers
+//! are left out; the names of these worksheets become properties. If several worksheets have
+//! numbers, series are named `worksheet/column`.
 //!
 //! Needs the feature `workbook`.
 //!
 //! # Strictness
 //!
-//! As of a text table, with the place as row and column of the numbers' area. A cell of a date or
-//! of an error (`#DIV/0!`) is no number. Files that are encrypted or older, and contents beyond a
-//! [`MemoryLimit`], are rejected in either.
+//! As for a text table, with the place as row and column of the area of numbers. A cell with a date
+//! or an error (`#DIV/0!`) is not a number. Files that are encrypted or older, and contents beyond
+//! a [`MemoryLimit`], are rejected in a strict or a tolerant reading.
 
 mod xls;
 
@@ -29,7 +29,7 @@ use crate::{Contents, LabioError, Place};
 
 const FORMAT: &str = "xlsx";
 
-/// Workbooks of Excel 2007 and later: ZIP archives of XML.
+/// Workbooks of Excel 2007 and later: ZIP archives of XML files.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Xlsx;
 
@@ -67,7 +67,7 @@ impl Reader for Xls {
     }
 }
 
-/// Reads a workbook whose tables have this abscissa.
+/// Reads a workbook whose tables have the given kind of abscissa.
 pub(super) fn read_at(
     bytes: &[u8],
     strictness: Strictness,
@@ -122,7 +122,7 @@ pub(super) fn read_at(
     Ok(contents)
 }
 
-/// The error of a text table as one of a worksheet.
+/// Converts the error of a text table to the error of a worksheet.
 fn in_worksheet(format: &'static str, name: &str, error: LabioError) -> LabioError {
     match error {
         LabioError::Malformed {
@@ -152,17 +152,17 @@ fn refused(what: &str, error: impl std::fmt::Display) -> LabioError {
     }
 }
 
-/// A worksheet as a text table: a line for each row, numbers in the fewest digits that read back to
+/// A worksheet as a text table: one line per row, numbers with the fewest digits that read back to
 /// the same bits.
 struct Worksheet {
     name: String,
     text: String,
 }
 
-/// A table as it is filled, cell by cell in order of rows.
+/// A table that is filled cell by cell.
 #[derive(Default)]
 struct Filled {
-    /// Row, column and text of the cells that hold something.
+    /// Row, column and text of the cells that are not empty.
     cells: Vec<(u32, u32, String)>,
 }
 
@@ -170,7 +170,7 @@ impl Filled {
     fn add(&mut self, (row, column): (u32, u32), value: &DataRef<'_>) {
         let text = match value {
             DataRef::Empty => return,
-            // an integer is written as one, and the others with the fewest digits
+            // an integer is written as an integer, other numbers with the fewest digits
             DataRef::Int(number) => number.to_string(),
             DataRef::Float(number) => format!("{number:?}"),
             DataRef::String(text) => plain(text),
@@ -207,7 +207,7 @@ impl Filled {
     }
 }
 
-/// A text without the signs that end a cell or a row.
+/// Returns a text without the characters that end a cell or a row.
 fn plain(text: &str) -> String {
     text.replace(['\t', '\n', '\r'], " ").trim().to_owned()
 }
@@ -218,7 +218,7 @@ fn worksheets(bytes: &[u8]) -> Result<Vec<Worksheet>, LabioError> {
     let mut file = XlsxFile::new(Cursor::new(bytes)).map_err(broken)?;
     let mut worksheets = Vec::new();
     for name in file.sheet_names() {
-        // a sheet of a chart has no cells
+        // a chart sheet has no cells
         let Ok(mut cells) = file.worksheet_cells_reader(&name) else {
             continue;
         };
@@ -234,8 +234,8 @@ fn worksheets(bytes: &[u8]) -> Result<Vec<Worksheet>, LabioError> {
     Ok(worksheets)
 }
 
-/// Rejects an archive whose members take more memory than the default limit when they are unpacked,
-/// or announce more texts than they can hold: memory would be reserved for all of them.
+/// Rejects an archive whose members, when unpacked, take more memory than the default limit, or
+/// announce more texts than they can contain: memory would be reserved for all announced texts.
 fn expect_to_fit(bytes: &[u8]) -> Result<(), LabioError> {
     let broken = |error: zip::result::ZipError| refused("archive", error);
     let mut archive = ZipArchive::new(Cursor::new(bytes)).map_err(broken)?;
@@ -244,7 +244,7 @@ fn expect_to_fit(bytes: &[u8]) -> Result<(), LabioError> {
     for index in 0..archive.len() {
         let member = archive.by_index(index).map_err(broken)?;
         let name = member.name().map_err(broken)?.into_owned();
-        // what is announced may be less than what is packed
+        // the announced length may be less than the unpacked length
         let mut unpacked = Vec::new();
         let read = member.take(limit.bytes()).read_to_end(&mut unpacked);
         read.map_err(|error| refused("archive", error))?;
@@ -259,10 +259,10 @@ fn expect_to_fit(bytes: &[u8]) -> Result<(), LabioError> {
     Ok(())
 }
 
-/// Bytes of the shortest text in a list of them, `<si/>`.
+/// Number of bytes of the shortest text in a list of texts, `<si/>`.
 const SHORTEST_TEXT: usize = 5;
 
-/// The first number after `at`.
+/// Returns the first number after offset `at`.
 fn number_after(bytes: &[u8], at: usize) -> usize {
     let rest = bytes
         .iter()

@@ -3,12 +3,12 @@
 use super::{Estimator, FrequencyResponse};
 use crate::{AveragedSpectra, LabioError};
 
-/// Relative systematic errors of |H| on one line. All concern the magnitude: noise that is
-/// uncorrelated with everything leaves the phase unbiased.
+/// Relative systematic errors of |H| on one line. All of them concern the magnitude: noise that is
+/// uncorrelated with the signals and with other noise does not bias the phase.
 ///
-/// One coherence does not tell which channel the noise is on. `input_noise` and `output_noise` are
-/// therefore alternatives: the bias of the estimator *if all* of the missing coherence were noise
-/// on that channel.
+/// A coherence does not show which channel has the noise. `input_noise` and `output_noise` are
+/// therefore alternatives: the bias of the estimator *if all* of the missing coherence were caused
+/// by noise on that channel.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct Bias {
@@ -22,7 +22,7 @@ pub struct Bias {
 }
 
 impl FrequencyResponse {
-    /// Returns the bias of every line, NaN on invalid ones; `None` without coherence.
+    /// Returns the bias of every line, NaN on invalid lines; `None` without coherence.
     ///
     /// # Validity
     ///
@@ -36,7 +36,8 @@ impl FrequencyResponse {
         Some(coherences.iter().map(line).collect())
     }
 
-    /// The possible bias by the coherence: below zero for H1, above for H2 and Hv.
+    /// Returns the possible bias that follows from the coherence: negative for H1, positive for H2
+    /// and Hv.
     pub(super) fn bias_by_coherence(&self) -> Option<Vec<f64>> {
         let coherences = self
             .coherence
@@ -76,8 +77,8 @@ impl Bias {
     reason = "the response was made of these spectra and has their lines, as the noise of a channel has"
 )]
 impl AveragedSpectra {
-    /// Sets the bias of a response by the noise of its channels at rest, and removes it for
-    /// [`Estimator::Hs`].
+    /// Sets the bias of a response that is caused by the noise of its channels at rest, and removes
+    /// that bias for [`Estimator::Hs`].
     pub(super) fn consider_rest_noise(
         &self,
         response: &mut FrequencyResponse,
@@ -97,7 +98,8 @@ impl AveragedSpectra {
                 for (line, c) in coherence.iter().enumerate() {
                     let (a, b) = (on_input[line], on_output[line]);
                     let root = ((b - a).powi(2) + 4.0 * a * b * c).sqrt();
-                    // two forms of one number: the first loses digits where the second keeps them
+                    // two forms of the same number: each keeps its digits where the other one loses
+                    // them
                     let factor = match (a > 0.0 || b > 0.0, b >= a) {
                         (false, _) => 1.0,
                         (true, true) => 2.0 * b / (root + b - a),
@@ -124,7 +126,7 @@ impl AveragedSpectra {
             let lines = on_input.iter().zip(&on_output).zip(&response.values);
             lines
                 .map(|((a, b), value)| {
-                    // the part of the power that is signal; NaN if there is none
+                    // the signal's share of the power; NaN if there is none
                     let signal = |noise: f64| if noise < 1.0 { 1.0 - noise } else { f64::NAN };
                     let bias = match response.estimator {
                         Estimator::H1 => -a,
@@ -144,8 +146,9 @@ impl AveragedSpectra {
 mod tests {
     use super::*;
 
-    /// Bendat and Piersol: of a coherence of 0.64, H1 is 0.36 too low by noise of the input, H2
-    /// 0.5625 too high by that of the output, Hv 0.2 and 0.25.
+    /// Bendat and Piersol: with a coherence of 0.64, H1 is 0.36 too low if the noise is on the
+    /// input, H2 is 0.5625 too high if it is on the output, and Hv is 0.2 too low or 0.25 too high,
+    /// respectively.
     #[test]
     fn the_possible_biases_are_those_of_the_coherence() {
         for (estimator, input_noise, output_noise) in [

@@ -1,10 +1,10 @@
-//! Ordinary coherence, its bias, its random error and its level by chance.
+//! Ordinary coherence, its bias, its random error, and the level that it reaches by chance.
 
 use super::LineValidity;
 use crate::{AveragedSpectra, LabioError};
 
-/// Ordinary coherence $`\gamma^2 = |G_{xy}|^2/(G_{xx}G_{yy})`$: the part of the output's power that
-/// is linear in the input.
+/// Ordinary coherence $`\gamma^2 = |G_{xy}|^2/(G_{xx}G_{yy})`$: the share of the output's power
+/// that is linear in the input.
 ///
 /// With noise-to-signal ratios $`N_x/S_x`$ and $`N_y/S_y`$ it tends to
 /// $`1/((1+N_x/S_x)(1+N_y/S_y))`$. Nonlinearity, leakage and a second input also reduce it.
@@ -17,15 +17,15 @@ pub struct Coherence {
     pub values: Vec<f64>,
     /// Number of hits or segments averaged.
     pub n_averages: usize,
-    /// Number of independent hits or segments of the same variance.
+    /// Number of independent hits or segments that would give the same variance.
     pub effective_averages: f64,
     /// Validity of each line.
     pub validity: Vec<LineValidity>,
 }
 
 impl Coherence {
-    /// Returns the expected bias of each line, to first order $`(1-\gamma^2)^2/n_e`$: with few hits
-    /// an estimate is too high, and n hits of pure noise give 1/n.
+    /// Returns the expected bias of each line, to first order $`(1-\gamma^2)^2/n_e`$: with few
+    /// hits, an estimate of the coherence is too high, and n hits of pure noise give 1/n.
     #[must_use]
     pub fn bias(&self) -> Vec<f64> {
         self.values
@@ -62,23 +62,22 @@ impl Coherence {
         Ok(chance_level(probability, self.effective_averages))
     }
 
-    /// Probability with which noise alone reaches the coherence below which a line is taken as
-    /// noise.
+    /// Probability that noise alone reaches the coherence below which a line is treated as noise.
     pub const CHANCE: f64 = 0.05;
 }
 
-/// The coherence that noise exceeds with probability `probability`.
+/// Returns the coherence that noise exceeds with probability `probability`.
 pub(crate) fn chance_level(probability: f64, effective_averages: f64) -> f64 {
     1.0 - probability.powf(1.0 / (effective_averages - 1.0))
 }
 
-/// Largest distance from 1 caused by the rounding of samples and transforms: a converter of 24 bits
-/// leaves more.
+/// Largest difference from 1 caused by rounding of samples and transforms: the noise of a 24-bit
+/// converter leaves a larger difference.
 const ROUNDING_OF_ONE: f64 = 1e-12;
 
 impl Coherence {
-    /// Returns true if it is 1 within rounding on half of the lines or more: no measurement is free
-    /// of noise, so that several hits are copies of one, or were computed.
+    /// Returns true if the coherence is 1 within rounding on more than half of the valid lines: no
+    /// measurement is free of noise, so several hits are copies of one hit, or were computed.
     #[must_use]
     pub fn is_one_to_rounding(&self) -> bool {
         let known = self.values.iter().filter(|value| value.is_finite());
@@ -98,8 +97,8 @@ impl AveragedSpectra {
     /// # Errors
     ///
     /// [`LabioError::UnknownChannel`]; [`LabioError::TooFewAverages`] for a single hit, whose
-    /// coherence is 1 by construction, and for overlapped segments with an effective number
-    /// below one and a half.
+    /// coherence is 1 by construction, and for overlapped segments with an effective number of
+    /// averages below 1.5.
     pub fn coherence(&self, input: &str, output: &str) -> Result<Coherence, LabioError> {
         self.check_coherence("the coherence")?;
         let pair = self.pair(input, output)?;
@@ -163,7 +162,7 @@ mod tests {
         let level = coherence.chance_level(0.05).unwrap();
         let inner = &coherence.values[1..8192];
         let above = inner.iter().filter(|c| **c > level).count() as f64 / inner.len() as f64;
-        // 8191 trials of probability 0.05: standard error 0.0024, four of these
+        // 8191 trials of probability 0.05: four times the standard error of 0.0024
         assert!((above - 0.05).abs() < 0.0096, "{above}");
         assert!(coherence.chance_level(0.0).is_err() && coherence.chance_level(1.0).is_err());
     }
@@ -179,12 +178,13 @@ mod tests {
         let mean = inner.iter().sum::<f64>() / n;
         let spread = (inner.iter().map(|c| (c - mean).powi(2)).sum::<f64>() / n).sqrt();
         let expected = (2.0_f64 / 60.0).sqrt() * 0.5 * 0.5_f64.sqrt();
-        // the first order in 1/n leaves 2 %, 4095 lines 1.1 %: 4 standard errors and the former
+        // the neglected terms of first order in 1/n are 2 %; 4095 lines have a standard error of
+        // 1.1 %, four of which are added
         assert!(
             (spread / expected - 1.0).abs() < 0.065,
             "{spread} {expected}"
         );
-        // what is reported of a line with the true coherence is that number
+        // the reported error of a line with the true coherence is the expected one
         let reported = Coherence {
             values: vec![0.5],
             ..coherence
@@ -227,7 +227,8 @@ mod tests {
         ));
     }
 
-    /// Copies of one hit have a coherence of 1 to rounding on most lines, whatever the others.
+    /// The coherence of copies of one hit is 1 within rounding on most lines, whatever it is on the
+    /// other lines.
     #[test]
     fn a_coherence_of_copies_is_one_to_rounding() {
         let of = |values: &[f64]| Coherence {
@@ -244,7 +245,7 @@ mod tests {
         assert!(!of(&[one, less, none, none, less]).is_one_to_rounding());
         assert!(!of(&[none, none]).is_one_to_rounding());
         assert!(!of(&[]).is_one_to_rounding());
-        // seven decimals less than 1 is a measurement
+        // a coherence of 1 - 1e-7 can be measured
         assert!(!of(&[1.0 - 1e-7; 3]).is_one_to_rounding());
     }
 }

@@ -1,37 +1,38 @@
-//! Difference of two estimates of one response, for example with and without a window.
+//! Difference between two estimates of one response, for example with and without a window.
 
 use super::{FrequencyResponse, LineValidity};
 use crate::LabioError;
 
-/// Coherence above which lines are compared: below it, noise in the input causes a bias of its own.
+/// Coherence above which lines are compared: below it, noise in the input causes an additional
+/// bias.
 const LEAST_COHERENCE: f64 = 0.9;
 /// Fewest lines for a comparison.
 const FEWEST_LINES: usize = 8;
 /// Limit of the median difference in units of the stated error.
 const APART: f64 = 2.0;
-/// Limit, in stated errors, of the difference that a tenth of the lines exceeds; chance gives 3
-/// with two hits, 2 with three.
+/// Limit, in units of the stated error, of the difference that one line in ten exceeds; chance
+/// alone gives 3 with two hits and 2 with three.
 const TENTH_APART: f64 = 4.0;
 
-/// Relative difference of two estimates of one response over the lines; medians unless stated
-/// otherwise.
+/// Relative difference between two estimates of one response, evaluated over their lines; medians
+/// unless stated otherwise.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Departure {
-    /// Difference.
+    /// Median difference.
     pub median: f64,
-    /// Difference that a tenth of the lines exceeds.
+    /// Difference that one line in ten exceeds.
     pub of_a_tenth: f64,
-    /// Difference over stated error that a tenth of the lines exceeds.
+    /// Ratio of difference to stated error that one line in ten exceeds.
     pub errors_of_a_tenth: f64,
-    /// Standard error of the complex line by both estimates together.
+    /// Standard error of the difference of the complex lines, from both estimates together.
     pub stated: f64,
-    /// Standard error of the complex line by this estimate.
+    /// Standard error of the complex line of this estimate.
     pub own: f64,
 }
 
 impl Departure {
-    /// Returns true if the difference exceeds twice the stated error in the median, or four times
-    /// that error on a tenth of the lines.
+    /// Returns true if the median difference exceeds twice the stated error, or if one line in ten
+    /// differs by more than four times its stated error.
     #[must_use]
     pub fn is_beyond_errors(&self) -> bool {
         self.median > APART * self.stated || self.errors_of_a_tenth > TENTH_APART
@@ -39,12 +40,13 @@ impl Departure {
 }
 
 impl FrequencyResponse {
-    /// Returns the difference from another estimate on the same lines, over those with a coherence
-    /// above 0.9 in both. `None` without variances, or with fewer than eight such lines.
+    /// Returns the difference from another estimate on the same lines, evaluated over the lines
+    /// with a coherence above 0.9 in both estimates. `None` without variances, or with fewer than
+    /// eight such lines.
     ///
     /// # Errors
     ///
-    /// [`LabioError::CountMismatch`] for another number of lines.
+    /// [`LabioError::CountMismatch`] if the numbers of lines differ.
     pub fn departure_from(&self, other: &Self) -> Result<Option<Departure>, LabioError> {
         self.check_lengths()?;
         other.check_lengths()?;
@@ -94,24 +96,25 @@ impl FrequencyResponse {
         ))
     }
 
-    /// Returns the relative systematic error of every line by finite resolution, from the same
-    /// records cut into segments of half the length; NaN where one of the two has no value.
+    /// Returns the relative systematic error of every line caused by finite resolution. `halved` is
+    /// the response from the same records cut into segments of half the length. NaN where one of
+    /// the two responses has no value.
     ///
-    /// The spectra of segments of duration T under a window w are the true ones times the lag
-    /// window $`r_w(\tau) = \int w(t)w(t+\tau)\,dt`$, normalised to $`r_w(0) = 1`$, and so is
-    /// the impulse response: $`H_1`$ is H smoothed over a line. To leading order the error
-    /// is $`c H''/T^2`$, a third of the difference from half the length,
+    /// The correlation functions from segments of duration T under a window w are the true ones
+    /// times the lag window $`r_w(\tau) = \int w(t)w(t+\tau)\,dt`$, normalised to $`r_w(0) = 1`$,
+    /// and so is the impulse response: $`H_1`$ is H smoothed over a line. To leading order the
+    /// error is $`c H''/T^2`$, a third of the difference from the response of half the length,
     ///
     /// ```math
     /// \epsilon = \frac{1}{3\lvert H\rvert}\sqrt{\max\bigl(\lvert H_T - H_{T/2}\rvert^2 - \mathrm{Var}\,H_T,\,0\bigr)}
     /// ```
     ///
-    /// on every second line; between them the greater of the neighbours is taken.
+    /// on every second line; a line between two of these has the greater of their errors.
     ///
     /// # Validity
     ///
     /// The magnitude of the error, not its sign, for resonances wider than a line. For narrower
-    /// ones it is underestimated, but still large.
+    /// resonances the error is underestimated, but still large.
     ///
     /// # Errors
     ///
@@ -153,7 +156,8 @@ impl FrequencyResponse {
             .collect())
     }
 
-    /// Value and variance of each line; `None` for lines without information or with low coherence.
+    /// Returns value and variance of each line; `None` for lines without information or with low
+    /// coherence.
     fn known_lines(&self) -> impl Iterator<Item = Option<(num_complex::Complex64, f64)>> + '_ {
         let none = || std::iter::repeat(&f64::NAN);
         let lines = self.values.iter().zip(&self.validity);
@@ -174,7 +178,7 @@ mod tests {
     use super::*;
     use crate::{Channel, Quantity};
 
-    /// A response of these real values with a coherence of 0.95, and of variance `variance`.
+    /// Returns a response with these real values, a coherence of 0.95 and the variance `variance`.
     fn response(values: &[f64], variance: f64) -> FrequencyResponse {
         let channel = |quantity| Channel::new("x", quantity).unwrap();
         let lines = values.iter().map(|value| Complex64::from(*value)).collect();
@@ -191,9 +195,8 @@ mod tests {
         .unwrap()
     }
 
-    /// Twenty lines 0, 0.1, ... 1.9 % above a reference of 2: the eleventh of them is the median,
-    /// and the eighteenth is exceeded by a tenth. Variances of 9e-4 and 16e-4 make an error of
-    /// 0.05.
+    /// Twenty lines, 0, 0.1, ... 1.9 % above a reference of 2: the eleventh line is the median, and
+    /// one line in ten exceeds the eighteenth. Variances of 9e-4 and 16e-4 give an error of 0.05.
     #[test]
     fn a_departure_is_counted_over_lines() {
         let lines: Vec<f64> = (0..20).map(|k| 2.0 + 2e-3 * f64::from(k)).collect();
@@ -232,7 +235,7 @@ mod tests {
         }
         let found = one.departure_from(&two).unwrap().unwrap();
         assert!((found.median - 0.5).abs() < 1e-15);
-        // eight lines are left; without one more there is no comparison
+        // eight lines are left; with one line less there is no comparison
         one.validity[11] = LineValidity::NotDefined;
         assert_eq!(one.departure_from(&two).unwrap(), None);
         one.variance = None;
@@ -247,8 +250,8 @@ mod tests {
         ));
     }
 
-    /// A third of √(0.36 - 0.11) over 2, of 0.36 less than the variance nothing, and of √0.81 over
-    /// 3; the greater of two on the lines between.
+    /// Expected errors: a third of √(0.36 - 0.11)/2; zero where 0.36 is less than the variance; a
+    /// third of √0.81/3; on the lines between, the greater of the neighbours.
     #[test]
     fn the_error_of_resolution_is_a_third_of_the_difference_beyond_chance() {
         let mut full = response(&[2.0, 2.0, 2.0, 2.0, 3.0], 0.11);

@@ -1,4 +1,4 @@
-//! Responses whose lines do not come from spectra: read from a file, or computed.
+//! Responses that do not come from spectra: read from a file, or computed.
 
 use num_complex::Complex64;
 
@@ -6,14 +6,14 @@ use super::{Estimator, FrequencyResponse, LineValidity};
 use crate::error::{check_finite, check_positive};
 use crate::{Channel, LabioError};
 
-/// Fewest lines of a response.
+/// Fewest lines that a response may have.
 const FEWEST_LINES: usize = 3;
 
 impl FrequencyResponse {
-    /// Creates a response from `values` \[unit of output / unit of input\] on the lines $`k\,\Delta
-    /// f`$ from 0 Hz. It corresponds to $`2(L-1)`$ samples, counts as a single average and has
-    /// no errors yet. A non-finite value is a line without information
-    /// ([`LineValidity::NotDefined`]), for example a mobility at 0 Hz.
+    /// Creates a response from `values` \[unit of output / unit of input\] on the lines
+    /// $`k\,\Delta f`$ from 0 Hz. The response corresponds to $`2(L-1)`$ samples for L lines,
+    /// counts as a single average and has no errors yet. A non-finite value marks a line without
+    /// information ([`LineValidity::NotDefined`]), for example a mobility at 0 Hz.
     ///
     /// # Examples
     ///
@@ -31,8 +31,8 @@ impl FrequencyResponse {
     ///
     /// # Errors
     ///
-    /// [`LabioError::NonPhysical`] for the spacing, [`LabioError::CountMismatch`] below three
-    /// lines.
+    /// [`LabioError::NonPhysical`] for the spacing, [`LabioError::CountMismatch`] for fewer than
+    /// three lines.
     pub fn of_lines(
         input: Channel,
         output: Channel,
@@ -93,7 +93,7 @@ impl FrequencyResponse {
     ///
     /// # Errors
     ///
-    /// [`LabioError::CountMismatch`]; [`LabioError::TooFewAverages`] below two;
+    /// [`LabioError::CountMismatch`]; [`LabioError::TooFewAverages`] for fewer than two hits;
     /// [`LabioError::NonPhysical`] for a coherence that is not above 0 and at most 1.
     pub fn with_coherence(
         mut self,
@@ -144,8 +144,8 @@ impl FrequencyResponse {
     ///
     /// # Errors
     ///
-    /// [`LabioError::CountMismatch`]; [`LabioError::NonPhysical`] for one that is negative or not
-    /// finite.
+    /// [`LabioError::CountMismatch`]; [`LabioError::NonPhysical`] for a variance that is negative
+    /// or not finite.
     pub fn with_variance(mut self, variance: Vec<f64>) -> Result<Self, LabioError> {
         self.check_lines("lines of the validity", self.validity.len())?;
         self.check_lines("lines of the variance", variance.len())?;
@@ -166,9 +166,9 @@ impl FrequencyResponse {
         self.with_degrees_of_freedom(&known)
     }
 
-    /// Adds a known variance to that of the complex lines, such as that of what a truncated record
-    /// cuts off. The degrees of freedom are those of the random part, by Welch and Satterthwaite:
-    /// $`\nu\,(\sigma^2 + \sigma_k^2)^2/\sigma^4`$.
+    /// Adds a known variance to that of the complex lines, such as the variance caused by the
+    /// truncation of a record. The degrees of freedom follow from those of the random part by the
+    /// formula of Welch and Satterthwaite: $`\nu\,(\sigma^2 + \sigma_k^2)^2/\sigma^4`$.
     ///
     /// # Errors
     ///
@@ -208,8 +208,8 @@ impl FrequencyResponse {
     ///
     /// # Errors
     ///
-    /// [`LabioError::CountMismatch`]; [`LabioError::NonPhysical`] for one that is not positive;
-    /// [`LabioError::TooFewAverages`] for a response without a variance.
+    /// [`LabioError::CountMismatch`]; [`LabioError::NonPhysical`] for degrees of freedom that are
+    /// not positive; [`LabioError::TooFewAverages`] for a response without a variance.
     pub fn with_degrees_of_freedom(mut self, freedom: &[f64]) -> Result<Self, LabioError> {
         self.check_lines("lines of the degrees of freedom", freedom.len())?;
         if self.variance.is_none() {
@@ -242,8 +242,8 @@ impl FrequencyResponse {
     ///
     /// # Errors
     ///
-    /// [`LabioError::CountMismatch`]; [`LabioError::NonPhysical`] for one that is negative or not
-    /// finite.
+    /// [`LabioError::CountMismatch`]; [`LabioError::NonPhysical`] for an uncertainty that is
+    /// negative or not finite.
     pub fn with_common_errors(mut self, relative: &[f64]) -> Result<Self, LabioError> {
         self.check_lines("lines of the common error", relative.len())?;
         let lines = relative.iter().zip(&self.validity);
@@ -264,12 +264,12 @@ impl FrequencyResponse {
         Ok(self)
     }
 
-    /// Adds a relative standard uncertainty common to all lines, such as that of the sensors,
-    /// independent of those already set. 0 changes nothing.
+    /// Adds a relative standard uncertainty common to all lines, such as that of the sensors, which
+    /// is independent of those already set. A value of 0 changes nothing.
     ///
     /// # Errors
     ///
-    /// [`LabioError::NonPhysical`] for one that is negative or not finite.
+    /// [`LabioError::NonPhysical`] for an uncertainty that is negative or not finite.
     pub fn with_common_error(mut self, relative: f64) -> Result<Self, LabioError> {
         if !(relative.is_finite() && relative >= 0.0) {
             return Err(LabioError::NonPhysical {
@@ -345,7 +345,8 @@ mod tests {
         assert_eq!(given.kind().unwrap(), ResponseKind::Mobility);
         let pairs = given.variance.as_ref().unwrap().iter();
         for (found, expected) in pairs.zip(measured.variance.as_ref().unwrap()) {
-            // 1 - c loses digits where c is near 1: a rounding of c over 1 - c, here above 1e-3
+            // 1 - c loses digits where c is near 1: a rounding error of c divided by 1 - c, which
+            // is above 1e-3 here
             assert!((found / expected - 1.0).abs() < 1e-12);
         }
         let (there, here) = (
@@ -372,8 +373,8 @@ mod tests {
             .with_variance(vec![f64::NAN, 1.0, 1.0, 1.0, 1.0]);
         let with = with.unwrap();
         assert!(with.variance.as_ref().unwrap()[0].is_nan());
-        // a known part of three times the random one: four times the variance, sixteen times the
-        // degrees of freedom
+        // a known part three times as large as the random one: four times the variance, sixteen
+        // times the degrees of freedom
         let with = with.with_degrees_of_freedom(&[4.0; 5]).unwrap();
         let with = with
             .with_known_variance(&[3.0, 0.0, 3.0, 3.0, 3.0])
@@ -474,7 +475,7 @@ mod tests {
                 Err(error) => Err(error),
             }
         });
-        // what was wrong with the old coherence or variance is gone with it
+        // errors in the old coherence or variance disappear with it
         assert_eq!(
             coherence.map(|answer| answer.map_err(|error| error.to_string())),
             [
@@ -509,8 +510,8 @@ mod tests {
         FrequencyResponse::of_lines(force, velocity, 10.0, lines.collect()).unwrap()
     }
 
-    /// |H|² (1 - γ²)/((n - 1) γ²) with 2(n - 1) degrees of freedom (Bendat and Piersol), of 2, 0.8
-    /// and 11 hits.
+    /// |H|² (1 - γ²)/((n - 1) γ²) with 2(n - 1) degrees of freedom (Bendat and Piersol), for |H| =
+    /// 2, γ² = 0.8 and n = 11.
     #[test]
     fn a_coherence_gives_variance_and_degrees_of_freedom() {
         let found = of(&[2.0, f64::NAN, 2.0]).with_coherence(vec![0.8; 3], 11);
@@ -523,7 +524,7 @@ mod tests {
         assert!(of(&[2.0; 3]).with_coherence(vec![1.0; 3], 1).is_err());
     }
 
-    /// Welch and Satterthwaite: a quarter of the variance with ten degrees of freedom, the rest
+    /// Welch and Satterthwaite: a quarter of the variance has ten degrees of freedom, the rest is
     /// known.
     #[test]
     fn a_known_variance_adds_degrees_of_freedom() {
@@ -553,7 +554,7 @@ mod tests {
         assert_eq!(none.common_error, None);
     }
 
-    /// Nine lines are those of 16 samples, five those of 8.
+    /// Nine lines belong to 16 samples, five lines to 8.
     #[test]
     fn truncated_lines_are_those_of_fewer_samples() {
         let mut response = of(&[2.0; 9]).with_coherence(vec![0.8; 9], 5).unwrap();

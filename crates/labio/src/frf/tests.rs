@@ -68,7 +68,7 @@ fn noisy(seed: u64, n: usize, n_hits: usize, a: f64, b: f64) -> AveragedSpectra 
     averager.spectra().unwrap()
 }
 
-/// Schwarz' inequality, line by line.
+/// The Schwarz inequality, line by line.
 #[test]
 fn h1_is_never_above_h2() {
     let spectra = noisy(3, 512, 200, 0.25, 0.5);
@@ -79,8 +79,8 @@ fn h1_is_never_above_h2() {
 
 #[test]
 fn empty_lines_are_flagged_with_their_reason() {
-    // every fifth sample of 60: lines 0, 12 and 24 have all the energy, the others what the
-    // transform rounds
+    // every fifth of 60 samples: lines 0, 12 and 24 have all the energy, the other lines only
+    // rounding errors of the transform
     let train: Vec<f64> = (0..60)
         .map(|i| if i % 5 == 0 { 1.0 / 3.0 } else { 0.0 })
         .collect();
@@ -91,7 +91,7 @@ fn empty_lines_are_flagged_with_their_reason() {
     for (k, validity) in response.validity.iter().enumerate() {
         if k % 12 == 0 {
             assert_eq!(*validity, LineValidity::Valid);
-            // one rounding of a ratio
+            // one rounding error of a ratio
             assert!((response.values[k] - 1.0).norm() < 1e-15);
         } else {
             assert_eq!(*validity, LineValidity::NoInput, "line {k}");
@@ -123,7 +123,8 @@ fn empty_lines_are_flagged_with_their_reason() {
             .iter()
             .all(|e| e.magnitude.is_infinite())
     );
-    // nothing in common is a coherence of 0, of which H1 is wrong by all it has and nothing else
+    // nothing in common means a coherence of 0: the relative error of H1 is then -1 if the noise is
+    // on the input, and 0 if it is on the output
     for bias in h1.bias().unwrap() {
         assert!((bias.input_noise + 1.0).abs() < 1e-15 && bias.output_noise.abs() < 1e-15);
         assert!(bias.scatter.is_infinite());
@@ -169,8 +170,8 @@ fn the_bias_that_is_stated_is_the_bias_that_is_found() {
             };
             let expected = (1.0 + noise) * (1.0 + bias.scatter);
             let found = magnitude(&response);
-            // 4095 lines with a random error of 0.061 each: 0.001; four of these, and 1/n of the
-            // scatter's second order
+            // 4095 lines with a random error of 0.061 each: 0.001; four of these, plus the second
+            // order of the scatter, 1/n
             assert!(
                 (found / expected - 1.0).abs() < 0.006,
                 "{:?} {a} {b}: {found} {expected}",
@@ -196,7 +197,7 @@ fn the_variance_of_a_line_is_twice_that_of_a_component() {
             let square = response.values[k].norm_sqr();
             let formula = square * (1.0 - coherence[k]) / ((n_hits - 1) as f64 * coherence[k]);
             let from_error = 2.0 * square * errors[k].magnitude.powi(2);
-            // the same figures combined in another order, the difference 1 - coherence included
+            // the same numbers combined in another order, including the difference 1 - coherence
             assert!((variances[k] - formula).abs() < 1e-12 * formula);
             assert!((variances[k] - from_error).abs() < 1e-12 * formula);
         }
@@ -212,7 +213,7 @@ fn the_variance_of_a_line_is_twice_that_of_a_component() {
         )
     };
     let stated = mean(&h1.variance.as_ref().unwrap()[inner.clone()]);
-    // 4095 lines: 2.2 % of a mean square, four of these
+    // 4095 lines: 2.2 % standard error of a mean square, times four
     for component in [|d: Complex64| d.re, |d: Complex64| d.im] {
         let ratio = 2.0 * deviation(component) / stated;
         assert!((ratio - 1.0).abs() < 0.088, "{ratio}");
@@ -221,7 +222,8 @@ fn the_variance_of_a_line_is_twice_that_of_a_component() {
 
 #[test]
 fn lines_whose_squares_have_lost_digits_say_so() {
-    // 2e-157 squared, times the squared time step: autos of about 4e-320, which has a dozen bits
+    // 2e-157 squared, times the squared time step: auto-spectra of about 4e-320, which have a dozen
+    // bits
     let small: Vec<f64> = [1.0, 0.5, -0.25, 0.125]
         .iter()
         .map(|x| x * 2e-157)
@@ -235,10 +237,10 @@ fn lines_whose_squares_have_lost_digits_say_so() {
     assert!(auto > 0.0 && !auto.is_normal());
     let response = spectra.h1("x", "y").unwrap();
     for (value, validity) in response.values.iter().zip(&response.validity) {
-        // three decimal digits are left in such a spectrum: no measurement
+        // three decimal digits are left in such a spectrum: it is not a measurement
         assert!(value.is_nan() && *validity == LineValidity::NoInput);
     }
-    // twenty decades of amplitude higher all are there
+    // with amplitudes twenty decades higher, all lines are valid
     let enough: Vec<f64> = small.iter().map(|x| x * 1e20).collect();
     let spectra = AveragedSpectra::of([&hit(&enough, &enough)], Window::Rectangular).unwrap();
     for value in &spectra.h1("x", "y").unwrap().values {
@@ -265,7 +267,7 @@ fn the_coherence_does_not_depend_on_the_units() {
     };
     let as_it_is = coherence(0, 0);
     assert!(as_it_is.iter().all(|c| (0.0..1.0).contains(c)));
-    // Powers of two change no digit; the square of a cross-spectrum of these levels has an exponent
+    // Powers of two change no digit; the square of a cross-spectrum at these levels has an exponent
     // of 1600.
     for (input, output) in [(400, 400), (-400, -400), (400, -400), (-380, 400)] {
         assert_eq!(coherence(input, output), as_it_is, "2^{input}, 2^{output}");
@@ -292,7 +294,7 @@ fn a_phase_of_which_nothing_is_known_is_anywhere_on_the_turn() {
         };
         stated.random_error().unwrap()[1]
     };
-    // one rounding of a root
+    // one rounding error of a square root
     let small = of_error(0.1);
     assert!((small.magnitude - 0.1).abs() < 1e-15 && (small.phase - 0.1).abs() < 1e-15);
     // the standard deviation of an angle that is uniform over a turn
@@ -313,7 +315,7 @@ fn the_scatter_of_a_magnitude_is_half_its_squared_error() {
     assert!((bias.scatter - 0.2 / (4.0 * 4.0 * 0.8)).abs() < 1e-16);
 }
 
-/// Student's quantiles for 2(n-1) degrees of freedom, tables: 68.27 % and 95 %.
+/// Student's quantiles for 2(n-1) degrees of freedom, from tables: 68.27 % and 95 %.
 const STUDENT: [(usize, f64, f64); 4] = [
     (3, 1.142, 2.776),
     (5, 1.067, 2.306),
@@ -321,8 +323,8 @@ const STUDENT: [(usize, f64, f64); 4] = [
     (30, 1.009, 2.002),
 ];
 
-/// A blow, the same in every hit, on a gain of 2 with noise of these powers on both channels, then
-/// an equally long silence.
+/// The same blow in every hit, on a gain of 2 with noise of these powers on both channels; silence
+/// before and after it.
 fn blows(
     seed: u64,
     n_hits: usize,
@@ -349,8 +351,8 @@ fn blows(
     )
 }
 
-/// Parts of magnitudes and phases within the 68 % and the 95 % of Student's law, over the lines of
-/// so many tests.
+/// Returns the shares of magnitudes and phases within the 68 % and the 95 % interval of Student's
+/// distribution, over the lines of `seeds` tests.
 fn covered(n_hits: usize, noise: [f64; 2], estimator: Estimator, seeds: u64) -> [[f64; 2]; 2] {
     let (_, one, two) = *STUDENT.iter().find(|(n, _, _)| *n == n_hits).unwrap();
     let mut counts = [[0.0; 2]; 2];
@@ -387,7 +389,8 @@ fn s13_few_hits_are_covered_by_students_law() {
             let of_parts = covered(n_hits, noise, estimator, seeds);
             println!("{n_hits} hits, noise {noise:?}, {estimator:?}: {of_parts:.1?}");
             for [one, two] in of_parts {
-                // 2040 lines and more: 1 % and 0.5 %, three of these and the second order
+                // 2040 lines and more: standard errors of 1 % and 0.5 %, times three, plus the
+                // second order
                 assert!(
                     (one - 68.3).abs() < 5.0 && (two - 95.0).abs() < 3.0,
                     "{n_hits}: {one} {two}"
@@ -420,15 +423,15 @@ fn s13_bias_by_noise_at_rest_is_told_and_can_be_removed() {
             .map(|h| h.norm() / 2.0 - 1.0)
             .collect();
         let stated = mean(&response.noise_bias.as_ref().unwrap()[1..256]);
-        // a line scatters by ((a + b)/120)^½ = 5 %, their mean by 0.3 %, and the scatter adds 0.1
-        // %: four of these
+        // a line scatters by ((a + b)/120)^½ = 5 %, the mean by 0.3 %, and the bias by scatter is
+        // 0.1 %: four times these
         assert!(
             (mean(&off) - expected).abs() < 0.014,
             "{estimator:?} {}",
             mean(&off)
         );
-        // the noise is known to 2 % of itself, and the noise of the line's own level stays in the
-        // ratio
+        // the noise is known to a relative 2 %, and the noise in the level of the line remains in
+        // the ratio
         assert!((stated - expected).abs() < 0.015, "{estimator:?} {stated}");
     }
 }

@@ -1,5 +1,5 @@
-//! Copies among hits: a measurement entered twice must count once, because averaging it makes the
-//! errors too small.
+//! Detection of copies among hits: a measurement that was entered twice must count once, because
+//! averaging it with itself makes the errors too small.
 
 use std::f64::consts::LN_2;
 
@@ -9,30 +9,31 @@ use super::rest::samples_at_rest;
 use crate::spectra::RestNoise;
 use crate::{LabioError, Record, dft};
 
-/// Difference of equal samples relative to the largest: twice the rounding of single precision.
+/// Largest difference between samples that count as equal, relative to the largest sample: twice
+/// the rounding of single precision.
 const ROUNDING: f64 = 1.0 / 4_194_304.0;
 
 /// Lower limit of the compared lines as a fraction of the sampling rate: hum and drift below it are
-/// not noise of a line.
+/// not line noise.
 const LOWEST: f64 = 1.0 / 16.0;
 /// Upper limit of the compared lines as a fraction of the sampling rate: recorders attenuate above
 /// it.
 const HIGHEST: f64 = 0.45;
-/// Fewest compared lines.
+/// Fewest lines for a comparison.
 const FEWEST_LINES: usize = 16;
-/// Least power of the difference of two separate hits relative to that of the noise: the noise
-/// before a hit need not be exactly that during it.
+/// Smallest power of the difference between two separate hits relative to that of the noise: the
+/// noise before a hit need not be exactly the noise during the hit.
 const LEAST_SHARE: f64 = 0.25;
-/// Most iterations that find the delay between two hits to full precision.
+/// Largest number of iterations for finding the delay between two hits to full precision.
 const ITERATIONS: usize = 8;
-/// Step of the delay, in half samples, after which another changes nothing: they converge
-/// quadratically.
+/// Step of the delay, in half samples, below which the iterations, which converge quadratically,
+/// have converged.
 const CONVERGED: f64 = 1e-9;
-/// Lines whose turns are products with the first of them; so few multiplications leave full
-/// precision.
+/// Number of lines whose phase factors are products with the factor of the first of them; so few
+/// multiplications keep full precision.
 const TURNED_TOGETHER: usize = 32;
 
-/// One measurement in two places.
+/// A measurement that occurs twice.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Copy {
     /// Two hits have the same samples on all channels.
@@ -53,19 +54,19 @@ pub enum Copy {
     },
 }
 
-/// Two hits that differ by less than the noise before them explains.
+/// Two hits that differ by less than the noise before them can explain.
 #[derive(Debug, Clone, PartialEq)]
 pub struct NearCopy {
     /// Index of the first hit, from 0.
     pub first: usize,
     /// Index of the second hit, from 0.
     pub second: usize,
-    /// Power of their difference over that of the noise, on the channel where it is greatest: 1 or
-    /// more for separate hits.
+    /// Power of the difference divided by that of the noise, on the channel where this ratio is
+    /// greatest: 1 or more for separate hits.
     pub share_of_noise: f64,
 }
 
-/// Samples of a channel about their mean, and the position of the largest.
+/// Samples of a channel minus their mean, and the position of the largest.
 struct Shape {
     samples: Vec<f64>,
     peak_at: usize,
@@ -73,7 +74,7 @@ struct Shape {
 }
 
 impl Shape {
-    /// Returns `None` for a channel that never moves.
+    /// Returns the shape of a channel; `None` if the channel never moves.
     fn of(hit: &Record, channel: &str) -> Result<Option<Self>, LabioError> {
         let samples = hit.channel(channel)?;
         let mean = samples.iter().sum::<f64>() / samples.len().max(1) as f64;
@@ -92,8 +93,8 @@ impl Shape {
         }))
     }
 
-    /// Returns true if both are equal except for scale, sign, offset and the rounding of single
-    /// precision.
+    /// Returns true if both shapes are equal except for scale, sign, offset and the rounding of
+    /// single precision.
     fn equals(&self, other: &Self) -> bool {
         let Some(scale) = other.samples.get(self.peak_at).filter(|x| x.abs() > 0.0) else {
             return false;
@@ -108,12 +109,12 @@ impl Shape {
 /// Returns the first measurement that occurs twice in `hits`: two hits with the same samples on all
 /// `channels`, or two channels with the same samples in a hit.
 ///
-/// Samples are the same if they are equal except for a factor, an offset and the rounding of single
-/// precision, as after a change of file format or sensitivity. Two separate measurements never are:
-/// even the noise of the last bit of a converter is greater. Channels that never move are not
-/// compared; hits in which none moves are no copies.
+/// Samples count as the same if they are equal except for a factor, an offset and the rounding of
+/// single precision, as after a change of file format or sensitivity. Two separate measurements are
+/// never the same: even the noise of the last bit of a converter is greater. Channels that never
+/// move are not compared; hits in which no channel moves are not copies.
 ///
-/// The cost is that of reading the samples once, unless hits are equal.
+/// Unless hits are equal, the cost is that of reading the samples once.
 ///
 /// # Errors
 ///
@@ -166,13 +167,13 @@ struct Lines {
 }
 
 impl Lines {
-    /// Returns `None` without silence or without noise in it.
+    /// Returns the lines of a channel; `None` if there is no silence, or no noise in it.
     fn of(hit: &Record, channel: &str, silent: usize) -> Result<Option<Self>, LabioError> {
         let noise = RestNoise::before(&[hit], channel, silent)?;
         let samples = hit.channel(channel)?.to_vec();
         let (rate, n) = (hit.sampling_rate_hz(), samples.len() as f64);
         let values = dft::forward(&samples);
-        // one-sided density, of the unscaled transform
+        // from a one-sided density to the unscaled transform
         let noise_of = |line: usize| 0.5 * rate * n * noise.density_at(line as f64 * rate / n);
         let of_lines: Vec<f64> = (0..values.len()).map(noise_of).collect();
         let known = of_lines.iter().all(|power| *power > 0.0);
@@ -185,17 +186,18 @@ impl Lines {
     }
 }
 
-/// Returns pairs of `hits` that differ on all `channels` by less than the noise before them
-/// explains: the same hit rounded, scaled, delayed or resampled. The probability of a false alarm,
-/// over all pairs together, is at most `level`.
+/// Returns pairs of `hits` that differ on all `channels` by less than the noise before them can
+/// explain: the same hit rounded, scaled, delayed or resampled. The probability of a false alarm,
+/// for all pairs together, is at most `level`.
 ///
-/// For each pair and channel the factor and delay are found that bring one hit closest to the
-/// other. The difference of two separate hits is at least the noise of both: on each line
-/// |D|²/(N₁ + s²N₂), with the noise N before the hits ([`RestNoise`]), is at least an exponential variable
-/// of mean 1. The statistic is the median over the lines between 1/16 and 0.45 of the sampling
-/// rate, over ln 2. Its logarithm has the variance 1/(n ln²2) + 2/ν₁ + 2/ν₂ with n lines and ν
-/// degrees of freedom of the noise; it is too small if it is significantly below a quarter of the
-/// noise. The median is insensitive to lines lost by resampling.
+/// For each pair and channel, the factor and the delay are found that bring one hit closest to the
+/// other. The difference D of two separate hits is at least the noise of both: on each line
+/// |D|²/(N₁ + s²N₂), with the noise N before the hits ([`RestNoise`]), is at least an exponential
+/// variable of mean 1. The statistic is the median over the lines between 1/16 and 0.45 of the
+/// sampling rate, divided by ln 2. Its logarithm has the variance 1/(n ln²2) + 2/ν₁ + 2/ν₂ with n
+/// lines and ν degrees of freedom of the noise. A pair is reported if the statistic is
+/// significantly below a quarter of the noise. The median is insensitive to lines lost by
+/// resampling.
 ///
 /// Channels without noise before the hit, such as computed ones, and hits without silence are
 /// skipped.
@@ -254,7 +256,7 @@ pub fn find_near_copies(
     Ok(found)
 }
 
-/// Returns `part` of `count`, rounded down.
+/// Returns the fraction `part` of `count`, rounded down.
 fn share(count: usize, part: f64) -> usize {
     #[expect(
         clippy::cast_possible_truncation,
@@ -307,8 +309,8 @@ fn share_of_noise(a: &Lines, b: &Lines) -> Option<(f64, f64)> {
     Some((median.max(f64::MIN_POSITIVE) / LN_2, variance.sqrt()))
 }
 
-/// Phase per line of the delay of the second hit after the first: the delay that maximises their
-/// cross-correlation.
+/// Returns the delay of the second hit relative to the first, as a phase per line: the delay that
+/// maximises their cross-correlation.
 fn delay(cross: &[Complex64], n_samples: usize) -> f64 {
     let alike = dft::inverse(cross, n_samples);
     let best = (0..alike.len()).max_by(|i, j| {
@@ -341,7 +343,7 @@ fn delay(cross: &[Complex64], n_samples: usize) -> f64 {
     delay
 }
 
-/// Returns e^{i k `phase`} of the lines k from 0 to `count`.
+/// Returns e^{i k `phase`} for the lines k from 0 to `count`.
 fn turns(phase: f64, count: usize) -> Vec<Complex64> {
     let within: [Complex64; TURNED_TOGETHER] =
         std::array::from_fn(|k| Complex64::cis(phase * k as f64));
@@ -386,8 +388,9 @@ mod tests {
         .unwrap()
     }
 
-    /// A pulse and the ringing of three modes that it leaves, from sample 200 on, at any time
-    /// between samples; with white noise of the standard deviation `noise` of the peak.
+    /// A pulse and the ringing of three modes that it excites, beginning `later` samples after
+    /// sample 200, where `later` need not be an integer; with white noise of standard deviation
+    /// `noise` relative to the peak.
     fn hit(peak: f64, later: f64, noise: f64, rng: &mut ChaCha8Rng) -> [Vec<f64>; 2] {
         let mut of = |value: &dyn Fn(f64) -> f64| -> Vec<f64> {
             (0..N)
@@ -452,7 +455,7 @@ mod tests {
             };
             assert_eq!(copy_of(&all), Some(expected), "{what}");
         }
-        // one channel is of another hit
+        // one channel belongs to another hit
         let mut all = records.clone();
         all.push(record([hits[1][0].clone(), hits[2][1].clone()]));
         assert_eq!(copy_of(&all), None);
@@ -485,14 +488,14 @@ mod tests {
         let hits: Vec<[Vec<f64>; 2]> = (0..3).map(|_| hit(1.0, 0.0, 1e-3, &mut rng)).collect();
         let records: Vec<Record> = hits.iter().cloned().map(record).collect();
         assert_eq!(near(&records), []);
-        // rounded to a twentieth of the noise, by another sensitivity
+        // rounded to a twentieth of the noise, with another sensitivity
         let rounded = map(&hits[2], |x| 3.0 * (x / 5e-5).round() * 5e-5);
         assert_eq!(copy_of(&[records[2].clone(), rounded.clone()]), None);
         let mut all = records.clone();
         all.push(rounded);
         assert_eq!(near(&all), [(2, 3)]);
-        // sampled again 0.37 samples and 5 samples later, exactly, and by straight lines between
-        // the samples
+        // resampled exactly, with delays of 0.37, 5 and -3.4 samples, and by linear interpolation
+        // between the samples
         for late in [0.37, 5.0, -3.4] {
             let again = hits[0].each_ref().map(|row| {
                 let mut lines = dft::forward(row);
@@ -515,7 +518,7 @@ mod tests {
         assert_eq!(near(&all), [(1, 3)]);
     }
 
-    /// Hits of a machine that strikes with the same force every time: they differ only by noise.
+    /// Hits of a machine that always strikes with the same force: they differ only by noise.
     #[test]
     fn r10_hits_that_differ_by_noise_only_are_no_copies() {
         let mut rng = ChaCha8Rng::seed_from_u64(4);
@@ -527,7 +530,7 @@ mod tests {
                 assert_eq!(near(&hits), [], "{noise}");
             }
         }
-        // hum of the mains and a drift before and in the hits, much larger than the noise of a line
+        // mains hum and a drift, before and in the hits, much larger than the noise of a line
         for _ in 0..20 {
             let hits: Vec<Record> = (0..5)
                 .map(|_| {
@@ -542,7 +545,7 @@ mod tests {
                 .collect();
             assert_eq!(near(&hits), []);
         }
-        // counts of a converter whose last bit the noise does not reach
+        // counts of a converter, with noise below its last bit
         let hits: Vec<Record> = (0..5)
             .map(|number| {
                 let peak = 1.0 + 0.01 * f64::from(number);

@@ -5,39 +5,39 @@ use std::collections::BTreeMap;
 use crate::error::check_positive;
 use crate::{AddedDamping, LabioError};
 
-/// Limits of the checks, each with a default and its reason. `None` disables a check.
+/// Limits of the checks, each with a default and the reason for it. `None` disables a check.
 ///
-/// The form of a hit depends on the method: [`Self::hammer`], the default, expects one short
+/// The shape of a hit depends on the method: [`Self::hammer`], the default, expects one short
 /// contact and a motion that comes to rest; [`Self::bar`] expects waves that pass a section several
-/// times, with plateaus; [`Self::bar_pulses`] expects such waves from which pulses are cut out, so
-/// that the end of the record does not matter.
+/// times, with plateaus; [`Self::bar_pulses`] expects such waves too, but only pulses are cut out
+/// of them, so that the end of the record does not matter.
 ///
 /// | check | default | reason |
 /// |---|---|---|
 /// | peak over noise | 10 | below 20 dB the coherence of a single line falls under 0.99 |
 /// | double hit: smaller peak over larger | 0.05 | a second pulse of 5 % ripples the force spectrum by ±5 % |
-/// | clipped: equal extreme samples | 3 | two can be chance, and a round peak of three has steps of less than two quantisation steps beside it |
-/// | drop-out: equal samples in a row | 8 | the resolution of a slow signal can cause shorter ones |
+/// | clipped: equal extreme samples | 3 | two can be chance; next to a round peak of three equal samples, the signal changes by less than two quantisation steps |
+/// | drop-out: equal samples in a row | 8 | a slow signal with limited resolution can have shorter runs |
 /// | static offset over peak | 0.25 | more means that the offset, not the hit, uses the range |
-/// | level shift over peak | 0.02 | integrated once, it would exceed the hit after 50 times its duration |
-/// | remainder at the end over peak | 0.01 | the truncation spreads over the spectrum at -40 dB of the peak; smaller ones are stated line by line ([`leakage`](crate::AveragedSpectra::leakage)) |
+/// | level shift over peak | 0.02 | integrated once, it would exceed the hit after 50 times the duration of the hit |
+/// | remainder at the end over peak | 0.01 | the truncation spreads over the spectrum at -40 dB of the peak; the error of smaller remainders is stated line by line ([`leakage`](crate::AveragedSpectra::leakage)) |
 ///
 /// The level shift of velocities and displacements is not checked: a free body that is struck keeps
 /// moving. Their remainder is the residual of the last quarter about a constant velocity or a
 /// straight line of displacement
 /// ([`SpectrumAverager::with_completion`](crate::SpectrumAverager::with_completion)); it is not
-/// checked for bars. The remainder is taken under the exponential window, if one will be used
+/// checked for bars. The remainder is computed under the exponential window if one will be used
 /// ([`Self::with_end_weight`], [`Self::with_decay_rate`]). The range of the recorder
 /// ([`Self::with_full_scale`]) has no default.
 ///
 /// Differences of [`Self::bar`] from [`Self::hammer`]:
 ///
-/// | check | in the record of a bar | reason |
+/// | check | for the record of a bar | reason |
 /// |---|---|---|
-/// | onset | first passage of 2 % of the largest excursion, not of 10 % | the first passage need not be the largest |
-/// | double hit | disabled | every passage after the first would be one |
-/// | clipped | only an acceleration, or where the noise at rest exceeds the step of the converter | a striker of constant section causes a plateau, and only noise distinguishes it from clipping |
-/// | drop-out | only of an acceleration, and not at rest | between two passages, and on a plateau, a gauge signal is constant |
+/// | onset | first excursion above 2 % of the largest, not 10 % | the first passage need not be the largest |
+/// | double hit | disabled | every passage after the first would count as a double hit |
+/// | clipped | checked only for accelerations, or if the noise at rest exceeds the step of the converter | a striker of constant section causes a plateau, and only noise distinguishes a plateau from clipping |
+/// | drop-out | checked only for accelerations, and not at rest | between two passages, and on a plateau, a gauge signal is constant |
 ///
 /// [`Self::bar_pulses`] also disables level shift and remainder.
 #[derive(Debug, Clone, PartialEq)]
@@ -58,12 +58,12 @@ pub struct Criteria {
     pub(super) window: Option<Decay>,
 }
 
-/// An exponential window on hits of a length not known yet.
+/// An exponential window for hits whose length is not known yet.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Decay {
-    /// Given by the weight at the end of a hit.
+    /// Stated as the weight at the end of a hit.
     EndWeight(f64),
-    /// Given by the decay rate \[1/s\].
+    /// Stated as the decay rate \[1/s\].
     Rate(AddedDamping),
 }
 
@@ -83,8 +83,8 @@ impl Default for Criteria {
 }
 
 impl Criteria {
-    /// Criteria of a hammer hit: one short contact, and a motion that comes to rest within the
-    /// record.
+    /// Returns the criteria for a hammer hit: one short contact, and a motion that comes to rest
+    /// within the record.
     #[must_use]
     pub fn hammer() -> Self {
         Self {
@@ -102,8 +102,8 @@ impl Criteria {
         }
     }
 
-    /// Criteria of a record of waves in a bar that is transformed as a whole: several passages,
-    /// plateaus, and rest at the end.
+    /// Returns the criteria for a record of waves in a bar that is transformed as a whole: several
+    /// passages, plateaus, and rest at the end.
     #[must_use]
     pub fn bar() -> Self {
         Self {
@@ -113,8 +113,8 @@ impl Criteria {
         }
     }
 
-    /// Criteria of a record of waves in a bar from which pulses are cut out: as [`Self::bar`], but
-    /// the bar may still ring at the end.
+    /// Returns the criteria for a record of waves in a bar from which pulses are cut out: as
+    /// [`Self::bar`], but the bar may still ring at the end.
     #[must_use]
     pub fn bar_pulses() -> Self {
         Self {
@@ -124,8 +124,8 @@ impl Criteria {
         }
     }
 
-    /// Sets the channel in which double hits are searched. The default is the channel that
-    /// triggers, if that is a force.
+    /// Sets the channel in which double hits are searched for. The default is the channel that
+    /// triggers, if it is a force.
     #[must_use]
     pub fn with_force_channel(self, name: impl Into<String>) -> Self {
         Self {
@@ -140,7 +140,7 @@ impl Criteria {
     ///
     /// # Errors
     ///
-    /// [`LabioError::NonPhysical`] if it is not positive.
+    /// [`LabioError::NonPhysical`] if the range is not positive.
     pub fn with_full_scale(
         mut self,
         channel: impl Into<String>,
@@ -151,7 +151,8 @@ impl Criteria {
         Ok(self)
     }
 
-    /// Sets the least peak of the channel that triggers, in standard deviations of its noise.
+    /// Sets the smallest accepted peak of the channel that triggers, in standard deviations of its
+    /// noise.
     ///
     /// # Errors
     ///
@@ -164,7 +165,7 @@ impl Criteria {
         })
     }
 
-    /// Sets the fraction of the larger peak from which a second contact is a double hit.
+    /// Sets the fraction of the larger peak above which a second contact counts as a double hit.
     ///
     /// # Errors
     ///
@@ -200,7 +201,7 @@ impl Criteria {
         })
     }
 
-    /// Sets the largest rest level as a fraction of the peak.
+    /// Sets the largest accepted rest level, as a fraction of the peak.
     ///
     /// # Errors
     ///
@@ -213,7 +214,8 @@ impl Criteria {
         })
     }
 
-    /// Sets the largest difference of the rest levels before and after as a fraction of the peak.
+    /// Sets the largest accepted difference between the rest levels before and after the hit, as a
+    /// fraction of the peak.
     ///
     /// # Errors
     ///
@@ -226,7 +228,8 @@ impl Criteria {
         })
     }
 
-    /// Sets the largest remainder at the end (root mean square) as a fraction of the peak.
+    /// Sets the largest accepted remainder at the end (root mean square), as a fraction of the
+    /// peak.
     ///
     /// # Errors
     ///
@@ -236,7 +239,7 @@ impl Criteria {
         Ok(Self { remainder, ..self })
     }
 
-    /// Sets the exponential window of the remainder, by its `weight` at the end of a hit.
+    /// Sets the exponential window for the remainder, stated as its `weight` at the end of a hit.
     ///
     /// # Errors
     ///
@@ -247,7 +250,7 @@ impl Criteria {
         Ok(Self { window, ..self })
     }
 
-    /// Sets the exponential window of the remainder.
+    /// Sets the exponential window for the remainder.
     #[must_use]
     pub fn with_decay_rate(self, window: AddedDamping) -> Self {
         let window = Some(Decay::Rate(window));

@@ -1,4 +1,4 @@
-//! Detection of a second contact, as distinct from the ringing of a sensor.
+//! Detection of a second contact, in contrast to the ringing of a sensor.
 
 /// One contact in a force history.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -9,29 +9,29 @@ struct Contact {
     peak_at: usize,
 }
 
-/// A contact besides the main one.
+/// A contact other than the main one.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct SecondContact {
-    /// Peak over that of the main contact.
+    /// Peak divided by the peak of the main contact.
     pub(super) ratio: f64,
-    /// Samples between the peaks.
+    /// Number of samples between the peaks.
     pub(super) separation: usize,
 }
 
-/// Least ratio of a contact to the opposite swings beside it. A decaying oscillation never exceeds
-/// the opposite swing before it, and pre-ringing of a filter never that after it; the rest is a
-/// margin for noise.
+/// Smallest ratio of a contact to the opposite swings next to it. In a decaying oscillation, a
+/// swing never exceeds the opposite swing before it, and in the pre-ringing of a filter never the
+/// opposite swing after it; the rest of the factor is a margin for noise.
 const CONTACT_OVER_SWING: f64 = 1.5;
 
-/// Returns the largest contact besides the main one that exceeds `threshold`, in `force` without
-/// its rest level and positive in the main contact.
+/// Returns the largest contact other than the main one that exceeds `threshold`. The rest level
+/// must have been subtracted from `force`, and `force` must be positive in the main contact.
 ///
 /// A contact ends when the force falls below half the threshold, and the next begins when it
 /// exceeds the threshold. Ringing swings to both sides: a contact below [`CONTACT_OVER_SWING`]
-/// times the opposite swing beside it, on the side of the main contact, is taken for ringing, and
-/// so is a weak second contact hidden in ringing. "Beside" means within twice its own width and the
-/// duration of the main contact, which must be longer than a period of the sensor for the sensor to
-/// measure it.
+/// times the opposite swing next to it, on the side of the main contact, is treated as ringing, and
+/// so is a weak second contact hidden in ringing. "Next to it" means within twice the width of the
+/// contact plus the duration of the main contact, which must be longer than a period of the sensor
+/// for the sensor to measure it.
 pub(super) fn second_contact(force: &[f64], threshold: f64) -> Option<SecondContact> {
     let contacts = contacts(force, threshold);
     let main = contacts
@@ -107,7 +107,7 @@ mod tests {
         }
     }
 
-    /// Ringing of `amplitude` that begins with a swing to the other side.
+    /// Adds ringing of `amplitude` that begins with a swing to the other side.
     fn ring(force: &mut [f64], begin: usize, amplitude: f64) {
         for (k, f) in force[begin..].iter_mut().enumerate() {
             let t = k as f64;
@@ -122,7 +122,8 @@ mod tests {
         assert_eq!(second_contact(&force, 5.0), None);
         half_sine(&mut force, 150, 30, 20.0);
         let found = second_contact(&force, 5.0).unwrap();
-        // half of 30 after 150 against half of 20 after 50, both peaks on a sample
+        // the middle of the 30 samples from 150 on minus the middle of the 20 samples from 50 on;
+        // both peaks fall on a sample
         assert_eq!(found.separation, 105);
         assert!((found.ratio - 0.2).abs() < 1e-12);
         force.reverse();
@@ -144,7 +145,7 @@ mod tests {
         );
         half_sine(&mut force, 150, 30, 40.0);
         let found = second_contact(&force, 5.0).unwrap();
-        // the ringing has fallen to 15·exp(-2) there
+        // the ringing has decayed to 15·exp(-2) at that time
         assert!((found.ratio - 0.4).abs() < 0.021, "{found:?}");
     }
 

@@ -8,30 +8,29 @@ use super::{Criteria, Reason};
 use crate::spectra::ending::{End, Ending};
 use crate::{LabioError, Quantity, Record};
 
-/// Number of standard errors by which two levels differ significantly.
+/// Number of standard errors by which two levels must differ to be significantly different.
 const LEVELS_APART: f64 = 5.0;
-/// Divisor of the hit: the last tenth, in which it should be over.
+/// Number of equal parts of a hit: in the last tenth, the hit should be over.
 const TAIL: usize = 10;
-/// Divisor of the hit: the last quarter, from which the motion after its end is found.
+/// Number of equal parts of a hit: the motion after its end is found from the last quarter.
 const QUARTER: usize = 4;
-/// Fraction of its range that an 8-bit converter still reaches.
+/// Fraction of its range that an 8-bit converter can still reach.
 const FULL: f64 = 0.99;
 
 impl Criteria {
-    /// Returns the reasons to reject `hit`, none if it is good. `reference` is the channel that
-    /// triggers, usually the force; `onset` is the sample at which the hit begins. If it is
-    /// `None`, it is the first sample of that channel that leaves its initial level by more
+    /// Returns the reasons to reject `hit`, an empty list if it is good. `reference` is the channel
+    /// that triggers, usually the force; `onset` is the sample at which the hit begins. If it is
+    /// `None`, the onset is the first sample of that channel that leaves its initial level by more
     /// than the noise there and by more than a tenth of the largest excursion (a fiftieth for waves
     /// in a bar).
     ///
-    /// The rest level of a channel is the median of its samples before the onset, its noise 1.48
-    /// times their median absolute deviation; both tolerate up to half of the samples as
-    /// outliers.
+    /// The rest level of a channel is the median of its samples before the onset, its noise is 1.48
+    /// times their median absolute deviation; both tolerate up to half of the samples as outliers.
     ///
     /// # Validity
     ///
-    /// Clipping before an analogue or digital filter leaves no equal samples and is found only by
-    /// [`Self::with_full_scale`]. A second contact weaker than the ringing of the force sensor
+    /// Clipping ahead of an analogue or digital filter leaves no equal samples and is found only
+    /// with [`Self::with_full_scale`]. A second contact weaker than the ringing of the force sensor
     /// is not found.
     ///
     /// # Errors
@@ -106,7 +105,8 @@ impl Criteria {
                 continue;
             };
             let is_offset = self.check_offset(&signal, &mut reasons);
-            // a channel with a large offset may drift and has no noise to compare a peak with
+            // a channel with a large offset may drift, and has no noise level with which a peak
+            // could be compared
             if name == reference && !is_offset {
                 self.check_peak(&signal, &mut reasons);
             }
@@ -178,7 +178,7 @@ impl Criteria {
         }
     }
 
-    /// Checks runs of equal samples: at an extreme they are clipping, elsewhere a drop-out, unless
+    /// Checks runs of equal samples: at an extreme they are clipping, elsewhere a drop-out unless
     /// the signal is at rest.
     fn check_standstill(&self, signal: &Signal<'_>, holds: Holds, reasons: &mut Vec<Reason>) {
         let Some(shortest) = self.clipped_run.into_iter().chain(self.drop_out_run).min() else {
@@ -270,7 +270,7 @@ impl Criteria {
         }
     }
 
-    /// Checks the remainder at the end about the level or the motion that follows, under the
+    /// Checks the remainder at the end, relative to the level or the motion that follows, under the
     /// exponential window.
     fn check_remainder(
         &self,
@@ -313,7 +313,7 @@ impl Criteria {
                 .fold(0.0, f64::max)
         };
         let remainder = (squares - noise).max(0.0).sqrt();
-        // noise itself is no movement, and its estimate from few samples has a large error
+        // noise is not movement, and its estimate from few samples has a large error
         if remainder > limit * peak && remainder > 3.0 * noise.sqrt() {
             reasons.push(Reason::NotDecayed {
                 channel: signal.channel.to_owned(),
@@ -328,13 +328,13 @@ impl Criteria {
 /// Constant signals that are allowed within a hit.
 #[derive(Debug, Clone, Copy)]
 struct Holds {
-    /// Rest, as of a force between two contacts.
+    /// Rest, such as that of a force between two contacts.
     rest: bool,
-    /// Plateaus away from rest, as of a strain while a long wave passes.
+    /// Plateaus away from rest, such as those of a strain while a long wave passes.
     plateaus: bool,
 }
 
-/// One channel of a hit, with the figures needed by the checks.
+/// One channel of a hit, with the numbers needed by the checks.
 struct Signal<'a> {
     channel: &'a str,
     samples: &'a [f64],
@@ -349,7 +349,7 @@ struct Signal<'a> {
 }
 
 impl<'a> Signal<'a> {
-    /// Returns `None` if there is nothing before or after the onset.
+    /// Returns the signal of a channel; `None` if there are no samples before or after the onset.
     fn of(channel: &'a str, samples: &'a [f64], onset: usize) -> Option<Self> {
         let (before, after) = samples.split_at_checked(onset)?;
         let rest = Rest::of(before)?;
@@ -380,7 +380,7 @@ impl<'a> Signal<'a> {
     }
 }
 
-/// Smallest and largest sample.
+/// Returns the smallest and the largest sample.
 fn extremes(samples: &[f64]) -> Option<(f64, f64)> {
     let &first = samples.first()?;
     Some(
@@ -409,7 +409,7 @@ fn same(a: f64, b: f64) -> bool {
     a - b == 0.0
 }
 
-/// The runs of at least `shortest` samples.
+/// Returns the runs of at least `shortest` samples.
 fn runs(samples: &[f64], shortest: usize) -> Vec<Run> {
     let mut runs = Vec::new();
     let mut begin = 0;

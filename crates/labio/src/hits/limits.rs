@@ -1,16 +1,18 @@
-//! Clipping of peaks that are too short for a run: the same extreme value occurs repeatedly.
+//! Detection of clipping in peaks that are too short for a run: the same extreme value occurs
+//! repeatedly.
 
 use super::rest::{BEYOND_NOISE, HIT_OVER_PEAK, Rest, onset_of, smallest_step};
 use super::{Criteria, Reason};
 use crate::{LabioError, Record};
 
-/// Converter steps below the extreme in which an unclipped signal has more samples than at it: the
-/// number of samples of a round peak within a depth grows as its root, so that the eight steps
-/// below hold twice as many as the uppermost.
+/// Number of converter steps below the extreme within which an unclipped signal has more samples
+/// than at the extreme itself. The number of samples of a round peak down to a certain depth grows
+/// as the square root of the depth, so the eight steps below contain twice as many samples as the
+/// uppermost step.
 const NUMBERS_BELOW: f64 = 8.0;
-/// Fewest samples of a long record at its limit.
+/// Fewest samples of a long record that must be at its limit.
 const FEWEST_AT_LIMIT: usize = 4;
-/// Least distance of an extreme from rest, as a fraction of the largest excursion.
+/// Smallest distance of an extreme from rest, as a fraction of the largest excursion.
 const LEAST_PART: f64 = 0.1;
 
 /// One channel of a hit, with its extreme in one direction.
@@ -45,8 +47,8 @@ impl Side {
         samples.fold(f64::NEG_INFINITY, f64::max)
     }
 
-    /// Returns the number of samples at `limit`, the number of their runs, and the index of the
-    /// first.
+    /// Returns the number of samples at `limit`, the number of runs that they form, and the index
+    /// of the first sample.
     fn at(&self, limit: f64) -> (usize, usize, usize) {
         let is_at = |x: &f64| (x - limit).abs() <= 0.0;
         let chunks = self.samples.chunk_by(|a, b| is_at(a) == is_at(b));
@@ -61,8 +63,8 @@ impl Side {
 }
 
 /// Returns the extreme of a long stationary record if only clipping explains it, and the number of
-/// samples there: at least four, and more than lie in the eight converter steps next to it. `None`
-/// if there is no such extreme.
+/// samples at that extreme: at least four, and more than in the eight converter steps next to it.
+/// `None` if there is no such extreme.
 #[must_use]
 pub fn repeated_extreme(samples: &[f64]) -> Option<(f64, usize)> {
     let near = NUMBERS_BELOW * smallest_step(samples);
@@ -82,15 +84,15 @@ pub fn repeated_extreme(samples: &[f64]) -> Option<(f64, usize)> {
 }
 
 impl Criteria {
-    /// Returns the clipping found in the extreme values of `hits` together, each with its index in
-    /// `hits`: a channel reaches the same extreme in at least two peaks, with as many samples
-    /// as a clipped run has, and with more samples than lie in the eight converter steps below
+    /// Returns the clipping found in the extreme values of all `hits` together, each with its index
+    /// in `hits`: a channel reaches the same extreme in at least two peaks, with at least as many
+    /// samples as a clipped run has, and with more samples than in the eight converter steps below
     /// it. Peaks of two samples, and of several hits, count together. Waves in bars and channels
     /// without noise at rest are not checked.
     ///
     /// # Errors
     ///
-    /// [`LabioError::UnknownChannel`] for a hit that lacks a channel of the first.
+    /// [`LabioError::UnknownChannel`] for a hit that lacks a channel of the first hit.
     pub fn judge_extremes(&self, hits: &[&Record]) -> Result<Vec<(usize, Reason)>, LabioError> {
         let mut found = Vec::new();
         let (Some(least), false, Some(first)) =
@@ -124,8 +126,8 @@ impl Criteria {
     }
 }
 
-/// Hits whose greatest samples are clipped, each with the limit, the number of samples at it and
-/// the index of the first.
+/// Returns the hits whose greatest samples are clipped, each with the limit, the number of samples
+/// at the limit and the index of the first of these samples.
 fn clipped(
     sides: &[(usize, Side)],
     least: usize,

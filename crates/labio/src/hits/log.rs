@@ -8,19 +8,19 @@ use crate::{LabioError, Record};
 /// A manual decision, which overrides the checks.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Ruling {
-    /// Accepted whatever the checks say.
+    /// Accepted, whatever the result of the checks.
     Accepted {
         /// The reason.
         because: String,
     },
-    /// Rejected whatever the checks say.
+    /// Rejected, whatever the result of the checks.
     Rejected {
         /// The reason.
         because: String,
     },
 }
 
-/// One hit, or an event taken for one.
+/// A hit, or an event that was mistaken for one.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Hit {
     time: f64,
@@ -45,13 +45,13 @@ impl Hit {
         self.time
     }
 
-    /// The samples; `None` if the record was cut within the hit or lost samples.
+    /// The samples; `None` if the recording ended within the hit or lost samples.
     #[must_use]
     pub fn record(&self) -> Option<&Record> {
         self.record.as_ref()
     }
 
-    /// Reasons of the checks to reject it.
+    /// Reasons found by the checks to reject the hit.
     #[must_use]
     pub fn reasons(&self) -> &[Reason] {
         &self.reasons
@@ -63,8 +63,8 @@ impl Hit {
         self.ruling.as_ref()
     }
 
-    /// Returns true if the hit enters the spectra: by manual decision, else if the checks found no
-    /// reason against it.
+    /// Returns true if the hit enters the spectra: by manual decision or, without one, if the
+    /// checks found no reason against it.
     #[must_use]
     pub fn is_accepted(&self) -> bool {
         match &self.ruling {
@@ -121,7 +121,7 @@ impl HitLog {
         self.hits.push(hit);
     }
 
-    /// Checks records that hold one hit each; `channel` is the one that triggered them.
+    /// Checks records with one hit each; `channel` is the channel that triggered them.
     ///
     /// # Errors
     ///
@@ -139,14 +139,14 @@ impl HitLog {
         Ok(log)
     }
 
-    /// The hits in their order.
+    /// The hits in the order of the test.
     #[must_use]
     pub fn hits(&self) -> &[Hit] {
         &self.hits
     }
 
-    /// The records of the accepted hits, as [`AveragedSpectra::of`](crate::AveragedSpectra::of)
-    /// takes them.
+    /// The records of the accepted hits, as required by
+    /// [`AveragedSpectra::of`](crate::AveragedSpectra::of).
     pub fn accepted(&self) -> impl Iterator<Item = &Record> {
         self.hits
             .iter()
@@ -154,11 +154,11 @@ impl HitLog {
             .filter_map(Hit::record)
     }
 
-    /// Accepts hit `number`, whatever the checks say.
+    /// Accepts hit `number`, whatever the result of the checks.
     ///
     /// # Errors
     ///
-    /// [`LabioError::NoSuchHit`] if there is none of that number, or it has no samples.
+    /// [`LabioError::NoSuchHit`] if no hit has that number, or if it has no samples.
     pub fn accept(&mut self, number: usize, because: impl Into<String>) -> Result<(), LabioError> {
         let hit = self.hit_mut(number)?;
         if hit.record.is_none() {
@@ -173,11 +173,11 @@ impl HitLog {
         Ok(())
     }
 
-    /// Rejects hit `number`, whatever the checks say.
+    /// Rejects hit `number`, whatever the result of the checks.
     ///
     /// # Errors
     ///
-    /// [`LabioError::NoSuchHit`] if there is none of that number.
+    /// [`LabioError::NoSuchHit`] if no hit has that number.
     pub fn reject(&mut self, number: usize, because: impl Into<String>) -> Result<(), LabioError> {
         self.hit_mut(number)?.ruling = Some(Ruling::Rejected {
             because: because.into(),
@@ -185,22 +185,22 @@ impl HitLog {
         Ok(())
     }
 
-    /// Adds a reason against hit `number`, found in a comparison with other hits, to those of the
-    /// checks.
+    /// Adds a reason against hit `number`, found by comparison with other hits, to the reasons
+    /// found by the checks.
     ///
     /// # Errors
     ///
-    /// [`LabioError::NoSuchHit`] if there is none of that number.
+    /// [`LabioError::NoSuchHit`] if no hit has that number.
     pub fn object(&mut self, number: usize, reason: Reason) -> Result<(), LabioError> {
         self.hit_mut(number)?.reasons.push(reason);
         Ok(())
     }
 
-    /// Pads hit `number` with rest to `n_samples` samples ([`padded`](super::padded)).
+    /// Pads hit `number` to `n_samples` samples that continue its rest ([`padded`](super::padded)).
     ///
     /// # Errors
     ///
-    /// [`LabioError::NoSuchHit`] if there is none of that number, or it has no samples;
+    /// [`LabioError::NoSuchHit`] if no hit has that number, or if it has no samples;
     /// [`LabioError::NotAtRest`].
     pub fn pad(&mut self, number: usize, n_samples: usize) -> Result<(), LabioError> {
         let hit = self.hit_mut(number)?;
@@ -218,7 +218,7 @@ impl HitLog {
     ///
     /// # Errors
     ///
-    /// [`LabioError::NoSuchHit`] if there is none of that number.
+    /// [`LabioError::NoSuchHit`] if no hit has that number.
     pub fn withdraw_ruling(&mut self, number: usize) -> Result<(), LabioError> {
         self.hit_mut(number)?.ruling = None;
         Ok(())

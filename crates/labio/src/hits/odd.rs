@@ -1,4 +1,5 @@
-//! Detection of hits that depart from the others: each is compared with the response of all others.
+//! Detection of hits that differ from the others: each hit is compared with the response estimated
+//! from all other hits.
 
 use num_complex::Complex64;
 
@@ -8,74 +9,80 @@ use crate::{LabioError, Record, channel, dft};
 
 /// Fewest hits among which an outlier can be identified.
 const FEWEST_HITS: usize = 4;
-/// Probability that one of the hits of a test is found by chance.
+/// Probability that any hit of a test is found by chance.
 const LEVEL: f64 = 1e-3;
-/// Least energy of a departure over the greatest among the others: a single source of scatter, such
-/// as the impact position, causes less.
+/// Smallest energy of a departure divided by the greatest energy among the other hits: a single
+/// source of scatter, such as the impact position, causes a smaller ratio.
 const ENERGY_OVER_OTHERS: f64 = 9.0;
-/// Least peak of a departure over the greatest among the others.
+/// Smallest peak of a departure divided by the greatest peak among the other hits.
 const PEAK_OVER_OTHERS: f64 = 2.0;
-/// Least relevant departure: one such hit of ten changes the mean by a twentieth of a per cent.
+/// Smallest relevant departure: one such hit in ten changes the mean by 0.05 %.
 const LEAST_DEPARTURE: f64 = 0.005;
 /// Correlation above which a delay is stated.
 const LEAST_LIKENESS: f64 = 0.5;
-/// Number of hits examined per channel: those of the largest departures.
+/// Number of hits examined per channel: those with the largest departures.
 const MOST_EXAMINED: usize = 12;
 
 /// Lines of one channel of a hit.
 type Lines = Vec<Complex64>;
 
-/// Departure of one hit from the response of the others.
+/// Departure of one hit from the response estimated from the others.
 #[derive(Debug, Clone, Copy)]
 struct Departure {
     /// Energy of the output predicted by the others.
     expected: f64,
-    /// Gain of the output over the prediction.
+    /// Gain of the output relative to the prediction.
     scale: f64,
     /// Energy of the whole departure.
     energy: f64,
-    /// Energy of the departure without that of the gain.
+    /// Energy of the departure after the gain has been fitted.
     rest: f64,
-    /// Largest sample of that rest, and its index.
+    /// Largest sample of that remaining departure, and its index.
     peak: (f64, usize),
-    /// Delay of the output after the prediction in samples, from the peak of their correlation.
+    /// Delay of the output relative to the prediction, in samples, from the peak of their
+    /// correlation.
     lag: i64,
 }
 
-/// The hit that departs most.
+/// The hit with the largest departure.
 struct Odd {
     hit: usize,
-    /// Root of the energy of its departure over that of the prediction.
+    /// Square root of the ratio of the energy of its departure to that of the prediction.
     departure: f64,
-    /// Largest such departure of the others.
+    /// Largest departure, in the same measure, among the other hits.
     others: f64,
     figures: Departure,
-    /// Sample of a spike.
+    /// Index of the sample of a spike.
     index: Option<usize>,
 }
 
 /// Returns the hits whose output departs from the response of all other hits by more than those
-/// depart from each other, each with its reason ([`Reason::Departs`]).
+/// hits depart from each other, each with its reason ([`Reason::Departs`]).
 ///
 /// With the response $`H_{-j}`$ of all hits but hit $`j`$, $`P = H_{-j}X_j`$ is the prediction of
-/// its output $`Y_j`$ by the others. Three figures are compared with those of the other hits, each
-/// of which is found from the remaining ones: the gain
-/// $`g = \mathrm{Re}\sum\overline{P}Y_j/\sum\lvert P\rvert^2`$, by Student's distribution of the gains of the others at 0.1 % for all hits;
-/// the energy of $`Y_j - gP`$, by that distribution and nine times the largest of the others; its
-/// largest sample, likewise and by twice. A departure below half a per cent is ignored. Energies
-/// may grow with the square of the impact. Hits that were found are left out when the
-/// next is searched.
+/// the output $`Y_j`$ by the other hits. Three figures are compared with those of the other hits,
+/// each of which is found from the remaining hits:
+///
+/// - the gain $`g = \mathrm{Re}\sum\overline{P}Y_j/\sum\lvert P\rvert^2`$, with a limit from
+///   Student's distribution of the gains of the others at a level of 0.1 % for all hits together;
+/// - the energy of $`Y_j - gP`$, which must exceed such a limit and nine times the largest energy
+///   of the others;
+/// - the largest sample of $`Y_j - gP`$, which must exceed such a limit and twice the largest of
+///   the others.
+///
+/// A departure below half a per cent is ignored. Energies may grow with the square of the impact.
+/// Hits that were found are left out of the search for the next one.
 ///
 /// # Validity
 ///
-/// Four hits or more, most of them correct; with fewer nothing is found. Scatter common to the
+/// Four hits or more, most of them correct; with fewer hits nothing is found. Scatter common to the
 /// hits, such as that of the impact position, widens the limits. A fault of the input appears in
 /// all outputs.
 ///
 /// # Errors
 ///
-/// [`LabioError::UnknownChannel`]; [`LabioError::CountMismatch`] for hits of other lengths than the
-/// first.
+/// [`LabioError::UnknownChannel`]; [`LabioError::CountMismatch`] for hits that differ in length
+/// from the first.
 pub fn find_odd_hits(
     hits: &[&Record],
     input: &str,
@@ -119,8 +126,8 @@ pub fn find_odd_hits(
     Ok(found)
 }
 
-/// Transform of a channel about its level at rest, completed by the motion after the record;
-/// without the line at 0 Hz.
+/// Returns the transform of a channel relative to its level at rest, completed by the motion after
+/// the record and without the line at 0 Hz.
 fn lines_of(
     hit: &Record,
     name: &str,
@@ -149,7 +156,7 @@ fn lines_of(
     Ok(lines)
 }
 
-/// Returns the hit of `left` that departs most, if it exceeds its limits.
+/// Returns the hit among `left` with the largest departure, if it exceeds its limits.
 #[allow(
     clippy::indexing_slicing,
     reason = "`left` are hits, each of which has lines of the input and of the output"
@@ -224,7 +231,7 @@ fn oddest(left: &[usize], inputs: &[Lines], outputs: &[Lines], n_samples: usize)
     })
 }
 
-/// Mean and standard deviation.
+/// Returns mean and standard deviation.
 fn scatter(values: &[f64]) -> (f64, f64) {
     let n = values.len() as f64;
     let mean = values.iter().sum::<f64>() / n;
@@ -232,8 +239,8 @@ fn scatter(values: &[f64]) -> (f64, f64) {
     (mean, (squares / (n - 1.0)).sqrt())
 }
 
-/// Number of standard deviations of `n` values by which one more departs from their mean with this
-/// probability.
+/// Returns the number of standard deviations of `n` values by which one more value differs from
+/// their mean with this probability.
 fn deviations(probability: f64, n: usize) -> f64 {
     let (mut low, mut high) = (0.0, 1e6);
     for _ in 0..80 {
@@ -247,14 +254,14 @@ fn deviations(probability: f64, n: usize) -> f64 {
     high * (1.0 + 1.0 / n as f64).sqrt()
 }
 
-/// Probability of a Student variable beyond `t` on either side, as a finite sum for a whole number
-/// of degrees of freedom (M. Abramowitz and I. A. Stegun, *Handbook of Mathematical Functions*,
-/// 26.7.3 and 26.7.4). Absolute error 1e-15.
+/// Returns the probability that a Student variable is beyond `t` on either side, as a finite sum
+/// for a whole number of degrees of freedom (M. Abramowitz and I. A. Stegun, *Handbook of
+/// Mathematical Functions*, 26.7.3 and 26.7.4). Absolute error 1e-15.
 fn beyond_student(t: f64, degrees: usize) -> f64 {
     let angle = (t / (degrees as f64).sqrt()).atan();
     let (sine, cosine) = angle.sin_cos();
     let odd = degrees % 2 == 1;
-    // the powers of the cosine from 0 or 1 on, below the number of degrees
+    // powers of the cosine from 0 or 1 on, below the number of degrees
     let first = usize::from(odd);
     let (mut sum, mut term) = (0.0, if odd { cosine } else { 1.0 });
     for power in (first..degrees.max(1) - first).step_by(2) {
@@ -297,7 +304,8 @@ impl Sums {
         sums
     }
 
-    /// Departure of a hit that is in the sums from the response of all others.
+    /// Returns the departure of a hit, which is included in the sums, from the response of all
+    /// others.
     fn departure(&self, x: &Lines, y: &Lines, n_samples: usize) -> Departure {
         let sums = self.inputs.iter().zip(&self.crosses);
         let expected: Lines = sums
@@ -328,8 +336,8 @@ impl Sums {
             peak: largest(&dft::inverse(&rest, n_samples)),
             lag: {
                 let (top, at) = largest(&dft::inverse(&products, n_samples));
-                // two sides of the lines over the number of samples; an output of pure noise has no
-                // correlation at any delay
+                // the two-sided spectrum divided by the number of samples; an output of pure noise
+                // has no correlation at any delay
                 let most = (energy * square(y)).sqrt() * 2.0 / n_samples as f64;
                 let at = if top > LEAST_LIKENESS * most { at } else { 0 };
                 let at = i64::try_from(at).unwrap_or(0);
@@ -340,7 +348,7 @@ impl Sums {
     }
 }
 
-/// Largest magnitude and its index.
+/// Returns the largest magnitude and its index.
 fn largest(samples: &[f64]) -> (f64, usize) {
     let places = samples.iter().map(|x| x.abs()).zip(0..);
     places.fold((0.0, 0), |top, one| if one.0 > top.0 { one } else { top })
@@ -361,10 +369,10 @@ mod tests {
             (5, 4.03214),
         ] {
             let tail = beyond_student(t, degrees);
-            // six digits of t
+            // t is given to six digits
             assert!((tail - 0.01).abs() < 1e-6, "{degrees}: {tail}");
         }
-        // 10 others: 4.781 is the 0.1 % point of 9 degrees of freedom
+        // with 10 others: 4.781 is the 0.1 % point of 9 degrees of freedom
         assert!((deviations(1e-3, 10) - 4.78091 * 1.1_f64.sqrt()).abs() < 1e-4);
     }
 }

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-/// A reason to reject a hit, with its figures. Levels and peaks are in the SI unit of the channel.
+/// A reason to reject a hit, with its numbers. Levels and peaks are in the SI unit of the channel.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub enum Reason {
@@ -21,7 +21,7 @@ pub enum Reason {
         channel: String,
         /// The trigger level.
         level: f64,
-        /// Distance from the level, on its other side, that the channel must have exceeded before.
+        /// Distance from the level, on its other side, that the channel must have reached before.
         hysteresis: f64,
         /// Smallest sample.
         least: f64,
@@ -38,11 +38,11 @@ pub enum Reason {
         /// Number of missing samples after the hit.
         missing: usize,
     },
-    /// A sample is NaN or infinite, by which some recorders mark lost samples.
+    /// A sample is NaN or infinite; some recorders mark lost samples in this way.
     NonFinite {
         /// The channel.
         channel: String,
-        /// Position of the first such sample in the hit.
+        /// Index of the first such sample in the hit.
         index: usize,
     },
     /// All samples of a channel are the same.
@@ -56,7 +56,7 @@ pub enum Reason {
     DoubleHit {
         /// The channel of the force.
         channel: String,
-        /// Peak of the smaller contact over that of the larger.
+        /// Peak of the smaller contact divided by that of the larger.
         ratio: f64,
         /// Time between the two peaks \[s\].
         separation: f64,
@@ -65,11 +65,11 @@ pub enum Reason {
     Overload {
         /// The channel.
         channel: String,
-        /// The given range, in the recorded unit.
+        /// The stated range, in the recorded unit.
         full_scale: f64,
         /// Number of samples at the range.
         n_samples: usize,
-        /// Position of the first in the hit.
+        /// Index of the first of these samples in the hit.
         index: usize,
     },
     /// The largest or smallest value repeats while the signal was moving.
@@ -80,7 +80,7 @@ pub enum Reason {
         value: f64,
         /// Number of equal samples.
         run: usize,
-        /// Position of the first in the hit.
+        /// Index of the first of these samples in the hit.
         index: usize,
     },
     /// The signal is constant in the middle of a movement.
@@ -91,7 +91,7 @@ pub enum Reason {
         value: f64,
         /// Number of equal samples.
         run: usize,
-        /// Position of the first in the hit.
+        /// Index of the first of these samples in the hit.
         index: usize,
     },
     /// The rest level is far from zero.
@@ -100,7 +100,7 @@ pub enum Reason {
         channel: String,
         /// Rest level before the hit.
         level: f64,
-        /// Largest excursion from it.
+        /// Largest excursion from the rest level.
         peak: f64,
         /// Largest accepted ratio of level to peak.
         limit: f64,
@@ -122,22 +122,23 @@ pub enum Reason {
     Departs {
         /// The channel.
         channel: String,
-        /// Root of the energy of the departure over that of the prediction by the other hits.
+        /// Square root of the ratio of the energy of the departure to that of the prediction by the
+        /// other hits.
         departure: f64,
-        /// Largest such departure among the other hits.
+        /// Largest departure, in the same measure, among the other hits.
         others: f64,
-        /// Gain over the prediction by the other hits.
+        /// Gain relative to the prediction by the other hits.
         scale: f64,
-        /// Delay after the prediction by the other hits \[s\], to a sample.
+        /// Delay relative to the prediction by the other hits \[s\], rounded to whole samples.
         delay: f64,
-        /// Sample at which it departs most, if the departure is concentrated there.
+        /// Index of the sample with the largest departure, if the departure is concentrated there.
         index: Option<usize>,
     },
     /// The signal still moves at the end.
     NotDecayed {
         /// The channel.
         channel: String,
-        /// Root mean square of the last part about its level, without the noise.
+        /// Root mean square of the last part about its level, with the noise subtracted.
         remainder: f64,
         /// Largest excursion.
         peak: f64,
@@ -147,7 +148,7 @@ pub enum Reason {
 }
 
 impl Reason {
-    /// Name of the reason without its figures, for example `double hit`: it begins the sentence
+    /// Name of the reason without its numbers, for example `double hit`: it begins the sentence
     /// that the reason prints.
     #[must_use]
     pub fn name(&self) -> &'static str {
@@ -177,7 +178,7 @@ impl fmt::Display for Short {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let magnitude = self.0.abs();
         if magnitude == 0.0 || (0.01..100_000.0).contains(&magnitude) {
-            // four significant digits, with as many decimals as remain
+            // four significant digits, less those before the decimal point
             let decimals = [(10.0, 3), (100.0, 2), (1000.0, 1)];
             let decimals = decimals.iter().find(|(limit, _)| magnitude < *limit);
             write!(f, "{:.*}", decimals.map_or(0, |(_, n)| *n), self.0)
@@ -338,7 +339,7 @@ impl fmt::Display for Reason {
 mod tests {
     use super::*;
 
-    /// Each reason begins with its name and has its figures, of at most four digits.
+    /// Each reason begins with its name and states its numbers with at most four digits.
     #[test]
     fn reasons_say_their_figures() {
         let channel = || "force".to_owned();

@@ -1,29 +1,29 @@
-//! Rest level and noise, by statistics that are robust to outliers.
+//! Rest level and noise, from statistics that are robust to outliers.
 
 use crate::{LabioError, Record};
 
-/// Fewest samples of a rest level: with fewer, one outlier in three shifts its median.
+/// Fewest samples for a rest level: with fewer, one outlier in three shifts its median.
 pub(super) const LEAST_REST: usize = 8;
 /// Number of standard deviations that noise does not reach within a record.
 pub(super) const BEYOND_NOISE: f64 = 10.0;
-/// Fraction of the largest excursion that the first passage of a hammer hit exceeds: the signal is
-/// then within the contact.
+/// Fraction of the largest excursion above which a hammer hit counts as begun: the signal is then
+/// within the contact.
 pub(super) const HIT_OVER_PEAK: f64 = 0.1;
-/// Fraction of the largest excursion that the first passage of a wave exceeds: it may be smaller
-/// than a later one, but not than the pre-ringing of filters.
+/// Fraction of the largest excursion above which the first passage of a wave counts as begun: it
+/// may be smaller than a later passage, but not smaller than the pre-ringing of filters.
 pub(super) const PASSAGE_OVER_PEAK: f64 = 0.02;
-/// Fraction of the samples before the onset that is taken as rest.
+/// Fraction of the samples before the onset that is treated as rest.
 const PART_AT_REST: f64 = 0.75;
-/// Fewest samples at rest that give a level and its noise.
+/// Fewest samples at rest for a level and its noise.
 const FEWEST_AT_REST: usize = 16;
-/// Divisor of the hit: the last tenth, in which a body is at rest.
+/// Number of equal parts of a hit: in the last tenth, the body must be at rest.
 const TAIL: usize = 10;
-/// Largest departure from rest there, as a fraction of the peak.
+/// Largest deviation from rest in that tenth, as a fraction of the peak.
 const MOST_LEFT: f64 = 1e-3;
 
 /// Returns the number of samples before the impact in which `channels` are at rest in each of
-/// `hits`: three quarters of those before the first of them leaves its level. `None` if fewer than
-/// 16.
+/// `hits`: three quarters of the samples before the first of the channels leaves its level. `None`
+/// if there are fewer than 16.
 ///
 /// # Errors
 ///
@@ -45,19 +45,20 @@ pub fn samples_at_rest(hits: &[&Record], channels: &[&str]) -> Result<Option<usi
     Ok(least.map(part).filter(|n| *n >= FEWEST_AT_REST))
 }
 
-/// Pads `hit` to `n_samples` samples, each channel with its level before the impact, or 0 if fewer
-/// than 16 samples give it. This allows averages over hits of unequal length.
+/// Pads `hit` to `n_samples` samples, each channel with its level before the impact, or with 0 if
+/// there are fewer than 16 samples for a level. This allows averages over hits of unequal length.
 ///
 /// # Validity
 ///
 /// The body must be at rest: the mean square of each channel about its level in the last tenth must
-/// not exceed twice that of its noise plus the square of a thousandth of its peak. The padded
-/// samples have no noise: rest noise, which is taken for the whole length, is then overestimated by
-/// their fraction.
+/// not exceed twice the mean square of its noise plus the square of a thousandth of its peak. The
+/// padded samples have no noise: rest noise, which is assumed for the whole length, is then
+/// overestimated by their fraction.
 ///
 /// # Errors
 ///
-/// [`LabioError::NotAtRest`]; [`LabioError::TooFewSamples`] for fewer samples than the hit has.
+/// [`LabioError::NotAtRest`]; [`LabioError::TooFewSamples`] if `n_samples` is less than the length
+/// of the hit.
 pub fn padded(hit: &Record, n_samples: usize) -> Result<Record, LabioError> {
     let channels: Vec<&str> = hit.channels().iter().map(|c| c.name()).collect();
     let n_rest = samples_at_rest(&[hit], &channels)?;
@@ -95,11 +96,11 @@ pub(super) struct Rest {
     pub(super) n_samples: usize,
 }
 
-/// Standard deviation of a Gaussian over its median absolute deviation, 1/Φ⁻¹(3/4).
+/// Ratio of the standard deviation of a Gaussian to its median absolute deviation, 1/Φ⁻¹(3/4).
 const DEVIATION_OVER_MAD: f64 = 1.482602218505602;
 
 impl Rest {
-    /// Rest of `samples`, if there are any.
+    /// Returns the rest level and noise of `samples`, if there are any.
     pub(super) fn of(samples: &[f64]) -> Option<Self> {
         let mut sorted = samples.to_vec();
         let level = median(&mut sorted)?;
@@ -131,7 +132,7 @@ fn median(values: &mut [f64]) -> Option<f64> {
     }
 }
 
-/// The smallest difference of consecutive samples that is not zero: the step of the recorder's
+/// Returns the smallest nonzero difference between consecutive samples: the step of the recorder's
 /// numbers, or less.
 pub(super) fn smallest_step(samples: &[f64]) -> f64 {
     let mut smallest = f64::INFINITY;
@@ -144,11 +145,12 @@ pub(super) fn smallest_step(samples: &[f64]) -> f64 {
     if smallest.is_finite() { smallest } else { 0.0 }
 }
 
-/// Returns the first sample beyond the noise at the beginning and beyond `part_of_peak` of the
-/// largest excursion from the initial level, or the number of samples if there is none.
+/// Returns the index of the first sample that differs from the initial level by more than the noise
+/// at the beginning and by more than `part_of_peak` of the largest excursion, or the number of
+/// samples if there is none.
 ///
-/// Level and noise are first those of the first samples, then those of all samples before the
-/// passage found with these.
+/// Level and noise are found first from the first samples, and then from all samples before the
+/// onset found in this way.
 pub(super) fn onset_of(samples: &[f64], part_of_peak: f64) -> usize {
     let head = samples.get(..LEAST_REST).unwrap_or(samples);
     let Some(first) = Rest::of(head) else {
@@ -159,8 +161,8 @@ pub(super) fn onset_of(samples: &[f64], part_of_peak: f64) -> usize {
         .map(|x| (x - first.level).abs())
         .fold(0.0, f64::max);
     let passage = |rest: &Rest, at_rest: &[f64], searched: &[f64]| {
-        // rounding by a converter has a standard deviation that the median of deviations does not
-        // contain
+        // rounding by a converter has a standard deviation that the median absolute deviation does
+        // not show
         let noise = rest.noise.max(smallest_step(at_rest) / 12.0_f64.sqrt());
         let level = (BEYOND_NOISE * noise)
             .max(part_of_peak * peak)
@@ -202,7 +204,7 @@ mod tests {
 
     #[test]
     fn r17_the_onset_is_the_first_passage_and_not_the_steepest() {
-        // a slow wave of 0.3, a fast one of -1 behind it, and the flicker of a converter's last
+        // a slow wave of 0.3, followed by a fast one of -1, and the flicker of a converter's last
         // digit
         let mut wave: Vec<f64> = (0..4000)
             .map(|k| if k % 7 == 0 { 0.004 } else { 0.0 })
@@ -213,16 +215,16 @@ mod tests {
         for x in wave.iter_mut().skip(2500).take(20) {
             *x -= 1.0;
         }
-        // a fiftieth of the peak is passed when the sine is at 0.067
+        // the sine passes a fiftieth of the peak where it is 0.067
         let onset = onset_of(&wave, PASSAGE_OVER_PEAK);
         assert!((1008..1016).contains(&onset), "{onset}");
-        // a tenth, at 0.33
+        // and a tenth where it is 0.33
         let onset = onset_of(&wave, HIT_OVER_PEAK);
         assert!((1055..1067).contains(&onset), "{onset}");
     }
 
-    /// A hit of 200 samples at the level of 3 with a blow from sample 100 on, and what is left of it
-    /// in the last tenth.
+    /// A hit of 200 samples at a level of 3, with a blow from sample 100 on; the channel stays off
+    /// its level by `left` afterwards.
     fn hit(left: f64) -> Record {
         let mut samples = ndarray::Array2::from_elem((1, 200), 3.0);
         for (k, x) in samples.iter_mut().enumerate().skip(100) {
@@ -260,7 +262,7 @@ mod tests {
         assert_eq!((found, expected), (199, 200));
     }
 
-    /// The blow begins at sample 20: three quarters of it are 15, too few for a level.
+    /// The blow begins at sample 20: three quarters of 20 are 15 samples, too few for a level.
     #[test]
     fn a_level_needs_sixteen_samples_before_the_blow() {
         let record = hit(0.0);
@@ -298,15 +300,15 @@ mod tests {
             })
             .collect();
         let clean = Rest::of(&samples).unwrap();
-        // the median of n deviates errs by 0.5·√(π/2n) = 0.0063, the scaled deviation by
-        // 0.5·1.17/√n = 0.0058: four of each
+        // the median of n deviates has an error of 0.5·√(π/2n) = 0.0063, the scaled deviation
+        // 0.5·1.17/√n = 0.0058: four times each
         assert!((clean.level - 7.0).abs() < 0.025 && (clean.noise - 0.5).abs() < 0.023);
         assert!((clean.level_error() - 0.0063).abs() < 0.0005);
         for sample in samples.iter_mut().step_by(10) {
             *sample = 1e6;
         }
         let spoiled = Rest::of(&samples).unwrap();
-        // the median is then the quantile 5/9 of the clean ones, 0.14 deviations up
+        // the median is then the quantile 5/9 of the clean samples, 0.14 deviations higher
         assert!((spoiled.level - 7.07).abs() < 0.03 && (spoiled.noise - 0.5).abs() < 0.1);
     }
 }

@@ -1,4 +1,4 @@
-//! Segmentation of a long record, or of a stream too long for the memory, into hits.
+//! Division of a long record, or of a stream too long for the memory, into hits.
 
 use std::collections::VecDeque;
 
@@ -13,11 +13,12 @@ use crate::{BlockSource, Channel, LabioError, Provenance, Record};
 /// Number of samples per channel that are read from a source at a time.
 const BLOCK: usize = 8192;
 
-/// Finds and checks the hits of `record`. Each keeps its position on the time axis, its sensor
+/// Finds and checks the hits of `record`. Each hit keeps its position on the time axis, its sensor
 /// chains and the provenance of the record.
 ///
-/// A hit cut by the beginning or end of the record is listed with that reason. If the trigger never
-/// fires, the log has one entry with that reason and any others that concern the whole record.
+/// A hit cut off by the beginning or end of the record is listed with that reason. If the trigger
+/// never fires, the log has one entry with that reason and any others that concern the whole
+/// record.
 ///
 /// # Errors
 ///
@@ -86,14 +87,14 @@ pub fn find_hits(
     Ok(log)
 }
 
-/// Finds and checks the hits of a stream as [`find_hits`] does; the memory is that of the hits and
-/// one block. Time is 0 at the first sample.
+/// Finds and checks the hits of a stream as [`find_hits`] does; only the hits and one block are
+/// kept in memory. Time is 0 at the first sample.
 ///
 /// # Errors
 ///
-/// As [`find_hits`], and those of the source; [`LabioError::CountMismatch`] if the source returns
-/// more samples than requested, or replaces the block that it is to fill. A hit with a non-finite
-/// sample is rejected with that reason and is not an error.
+/// As [`find_hits`], and the errors of the source; [`LabioError::CountMismatch`] if the source
+/// returns more samples than requested, or replaces the block that it should fill. A hit with a
+/// non-finite sample is rejected with that reason; this is not an error.
 pub fn find_hits_in_blocks(
     source: &mut dyn BlockSource,
     provenance: &Provenance,
@@ -150,7 +151,7 @@ pub fn find_hits_in_blocks(
     }
     if log.hits().is_empty() {
         let mut reasons = vec![cutter.bounds.not_triggered(trigger)];
-        // a hit may have been where the samples were lost
+        // there may have been a hit where samples were lost
         reasons.extend(cutter.lost.map(|index| Reason::NonFinite {
             channel: trigger.channel().to_owned(),
             index,
@@ -172,7 +173,8 @@ fn lost(channels: &[Channel], samples: ArrayView2<'_, f64>) -> Option<Reason> {
 }
 
 impl Timing {
-    /// Range of samples of a hit on which the trigger fired at `fired`, in a record of `n_samples`.
+    /// Returns the range of samples of a hit for which the trigger fired at `fired`, in a record of
+    /// `n_samples`.
     fn range(&self, fired: usize, n_samples: usize) -> Result<std::ops::Range<usize>, Reason> {
         let Some(begin) = fired.checked_sub(self.before) else {
             return Err(Reason::CutAtStart {
@@ -222,7 +224,7 @@ impl Bounds {
     }
 }
 
-/// Buffer of the part of a stream that incomplete hits and the pre-trigger need.
+/// Buffer for the part of a stream that is needed for incomplete hits and the pre-trigger.
 struct Cutter {
     timing: Timing,
     row: usize,
@@ -231,7 +233,7 @@ struct Cutter {
     buffers: Vec<Vec<f64>>,
     first: usize,
     fed: usize,
-    /// Samples on which the trigger fired and whose hits are not complete yet.
+    /// Samples at which the trigger fired and whose hits are not complete yet.
     pending: VecDeque<usize>,
     bounds: Bounds,
     /// First non-finite sample of the trigger channel.
@@ -258,12 +260,13 @@ impl Cutter {
         self.fed += block.ncols();
     }
 
-    /// Drops samples that no hit needs any more.
+    /// Drops samples that are not needed for any hit.
     fn forget(&mut self) {
         let next = self.pending.front().copied().unwrap_or(self.fed);
         let needed_from = next.saturating_sub(self.timing.before);
         let superfluous = needed_from.saturating_sub(self.first);
-        // dropping moves the rest: half at a time, so that a sample moves twice on average
+        // dropping moves the samples that remain: it waits until half of them can be dropped, so
+        // that a sample moves no more than once on average
         if 2 * superfluous < self.fed - self.first {
             return;
         }
@@ -273,7 +276,7 @@ impl Cutter {
         self.first += superfluous;
     }
 
-    /// Returns the next hit that is complete or, at the end, cut.
+    /// Returns the next hit that is complete or, at the end of the stream, cut off.
     fn next(&mut self, at_end: bool) -> Option<(usize, Result<Array2<f64>, Reason>)> {
         let &fired = self.pending.front()?;
         match self.timing.range(fired, self.fed) {

@@ -3,7 +3,7 @@
 use crate::LabioError;
 use crate::error::{check_finite, check_not_negative, check_positive};
 
-/// Direction in which the level is crossed.
+/// Direction in which the signal crosses the level.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Slope {
@@ -12,7 +12,7 @@ pub enum Slope {
     Rising,
     /// Downwards.
     Falling,
-    /// Both.
+    /// Either direction.
     Either,
 }
 
@@ -31,8 +31,8 @@ impl Extent {
     ///
     /// # Errors
     ///
-    /// [`LabioError::NonPhysical`] for a time that is negative, not finite, or of more samples than
-    /// can be counted.
+    /// [`LabioError::NonPhysical`] for a time that is negative, not finite, or longer than the
+    /// number of samples that can be counted.
     pub fn samples(self, sampling_rate_hz: f64) -> Result<usize, LabioError> {
         match self {
             Self::Samples(n) => Ok(n),
@@ -61,9 +61,9 @@ impl Extent {
 
 /// A level trigger with slope, hysteresis, pre-trigger and hold-off.
 ///
-/// The trigger fires on the first sample at or beyond the level if the signal has been on the other
-/// side by at least the hysteresis since the last firing, and the hold-off is over. A record that
-/// begins beyond the level does not fire.
+/// The trigger fires at the first sample at or beyond the level if, since the last firing, the
+/// signal has been on the other side of the level by at least the hysteresis, and the hold-off is
+/// over. It does not fire at the first sample of a record, even if this sample is beyond the level.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(try_from = "TriggerSheet"))]
@@ -78,12 +78,12 @@ pub struct Trigger {
 }
 
 impl Trigger {
-    /// Creates a trigger that fires when the channel called `channel` rises to `level`, in SI, and
-    /// takes a hit of `length`.
+    /// Creates a trigger that fires when the channel called `channel` rises to `level`, in SI
+    /// units, and that cuts out a hit of `length`.
     ///
-    /// Defaults, each with its `with_` method: rising slope; hysteresis of half the level, which
-    /// the ringing after a hit and noise do not reach; no pre-trigger; hold-off to the end of
-    /// the hit, so that a second contact belongs to the same hit and is found there.
+    /// Defaults, each with its `with_` method: rising slope; a hysteresis of half the level, which
+    /// is not reached by noise or by the ringing after a hit; no pre-trigger; a hold-off to the end
+    /// of the hit, so that a second contact belongs to the same hit and is found there.
     ///
     /// # Errors
     ///
@@ -117,8 +117,8 @@ impl Trigger {
         Ok(Self { hysteresis, ..self })
     }
 
-    /// Sets the part of the hit before the sample on which the trigger fires. Rest level and noise
-    /// are estimated there, the more precisely the longer it is.
+    /// Sets the part of the hit before the sample at which the trigger fires. Rest level and noise
+    /// are estimated from this part; the longer it is, the more precise they are.
     #[must_use]
     pub fn with_pre_trigger(self, pre_trigger: Extent) -> Self {
         Self {
@@ -152,7 +152,7 @@ impl Trigger {
         self.hysteresis
     }
 
-    /// The trigger in samples.
+    /// Returns the extents of the trigger in samples.
     pub(super) fn at(&self, sampling_rate_hz: f64) -> Result<Timing, LabioError> {
         check_positive("sampling rate [Hz]", sampling_rate_hz)?;
         let length = self.length.samples(sampling_rate_hz)?;
@@ -207,15 +207,15 @@ pub(super) struct Scanner {
     level: f64,
     hysteresis: f64,
     slope: Slope,
-    /// The side beyond the hysteresis on which the signal was last, unless it has crossed the
-    /// level since.
+    /// The side of the level on which the signal last was beyond the hysteresis, unless it has
+    /// crossed the level since.
     side: Option<Side>,
     hold_off: usize,
     ready_at: usize,
 }
 
 impl Scanner {
-    /// Returns true if the trigger fires on sample `index`.
+    /// Returns true if the trigger fires at sample `index`.
     pub(super) fn fires(&mut self, index: usize, sample: f64) -> bool {
         let passed = match self.side {
             Some(Side::Below) if sample >= self.level => self.slope != Slope::Falling,
@@ -235,7 +235,7 @@ impl Scanner {
     }
 
     fn arm(&mut self, sample: f64) {
-        // at the level itself there is no side, even without hysteresis
+        // a sample at the level itself is on neither side, even without hysteresis
         if sample < self.level && sample <= self.level - self.hysteresis {
             self.side = Some(Side::Below);
         } else if sample > self.level && sample >= self.level + self.hysteresis {

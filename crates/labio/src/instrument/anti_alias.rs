@@ -1,11 +1,11 @@
-//! Analogue low-pass filters by their exact frequency response.
+//! Analogue low-pass filters, described by their exact frequency response.
 
 use num_complex::Complex64;
 
 use crate::LabioError;
 use crate::error::check_positive;
 
-/// Highest order accepted, above that of any real filter.
+/// Highest order accepted, higher than that of any real filter.
 const HIGHEST_ORDER: u32 = 20;
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -14,8 +14,8 @@ enum Kind {
     Bessel,
 }
 
-/// An analogue low-pass of order $`n`$, given by the frequency $`f_c`$ of 3 dB attenuation (half
-/// the power).
+/// An analogue low-pass filter of order $`n`$, specified by the frequency $`f_c`$ of 3 dB
+/// attenuation (half the power).
 ///
 /// - Butterworth: $`|H|^2 = 1/(1+(f/f_c)^{2n})`$, poles at $`e^{i\pi(2k+n-1)/2n}`$, $`k = 1 \ldots
 ///   n`$.
@@ -32,7 +32,7 @@ pub struct AntiAlias {
 }
 
 impl AntiAlias {
-    /// A Butterworth filter: flattest in magnitude.
+    /// Creates a Butterworth filter: flattest in magnitude.
     ///
     /// # Errors
     ///
@@ -41,7 +41,7 @@ impl AntiAlias {
         Self::new(Kind::Butterworth, order, cutoff_hz)
     }
 
-    /// A Bessel filter: flattest in group delay, so that pulses keep their shape.
+    /// Creates a Bessel filter: flattest in group delay, so that pulses keep their shape.
     ///
     /// # Errors
     ///
@@ -71,7 +71,7 @@ impl AntiAlias {
         })
     }
 
-    /// Returns $`H`$ at a frequency.
+    /// Returns $`H`$ at a frequency \[Hz\].
     #[must_use]
     pub fn response(&self, frequency_hz: f64) -> Complex64 {
         let s = Complex64::new(0.0, self.scale * frequency_hz / self.cutoff_hz);
@@ -93,7 +93,7 @@ impl AntiAlias {
     }
 }
 
-/// The product of 1/(1 - s/p) over the poles p, which all lie on the unit circle.
+/// Returns the product of 1/(1 - s/p) over the poles p, which are all on the unit circle.
 fn butterworth(order: u32, s: Complex64) -> Complex64 {
     (1..=order).fold(Complex64::ONE, |response, k| {
         let angle = std::f64::consts::PI * f64::from(2 * k + order - 1) / f64::from(2 * order);
@@ -101,7 +101,8 @@ fn butterworth(order: u32, s: Complex64) -> Complex64 {
     })
 }
 
-/// θₙ(0)/θₙ(s) by the recursion θₙ = (2n-1) θₙ₋₁ + s² θₙ₋₂, with both divided by their value at 0.
+/// Returns θₙ(0)/θₙ(s) by the recursion θₙ = (2n-1) θₙ₋₁ + s² θₙ₋₂, with both sides divided by
+/// their value at 0.
 fn bessel(order: u32, s: Complex64) -> Complex64 {
     // with φₙ = θₙ/θₙ(0) and θₙ(0) = (2n-1) θₙ₋₁(0): φₙ = φₙ₋₁ + s² φₙ₋₂ / ((2n-1)(2n-3))
     let (mut before, mut phi) = (Complex64::ONE, Complex64::ONE + s);
@@ -111,14 +112,15 @@ fn bessel(order: u32, s: Complex64) -> Complex64 {
         (before, phi) = (phi, next);
     }
     if !s.is_nan() && !phi.is_finite() {
-        return Complex64::ZERO; // so far above the cut-off that the polynomial leaves the range of numbers
+        return Complex64::ZERO; // so far above the cut-off that the polynomial overflows
     }
     phi.inv()
 }
 
-/// Angular frequency at which the Bessel filter of unit delay has lost half the power.
+/// Returns the angular frequency at which the Bessel filter of unit delay has lost half the power.
 fn half_power(order: u32) -> f64 {
-    // |H| decreases monotonically; √(ln 2 (2n-1)) is its limit for high orders, and 1 its value for order 1
+    // |H| decreases monotonically; √(ln 2 (2n-1)) is the limit for high orders, and 1 the value for
+    // order 1
     let (mut below, mut above) = (0.5, 10.0);
     while above - below > f64::EPSILON * above {
         let middle = 0.5 * (below + above);
@@ -144,7 +146,7 @@ mod tests {
             let filter = AntiAlias::butterworth(order, 1000.0).unwrap();
             for f in [0.0, 100.0, 999.0, 1000.0, 3000.0] {
                 let power = 1.0 / (1.0 + f64::powi(f / 1000.0, 2 * order as i32));
-                // a product of 20 factors, and of the magnitude the square
+                // rounding errors of a product of 20 factors, and of the square of its magnitude
                 let error = (filter.response(f).norm_sqr() / power - 1.0).abs();
                 assert!(error < 1e-13, "order {order} at {f}: {error}");
             }
@@ -165,14 +167,14 @@ mod tests {
         let third = 15.0 / (s * s * s + 6.0 * s * s + 15.0 * s + 15.0);
         assert!((bessel(2, s) - second).norm() < 1e-15);
         assert!((bessel(3, s) - third).norm() < 1e-15);
-        // half-power frequencies of unit-delay filters, as filter tables print them
+        // half-power frequencies of unit-delay filters, as printed in filter tables
         for (order, expected) in [(1, 1.0), (2, 1.3617), (3, 1.7557), (4, 2.1139), (5, 2.4274)] {
             assert!((half_power(order) - expected).abs() < 5e-5, "{order}");
         }
         let filter = AntiAlias::bessel(8, 500.0).unwrap();
         assert!((filter.response(500.0).norm_sqr() - 0.5).abs() < 1e-14);
-        // flat group delay: the phase at a twentieth of the cut-off is that of a pure delay to the
-        // order of the filter
+        // flat group delay: the phases at a tenth and a twentieth of the cut-off are those of a
+        // pure delay
         let (low, lower) = (filter.response(50.0).arg(), filter.response(25.0).arg());
         assert!((low / lower - 2.0).abs() < 1e-14);
     }

@@ -6,12 +6,12 @@ use rand_distr::{Distribution, StandardUniform};
 use crate::LabioError;
 use crate::error::check_positive;
 
-/// A converter of $`b`$ bits over the range $`\pm R`$: steps of $`q = 2R/2^b`$, numbers $`-2^{b-1}
-/// \ldots 2^{b-1}-1`$, rounded to the nearest.
+/// A converter of $`b`$ bits with the range $`\pm R`$: steps of $`q = 2R/2^b`$, numbers
+/// $`-2^{b-1} \ldots 2^{b-1}-1`$, rounded to the nearest.
 ///
-/// For a signal that crosses many steps the rounding is noise of variance $`q^2/12`$. With dither
-/// (the difference of two uniform numbers of one step, added before rounding) the variance is
-/// $`q^2/4`$ for any signal.
+/// For a signal that crosses many steps, the rounding is noise of variance $`q^2/12`$. With dither
+/// (the difference of two uniform random numbers, each within one step, added before rounding) the
+/// variance is $`q^2/4`$ for any signal.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Converter {
     bits: u32,
@@ -20,12 +20,13 @@ pub struct Converter {
 }
 
 impl Converter {
-    /// Creates a converter of `bits` over `-range..range`, in the SI unit of the channel at this
-    /// stage.
+    /// Creates a converter of `bits` bits with the range `-range..range`, in the SI unit of the
+    /// channel at this stage.
     ///
     /// # Errors
     ///
-    /// [`LabioError::NonPhysical`] if the bits are not 1 to 32 or the range not positive.
+    /// [`LabioError::NonPhysical`] if the number of bits is not 1 to 32 or the range is not
+    /// positive.
     pub fn new(bits: u32, range: f64) -> Result<Self, LabioError> {
         check_positive("range of the converter", range)?;
         if !(1..=32).contains(&bits) {
@@ -71,7 +72,7 @@ impl Converter {
         f64::from(1_u32 << (self.bits - 1))
     }
 
-    /// Converts in place; returns how many samples are clipped to an end of the range.
+    /// Converts in place; returns the number of samples that are clipped to an end of the range.
     pub(super) fn convert<'a, R: Rng + ?Sized>(
         &self,
         samples: impl Iterator<Item = &'a mut f64>,
@@ -87,7 +88,7 @@ impl Converter {
             }
             let number = steps.round();
             let held = number.clamp(-half, half - 1.0);
-            // rounding past the last number also exceeds the range
+            // rounding to a number past the last one also exceeds the range
             if (number - held).abs() > 0.0 {
                 n_saturated += 1;
             }
@@ -134,7 +135,7 @@ mod tests {
             let signal: Vec<f64> = (0..n)
                 .map(|k| {
                     let k = f64::from(k);
-                    // an irrational rotation visits every place between two steps equally often
+                    // an irrational rotation reaches every place between two steps equally often
                     if busy {
                         0.7 * (0.6180339887498949 * k).sin() + 1e-3 * k / f64::from(n)
                     } else {
@@ -157,8 +158,8 @@ mod tests {
         };
         let plain = Converter::new(12, 1.0).unwrap();
         let (mean, variance) = error(plain, &mut rng, true);
-        // of n independent uniform errors: variance 1/12 ± 1/√(180 n), mean 0 ± 1/√(12 n); four of
-        // each
+        // n independent uniform errors have the variance 1/12 ± 1/√(180 n) and the mean 0 ± 1/√(12
+        // n); four times each
         let n = f64::from(n);
         assert!(
             (variance - 1.0 / 12.0).abs() < 4.0 / (180.0 * n).sqrt(),

@@ -1,4 +1,4 @@
-//! Gaussian noise of a given spectrum.
+//! Gaussian noise with a given spectrum.
 
 use num_complex::Complex64;
 use rand::Rng;
@@ -32,19 +32,19 @@ impl NoiseSpectrum {
     ///
     /// # Errors
     ///
-    /// [`LabioError::NonPhysical`] if it is negative or not finite.
+    /// [`LabioError::NonPhysical`] if the density is negative or not finite.
     pub fn white(density: f64) -> Result<Self, LabioError> {
         check_not_negative("noise density [unit^2/Hz]", density)?;
         Ok(Self(Shape::White { density }))
     }
 
-    /// $`S(f) = S_0\,(f/f_0)^{-a}`$ from `flat_below_hz` on and constant below it; $`a = 1`$ is the
-    /// flicker noise of transistors.
+    /// Creates a spectrum $`S(f) = S_0\,(f/f_0)^{-a}`$ from `flat_below_hz` on, constant below it;
+    /// $`a = 1`$ is the flicker noise of transistors.
     ///
     /// # Errors
     ///
-    /// [`LabioError::NonPhysical`] if the density is negative, a frequency not positive or the
-    /// exponent outside -4..4.
+    /// [`LabioError::NonPhysical`] if the density is negative, a frequency is not positive or the
+    /// exponent is outside -4..4.
     pub fn power_law(
         density: f64,
         at_hz: f64,
@@ -118,9 +118,9 @@ impl NoiseSpectrum {
 
     /// Draws `n` samples at `rate_hz`.
     ///
-    /// Lines of a transform of at least twice the length are drawn as complex Gaussian numbers with
-    /// $`\mathrm E|X_k|^2 = S(f_k) f_s N/2`$; only half of the history is used, so that its end is
-    /// independent of its beginning.
+    /// The lines of a transform of at least twice the length are drawn as complex Gaussian numbers
+    /// with $`\mathrm E|X_k|^2 = S(f_k) f_s N/2`$; at most half of the resulting history is used,
+    /// so that its end is independent of its beginning.
     pub(super) fn draw<R: Rng + ?Sized>(&self, n: usize, rate_hz: f64, rng: &mut R) -> Vec<f64> {
         let n_total = (2 * n).next_power_of_two();
         let mut lines = vec![Complex64::ZERO; n_total / 2 + 1];
@@ -165,7 +165,7 @@ fn interpolated(rows: &[[f64; 2]], frequency_hz: f64) -> f64 {
             s0 * (s1 / s0).powf(part)
         }
         (Some([_, density]), None) | (None, Some([_, density])) => *density,
-        (None, None) => 0.0, // no table is empty
+        (None, None) => 0.0, // a table is never empty
     }
 }
 
@@ -176,7 +176,7 @@ mod tests {
     #[test]
     fn densities_are_power_laws_between_rows() {
         let table = NoiseSpectrum::table(&[[10.0, 4.0], [1000.0, 0.04]]).unwrap();
-        // two decades of frequency for two of density: 1/f
+        // two decades of density over two decades of frequency: 1/f
         for (f, expected) in [
             (1.0, 4.0),
             (10.0, 4.0),

@@ -1,4 +1,4 @@
-//! Effect of each stage of an instrument on the signals.
+//! Effects of the stages of an instrument on the signals.
 
 use ndarray::{Array2, ArrayViewMut1, Axis, Slice};
 use num_complex::Complex64;
@@ -8,11 +8,11 @@ use super::{AntiAlias, Converter, NoiseSpectrum, Saturation};
 use crate::filter::{delayed, filtered};
 use crate::{Channel, LabioError, Quantity, SensorChain, channel};
 
-/// Largest distance of the ratio of two sampling rates from a whole number: rates are written with
+/// Largest deviation of the ratio of two sampling rates from a whole number: rates are written with
 /// few digits.
 const RATIO_TOLERANCE: f64 = 1e-9;
 
-/// One stage.
+/// One stage of an instrument.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum Stage {
     Sense {

@@ -5,23 +5,23 @@ use num_complex::Complex64;
 use crate::FrequencyResponse;
 use crate::merge::entering::{common_error_at, relative_variance};
 
-/// Number of standard errors attributed to chance between two tests.
+/// Number of standard errors that is attributed to chance between two tests.
 const COVERAGE: f64 = 3.0;
 
-/// Relative variance of a ratio of two tests above which its logarithm is not used.
+/// Relative variance of the ratio of two tests above which the logarithm of the ratio is not used.
 const ROUGH: f64 = 0.1;
 
 /// Fewest lines for a gain and a delay.
 const FEWEST_LINES: usize = 8;
 
-/// A factor and a delay between two tests, $`H_h = g\,H_1 e^{-i\omega\tau}`$, by least squares of
-/// the logarithm of their ratio.
+/// A gain and a delay between two tests, $`H_h = g\,H_1 e^{-i\omega\tau}`$, by a least-squares fit
+/// to the logarithm of their ratio.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct Agreement {
     /// Gain g relative to the first test; negative for an inverted sensor.
     pub gain: f64,
-    /// Standard error of the logarithm of the gain, from the scatter of the lines.
+    /// Standard error of the logarithm of the gain, found from the scatter of the lines.
     pub relative_error: f64,
     /// Relative standard uncertainty expected from the common errors of both tests.
     pub expected: f64,
@@ -29,7 +29,7 @@ pub struct Agreement {
     pub delay: f64,
     /// Standard error of the delay \[s\].
     pub delay_error: f64,
-    /// Number of lines.
+    /// Number of lines in the fit.
     pub n_lines: usize,
 }
 
@@ -58,7 +58,7 @@ impl Agreement {
     }
 }
 
-/// Gain and delay of `other` relative to `first` on these lines.
+/// Returns gain and delay of `other` relative to `first`, fitted to `lines`.
 #[allow(
     clippy::indexing_slicing,
     reason = "`MergedResponse::like` has found as many lines in every list of every test"
@@ -101,7 +101,7 @@ pub(super) fn agreement(
         sums[3] -= w * omega * logarithm.im;
     }
     let (log_gain, delay) = (sums[1] / sums[0], sums[3] / sums[2]);
-    // from the residuals, whatever the weights are
+    // from the residuals, which is valid for any weights
     let (mut of_gain, mut of_delay) = (0.0, 0.0);
     for (omega, logarithm, w) in &logarithms {
         of_gain += (w * (logarithm.re - log_gain)).powi(2);

@@ -1,16 +1,16 @@
-//! The tests that enter a merged line, with the errors that weigh them.
+//! The tests that contribute to a merged line, with the errors that determine their weights.
 
 use num_complex::Complex64;
 
 use crate::frf::chance_level;
 use crate::{Coherence, FrequencyResponse, LineValidity};
 
-/// Probability with which noise alone reaches the coherence from which tests are compared.
+/// Probability that noise alone reaches the coherence above which tests are compared.
 pub(super) const CLEAR: f64 = 1e-4;
 
-/// Number of lines on either side over which that coherence is averaged. Lines chosen by their own
-/// coherence are those whose variance came out small: of three hits each, they made one merge in
-/// two differ.
+/// Number of lines on either side over which that coherence is averaged. If lines were chosen by
+/// their own coherence, those with an accidentally small variance would be preferred: with three
+/// hits per test, this made one merge in two disagree.
 const CLEAR_NEIGHBOURS: usize = 8;
 
 /// The tests that contribute to a line.
@@ -24,7 +24,7 @@ pub(super) struct Entering {
     reason = "`MergedResponse::like` has found as many lines in every list of every test, and the entering tests are some of them"
 )]
 impl Entering {
-    /// The coherent tests, or all that have information.
+    /// Returns the coherent tests or, if there are none, all tests that have information.
     pub(super) fn of(tests: &[FrequencyResponse], line: usize) -> Self {
         let informed: Vec<usize> = (0..tests.len())
             .filter(|h| tests[*h].validity[line] == LineValidity::Valid)
@@ -44,7 +44,7 @@ impl Entering {
         }
     }
 
-    /// Square of the most precise test's value, used as that of the common H.
+    /// Returns the square of the most precise test's value, used as that of the common H.
     pub(super) fn square(&self, tests: &[FrequencyResponse], line: usize) -> f64 {
         let relative = |h: &usize| relative_variance(&tests[*h], line);
         let known = self.tests.iter().filter(|h| relative(h) >= 0.0);
@@ -52,8 +52,8 @@ impl Entering {
         best.map_or(f64::NAN, |h| tests[*h].values[line].norm_sqr())
     }
 
-    /// Shares of the tests by their variances for the common H; tests with zero variance share a
-    /// line among themselves. Empty if no test has a variance.
+    /// Returns the shares of the tests, from their variances for the common H; tests with zero
+    /// variance share a line among themselves. Empty if no test has a variance.
     pub(super) fn shares(&self, tests: &[FrequencyResponse], line: usize) -> Vec<(usize, f64)> {
         let square = self.square(tests, line);
         let known = || {
@@ -74,7 +74,7 @@ impl Entering {
         known().map(|(h, u)| (h, u.recip() / total)).collect()
     }
 
-    /// Discrepancy of the tests, and the degrees of freedom of their variances.
+    /// Returns the discrepancy between the tests, and the degrees of freedom of their variances.
     pub(super) fn discrepancy(
         &self,
         tests: &[FrequencyResponse],
@@ -94,7 +94,8 @@ impl Entering {
             })
             .filter(|(_, variance, _)| *variance > 0.0 && variance.is_finite())
             .collect();
-        // each against those of smaller variance, so that the order of the tests does not matter
+        // each test is compared with those of smaller variance, so that the order of the tests does
+        // not matter
         known.sort_by(|a, b| a.1.total_cmp(&b.1));
         let ((mut mean, mut variance, mut freedom), others) = match known.split_first() {
             Some((first, others)) if !others.is_empty() => (*first, others),
@@ -120,7 +121,8 @@ impl Entering {
     }
 }
 
-/// Lines about which the mean coherence is above what noise alone reaches, and completed lines.
+/// Returns true for lines around which the mean coherence is above that reached by noise alone, and
+/// for completed lines.
 pub(super) fn clear_lines(test: &FrequencyResponse) -> Vec<bool> {
     let Some(coherence) = &test.coherence else {
         return vec![true; test.values.len()];
@@ -140,7 +142,7 @@ pub(super) fn clear_lines(test: &FrequencyResponse) -> Vec<bool> {
 }
 
 /// Returns true if noise alone reaches the coherence of a line with less than this probability, and
-/// for completed lines.
+/// also for completed lines.
 #[allow(
     clippy::indexing_slicing,
     reason = "`MergedResponse::like` has found as many lines in every list of every test"
@@ -151,7 +153,8 @@ pub(super) fn is_above(test: &FrequencyResponse, line: usize, probability: f64) 
     coherence.is_none_or(|coherence| coherence.is_nan() || coherence > level)
 }
 
-/// Variance of a line over the square of its value, with the square of the bias where it is known.
+/// Returns the variance of a line divided by the square of its value, plus the square of the bias
+/// where it is known.
 #[allow(
     clippy::indexing_slicing,
     reason = "`MergedResponse::like` has found as many lines in every list of every test"
@@ -164,7 +167,7 @@ pub(super) fn relative_variance(test: &FrequencyResponse, line: usize) -> f64 {
     variance / test.values[line].norm_sqr() + bias_at(test, line).powi(2)
 }
 
-/// Known or else possible bias of a line; none for a completed line.
+/// Returns the known or else the possible bias of a line; 0 for a completed line.
 #[allow(
     clippy::indexing_slicing,
     reason = "`MergedResponse::like` has found as many lines in every list of every test"
@@ -177,7 +180,8 @@ pub(super) fn bias_at(test: &FrequencyResponse, line: usize) -> f64 {
     }
 }
 
-/// Variance of a test for a common H of this square: not less than its own.
+/// Returns the variance of a test for a common H with this square: not less than the test's own
+/// variance.
 #[allow(
     clippy::indexing_slicing,
     reason = "`MergedResponse::like` has found as many lines in every list of every test"

@@ -15,8 +15,8 @@ fn channels() -> Vec<Channel> {
     ]
 }
 
-/// Hits of a hammer whose half-sine lasts `contact` samples from sample `at` on, on a body that
-/// responds with half the force two samples later, with noise of both.
+/// Hits of a hammer whose half-sine lasts `hammer.contact` samples from sample `at` on, on a body
+/// whose response is half the force two samples later, with noise on both.
 fn hits_of(hammer: Hammer, seed: u64, at: usize) -> Vec<Record> {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let mut hit = || {
@@ -49,7 +49,7 @@ struct Hammer {
     peak: f64,
     contact: usize,
     noise: f64,
-    /// Error of the force, added after it has acted.
+    /// Error of the measured force, added after the force has acted on the body.
     input_noise: f64,
     /// Error of the response sensor.
     gain: f64,
@@ -86,8 +86,8 @@ fn each_line_is_that_of_the_larger_force() {
             .unwrap();
     let responses = [&heavy, &light].map(|test| test.h1("force", "velocity").unwrap());
     let forces = [&heavy, &light].map(|test| test.auto("force").unwrap());
-    // the coherent power, of tests that are above what chance reaches once in ten thousand, or else
-    // once in twenty
+    // the coherent power, for tests above the coherence that chance reaches once in ten thousand,
+    // or else once in twenty
     let coherence = |test: usize, line: usize| responses[test].coherence.as_ref().unwrap()[line];
     let force = |test: usize, line: usize| {
         let passes =
@@ -100,7 +100,7 @@ fn each_line_is_that_of_the_larger_force() {
         f64::from(stands) * coherence(test, line).max(0.0) * forces[test][line]
     };
     let mut from = [0, 0];
-    // at the Nyquist frequency neither half-sine has anything
+    // neither half-sine has any content at the Nyquist frequency
     for line in 0..N / 2 {
         let winner = usize::from(force(1, line) > force(0, line));
         from[winner] += 1;
@@ -123,8 +123,8 @@ fn inverse_variances_weigh_as_least_squares_does() {
     let responses = [&heavy, &light].map(|test| test.h1("force", "velocity").unwrap());
     let merged = MergedResponse::by_inverse_variance(&responses).unwrap();
     for line in [1, 50, 100] {
-        // of H1 with the coherence c, |H|² (1 - c)/((n - 1) c), and |H| (1 - c) if all of that were
-        // noise of the force
+        // for H1 with the coherence c: the variance |H|² (1 - c)/((n - 1) c), and the bias |H| (1 -
+        // c) if all missing coherence were noise of the force
         let c = [0, 1].map(|h: usize| responses[h].coherence.as_ref().unwrap()[line]);
         let relative = c.map(|c| (1.0 - c) / (9.0 * c));
         let h = [0, 1].map(|h: usize| responses[h].values[line]);
@@ -138,15 +138,15 @@ fn inverse_variances_weigh_as_least_squares_does() {
         // the same numbers combined in another order
         assert!((merged.response.values[line] - expected).norm() < 1e-13);
         assert!((merged.shares[(0, line)] - share).abs() < 1e-13);
-        // 18 degrees of freedom each, and what weights from so many cost
+        // 18 degrees of freedom each, and the cost of weights estimated with so many
         let cost = 1.0 + 8.0 * share * (1.0 - share) / 18.0;
         let variance = merged.response.variance.as_ref().unwrap()[line];
-        // in the variance |H| is that of the merged line
+        // the |H| in the variance is that of the merged line
         let of_merged =
             [0, 1].map(|k: usize| relative[k] * h[k].norm_sqr().max(expected.norm_sqr()));
         let expected_variance =
             (share * share * of_merged[0] + (1.0 - share).powi(2) * of_merged[1]) * cost;
-        // 1 - c of the order of 1e-6 has lost six digits in the products here
+        // 1 - c is of the order of 1e-6, which costs six digits in these products
         let apart = variance / merged.inflation[line] / expected_variance - 1.0;
         assert!(apart.abs() < 1e-9, "{line}: {apart}");
         let freedom = merged.response.degrees_of_freedom.as_ref().unwrap()[line];
@@ -160,8 +160,8 @@ fn inverse_variances_weigh_as_least_squares_does() {
     assert!(merged.response.coherence.is_none());
 }
 
-/// Paper E's two hammers with noise of the force: above 1.5 kHz the force of the heavy hammer is
-/// zero, and so are H1 and its variance.
+/// The two hammers of paper E with noise of the force: above 1.5 kHz the force of the heavy hammer
+/// is zero, and so are H1 and its variance.
 #[test]
 fn s2_noise_of_the_force_does_not_win() {
     let noisy = Hammer {
@@ -188,9 +188,9 @@ fn s2_noise_of_the_force_does_not_win() {
             count += 1.0;
         }
     }
-    // 3500 errors with 18 degrees of freedom: Student's law lies within one standard error in 67 %,
-    // standard error 0.7 %, and its mean square is 18/16, to 2 %; by the variance of H1 itself
-    // 10 % are covered, and the mean square is above 100
+    // 3500 errors with 18 degrees of freedom: Student's distribution has 67 % within one standard
+    // error, with a standard error of 0.7 %, and a mean square of 18/16, known to 2 %; with the
+    // variance of H1 itself, only 10 % are covered, and the mean square is above 100
     assert!((covered / count - 0.67).abs() < 0.03, "{}", covered / count);
     assert!(
         (squares / count / 1.125 - 1.0).abs() < 0.1,
@@ -199,13 +199,13 @@ fn s2_noise_of_the_force_does_not_win() {
     );
 }
 
-/// Coverage without a known noise at rest: the truth lies within the random error of the range that
-/// the possible bias leaves open, whichever channel the noise is on; the random error alone is that
-/// of noise on the response.
+/// Coverage without a known noise at rest: the truth is within the random error of the range that
+/// the possible bias leaves open, whichever channel has the noise; the random error alone covers
+/// noise on the response.
 #[test]
 fn s13_the_possible_bias_of_merged_hammers_covers_whatever_channel_is_noisy() {
     let n_seeds = testbed::noise::draws(12);
-    // standard deviations of the noise of the force, as a part of its peak, and of the velocity
+    // standard deviations of the noise of the force, as a fraction of its peak, and of the velocity
     for (of_force, of_velocity) in [(0.0, 1.0), (0.02, 0.0), (0.02, 1.0), (0.03, 0.2)] {
         let (mut within, mut random, mut count) = (0.0, 0.0, 0.0);
         for seed in 0..n_seeds {
@@ -236,13 +236,13 @@ fn s13_the_possible_bias_of_merged_hammers_covers_whatever_channel_is_noisy() {
         println!(
             "force {of_force}, velocity {of_velocity}: {within:.3} of {count}, by the random error alone {random:.3}"
         );
-        // 4200 lines of 18 and 36 degrees of freedom: Student's law lies within 1.96 in 93.5 to
-        // 94.3 %, four standard errors are 1.5 %
+        // 4200 lines with 18 and 36 degrees of freedom: Student's distribution has 93.5 to 94.3 %
+        // within 1.96; four standard errors are 1.5 %
         assert!(
             within > 0.92,
             "force {of_force}, velocity {of_velocity}: {within}"
         );
-        // noise of the force is what that error does not have
+        // the random error alone does not include noise of the force
         assert!(
             of_force == 0.0 || random < 0.85,
             "force {of_force}, velocity {of_velocity}: {random}"
@@ -250,8 +250,8 @@ fn s13_the_possible_bias_of_merged_hammers_covers_whatever_channel_is_noisy() {
     }
 }
 
-/// Tests whose larger input is noise are not selected on a line, and a line that only such a test
-/// has is not coherent.
+/// Tests whose larger input is noise are not selected on a line, and a line for which there is only
+/// such a test is not coherent.
 #[test]
 fn s3_a_larger_input_that_is_noise_does_not_take_a_line() {
     let noisy = Hammer {
@@ -274,7 +274,7 @@ fn s3_a_larger_input_that_is_noise_does_not_take_a_line() {
     );
     let alone = merge(&[&heavy, &heavy]);
     let coherent = alone.coherent[band].iter().filter(|c| **c).count();
-    // one in twenty of 150 by chance: 7.5, four standard errors are 11
+    // one in twenty of 150 by chance: 7.5; four standard errors are 11
     assert!(coherent < 19, "{coherent}");
 }
 
@@ -295,11 +295,11 @@ fn s6_hammers_of_another_gain_are_told_and_enter_the_error() {
     assert!((agreement.expected - 0.01 * 2.0_f64.sqrt()).abs() < 1e-12);
     assert!(agreement.explains_delay(), "{agreement:?}");
     assert!(merged.inflation.iter().any(|factor| *factor > 2.0));
-    // ln 1.1 over the root of 2 beside the sensors
+    // ln 1.1 divided by the root of 2, combined with the errors of the sensors
     let common = merged.response.common_error.as_ref().unwrap()[100];
     let expected = (agreement.gain.ln() / 2.0_f64.sqrt()).hypot(0.01);
     assert!((common / expected - 1.0).abs() < 1e-12, "{common}");
-    // sensors that are known to 10 % explain it
+    // sensors with an uncertainty of 10 % explain it
     let merged = MergedResponse::by_inverse_variance(&responses(off, 0.1)).unwrap();
     assert!(merged.agreement[0].unwrap().explains_gain());
     let merged = MergedResponse::by_inverse_variance(&responses(LIGHT, 0.0)).unwrap();
@@ -311,8 +311,8 @@ fn s6_hammers_of_another_gain_are_told_and_enter_the_error() {
     assert!(merged.inflation.iter().all(|factor| *factor <= 1.0));
 }
 
-/// Discrepancy for any number of hits: |ΔH|² over the variances alone has the mean 2.75 for three
-/// hits of each.
+/// The discrepancy has the mean 1 for any number of hits; |ΔH|² divided by the variances alone has
+/// the mean 2.75 for three hits each.
 #[test]
 fn s13_the_discrepancy_has_the_mean_one() {
     for n_hits in [2, 3, 5, 10] {
@@ -326,14 +326,14 @@ fn s13_the_discrepancy_has_the_mean_one() {
             let tests = [test_of(hammer, 300 + seed), test_of(hammer, 400 + seed)];
             let responses = tests.map(|test| test.h1("force", "velocity").unwrap());
             let merged = MergedResponse::by_inverse_variance(&responses).unwrap();
-            // of two hits some lines are not clear enough to be compared
+            // with two hits, some lines are not clear enough to be compared
             for value in merged.discrepancy[1..200].iter().filter(|d| d.is_finite()) {
                 sum += value;
                 count += 1.0;
             }
         }
-        // 1990 values of an exponential law: 2.2 %, and Welch's approximation, which leaves 9 % for
-        // two hits of each
+        // 1990 values of an exponential distribution: 2.2 %; Welch's approximation leaves an error
+        // of 9 % for two hits each
         let mean: f64 = sum / count;
         println!("{n_hits} hits: mean discrepancy {mean:.3} of {count} lines");
         assert!(
@@ -343,7 +343,7 @@ fn s13_the_discrepancy_has_the_mean_one() {
     }
 }
 
-/// Mean squared error over the lines up to `n_lines`, relative to the true response.
+/// Returns the mean squared error over `lines`, relative to the true response.
 fn error(response: &FrequencyResponse, lines: std::ops::Range<usize>) -> f64 {
     let n = lines.len() as f64;
     let square = |k| (response.values[k] / truth(response, k) - 1.0).norm_sqr();
@@ -352,8 +352,7 @@ fn error(response: &FrequencyResponse, lines: std::ops::Range<usize>) -> f64 {
 
 #[test]
 fn weighing_beats_choosing_and_says_by_how_much() {
-    // where both hammers give about the same force, and where the larger force is the noisier
-    // measurement
+    // both hammers give about the same force, or the larger force is the noisier measurement
     let equal = [LIGHT, LIGHT];
     let noisy = Hammer {
         peak: 1.2 * LIGHT.peak,
@@ -369,11 +368,11 @@ fn weighing_beats_choosing_and_says_by_how_much() {
         let weighed = MergedResponse::by_inverse_variance(&responses).unwrap();
         let band = 1..400; // below the first zero of the half-sine
         let ratio = error(&chosen.response, band.clone()) / error(&weighed.response, band.clone());
-        // with estimated weights some 10 % of the gain is lost; 399 lines give the ratio to 7 %,
-        // three times that is 21 %
+        // with estimated weights some 10 % of the gain is lost; 399 lines determine the ratio to 7
+        // %, three times which is 21 %
         assert!(ratio > 0.69 * gain && ratio < 1.21 * gain, "{ratio} {gain}");
-        // what is stated as the variance is the error, but for the 4/n that the estimated weights
-        // hide and (n-1)/n
+        // the stated variance is the squared error, except for a factor of (n-1)/n and 4/n that the
+        // estimated weights hide
         let variance = weighed.response.variance.as_ref().unwrap();
         let stated: f64 = band
             .clone()
@@ -387,7 +386,8 @@ fn weighing_beats_choosing_and_says_by_how_much() {
             found / stated
         );
         let apart: f64 = band.map(|k| weighed.discrepancy[k]).sum::<f64>() / 399.0;
-        // expectation 1 for known variances; estimated ones make it n/(n-1) (1 + 1/(n-2)) or so
+        // expected value 1 for known variances; with estimated variances it is about n/(n-1) (1 +
+        // 1/(n-2))
         assert!(apart > 0.85 && apart < 1.45, "{apart}");
     }
 }
@@ -404,7 +404,7 @@ fn a_line_that_one_test_does_not_have_comes_from_the_other() {
         MergedResponse::by_larger_input(&[&nothing, &light], Estimator::H1, "force", "velocity")
             .unwrap();
     for merged in [weighed, chosen] {
-        // this half-sine has nothing at the Nyquist frequency
+        // this half-sine has no content at the Nyquist frequency
         assert_eq!(merged.response.invalid_lines().collect::<Vec<_>>(), [N / 2]);
         assert_eq!(
             merged.response.values[..N / 2],
@@ -506,8 +506,8 @@ fn tests_with_other_windows_or_levels_are_refused() {
     }
 }
 
-/// Of 400 merges of right tests each, 5, 1 and none for 3, 5 and 10 hits; with lines chosen by
-/// their own coherence 188, 20 and none.
+/// Of 400 merges of correct tests each, 5, 1 and none differ for 3, 5 and 10 hits; with lines
+/// chosen by their own coherence, 188, 20 and none.
 #[test]
 fn s6_right_hammers_differ_at_the_level_that_is_stated() {
     for n_hits in [3, 5, 10] {
@@ -526,7 +526,7 @@ fn s6_right_hammers_differ_at_the_level_that_is_stated() {
     }
 }
 
-/// Of 200 tests each, magnitudes and phases within 67-69 and 94-95 %.
+/// With 200 tests each, 67-69 % and 94-95 % of magnitudes and phases are within the limits.
 #[test]
 fn s13_merged_hammers_are_covered_by_students_law() {
     let seeds: u64 = testbed::noise::draws(8);
@@ -557,8 +557,8 @@ fn s13_merged_hammers_are_covered_by_students_law() {
                 let merged = MergedResponse::by_inverse_variance(&responses).unwrap();
                 let errors = merged.response.random_error().unwrap();
                 let freedom = merged.response.degrees_of_freedom.as_ref().unwrap();
-                // below two thirds of the first zero of the light hammer; lines chosen by their
-                // error would be those whose error came out small
+                // below two thirds of the first zero of the light hammer; choosing lines by their
+                // error would prefer those with an accidentally small error
                 for line in 1..400 {
                     let student = StudentsT::new(0.0, 1.0, freedom[line]).unwrap();
                     let off = (merged.response.values[line] / truth(&merged.response, line)).ln();
@@ -574,7 +574,7 @@ fn s13_merged_hammers_are_covered_by_students_law() {
             let covered = counts.map(|count| count.map(|inside| 100.0 * inside / total));
             println!("{n_hits} hits, {estimator:?}: {covered:.1?}");
             for [one, two] in covered {
-                // 3192 lines and more: 0.8 and 0.4 %, three of these, and 1.5 % for the estimated
+                // 3192 lines and more: 0.8 and 0.4 %, times three, plus 1.5 % for the estimated
                 // weights of three hits
                 assert!(
                     (one - 68.3).abs() < 4.0 && (two - 95.0).abs() < 2.7,

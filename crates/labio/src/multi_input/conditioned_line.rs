@@ -1,19 +1,19 @@
-//! One line of several inputs, solved by conditioning each on those before it.
+//! One line of several inputs, solved by conditioning each input on those before it.
 
 use num_complex::Complex64;
 
-/// Least fraction of an input's power that must be independent of the others; below it, fewer than
-/// three digits of a response would be left in double precision.
+/// Smallest fraction of an input's power that must be independent of the other inputs; below it,
+/// fewer than three digits of a response would be left in double precision.
 const OWN_POWER: f64 = 1e-12;
 
-/// Solution of one line by Cholesky's factors, R = L L*.
+/// Solution of one line by Cholesky factorisation, R = L L*.
 pub(super) struct ConditionedLine {
     q: usize,
     /// L, row by row.
     factor: Vec<Complex64>,
     /// A column of L^-1.
     column: Vec<Complex64>,
-    /// L^-1 r: contribution of each input beyond those before it.
+    /// L^-1 r: contribution of each input beyond those of the inputs before it.
     pub(super) ordered: Vec<Complex64>,
     /// R^-1 r.
     pub(super) responses: Vec<Complex64>,
@@ -40,7 +40,7 @@ impl ConditionedLine {
     }
 
     /// Solves the scaled spectra of inputs 0 .. q-1 and the output q; returns false if inputs are
-    /// dependent.
+    /// linearly dependent.
     pub(super) fn solve(&mut self, scaled: impl Fn(usize, usize) -> Complex64) -> bool {
         let q = self.q;
         for i in 0..q {
@@ -72,12 +72,12 @@ impl ConditionedLine {
             self.inverse_diagonal[j] = squares;
         }
         let explained: f64 = self.ordered.iter().map(Complex64::norm_sqr).sum();
-        // at most 1 up to rounding, like the ordinary coherence
+        // at most 1 within rounding, like the ordinary coherence
         self.multiple = explained.min(1.0);
         true
     }
 
-    /// L^-1 times a column, in its place.
+    /// Returns L^-1 times a column, computed in place.
     fn forward(&self, mut column: Vec<Complex64>) -> Vec<Complex64> {
         for i in 0..self.q {
             let known = self.factor[i * self.q..][..i].iter().zip(&column);
@@ -87,7 +87,7 @@ impl ConditionedLine {
         column
     }
 
-    /// L*^-1 times a column, in its place.
+    /// Returns L*^-1 times a column, computed in place.
     fn backward(&self, mut column: Vec<Complex64>) -> Vec<Complex64> {
         let q = self.q;
         for i in (0..q).rev() {
@@ -98,7 +98,7 @@ impl ConditionedLine {
         column
     }
 
-    /// R^-1 times a column, of the line that was solved.
+    /// Returns R^-1 times a column, for the line that was solved.
     pub(super) fn inverse_times(&self, column: Vec<Complex64>) -> Vec<Complex64> {
         self.backward(self.forward(column))
     }

@@ -15,8 +15,8 @@ fn channels() -> Vec<Channel> {
         .collect()
 }
 
-/// Three inputs through gains, the second containing half of the first and the third the first
-/// two; noise on the output.
+/// Three inputs with gains; the second contains half of the first, and the third contains parts of
+/// the first two; noise on the output.
 fn spectra(n: usize, n_hits: usize, noise: f64, seed: u64) -> AveragedSpectra {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let mut normal = || -> f64 { StandardNormal.sample(&mut rng) };
@@ -46,7 +46,7 @@ fn gains_of_dependent_inputs_are_separated_exactly_without_noise() {
         .unwrap();
     for line in 0..33 {
         for (j, gain) in GAINS.iter().enumerate() {
-            // rounding, amplified by inputs that six averages make nearly dependent on some
+            // rounding errors, amplified by inputs that six averages make nearly dependent on some
             // lines
             assert!((response.values[(j, line)] - gain).norm() < 1e-9);
         }
@@ -63,7 +63,7 @@ fn one_input_is_h1_and_the_ordinary_coherence() {
     let coherence = single.coherence.unwrap();
     let variance = single.variance.unwrap();
     for line in 0..33 {
-        // the same ratio by way of square roots
+        // the same ratio, computed with square roots
         assert!((several.values[(0, line)] / single.values[line] - 1.0).norm() < 1e-13);
         for found in [
             several.multiple_coherence[line],
@@ -86,8 +86,8 @@ fn coherences_are_those_of_the_model() {
     // w + e
     let parts = [1.6_f64.powi(2), 1.7_f64.powi(2), 1.5_f64.powi(2)];
     let total = parts.iter().sum::<f64>() + 1.0;
-    // a coherence has a standard error below sqrt(2/200)/2 = 0.05, its mean over 513 lines
-    // 0.0022; bias q/200 (1-g2) = 0.0017
+    // a coherence has a standard error below sqrt(2/200)/2 = 0.05, its mean over 513 lines 0.0022;
+    // the bias is q/200 (1-g2) = 0.0017
     let close = |found: f64, expected: f64| (found - expected).abs() < 0.011;
     let multiple = mean(&mut response.multiple_coherence.iter().copied());
     assert!(close(multiple, 1.0 - 1.0 / total), "{multiple}");
@@ -95,7 +95,8 @@ fn coherences_are_those_of_the_model() {
         let ordered = mean(&mut response.ordered_coherence.row(j).iter().copied());
         assert!(close(ordered, part / total), "{j}: {ordered}");
     }
-    // conditioned on the rest, c is w, whose part of y is (3/2)^2 against noise 1
+    // conditioned on the other inputs, c is w, whose part of y has the power (3/2)^2, against noise
+    // of power 1
     let partial = mean(&mut response.partial_coherence.row(2).iter().copied());
     assert!(close(partial, 2.25 / 3.25), "{partial}");
     for line in 0..513 {
@@ -116,8 +117,8 @@ fn variances_are_the_scatter_over_lines() {
         let square = |k: usize| (response.values[(j, k)] - gain).norm_sqr();
         let scatter = lines.clone().map(square).sum::<f64>() / count;
         let stated = lines.map(|k| response.variance[(j, k)]).sum::<f64>() / count;
-        // heavy tails of 1/(chi-square of 8 averages): relative standard deviation about 1.4 a
-        // line, 2.2 % of 4095: four of these
+        // heavy tails of 1/(chi-square of 8 averages): relative standard deviation about 1.4 per
+        // line, 2.2 % for 4095 lines; four times this
         assert!(
             (scatter / stated - 1.0).abs() < 0.09,
             "{j}: {scatter} {stated}"
@@ -169,12 +170,12 @@ fn requests_that_cannot_be_met_are_refused() {
     ");
 }
 
-/// Segment of the random records: the body's free motion falls to 1/e in ten samples, and the
-/// width of a line changes the peak by 0.1 %.
+/// Length of the segments of the random records: the body's free motion falls to 1/e in ten
+/// samples, and the width of a line changes the peak by 0.1 %.
 const SEGMENT: usize = 1024;
 
-/// Recursion y_n = 1.2 y_(n-1) - 0.82 y_(n-2) + b x_(n-1), and its closed form: pole radius
-/// 0.906.
+/// Coefficients of the recursion y_n = 1.2 y_(n-1) - 0.82 y_(n-2) + b x_(n-1), whose closed form is
+/// known: pole radius 0.906.
 const BODY: [f64; 2] = [1.2, -0.82];
 
 fn closed_form(b: f64, line: usize) -> Complex64 {
@@ -182,8 +183,8 @@ fn closed_form(b: f64, line: usize) -> Complex64 {
     b * back / (1.0 - BODY[0] * back - BODY[1] * back * back)
 }
 
-/// Random forces of shakers with cross-talk, the body that they excite, and noise of all
-/// sensors; at rest in the first `silent` samples.
+/// Random forces of shakers with cross-talk, the response of the body that they excite, and noise
+/// of all sensors; in the first `silent` samples the forces are zero.
 fn shaken(
     n: usize,
     silent: usize,
@@ -197,7 +198,7 @@ fn shaken(
     let mut samples = Array2::zeros((q + 1, n));
     let mut motion = [0.0; 2];
     let mut push = 0.0;
-    // what has rung up before the record
+    // 200 samples before the record, in which the motion builds up
     for k in 0..n + 200 {
         let is_silent = (200..200 + silent).contains(&k);
         let y = BODY[0] * motion[0] + BODY[1] * motion[1] + push;
@@ -243,7 +244,7 @@ fn s14_random_records_are_covered_by_students_law() {
         let inputs = &NAMES[..gains.len()];
         let (mut within, mut count, mut effective) = ([[0.0; 2]; 2], 0.0, 0.0);
         for seed in 0..SEEDS {
-            // of two records, which count together
+            // two records, which count together
             let records = [0, 1].map(|k| shaken(length / 2, 0, gains, [0.003, 0.3], 2 * seed + k));
             let spectra = welch.spectra_of(&[&records[0], &records[1]]).unwrap();
             effective = spectra.effective_averages();
@@ -254,7 +255,7 @@ fn s14_random_records_are_covered_by_students_law() {
                 let freedom = response.degrees_of_freedom.as_ref().unwrap()[20];
                 let law = StudentsT::new(0.0, 1.0, freedom).unwrap();
                 let limits = [0.5 + 0.3413, 0.975].map(|p| law.inverse_cdf(p));
-                // neighbours share most of a Hann window's lines
+                // neighbouring lines with a Hann window share most of their content
                 for line in (16..500).step_by(12) {
                     let off = (response.values[line] / closed_form(*gain, line)).ln();
                     for (part, within) in [off.re, off.im].iter().zip(&mut within) {
@@ -272,9 +273,9 @@ fn s14_random_records_are_covered_by_students_law() {
             gains.len()
         );
         for [one, two] in parts {
-            // 1640 lines and more: 1.2 % and 0.6 %, three of these and the second order of an
-            // error of a tenth; neighbours among the segments scatter a little
-            // less than their number says
+            // 1640 lines and more: 1.2 % and 0.6 %, times three, plus the second order of an error
+            // of a tenth; overlapping segments scatter a little less than their effective number
+            // states
             assert!(
                 (one - 68.3).abs() < 5.0 && (two - 95.0).abs() < 3.0,
                 "{one} {two}"
@@ -307,13 +308,12 @@ fn s14_the_bias_by_noise_of_several_inputs_is_told() {
         let mean = |of: &dyn Fn(usize) -> f64| (32..480).map(of).sum::<f64>() / 448.0;
         let found = mean(&|line| (all.values[(j, line)] / closed_form(*gain, line)).norm() - 1.0);
         let stated = mean(&|line| stated[(j, line)]);
-        // G = [[1, 0.6], [0.6, 1.36]] + 0.09: H is off by -(G + N)^-1 N H, to all orders
+        // G = [[1, 0.6], [0.6, 1.36]] + 0.09: the error of H is -(G + N)^-1 N H, to all orders
         let (a, b, c) = (1.09, 0.6, 1.45);
         let (own, other) = if j == 0 { (c, gains[1]) } else { (a, gains[0]) };
         let exact = -0.09 * (own * gain - b * other) / (a * c - b * b) / gain;
         println!("{j}: found {found:.4}, stated {stated:.4}, exact {exact:.4}");
-        // 500 segments of 448 lines scatter by 0.1 %, the first order leaves the bias of the
-        // bias
+        // 500 segments and 448 lines scatter by 0.1 %; the first order leaves the bias of the bias
         assert!((found - exact).abs() < 0.005, "{found} {exact}");
         assert!(
             (stated - exact).abs() < 0.15 * exact.abs(),
@@ -332,13 +332,13 @@ fn s14_the_width_of_a_line_is_told_as_an_error() {
     let (full, halved) = (response(SEGMENT / 4), response(SEGMENT / 8));
     let errors = full.resolution_error(&halved).unwrap();
     assert!(response(SEGMENT).resolution_error(&halved).is_err());
-    // about the resonance at 0.135 of the rate, line 34.6 of 128
+    // near the resonance at 0.135 of the sampling rate, line 34.6 of 128
     for line in [32, 34, 36] {
         let truth = closed_form(1.0, 4 * line);
         let off = (full.values[line] / truth - 1.0).norm();
         println!("line {line}: off by {off:.4}, stated {:.4}", errors[line]);
-        // the leading order, of lines that are an eighth as wide as the resonance, halved
-        // segments a quarter
+        // only the leading order is included: the lines are an eighth as wide as the resonance,
+        // those of the halved segments a quarter
         assert!(
             (errors[line] / off - 1.0).abs() < 0.35,
             "{off} {}",

@@ -4,10 +4,11 @@ use crate::LabioError;
 
 /// Degrees of freedom of the estimated variance of one line.
 ///
-/// A variance from n averages has 2(n - 1), one from a noise measured in K segments has 2K. A line
-/// and its neighbours may share an estimate, pooled over them: `line` is then that of the pooled
-/// estimate, and `own` the contribution of the line itself. The sum of `own` over some lines is the
-/// number of degrees of freedom of these lines together.
+/// A variance from n averages has 2(n - 1) degrees of freedom, a variance from noise measured in K
+/// segments has 2K. A line and its neighbours may share an estimate that was pooled over them:
+/// `line` is then the number for the pooled estimate, and `own` the contribution of the line
+/// itself. The sum of `own` over several lines is the number of degrees of freedom of these lines
+/// together.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DegreesOfFreedom {
     /// ν of the variance of the line: its relative standard error is √(2/ν).
@@ -17,19 +18,20 @@ pub struct DegreesOfFreedom {
 }
 
 impl DegreesOfFreedom {
-    /// Returns the degrees of freedom of a variance from `averages` n of this line alone: 2(n - 1).
+    /// Returns the degrees of freedom of a variance from n = `averages` averages of this line
+    /// alone: 2(n - 1).
     ///
     /// # Errors
     ///
-    /// [`LabioError::NonPhysical`] below 2.
+    /// [`LabioError::NonPhysical`] for fewer than 2 averages.
     pub fn of_averages(averages: f64) -> Result<Self, LabioError> {
         let line = 2.0 * (check_averages(averages)? - 1.0);
         Ok(Self { line, own: line })
     }
 
-    /// Returns the degrees of freedom of v + c, where v is the estimate of these degrees of freedom
-    /// and c is known (Welch and Satterthwaite); its own where v is not above 0 or the ratio is not
-    /// finite.
+    /// Returns the degrees of freedom of v + c, where v is an estimate with these degrees of
+    /// freedom and c is known (Welch and Satterthwaite); unchanged if v is not above 0 or the
+    /// result is not finite.
     #[must_use]
     pub fn with_known_part(self, variance: f64, known: f64) -> Self {
         let gain = (1.0 + known / variance).powi(2);
@@ -43,7 +45,7 @@ impl DegreesOfFreedom {
     }
 }
 
-/// Accepts a number of averages that has a coherence.
+/// Accepts a number of averages that is large enough for a coherence.
 pub(super) fn check_averages(averages: f64) -> Result<f64, LabioError> {
     if averages.is_finite() && averages >= 2.0 {
         Ok(averages)

@@ -3,23 +3,23 @@
 use super::{DegreesOfFreedom, ResponseRatio};
 use crate::{AveragedSpectra, LabioError, RestNoise};
 
-/// A denominator whose energy is less than so many times that of its noise has no ratio with an
-/// error to first order.
+/// Ratio of energy to noise energy below which a denominator has no ratio with an error to first
+/// order.
 const LEAST_ENERGY: f64 = 10.0;
 
-/// A channel with its noise at rest, which the spectra have for `duration` \[s\]: that of the
-/// record, or of the pulse that was cut out of it.
+/// A channel with its noise at rest, which the spectra contain for `duration` \[s\]: the duration
+/// of the record, or that of the pulse that was cut out of it.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct ChannelAtRest<'a> {
     /// Name of the channel.
     pub(super) channel: &'a str,
-    /// Its noise before the blow.
+    /// Noise of the channel before the blow.
     pub(super) noise: &'a RestNoise,
     /// Duration of the noise in the spectra \[s\].
     pub(super) duration: f64,
 }
 
-/// The ratio of `numerator` by `denominator` in the `spectra` of one hit.
+/// Returns the ratio of `numerator` to `denominator` in the `spectra` of one hit.
 pub(super) fn ratio(
     spectra: &AveragedSpectra,
     numerator: ChannelAtRest<'_>,

@@ -1,10 +1,10 @@
 //! Variance of a ratio from few averages, pooled over neighbouring lines.
 //!
-//! From n averages the variance of a line has 2(n - 1) degrees of freedom: from three hits four,
-//! for which five standard errors of a normal variable become forty. However, noise has no fine
-//! structure, and neighbouring lines contain the same information about it. Neither the variance of
-//! the ratio nor the coherence varies smoothly, since both follow the resonances, but the
-//! residual power of the numerator given Ψ does,
+//! From n averages the variance of a line has 2(n - 1) degrees of freedom. From three hits there
+//! are four; forty standard errors are then as improbable as five standard errors of a normal
+//! variable. However, noise has no fine structure, and neighbouring lines contain the same
+//! information about it. Neither the variance of the ratio nor the coherence varies smoothly, since
+//! both follow the resonances, but the residual power of the numerator given Ψ does,
 //!
 //! ```text
 //! S = n G₂₂ E|δΨ|² = N₁ + |Ψ|² N₂
@@ -12,13 +12,14 @@
 //!
 //! with the noise powers N₁, N₂ of numerator and denominator. Around every line both are assumed
 //! constant and non-negative, and are fitted to the S of enough lines for some 40 degrees of
-//! freedom, each weighted by its own scatter, 1/S². With the leverage h of the line in this fit its
-//! S has 2(n - 1)/h degrees of freedom.
+//! freedom, each weighted by the inverse of its variance, 1/S². With the leverage h of the line in
+//! this fit, the S of the line has 2(n - 1)/h degrees of freedom.
 //!
-//! Neighbours are not used where they do not determine the noise of a line. A line whose own S is
-//! so large that noise exceeds it once in a thousand lines, as at the mains frequency, keeps its
-//! own and does not take part in that of others; where the lines of a fit scatter about it by more
-//! than four standard deviations of the scatter of 2(n - 1) degrees of freedom, each keeps its own.
+//! Neighbours are not used where they do not determine the noise of a line. A line with so large an
+//! S that noise exceeds it once in a thousand lines, for example at the mains frequency, keeps its
+//! S and is not used for other lines. If the lines of a fit scatter about it by more than four
+//! standard deviations of the scatter expected from 2(n - 1) degrees of freedom, each line keeps
+//! its S.
 
 use num_complex::Complex64;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
@@ -27,21 +28,23 @@ use super::check_count;
 use super::freedom::DegreesOfFreedom;
 use crate::LabioError;
 
-/// Required degrees of freedom of a pooled variance.
+/// Number of degrees of freedom required of a pooled variance.
 const ENOUGH: f64 = 40.0;
 /// Number of parameters of a fit.
 const TERMS: f64 = 2.0;
 /// Probability below which a line keeps its own noise.
 const STRANGE: f64 = 1e-3;
-/// Standard deviations of the scatter about a fit above which it does not describe the lines.
+/// Number of standard deviations of the scatter about a fit above which the fit does not describe
+/// the lines.
 const ROUGH: f64 = 4.0;
-/// Maximum number of repetitions of a fit with the weights of the previous one.
+/// Largest number of repetitions of a fit with the weights from the previous one.
 const MOST_ROUNDS: u32 = 30;
 
-/// Ratio of averaged spectra, and the data of its variance. All arrays have one entry per line.
+/// Ratio of averaged spectra, and the data from which its variance is found. All arrays have one
+/// entry per line.
 #[derive(Debug, Clone, Copy)]
 pub struct AveragedVariance<'a> {
-    /// Ψ.
+    /// The ratio Ψ.
     pub ratio: &'a [Complex64],
     /// E|δΨ|² from the coherence of the line alone.
     pub variance: &'a [f64],
@@ -49,30 +52,30 @@ pub struct AveragedVariance<'a> {
     pub denominator_power: &'a [f64],
     /// Number n of averages, or their effective number.
     pub averages: f64,
-    /// Number of lines per line with independent noise: 1 for spectra of whole records, and the
-    /// ratio of duration to window length for a pulse that was cut out of an otherwise silent
-    /// record.
+    /// Number of lines per line with independent noise: 1 for spectra of whole records; for a pulse
+    /// that was cut out of an otherwise silent record, the ratio of record duration to window
+    /// length.
     pub lines_per_independent_line: f64,
 }
 
-/// Variance with the degrees of freedom of every line.
+/// Variance and its degrees of freedom for every line.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct PooledVariance {
     /// E|δΨ|².
     pub variance: Vec<f64>,
-    /// Its degrees of freedom.
+    /// Degrees of freedom of the variance.
     pub freedom: Vec<DegreesOfFreedom>,
 }
 
 impl AveragedVariance<'_> {
     /// Pools the variance over neighbouring lines; see the [module](self). Lines without noise, and
-    /// lines that are not finite, keep their own values.
+    /// lines with non-finite values, keep their own values.
     ///
     /// # Errors
     ///
-    /// [`LabioError::NonPhysical`] below 2 averages, or unless the lines per independent line are
-    /// finite and 1 or more; [`LabioError::CountMismatch`].
+    /// [`LabioError::NonPhysical`] for fewer than 2 averages, or unless the lines per independent
+    /// line are finite and 1 or more; [`LabioError::CountMismatch`].
     pub fn pooled(&self) -> Result<PooledVariance, LabioError> {
         let alone = DegreesOfFreedom::of_averages(self.averages)?;
         let count = self.ratio.len();
@@ -96,7 +99,8 @@ impl AveragedVariance<'_> {
             freedom: vec![alone; count],
         };
         let lines = self.lines();
-        // two lines more than coefficients, otherwise there is no scatter to judge the fit by
+        // two lines more than coefficients; otherwise there is no scatter from which to judge the
+        // fit
         let width = (TERMS * ENOUGH / alone.own).ceil();
         if lines.len() < 4 || alone.line >= ENOUGH {
             return Ok(pooled);
@@ -151,7 +155,7 @@ impl AveragedVariance<'_> {
             })
             .filter(|line| line.ratio.is_finite() && line.power.is_finite() && line.power > 0.0)
             .collect();
-        // squares of a power in any unit must not overflow a double
+        // squares of a power in any unit must not overflow
         let unit = lines
             .iter()
             .fold(0.0, |most: f64, line| most.max(line.power));
@@ -163,7 +167,7 @@ impl AveragedVariance<'_> {
     }
 }
 
-/// Line with noise.
+/// A line with noise.
 struct Line {
     index: usize,
     /// |Ψ|².
@@ -174,26 +178,26 @@ struct Line {
     denominator: f64,
 }
 
-/// Lines around a line, in a window of fixed width.
+/// The lines around a line, in a window of fixed width.
 struct Window<'a> {
     lines: &'a [Line],
     width: f64,
 }
 
-/// S of one line from its neighbours.
+/// The S of one line, fitted to its neighbours.
 struct Fit {
     power: f64,
     leverage: f64,
-    /// Lines that took part, and Σ(s/S - 1)² over them.
+    /// Number of lines that took part, and Σ(s/S - 1)² over these lines.
     count: f64,
     scatter: f64,
 }
 
 impl Fit {
-    /// Returns the excess scatter of the lines about the fit in standard deviations for `freedom`
-    /// degrees of freedom each.
+    /// Returns the excess scatter of the lines about the fit in standard deviations, for `freedom`
+    /// degrees of freedom of each line.
     fn roughness(&self, freedom: f64, repeated: f64) -> f64 {
-        // of y = χ²/ν: E(y - 1)² = 2/ν, and its variance 8/ν² + 48/ν³
+        // for y = χ²/ν: E(y - 1)² = 2/ν, with the variance 8/ν² + 48/ν³
         let expected = (self.count - TERMS) * 2.0 / freedom;
         let spread = self.count * repeated * (8.0 + 48.0 / freedom) / (freedom * freedom);
         (self.scatter - expected) / spread.sqrt()
@@ -201,7 +205,7 @@ impl Fit {
 }
 
 impl Window<'_> {
-    /// Returns N₁ and N₂ from the lines around `place` that take part, and the resulting S.
+    /// Fits N₁ and N₂ to the lines around `place` that take part, and returns the resulting S.
     fn fit(&self, place: usize, takes_part: &[bool]) -> Option<Fit> {
         #[expect(
             clippy::cast_possible_truncation,
@@ -269,7 +273,7 @@ impl Noise {
     }
 }
 
-/// Normal equations of a straight line over |Ψ|².
+/// Sums for the normal equations of a straight line as a function of |Ψ|².
 #[derive(Default)]
 struct Sums {
     weight: f64,
@@ -293,7 +297,7 @@ impl Sums {
         self.weight * self.square - self.abscissa * self.abscissa
     }
 
-    /// Returns the minimum without negative noise.
+    /// Returns the minimum under the condition that no noise is negative.
     fn noise(&self) -> Noise {
         let determinant = self.determinant();
         let of_numerator = (self.square * self.value - self.abscissa * self.product) / determinant;
@@ -305,7 +309,7 @@ impl Sums {
                 of_denominator,
             };
         }
-        // one of them is 0: the choice with the smaller residual
+        // one of the noises is 0: the choice with the smaller residual
         let numerator = self.value / self.weight;
         let denominator = self.product / self.square;
         if self.value * numerator >= self.product * denominator || !denominator.is_finite() {

@@ -1,4 +1,4 @@
-//! Pulses cut out of hits, and their ratio.
+//! Pulses cut out of hits, and the ratio of two pulses.
 
 use std::f64::consts::TAU;
 use std::ops::Range;
@@ -9,14 +9,14 @@ use super::one_shot::{self, ChannelAtRest};
 use super::{ResponseRatio, check_count};
 use crate::{AveragedSpectra, Channel, LabioError, Record, RestNoise, Window};
 
-/// Names of the two pulses in the records made of them.
+/// Names of the two pulses in the records made from them.
 const EARLIER: &str = "earlier pulse";
 const LATER: &str = "later pulse";
 
-/// Fewest samples of a pulse.
+/// Fewest samples that a pulse may have.
 const FEWEST_SAMPLES: usize = 3;
 
-/// A pulse in the samples `from..to` of a channel of every hit.
+/// A pulse in the samples `from..to` of a channel, in every hit.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct PulseWindow {
     /// Name of the channel.
@@ -25,21 +25,22 @@ pub struct PulseWindow {
     pub samples: Range<usize>,
 }
 
-/// Returns the root mean square error of the spectrum of a pulse cut out of a record by a
-/// rectangular window, from the `noise` of the spectrum \[q s\] and the values of the noise-free
-/// record at its two `edges` \[q\],
+/// Returns the root-mean-square error of the spectrum of a pulse that was cut out of a record by a
+/// rectangular window. It follows from the `noise` of the spectrum \[q s\] and the values of the
+/// noise-free record at the two `edges` of the window \[q\],
 ///
 /// ```text
 /// σ² = noise² + Σ |q(edge)|²/ω²
 /// ```
 ///
-/// at each of `frequency_hz` \[Hz\]. Valid where the window is longer than a period; the second
-/// part is not a random error, but has its size and an unknown phase. It is the same in all blows
-/// and does not average out: it applies to the mean spectrum of the blows, not to each.
+/// at each of `frequency_hz` \[Hz\]. Valid if the window is longer than a period. The second term
+/// is not a random error, but it states the size of an error with unknown phase. This error is the
+/// same in all blows and does not average out: it applies to the mean spectrum of the blows, not to
+/// each spectrum.
 ///
 /// # Errors
 ///
-/// [`LabioError::NonPhysical`] for a noise that is not finite or negative, a frequency that is not
+/// [`LabioError::NonPhysical`] for a noise that is negative or not finite, a frequency that is not
 /// above 0, or an edge that is not finite.
 pub fn noise_of_cut_pulse(
     noise: f64,
@@ -77,14 +78,14 @@ pub fn noise_of_cut_pulse(
 }
 
 impl ResponseRatio {
-    /// Returns the ratio of a `later` pulse to an `earlier` one. What the windows cut off is not a
-    /// random error, but its size is added to the variance: that of the coherence of several hits,
-    /// or from the first `n_silent` samples of a single one.
+    /// Returns the ratio of a `later` pulse to an `earlier` one. The error caused by cutting off
+    /// the rest of the pulses is not random, but its size is added to the variance, which is found
+    /// from the coherence of several hits or from the first `n_silent` samples of a single hit.
     ///
     /// # Errors
     ///
-    /// [`LabioError::TooFewSamples`] for a window of fewer than three samples or beyond a hit; as
-    /// [`Self::of_hits`] and [`Self::of_shot`].
+    /// [`LabioError::TooFewSamples`] for a window that has fewer than three samples or extends
+    /// beyond a hit; as [`Self::of_hits`] and [`Self::of_shot`].
     pub fn of_pulses(
         hits: &[&Record],
         n_silent: Option<usize>,
@@ -138,10 +139,10 @@ impl ResponseRatio {
         ratio.with_sensors_of(hits, [&later.channel, &earlier.channel])
     }
 
-    /// Adds the part of the variance that the edges of one pulse of this `energy` make.
+    /// Adds the part of the variance that is caused by the edges of one pulse of this `energy`.
     fn add_cut(&mut self, energy: &[f64], edges: [f64; 2]) -> Result<(), LabioError> {
         check_count("energies of a pulse", energy.len(), self.values.len())?;
-        // the line at 0 Hz does not depend on the modulus, and has no such error
+        // the line at 0 Hz does not depend on the modulus, and no such error is added to it
         let lines = self.frequency_hz.get(1..).unwrap_or_default();
         let noise = noise_of_cut_pulse(0.0, edges, lines)?;
         let of_ratio = self.variance.iter_mut().zip(&self.values);
@@ -160,13 +161,13 @@ impl ResponseRatio {
 
 /// A pulse of a hit.
 struct Pulse {
-    /// The values at its edges.
+    /// Values at the edges of the window.
     edges: [f64; 2],
-    /// Centre of its energy \[s\].
+    /// Time of the centre of its energy \[s\].
     centre: f64,
 }
 
-/// Both pulses of a hit in an otherwise silent record, the earlier first.
+/// Returns both pulses of a hit in an otherwise silent record, the earlier pulse first.
 #[allow(
     clippy::indexing_slicing,
     reason = "the window is of three samples or more and ends within the hit; the rows are those of the two pulses"

@@ -1,4 +1,4 @@
-//! Ratios of hits, shots and pulses against what was put in.
+//! Ratios of hits, shots and pulses, compared with the true values.
 
 use ndarray::Array2;
 use num_complex::Complex64;
@@ -9,7 +9,8 @@ use crate::{Channel, Provenance, Quantity, Rating, SensorChain};
 
 const RATE: f64 = 1e4;
 
-/// A pulse at sample 512 in "x", twice as large in "y", with noise of a fiftieth in both.
+/// A pulse at sample 512 in "x", twice as large in "y", with noise of standard deviation 0.006 in
+/// both.
 fn shot(random: &mut Noise) -> Record {
     let noise = [
         random.added_to(&[0.0; 1024], 1.0),
@@ -35,7 +36,8 @@ fn shot(random: &mut Noise) -> Record {
     .unwrap()
 }
 
-/// Of 300 shots with noise on both channels the mean of |δr|² by what is stated is 1.
+/// For 300 shots with noise on both channels, the mean of |δr|² divided by the stated variance is
+/// 1.
 #[test]
 fn the_silence_tells_the_error_of_one_ratio() {
     let mut random = Noise::seeded(19);
@@ -49,14 +51,14 @@ fn the_silence_tells_the_error_of_one_ratio() {
         }
     }
     for mean in sums {
-        // 300 exponentially distributed squares: 6 %, and 2 % of a silence of 15 segments;
-        // three of them
+        // 300 exponentially distributed squares: 6 %, and 2 % from a silence of 15 segments; three
+        // times this
         assert!((mean - 1.0).abs() < 0.2, "{mean}");
     }
 }
 
-/// The same of 60 tests of five hits, by their coherence: H1 is biased low by the noise of its
-/// denominator, by less than its error.
+/// The same check for 60 tests of five hits, with variances from the coherence: H1 is too low
+/// because of the noise of its denominator, by less than its error.
 #[test]
 fn the_coherence_tells_the_error_of_several_hits() {
     let mut random = Noise::seeded(23);
@@ -74,7 +76,7 @@ fn the_coherence_tells_the_error_of_several_hits() {
         let coherent = ratio.above_chance(0.05).unwrap();
         assert!(coherent[3..40].iter().all(|is| *is));
     }
-    // the signal lies 40 dB above the noise; some 2000 squares with a pooled variance each
+    // the signal is 40 dB above the noise; some 2000 squares, each with a pooled variance
     assert!((sum - 1.0).abs() < 0.15, "{sum}");
 }
 
@@ -109,8 +111,8 @@ fn sensors_are_in_the_ratio_of_two_channels_and_not_of_one() {
     assert!(!one.is_uncertain());
 }
 
-/// Compares the spectrum of an exponential tail that is cut at T, e^{-(a + iω)T}/(a + iω), with
-/// its first term, q(T)/ω.
+/// Compares the spectrum of the tail that is cut off an exponential at T, e^{-(a + iω)T}/(a + iω),
+/// with its first term, q(T)/ω.
 #[test]
 fn a_cut_tail_errs_by_its_value_over_omega() {
     use std::f64::consts::TAU;
@@ -121,7 +123,7 @@ fn a_cut_tail_errs_by_its_value_over_omega() {
     let noise = noise_of_cut_pulse(0.0, [0.0, edge], &frequency_hz).unwrap();
     for (f, noise) in frequency_hz.iter().zip(noise) {
         let missing = edge / Complex64::new(rate, TAU * f).norm();
-        // |a + iω|/ω = 1 + (a/ω)²/2 and less than 1 % here
+        // |a + iω|/ω = 1 + (a/ω)²/2, a difference of less than 1 % here
         assert!(missing <= noise && missing > 0.99 * noise, "{f} Hz");
     }
     let text = |noise: f64, edge: f64, f: f64| {
@@ -136,8 +138,9 @@ fn a_cut_tail_errs_by_its_value_over_omega() {
     assert_eq!(text(-1.0, 1.0, 1.0), noise);
 }
 
-/// A pulse that decays with 800/s and comes 2 ms later with half of its size, cut off a fifth of a
-/// millisecond after its peak: the ratio without its tail is off by as much as the variance says.
+/// A pulse that decays at 800/s and comes again 30 ms later with half its size, where it is cut off
+/// about 3 ms after its onset: without its tail, the ratio has an error of about the size that the
+/// variance states.
 #[test]
 fn a_pulse_without_its_tail_errs_as_it_states() {
     let pulse = |n: f64| {
@@ -166,7 +169,7 @@ fn a_pulse_without_its_tail_errs_as_it_states() {
         channel: "gauge".to_owned(),
         samples,
     };
-    // the earlier pulse to the end of its tail, the later one cut early
+    // the earlier pulse to the end of its tail, the later pulse cut off early
     let (earlier, later) = (window(95..400), window(395..430));
     let ratio = ResponseRatio::of_pulses(&hits, None, &later, &earlier).unwrap();
     let centres = ratio.delay.unwrap();
@@ -178,7 +181,8 @@ fn a_pulse_without_its_tail_errs_as_it_states() {
         let exact = 0.5 * Complex64::new(0.0, -omega * 300.0 / RATE).exp();
         let off = (ratio.values[line] - exact).norm();
         let stated = ratio.variance[line].sqrt();
-        // q(T)/|a + iω| against q(T)/ω: 1.3 at the lowest line, and the tail of the earlier pulse
+        // q(T)/|a + iω| compared with q(T)/ω: a factor of 1.3 at the lowest line, plus the tail of
+        // the earlier pulse
         assert!(
             off < 1.1 * stated && off > 0.5 * stated,
             "{line}: {off} {stated}"

@@ -6,7 +6,7 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
-/// Free rod of steel: mass, and time of a wave from end to end.
+/// Free steel rod: its mass and the time of a wave from end to end.
 const MASS: f64 = 3.79;
 const TRANSIT: f64 = 1e-4;
 const RATE: f64 = 20_000.0;
@@ -16,7 +16,8 @@ const BAND: RigidBand = RigidBand {
     to_hz: 250.0,
 };
 
-/// Accelerance at the end of the rod: x cot x / M with x = omega times transit.
+/// Returns the accelerance at the end of the rod: x cot x / M with x = omega times the transit
+/// time.
 fn exact(omega: f64) -> f64 {
     let x = omega * TRANSIT;
     if x > 0.0 {
@@ -26,8 +27,8 @@ fn exact(omega: f64) -> f64 {
     }
 }
 
-/// A response with the lines of the rod, computed from two hits so that all its fields are those of
-/// a measurement; `gain` is an error of sensitivity, `noise` relative.
+/// A response with the lines of the rod, computed from two hits so that it has all the fields of a
+/// measurement; `gain` is the factor of a wrong sensitivity, `noise` is relative to the value.
 fn measured(gain: f64, noise: f64) -> FrequencyResponse {
     let channels = vec![
         Channel::new("force", Quantity::Force).unwrap(),
@@ -55,7 +56,7 @@ fn measured(gain: f64, noise: f64) -> FrequencyResponse {
         response.values[line] = gain * value + error;
         variances.push((2.0 * noise * noise * value * value).max(f64::MIN_POSITIVE));
     }
-    // what an accelerometer does at the lowest frequencies
+    // an accelerometer responds in this way at the lowest frequencies
     for line in 0..4 {
         response.values[line] *= 0.1;
     }
@@ -69,8 +70,8 @@ fn low_lines_are_those_of_the_body_with_its_first_elastic_term() {
     let body = RigidBody::new(MASS, 0.001).unwrap();
     let completed = body.complete(&accelerance, BAND).unwrap();
     assert_eq!(completed.first_measured, 6);
-    // (omega L/c)^4/45 at the end of the band is 1.4e-5 of 1, against (omega L/c)^2/3 = 8e-3: e is
-    // off by its 0.2 %
+    // (omega L/c)^4/45 at the end of the band is 1.4e-5, compared with (omega L/c)^2/3 = 8e-3: a
+    // relative error of e of 0.2 %
     let e = TRANSIT * TRANSIT / 3.0;
     assert!((completed.elastic_term / e - 1.0).abs() < 2e-3);
     for line in 0..6 {
@@ -79,13 +80,13 @@ fn low_lines_are_those_of_the_body_with_its_first_elastic_term() {
         let found = completed.response.values[line];
         assert!((found / expected - 1.0).norm() < 1e-6, "line {line}");
         let variance = completed.response.variance.as_ref().unwrap()[line];
-        // the weighing: 0.001/3.79, the elastic term far less
+        // error of the weighing: 0.001/3.79; that of the elastic term is far smaller
         assert!(((variance / 2.0).sqrt() * MASS * MASS / 0.001 - 1.0).abs() < 0.02);
         assert!(completed.response.coherence.as_ref().unwrap()[line].is_nan());
         assert_eq!(completed.response.validity[line], LineValidity::Valid);
     }
     assert_eq!(completed.response.values[6..], accelerance.values[6..]);
-    // the fourth order moves the apparent mass by a few 1e-6
+    // the fourth order changes the apparent mass by a relative few 1e-6
     assert!((completed.apparent_mass / MASS - 1.0).abs() < 2e-5);
 }
 
@@ -113,7 +114,7 @@ fn a_wrong_sensitivity_shows_in_the_apparent_mass() {
         (completed.apparent_mass - expected).abs() < 4.0 * error,
         "{completed:?}"
     );
-    // 20 lines of 0.1 %, two numbers fitted: 1e-3/sqrt 20 times about 2
+    // 20 lines with errors of 0.1 %, two numbers fitted: 1e-3/sqrt 20 times about 2
     assert!(error > 1e-4 * MASS && error < 1e-3 * MASS, "{error}");
     assert!((completed.apparent_mass - MASS).abs() > 20.0 * error);
 }

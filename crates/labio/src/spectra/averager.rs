@@ -10,15 +10,15 @@ use crate::error::check_positive;
 use crate::window::check_length;
 use crate::{AddedDamping, ForceWindow, LabioError, Record, Window};
 
-/// Largest relative difference of equal sampling rates: over a record of a million samples the last
-/// ones are then a thousandth of a sample apart. Rates taken from a column of times differ in their
-/// last digits.
+/// Largest relative difference between sampling rates that count as equal: in a record of a million
+/// samples, the last samples are then a thousandth of a sample apart. Rates computed from a column
+/// of times differ in their last digits.
 const SAMPLING_RATE_TOLERANCE: f64 = 1e-9;
 
 /// Number of lines for which two channels and their sums fit into the first-level cache.
 const LINES_A_BLOCK: usize = 512;
 
-/// Sums of the spectra of hits, from which the averages can be taken at any time.
+/// Sums of the spectra of hits, from which the averages can be computed at any time.
 ///
 /// Memory: the samples of one hit, one transform per channel and the sums, independent of the
 /// number of hits. Nothing is allocated after construction.
@@ -34,12 +34,13 @@ const LINES_A_BLOCK: usize = 512;
 /// ```
 ///
 /// with $`f_k = k/(N\Delta t)`$ and $`\overline{w^2}`$ the mean squared weight of the window. Its
-/// unit is unit² s/Hz. A rectangular window makes Parseval's relation exact, $`\sum_k
-/// G_{xx}(f_k)/(N\Delta t) = \Delta t\sum_n x_n^2`$. Divided by the duration $`N\Delta t`$ it is
-/// the power spectral density of a stationary signal. The conjugate is on the *first* channel.
+/// unit is unit² s/Hz. With a rectangular window, Parseval's relation is exact,
+/// $`\sum_k G_{xx}(f_k)/(N\Delta t) = \Delta t\sum_n x_n^2`$. Divided by the duration
+/// $`N\Delta t`$, it is the power spectral density of a stationary signal. The *first* channel is
+/// conjugated.
 ///
-/// A [`ForceWindow`] and an exponential window ([`AddedDamping`]) are parts of the signals: levels
-/// are not corrected for them.
+/// A [`ForceWindow`] and an exponential window ([`AddedDamping`]) are treated as parts of the
+/// signals: levels are not corrected for them.
 #[derive(Debug)]
 pub struct SpectrumAverager {
     channels: Vec<Channel>,
@@ -49,35 +50,35 @@ pub struct SpectrumAverager {
     gains: Gains,
     detrend: Detrend,
     added_damping: Option<AddedDamping>,
-    /// One list per channel: empty if all weights are 1.
+    /// Weights, one list per channel, which is empty if all weights are 1.
     weights: Vec<Vec<f64>>,
     dft: Dft,
     /// Transforms of the current hit, one per channel.
     lines: Vec<Vec<Complex64>>,
     /// Sums of |X|^2, one list per channel.
     auto_sums: Vec<Vec<f64>>,
-    /// Sums of conj(X) Y over the pairs in the order of `pair_index`.
+    /// Sums of conj(X) Y, one list per pair in the order of `pair_index`.
     cross_sums: Vec<Vec<Complex64>>,
     tails: Option<Tails>,
     n_averages: usize,
 }
 
-/// Data on the ends of the hits.
+/// Data of the end parts of the hits.
 #[derive(Debug)]
 struct Tails {
     completion: Completion,
-    /// One per channel.
+    /// Motion after the end, one entry per channel.
     endings: Vec<Ending>,
-    /// End of the current channel from which the leakage is measured.
+    /// End part of the current channel, from which the leakage is estimated.
     tail: Vec<f64>,
-    /// Transforms of those ends, one per channel.
+    /// Transforms of the end parts, one per channel.
     lines: Vec<Vec<Complex64>>,
-    /// Sums of conj(X) T of the lines X of a channel and the end T of a channel, in rows of the
-    /// first.
+    /// Sums of conj(X) T for the lines X of each channel and the end part T of each channel, in
+    /// rows by the first channel.
     sums: Vec<Vec<Complex64>>,
 }
 
-/// Accumulation of one hit as a task that can run with the vector instructions of the processor.
+/// Accumulation of one hit as a task that can use the vector instructions of the processor.
 struct Accumulation<'a>(&'a mut SpectrumAverager);
 
 impl pulp::NullaryFnOnce for Accumulation<'_> {
@@ -94,8 +95,8 @@ impl SpectrumAverager {
     ///
     /// # Errors
     ///
-    /// [`LabioError::NonPhysical`] for the sampling rate, [`LabioError::TooFewSamples`] for the
-    /// window, [`LabioError::CountMismatch`] without a channel,
+    /// [`LabioError::NonPhysical`] for the sampling rate, [`LabioError::TooFewSamples`] for too few
+    /// samples for the window, [`LabioError::CountMismatch`] without a channel,
     /// [`LabioError::DuplicateChannel`].
     pub fn new(
         channels: &[Channel],
@@ -135,8 +136,8 @@ impl SpectrumAverager {
         })
     }
 
-    /// Creates an averager for hits with the channels and the sampling of `record`, which is not
-    /// added.
+    /// Creates an averager for hits with the channels and the sampling of `record`. The record
+    /// itself is not added.
     ///
     /// # Errors
     ///
@@ -159,10 +160,10 @@ impl SpectrumAverager {
     /// Treats every hit as a transient that continues after its record: a velocity as constant, a
     /// displacement as a straight line, every other quantity at rest.
     ///
-    /// Constant and line are those of least squares in the last quarter of the hit, weighted by a
-    /// Hann window; the part after the end is added in closed form. The line at 0 Hz of a body
-    /// that keeps moving does not exist without an exponential window. The residual of the last
-    /// quarter gives [`AveragedSpectra::leakage`].
+    /// The constant and the straight line are least-squares fits to the last quarter of the hit,
+    /// weighted by a Hann window; the part after the end is added in closed form. Without an
+    /// exponential window, the line at 0 Hz of a body that keeps moving is not defined. The
+    /// residual of the last quarter gives [`AveragedSpectra::leakage`].
     ///
     /// # Validity
     ///
@@ -171,8 +172,8 @@ impl SpectrumAverager {
     ///
     /// # Errors
     ///
-    /// [`LabioError::WindowConflict`] if the averager has another than the rectangular window;
-    /// [`LabioError::TooManyAverages`] if hits have been added without it.
+    /// [`LabioError::WindowConflict`] if the averager has a window other than the rectangular one;
+    /// [`LabioError::TooManyAverages`] if hits have already been added.
     pub fn with_completion(mut self) -> Result<Self, LabioError> {
         self.check_no_other_window("completion of the motion")?;
         let n_channels = self.channels.len();
@@ -202,9 +203,9 @@ impl SpectrumAverager {
     ///
     /// # Errors
     ///
-    /// [`LabioError::UnknownChannel`]; [`LabioError::WindowConflict`] if the averager has another
-    /// than the rectangular window; [`LabioError::TooManyAverages`] if hits have been added
-    /// without it.
+    /// [`LabioError::UnknownChannel`]; [`LabioError::WindowConflict`] if the averager has a window
+    /// other than the rectangular one; [`LabioError::TooManyAverages`] if hits have already been
+    /// added.
     #[allow(
         clippy::indexing_slicing,
         reason = "the place that `find` tells of a channel is that of its weights"
@@ -226,9 +227,9 @@ impl SpectrumAverager {
     ///
     /// # Errors
     ///
-    /// [`LabioError::WindowConflict`] if the averager has another than the rectangular window, or
-    /// an exponential window already; [`LabioError::TooManyAverages`] if hits have been added
-    /// without it.
+    /// [`LabioError::WindowConflict`] if the averager has a window other than the rectangular one,
+    /// or already has an exponential window; [`LabioError::TooManyAverages`] if hits have already
+    /// been added.
     pub fn with_exponential_window(mut self, window: AddedDamping) -> Result<Self, LabioError> {
         self.check_no_other_window("an exponential window")?;
         if self.added_damping.is_some() {
@@ -254,7 +255,7 @@ impl SpectrumAverager {
     /// # Errors
     ///
     /// [`LabioError::CountMismatch`], [`LabioError::ChannelMismatch`] or
-    /// [`LabioError::SamplingRateMismatch`] if the hit differs from the ones before.
+    /// [`LabioError::SamplingRateMismatch`] if the hit does not match the averager.
     pub fn add(&mut self, hit: &Record) -> Result<(), LabioError> {
         self.check_like(hit)?;
         for (index, samples) in hit.samples().rows().into_iter().enumerate() {
@@ -281,7 +282,7 @@ impl SpectrumAverager {
         self.accumulate();
     }
 
-    /// Computes the lines of a channel from the samples in the transform.
+    /// Computes the lines of a channel from the samples in the input of the transform.
     #[allow(
         clippy::indexing_slicing,
         reason = "`channel` counts the channels, each of which has weights and lines"
@@ -373,7 +374,7 @@ impl SpectrumAverager {
         self.n_averages
     }
 
-    /// Returns the averages over the hits added so far, which count as independent.
+    /// Returns the averages over the hits added so far, which are treated as independent.
     ///
     /// # Errors
     ///
@@ -398,7 +399,7 @@ impl SpectrumAverager {
         )
     }
 
-    /// Consuming form of [`SpectrumAverager::spectra`].
+    /// Form of [`SpectrumAverager::spectra`] that consumes the averager.
     pub(super) fn into_spectra(self) -> Result<AveragedSpectra, LabioError> {
         let effective_averages = self.n_averages as f64;
         self.into_averages(effective_averages)
@@ -484,14 +485,14 @@ pub(super) fn check_same_rate(found_hz: f64, expected_hz: f64) -> Result<(), Lab
     Ok(())
 }
 
-/// Effect of a window on the level and the bandwidth of noise.
+/// Effect of a window on the level of noise and on its bandwidth.
 #[derive(Debug, Clone, Copy)]
 struct Gains {
     power: f64,
     noise_bandwidth_lines: f64,
 }
 
-/// The weights, empty if all are 1, and their gains.
+/// Returns the weights, an empty list if all are 1, and their gains.
 fn weigh(window: Window, n_samples: usize) -> Result<(Vec<f64>, Gains), LabioError> {
     if window == Window::Rectangular && n_samples >= 2 {
         let gains = Gains {
@@ -508,7 +509,7 @@ fn weigh(window: Window, n_samples: usize) -> Result<(Vec<f64>, Gains), LabioErr
     Ok((sampled.weights, gains))
 }
 
-/// Inputs for the conversion of sums to averages.
+/// Data for the conversion of sums to averages.
 struct Averaged<'a> {
     channels: &'a [Channel],
     weights: &'a [Vec<f64>],
@@ -610,7 +611,7 @@ impl Averaged<'_> {
     }
 }
 
-/// Multiplies `weights`, where empty means all 1, by `factors`.
+/// Multiplies `weights` by `factors`; an empty list of weights means that all are 1.
 fn multiply(weights: &mut Vec<f64>, factors: &[f64]) {
     if weights.is_empty() {
         weights.extend_from_slice(factors);

@@ -1,11 +1,11 @@
-//! Trends removed from the samples of a hit or segment before the window.
+//! Trends removed from the samples of a hit or segment before windowing.
 
 /// A trend that is removed from every hit or segment, channel by channel, before the window is
 /// applied.
 ///
-/// Nothing is removed by default. From a hit only the level before the impact may be removed
-/// ([`Detrend::Rest`]): the mean of a force pulse is its impulse, and mean and line of a ringing
-/// body are motion.
+/// Nothing is removed by default. From a hit, only the level before the impact may be removed
+/// ([`Detrend::Rest`]): the mean of a force pulse belongs to its impulse, and the mean and straight
+/// line of a ringing body belong to its motion.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[non_exhaustive]
 pub enum Detrend {
@@ -14,10 +14,10 @@ pub enum Detrend {
     None,
     /// The mean is removed: for noise records with an offset.
     Mean,
-    /// The straight line of least squares is removed: for noise records with drift.
+    /// The least-squares straight line is removed: for noise records with drift.
     Linear,
-    /// The mean of the first samples is removed: for hits with an offset, at rest in those samples
-    /// ([`samples_at_rest`](crate::hits::samples_at_rest)).
+    /// The mean of the first samples is removed: for hits with an offset that are at rest in those
+    /// samples ([`samples_at_rest`](crate::hits::samples_at_rest)).
     Rest {
         /// Number of samples at rest.
         n_samples: usize,
@@ -56,7 +56,8 @@ impl Detrend {
     }
 }
 
-/// Sum in eight lanes: faster than one, with an eighth of the rounding error.
+/// Returns the sum, computed in eight lanes: faster than one lane, with an eighth of the rounding
+/// error.
 fn sum(samples: &[f64], term: impl Fn(usize, f64) -> f64) -> f64 {
     let mut lanes = [0.0; 8];
     let mut start = 0;
@@ -77,7 +78,7 @@ mod tests {
 
     #[test]
     fn trends_are_removed_and_what_is_orthogonal_to_them_stays() {
-        // a parabola about the middle is orthogonal to a line; its mean over -5..5 is 10
+        // a parabola about the middle is orthogonal to a straight line; its mean over -5..5 is 10
         let parabola = |i: i32| f64::from((i - 5) * (i - 5));
         let sampled = |trend: Trend| -> Vec<f64> {
             (0..11)
@@ -93,7 +94,7 @@ mod tests {
             let mut samples = sampled(trend);
             detrend.apply(&mut samples);
             for (i, sample) in (0..).zip(&samples) {
-                // a few roundings of numbers of order ten
+                // a few rounding errors of numbers of order ten
                 assert!((sample - (parabola(i) - 10.0)).abs() < 1e-13, "{detrend:?}");
             }
         }

@@ -1,4 +1,4 @@
-//! Motion after the end of a record, which its transform lacks.
+//! Motion after the end of a record, which is missing from its transform.
 
 use num_complex::Complex64;
 use std::f64::consts::{PI, TAU};
@@ -7,29 +7,29 @@ use super::Detrend;
 use crate::channel;
 use crate::{AddedDamping, LabioError, Quantity, Record};
 
-/// Divisor of the hit: the last quarter, from which the motion after it is found.
+/// Number of equal parts of a hit: the motion after it is found from the last quarter.
 const TAIL: usize = 4;
-/// Fewest samples of that part.
+/// Fewest samples in that part.
 const LEAST_TAIL: usize = 8;
 
 /// Motion of a body after the end of its record.
 ///
-/// The transform of a record that stops at sample $`N`$ lacks the motion that follows. For a free
-/// body that motion is known: its velocity is the constant $`u`$, its displacement $`u + v(n -
-/// N)`$. With $`w = e^{-i\omega\Delta t}`$ and the decay $`q = e^{-\sigma\Delta t}`$ of an
-/// exponential window, the part after the end is
+/// The motion that follows is missing from the transform of a record that stops at sample $`N`$.
+/// For a free body that motion is known: its velocity is the constant $`u`$, its displacement
+/// $`u + v(n - N)`$. With $`w = e^{-i\omega\Delta t}`$ and the decay $`q = e^{-\sigma\Delta t}`$ of
+/// an exponential window, the part after the end is
 ///
 /// ```math
 /// \sum_{n\ge N}\bigl(u + v(n-N)\bigr)(qw)^n = (qw)^N\left(\frac{u}{1-qw} + \frac{v\,qw}{(1-qw)^2}\right),
 /// ```
 ///
-/// exact on every line except that at 0 Hz of a step without window, which does not exist. It
-/// equals the transform of the differences of the samples divided by $`1 - w`$.
+/// This is exact on every line except the line at 0 Hz of a step without window, which does not
+/// exist. It equals the transform of the differences of the samples divided by $`1 - w`$.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Ending {
     /// Rest.
     Rest,
-    /// Constant speed: a velocity that persists.
+    /// Constant level: a velocity that persists.
     Constant,
     /// Straight line: a displacement that continues.
     Ramp,
@@ -38,26 +38,27 @@ pub(crate) enum Ending {
 /// Straight line at the end of a record.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(crate) struct End {
-    /// Value one sample after the last.
+    /// Value at the sample that would follow the last one.
     pub(crate) level: f64,
     /// Change from sample to sample.
     pub(crate) slope: f64,
 }
 
 impl End {
-    /// Value `before` samples before the end.
+    /// Returns the value `before` samples before the end.
     pub(crate) fn at(self, before: usize) -> f64 {
         self.level - self.slope * before as f64
     }
 }
 
-/// Number of samples, of `n_samples`, from which the motion after the record is found.
+/// Returns the number of samples, out of `n_samples`, from which the motion after the record is
+/// found.
 pub(crate) fn tail_length(n_samples: usize) -> usize {
     (n_samples / TAIL).max(LEAST_TAIL).min(n_samples)
 }
 
 impl Ending {
-    /// Ending of a free or held body for the measured quantity.
+    /// Returns the ending of a free or held body for the measured quantity.
     pub(crate) fn of(quantity: Quantity) -> Self {
         match quantity {
             Quantity::Velocity => Self::Constant,
@@ -66,8 +67,8 @@ impl Ending {
         }
     }
 
-    /// Line of least squares through `tail`, weighted by a Hann window; oscillations of a few
-    /// periods in the tail are orthogonal to it.
+    /// Returns the least-squares line through `tail`, weighted by a Hann window; oscillations of a
+    /// few periods in the tail are orthogonal to it.
     pub(crate) fn fit(self, tail: &[f64]) -> End {
         if self == Self::Rest || tail.is_empty() {
             return End::default();
@@ -100,15 +101,15 @@ impl Ending {
 
 /// Returns samples whose transform, except for the line at 0 Hz, is that of the hit with its motion
 /// after the end ([`SpectrumAverager::with_completion`](crate::SpectrumAverager::with_completion)):
-/// a velocity or a displacement less its mean in the first `n_rest` samples, the ramp from 0 to the
-/// constant at the end, and the parabola of the slope there,
+/// for a velocity or a displacement, the mean in the first `n_rest` samples and the ramp from 0 to
+/// the value at the end are subtracted, and a parabola for the slope at the end is added,
 ///
 /// ```math
 /// x_n - u\frac nN + v\,\frac{n(N-n)}{2N} .
 /// ```
 ///
-/// Under an exponential `window` that leaves $`q`$ at the end of the record the samples, still
-/// without its weights, are on all lines
+/// Under an exponential `window` that leaves $`q`$ at the end of the record, the samples, still
+/// without the weights of the window, are exact on all lines:
 ///
 /// ```math
 /// x_n + \frac{q}{1-q}\Bigl(u + v\,n + \frac{v\,qN}{1-q}\Bigr) .
@@ -154,19 +155,19 @@ pub fn completed_motion(
     Ok(samples)
 }
 
-/// Sums of a step and of a ramp after the end of a record, line by line.
+/// Sums of a step and of a ramp after the end of a record, for each line.
 #[derive(Debug, Clone)]
 pub(crate) struct Completion {
     steps: Vec<Complex64>,
     ramps: Vec<Complex64>,
-    /// Weights of the tail in the leakage: 1 less a half cosine that falls to 0 at the end.
+    /// Weights of the tail in the leakage: half a cosine that rises from 0 to 1 at the end.
     pub(crate) cut: Vec<f64>,
     is_damped: bool,
 }
 
 impl Completion {
-    /// Creates the sums for `n_samples` samples under an exponential window that falls to `decay`
-    /// per sample, 1 for none.
+    /// Creates the sums for `n_samples` samples under an exponential window that falls by the
+    /// factor `decay` per sample; 1 means no window.
     pub(crate) fn new(n_samples: usize, decay: f64) -> Self {
         let n = n_samples as f64;
         let end = decay.powf(n);
@@ -176,7 +177,7 @@ impl Completion {
                 if line == 0 && !is_damped {
                     return Complex64::ZERO;
                 }
-                // on a line of the transform w to the power N is 1
+                // on the lines of the transform, w to the power N is 1
                 end / (1.0 - Complex64::from_polar(decay, -TAU * line as f64 / n))
             })
             .collect();
@@ -200,8 +201,8 @@ impl Completion {
         }
     }
 
-    /// Adds the motion after the end to `lines`. The line at 0 Hz of a motion that never comes to
-    /// rest becomes zero.
+    /// Adds the motion after the end to `lines`. The line at 0 Hz becomes zero for a motion that
+    /// never comes to rest.
     pub(crate) fn complete(&self, ending: Ending, end: End, lines: &mut [Complex64]) {
         if ending == Ending::Rest {
             return;
@@ -214,7 +215,7 @@ impl Completion {
         }
     }
 
-    /// Returns true if the line at 0 Hz of a motion with this ending exists.
+    /// Returns true if the line at 0 Hz exists for a motion with this ending.
     pub(crate) fn has_first_line(&self, ending: Ending) -> bool {
         self.is_damped || ending == Ending::Rest
     }
@@ -225,8 +226,8 @@ mod tests {
     use super::*;
     use crate::dft::forward;
 
-    /// A step and a ramp after a record, summed far beyond its end under a slow decay, which
-    /// replaces the limit.
+    /// A step and a ramp after a record, summed far beyond its end; a slow decay makes the sum
+    /// converge.
     #[test]
     fn s1_what_follows_is_added_as_if_the_record_were_longer() {
         let (n, decay): (usize, f64) = (32, 0.98);
@@ -244,7 +245,7 @@ mod tests {
         let mut lines = forward(&whole(n));
         let samples: Vec<f64> = (n - 8..n).map(motion).collect();
         let end = Ending::Ramp.fit(&samples);
-        // the sums of a straight line: rounding
+        // rounding errors of the sums of a straight line
         assert!((end.level - motion(n)).abs() < 1e-12 && (end.slope - 0.3).abs() < 1e-13);
         Completion::new(n, decay).complete(Ending::Ramp, end, &mut lines);
         // 64 times as long: 0.98^2048 is 1e-18
@@ -279,7 +280,7 @@ mod tests {
         Completion::new(48, 1.0).complete(Ending::Ramp, end, &mut lines);
         let found = forward(&completed_motion(&hit, "end", Some(12), None).unwrap());
         for (a, b) in found.iter().zip(&lines).skip(1) {
-            // sums of numbers of some tens
+            // sums of numbers of a few tens
             assert!((a - b).norm() < 1e-11, "{a} {b}");
         }
         // s4: under a window that leaves e^{-2.4} at the end
@@ -303,7 +304,7 @@ mod tests {
             .collect();
         let Completion { cut, .. } = Completion::new(400, 1.0);
         assert_eq!(cut.len(), tail.len());
-        // the transform of Hann's window falls as (pi m (m^2 - 1))^-1 of half its sum: 0.2 % at 5.3
+        // the transform of a Hann window falls as (pi m (m^2 - 1))^-1 of half its sum: 0.2 % at 5.3
         // cycles
         let end = Ending::Constant.fit(&tail);
         assert!((end.level - 1.0).abs() < 0.004, "{end:?}");

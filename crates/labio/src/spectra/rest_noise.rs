@@ -5,15 +5,15 @@ use super::{Detrend, Welch};
 use crate::{LabioError, Record, channel};
 use std::f64::consts::PI;
 
-/// Longest transformed segment: noise has no fine structure that a hit of a few thousand samples
-/// could resolve.
+/// Greatest length of a transformed segment: noise has no fine structure that a hit of a few
+/// thousand samples could resolve.
 const LONGEST_SEGMENT: usize = 64;
 
 /// Power spectral density of the noise of one channel, from the silent samples before several hits.
 ///
-/// Segments of at most 64 samples, with a Hann window, without their mean, are averaged over all
-/// hits ([`Welch`]). Between the lines of such a segment the density is interpolated; below its
-/// third line it is that of the third, because mean removal and window reduce the first two.
+/// Segments of at most 64 samples, with a Hann window and without their mean, are averaged over all
+/// hits ([`Welch`]). The density is interpolated between the lines of such a segment; below the
+/// third line, it is that of the third line, because mean removal and window reduce the first two.
 ///
 /// ```
 /// use labio::{Channel, Provenance, Quantity, Record, RestNoise};
@@ -36,12 +36,12 @@ pub struct RestNoise {
     density: Vec<f64>,
     /// Duration of white noise equivalent to the windowed silence of all hits \[s\].
     duration: f64,
-    /// Number of independent averages of a line.
+    /// Number of independent averages per line.
     averages: f64,
 }
 
 impl RestNoise {
-    /// Fewest samples before a hit.
+    /// Fewest silent samples before a hit.
     pub const FEWEST_SAMPLES: usize = 16;
 
     /// Estimates the noise of the channel called `channel` from the first `n_silent` samples of
@@ -50,9 +50,9 @@ impl RestNoise {
     /// # Errors
     ///
     /// [`LabioError::TooFewAverages`] without a hit, [`LabioError::TooFewSamples`] for fewer than
-    /// 16 silent samples or a hit with fewer, [`LabioError::UnknownChannel`],
-    /// [`LabioError::ChannelMismatch`] or [`LabioError::SamplingRateMismatch`] for a hit unlike
-    /// the first.
+    /// 16 silent samples or a hit with fewer samples than `n_silent`,
+    /// [`LabioError::UnknownChannel`], [`LabioError::ChannelMismatch`] or
+    /// [`LabioError::SamplingRateMismatch`] for a hit that differs from the first.
     pub fn before(hits: &[&Record], channel: &str, n_silent: usize) -> Result<Self, LabioError> {
         if n_silent < Self::FEWEST_SAMPLES {
             return Err(LabioError::TooFewSamples {
@@ -92,7 +92,7 @@ impl RestNoise {
         for value in &mut density {
             *value /= hits.len() as f64;
         }
-        // the removed mean, and its share that the window spreads into the first line
+        // the removed mean, and the part of it that the window spreads into the first line
         if let [mean, leaked, third, ..] = density.as_mut_slice() {
             (*mean, *leaked) = (*third, *third);
         }
@@ -106,22 +106,23 @@ impl RestNoise {
     }
 
     /// Degrees of freedom of the density at one frequency: twice the number of independent
-    /// segments. Its relative standard error is the root of two over this number.
+    /// segments. The relative standard error of the density is the square root of two divided by
+    /// this number.
     #[must_use]
     pub fn line_degrees_of_freedom(&self) -> f64 {
         2.0 * self.averages
     }
 
-    /// Degrees of freedom of the mean density over a band of this width: twice the width times the
-    /// effective duration of all windowed silences. The relative standard error of that mean is
-    /// the root of two over this number.
+    /// Degrees of freedom of the mean density over a band of width `bandwidth_hz`: twice the width
+    /// times the effective duration of all windowed silences. The relative standard error of that
+    /// mean is the square root of two divided by this number.
     #[must_use]
     pub fn degrees_of_freedom(&self, bandwidth_hz: f64) -> f64 {
         2.0 * bandwidth_hz * self.duration
     }
 
-    /// One-sided power spectral density \[unit²/Hz\] at `frequency_hz`, which must lie between 0
-    /// and the Nyquist frequency.
+    /// One-sided power spectral density \[unit²/Hz\] at `frequency_hz`, which must be between 0 and
+    /// the Nyquist frequency.
     #[must_use]
     #[allow(
         clippy::indexing_slicing,
@@ -143,18 +144,18 @@ impl RestNoise {
         self.density[line] + fraction * (self.density[line + 1] - self.density[line])
     }
 
-    /// Root mean square \[unit s\] of the noise in a line of the one-sided energy spectrum of a
-    /// record of this `duration` \[s\], (density · duration)^½: comparable with the root of
-    /// [`AveragedSpectra::auto`](crate::AveragedSpectra::auto).
+    /// Root-mean-square value \[unit s\] of the noise in a line of the one-sided energy spectrum of
+    /// a record of this `duration` \[s\], (density · duration)^½. It can be compared with the
+    /// square root of [`AveragedSpectra::auto`](crate::AveragedSpectra::auto).
     #[must_use]
     pub fn amplitude_at(&self, frequency_hz: f64, duration: f64) -> f64 {
         (self.density_at(frequency_hz) * duration).sqrt()
     }
 }
 
-/// Number of samples of white noise whose mean square scatters like that of the windowed segments
-/// of a silence, (Σg)²/Σg² with the sum g of the squares of all windows. Samples after the last
-/// whole segment are not used, and the windows taper towards both ends.
+/// Returns the number of samples of white noise whose mean square scatters like that of the
+/// windowed segments of a silence, (Σg)²/Σg² with the sum g of the squares of all windows. Samples
+/// after the last whole segment are not used, and the windows taper towards both ends.
 fn samples_left(n_silent: usize, segment: usize) -> f64 {
     let hop = segment - segment / 2;
     let weight = |sample: usize| -> f64 {
@@ -202,10 +203,10 @@ mod tests {
             .collect();
         let all: Vec<&Record> = hits.iter().collect();
         let noise = RestNoise::before(&all, "gauge", 512).unwrap();
-        // uniform between -1/2 and 1/2: variance 1/12, over 4 kHz
+        // uniform between -1/2 and 1/2: variance 1/12, spread over 4 kHz
         let exact = 1.0 / 12.0 / 4000.0;
         for f in [20.0, 500.0, 3000.0] {
-            // 150 overlapped segments: 8 % of a line
+            // 150 overlapped segments: 8 % per line
             assert!((noise.density_at(f) / exact - 1.0).abs() < 0.25, "{f}");
         }
         let spectra = AveragedSpectra::of(&hits, Window::Rectangular).unwrap();
@@ -213,12 +214,12 @@ mod tests {
         let mean = energy[200..600].iter().sum::<f64>() / 400.0;
         let promised = noise.amplitude_at(1600.0, 2048.0 / 8000.0).powi(2);
         assert!((promised / mean - 1.0).abs() < 0.25, "{promised} {mean}");
-        // 10 · 512 samples at 8 kHz, over 4 kHz: one for each sample but for the windows, which
-        // sin⁴ + cos⁴ make 0.947 of, and for the ends, 15 of 16 half segments
+        // 10 · 512 samples at 8 kHz, over 4 kHz: one degree of freedom per sample, times 0.947 for
+        // the windows (from sin⁴ + cos⁴) and 15/16 for the half segments at the ends
         let of_samples = noise.degrees_of_freedom(4000.0) / 5120.0;
         let expected = 0.947 * 15.0 / 16.0;
         assert!((of_samples / expected - 1.0).abs() < 0.01, "{of_samples}");
-        // 15 segments overlapped by half, of which each is 0.95 of an independent one
+        // 15 segments with half overlap, each of which counts as 0.95 of an independent segment
         let of_segments = noise.line_degrees_of_freedom() / 300.0;
         assert!((0.93..0.97).contains(&of_segments), "{of_segments}");
     }

@@ -1,5 +1,5 @@
-//! Hits whose record ends while the body rings: how much damping their transform needs, and from
-//! where on.
+//! Hits whose record ends while the body rings: the damping that their transform needs, and the
+//! sample from which it starts.
 
 use std::f64::consts::TAU;
 
@@ -8,26 +8,27 @@ use num_complex::Complex64;
 use super::RestNoise;
 use crate::{AddedDamping, LabioError, Record};
 
-/// Part of a hit, at its end, by which it is judged whether the body rings.
+/// Number of equal parts of a hit, the last of which shows whether the body rings.
 const TAIL: usize = 16;
-/// Fewest samples of that part.
+/// Fewest samples in that part.
 const LEAST_TAIL: usize = 8;
-/// Remainder over the peak that counts as rest, as the [criteria](crate::hits::Criteria) of hits
-/// have it.
+/// Ratio of remainder to peak that counts as rest, as in the [criteria](crate::hits::Criteria) for
+/// hits.
 const AT_REST: f64 = 0.01;
-/// Largest effect of what is cut off at the end on the lowest line, over the noise there.
+/// Largest effect of the motion cut off at the end on the lowest line, divided by the noise there.
 const PART_OF_NOISE: f64 = 0.3;
-/// σT that are tried: at most e^-16 is left at the end.
+/// Multiples of [`EXPONENT_STEP`] that are tried as σT: e^-2 to e^-16 is left at the end.
 const EXPONENTS: std::ops::RangeInclusive<u32> = 4..=32;
 const EXPONENT_STEP: f64 = 0.5;
 
-/// The exponential window that `hits` need because they end while `channels` ring, the same for
-/// all; `None` if all have come to rest within a hundredth of their peak.
+/// Returns the exponential window that `hits` need because they end while `channels` ring; it is
+/// the same for all. `None` if all channels have come to rest: within a hundredth of their peak, or
+/// within twice the largest excursion in the silence.
 ///
-/// Its decay rate σ is the smallest of a row for which what is cut off at the end,
-/// $`|x(T)|e^{-\sigma T}/|s|`$ with $`s = \sigma + i\omega`$, is three tenths of the noise that the
-/// window leaves at `lowest_hz`. T counts from the end of the first `n_silent` samples
-/// ([`from_rest`]).
+/// Its decay rate σ is the smallest of a series of values for which the effect of the motion cut
+/// off at the end, $`|x(T)|e^{-\sigma T}/|s|`$ with $`s = \sigma + i\omega`$, is at most three
+/// tenths of the noise that the window leaves at `lowest_hz`, or the largest of these values if
+/// none suffices. T counts from the end of the first `n_silent` samples ([`from_rest`]).
 ///
 /// # Errors
 ///
@@ -63,7 +64,7 @@ pub fn damping_of_ringing(
     needed.map(AddedDamping::new).transpose()
 }
 
-/// σ for a channel that ends with `end` and has noise of this one-sided `density`.
+/// Returns σ for a channel that is at `end` at its end and has noise of this one-sided `density`.
 fn decay_rate(end: f64, density: f64, duration: f64, lowest_hz: f64) -> f64 {
     let rates = EXPONENTS.map(|step| f64::from(step) * EXPONENT_STEP / duration);
     let suffices = |rate: &f64| {
@@ -76,13 +77,14 @@ fn decay_rate(end: f64, density: f64, duration: f64, lowest_hz: f64) -> f64 {
     rates.clone().find(suffices).unwrap_or(most)
 }
 
-/// `hit` from the end of its first `n_silent` samples on, each channel without its mean there, in
-/// calibrated values: what an exponential window takes. Noise of the silence would have more weight
-/// under it than all that follows.
+/// Returns `hit` from the end of its first `n_silent` samples on, each channel minus its mean in
+/// these samples, in calibrated values, for use with an exponential window. Under the window, noise
+/// of the silence would have more weight than everything after it.
 ///
 /// # Errors
 ///
-/// [`LabioError::TooFewSamples`] if fewer than two samples follow, or none goes before.
+/// [`LabioError::TooFewSamples`] if `n_silent` is 0, or if fewer than two samples follow the
+/// silence.
 pub fn from_rest(hit: &Record, n_silent: usize) -> Result<Record, LabioError> {
     if n_silent == 0 {
         return Err(LabioError::TooFewSamples {
@@ -107,15 +109,15 @@ pub fn from_rest(hit: &Record, n_silent: usize) -> Result<Record, LabioError> {
 }
 
 impl RestNoise {
-    /// Root mean square \[unit s\] of the noise in a line of the one-sided energy spectrum of a
-    /// record [from its rest on](from_rest) under an exponential `window`, which lasts
+    /// Root-mean-square value \[unit s\] of the noise in a line of the one-sided energy spectrum of
+    /// a record [from its rest on](from_rest) under an exponential `window`; the record lasts
     /// `duration` \[s\] after `silence` \[s\]:
     ///
     /// ```math
     /// \Bigl[S(f)\frac{1-e^{-2\sigma T}}{2\sigma} + \frac{S(0)}{T_0|s|^2}\Bigr]^{1/2} .
     /// ```
     ///
-    /// The second part is that of the level at rest, which is the mean of the silence $`T_0`$.
+    /// The second term is caused by the level at rest, which is the mean over the silence $`T_0`$.
     #[must_use]
     pub fn damped_amplitude_at(
         &self,
@@ -154,8 +156,8 @@ mod tests {
         averager.spectra().unwrap()
     }
 
-    /// A decaying sine that is cut off at 0.4 of its peak, with an offset: its damped transform is
-    /// that of the endless one, a geometric series.
+    /// A decaying sine with an offset, cut off at 0.4 of its peak: its damped transform is that of
+    /// the endless sine, a geometric series.
     #[test]
     fn what_is_cut_off_is_below_the_noise() {
         let mut random = ChaCha8Rng::seed_from_u64(3);
@@ -198,8 +200,8 @@ mod tests {
         );
     }
 
-    /// White noise after white noise: the mean energy of lines is what the silence promises, its
-    /// level included.
+    /// White noise after white noise: the mean energy of lines, including the effect of the level,
+    /// is that predicted from the silence.
     #[test]
     fn the_silence_tells_the_noise_under_the_window() {
         let mut random = ChaCha8Rng::seed_from_u64(11);
@@ -219,8 +221,8 @@ mod tests {
             }
         }
         for (found, stated) in sums {
-            // 400 exponentially distributed energies: 5 %, and 16 % of a silence of 200 samples
-            // over 400: three of them
+            // 400 exponentially distributed energies: 5 %, and 16 % from a silence of 200 samples,
+            // divided by the root of 400: three times these
             assert!((found / stated - 1.0).abs() < 0.16, "{found} {stated}");
         }
     }

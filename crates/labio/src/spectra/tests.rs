@@ -24,13 +24,13 @@ fn noise(rng: &mut ChaCha8Rng, n: usize) -> Vec<f64> {
 }
 
 proptest! {
-    /// Energy in time is energy in frequency, for even and odd lengths.
+    /// The energy in time equals the energy in frequency, for even and odd lengths.
     #[test]
     fn parseval(samples in prop::collection::vec(-1e3..1e3_f64, 3..200), rate in 1.0..1e6_f64) {
         let energy: f64 = samples.iter().map(|x| x * x).sum::<f64>() / rate;
         let spectra = AveragedSpectra::of([&record(&[samples], rate)], Window::Rectangular).unwrap();
         let lines: f64 = spectra.auto("a").unwrap().iter().sum::<f64>() * spectra.line_spacing_hz();
-        // 200 terms of one sign, each rounded a few times
+        // 200 terms of the same sign, each rounded a few times
         prop_assert!((lines - energy).abs() <= 1e-13 * energy);
     }
 }
@@ -64,7 +64,7 @@ fn the_spectral_matrix_is_the_average_of_direct_sums() {
                     .sum::<Complex64>()
                     / n_hits as f64;
                 let expected = sides * mean / 0.375; // mean squared Hann weight
-                // spectra are of order n/rate^2 = 0.01; a few hundred roundings
+                // spectra are of order n/rate^2 = 0.01; a few hundred rounding errors
                 assert!((line - expected).norm() < 1e-15, "{first}{second} {k}");
             }
         }
@@ -89,7 +89,7 @@ fn averaged_spectra_of_noise_spread_as_chi_square() {
         averager.add(&hit).unwrap();
     }
     let spectra = averager.spectra().unwrap();
-    // unit white noise: power density 2/rate, energy density times the duration
+    // unit white noise: power density 2/rate; the energy density is this times the duration
     let expected = 2.0 / rate * n_samples as f64 / rate;
     let relative: Vec<f64> = spectra.auto("a").unwrap()[1..n_samples / 2]
         .iter()
@@ -101,9 +101,9 @@ fn averaged_spectra_of_noise_spread_as_chi_square() {
     };
     let (mean, hits) = (moment(1, 0.0), n_hits as f64);
     let (variance, third) = (moment(2, 1.0), moment(3, 1.0));
-    // 4095 independent lines; four standard errors of each moment of a gamma law of shape 10:
-    // mean sqrt(1/10/4095) = 0.0049; variance sqrt((2 + 6/10)/100/4095) = 0.0025; third moment, by
-    // its sixth, 0.0030
+    // 4095 independent lines; four standard errors of each moment of a gamma distribution of shape
+    // 10: mean sqrt(1/10/4095) = 0.0049; variance sqrt((2 + 6/10)/100/4095) = 0.0025; third moment,
+    // from its sixth, 0.0030
     assert!((mean - 1.0).abs() < 4.0 * 0.0049, "mean {mean}");
     assert!(
         (variance - 1.0 / hits).abs() < 4.0 * 0.0025,
@@ -199,7 +199,7 @@ fn a_force_window_takes_the_noise_around_the_pulse_and_nothing_else() {
     let gated = gated.spectra().unwrap();
     let clean = record(&[pulse, other], 100.0);
     let clean = AveragedSpectra::of([&clean], Window::Rectangular).unwrap();
-    // weights are 1 and 0: the same numbers
+    // all weights are 1 or 0: the numbers are the same
     assert_eq!(gated.auto("a").unwrap(), clean.auto("a").unwrap());
     assert_eq!(gated.auto("b").unwrap(), clean.auto("b").unwrap());
     assert_eq!(
@@ -248,6 +248,6 @@ fn a_silent_channel_stays_silent_beside_a_loud_one() {
     assert!(spectra.auto("b").unwrap().iter().all(|g| *g <= 0.0));
     let alone = record(&[faint], 10.0);
     let alone = AveragedSpectra::of([&alone, &alone], Window::HannPeriodic).unwrap();
-    // every channel has a transform of its own
+    // every channel is transformed separately
     assert_eq!(spectra.auto("c").unwrap(), alone.auto("a").unwrap());
 }

@@ -1,4 +1,4 @@
-//! Averages over overlapped segments of a long record in memory or of a stream.
+//! Averages over overlapped segments of a long record in memory, or of a stream.
 
 use ndarray::Array2;
 
@@ -7,15 +7,15 @@ use crate::channel::Channel;
 use crate::stream::read_next;
 use crate::{BlockSource, LabioError, Record, Window};
 
-/// Largest number of segments that contain one sample.
+/// Largest number of segments that may contain the same sample.
 const MOST_SEGMENTS_OF_A_SAMPLE: usize = 64;
 
 /// Averaging over overlapped segments of a long stationary record (P. D. Welch, IEEE Trans. Audio
 /// Electroacoust. 15 (1967) 70-73).
 ///
-/// The first segment begins with the first sample; samples after the last whole segment are not
-/// used. The defaults are half overlap, Hann periodic, nothing removed. The number of independent
-/// averages used for all errors is
+/// The first segment begins at the first sample; samples after the last whole segment are not used.
+/// The defaults are half overlap, a periodic Hann window, and no trend removed. The number of
+/// independent averages used for all errors is
 /// [`SampledWindow::independent_averages`](crate::SampledWindow::independent_averages).
 ///
 /// # Examples
@@ -49,7 +49,7 @@ impl Welch {
     ///
     /// # Errors
     ///
-    /// [`LabioError::TooFewSamples`] below 3 samples.
+    /// [`LabioError::TooFewSamples`] for fewer than 3 samples.
     pub fn new(n_samples: usize) -> Result<Self, LabioError> {
         if n_samples < 3 {
             return Err(LabioError::TooFewSamples {
@@ -66,14 +66,14 @@ impl Welch {
         })
     }
 
-    /// Sets the number of samples that a segment shares with the next. No sample may lie in more
-    /// than 64 segments: more of them add no information, and their number would be bounded
-    /// only by the length of the record.
+    /// Sets the number of samples that a segment shares with the next. No sample may be in more
+    /// than 64 segments: more segments add no information, and their number would be bounded only
+    /// by the length of the record.
     ///
     /// # Errors
     ///
-    /// [`LabioError::CountMismatch`] if `n_overlap` is more than 63 of 64 samples of a segment, or
-    /// all of a shorter one.
+    /// [`LabioError::CountMismatch`] if `n_overlap` is more than 63/64 of a segment or, for a
+    /// segment of fewer than 64 samples, all of it.
     pub fn with_overlap(self, n_overlap: usize) -> Result<Self, LabioError> {
         let most = self.n_samples - self.n_samples.div_ceil(MOST_SEGMENTS_OF_A_SAMPLE);
         if n_overlap > most {
@@ -98,7 +98,7 @@ impl Welch {
         Self { detrend, ..self }
     }
 
-    /// Number of samples from the start of a segment to that of the next.
+    /// Number of samples from the start of a segment to the start of the next.
     fn hop(&self) -> usize {
         self.n_samples - self.n_overlap
     }
@@ -113,15 +113,15 @@ impl Welch {
         self.spectra_of(&[record])
     }
 
-    /// Returns the averages over the segments of several records of one stationary test: with
-    /// $`K_r`$ segments, equivalent to $`n_r`$ independent ones, in record r, $`n_e = (\sum
-    /// K_r)^2/\sum(K_r^2/n_r)`$.
+    /// Returns the averages over the segments of several records of one stationary test. If record
+    /// r has $`K_r`$ segments, equivalent to $`n_r`$ independent ones, the effective number of
+    /// averages is $`n_e = (\sum K_r)^2/\sum(K_r^2/n_r)`$.
     ///
     /// # Errors
     ///
-    /// [`LabioError::TooFewAverages`] without a record; as [`Welch::spectra`] for each, and
+    /// [`LabioError::TooFewAverages`] without a record; as [`Welch::spectra`] for each record, and
     /// [`LabioError::CountMismatch`], [`LabioError::ChannelMismatch`] or
-    /// [`LabioError::SamplingRateMismatch`] for one unlike the first.
+    /// [`LabioError::SamplingRateMismatch`] for a record that differs from the first.
     pub fn spectra_of(&self, records: &[&Record]) -> Result<AveragedSpectra, LabioError> {
         let Some(first) = records.first() else {
             return Err(LabioError::TooFewAverages {
@@ -146,7 +146,7 @@ impl Welch {
             sum += count as f64;
             scatter += (count as f64).powi(2) / of_record;
         }
-        // one record: its exact number
+        // for one record, its exact number
         let effective = match records {
             [_] => window.independent_averages(averager.n_averages(), self.hop())?,
             _ => sum * sum / scatter,
@@ -176,16 +176,16 @@ impl Welch {
         Ok(())
     }
 
-    /// Returns the averages over the segments of a stream, read to its end. Memory: four segments
-    /// per channel and the sums, independent of the length of the stream. The numbers are
-    /// identical to those of [`Welch::spectra`] for the same samples.
+    /// Returns the averages over the segments of a stream, read to its end. Memory: five segments
+    /// per channel and the sums, independent of the length of the stream. The results are identical
+    /// to those of [`Welch::spectra`] for the same samples.
     ///
     /// # Errors
     ///
     /// [`LabioError::TooFewSamples`] if the stream is shorter than a segment,
-    /// [`LabioError::NonFiniteSample`], [`LabioError::CountMismatch`] if the source replaces
-    /// the block that it is to fill, any error of the source; otherwise as
-    /// [`SpectrumAverager::new`] and [`SpectrumAverager::spectra`].
+    /// [`LabioError::NonFiniteSample`], [`LabioError::CountMismatch`] if the source replaces the
+    /// block that it should fill, any error of the source; otherwise as [`SpectrumAverager::new`]
+    /// and [`SpectrumAverager::spectra`].
     #[allow(
         clippy::indexing_slicing,
         reason = "every channel holds the samples of the first, and a segment ends with these or before"
@@ -197,7 +197,7 @@ impl Welch {
         let channels = source.channels().to_vec();
         let mut averager = self.averager(&channels, source.sampling_rate_hz())?;
         let mut block = Array2::zeros((channels.len(), 2 * self.n_samples));
-        // a part of a segment, and a block
+        // part of a segment, and a block
         let mut held: Vec<Vec<f64>> = channels
             .iter()
             .map(|_| Vec::with_capacity(3 * self.n_samples))
@@ -274,7 +274,7 @@ mod tests {
     use rand_chacha::ChaCha8Rng;
     use rand_distr::{Distribution, StandardNormal};
 
-    /// A record that is handed out in blocks of at most `at_most` samples.
+    /// A record that is passed on in blocks of at most `at_most` samples.
     struct Played {
         record: Record,
         position: usize,
@@ -334,7 +334,7 @@ mod tests {
 
     proptest! {
         #![proptest_config(ProptestConfig::with_cases(64))]
-        /// Results do not depend on the blocks of a stream.
+        /// Results do not depend on the division of a stream into blocks.
         #[test]
         fn a_stream_gives_the_numbers_of_the_record(
             n_samples in 3_usize..400,
@@ -363,8 +363,8 @@ mod tests {
 
     #[test]
     fn the_variance_of_overlapped_averages_is_that_of_the_effective_number() {
-        // many records of white noise, 8 segments of 64 with 75 % overlap each: variance of the
-        // lines over the records
+        // many records of white noise with 8 segments of 64 samples each, overlapping by 75 %:
+        // variance of the lines over the records
         let welch = Welch::new(64).unwrap().with_overlap(48).unwrap();
         let n_records = 800;
         let mut squares = 0.0;
@@ -374,21 +374,22 @@ mod tests {
             let spectra = welch.spectra(&noise(64 + 7 * 16, 1000 + seed)).unwrap();
             assert_eq!(spectra.n_averages(), 8);
             effective = spectra.effective_averages();
-            // lines at the ends have one component; their neighbours share it through the window
+            // the lines at the ends have one component; their neighbours share it because of the
+            // window
             for g in &spectra.power_density("x").unwrap()[2..31] {
                 squares += (g / 0.02 - 1.0).powi(2);
                 n_lines += 1.0;
             }
         }
         let variance = squares / n_lines;
-        // gamma law of shape 4.3: relative variance of a squared deviation (2 + 6/4.3) = 3.4;
-        // neighbouring lines of a Hann window correlate (0.44 of the independent number is
-        // left), so 10 200 independent ones: 2 % standard error
+        // gamma distribution of shape 4.3: relative variance of a squared deviation (2 + 6/4.3) =
+        // 3.4; neighbouring lines of a Hann window are correlated (0.44 of their number is
+        // independent), so 10 200 independent ones: 2 % standard error
         assert!(
             (variance * effective - 1.0).abs() < 0.08,
             "variance {variance}, effective number {effective}"
         );
-        assert!(effective < 5.0); // and far from the 8 that were counted
+        assert!(effective < 5.0); // far fewer than the 8 that were counted
     }
 
     #[test]

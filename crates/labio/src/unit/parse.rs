@@ -13,7 +13,7 @@ use super::ratio::Ratio;
 use super::symbol::{self, G};
 use crate::{Dimension, LabioError};
 
-/// Longest text of a unit; a longer one is a comment in the wrong column.
+/// Greatest length of the text of a unit; a longer text is a comment in the wrong column.
 const LONGEST: usize = 64;
 /// Largest depth of nested brackets; units in use have at most two.
 const DEEPEST: usize = 8;
@@ -42,7 +42,7 @@ impl Parsed {
     }
 }
 
-/// The reason why a text is no unit: the token and its fault.
+/// The reason why a text is not a unit: the token and its fault.
 #[derive(Debug)]
 struct Fault {
     token: String,
@@ -56,7 +56,8 @@ fn fault<T>(token: impl Into<String>, reason: &'static str) -> Result<T, Fault> 
     })
 }
 
-/// Parses the whole of `text`, which has no blanks around it; `g` is the meaning of that symbol.
+/// Parses the whole of `text`, which has no blanks around it; the parameter `g` is the meaning of
+/// the symbol `g`.
 pub(super) fn parse(text: &str, g: G) -> Result<Parsed, LabioError> {
     let parsed = if text.chars().count() > LONGEST {
         let start: String = text.chars().take(16).collect();
@@ -74,7 +75,7 @@ pub(super) fn parse(text: &str, g: G) -> Result<Parsed, LabioError> {
 }
 
 fn whole(text: &str, g: G) -> Result<Parsed, Fault> {
-    // an offset has a meaning only where the unit stands alone
+    // an offset is meaningful only if the unit is alone
     if let Some(alone) = symbol::find(text, g) {
         return Ok(Parsed {
             dimension: alone.dimension,
@@ -139,7 +140,7 @@ impl Scanner<'_> {
         }
     }
 
-    /// A symbol or a bracket with its exponent and, for messages, its text.
+    /// Parses a symbol or a bracket with its exponent and, for messages, its text.
     fn factor(&mut self, depth: usize) -> Result<(Parsed, i8, String), Fault> {
         self.skip_blanks();
         let (base, token) = match self.chars.peek().copied() {
@@ -239,7 +240,8 @@ impl Scanner<'_> {
         }
     }
 
-    /// Consumes `^` or `**` with the blanks before it, or nothing: one asterisk multiplies.
+    /// Consumes `^` or `**` and the blanks before it, or nothing: a single asterisk means
+    /// multiplication.
     fn raising_mark(&mut self) -> bool {
         let mut ahead = self.chars.clone();
         while ahead.next_if(|c| c.is_whitespace()).is_some() {}
@@ -254,7 +256,8 @@ impl Scanner<'_> {
         marked
     }
 
-    /// Returns true if a point has a digit after it: `m^2.5` is an exponent, `m^2.s` a product.
+    /// Returns true if a point is followed by a digit: `m^2.5` has an exponent, `m^2.s` is a
+    /// product.
     fn is_decimal(&self) -> bool {
         let mut ahead = self.chars.clone();
         ahead.next();
@@ -288,7 +291,7 @@ impl Scanner<'_> {
     }
 }
 
-/// An ordinary or a raised digit.
+/// Returns the value of an ordinary or a superscript digit.
 fn digit_of(c: char) -> Option<i8> {
     match c {
         '0' | '⁰' => Some(0),

@@ -1,15 +1,15 @@
-//! Scales as fractions, so that `9 mm` becomes the double nearest to 0.009 and not nine times a
-//! rounded 0.001.
+//! Scales as fractions, so that `9 mm` becomes the double nearest to 0.009 and not nine times the
+//! rounded value of 0.001.
 
-/// A positive factor, numerator over denominator. Definitions of units are fractions of integers
-/// below 2⁵³, which `f64` holds exactly; only angles are rounded.
+/// A positive factor, numerator divided by denominator. Definitions of units are fractions of
+/// integers below 2⁵³, which are exact in `f64`; only angles are rounded.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Ratio {
     numerator: f64,
     denominator: f64,
 }
 
-/// Limit below which every integer is a double and products are exact.
+/// Limit below which every integer is exact as `f64`, and so are products.
 const EXACT_INTEGERS: f64 = 9_007_199_254_740_992.0;
 
 impl Ratio {
@@ -22,7 +22,7 @@ impl Ratio {
         }
     }
 
-    /// Multiplies two ratios; common factors are removed before they cost digits.
+    /// Multiplies two ratios; common factors are removed first, so that they cost no digits.
     pub(super) fn times(self, other: Self) -> Self {
         let (a, d) = reduced(self.numerator, other.denominator);
         let (c, b) = reduced(other.numerator, self.denominator);
@@ -43,7 +43,8 @@ impl Ratio {
         self.numerator / self.denominator
     }
 
-    /// Returns true if the factor is finite and above zero, which long products need not be.
+    /// Returns true if the factor is finite and above zero, which is not guaranteed for long
+    /// products.
     pub(super) fn is_usable(self) -> bool {
         self.value().is_finite() && self.value() > 0.0
     }
@@ -53,7 +54,7 @@ impl Ratio {
     }
 }
 
-/// Removes common divisors, if both parts are integers that a double holds exactly.
+/// Removes common divisors, if both parts are integers that are exact as `f64`.
 fn reduced(numerator: f64, denominator: f64) -> (f64, f64) {
     let is_integer = |x: f64| x < EXACT_INTEGERS && x.fract() == 0.0;
     if !(is_integer(numerator) && is_integer(denominator)) {

@@ -8,7 +8,7 @@ use crate::Dimension;
 pub(super) struct Definition {
     pub(super) dimension: Dimension,
     pub(super) ratio: Ratio,
-    /// SI value of zero of the unit.
+    /// SI value of the zero of the unit.
     pub(super) offset: f64,
 }
 
@@ -40,8 +40,8 @@ const VOLTAGE: Dimension = dimension([2, 1, -3, -1, 0]);
 const RESISTANCE: Dimension = dimension([2, 1, -3, -2, 0]);
 const CAPACITANCE: Dimension = dimension([-2, -1, 4, 2, 0]);
 
-/// Symbols that take an SI prefix, including the words of acquisition drivers: names, dimension,
-/// numerator and denominator of the SI value.
+/// Symbols that take an SI prefix, including the words used by acquisition drivers: names,
+/// dimension, numerator and denominator of the SI value.
 const PREFIXABLE: &[(&[&str], Dimension, f64, f64)] = &[
     (&["m", "Meters", "meter", "metre"], LENGTH, 1.0, 1.0),
     (
@@ -74,7 +74,7 @@ const PREFIXABLE: &[(&[&str], Dimension, f64, f64)] = &[
     (&["g", "gn"], ACCELERATION, 980_665.0, 100_000.0),
 ];
 
-/// Symbols without prefixes: names, dimension, numerator, denominator and SI value of zero.
+/// Symbols without prefixes: names, dimension, numerator, denominator and SI value of the zero.
 const WHOLE: &[(&[&str], Dimension, f64, f64, f64)] = &[
     (&["kg"], MASS, 1.0, 1.0, 0.0),
     (&["%"], NUMBER, 1.0, 100.0, 0.0),
@@ -89,7 +89,7 @@ const WHOLE: &[(&[&str], Dimension, f64, f64, f64)] = &[
     // 0.45359237 kg times 9.80665 m/s^2
     (&["lbf"], FORCE, 44_482_216_152_605.0, 1e13, 0.0),
     (&["kgf", "kp"], FORCE, 980_665.0, 100_000.0, 0.0),
-    // lbf over (0.0254 m)^2
+    // lbf divided by (0.0254 m)^2
     (
         &["psi"],
         PRESSURE,
@@ -110,8 +110,8 @@ const WHOLE: &[(&[&str], Dimension, f64, f64, f64)] = &[
     ),
 ];
 
-/// Prefixes with numerator and denominator; the micro sign of ISO 8859-1 and the Greek letter are
-/// both in use.
+/// Prefixes with numerator and denominator; both the micro sign of ISO 8859-1 and the Greek letter
+/// are in use.
 const PREFIXES: &[(&str, f64, f64)] = &[
     ("T", 1e12, 1.0),
     ("G", 1e9, 1.0),
@@ -130,7 +130,7 @@ const PREFIXES: &[(&str, f64, f64)] = &[
     ("f", 1.0, 1e15),
 ];
 
-/// Meaning of the symbol `g`, which people write for two units.
+/// Meaning of the symbol `g`, which is used for two units.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum G {
     /// Standard gravity, as in `mV/g`.
@@ -139,8 +139,8 @@ pub(super) enum G {
     Gram,
 }
 
-/// Finds the definition of `token`; symbols without prefixes take precedence over a prefix with a
-/// symbol.
+/// Finds the definition of `token`; symbols without prefixes take precedence over a prefix followed
+/// by a symbol.
 pub(super) fn find(token: &str, g: G) -> Option<Definition> {
     whole(token)
         .or_else(|| prefixable(token, g))

@@ -8,14 +8,14 @@ use crate::error::check_positive;
 /// The exponential window $`e^{-\sigma t}`$ on *all* channels of a hit, for bodies that ring longer
 /// than the record.
 ///
-/// The Fourier transform of $`e^{-\sigma t}x(t)`$ is the Laplace transform of x on the line $`s =
-/// \sigma + i\omega`$. With the same window on input and output the ratio of their spectra is
-/// exactly the transfer function on that line, $`H(\sigma + i\omega)`$. A window on the response
+/// The Fourier transform of $`e^{-\sigma t}x(t)`$ is the Laplace transform of x on the line
+/// $`s = \sigma + i\omega`$. With the same window on input and output, the ratio of their spectra
+/// is exactly the transfer function on that line, $`H(\sigma + i\omega)`$. A window on the response
 /// only does not give a transfer function.
 ///
 /// # Exact removal
 ///
-/// - from a pole: it is displaced by $`-\sigma`$, every mode by the same
+/// - from a pole: it is displaced by $`-\sigma`$, equally for every mode
 ///   ([`AddedDamping::remove_from_pole`]);
 /// - from an impulse response: it is multiplied by $`e^{-\sigma t}`$
 ///   ([`ImpulseResponse::without_added_damping`](crate::ImpulseResponse::without_added_damping));
@@ -24,7 +24,7 @@ use crate::error::check_positive;
 ///
 /// # Limits
 ///
-/// A line of $`H(\sigma+i\omega)`$ alone does not determine $`H(i\omega)`$: that requires the whole
+/// One line of $`H(\sigma+i\omega)`$ does not determine $`H(i\omega)`$: that requires the whole
 /// impulse response, with noise amplified by $`e^{\sigma T}`$ at its end, and ringing beyond the
 /// record is lost.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -42,11 +42,11 @@ pub struct DampedMode {
 }
 
 impl AddedDamping {
-    /// Creates the window of decay rate `decay_rate` \[1/s\].
+    /// Creates the window with the decay rate `decay_rate` \[1/s\].
     ///
     /// # Errors
     ///
-    /// [`LabioError::NonPhysical`] if it is not finite and above zero.
+    /// [`LabioError::NonPhysical`] if the decay rate is not finite and above zero.
     pub fn new(decay_rate: f64) -> Result<Self, LabioError> {
         check_positive("decay rate of the exponential window [1/s]", decay_rate)?;
         Ok(Self { decay_rate })
@@ -57,8 +57,8 @@ impl AddedDamping {
     ///
     /// # Errors
     ///
-    /// [`LabioError::NonPhysical`] if the weight is not between 0 and 1, or the duration not above
-    /// 0.
+    /// [`LabioError::NonPhysical`] if the weight is not between 0 and 1, or the duration is not
+    /// above 0.
     pub fn to_end_weight(end_weight: f64, duration: f64) -> Result<Self, LabioError> {
         if !(end_weight > 0.0 && end_weight < 1.0) {
             return Err(LabioError::NonPhysical {
@@ -77,7 +77,8 @@ impl AddedDamping {
         self.decay_rate
     }
 
-    /// Computes the weights of `n_samples` samples at `sampling_rate_hz` \[Hz\], 1 on the first.
+    /// Computes the weights of `n_samples` samples at `sampling_rate_hz` \[Hz\]; the first weight
+    /// is 1.
     ///
     /// # Errors
     ///
@@ -112,8 +113,8 @@ impl AddedDamping {
     /// window.
     ///
     /// The pole is $`-\zeta\omega_0 + i\omega_0\sqrt{1-\zeta^2}`$; its imaginary part, the damped
-    /// frequency, is not changed by the window. The result is negative if the window added more
-    /// damping than was found.
+    /// frequency, is not changed by the window. The resulting damping ratio is negative if the
+    /// window added more damping than was found.
     ///
     /// # Errors
     ///
@@ -148,8 +149,8 @@ mod tests {
 
     #[test]
     fn a_mode_under_the_window_is_the_mode_with_its_decay_rates_added() {
-        // decay 3 1/s of the body, 4 1/s of the window, damped frequency 24 rad/s: 7-24-25 under
-        // the window
+        // decay rates of 3 1/s of the body and 4 1/s of the window, damped frequency 24 rad/s: a
+        // 7-24-25 triangle under the window
         let apparent = DampedMode {
             natural_omega: 25.0,
             damping_ratio: 7.0 / 25.0,
@@ -159,7 +160,7 @@ mod tests {
             .remove_from_mode(apparent)
             .unwrap();
         let natural = (9.0_f64 + 576.0).sqrt();
-        // a few roundings
+        // a few rounding errors
         assert!((mode.natural_omega - natural).abs() < 1e-14 * natural);
         assert!((mode.damping_ratio - 3.0 / natural).abs() < 1e-14);
     }
@@ -168,7 +169,7 @@ mod tests {
     fn the_end_weight_is_reached_at_the_end() {
         let window = AddedDamping::to_end_weight(0.01, 2.0).unwrap();
         let weights = window.weights(201, 100.0).unwrap();
-        // rounding of a logarithm and an exponential
+        // rounding errors of a logarithm and an exponential
         assert!((weights[0] - 1.0).abs() < 1e-15 && (weights[200] - 0.01).abs() < 1e-15);
         assert!((weights[100] - 0.1).abs() < 1e-15);
     }

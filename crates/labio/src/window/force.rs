@@ -1,23 +1,23 @@
-//! The force window, which passes the contact of the hammer and suppresses the rest.
+//! The force window, which passes the contact of the hammer and suppresses the rest of its record.
 
 use std::f64::consts::PI;
 
 use crate::LabioError;
 use crate::error::check_positive;
 
-/// Weight 1 from `start` to `end`, falling to 0 as half a cosine over `taper` before and after; 0
-/// elsewhere.
+/// The force window: weight 1 from `start` to `end`, falling to 0 as half a cosine over `taper`
+/// before and after; 0 elsewhere.
 ///
-/// A hammer is in contact for a small part of the record; in the rest its channel contains noise,
-/// which the force window removes from the input spectrum. Times count from the first sample of the
-/// hit.
+/// A hammer is in contact for a small part of the record; in the rest of the record its channel
+/// contains noise, which the force window removes from the input spectrum. Times count from the
+/// first sample of the hit.
 ///
 /// # Validity
 ///
 /// The flat part must contain the whole contact. A window wider than the contact changes only the
-/// noise, so that levels need no correction. An offset of the channel must be removed before
-/// ([`Detrend`](crate::Detrend) or a baseline taken before the hit): inside the window it would be
-/// a second pulse.
+/// noise, so that levels need no correction. An offset of the channel must be removed first
+/// ([`Detrend`](crate::Detrend) or a baseline measured before the hit): inside the window it would
+/// act as a second pulse.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ForceWindow {
     start: f64,
@@ -26,11 +26,12 @@ pub struct ForceWindow {
 }
 
 impl ForceWindow {
-    /// Creates a window from `start` to `end` \[s\] with edges of `taper` \[s\] outside.
+    /// Creates a window from `start` to `end` \[s\] with edges of `taper` \[s\] outside that
+    /// interval.
     ///
     /// # Errors
     ///
-    /// [`LabioError::NonPhysical`] if a time is not finite, `end` is not after `start` or `taper`
+    /// [`LabioError::NonPhysical`] if a time is not finite, `end` is not after `start`, or `taper`
     /// is negative.
     pub fn new(start: f64, end: f64, taper: f64) -> Result<Self, LabioError> {
         let refuse = |quantity, value, expected| LabioError::NonPhysical {
@@ -95,8 +96,8 @@ mod tests {
     fn the_window_is_flat_inside_and_nothing_outside() {
         let window = ForceWindow::new(0.2, 0.5, 0.2).unwrap();
         let weights = window.weights(10, 10.0).unwrap();
-        // half a cosine over two samples: 1/2 at its middle; rounding of the times reaches the
-        // weights through its slope
+        // half a cosine over two samples: 1/2 at its middle; rounding errors of the times affect
+        // the weights through the slope
         let expected = [0.0, 0.5, 1.0, 1.0, 1.0, 1.0, 0.5, 0.0, 0.0, 0.0];
         for (weight, expected) in weights.iter().zip(expected) {
             assert!((weight - expected).abs() < 1e-14, "{weights:?}");

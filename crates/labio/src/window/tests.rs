@@ -1,6 +1,6 @@
 use super::*;
 
-/// Rounding of a sum of a thousand terms of order one.
+/// Rounding errors of a sum of a thousand terms of order one.
 const SUM_ROUNDING: f64 = 1e-12;
 
 #[test]
@@ -16,7 +16,7 @@ fn a_symmetric_window_has_one_sample_less_a_period_and_an_extra_zero() {
 fn the_two_hann_windows_differ_in_their_last_sample() {
     let periodic = Window::HannPeriodic.sample(8).unwrap().weights;
     let symmetric = Window::HannSymmetric.sample(8).unwrap().weights;
-    // cos(2 pi 7/8) = 1/sqrt 2; rounding of one cosine
+    // cos(2 pi 7/8) = 1/sqrt 2; rounding error of one cosine
     assert!((periodic[7] - (0.5 - 0.5 / 2.0_f64.sqrt())).abs() < 1e-15);
     assert!(symmetric[7].abs() < 1e-15);
 }
@@ -44,7 +44,7 @@ fn a_symmetric_window_is_a_periodic_one_of_one_sample_less_and_its_first_sample_
             let mut reversed = expected.clone();
             reversed.reverse();
             for (a, b) in expected.iter().zip(&reversed) {
-                // rounding of cosines of mirrored angles
+                // rounding errors of cosines of mirrored angles
                 assert!((a - b).abs() < 1e-15);
             }
         }
@@ -63,7 +63,7 @@ fn tukey_lies_between_rectangular_and_hann() {
         .iter()
         .zip(hann)
     {
-        assert!((tukey - hann).abs() < 1e-15); // rounding of one cosine
+        assert!((tukey - hann).abs() < 1e-15); // rounding error of one cosine
     }
     for taper in [-0.1, 1.1, f64::NAN] {
         let error = Window::TukeyPeriodic { taper }.sample(64).unwrap_err();

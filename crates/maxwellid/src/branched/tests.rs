@@ -53,7 +53,7 @@ fn largest_difference(a: &[f64], b: &[f64]) -> f64 {
     pairs.fold(0.0, |top, (a, b)| f64::max(top, (a - b).abs()))
 }
 
-/// The chain of masses has the rate of the law itself, no exact relaxation and no waves.
+/// The chain of masses uses the rate of the law itself, without exact relaxation and without waves.
 #[test]
 fn the_response_is_that_of_the_lumped_chain() {
     let model = BranchedRod::standard_solid(norton(), "solid");
@@ -69,12 +69,12 @@ fn the_response_is_that_of_the_lumped_chain() {
     let solid = rod.clone().with_spring(2.0 / 3.0).unwrap();
     let with_spring = largest_difference(&found, &by_the_chain(&solid));
     assert!(with_spring < 0.01, "{with_spring} of 16 m/s");
-    // the spring matters by a hundred times as much
+    // the effect of the spring is a hundred times as large
     let without = largest_difference(&found, &by_the_chain(&rod));
     assert!(without > 0.5, "{without}");
 }
 
-/// With an exponent of 1 the solid is linear: solved in the Laplace domain.
+/// With an exponent of 1 the solid is linear and can be solved in the Laplace domain.
 #[test]
 fn its_linear_limit_is_the_zener_rod_of_the_laplace_domain() {
     let series = PronySeries {
@@ -98,7 +98,7 @@ fn its_linear_limit_is_the_zener_rod_of_the_laplace_domain() {
     assert!(difference < 0.01, "{difference} of 16 m/s");
     let elastic = model.special_case(&PronySeries::elastic(MODULUS)).unwrap();
     assert_eq!(elastic.limit, "without damping");
-    // two branches are none of its limits
+    // a series with two branches is not one of its limits
     let mut two = series;
     two.branches.push(Branch {
         share: 0.1,
@@ -213,7 +213,8 @@ fn its_linear_limit_is_the_rod_of_constant_q() {
     assert!(largest_difference(&found, &without) > 1.5);
 }
 
-/// Gradients of what is stated, by differences; shares that sum to one; counts that agree.
+/// Checks the gradients of the stated quantities by differences, the sum of the shares, and that
+/// the counts agree.
 #[test]
 fn stated_quantities_have_their_gradients() {
     let flat = BranchedRod::beside_flat_loss(norton(), "flat");
@@ -292,7 +293,7 @@ fn driven_rod_of_nothing() -> DrivenRod<'static> {
     }
 }
 
-/// Derivatives by samples of the excitation against differences of the response.
+/// Compares derivatives with respect to samples of the excitation with differences of the response.
 #[test]
 fn derivatives_by_samples_are_those_of_differences() {
     let model = BranchedRod::standard_solid(norton(), "solid").with_linear_branch();

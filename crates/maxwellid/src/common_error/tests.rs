@@ -12,7 +12,7 @@ fn common() -> (CommonErrors, Vec<Vec<f64>>) {
     (CommonErrors::of_columns(columns.clone()), columns)
 }
 
-/// Against the Cholesky factorisation of the covariance.
+/// Compares with the Cholesky factorisation of the covariance.
 #[test]
 fn the_factors_are_an_inverse_square_root() {
     let (common, columns) = common();
@@ -36,12 +36,12 @@ fn the_factors_are_an_inverse_square_root() {
     assert!((of_white / of_inverse - 1.0).abs() < 1e-14);
 }
 
-/// A residual that the errors explain but for their prior: 1/(1 + |a|²) of it remains.
+/// A residual that the errors explain except for their prior: 1/(1 + |a|²) of it remains.
 #[test]
 fn the_most_likely_errors_are_those_of_least_squares() {
     let column = vec![3.0, 0.0, 4.0];
     let common = CommonErrors::of_columns(vec![column.clone()]);
-    // simulated less measured, of a true error of two standard uncertainties
+    // simulated minus measured, for a true error of two standard uncertainties
     let residual: Vec<f64> = column.iter().map(|a| -2.0 * a).collect();
     let found = common.most_likely(residual)[0];
     assert!((found - 2.0 * 25.0 / 26.0).abs() < 1e-14, "{found}");

@@ -1,5 +1,5 @@
-//! Intervals at whose ends chi-square, with weights and excitation renewed, is not what the
-//! standard errors promise.
+//! Intervals at whose ends χ², with weights and excitation renewed, does not rise as the standard
+//! errors imply.
 
 use super::{Course, Fit, Lowest, value};
 use crate::identifiability::{IDENTIFIED_BELOW, Noise};
@@ -10,9 +10,9 @@ use crate::residual::TestResidual;
 use crate::selection::DISTINCT_VELOCITIES;
 use crate::test::RodTest;
 
-/// Noise of the excitation relative to the impact velocity from which other shapes are tried beside
-/// a minimum. At 0.01 the mean square of errors over standard errors of 200 fits is at most 1.3,
-/// which excludes minima that are off by ten.
+/// Noise of the excitation relative to the impact velocity above which other shapes are tried next
+/// to a minimum. At 0.01 the mean square of errors over standard errors of 200 fits is at most 1.3,
+/// which excludes minima that are off by ten standard errors.
 const NOISY: f64 = 0.015;
 
 /// Offsets of the other shapes that are tried, in step limits.
@@ -23,11 +23,11 @@ const OUT_OF_QUESTION: f64 = 25.0;
 
 impl<M: RodModel> Fit<M> {
     /// Flags, one per parameter of a nonlinear law, of errors that do not represent χ² at the ends
-    /// of their intervals when weights and excitation are renewed there. With one impact
-    /// velocity the excitation may compensate an exponent. Unidentified parameters are not
-    /// tested. With much noise the excitation fitted to a wrong exponent causes a minimum with
-    /// misleading errors: there χ² must rise at other exponents too, by a quarter of the rise
-    /// implied by the error.
+    /// of their intervals when weights and excitation are renewed there. With one impact velocity
+    /// the excitation may compensate an exponent. Unidentified parameters are not tested. With much
+    /// noise the excitation fitted to a wrong exponent causes a minimum with misleading errors.
+    /// Then χ² must also rise at other exponents, by at least a quarter of the rise that the error
+    /// implies.
     pub(super) fn bent(
         &self,
         lowest: &Lowest<'_, M>,
@@ -48,7 +48,8 @@ impl<M: RodModel> Fit<M> {
         };
         let least = value(minimum);
         let rise_at = |index: usize, change: f64| {
-            // the others unchanged: a search from their optimum may miss the change by the renewal
+            // the other parameters start unchanged: a search from their optimum may miss the change
+            // due to the renewal
             let mut start = minimum.parameters.clone();
             if let Some(own) = start.get_mut(index) {
                 *own += change;

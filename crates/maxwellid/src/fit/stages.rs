@@ -23,21 +23,23 @@ pub(super) const SHORTEST_CELL: f64 = 0.25e-3;
 /// Number of refinements after the first solution.
 const REFINEMENTS: usize = 8;
 
-/// Factor on the cell of each: twice the work.
+/// Factor on the cell in each refinement, which doubles the work.
 const FINER: f64 = std::f64::consts::FRAC_1_SQRT_2;
 
-/// Fraction of the requested accuracy at which a grid is aimed, since the error is found at a start
-/// and not at the solution.
+/// Fraction of the requested accuracy for which a grid is chosen, since the error is computed at a
+/// start and not at the solution.
 const MARGIN: f64 = 0.6;
 
 /// Largest shift of a parameter by the error of the solver as a fraction of its standard error, if
 /// noise is stated.
 const SHARE_OF_ERROR: f64 = 0.3;
 
-/// Number of minima that are left in succession because their front arrives at another time.
+/// Largest number of minima that are left in succession because their front arrives at another
+/// time.
 const CYCLE_SKIPS: usize = 5;
 
-/// Number of alternations of parameters and excitation, and of the transfer about both.
+/// Largest number of rounds. Each round fits the parameters and then renews the excitation and, if
+/// it is due, the transfer.
 const ROUNDS: usize = 24;
 
 /// Remaining relative reduction of the sum of squares at which a preliminary minimum ends.
@@ -47,8 +49,9 @@ const PRELIMINARY: f64 = 1e-4;
 /// for some hundred samples.
 const WHITE: f64 = 1e-5;
 
-/// Renewals of the transfer in succession whose change of the parameters is more than [`NEARER`] of
-/// the least before them: they do not converge. This happens to laws that do not explain the data.
+/// Number of successive renewals of the transfer that change the parameters by more than [`NEARER`]
+/// times the least change before: they do not converge. This happens to laws that do not explain
+/// the data.
 const NO_NEARER: usize = 3;
 const NEARER: f64 = 0.9;
 
@@ -144,8 +147,8 @@ impl<M: RodModel> Fit<M> {
         Ok(best.parameters)
     }
 
-    /// Second stage: the minimum on a sufficiently fine grid, and the difference from one of half
-    /// the cell.
+    /// Second stage: the minimum on a sufficiently fine grid, and the difference from a grid of
+    /// half the cell.
     pub(super) fn refined<'a>(
         &'a self,
         tests: &'a [RodTest],
@@ -164,7 +167,7 @@ impl<M: RodModel> Fit<M> {
                 let problem = TestResidual::new(tests, &self.model, SCAN_CELL);
                 let coarse = Self::grid_difference(&problem, start, SCAN_CELL)
                     .ok_or_else(|| start_error(modulus_at(start)))?;
-                // second-order error
+                // the error is of second order
                 let share = (MARGIN * requested / coarse).sqrt();
                 (SCAN_CELL * share).clamp(SHORTEST_CELL, DEFAULT_CELL)
             }
@@ -226,9 +229,9 @@ impl<M: RodModel> Fit<M> {
             .fold(self.accuracy, f64::min)
     }
 
-    /// Largest rms difference over V0, among the tests, of the responses with `cell` and half of
-    /// it, to the excitations about which `problem` is linearised: the noise of a measured one
-    /// would need a finer grid than the motion of the rod.
+    /// Largest rms difference over V0, among the tests, between the responses with `cell` and with
+    /// half of it. The excitations are those about which `problem` is linearised: the noise of a
+    /// measured excitation would need a finer grid than the motion of the rod.
     pub(super) fn grid_difference(
         problem: &TestResidual<'_, M>,
         of_model: &[f64],
@@ -248,8 +251,8 @@ impl<M: RodModel> Fit<M> {
     }
 
     /// Second stage with stated noise: weights from the noise of both histories, and the excitation
-    /// as an unknown. If a parameter, given by its index, is `held` at the start, the
-    /// derivatives of the minimum are those by the others.
+    /// as an unknown. If a parameter, given by its index, is `held` at the start, the derivatives
+    /// of the minimum are those with respect to the other parameters.
     pub(super) fn weighted<'a>(
         &self,
         mut problem: TestResidual<'a, M>,
@@ -265,10 +268,10 @@ impl<M: RodModel> Fit<M> {
         let mut delays: Vec<f64> = (0..tests.len()).map(|t| problem.common.delay(t)).collect();
         let mut settled = false;
         let (mut nearest, mut since) = (f64::INFINITY, 0);
-        // start and minimum of the renewal of the transfer before
+        // start and minimum of the previous renewal of the transfer
         let mut renewal: Option<(Vec<f64>, Vec<f64>)> = None;
         let bounds = problem.bounds();
-        // driven by the record itself the alternation converges, and a secant may leave its course
+        // if the record itself drives the rod, the alternation converges, and a secant may miss it
         let has_drive = |test: &RodTest| test.drive(false).is_some();
         let follows_secant = !self.model.is_linear() && tests.iter().any(has_drive);
         for _ in 0..ROUNDS {

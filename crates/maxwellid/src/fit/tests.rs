@@ -13,8 +13,8 @@ const RATE: f64 = 204_800.0;
 const SAMPLES: usize = 160;
 const IMPACT_VELOCITY: f64 = 10.0;
 
-/// A short rod of polyamide, so that fine grids cost little; by the chain of masses, which no fit
-/// uses.
+/// A test of a short rod of polyamide, so that fine grids cost little, simulated by the chain of
+/// masses, which no fit uses.
 fn rod_test(length: f64, viscosity: f64) -> RodTest {
     let excitation: Vec<f64> = (0..SAMPLES)
         .map(|k| 8.0 * (-((k as f64 - 40.0) / 10.0).powi(2)).exp())
@@ -66,7 +66,7 @@ fn the_longest_window_is_the_duration() {
 fn movement_is_in_standard_errors_along_singular_directions() {
     let minimum = |parameters: Vec<f64>| Minimum {
         parameters,
-        // standard errors of 1/2 and 1/3, of a rotation by 30 degrees the second time
+        // standard errors of 1/2 and 1/3
         linearisation: Linearisation {
             residual: vec![0.0; 3],
             jacobian: vec![vec![2.0, 0.0, 0.0], vec![0.0, 3.0, 0.0]],
@@ -140,7 +140,7 @@ fn the_difference_of_two_grids_is_the_rms_of_the_worst_test() {
         let found = Fit::grid_difference(&problem, &theta, cell).unwrap();
         assert!(relative(found, of(0, cell).max(of(1, cell))) < 1e-12);
     }
-    // second order: a half of the cell leaves a quarter, within the terms of fourth order
+    // second order: half the cell leaves a quarter, within the terms of fourth order
     let ratio = of(0, 8e-3) / of(0, 4e-3);
     assert!((3.2..4.8).contains(&ratio), "{ratio}");
 }
@@ -181,8 +181,8 @@ fn started(fit: &Fit<Maxwell>, tests: &[RodTest], cell: f64) -> (Vec<f64>, f64) 
 fn the_grid_is_what_the_accuracy_asks_for() {
     let tests = [short_rod()];
     let (start, difference) = started(&maxwell(), &tests, SCAN_CELL);
-    // an error of second order is to fall to 0.6 of what is requested: here by a grid of a third of
-    // the coarse cell
+    // an error of second order must fall to 0.6 of the requested accuracy: here by a grid of a
+    // third of the coarse cell
     let requested = difference / 0.6 / 9.0;
     let fit = maxwell().with_accuracy(requested);
     let mut course = Course::default();
@@ -208,20 +208,21 @@ fn a_grid_is_refined_until_it_is_fine_enough() {
         let (problem, minimum, difference) = fit.refined(&tests, &start, &mut course).unwrap();
         (problem.cell, minimum, difference, course.flags)
     };
-    // so much noise asks for less than any of these accuracies
+    // so much noise requires less accuracy than any of the values below
     assert!(maxwell().requested_accuracy(&tests) > 1.3 * of_usual);
     let near = |a: f64, b: f64| relative(a, b) < 1e-9;
     let (cell, _, difference, flags) = refined(1.3 * of_usual);
     assert!(
         cell.total_cmp(&DEFAULT_CELL).is_eq() && difference <= 1.3 * of_usual && flags.is_empty()
     );
-    // second order: a step halves the difference, so that a third of it takes two and a twelfth four
+    // second order: a step halves the difference, so that a third takes two steps and a twelfth
+    // four
     let (cell, _, _, flags) = refined(of_usual / 3.0);
     assert!(near(cell, DEFAULT_CELL / 2.0) && flags.is_empty());
     let (cell, minimum, _, flags) = refined(of_usual / 12.0);
     assert!(near(cell, DEFAULT_CELL / 4.0) && flags.is_empty());
     assert_eq!(minimum.parameters.len(), 2);
-    // no grid is fine enough for rounding, and that is said
+    // no grid is fine enough for rounding, and a flag reports this
     let (cell, _, difference, flags) = refined(1e-12);
     assert!(near(cell, SHORTEST_CELL));
     assert_eq!(

@@ -1,4 +1,4 @@
-//! The law of a frequency-independent loss factor.
+//! The law with a frequency-independent loss factor.
 
 use std::f64::consts::{FRAC_2_PI, TAU};
 
@@ -14,7 +14,7 @@ use crate::special_case::{NO_SHARE, PronySeries, SpecialCase};
 /// E(s)/E = (s/ω₀)^{2g} ,    g = (1/π) atan tan δ
 /// ```
 ///
-/// E is the magnitude of the modulus at the reference frequency ω₀. The parameter is ln tan δ. It
+/// E is the magnitude of the modulus at the reference frequency ω₀. The parameter is ln tan δ. This
 /// is the law of [`rodwave::modulus::ConstantQ`], and the first reference for a nonlinear law.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ConstantQ {

@@ -13,7 +13,7 @@ const DAMPING_OVER_PERIOD: f64 = 16.0;
 /// rate, so that two suffice.
 pub(super) const FINER: usize = 2;
 
-/// Number of fine points over which the excitation is taken to zero after its end. Only the ringing
+/// Number of fine points over which the excitation is faded to zero after its end. Only the ringing
 /// of the kink affects times before the end, with 1/n² of the change of slope n points away.
 const TAPER: usize = 64;
 
@@ -46,7 +46,7 @@ impl LaplaceLine {
     }
 
     /// Σ q(t_n) e^{-s t_n}, unscaled, of a history that is known over `samples` samples and then
-    /// taken to zero.
+    /// faded to zero.
     pub(super) fn transform(
         &mut self,
         history: &dyn VelocityHistory,

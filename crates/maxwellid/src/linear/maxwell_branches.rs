@@ -12,10 +12,10 @@ use crate::special_case::{Branch, NO_SHARE, PronySeries, SpecialCase, UNRELAXED}
 /// E(s)/E = w₀ + Σ wᵢ sτᵢ/(1 + sτᵢ) ,    w₀ + Σ wᵢ = 1
 /// ```
 ///
-/// E is the unrelaxed modulus, that of the front. The spring w₀ may be absent. The shares follow
-/// from x = ln(wᵢ/w_first), which keeps them positive; the parameters are those x, then ln τ₁ to ln
-/// τₙ. (A permutation of branches is the same law.) It is the
-/// law of [`rodwave::modulus::GeneralisedMaxwell`] in coordinates of nearly independent effects.
+/// E is the unrelaxed modulus, which gives the front speed. The spring w₀ may be absent. The shares
+/// follow from x = ln(wᵢ/w_first), which keeps them positive; the parameters are those x, then ln
+/// τ₁ to ln τₙ. (A permutation of branches is the same law.) It is the law of
+/// [`rodwave::modulus::GeneralisedMaxwell`] in coordinates with nearly independent effects.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct MaxwellBranches {
     branches: usize,
@@ -37,8 +37,8 @@ impl MaxwellBranches {
         }
     }
 
-    /// Creates a spring in parallel with a fast and a slow branch (Wang, Labibes, Azari & Pluvinage,
-    /// *Int. J. Impact Eng.* **15** (1994) 681), its equilibrium linear.
+    /// Creates a spring in parallel with a fast and a slow branch (Wang, Labibes, Azari &
+    /// Pluvinage, *Int. J. Impact Eng.* **15** (1994) 681), with a linear equilibrium.
     #[must_use]
     pub fn zhu_wang_tang() -> Self {
         Self {
@@ -80,7 +80,7 @@ impl MaxwellBranches {
         }
     }
 
-    /// Number of shares, that of the spring first if there is one.
+    /// Number of shares; the share of the spring is the first if there is a spring.
     fn terms(&self) -> usize {
         self.branches + usize::from(self.has_spring)
     }
@@ -173,8 +173,8 @@ impl LinearLaw for MaxwellBranches {
     }
 
     fn is_flat_loss(&self) -> bool {
-        // two time constants within a decade of frequency suffice, of which a slow one may replace
-        // the spring
+        // two time constants within a decade of frequency suffice; a slow one may replace the
+        // spring
         self.terms() >= 3
     }
 

@@ -10,7 +10,8 @@ use crate::model::{DrivenRod, LinearisedResponse, RodModel, stated_modulus};
 use crate::special_case::{PronySeries, SpecialCase};
 use crate::specimen::SpecimenSensitivity;
 
-/// A rod of a linear law as a [`RodModel`], solved in the Laplace domain; parameters θ = (ln E, p).
+/// A rod with a linear law as a [`RodModel`], solved in the Laplace domain; parameters θ = (ln E,
+/// p).
 #[derive(Debug, Clone)]
 pub struct LinearModel<L> {
     law: L,
@@ -92,8 +93,8 @@ impl<L: LinearLaw> RodModel for LinearModel<L> {
         self.law.special_case(series)
     }
 
-    /// Sensitivities: besides E, a linear law has a shape over time, which does not depend on
-    /// length and density.
+    /// Sensitivities: except for E, the parameters of a linear law describe its shape in time,
+    /// which does not depend on length and density.
     fn specimen_sensitivities(&self, parameters: &[f64]) -> Vec<SpecimenSensitivity> {
         let mut all = vec![SpecimenSensitivity::default(); parameters.len()];
         if let Some(modulus) = all.first_mut() {
@@ -195,7 +196,8 @@ fn secant_and_tangent(z: Complex64) -> (Complex64, Complex64) {
 /// Times at which a history is evaluated.
 enum Times<'a> {
     /// `rest` times 0, then `count` samples from sample `first` on, all at a part δ of an interval
-    /// after it. That is exact: `advance` is the factor e^{sδ} of each line, none for δ = 0.
+    /// after the sample. This is exact: `advance` is the factor e^{sδ} of each line, none for δ =
+    /// 0.
     AtSamples {
         rest: usize,
         first: usize,

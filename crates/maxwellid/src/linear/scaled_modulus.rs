@@ -17,7 +17,7 @@ pub struct FreeParameter {
     pub range: (f64, f64),
 }
 
-/// A law of [`rodwave::modulus`], or a user-defined one of its traits, up to a factor that ln E
+/// A law of [`rodwave::modulus`], or a user-defined law with its traits, up to a factor that ln E
 /// replaces.
 ///
 /// ```text
@@ -25,7 +25,7 @@ pub struct FreeParameter {
 /// ```
 ///
 /// E is the magnitude at the reference frequency ω₀. Parameters that only scale the modulus would
-/// be redundant and stay fixed; the others are freed by index.
+/// be redundant and stay fixed; the others are selected by their index.
 ///
 /// ```
 /// use maxwellid::linear::{FreeParameter, ScaledModulus};

@@ -1,5 +1,5 @@
-//! The linear competitors against d'Alembert, three other solvers, the laws of `rodwave` and
-//! differences.
+//! Comparison of the linear competitors with d'Alembert's solution, three other solvers, the laws
+//! of `rodwave` and differences.
 
 use num_complex::Complex64;
 use std::f64::consts::TAU;
@@ -144,7 +144,7 @@ fn one_branch_is_the_maxwell_rod_of_the_lumped_chain() {
     assert!(errors[0] / errors[1] > 3.5, "{errors:?}");
 }
 
-/// Free end of a Prony rod by the line of `rodwave`, which has branches in parallel and its own
+/// Free end of a Prony rod by the line of `rodwave`, which has branches in parallel and a different
 /// grid.
 fn by_the_line(law: &GeneralisedMaxwell, history: &SampledHistory, step: f64) -> Vec<f64> {
     let segment = Segment::prony(LENGTH, 1e-4, DENSITY, law).unwrap();
@@ -154,7 +154,7 @@ fn by_the_line(law: &GeneralisedMaxwell, history: &SampledHistory, step: f64) ->
         .unwrap();
     let duration = (SAMPLES - 2) as f64 / RATE;
     let run = line.run(step, duration, &[]).unwrap();
-    // ends are known at dt/2, 3 dt/2 ..., far finer than the band
+    // ends are known at dt/2, 3 dt/2 ..., a far finer interval than the band requires
     let dt = run.grid.time_step;
     let end = SampledHistory::new(&run.ends[1].velocity, 1.0 / dt).unwrap();
     times().iter().map(|t| end.at(t - 0.5 * dt)).collect()
@@ -370,7 +370,7 @@ fn wrap_around_is_below_its_level() {
         &nearly_elastic,
     )
     .0;
-    // the rod rings for ever, and the excitation ends at the same time
+    // the rod rings forever, and the excitation ends at the same time
     let mut long = super::laplace_line::LaplaceLine::new(4 * SAMPLES, RATE);
     let mut lines = long.transform(&history, SAMPLES);
     for (value, s) in lines.iter_mut().zip(long.arguments()) {
@@ -412,7 +412,7 @@ fn times_between_samples_are_answered_either_way() {
     let difference = largest_difference(&by_shift[1..], &by_interpolation[1..]);
     // the interpolation between samples twice as dense as the record's
     assert!(difference < 1e-4, "{difference}");
-    // a late response: a shift by whole samples and one part of a sample less, after the rest
+    // a late response: a shift by whole samples minus a fraction of a sample, after the rest
     let late: Vec<f64> = times()
         .iter()
         .map(|t| (t - 3.0 / RATE + delay).max(0.0))
@@ -426,7 +426,7 @@ fn times_between_samples_are_answered_either_way() {
     assert!(at(&[-1e-6]).is_none());
 }
 
-/// Number of derivatives: as many as parameters are requested, or none is given.
+/// Number of derivatives: one per requested parameter, otherwise none is returned.
 #[test]
 fn derivatives_of_another_number_are_none() {
     let s = Complex64::new(2e3, 1e4);
@@ -459,7 +459,7 @@ fn derivatives_of_another_number_are_none() {
     }
 }
 
-/// A sampling rate other than that of the excitation puts the times far outside the record.
+/// A sampling rate other than that of the excitation, which puts the times far outside the record.
 #[test]
 fn a_rod_that_contradicts_itself_has_no_response() {
     let (samples, excitation) = (samples(), excitation());

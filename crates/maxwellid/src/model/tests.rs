@@ -158,7 +158,7 @@ fn virtual_test() -> RodTest {
     .unwrap()
 }
 
-/// Results of a fit, a comparison, profiles and standard samples for a faulty model.
+/// Messages of a fit, a comparison, profiles and standard samples for a faulty model.
 fn said_of(fault: Fault) -> [String; 4] {
     fn said<T>(outcome: Result<T, MaxwellidError>) -> String {
         outcome.map_or_else(|error| error.to_string(), |_| "accepted".to_owned())
@@ -210,7 +210,7 @@ fn models_that_contradict_themselves_are_named() {
     }
 }
 
-/// Responses of another length than requested count as none.
+/// Responses of another length than requested count as missing.
 #[test]
 fn responses_of_another_length_count_as_none() {
     for fault in [

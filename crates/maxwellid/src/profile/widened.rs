@@ -4,16 +4,16 @@ use super::{Profile, ProfilePoint, THRESHOLD};
 use crate::identifiability::Verdict;
 use crate::specimen::SpecimenUncertainty;
 
-/// Number of points between two of a profile in the search for an interval.
+/// Number of points between two points of a profile in the search for an interval.
 const FINER: u32 = 64;
 
 impl Profile {
     /// Adds the error due to an uncertain specimen to the profile.
     ///
     /// The parameter is θ + gδ with the profile PL(θ) of the data, the sensitivity g and a relative
-    /// error δ of known standard deviation. Elimination of δ gives the least of PL(y) + (θ -
-    /// y)²/u² over y, with u the standard error due to the specimen. An end of the interval is
-    /// the outermost y ± u (3.84 - PL(y))^(1/2).
+    /// error δ of known standard deviation. Elimination of δ gives the minimum of PL(y) + (θ -
+    /// y)²/u² over y, with u the standard error due to the specimen. An end of the interval is the
+    /// outermost y ± u (3.84 - PL(y))^(1/2).
     #[must_use]
     pub fn with_specimen_uncertainty(&self, specimen: &SpecimenUncertainty) -> Self {
         let error = self.sensitivity.standard_error(specimen);
@@ -38,7 +38,7 @@ impl Profile {
                     let off = (value - y) / error;
                     (rise + off * off, 2.0 * off / error)
                 });
-                // the derivative of a minimum is that at constant place of it
+                // the derivative of a minimum is the derivative with the minimum at its place
                 let (rise, slope) = each
                     .min_by(|a, b| a.0.total_cmp(&b.0))
                     .unwrap_or((f64::INFINITY, f64::NAN));
@@ -59,8 +59,8 @@ impl Profile {
         }
     }
 
-    /// The curve with intermediate points (θ_j, PL - χ²_min), 64 for each, by the cubic of values
-    /// and derivatives at both neighbours: exact for a linear problem.
+    /// The curve with intermediate points (θ_j, PL - χ²_min), 64 per interval, by the cubic through
+    /// the values and derivatives at both neighbours: exact for a linear problem.
     #[must_use]
     pub fn smooth_curve(&self) -> Vec<(f64, f64)> {
         let mut fine: Vec<(f64, f64)> = self
@@ -77,8 +77,8 @@ impl Profile {
     }
 }
 
-/// The point at a `share` of the way between two, by Hermite's cubic, not below the lower of them
-/// where the profile has no minimum between.
+/// The point at a `share` of the way between two points, by Hermite's cubic; not below the lower of
+/// them where the profile has no minimum between them.
 fn between(from: &ProfilePoint, to: &ProfilePoint, share: f64) -> (f64, f64) {
     let width = to.value - from.value;
     let rest = 1.0 - share;
@@ -129,13 +129,13 @@ mod tests {
             // a parabola to rounding of its values, up to 50
             assert!((found - rise(at)).abs() < 1e-10, "{at} {found}");
         }
-        // ends are looked for on 64 points a fifth of the interval: the maximum is flat
+        // ends are searched on 64 points per fifth of the interval: the maximum is flat
         assert!((wide.upper.unwrap() - value - expected).abs() < 1e-5);
         assert!((value - wide.lower.unwrap() - expected).abs() < 1e-5);
         for point in &wide.curve {
             let off = (point.value - value) / data.hypot(by_specimen);
             assert!((point.rise - off * off).abs() < 1e-3, "{point:?}");
-            // of the minimum, on 64 points a fifth of the interval
+            // the minimum is searched on 64 points per fifth of the interval
             let slope = 2.0 * off / data.hypot(by_specimen);
             assert!((point.slope - slope).abs() < 0.2, "{point:?} {slope}");
         }

@@ -15,14 +15,14 @@ use crate::special_case::SpecialCase;
 ///
 /// # Prior
 /// Each parameter is normal and independent of the others, with a range of ±2 standard deviations.
-/// A range is not a hard bound: the linear limits κ = 1 and σ_ref/m = 0 lie within, and an estimate
-/// outside is penalised. ln E has a standard deviation of [`Candidate::LN_MODULUS_DEVIATION`] about
-/// the time of flight.
+/// A range is not a hard bound: the linear limits κ = 1 and σ_ref/m = 0 are within it, and an
+/// estimate outside is penalised. ln E has a standard deviation of
+/// [`Candidate::LN_MODULUS_DEVIATION`] about the value from the time of flight.
 #[derive(Debug, Clone)]
 pub struct Candidate {
     pub(crate) model: Arc<dyn RodModel>,
-    /// Ranges of the parameters except ln E; `None` for one that follows from the duration of the
-    /// record.
+    /// Ranges of the parameters except ln E; `None` for a range that follows from the duration of
+    /// the record.
     pub(super) ranges: Vec<Option<(f64, f64)>>,
     law: Option<Law>,
     is_flat_loss: bool,
@@ -37,7 +37,7 @@ pub(crate) struct Prior {
 }
 
 impl Prior {
-    /// Returns an uninformative prior of the same number of parameters.
+    /// Returns an uninformative prior with the same number of parameters.
     pub(crate) fn flat(&self) -> Self {
         Self {
             mean: vec![0.0; self.mean.len()],
@@ -55,15 +55,16 @@ impl Candidate {
     /// weight.
     ///
     /// The prior range of κ is 0.25 to 3.75 and that of σ_ref/m is -0.5 to 3.5 (σ_ref = 10 MPa; m
-    /// down to 2.9 MPa); that of Eyring's σ* is 1 to 20 MPa. The share of a nonlinear branch is a fiftieth to five times that of its
-    /// neighbour, the relaxation time of a linear one beside it 5 us to 1 ms. The Maxwell law is that of one branch, solved in the Laplace domain:
-    /// another parametrisation than that of [`Law::Maxwell`] itself.
+    /// down to 2.9 MPa); that of Eyring's σ* is 1 to 20 MPa. The share of a nonlinear branch is a
+    /// fiftieth to five times that of its neighbour, the relaxation time of a linear branch in
+    /// parallel 5 us to 1 ms. The Maxwell law is one linear branch, solved in the Laplace domain:
+    /// its parameters are not those of [`Law::Maxwell`] in a fit.
     #[must_use]
     pub fn of(law: Law) -> Self {
         Self::compared(law.compared(), Some(law))
     }
 
-    /// Creates a candidate of the catalogue in the parameters in which a fit states it: those of
+    /// Creates a candidate of the catalogue with the parameters that a fit states: those of
     /// [`Self::of`], but for [`Law::Maxwell`] the viscosity.
     #[must_use]
     pub fn of_fit(law: Law) -> Self {
@@ -90,8 +91,8 @@ impl Candidate {
     }
 
     /// Creates a candidate from an inelastic law, started from its present shape; `shape_ranges`
-    /// are those of its parameters except the last, the rate, whose range is from a relaxation
-    /// time of a hundredth of the record to one of ten thousand records.
+    /// are the ranges of its parameters except the last, the rate. The range of the rate is from a
+    /// relaxation time of a hundredth of the record to one of ten thousand records.
     ///
     /// # Errors
     /// [`MaxwellidError::InvalidRange`]; [`MaxwellidError::Setting`] unless there is one range per
@@ -121,9 +122,9 @@ impl Candidate {
         })
     }
 
-    /// Creates a candidate from any model; `ranges` are those of its parameters except ln E.
-    /// `is_flat_loss` is true for a linear model whose loss factor may be nearly constant over
-    /// a decade.
+    /// Creates a candidate from any model; `ranges` are the ranges of its parameters except ln E.
+    /// `is_flat_loss` is true for a linear model whose loss factor may be nearly constant over a
+    /// decade.
     ///
     /// # Errors
     /// As [`Self::inelastic`].
@@ -153,8 +154,8 @@ impl Candidate {
     }
 
     /// Makes the rates and relaxation times of the candidate thermally activated: its parameters
-    /// are those at `reference_temperature` \[K\], and an activation energy of 20 to 300 kJ/mol
-    /// follows them. A law without rates and times, such as that of constant Q, stays as it is.
+    /// are those at `reference_temperature` \[K\], followed by an activation energy of 20 to 300
+    /// kJ/mol. A law without rates and times, such as that of constant Q, stays as it is.
     ///
     /// # Errors
     /// [`MaxwellidError::Setting`] unless the temperature is finite and above 0.
@@ -174,7 +175,7 @@ impl Candidate {
         }
     }
 
-    /// Sets the prior probability relative to those of the others; 1 by default.
+    /// Sets the prior probability relative to the other candidates; 1 by default.
     ///
     /// # Errors
     /// [`MaxwellidError::Setting`] unless it is finite and above 0.
@@ -197,7 +198,7 @@ impl Candidate {
     }
 
     /// Returns the nonlinear laws with an equilibrium, which contain those of [`Self::standard`]:
-    /// candidates to [add](super::Selection::with_further) where a nonlinear law is in question.
+    /// candidates to [add](super::Selection::with_further) if a nonlinear law is in question.
     #[must_use]
     pub fn with_equilibrium() -> Vec<Self> {
         Law::WITH_EQUILIBRIUM.map(Self::of).to_vec()
@@ -209,7 +210,7 @@ impl Candidate {
         self.model.name()
     }
 
-    /// The law of the catalogue that this is; `None` for any other model.
+    /// The law of the catalogue that this candidate has; `None` for any other model.
     #[must_use]
     pub fn law(&self) -> Option<Law> {
         self.law
@@ -222,7 +223,7 @@ impl Candidate {
     }
 
     /// Returns the parameters at which this candidate is `special` at its `parameters`, with the
-    /// limit in words; `None` if it does not contain it.
+    /// limit in words; `None` if this candidate does not contain `special`.
     #[must_use]
     pub fn at_limit(&self, special: &Self, parameters: &[f64]) -> Option<SpecialCase> {
         let branch = self.law.and_then(Law::of_branch);

@@ -136,8 +136,8 @@ pub struct ComparedLaw {
 }
 
 impl ComparedLaw {
-    /// Name of the law, with its simplest non-excluded limit, as `two Maxwell branches, of which
-    /// one is unbounded: Zener`.
+    /// Name of the law, with its simplest non-excluded limit, such as `two Maxwell branches, of
+    /// which one is unbounded: Zener`.
     #[must_use]
     pub fn with_limit(&self) -> String {
         match self.limits.first() {

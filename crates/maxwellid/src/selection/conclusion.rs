@@ -1,4 +1,4 @@
-//! Evidence of each candidate for one level and correlation of the noise, and what follows for the
+//! Evidence of each candidate for one level and correlation of the noise, and the resulting
 //! comparison.
 
 use statrs::distribution::{ChiSquared, ContinuousCDF};
@@ -15,8 +15,8 @@ use crate::test::RodTest;
 /// Least and largest error of ln Z that suffices.
 const SUFFICIENT: (f64, f64) = (0.1, 0.5);
 
-/// Relative change of level and correlation of the noise up to which those of the candidates before
-/// are taken for all: a third of a unit in ln Z that all share.
+/// Relative change of level and correlation of the noise up to which the values found before are
+/// used for all candidates: an error of a third of a unit in ln Z, common to all.
 const SAME_NOISE: f64 = 1e-3;
 
 /// The fit of a candidate for one level and correlation of the noise, with its evidence where that
@@ -32,8 +32,9 @@ pub(super) struct Weighed {
 }
 
 impl Selection {
-    /// The comparison of what was found of each candidate. `weighed` are the fits and evidences of
-    /// the candidates before, which hold as long as the noise does, and becomes those of all.
+    /// The comparison from the results for each candidate. `weighed` are the fits and evidences of
+    /// earlier candidates, which stay valid as long as the noise is the same, and becomes those of
+    /// all.
     pub(super) fn concluded(
         &self,
         tests: &[RodTest],
@@ -64,7 +65,7 @@ impl Selection {
             .map(|candidate| candidate.prior(ground.modulus, ground.duration))
             .collect();
         weighed.resize(found.len(), None);
-        // before the fits are made anew for this noise
+        // before the fits are repeated for this noise
         let roughly = |found: &Found| {
             let chi_square = found.probable.chi_square * weight * weight;
             found.probable.ln_evidence(ln_likelihood(chi_square))
@@ -173,8 +174,8 @@ impl Selection {
     }
 }
 
-/// Error of ln Z that suffices for a law of this `laplace` beside all: a tenth of its distance from
-/// the best, or of the best from the next, within limits.
+/// Sufficient error of ln Z for a law with this `laplace` among `all`: a tenth of its distance from
+/// the best, or of the distance of the best from the next, within limits.
 fn sufficient_error(laplace: f64, all: &[f64]) -> f64 {
     let mut sorted = all.to_vec();
     sorted.sort_by(|a, b| b.total_cmp(a));
@@ -184,8 +185,8 @@ fn sufficient_error(laplace: f64, all: &[f64]) -> f64 {
     (0.1 * distance).clamp(SUFFICIENT.0, SUFFICIENT.1)
 }
 
-/// Special cases of each law from which the data do not tell it, those of fewest parameters first.
-/// `scale` is the factor of the standard deviations.
+/// Special cases of each law that the data do not distinguish from it, those with the fewest
+/// parameters first. `scale` is the factor of the standard deviations.
 fn limits(candidates: &[&Candidate], laws: &[ComparedLaw], scale: f64) -> Vec<Vec<Limit>> {
     candidates
         .iter()

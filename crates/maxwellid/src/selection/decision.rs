@@ -1,4 +1,4 @@
-//! Verdict from the probabilities, and the advice that goes with it.
+//! Verdict from the probabilities, and the advice for it.
 
 use std::fmt;
 
@@ -40,15 +40,15 @@ pub enum Doubt {
         /// Required probability.
         required: f64,
     },
-    /// A nonlinear law leads, but all tests have one impact velocity, and a linear law of flat loss
-    /// explains the data as well.
+    /// A nonlinear law leads, but all tests have one impact velocity, and a linear law with a flat
+    /// loss explains the data as well.
     OneVelocity {
         /// The linear law.
         linear: usize,
         /// Adequacy of the linear law: the probability of so large a misfit if it were true.
         adequacy: f64,
     },
-    /// A nonlinear law leads, but all tests have one impact velocity, and no linear law of flat
+    /// A nonlinear law leads, but all tests have one impact velocity, and no linear law with a flat
     /// loss was among the candidates.
     NoFlatLossCompetitor,
     /// The misfit of a law that counts still changes when the excitation is estimated again.
@@ -62,8 +62,8 @@ pub enum Doubt {
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub enum Advice {
-    /// Repeat at another impact velocity. A linear rod's response is proportional to it; that of a
-    /// Norton law has an apparent relaxation time ∝ V0^{1-κ}.
+    /// Repeat at another impact velocity. The response of a linear rod is proportional to the
+    /// velocity; a rod with a Norton law has an apparent relaxation time ∝ V0^{1-κ}.
     SecondVelocity {
         /// The only impact velocity [m/s].
         present: f64,

@@ -1,9 +1,9 @@
 //! The evidence of one candidate, Z = ∫ L π dθ, by importance sampling.
 //!
-//! Laplace's method takes L π as normal about its maximum. This fails if the data bound a parameter
-//! on one side only, such as a relaxation time that is too long to be visible: beyond the bound
-//! only the prior remains. Here its normal is only the start of a proposal. Along the columns of
-//! its Cholesky factor the proposal is a product of t distributions with four degrees of freedom
+//! Laplace's method approximates L π by a normal about its maximum. This fails if the data bound a
+//! parameter on one side only, such as a relaxation time that is too long to be visible: beyond the
+//! bound only the prior remains. Here the normal is only the start of a proposal. Along the columns
+//! of its Cholesky factor the proposal is a product of t distributions with four degrees of freedom
 //! and separate scales on either side (Geweke, *Econometrica* **57** (1989) 1317), so that its
 //! tails are heavier than those of L π. If that does not suffice, each further batch of points is
 //! drawn from t distributions about the point of greatest weight, along the axes of Laplace's
@@ -27,8 +27,8 @@ pub(crate) struct Evidence {
 
 /// Number of points of the first attempt; each further attempt doubles it.
 const FEWEST_POINTS: usize = 64;
-/// Number of points of the first attempt for a linear law of more than [`FEW_AXES`] parameters: its
-/// response costs little, and its shares and times are correlated.
+/// Number of points of the first attempt for a linear law with more than [`FEW_AXES`] parameters:
+/// its response costs little, and its shares and times are correlated.
 const FEWEST_POINTS_LINEAR: usize = 512;
 /// Number of parameters up to which a linear law has no more points than others.
 const FEW_AXES: usize = 2;
@@ -85,9 +85,10 @@ impl Integrand<'_> {
         (self.ln_likelihood)(sum_of_squares(of_data)) - 0.5 * sum_of_squares(of_prior)
     }
 
-    /// Proposals along ridges outside the normal: from the centre to either side of each parameter,
-    /// by steps of [`RIDGE_STEP`] standard deviations of Laplace's method at the last point,
-    /// the others at their minimum, while L π falls by less than [`RIDGE_DROP`].
+    /// Proposals along ridges outside the normal, from the centre to either side of each parameter.
+    /// A ridge advances by steps of [`RIDGE_STEP`] standard deviations of Laplace's method at the
+    /// last point, with the other parameters at their minimum, while L π falls by less than
+    /// [`RIDGE_DROP`].
     fn ridges(&self) -> Vec<Proposal> {
         let axes = self.centre.len();
         let top = self.at(&vec![0.0; axes]);
@@ -109,8 +110,8 @@ impl Integrand<'_> {
         of_sides.into_iter().flatten().collect()
     }
 
-    /// The proposal a step further, about the minimum of the linearised problem on the plane of
-    /// constant parameter `axis`.
+    /// The proposal one step further, about the minimum of the linearised problem on the plane
+    /// where the parameter `axis` is constant.
     fn next_on_ridge(&self, last: &Proposal, axis: usize, sign: f64) -> Option<Proposal> {
         let along = last.covariances(axis)?;
         let variance = along.get(axis)?;
@@ -149,7 +150,7 @@ impl Integrand<'_> {
         });
         let mut scales = vec![[SCALES.0; 2]; axes];
         for ((axis, at), drop) in places.iter().zip(drops) {
-            // a normal of this scale drops by as much
+            // a normal of this scale drops by the same amount
             let scale = at.abs() / (2.0 * drop.max(1e-9)).sqrt();
             if let Some([below, above]) = scales.get_mut(*axis) {
                 let side = if *at < 0.0 { below } else { above };
@@ -160,9 +161,9 @@ impl Integrand<'_> {
     }
 }
 
-/// ln Z about the most probable parameters; `ln_likelihood` is a function of χ², and `sufficient` the
-/// standard error of ln Z that suffices, as if the points were random: evenly spread ones have at
-/// most a third of it. `None` if the covariance is not positive definite.
+/// ln Z about the most probable parameters; `ln_likelihood` is a function of χ², and `sufficient`
+/// the standard error of ln Z that suffices, computed as if the points were random: evenly spread
+/// points have at most a third of this error. `None` if the covariance is not positive definite.
 pub(crate) fn evidence(
     problem: &PosteriorProblem<'_>,
     probable: &Posterior,
@@ -272,7 +273,7 @@ impl Sample {
     }
 }
 
-/// ln of the mean of weights given by their logarithms, and its standard error.
+/// ln of the mean of weights given by their logarithms, and the standard error of this value.
 fn ln_mean(ln_weights: &[f64]) -> (f64, f64) {
     let largest = ln_weights.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     if !largest.is_finite() {

@@ -17,7 +17,7 @@ pub(crate) struct PosteriorProblem<'a> {
     pub(crate) model: &'a dyn RodModel,
     /// The tests, each with its most probable excitation.
     pub(crate) tests: &'a [SeenTest<'a>],
-    /// Errors in common of the tests.
+    /// Common errors of the tests.
     pub(crate) common: &'a CommonErrors,
     /// Factor on the whitened residuals: 1/(standard deviation).
     pub(crate) weight: f64,
@@ -110,7 +110,7 @@ impl LeastSquares for PosteriorProblem<'_> {
     }
 }
 
-/// Result of a fit with prior.
+/// Result of a fit with a prior.
 #[derive(Debug, Clone)]
 pub(crate) struct Posterior {
     pub(crate) minimum: Minimum,
@@ -118,14 +118,14 @@ pub(crate) struct Posterior {
     pub(crate) chi_square: f64,
     /// Σ of the squares of the prior's rows.
     pub(crate) prior_square: f64,
-    /// ½ ln det(1 + S Jᵀ J S), S the standard deviations of the prior: the narrowing of the
+    /// ½ ln det(1 + S Jᵀ J S), S being the standard deviations of the prior: the narrowing of the
     /// parameters by the data.
     pub(crate) occam: f64,
     /// Number of parameters that the data determine better than the prior: Σ s²/(1 + s²).
     pub(crate) determined: f64,
     /// The excitations and delays about which the tests are linearised.
     pub(crate) inputs: Inputs,
-    /// True if a renewed excitation does not change χ² any more.
+    /// True if a renewed excitation no longer changes χ².
     pub(crate) is_settled: bool,
 }
 
@@ -138,7 +138,8 @@ pub(crate) struct Likeliest {
     /// The whitened residuals.
     pub(crate) residual: Vec<f64>,
     pub(crate) is_settled: bool,
-    /// Place of the special case it was found from, unless it is near the most probable parameters.
+    /// Place of the special case that it was found from, unless it is near the most probable
+    /// parameters.
     pub(crate) of_case: Option<usize>,
 }
 
@@ -148,7 +149,7 @@ type Start = (Option<usize>, Vec<f64>);
 /// The most probable parameters from the best of several starts.
 pub(crate) struct Searched {
     pub(crate) probable: Posterior,
-    /// Place of the special case from which alone a nonlinear law was fitted.
+    /// Place of the special case, if a nonlinear law was fitted from this case alone.
     pub(crate) of_case: Option<usize>,
 }
 
@@ -163,59 +164,61 @@ const MODULUS_FACTORS: [f64; 3] = [1.0, 0.92, 1.09];
 /// and branches have several minima.
 const LINEAR_STARTS: usize = 4;
 
-/// Fits with renewed excitation, at most. Without the secant each takes the rest of the change of
-/// χ² down to a tenth or less, or to 0.6 where the excitation is that before the filter of a
-/// recorder.
+/// Largest number of fits with renewed excitation. Without the secant each fit reduces the
+/// remaining change of χ² to a tenth or less, or to 0.6 if the excitation is that before the filter
+/// of a recorder.
 const RENEWALS: usize = 16;
 
-/// Successive renewals that move the parameters no less, in standard errors, than one before them:
-/// they do not converge. This happens to laws that do not explain the data.
+/// Number of successive renewals that move the parameters, in standard errors, by no less than an
+/// earlier renewal: they do not converge. This happens to laws that do not explain the data.
 const NO_NEARER: usize = 3;
 
-/// Share of χ² that ends a fit: 1e-6 of some hundreds moves parameters by a hundredth of their
-/// errors.
+/// Relative reduction of χ² that ends a fit: 1e-6 of some hundreds moves parameters by a hundredth
+/// of their errors.
 const REDUCTION: f64 = 1e-6;
 
 /// Remaining relative reduction of χ² at which minima are distinguished.
 const PRELIMINARY: f64 = 1e-4;
 
-/// Change of χ² by a renewal that ends them: a hundredth of it in the logarithm of the evidence.
+/// Change of χ² by a renewal at which renewals end: half of it, 0.01, is the change of ln Z.
 const SETTLED: f64 = 0.02;
 
-/// Limit of that change as a fraction of χ², for a law that is refuted in any case: its evidence is
-/// known to a ten-thousandth of its logarithm.
+/// Limit of that change as a fraction of χ², for a law that is refuted in any case: its ln Z is
+/// then known to a ten-thousandth.
 const SETTLED_SHARE: f64 = 1e-4;
 
-/// Largest further fall of χ² over that by the last renewal: each falls by three quarters of the one
-/// before.
+/// Largest further fall of χ² over the fall by the last renewal, if each renewal lowers χ² by three
+/// quarters of the fall before.
 const STILL_FALLS: f64 = 3.0;
 
-/// Change of the parameters, in standard errors, up to which a fit that was settled before is after
-/// one renewal.
+/// Change of the parameters, in standard errors, up to which a fit that was settled before counts
+/// as settled after one renewal.
 const UNMOVED: f64 = 0.1;
 
-/// Returns true if χ² does not change any more.
+/// Returns true if χ² no longer changes.
 fn is_settled(last: f64, next: f64) -> bool {
     (next - last).abs() < SETTLED.max(SETTLED_SHARE * next)
 }
 
-/// χ² by which a law may exceed one of its special cases before it is also fitted from there, and by
-/// which that fit must be better.
+/// χ² by which a law may exceed one of its special cases before it is also fitted from this case,
+/// and by which that fit must be better.
 const WORSE: f64 = 0.02;
 
-/// Standard deviations of the prior, about its mean, at which a parameter also starts that is
-/// beyond all of them in a special case. There the data do not depend on it, and a fit would return
-/// from there by one step limit after the other.
+/// Numbers of standard deviations of the prior. If a parameter of a special case is further from
+/// the mean than all of them, fits also start with the parameter at these distances. Further out
+/// the data do not depend on the parameter, and a fit would return by no more than a step limit per
+/// iteration.
 const BACK: [f64; 3] = [1.0, 2.0, 3.0];
 
 /// A law as the limit of a candidate.
 pub(crate) struct Limiting<'a> {
-    /// Parameters of the candidate at which it is the law.
+    /// Parameters at which the candidate is the law.
     pub(crate) parameters: Vec<f64>,
     /// Least χ² of the law.
     pub(crate) chi_square: f64,
-    /// The most probable fit of the law, if its excitations are those of the candidate there: a
-    /// linear rod is driven by what the recorder shows, a nonlinear one by what comes before it.
+    /// The most probable fit of the law, if it has the excitation of the candidate: a linear rod is
+    /// driven by the excitation after the filter of the recorder, a nonlinear one by that before
+    /// the filter.
     pub(crate) probable: Option<&'a Posterior>,
 }
 
@@ -233,8 +236,8 @@ pub(crate) struct Contest<'a> {
 }
 
 impl<'a> Contest<'a> {
-    /// Returns the candidate on `tests` with samples at `times`, with residuals as they are and no
-    /// χ² out of the question.
+    /// Returns the candidate on `tests` with samples at `times`, with a factor of 1 on the
+    /// residuals and no limit of χ².
     pub(crate) fn of(
         candidate: &'a Candidate,
         prior: &'a Prior,
@@ -275,7 +278,7 @@ impl Contest<'_> {
         self.seen_after(&found.minimum.parameters, found.inputs.clone())
     }
 
-    /// Tests weighted at θ, from these excitations and delays on.
+    /// Tests weighted at θ, starting from these excitations and delays.
     fn seen_after(&self, parameters: &[f64], inputs: Inputs) -> Option<SeenTests<'_>> {
         SeenTests::of(self.tests, self.at(parameters), inputs)
     }
@@ -358,8 +361,8 @@ impl Contest<'_> {
         Ok(best.map(|probable| Searched { probable, of_case }))
     }
 
-    /// The parameters of a special case, and those with the parameters beyond the prior brought back
-    /// into it.
+    /// The parameters of a special case, and the same parameters with those beyond the prior moved
+    /// back into it.
     fn starts_of(&self, case: &Limiting<'_>) -> Vec<Vec<f64>> {
         let back = |deviations: f64| -> Vec<f64> {
             let prior = self.prior.mean.iter().zip(&self.prior.deviation);
@@ -425,13 +428,13 @@ impl Contest<'_> {
             .transpose()
     }
 
-    /// Minimises from `start` and renews excitation and covariance at the minimum until χ² does not
-    /// change any more; `None` if the model does not exist there.
+    /// Minimises from `start` and renews excitation and covariance at the minimum until χ² no
+    /// longer changes; `None` if the model does not exist there.
     ///
-    /// A renewal is one step of a fixed-point iteration of the parameters. From the second on it
-    /// starts where the last two meet by the secant through them (Anderson 1965, of depth one): an
-    /// iteration that alternates between two points ends between them.
-    /// From `fit` on it is settled at once if it hardly moves.
+    /// A renewal is one step of a fixed-point iteration of the parameters. From the second renewal
+    /// on the next one starts at the point where the secant through the last two has its fixed
+    /// point (Anderson 1965, of depth one): an iteration that alternates between two points ends
+    /// between them. A search from `fit` is settled at once if it hardly moves.
     fn settled_from(
         &self,
         start: &[f64],
@@ -466,7 +469,8 @@ impl Contest<'_> {
             };
             let of_data = minimum.linearisation.residual.iter();
             let chi_square = of_data.take(problem.samples()).map(|r| r * r).sum();
-            // without another excitation to start from, a renewal there is the same
+            // without another excitation to start from, a renewal at the same parameters changes
+            // nothing
             let rests = minimum.parameters == at && !before_filter
                 || last.is_none()
                     && fit.is_some_and(|fit| fit.is_settled)
@@ -497,9 +501,9 @@ impl Contest<'_> {
         Ok(found)
     }
 
-    /// Finds the likeliest parameters near the most probable ones and near the special cases, from
-    /// the one of the least χ² on, as long as another one explains the data better than what was
-    /// found.
+    /// Finds the likeliest parameters near the most probable ones and near the special cases. The
+    /// search starts from the case with the least χ², and continues as long as another case
+    /// explains the data better than the result so far.
     pub(crate) fn likeliest(
         &self,
         probable: &Posterior,
@@ -601,7 +605,7 @@ impl Posterior {
         })
     }
 
-    /// The minimised function: -2 ln of likelihood times prior.
+    /// The function that is minimised: -2 ln of likelihood times prior.
     fn misfit(&self) -> f64 {
         self.chi_square + self.prior_square
     }

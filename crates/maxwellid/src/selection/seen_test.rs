@@ -2,11 +2,11 @@
 //! candidate.
 //!
 //! Noise in the excitation favours every θ that damps it: without the correction of
-//! [`crate::whitening`] losses at high frequency are found in noise alone, and linear laws of short
-//! relaxation times are preferred to the true nonlinear one. Each candidate therefore has its own
-//! excitation and covariance. The determinant of the covariance does not enter: the excitation is
-//! not marginalised; the most probable one is taken, with which the expectation of χ² under the
-//! true law is the number of samples.
+//! [`crate::whitening`] losses at high frequency are found in noise alone, and linear laws with
+//! short relaxation times are preferred to the true nonlinear one. Each candidate therefore has its
+//! own excitation and covariance. The determinant of the covariance does not enter: the excitation
+//! is not marginalised. With the most probable excitation, which is used instead, the expectation
+//! of χ² under the true law is the number of samples.
 
 use crate::common_error::{CommonErrors, are_moved};
 use crate::error::MaxwellidError;
@@ -19,7 +19,7 @@ use crate::whitening::{Transfer, Weighting};
 #[derive(Debug, Clone)]
 pub(crate) struct SeenTest<'a> {
     test: &'a RodTest,
-    /// Times at which the response of the rod is needed, less the delay about which the response
+    /// Times at which the response of the rod is needed, minus the delay about which the response
     /// is linearised \[s\].
     times: Vec<f64>,
     weighting: Weighting,
@@ -27,7 +27,7 @@ pub(crate) struct SeenTest<'a> {
     target: Vec<f64>,
 }
 
-/// All tests of a comparison, with their errors in common.
+/// All tests of a comparison, with their common errors.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct SeenTests<'a> {
     pub(crate) tests: Vec<SeenTest<'a>>,
@@ -47,15 +47,15 @@ pub(crate) struct AtParameters<'a> {
     pub(crate) weight: f64,
 }
 
-/// Linearisations about a delay, at most.
+/// Largest number of linearisations about a delay.
 const DELAYS: usize = 6;
 
 /// Excitations and delays about which the tests are linearised.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Inputs {
-    /// Excitation of each test [m/s]; those of the records if there is none.
+    /// Excitation of each test [m/s]; the recorded excitations if empty.
     excitations: Vec<Vec<f64>>,
-    /// Delay of each test \[s\]; 0 if there is none.
+    /// Delay of each test \[s\]; 0 if empty.
     delays: Vec<f64>,
 }
 
@@ -63,9 +63,9 @@ impl<'a> SeenTests<'a> {
     /// Creates the tests, their rods linearised about these `inputs`; `None` if the model does not
     /// exist.
     ///
-    /// One linearisation at a time: the most likely excitation at parameters that are not yet the
-    /// right ones compensates for them, and a further one about it compensates more, so that the
-    /// parameters would rest there.
+    /// Each call linearises once. At parameters that are not yet the right ones, the most likely
+    /// excitation compensates for their error. A further linearisation about this excitation would
+    /// compensate more, so that the parameters would not move any more.
     pub(crate) fn of(tests: &'a [RodTest], at: AtParameters<'_>, inputs: Inputs) -> Option<Self> {
         let is_linear = at.model.is_linear();
         let before_filter = !is_linear && tests.iter().any(|test| test.drive(false).is_some());
@@ -88,8 +88,8 @@ impl<'a> SeenTests<'a> {
         about.cleaned(tests, at)?.finished(tests, at)
     }
 
-    /// The tests at other parameters near by, where transfers and covariances still hold, from the
-    /// present excitations on.
+    /// The tests at other parameters near by, where transfers and covariances are still valid,
+    /// starting from the present excitations.
     pub(crate) fn moved_to(self, tests: &[RodTest], at: AtParameters<'_>) -> Option<Self> {
         self.cleaned(tests, at)?.finished(tests, at)
     }
@@ -106,7 +106,7 @@ impl<'a> SeenTests<'a> {
     /// The tests with their most likely delays and excitations.
     fn cleaned(mut self, tests: &[RodTest], at: AtParameters<'_>) -> Option<Self> {
         let mut white = Vec::new();
-        // those of other parameters
+        // these are the common errors of other parameters
         self.common = CommonErrors::default();
         for _ in 0..DELAYS {
             self = self.with_common_errors(tests, at)?;
@@ -137,7 +137,7 @@ impl<'a> SeenTests<'a> {
         })
     }
 
-    /// The tests with the errors in common about their excitations and delays.
+    /// The tests with the common errors about their excitations and delays.
     fn finished(self, tests: &[RodTest], at: AtParameters<'_>) -> Option<Self> {
         let mut seen = self.with_common_errors(tests, at)?;
         for (index, of_test) in seen.tests.iter_mut().enumerate() {
@@ -149,7 +149,7 @@ impl<'a> SeenTests<'a> {
         Some(seen)
     }
 
-    /// The errors in common, with the responses linearised about the delays.
+    /// The common errors, with the responses linearised about the delays.
     fn with_common_errors(mut self, tests: &[RodTest], at: AtParameters<'_>) -> Option<Self> {
         for (of_test, delay) in self.tests.iter_mut().zip(&self.delays) {
             of_test.times = delayed(&of_test.weighting.times(of_test.test), *delay);

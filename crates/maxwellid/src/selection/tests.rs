@@ -1,4 +1,4 @@
-//! Likelihoods, levels, and the verdict for each case of its rules.
+//! Likelihoods, levels, and the verdict in each case of its rules.
 
 use std::sync::Arc;
 
@@ -47,8 +47,8 @@ pub(super) fn test_of<L: InelasticLaw>(law: &L, level: f64, seed: u64) -> RodTes
     .unwrap()
 }
 
-/// Several records of one rod: the true law is named with the modulus and the time put in, a law of
-/// one parameter less is refuted, and one that contains it is not worse than it.
+/// Several records of one rod: the true law is named with the modulus and the time put in, a law
+/// with one parameter less is refuted, and a law that contains it is not worse than it.
 #[test]
 fn a_short_record_of_a_maxwell_rod_names_it() {
     let maxwell = Maxwell::new(1.5e6).unwrap();
@@ -79,13 +79,13 @@ fn a_short_record_of_a_maxwell_rod_names_it() {
         );
         assert!(found.laws[1].adequacy.unwrap() < 1e-6, "{found}");
         for law in &found.laws {
-            // noise that is known: chi-square of the samples less the parameters that the data show
+            // known noise: chi-square of the samples minus the parameters that the data determine
             let degrees = found.effective_samples - law.determined;
             let tail = ChiSquared::new(degrees).unwrap().sf(law.chi_square);
             let off = (law.adequacy.unwrap() - tail).abs();
             assert!(off <= 1e-12 * tail, "{} {found}", law.name);
         }
-        // 94 samples and two parameters: chi-square lies between 48 and 153 with 0.9999
+        // 94 samples and two parameters: chi-square is between 48 and 153 with 0.9999
         assert!((48.0..153.0).contains(&law.chi_square), "{found}");
         assert!(
             law.adequacy.unwrap() > 1e-4 && (1.9..2.0).contains(&law.determined),
@@ -106,15 +106,15 @@ fn a_short_record_of_a_maxwell_rod_names_it() {
         assert!(law.ln_evidence_error > 0.0, "{found}");
         assert!(found.laws[1].ln_evidence_error <= 0.0, "{found}");
         squares += (law.likeliest[0] - 3e9_f64.ln()).powi(2);
-        // the time that the law has is known to some per cent at this noise
+        // the relaxation time of the law is known to some per cent at this noise
         assert!((law.likeliest[1] - time.ln()).abs() < 0.2, "{found}");
     }
     // E to some parts in ten thousand
     assert!((squares / 4.0).sqrt() < 2e-3, "{squares}");
 }
 
-/// The stated level of a noise of which only ratios are known decides nothing: probabilities and
-/// limits are those of any other level, and χ² goes with its inverse square.
+/// If only ratios of the noise are known, its stated level decides nothing: probabilities and
+/// limits are those of any other level, and χ² varies with the inverse square of the level.
 #[test]
 fn a_level_of_noise_that_is_not_known_decides_nothing() {
     let laws = [Law::TwoMaxwellBranches, Law::Elastic, Law::Maxwell].map(Candidate::of);
@@ -133,7 +133,7 @@ fn a_level_of_noise_that_is_not_known_decides_nothing() {
     }
     for (a, b) in own.laws.iter().zip(&other.laws) {
         assert_eq!(a.limits, b.limits, "{own}{other}");
-        // two integrations, each to a tenth of ln Z; priors differ in weight by nothing
+        // two integrations, each to a tenth of ln Z; the priors have the same weights
         assert!((a.probability - b.probability).abs() < 0.05, "{own}{other}");
         let ratio = a.chi_square / b.chi_square / (0.12_f64 / 0.05).powi(2);
         // the minima are found to a millionth of χ², about excitations that settle to two per cent
@@ -141,11 +141,10 @@ fn a_level_of_noise_that_is_not_known_decides_nothing() {
     }
 }
 
-/// Difference of χ² between a law and one that contains it, both ended at a millionth of it.
+/// Difference of χ² between a law and a law that contains it, both ended at a millionth of χ².
 const WORSE_BY_ROUNDING: f64 = 0.05;
 
-/// The ranges that the documentation states, equal weights, and a loss that is called flat only of
-/// linear models.
+/// The ranges that the documentation states, equal weights, and a flat loss for linear models only.
 #[test]
 fn the_standard_candidates_are_those_of_the_documentation() {
     let standard = Candidate::standard();
@@ -208,7 +207,8 @@ fn the_standard_candidates_are_those_of_the_documentation() {
     }
 }
 
-/// χ² of 30 over 100 samples, the noise known, estimated from 20 samples, known as a ratio only.
+/// χ² of 30 over 100 samples, with the noise known, estimated from 20 samples, or known as a ratio
+/// only.
 #[test]
 fn likelihood_and_scale_are_those_of_what_is_known_of_the_noise() {
     let known = Selection::new(vec![Candidate::of(Law::Elastic)]).unwrap();
@@ -272,13 +272,13 @@ const LINEAR: (bool, bool) = (true, false);
 const FLAT: (bool, bool) = (true, true);
 const NONLINEAR: (bool, bool) = (false, false);
 
-/// A comparison at the levels 0.95 and 0.001, at 3 m/s and, if there are several, faster.
+/// A comparison at the levels 0.95 and 0.001, at 3 m/s and, with several velocities, also faster.
 fn decided(laws: Vec<ComparedLaw>, has_several_velocities: bool) -> Comparison {
     let selection = Selection::new(vec![Candidate::of(Law::Elastic)]).unwrap();
     selection.decide(laws, 100.0, 1.2, 3.0, has_several_velocities)
 }
 
-/// Laws of these probabilities, all adequate.
+/// Laws with these probabilities, all adequate.
 fn of_probabilities(laws: &[((bool, bool), f64)]) -> Vec<ComparedLaw> {
     let of =
         |(kind, probability): &((bool, bool), f64)| law(*kind, probability.ln(), 90.0, Some(0.5));
@@ -311,7 +311,7 @@ fn a_law_of_the_required_probability_is_named() {
     assert!(found.advice.is_empty());
 }
 
-/// Candidates in question are the fewest, most probable first, that hold the required probability.
+/// Candidates in question are the fewest, most probable first, that reach the required probability.
 #[test]
 fn without_the_required_probability_the_fewest_that_hold_it_are_left() {
     for (probabilities, expected) in [
@@ -333,7 +333,7 @@ fn without_the_required_probability_the_fewest_that_hold_it_are_left() {
     }
 }
 
-/// The law of the least misfit speaks for all; at the level itself it is not refuted.
+/// The law with the least misfit decides for all; exactly at the level it is not refuted.
 #[test]
 fn none_explains_the_data_if_the_least_misfit_is_improbable() {
     let laws = |adequacy| {
@@ -374,7 +374,7 @@ fn one_velocity_names_no_nonlinear_law_beside_a_flat_loss_that_explains() {
             reason
         }
     );
-    // the flat loss that explains best; a misfit without a probability refutes nothing
+    // the law with flat loss that explains best; a misfit without a probability refutes nothing
     for (flat, expected) in [
         ([Some(1e-3), Some(1e-4)], (1, 1e-3)),
         ([Some(0.02), Some(0.3)], (2, 0.3)),
@@ -396,8 +396,8 @@ fn one_velocity_names_no_nonlinear_law_beside_a_flat_loss_that_explains() {
     }
 }
 
-/// Unsettled laws of a probability above 0.05 leave the law open: among those that count and, if
-/// the unsettled one leads, all that are not refuted by a misfit of their own.
+/// Unsettled laws with a probability above 0.05 leave the law open: in question are those that
+/// count and, if the unsettled one leads, all laws that are not refuted by their own misfit.
 #[test]
 fn a_misfit_that_is_not_settled_leaves_the_law_open() {
     let second = |probability: f64| {
@@ -451,8 +451,9 @@ fn advice_names_the_velocity_and_the_correlation() {
     }
 }
 
-/// Four standard deviations of each parameter lie within its range, that of ln E about the time of
-/// flight; a linear law starts at its prior mean and a standard deviation to either side.
+/// Four standard deviations of each parameter are within its range, that of ln E about the value
+/// from the time of flight; a linear law starts at its prior mean and a standard deviation to
+/// either side.
 #[test]
 fn a_prior_is_normal_of_a_quarter_of_its_range() {
     let standard = Candidate::standard();
@@ -483,7 +484,7 @@ fn a_prior_is_normal_of_a_quarter_of_its_range() {
         let expected = prior.mean[index] + sign * prior.deviation[index];
         assert!((start[index] - expected).abs() < 1e-12, "{number}");
     }
-    // a nonlinear law has those of its model
+    // a nonlinear law has the starts of its model
     assert_eq!(norton.starts(3e9, 2e-3), norton.model().starts(3e9, 2e-3));
 }
 
@@ -520,7 +521,7 @@ fn candidates_without_a_range_for_each_parameter_are_refused() {
     );
 }
 
-/// The required probability is from one half to below one, the level of adequacy between nought and
+/// The required probability is from one half to below one, the level of adequacy between zero and
 /// one.
 #[test]
 fn levels_are_probabilities() {
@@ -546,8 +547,8 @@ fn levels_are_probabilities() {
     assert!(selection.with_cell(0.01).is_ok());
 }
 
-/// Further candidates enter where a nonlinear law is left or none explains the data, and nowhere
-/// else.
+/// Further candidates enter if a nonlinear law is left or no law explains the data, and otherwise
+/// not.
 #[test]
 fn further_candidates_enter_where_a_nonlinear_law_is_in_question() {
     let compared = |laws: &[Law], test: RodTest| {
@@ -576,9 +577,9 @@ fn further_candidates_enter_where_a_nonlinear_law_is_in_question() {
     assert_eq!(compared(&both[..1], test_of(&norton, 0.005, 21)), both);
 }
 
-/// Noise estimated from q samples, and in truth twice the estimate: between two q the evidence of a
-/// law of one determined parameter differs by that of the two marginal likelihoods at its χ², and by
-/// the factor of its standard error.
+/// Noise estimated from q samples, which is in truth twice the estimate: between two values of q
+/// the evidence of a law with one determined parameter differs by that of the two marginal
+/// likelihoods at its χ², and by the factor of its standard error.
 #[test]
 fn evidence_holds_the_likelihood_of_a_noise_from_few_samples() {
     let test = test_of(&Elastic, 0.01, 5).with_noise(0.05, 0.05).unwrap();
@@ -614,8 +615,8 @@ fn the_duration_is_that_of_the_longest_window() {
     assert!((level(0.3, 0.8) - 1.0).abs() < 1e-12);
 }
 
-/// Noise of correlation 0.6 from sample to sample has one independent sample in (1 + 0.6)/(1 - 0.6)
-/// = 4; χ² counts them, and is still one each.
+/// Noise with a correlation of 0.6 from sample to sample has one independent sample in four, (1 +
+/// 0.6)/(1 - 0.6); χ² counts these samples, and is still one for each of them.
 #[test]
 fn a_correlated_residual_counts_its_independent_samples() {
     let clean = test_of(&Elastic, 1e-9, 3);
@@ -645,13 +646,13 @@ fn a_correlated_residual_counts_its_independent_samples() {
         inflation += found.inflation / 6.0;
         each += found.laws[0].chi_square / found.effective_samples / 6.0;
     }
-    // six records of 94 samples: each correlation to a twentieth, their sum to a fifth, less what
-    // the windows and the fit take
+    // six records of 94 samples: each correlation to a twentieth, their sum to a fifth, minus the
+    // effect of the windows and of the fit
     assert!((2.0..5.0).contains(&inflation), "{inflation}");
     assert!((0.7..1.3).contains(&each), "{each}");
 }
 
-/// Velocities count as two from a ratio of 1.2 on.
+/// Velocities count as two if their ratio is 1.2 or more.
 #[test]
 fn velocities_closer_than_a_fifth_are_one() {
     let norton = MaxwellNorton::from_reference_rate(2.0, 12.0, 10e6).unwrap();

@@ -2,12 +2,12 @@
 
 use super::{Advice, ComparedLaw, Comparison, Decision, Doubt, Selection};
 
-/// Factor from which the number of independent samples is reported as reduced: white residuals give
-/// at most about 1.3.
+/// Factor from which a reduced number of independent samples is reported: white residuals give at
+/// most about 1.3.
 const CORRELATED_FROM: f64 = 1.5;
 
 impl Selection {
-    /// Verdict on `laws`, of which there is at least one.
+    /// Verdict on `laws`, of which there must be at least one.
     #[allow(
         clippy::indexing_slicing,
         reason = "`order` is a permutation of the indices of `laws`"
@@ -80,8 +80,8 @@ impl Selection {
         // a law whose χ² is not settled may be any of those that count
         let counts = |index: usize| laws[index].probability > 1.0 - self.required_probability;
         if let Some(unsettled) = order.iter().find(|i| !laws[**i].is_settled && counts(**i)) {
-            // no other law is excluded by the probability of an unsettled one, only by a misfit of
-            // its own
+            // the probability of an unsettled law excludes no other law; only the misfit of another
+            // law excludes it
             let explains = |index: usize| {
                 !laws[first].is_settled
                     && laws[index]

@@ -19,7 +19,7 @@ pub(super) struct Frame {
 }
 
 impl Frame {
-    /// Left upper corner, width and height.
+    /// Returns the upper left corner, width and height.
     pub(super) fn sides(&self) -> [f64; 4] {
         let (width, height) = (self.right - self.left, self.bottom - self.top);
         [self.left, self.top, width, height]

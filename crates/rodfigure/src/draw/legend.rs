@@ -14,7 +14,7 @@ const SWATCH: f64 = 26.0;
 const AFTER_SWATCH: f64 = 6.0;
 const BETWEEN: f64 = 16.0;
 
-/// The sample beside a name.
+/// Sample of a mark next to its name.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Swatch {
     Line(Role),
@@ -30,7 +30,7 @@ pub(super) struct Legend {
 }
 
 impl Legend {
-    /// The legend of `panel` in rows of `width`.
+    /// Creates the legend of `panel` in rows of `width`.
     pub(super) fn of(panel: &Panel, width: f64) -> Self {
         let mut entries: Vec<(Swatch, String)> = Vec::new();
         let mut add = |swatch: Swatch, name: &String| {

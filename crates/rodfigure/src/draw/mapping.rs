@@ -26,8 +26,8 @@ impl Mapping {
         }
     }
 
-    /// Pixel of `value`; limited to a distance that every viewer can draw, and NaN for values that
-    /// the axis cannot show.
+    /// Returns the pixel of `value`, limited to a distance that every viewer can draw; NaN for
+    /// values that the axis cannot show.
     pub(super) fn at(&self, value: f64) -> f64 {
         let place = if self.logarithmic {
             value.log10()
@@ -42,7 +42,8 @@ impl Mapping {
         (pixel.clamp(-5000.0, 9000.0) * 10.0).round() / 10.0
     }
 
-    /// Pixel of `value`; values below the range of a logarithmic axis are below its lower end.
+    /// Returns the pixel of `value`; values that a logarithmic axis cannot show are below its lower
+    /// end.
     pub(super) fn at_or_below(&self, value: f64) -> f64 {
         if self.logarithmic && value <= 0.0 {
             9000.0

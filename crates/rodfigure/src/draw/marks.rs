@@ -96,7 +96,7 @@ fn pieces(points: impl Iterator<Item = (f64, f64)>) -> Vec<Vec<(f64, f64)>> {
     pieces
 }
 
-/// The outline of the band between edges, in pieces separated by NaN.
+/// Returns the outline of the band between edges, in pieces separated by NaN.
 fn outline_of(edges: impl Iterator<Item = (f64, [f64; 2])>) -> String {
     let mut d = String::new();
     let mut piece: Vec<(f64, [f64; 2])> = Vec::new();
@@ -145,7 +145,7 @@ pub(super) fn marker(d: &mut String, role: Role, x: f64, y: f64) {
     };
 }
 
-/// Lines of `role`.
+/// Returns the paint of the lines of `role`.
 pub(super) fn line(role: Role) -> Paint {
     let look = look(role);
     Paint {
@@ -154,12 +154,12 @@ pub(super) fn line(role: Role) -> Paint {
     }
 }
 
-/// Bands of `role`.
+/// Returns the paint of the bands of `role`.
 pub(super) fn area(role: Role) -> Paint {
     Paint::area(look(role).color, 0.22)
 }
 
-/// Markers of `role`.
+/// Returns the paint of the markers of `role`.
 pub(super) fn outlined(role: Role) -> Paint {
     let look = look(role);
     match look.marker {

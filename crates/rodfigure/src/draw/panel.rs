@@ -33,7 +33,7 @@ pub(super) struct Place {
     pub(super) clip: String,
 }
 
-/// A panel with the data that its margins depend on.
+/// A panel with the ranges on which its margins depend.
 pub(super) struct Arranged<'a> {
     panel: &'a Panel,
     x: [f64; 2],
@@ -61,7 +61,7 @@ impl<'a> Arranged<'a> {
         ticks(&self.panel.y, y, (self.height() / 45.0).floor())
     }
 
-    /// The width of the numbers and the label of the vertical axis.
+    /// Returns the width of the numbers and the label of the vertical axis.
     pub(super) fn left_margin(&self) -> f64 {
         let widest = self
             .y_ticks(self.y)
@@ -72,7 +72,7 @@ impl<'a> Arranged<'a> {
         widest + 8.0 + 8.0 + self.y_label().iter().map(|_| LABEL_LINE).sum::<f64>()
     }
 
-    /// The label of the vertical axis, in lines that are no longer than the axis.
+    /// Returns the label of the vertical axis, in lines that are no longer than the axis.
     fn y_label(&self) -> Vec<String> {
         text::lines(&title(&self.panel.y), LABEL, self.height())
     }
@@ -167,7 +167,7 @@ impl<'a> Arranged<'a> {
         }
     }
 
-    /// The ranges; with equal axes the shorter one is widened on both sides.
+    /// Returns the ranges; with equal axes the shorter one is widened on both sides.
     fn ranges(&self, place: &Place) -> ([f64; 2], [f64; 2]) {
         let linear = self.panel.x.scale == Scale::Linear && self.panel.y.scale == Scale::Linear;
         if !self.panel.equal_axes || !linear {
@@ -184,7 +184,7 @@ impl<'a> Arranged<'a> {
     }
 }
 
-/// Label of an axis: its quantity and unit.
+/// Returns the label of an axis: its quantity and unit.
 fn title(axis: &Axis) -> String {
     if axis.unit.is_empty() {
         axis.label.clone()

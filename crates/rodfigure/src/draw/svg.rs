@@ -26,7 +26,7 @@ pub(super) struct Paint {
 }
 
 impl Paint {
-    /// A line without dashes.
+    /// Creates the paint of a line without dashes.
     pub(super) fn line(stroke: &'static str, width: f64) -> Self {
         Self {
             stroke,
@@ -37,7 +37,7 @@ impl Paint {
         }
     }
 
-    /// An area without an edge.
+    /// Creates the paint of an area without an edge.
     pub(super) fn area(fill: &'static str, opacity: f64) -> Self {
         Self {
             fill,
@@ -47,13 +47,13 @@ impl Paint {
     }
 }
 
-/// Place of a text at its coordinates.
+/// Position of a text relative to its coordinates.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Anchor {
     Start,
     Middle,
     End,
-    /// Middle of a text from the bottom to the top.
+    /// Middle of a text that is written upwards.
     Upwards,
 }
 
@@ -96,7 +96,7 @@ impl Svg {
         );
     }
 
-    /// Adds a rectangle from its left upper corner, width and height.
+    /// Adds a rectangle from its upper left corner, width and height.
     pub(super) fn rectangle(&mut self, sides: [f64; 4], fill: &str, opacity: f64) {
         let sides = place(sides);
         _ = write!(
@@ -146,8 +146,8 @@ impl Svg {
         self.elements.push_str("</g>");
     }
 
-    /// The text of the file, on white. Without a view box the figure would be cut off instead of
-    /// shrunk.
+    /// Returns the text of the file, with a white background. Without a view box, the figure would
+    /// be cut off instead of reduced in size.
     pub(super) fn finish(self, width: f64, height: f64) -> String {
         let Self { clips, elements } = self;
         format!(
@@ -156,7 +156,7 @@ impl Svg {
     }
 }
 
-/// A place in pixels, to a tenth, in fewer steps than by [`Display`](std::fmt::Display).
+/// Appends a coordinate in pixels, to a tenth, in fewer steps than [`Display`](std::fmt::Display).
 #[expect(
     clippy::cast_possible_truncation,
     reason = "places are within some thousand pixels"
@@ -165,18 +165,18 @@ fn push_pixel(d: &mut String, pixel: f64) {
     push_decimal(d, (10.0 * pixel).round() as i64, 1);
 }
 
-/// A length to a hundredth of a pixel; zero without a sign.
+/// Rounds a length to a hundredth of a pixel; zero has no sign.
 fn rounded(value: f64) -> f64 {
     (100.0 * value).round() / 100.0 + 0.0
 }
 
-/// Attributes of a rectangle.
+/// Returns the attributes of a rectangle.
 fn place(sides: [f64; 4]) -> String {
     let [x, y, width, height] = sides.map(rounded);
     format!(r#"x="{x}" y="{y}" width="{width}" height="{height}""#)
 }
 
-/// Text that cannot be markup.
+/// Escapes the characters of `text` that have a meaning in markup.
 fn escaped(text: &str) -> String {
     let text = text.replace('&', "&amp;").replace('<', "&lt;");
     text.replace('>', "&gt;").replace('"', "&quot;")

@@ -29,7 +29,8 @@ fn line(x: Vec<f64>, y: Vec<f64>) -> Mark {
     }
 }
 
-/// The points of the first curve in the colour of the first role, except that of the legend.
+/// Returns the points of the first curve in the colour of the first role, except that of the
+/// legend.
 fn drawn(svg: &str) -> Vec<Vec<(f64, f64)>> {
     svg.split("<path d=\"M")
         .skip(1)

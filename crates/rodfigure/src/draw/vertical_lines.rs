@@ -12,8 +12,8 @@ pub(super) struct VerticalLine<'a> {
     pub(super) row: usize,
 }
 
-/// Vertical lines with the rows of their names. A name begins at its line and is placed above every
-/// line that it reaches, so that no line crosses a name.
+/// Returns the vertical lines with the rows of their names. A name begins at its line and is placed
+/// above every line that it reaches, so that no line crosses a name.
 #[allow(
     clippy::indexing_slicing,
     reason = "`index` counts the lines that are placed"

@@ -1,6 +1,7 @@
-"""From recordings of struck rods to a complex modulus, a constitutive law or an impact force, with their errors.
+"""Complex moduli, constitutive laws and impact forces from recordings of struck rods, with their errors.
 
-Arrays are float64 or complex128, quantities are numbers in SI or texts with a unit and a standard uncertainty, as ``"799 mm ± 0.3 mm"``.
+Arrays are float64 or complex128. Quantities are numbers in SI, or texts with a unit and a standard uncertainty, such as
+``"799 mm ± 0.3 mm"``.
 Results have one of three standings: ``answered``, ``in doubt`` and ``not allowed``.
 """
 
@@ -54,7 +55,7 @@ __all__ = [
 
 if TYPE_CHECKING:
     from . import bars, force, frf, mobility, modulus, rheology, rods, sheet
-else:  # imported when they are asked for, which takes two fifths off the time of the import; a checker would take any name for one of them
+else:  # imported on first use, which shortens the import by two fifths; a type checker would accept any name
 
     def __getattr__(name: str) -> Any:
         if name.startswith("_") or name not in __all__:

@@ -21,21 +21,21 @@ T = TypeVar("T")
 
 @dataclass(frozen=True)
 class Campaign:
-    """What a campaign has come to.
+    """The result of a campaign.
 
     Attributes
     ----------
     folder : Path
-        Holds a folder of each test, and ``summary.csv``, ``quantities.csv``, ``summary.json``, ``index.html``.
+        Contains a folder for each test, and ``summary.csv``, ``quantities.csv``, ``summary.json``, ``index.html``.
     tests : tuple of dict
-        One a test, in order of their names: ``test``, ``job``, ``title``, ``status``, ``warnings``, ``headline``, ``quantities``.
+        One entry per test, in the order of the names, with ``test``, ``job``, ``title``, ``status``, ``warnings``, ``headline``, ``quantities``.
     """
 
     folder: Path
     tests: tuple[dict[str, Any], ...]
 
     def count(self, standing: str) -> int:
-        """Number of tests with that standing: ``answered``, ``in doubt``, ``not allowed``, ``wrong input``."""
+        """Returns the number of tests with this standing: ``answered``, ``in doubt``, ``not allowed``, ``wrong input``."""
         return sum(test["status"] == standing for test in self.tests)
 
 
@@ -49,35 +49,35 @@ def campaign(
     retries: int = 2,
     progress: Progress | None = None,
 ) -> Campaign:
-    """Does the jobs of many sheets side by side, as ``rodlab batch`` does, and writes one summary. The files are the same, byte for byte.
+    """Does the jobs of many sheets in parallel, like ``rodlab batch``, and writes one summary. The files are the same, byte for byte.
 
     Parameters
     ----------
     sheets : path, pattern, or list of them
-        Sheets, folders of sheets, or patterns as ``"campaign/*.ron"``.
+        Sheets, folders of sheets, or patterns such as ``"campaign/*.ron"``.
     out : path
-        Folder that receives a folder of each test, and the summary. Workers on other machines must see sheets, records and this folder
+        Folder that receives a folder for each test, and the summary. Workers on other machines must see sheets, records and this folder
         under the same paths.
     client : distributed.Client, optional
-        The cluster that does the tests, one task a sheet, keyed by the hash of the sheet. A test whose worker dies is done again. Without
-        it the tests are done in this process.
+        The cluster that does the tests, one task per sheet, keyed by the hash of the sheet. A test whose worker dies is repeated.
+        Without a client the tests are done in this process.
     resume : bool
-        Leaves out the tests that have a whole result of the same sheet, files and software.
+        Leaves out the tests that have a complete result of the same sheet, files and software.
     jobs : int, optional
-        Number of tests at a time in this process; by default that of the processors.
+        Number of tests at a time in this process; by default the number of processors.
     retries : int
-        How often a task that raises, as for a folder that cannot be written, is tried again.
+        Number of times that a task with an exception is tried again, for example for a folder that cannot be written.
     progress : callable, optional
         ``progress(step, done, of)``.
 
     Raises
     ------
     ReadError
-        A place holds no sheet. A sheet that is wrong raises nothing: its test has the standing ``wrong input``.
+        A path or pattern leads to no sheet. A wrong sheet raises no exception: its test has the standing ``wrong input``.
     WriteError
         The summary cannot be written.
     KeyboardInterrupt
-        What is done stays, and ``resume=True`` goes on from there.
+        Finished tests are kept, and ``resume=True`` continues with the others.
     """
     places = [sheets] if isinstance(sheets, (str, os.PathLike)) else list(sheets)
     names = [os.fspath(place) for place in places]
@@ -92,10 +92,10 @@ def campaign(
 
 
 def map(function: Callable[[int], T], seeds: Iterable[int], client: Client | None = None) -> list[T]:
-    """``[function(seed) for seed in seeds]``, on the workers of `client` if there is one.
+    """Returns ``[function(seed) for seed in seeds]``, computed on the workers of `client` if there is one.
 
     Each call gets a seed of its own and nothing else, so that the results are the same on any number of workers. With a client the
-    function and its results must be picklable; a call whose worker dies is made again.
+    function and its results must be picklable; a call whose worker dies is repeated.
     """
     numbers = list(seeds)
     if client is None:
@@ -129,7 +129,7 @@ def _on_cluster(
     done = 0
     try:
         for batch in as_completed(list(waiting), with_results=True).batches():
-            # a result is in its folder: a worker that dies later takes nothing with it
+            # a finished result is in its folder: it is not lost if the worker dies later
             for future, _ in batch:
                 waiting.discard(future)
                 future.release()
@@ -142,5 +142,5 @@ def _on_cluster(
 
 
 def _one(name: str, sheet: str, out: str, resume: bool) -> str:
-    """The task of one test."""
+    """Does one test, as a task of the cluster."""
     return _rodlab.one_test(name, sheet, out, resume)

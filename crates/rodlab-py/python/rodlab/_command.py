@@ -8,5 +8,5 @@ from ._rodlab import command
 
 
 def main() -> int:
-    """Does what the command line asks for; returns the exit status of the command."""
+    """Runs the command line; returns the exit status of the command."""
     return command(["rodlab", *sys.argv[1:]])

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 R = TypeVar("R", bound=Result)
 Progress = Callable[[str, int, int], object]
-"""Called as ``progress(step, done, of)``; `of` is 0 where it is not known."""
+"""Called as ``progress(step, done, of)``; `of` is 0 if it is not known."""
 
 
 def run(
@@ -29,37 +29,37 @@ def run(
     folder: str | os.PathLike[str] = ".",
     progress: Progress | None = None,
 ) -> Result:
-    """Does the job of a test sheet, as the command of that job does.
+    """Does the job of a test sheet, like the command of that job.
 
     Parameters
     ----------
     sheet : path or Part
         File of the sheet; or a sheet written in Python with :mod:`rodlab.sheet`.
     out : path, optional
-        Folder for the files of the result; by default beside the sheet, with its name and ``-result``. Of a sheet written in Python
-        nothing is written by default.
+        Folder for the files of the result; by default next to the sheet, with its name and ``-result``. For a sheet written in
+        Python nothing is written by default.
     job : str, optional
-        The job that the sheet must be for, as ``"modulus"``.
+        The job that the sheet must state, such as ``"modulus"``.
     write : bool
-        Whether files are written of a sheet in a file.
+        True to write the files of the result, if the sheet is a file.
     folder : path
-        Where relative paths of a sheet written in Python start.
+        Start of the relative paths of a sheet written in Python.
     progress : callable, optional
-        ``progress(step, done, of)``. What it raises ends the job.
+        ``progress(step, done, of)``. An exception that it raises ends the job.
 
     Returns
     -------
     Result
-        Whatever its standing is; :meth:`Result.require` raises where the data do not allow a result.
+        The result, with any standing; :meth:`Result.require` raises an exception if the data do not allow a result.
 
     Raises
     ------
     SheetError
-        The sheet is wrong, or asks for what cannot be.
+        The sheet is wrong, or requests something impossible.
     ReadError, WriteError
         A file cannot be read, or the result cannot be written.
     KeyboardInterrupt
-        Within 0.3 s. No files are written afterwards.
+        Raised within 0.3 s of an interruption. No files are written afterwards.
     """
     if isinstance(sheet, Part):
         return run_part(sheet, Path(folder), of=Result, out=out, progress=progress)
@@ -75,13 +75,13 @@ def run_part(
     progress: Progress | None = None,
     kept: TemporaryDirectory[str] | None = None,
 ) -> R:
-    """The result, of the class `of`, of a sheet written in Python; `kept` is its folder, if that lasts as long as the result."""
+    """Returns the result, of the class `of`, of a sheet written in Python; `kept` is a temporary folder of the sheet that the result keeps."""
     outcome = _rodlab.run_text(text_of(sheet), folder, out=out, progress=progress)
     return of._of(outcome, sheet, folder, kept)
 
 
 def check(sheet: str | os.PathLike[str]) -> str:
-    """Reads a sheet and the files that it names, and computes nothing; returns the name of its job.
+    """Reads a sheet and the files that it names, without computing anything; returns the name of its job.
 
     Raises
     ------
@@ -92,7 +92,7 @@ def check(sheet: str | os.PathLike[str]) -> str:
 
 
 def inspect(file: str | os.PathLike[str]) -> dict[str, Any]:
-    """What is in a recording: format, channels with units and levels, rates, what looks wrong, and what a sheet has to state.
+    """Returns the contents of a recording: format, channels with units and levels, rates, apparent faults, and the statements that a sheet needs.
 
     The keys are those of ``rodlab inspect --json``.
 
@@ -113,18 +113,18 @@ def convert(
     binary: bool = False,
     force: bool = False,
 ) -> dict[str, Any]:
-    """Writes a recording in another format, which the extension of `output` says: csv, mat, npy, npz, uff, wav.
+    """Writes a recording in another format, given by the extension of `output`: csv, mat, npy, npz, uff, wav.
 
     Parameters
     ----------
     tolerant : bool
-        Converts what can be read of a damaged file, and lists the rest.
+        Converts the readable part of a damaged file, and lists the rest.
     lossless : bool
         Refuses a conversion that would lose anything.
     binary : bool
         Writes a universal file with IEEE numbers (58b), which keeps every bit.
     force : bool
-        Replaces `output` if it is there.
+        Replaces `output` if it exists.
 
     Returns
     -------
@@ -140,17 +140,17 @@ def convert(
 
 
 def init(job: str, path: str | os.PathLike[str] | None = None, *, rig: str | None = None) -> Path:
-    """Writes a commented sheet to begin with, to ``<job>.ron`` by default, and returns its path.
+    """Writes a commented sheet as a start, to ``<job>.ron`` by default, and returns its path.
 
-    ``rig`` is what stands on the bench, for a sheet with its fields alone: ``"two-accelerometers"``, ``"three-gauges"``, ``"hopkinson-bar"``,
+    With a test rig ``rig`` the sheet has the fields of this rig alone: ``"two-accelerometers"``, ``"three-gauges"``, ``"hopkinson-bar"``,
     ``"hammer-frf"``, ``"shpb"`` or ``"dma"``.
 
     Raises
     ------
     Error
-        There is no such job or rig, or the rig is one of another job.
+        There is no such job or rig, or the rig belongs to another job.
     WriteError
-        The file is there already, or cannot be written.
+        The file exists already, or cannot be written.
     """
     path = Path(f"{job}.ron" if path is None else path)
     _rodlab.init(job, path, rig)

@@ -1,4 +1,4 @@
-"""Jobs whose sheets are stated as arguments of the same names."""
+"""Jobs whose sheets are given by arguments with the names of the fields."""
 
 from __future__ import annotations
 
@@ -26,27 +26,27 @@ def identify(
     folder: str | os.PathLike[str] = ".",
     progress: Progress | None = None,
 ) -> Result:
-    """The constitutive law of impacted rods from the histories of two sections (Ödeen 1993, paper D), as ``rodlab identify`` gives it.
+    """Returns the constitutive law of impacted rods from the histories of two sections (Ödeen 1993, paper D), like ``rodlab identify``.
 
     Parameters
     ----------
     tests : list of mapping
-        Each as in a sheet: ``name``, ``records``, ``excitation``, ``response``, ``impact_velocity``, ...; of rods of several lengths with its
-        own ``specimen``, ``{"length": "394 mm ± 0.5 mm", "density": "1140 kg/m3 ± 0.5 %"}``.
+        Each as in a sheet: ``name``, ``records``, ``excitation``, ``response``, ``impact_velocity``, ...; for rods of several lengths also
+        ``specimen``, such as ``{"length": "394 mm ± 0.5 mm", "density": "1140 kg/m3 ± 0.5 %"}``.
     length : float or str, optional
-        From the section of the excitation to the free end, in m, of all tests without a ``specimen``.
+        Distance from the section of the excitation to the free end, in m, for all tests without a ``specimen``.
     density : float or str, optional
-        In kg/m³, with ``length``.
+        Density in kg/m³, together with ``length``.
     recorder : Part, optional
         Filter of the recorder of all tests, such as ``sheet.Butterworth(order=8, cutoff="17.9 kHz")``; nonlinear laws are then identified through it.
     laws : list of str, optional
-        Of ``Maxwell``, ``Norton``, ``GurevichRabinovich``; by default all.
+        Any of ``Maxwell``, ``Norton``, ``GurevichRabinovich``; by default all.
     compare, profiles : bool
-        Whether laws are compared with each other and with linear competitors, and profile likelihoods computed.
+        True to compare the laws with each other and with linear competitors, and to compute profile likelihoods.
     cell : float or str, optional
         Longest cell of the rod in m; 4 mm by default.
     folder : path
-        Where relative paths start.
+        Start of relative paths.
 
     Raises
     ------
@@ -89,21 +89,21 @@ def recovery(
     folder: str | os.PathLike[str] = ".",
     progress: Progress | None = None,
 ) -> Result:
-    """The loss factor after creep loads, by one model for all tests (Ödeen 1993, paper C), as ``rodlab recovery`` gives it.
+    """Returns the loss factor after creep loads, with one model for all tests (Ödeen 1993, paper C), like ``rodlab recovery``.
 
     Parameters
     ----------
     tests : list of mapping
-        Each as in a sheet: ``name``, ``load`` as ``[sheet.Constant(stress="45 MPa", duration="30 min")]``, and ``readings`` as
+        Each as in a sheet: ``name``, ``load`` such as ``[sheet.Constant(stress="45 MPa", duration="30 min")]``, and ``readings`` such as
         ``sheet.Here([{"at": "1 min", "value": 0.0435}, ...])`` or ``sheet.File(path="test_2.csv", readings="loss factor")``.
     series_modulus : float or str
         Modulus of the virgin material in Pa at the frequency of the readings.
     frequency : float or str
         Frequency in Hz at which the loss factor was read.
     virgin_loss_factor : float or str, optional
-        Loss factor before any load, as ``"0.025 ± 0.0002"``.
+        Loss factor before any load, such as ``"0.025 ± 0.0002"``.
     standard_error : float or str, optional
-        Standard error of a reading that states none itself.
+        Standard error of a reading that states none.
     readings_are : str, optional
         ``LossFactors`` (default) or ``Changes``.
     error_scale : str, optional
@@ -111,9 +111,9 @@ def recovery(
     predictions : list of mapping, optional
         Loads whose recovery is predicted: ``name`` and ``load``.
     paper_procedure : mapping, optional
-        As ``{"reference": "45 MPa"}``: the procedure of the paper in addition to the joint fit.
+        For the procedure of the paper in addition to the joint fit, such as ``{"reference": "45 MPa"}``.
     folder : path
-        Where relative paths start.
+        Start of relative paths.
 
     Raises
     ------
@@ -149,7 +149,7 @@ def simulate(
     out: str | os.PathLike[str] | None = None,
     progress: Progress | None = None,
 ) -> Result:
-    """A virtual test: records as the laboratory would have them, and the sheet that evaluates them, as ``rodlab simulate`` gives them.
+    """Computes a virtual test, like ``rodlab simulate``: records as from a laboratory, and the sheet that evaluates them.
 
     Parameters
     ----------
@@ -157,20 +157,20 @@ def simulate(
         ``sheet.EndAccelerations``, ``sheet.StrainsInFrame``, ``sheet.CreepRecovery``, ``sheet.ImpactedRod``,
         ``sheet.HammerOnBody`` or ``sheet.HopkinsonBars``.
     instrument : mapping
-        Sensors, filter, sampling and converter, as ``{"sampling_rate": "65.536 kHz", "length": "31.25 ms", "noise": "0.02 %"}``.
+        Sensors, filter, sampling and converter, such as ``{"sampling_rate": "65.536 kHz", "length": "31.25 ms", "noise": "0.02 %"}``.
     materials : mapping
-        By name.
+        Materials by name.
     output : str
-        Name of the files of the records; the extension says the format.
+        Name of the files of the records; the extension determines the format.
     seed : int
-        Of scatter and noise: the same arguments give the same files to the last bit.
+        Seed of scatter and noise: the same arguments give the same files to the last bit.
     out : path, optional
         Folder that receives records, sheets and report; by default nothing is written.
 
     Returns
     -------
     Result
-        With the records and sheets as `attachments`, and what is true as tables.
+        With the records and sheets as `attachments`, and the true values as tables.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""Figures in the form of the field, by matplotlib."""
+"""Figures in the form that is usual in the field, drawn with matplotlib."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 
 def axes(ax: Sequence[Axes] | None, count: int) -> Sequence[Axes]:
-    """`count` axes one above the other over one frequency, or those that were given."""
+    """Returns `count` axes one above the other with one frequency axis, or the axes that were given."""
     import matplotlib.pyplot as plt
 
     if ax is None:
@@ -27,7 +27,7 @@ def axes(ax: Sequence[Axes] | None, count: int) -> Sequence[Axes]:
 
 
 def band(ax: Axes, x: NDArray[Any], y: NDArray[Any], error: NDArray[Any], valid: NDArray[np.bool_], label: str) -> None:
-    """A curve with its band of two standard errors; invalid lines are grey dots without a band."""
+    """Draws a curve with its band of two standard errors; invalid lines are grey dots without a band."""
     ax.plot(x[~valid], y[~valid], ".", color="0.75", markersize=2, zorder=0)
     curve = np.where(valid, y, np.nan)
     (drawn,) = ax.plot(x, curve, linewidth=1)
@@ -40,7 +40,7 @@ def band(ax: Axes, x: NDArray[Any], y: NDArray[Any], error: NDArray[Any], valid:
 
 
 def frequency_response(response: FrequencyResponse, ax: Sequence[Axes] | None) -> Sequence[Axes]:
-    """Magnitude, phase and coherence."""
+    """Draws magnitude, phase and coherence."""
     made = axes(ax, 3)
     lines = response.valid & (response.frequency_hz > 0)
     frequency, values = response.frequency_hz[lines], response.values[lines]

@@ -1,4 +1,4 @@
-"""Recordings to hits."""
+"""Hits from recordings."""
 
 from __future__ import annotations
 
@@ -27,15 +27,15 @@ class Hit:
     Attributes
     ----------
     name : str
-        As the log of a report calls it.
+        Name in the log of a report.
     accepted : bool
-        Whether it is averaged.
+        True if the hit is averaged.
     reasons : tuple of str
-        What speaks against it, and what was decided by hand.
+        Reasons against the hit, and decisions by hand.
     samples : array, shape (n_channels, n_samples)
-        In SI, calibrated; it cannot be written to.
+        Calibrated samples in SI, read-only.
     sampling_rate_hz, start_time : float
-        Hz; time of the first sample in s.
+        Sampling rate in Hz; time of the first sample in s.
     """
 
     name: str
@@ -61,7 +61,7 @@ class Hits:
     units : mapping of str to str
         SI unit of each channel by its name, in the order of the rows of `samples`.
     warnings : tuple of str
-        Where the arguments say something else than a file, and what was passed over.
+        Contradictions between the arguments and a file, and data that were passed over.
     """
 
     hits: tuple[Hit, ...] = field(repr=False)
@@ -91,7 +91,7 @@ class Hits:
         return self.hits[0].sampling_rate_hz
 
     def accepted(self, channel: str) -> NDArray[np.float64]:
-        """The samples of `channel` of all accepted hits in SI, shape (n_hits, n_samples); shorter hits end with zeros.
+        """Returns the samples of `channel` of all accepted hits in SI, shape (n_hits, n_samples); shorter hits are padded with zeros.
 
         Raises
         ------
@@ -129,29 +129,29 @@ def read(
     trigger_channel: str | None = None,
     folder: str | os.PathLike[str] = ".",
 ) -> Hits:
-    """Reads recordings, calibrates them, cuts them into hits and judges these.
+    """Reads recordings, calibrates them, cuts them into hits and judges the hits.
 
-    The arguments are those of a test sheet: ``rodlab.init("frf")`` writes one that explains them all.
+    The arguments are those of a test sheet: ``rodlab.init("frf")`` writes a sheet that explains all of them.
 
     Parameters
     ----------
     files : path, pattern or list of them
-        NPY, NPZ, CSV, universal files (58, 58b), LVM, TDMS, WAVE, Excel, MATLAB (5 and 7.3), HDF5, netCDF-4 or traces of oscilloscopes, told apart by their content.
+        NPY, NPZ, CSV, universal files (58, 58b), LVM, TDMS, WAVE, Excel, MATLAB (5 and 7.3), HDF5, netCDF-4 or traces of oscilloscopes, recognised by their content.
     channels : mapping
-        Name of each channel to its unit in the file, as ``"m/s2"``, or to the fields of a channel, as
-        ``{"from": 2, "unit": "V", "sensitivity": "10.2 mV/g ± 2 %"}``. Without ``from`` it is the next one of the file.
+        Maps the name of each channel to its unit in the file, such as ``"m/s2"``, or to the fields of a channel, such as
+        ``{"from": 2, "unit": "V", "sensitivity": "10.2 mV/g ± 2 %"}``. Without ``from``, the n-th entry is the n-th channel of the file.
     sampling_rate_hz : float or str, optional
-        In Hz or as ``"65.536 kHz"``, where the files do not tell it.
+        In Hz, or a text such as ``"65.536 kHz"``, if the files do not contain it.
     cut : Part, optional
         By default each record is a hit; ``sheet.Trigger(level="20 N", pre_trigger="1 ms", length="4096 samples")`` cuts long ones.
     criteria : mapping, optional
-        What a hit must be to be accepted, as ``{"double_hit": 0.1}``.
+        Conditions for a hit to be accepted, such as ``{"double_hit": 0.1}``.
     reject, accept : mapping of int to str, optional
         Decisions by hand: number of the hit, from 1, and the reason.
     trigger_channel : str, optional
-        Channel that tells when a hit begins; by default the first.
+        Channel that determines the start of a hit; by default the first.
     folder : path
-        Where relative paths start.
+        Start of relative paths.
 
     Returns
     -------
@@ -160,7 +160,7 @@ def read(
     Raises
     ------
     ReadError
-        A file is missing or is no recording.
+        A file is missing or is not a recording.
     SheetError
         An argument is wrong, or does not suit the files.
     """
@@ -188,7 +188,7 @@ def read(
 
 
 class HitOptions(TypedDict, total=False):
-    """How records are cut into hits, and which of these are accepted: as :func:`read` takes it."""
+    """Options for the cutting of records into hits and the acceptance of hits, as for :func:`read`."""
 
     cut: Part | None
     criteria: Mapping[str, Any] | None
@@ -204,23 +204,23 @@ def of_arrays(
     sampling_rate_hz: float | str,
     **options: Unpack[HitOptions],
 ) -> Hits:
-    """Hits of arrays in memory, judged as those of files.
+    """Returns hits from arrays in memory, judged like hits from files.
 
-    The arrays are kept as files in a temporary folder as long as the hits are, so that every job can read them.
+    The arrays are kept as files in a temporary folder as long as the hits exist, so that every job can read them.
 
     Parameters
     ----------
     arrays : array_like, shape (n_hits, n_channels, n_samples), or list of (n_channels, n_samples)
         Real numbers in the units of the channels.
     channels, sampling_rate_hz, **options
-        As :func:`read`.
+        As for :func:`read`.
 
     Raises
     ------
     SheetError
         An array is empty, has another shape or no real numbers, or an argument is wrong.
     Error
-        Two arrays are equal: they are one measurement.
+        Two arrays are equal and count as one measurement.
     ReadError
         A record has numbers that are NaN or infinite.
     """

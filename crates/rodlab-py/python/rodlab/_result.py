@@ -28,8 +28,8 @@ Column = NDArray[np.float64] | NDArray[np.str_] | NDArray[np.bool_]
 
 @dataclass(frozen=True)
 class Quantity:
-    """A single number that was found: name, unit ("" for a pure number), value and standard error in that unit (None where there is none),
-    whether it may be believed, and why or why not."""
+    """A scalar result: name, unit ("" for a pure number), value and standard error in that unit (None if there is none), its validity,
+    and a verdict with the reason."""
 
     name: str
     unit: str
@@ -43,7 +43,7 @@ class Quantity:
 class Table:
     """A table: columns of one length, as in the file of the same name. Numbers are float64, NaN where there is none.
 
-    A name ends with its unit, as ``storage_modulus_pa``; a table of lines has ``valid`` and, in words, ``reasons``.
+    The name of a column ends with its unit, such as ``storage_modulus_pa``; a table of lines has ``valid`` and, in words, ``reasons``.
 
     Attributes
     ----------
@@ -62,16 +62,16 @@ class Table:
     _columns: Mapping[str, Column] = field(repr=False)
 
     def columns(self) -> dict[str, Column]:
-        """The columns by their names: arrays of shape (n_rows,) that cannot be written to."""
+        """Returns the columns by their names: read-only arrays of shape (n_rows,)."""
         return dict(self._columns)
 
     def numbers(self, name: str) -> NDArray[np.float64]:
-        """The column `name`, of numbers.
+        """Returns the column `name`, which must contain numbers.
 
         Raises
         ------
         Error
-            There is no such column, or it is one of words.
+            There is no such column, or it contains words.
         """
         column = self._columns.get(name)
         if column is None:
@@ -84,7 +84,7 @@ class Table:
         return len(next(iter(self._columns.values()), ()))
 
     def to_pandas(self) -> pandas.DataFrame:
-        """A data frame; its `attrs` hold `units` (by column) and `title`."""
+        """Returns a data frame; its `attrs` have `units` (by column) and `title`."""
         import pandas
 
         frame = pandas.DataFrame({name: np.array(column) for name, column in self._columns.items()})
@@ -92,7 +92,7 @@ class Table:
         return frame
 
     def to_xarray(self) -> xarray.Dataset:
-        """A data set over the first column; the `attrs` of each variable hold its `units`."""
+        """Returns a data set over the first column; the `attrs` of each variable have its `units`."""
         import xarray
 
         first = next(iter(self._columns))
@@ -111,7 +111,7 @@ class Table:
 
 @dataclass(frozen=True, eq=False)
 class Result:
-    """The result of a job on one sheet: what the report and `result.json` of the command have.
+    """The result of a job on one sheet, with the contents of the report and of `result.json` of the command.
 
     Attributes
     ----------
@@ -119,17 +119,17 @@ class Result:
     standing : str
         ``answered``, ``in doubt`` (a check fails) or ``not allowed`` (the data do not allow a result).
     reasons : tuple of str
-        Why the result is in doubt or not allowed.
+        Reasons why the result is in doubt or not allowed.
     summary, warnings : tuple of str
-        What was found, in sentences; what to know before believing it.
+        Findings, in sentences; facts to consider before the result is used.
     quantities : tuple of Quantity
     tables : mapping of str to Table
     settings, log, inputs : tuple of dict
-        Everything that was chosen; hits and lines with reasons; the files that were read, with their SHA-256.
+        All choices; hits and lines with reasons; the files that were read, with their SHA-256.
     attachments : mapping of str to bytes
-        Files for other programs, as cards and universal files, by name.
+        Files for other programs, such as cards and universal files, by name.
     files : tuple of Path
-        The files that were written, `result.json` the last.
+        The files that were written; `result.json` is the last.
     """
 
     job: str
@@ -154,8 +154,8 @@ class Result:
     def _of(
         cls, outcome: Outcome, sheet: Part | None = None, folder: Path | None = None, kept: TemporaryDirectory[str] | None = None
     ) -> Self:
-        """The result that `outcome` is; `sheet` is its sheet, if that was made of arguments, `folder` where its paths start, and `kept` that
-        folder if it lasts no longer than the result."""
+        """Returns the result of an `outcome`. `sheet` is its sheet if it was made of arguments, `folder` the start of its paths, and `kept`
+        this folder if it exists no longer than the result."""
         told = json.loads(outcome.json)
         verdict = told["verdict"]
         return cls(
@@ -185,7 +185,7 @@ class Result:
 
     @property
     def headline(self) -> str:
-        """Why the result is in doubt or not allowed, else the first sentence of the summary."""
+        """The reasons why the result is in doubt or not allowed, or else the first sentence of the summary."""
         if self.standing == "answered":
             return next(iter(self.summary), "")
         return "; ".join(self.reasons)
@@ -197,16 +197,16 @@ class Result:
 
     @property
     def valid(self) -> Any:
-        """Whether the result may be used: it is answered, and no check fails."""
+        """True if the result may be used: it is answered, and no check fails."""
         return self.standing == "answered"
 
     def quantity(self, name: str) -> Quantity:
-        """The quantity of that name.
+        """Returns the quantity of this name.
 
         Raises
         ------
         Error
-            There is none.
+            There is no such quantity.
         """
         found = next((quantity for quantity in self.quantities if quantity.name == name), None)
         if found is None:
@@ -214,12 +214,12 @@ class Result:
         return found
 
     def table(self, name: str) -> Table:
-        """The table of that name, as ``modulus`` for ``modulus.csv``.
+        """Returns the table of this name, such as ``modulus`` for ``modulus.csv``.
 
         Raises
         ------
         Error
-            There is none.
+            There is no such table.
         """
         found = self.tables.get(name)
         if found is None:
@@ -227,7 +227,7 @@ class Result:
         return found
 
     def require(self) -> Self:
-        """The result itself, if the data allow it.
+        """Returns the result itself, if the data allow it.
 
         Raises
         ------
@@ -239,7 +239,7 @@ class Result:
         return self
 
     def report(self) -> str:
-        """The report: one page of HTML with its interactive figures, without a date."""
+        """Returns the report: one page of HTML with its interactive figures, without a date."""
         return self._report if isinstance(self._report, str) else self._report.report()
 
     def _repr_html_(self) -> str:

@@ -1,4 +1,4 @@
-"""The extension module: what the package is founded on, and no interface of its own."""
+"""The extension module on which the package is built; it is not a public interface."""
 
 import os
 from collections.abc import Callable, Sequence

@@ -1,4 +1,4 @@
-"""Records as time series of SEP-005 of SDyPy: a list of dictionaries, one for each channel."""
+"""Records as time series in the form of SEP-005 of SDyPy: a list of dictionaries, one for each channel."""
 
 from __future__ import annotations
 
@@ -14,32 +14,32 @@ from ._sheet import number
 
 Series = Mapping[str, Any]
 
-# Kinds of quantities of the standard by our units; those that a unit does not tell are left out.
+# Quantities of the standard by our units; quantities that do not follow from a unit are left out.
 _QUANTITIES = {"N": "f", "m/s^2": "a", "m/s": "v", "m": "d"}
 
 # Largest deviation of a time from an even grid, in steps: times are often rounded to six digits or so.
 _UNEVEN = 1e-3
-# Largest relative difference of a stated rate from that of the times.
+# Largest relative difference between a stated rate and the rate of the times.
 _OTHER_RATE = 1e-6
 
 
 def of_sep005(records: Sequence[Series] | Sequence[Sequence[Series]], **options: Unpack[HitOptions]) -> Hits:
-    """Hits of time series after SEP-005, judged as those of files.
+    """Returns hits from time series in the form of SEP-005, judged like hits from files.
 
     Parameters
     ----------
     records : list of dict, or list of such lists
-        The channels of one record, or those of several records with the same channels in the same order. Each has ``name``, ``data``,
+        The channels of one record, or of several records with the same channels in the same order. Each has ``name``, ``data``,
         ``unit_str`` and ``fs`` in Hz or ``time`` in s. Samples are evenly spaced. Times of day, groups and other fields are not kept.
     **options
-        As :func:`rodlab.read`.
+        As for :func:`rodlab.read`.
 
     Raises
     ------
     SheetError
         A field is missing or wrong, or the records differ in channels, units or rate.
     Error, ReadError
-        As :func:`rodlab.of_arrays`.
+        As for :func:`rodlab.of_arrays`.
     """
     if not isinstance(records, Sequence) or isinstance(records, str) or not records:
         raise SheetError(f"records is {records!r:.60}, expected a list of time series", field="records")
@@ -75,10 +75,10 @@ def of_sep005(records: Sequence[Series] | Sequence[Sequence[Series]], **options:
 
 
 def to_sep005(hits: Hits) -> list[list[dict[str, Any]]]:
-    """The hits, accepted or not, as time series after SEP-005: a list for each hit, a dictionary for each channel.
+    """Returns the hits, accepted or not, as time series in the form of SEP-005: a list for each hit, a dictionary for each channel.
 
-    ``name``, ``data`` (float64), ``fs`` in Hz, ``unit_str`` in SI, ``group`` (the name of the hit), ``quantity`` of forces and motions; and,
-    which the standard does not know, ``start_time``, the time of the first sample in s from the start of its record.
+    The fields are ``name``, ``data`` (float64), ``fs`` in Hz, ``unit_str`` in SI, ``group`` (the name of the hit), ``quantity`` of forces
+    and motions; and, in addition to the standard, ``start_time``, the time of the first sample in s from the start of its record.
     """
     return [
         [
@@ -98,7 +98,7 @@ def to_sep005(hits: Hits) -> list[list[dict[str, Any]]]:
 
 
 def _series(series: object, place: str) -> tuple[str, str, NDArray[np.float64], float]:
-    """Name, unit, samples and sampling rate of a time series."""
+    """Returns name, unit, samples and sampling rate of a time series."""
     if not isinstance(series, Mapping):
         raise SheetError(f"{place} is of the type {type(series).__name__}, expected a mapping", field=place)
     for key in ("name", "unit_str"):
@@ -128,7 +128,7 @@ def _row(values: object, place: str) -> NDArray[np.float64]:
 
 
 def _rate(time: NDArray[np.float64], n_samples: int, place: str) -> float:
-    """The rate in Hz of evenly spaced times."""
+    """Returns the rate in Hz of evenly spaced times."""
     if len(time) != n_samples or n_samples < 2:
         raise SheetError(f"{place} has {len(time)} times of {n_samples} samples, expected two or more of each", field=place)
     step = (time[-1] - time[0]) / (n_samples - 1)

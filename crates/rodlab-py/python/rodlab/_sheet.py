@@ -18,7 +18,7 @@ _MAPS = frozenset({"materials", "full_scales", "noise_of"})
 
 @dataclass(frozen=True)
 class Part:
-    """A named part of a sheet, as ``sheet.Cone(material="nylon", ...)``, with the fields of the same name in a file."""
+    """A named part of a sheet, such as ``sheet.Cone(material="nylon", ...)``, with the fields of the part of this name in a file."""
 
     name: str
     values: tuple[Any, ...] = ()
@@ -35,12 +35,12 @@ def check_options(options: Mapping[str, Any], known: type) -> None:
 
 
 def quantity(value: object, unit: str, argument: str) -> str:
-    """Text of a quantity: a text as it is, a number in the SI unit `unit` ("" for a pure number)."""
+    """Returns the text of a quantity: a text unchanged, a number with the SI unit `unit` ("" for a pure number)."""
     return value if isinstance(value, str) else f"{number(value, unit, argument)!r} {unit}".strip()
 
 
 def number(value: object, unit: str, argument: str) -> float:
-    """A finite number in the unit `unit`."""
+    """Returns a finite number in the unit `unit`."""
     if isinstance(value, bool) or not isinstance(value, (int, float, np.integer, np.floating)):
         expected = f'a number in {unit}, or a text as "1.5 {unit}"' if unit else 'a number, or a text as "0.4 ± 0.02"'
         raise SheetError(f"{argument} is {value!r}, expected {expected}", field=argument)
@@ -54,7 +54,7 @@ def number(value: object, unit: str, argument: str) -> float:
 
 
 def text_of(value: object) -> str:
-    """The text of a sheet, or of a part of one, in RON. What is None is left out."""
+    """Returns the text of a sheet, or of a part of a sheet, in RON. Fields that are None are left out."""
     return _text(value, "")
 
 

@@ -1,6 +1,6 @@
-"""Long bars: how their waves propagate, and the stress-strain curve of a specimen between two of them.
+"""Long bars: propagation of their waves, and the stress-strain curve of a specimen between two of them.
 
-Every function gives what the commands ``rodlab bar`` and ``rodlab shpb`` give for a sheet with the same statements, to the last digit.
+Every function gives the results of the commands ``rodlab bar`` and ``rodlab shpb`` for a sheet with the same statements, to the last digit.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ class Propagation(Modulus):
     """Propagation of waves in a bar, and the modulus of its material. Arrays have the shape (n_lines,).
 
     The table ``propagation`` has alpha, k and the phase velocity with their covariance; ``attachments["material.json"]``, if laws were
-    fitted, is a material of later sheets.
+    fitted, is a material for later sheets.
     """
 
     @property
@@ -41,30 +41,30 @@ class Propagation(Modulus):
 
     @property
     def damping_coefficient(self) -> NDArray[np.float64]:
-        """alpha in 1/m."""
+        """Damping coefficient alpha in 1/m."""
         return self.propagation.numbers("damping_coefficient_per_m")
 
     @property
     def wave_number(self) -> NDArray[np.float64]:
-        """k in rad/m."""
+        """Wave number k in rad/m."""
         return self.propagation.numbers("wave_number_rad_per_m")
 
     @property
     def phase_velocity(self) -> NDArray[np.float64]:
-        """omega/k in m/s."""
+        """Phase velocity omega/k in m/s."""
         return self.propagation.numbers("phase_velocity_m_per_s")
 
 
 class StressStrain(Result):
     """The stress-strain curve of a specimen. Arrays have the shape (n_times,); engineering values, positive in the sense of the loading.
 
-    The table ``stress_strain`` has true values and the parts of the errors besides, ``faces`` the forces and velocities of both faces,
-    ``waves`` the waves at the gauges, ``budget`` what the errors come from.
+    The table ``stress_strain`` also has true values and the parts of the errors, ``faces`` the forces and velocities of both faces,
+    ``waves`` the strain waves at the faces, ``budget`` the sources of the errors.
     """
 
     @property
     def curve(self) -> Table:
-        """The table of the curve: of one shot over time, of several their mean over strain."""
+        """The table of the curve: of one shot against time, of several shots their mean against strain."""
         return self.tables.get("mean") or self.table("stress_strain")
 
     @property
@@ -91,7 +91,7 @@ class StressStrain(Result):
         return self.curve.numbers(name.format("mean_" if "mean" in self.tables else ""))
 
     def plot(self, ax: Axes | None = None) -> Axes:
-        """Draws stress over strain with its 95 % band; returns the axes."""
+        """Draws stress against strain with its 95 % band; returns the axes."""
         import matplotlib.pyplot as plt
 
         if ax is None:
@@ -117,29 +117,29 @@ def bar(
     separation: str | None = None,
     averaged_with: Mapping[str, Sequence[str]] | None = None,
 ) -> Part:
-    """A bar of a split Hopkinson bar, for :func:`stress_strain`.
+    """Returns one of the two bars for :func:`stress_strain`.
 
     Parameters
     ----------
     diameter, length : float or str
         In m.
     gauges : mapping of str to float or str
-        Distance in m from the specimen of the gauge of each channel: one, or two.
+        Distance in m from the specimen to the gauge of each channel: one or two gauges.
     material : str, optional
-        Name among the materials.
+        Name of one of the materials.
     density, wave_speed : float or str, optional
-        Of an elastic bar instead of a material, in kg/m³ and m/s.
+        Density in kg/m³ and wave speed in m/s of an elastic bar, instead of a material.
     poisson_ratio : float or str, optional
-        Takes the dispersion by lateral inertia off, by the theory of Pochhammer and Chree; waves are one-dimensional without it.
+        Poisson's ratio, for the dispersion by lateral inertia in the theory of Pochhammer and Chree; without it waves are one-dimensional.
     separation : str, optional
         ``Passages``, ``TwoGauges``, ``FreeEnd`` or ``Balanced``; by default ``Passages`` for one gauge and ``TwoGauges`` for two.
     averaged_with : mapping of str to list of str, optional
-        Channels of other gauges around the section of a channel, in whose mean bending cancels.
+        For a channel, the channels of other gauges around the same section: bending cancels in their mean.
 
     Raises
     ------
     SheetError
-        An argument is no quantity, or both or none of material and wave speed are stated.
+        An argument is not a quantity, or both or none of material and wave speed are stated.
     """
     if material is not None and density is None and wave_speed is None:
         waves = Part("Material", (material,))
@@ -178,32 +178,32 @@ def propagation(
     out: str | os.PathLike[str] | None = None,
     progress: Progress | None = None,
 ) -> Propagation:
-    """How waves propagate in a long bar, from one shot on it or several: damping, wave number and phase velocity with their covariance.
+    """Determines the propagation of waves in a long bar from one shot or several: damping, wave number and phase velocity with their covariance.
 
-    One gauge tells it by a pulse and its reflection, two or more by least squares, where waves may overlap.
+    One gauge uses a pulse and its reflection; two or more gauges use least squares, and their waves may overlap.
 
     Parameters
     ----------
     shots : Hits
-        Of :func:`rodlab.read`; each record is a shot.
+        Hits from :func:`rodlab.read`; each record is a shot.
     length, diameter, density : float or str
-        Of the bar, in m and kg/m³.
+        Dimensions of the bar in m, and its density in kg/m³.
     gauges : mapping of str to float or str
-        Distance in m from the free end of the gauge of each channel, in the order in which the pulse passes them.
+        Distance in m from the free end to the gauge of each channel, in the order in which the pulse passes the gauges.
     silent : float or str
-        Time in s before the pulse, in which level and noise are found.
+        Time in s before the pulse, from which level and noise are estimated.
     poisson_ratio : float or str, optional
-        Takes lateral inertia out of the modulus; ``0`` for simulated waves in one dimension.
+        Poisson's ratio, to correct the modulus for lateral inertia; ``0`` for simulated waves in one dimension.
     wave_speed : float or str, optional
-        A guess in m/s; searched by default.
+        A first guess in m/s; found by a search by default.
     band : tuple, optional
-        Frequencies in Hz.
+        Lowest and highest frequency in Hz.
     limits : mapping, optional
-        What is asked of a valid line, as ``{"storage_modulus": "1 %"}``.
+        Requirements on a valid line, such as ``{"storage_modulus": "1 %"}``.
     laws : list of str, optional
-        As :func:`rodlab.rheology.fit` takes them; the preferred one becomes the material.
+        Laws as in :func:`rodlab.rheology.fit`; the preferred law becomes the material.
     report_at : list of str, optional
-        Frequencies whose results are quantities.
+        Frequencies at which the results are also given as quantities.
     out : path, optional
         Folder that receives the files of the command, among them ``material.json``.
 
@@ -257,35 +257,35 @@ def stress_strain(
     out: str | os.PathLike[str] | None = None,
     progress: Progress | None = None,
 ) -> StressStrain:
-    """The stress-strain curve of a specimen between split Hopkinson bars, with its band (Zhao and Gary 1996; Bacon 1998).
+    """Returns the stress-strain curve of a specimen between split Hopkinson bars, with its band (Zhao and Gary 1996; Bacon 1998).
 
     The waves are carried from the gauges to the faces of the specimen by the law of the bars, elastic or viscoelastic.
 
     Parameters
     ----------
     shots : Hits or list of Hits
-        Strains of a shot, of :func:`rodlab.read`; of several shots with the same bars, the mean curve is the result.
+        Strains of a shot, from :func:`rodlab.read`; for several shots with the same bars the result is their mean curve.
     incident, transmitted : Part
-        Of :func:`bar`.
+        The two bars, from :func:`bar`.
     specimen_length, specimen_diameter, specimen_wall : float or str
         In m; the wall is that of a tube in torsion.
     silent : float or str
-        Time in s before any pulse, in which level and noise are found.
+        Time in s before any pulse, from which level and noise are estimated.
     loading : str
         ``Compression``, ``Tension`` or ``Torsion``.
     materials : mapping
-        Name of each material to ``{"density": "1150 kg/m3", "law": sheet.Prony(...)}``, or to
-        ``{"law": sheet.Result("bar/material.json")}``, which :func:`propagation` has written.
+        Maps the name of each material to ``{"density": "1150 kg/m3", "law": sheet.Prony(...)}``, or to
+        ``{"law": sheet.Result("bar/material.json")}``, a file written by :func:`propagation`.
     stress_from : str, optional
         ``Both`` (default), ``Incident`` or ``Transmitted``.
     band : float or str, optional
-        Its upper end in Hz; chosen for the bars by default.
+        Upper end of the band in Hz; chosen for the bars by default.
     align_arrivals : bool
-        Takes the lag between the arrivals at both faces off, instead of trusting positions and wave speeds.
+        Subtracts the lag between the arrivals at both faces, instead of relying on positions and wave speeds.
     monte_carlo : int, optional
-        Draws of noise and all sources together, by which the linear errors are judged.
+        Number of draws of noise and all sources together, which check the linear errors.
     folder : path, optional
-        Where the paths of materials start; that of the shots by default.
+        Start of the relative paths of materials; the folder of the shots by default.
     out : path, optional
         Folder that receives the files of the command.
 
@@ -330,7 +330,7 @@ def _gauge(channel: str, at: Number, place: str, averaged_with: Sequence[str] | 
 
 
 def _records_from(shot: Hits, start: Path) -> dict[str, Any]:
-    """The records of `shot`, with paths that start at `start`."""
+    """Returns the records of `shot`, with paths that start at `start`."""
     if shot._folder == start:
         return shot._records
     return shot._records | {"files": [os.fspath(shot._folder.resolve() / file) for file in shot._records["files"]]}

@@ -21,12 +21,13 @@ __all__ = ["Force", "predict"]
 class Force(Result):
     """A force over time. Arrays have the shape (n_times,); the force is positive in compression.
 
-    The table ``force`` has the march itself, ``force_in_band`` what can be stated of it, ``contacts`` when the faces meet and part.
+    The table ``force`` has the force by time marching, ``force_in_band`` the force in the band with its error, ``contacts`` the times at which
+    the faces meet and part.
     """
 
     @property
     def time(self) -> NDArray[np.float64]:
-        """Times in s of the force in the band."""
+        """Times of the force in the band in s."""
         return self.table("force_in_band").numbers("time_s")
 
     @property
@@ -36,7 +37,7 @@ class Force(Result):
 
     @property
     def standard_error(self) -> NDArray[np.float64] | None:
-        """Its standard error in N; None where nothing was stated with ±."""
+        """Standard error of the force in the band in N; None if nothing was stated with ±."""
         name = "standard_error_force_n"
         table = self.table("force_in_band")
         return table.numbers(name) if name in table.units else None
@@ -71,26 +72,27 @@ def predict(
     progress: Progress | None = None,
     **fields: Any,
 ) -> Force:
-    """The force when two bodies meet, as the command ``rodlab force`` gives it (Ödeen 1993, paper E, eqs. 2-3).
+    """Returns the force between two bodies that meet, like the command ``rodlab force`` (Ödeen 1993, paper E, eqs. 2-3).
 
     Parameters
     ----------
     first, second : Part
-        The body that moves and the body at rest, as ``sheet.LongRod(material="steel", diameter="10 mm")`` or
-        ``sheet.Chain(elements=[sheet.Cone(...)])``; a measured one as :meth:`rodlab.mobility.Mobility.body` gives it. Without the
-        ``front_impedance`` of a measured body the force is known on lines only, which is a table of the result and no history.
+        The body that moves and the body at rest, such as ``sheet.LongRod(material="steel", diameter="10 mm")`` or
+        ``sheet.Chain(elements=[sheet.Cone(...)])``; :meth:`rodlab.mobility.Mobility.body` returns a measured body. Without the
+        ``front_impedance`` of a measured body there is no time marching and no table ``force_in_band``: the table ``force`` then ends with
+        the first contact.
     velocity : float or str
-        Relative velocity before they meet, in m/s.
+        Relative velocity before the bodies meet, in m/s.
     duration : float or str
-        How long the force is followed, in s.
+        Duration of the computed force, in s.
     materials : mapping
-        Name of each material to ``{"density": "7780 kg/m3", "law": sheet.Elastic(modulus="206 GPa")}``.
+        Maps the name of each material to ``{"density": "7780 kg/m3", "law": sheet.Elastic(modulus="206 GPa")}``.
     band : float or str, optional
         Upper end of the band in which the force is stated, in Hz; 10 kHz by default.
     contact : Part, optional
-        Law of the contact, as ``sheet.Linear("20 MN/m")``; rigid faces by default.
+        Law of the contact, such as ``sheet.Linear("20 MN/m")``; rigid faces by default.
     folder : path
-        Where the paths of measured bodies start.
+        Start of the relative paths of measured bodies.
     **fields
         Any other field of ``Impact`` in a sheet.
 

@@ -1,6 +1,6 @@
 """Frequency responses, with coherence and errors.
 
-Of arrays: :func:`h1`, :func:`h2`, :func:`hv`. Of hits from files, with everything that the command ``rodlab frf`` does: :func:`of_hits`.
+From arrays: :func:`h1`, :func:`h2`, :func:`hv`. From hits in files, like the command ``rodlab frf``: :func:`of_hits`.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ __all__ = ["FrequencyResponse", "h1", "h2", "hv", "of_hits"]
 
 @dataclass(frozen=True, eq=False)
 class FrequencyResponse:
-    """A frequency response; all arrays have the shape (n_lines,), from 0 Hz, and cannot be written to.
+    """A frequency response; all arrays have the shape (n_lines,), from 0 Hz, and are read-only.
 
     Attributes
     ----------
@@ -36,14 +36,14 @@ class FrequencyResponse:
         ``H1``, ``H2`` or ``Hv``.
     frequency_hz : array of float
     values : array of complex
-        Unit of the output over unit of the input, time factor exp(+iωt); NaN on lines that are not valid.
+        Unit of the output divided by unit of the input, time factor exp(+iωt); NaN on lines that are not valid.
     coherence : array of float, or None for one hit
     variance : array of float, or None for one hit
         E|δH|², twice the variance of the real or of the imaginary part.
     magnitude_error, phase_error : array of float, or None for one hit
         Standard errors of \\|H\\| relative to \\|H\\|, and of the phase in rad (Bendat and Piersol, *Random Data*).
     valid : array of bool
-        Whether a line carries information.
+        True for a line that carries information.
     n_averages : int
     """
 
@@ -58,12 +58,12 @@ class FrequencyResponse:
     n_averages: int
 
     def columns(self) -> dict[str, NDArray[Any]]:
-        """The arrays by their names; those that there are."""
+        """Returns the arrays that exist, by their names."""
         names = ("frequency_hz", "values", "coherence", "variance", "magnitude_error", "phase_error", "valid")
         return {name: getattr(self, name) for name in names if getattr(self, name) is not None}
 
     def to_pandas(self) -> pandas.DataFrame:
-        """A data frame with a row for each line; its `attrs` hold `units` (by column) and `estimator`."""
+        """Returns a data frame with a row for each line; its `attrs` have `units` (by column) and `estimator`."""
         import pandas
 
         columns = self.columns()
@@ -73,14 +73,14 @@ class FrequencyResponse:
         return frame
 
     def plot(self, ax: Sequence[matplotlib.axes.Axes] | None = None) -> Sequence[matplotlib.axes.Axes]:
-        """Draws magnitude, phase and coherence over the frequency on three axes, invalid lines left out; returns the axes."""
+        """Draws magnitude, phase and coherence against frequency on three axes, without invalid lines; returns the axes."""
         from ._plot import frequency_response
 
         return frequency_response(self, ax)
 
 
 def h1(input: ArrayLike, output: ArrayLike, *, sampling_rate_hz: float, window: str = "rectangular") -> FrequencyResponse:
-    """The frequency response H1 = G_xy/G_xx, for noise on the output.
+    """Returns the frequency response H1 = G_xy/G_xx, for noise on the output.
 
     Parameters
     ----------
@@ -89,7 +89,7 @@ def h1(input: ArrayLike, output: ArrayLike, *, sampling_rate_hz: float, window: 
     sampling_rate_hz : float
         In Hz.
     window : str
-        ``rectangular`` (for hits that die out), ``hann``, ``hamming``, ``blackman-harris`` or ``flat top``.
+        ``rectangular`` (for hits that decay within the record), ``hann``, ``hamming``, ``blackman-harris`` or ``flat top``.
 
     Returns
     -------
@@ -99,18 +99,18 @@ def h1(input: ArrayLike, output: ArrayLike, *, sampling_rate_hz: float, window: 
     Raises
     ------
     Error
-        Arrays that are empty, differ in shape, are not real, or hold NaN or infinite numbers.
+        Arrays are empty, differ in shape, are not real, or contain NaN or infinite numbers.
     """
     return _estimate("H1", input, output, sampling_rate_hz, window)
 
 
 def h2(input: ArrayLike, output: ArrayLike, *, sampling_rate_hz: float, window: str = "rectangular") -> FrequencyResponse:
-    """The frequency response H2 = G_yy/G_yx, for noise on the input; as :func:`h1`."""
+    """Returns the frequency response H2 = G_yy/G_yx, for noise on the input; parameters as for :func:`h1`."""
     return _estimate("H2", input, output, sampling_rate_hz, window)
 
 
 def hv(input: ArrayLike, output: ArrayLike, *, sampling_rate_hz: float, window: str = "rectangular") -> FrequencyResponse:
-    """The frequency response Hv = sqrt(H1 H2), for the same relative noise on both channels; as :func:`h1`."""
+    """Returns the frequency response Hv = sqrt(H1 H2), for the same relative noise on both channels; parameters as for :func:`h1`."""
     return _estimate("Hv", input, output, sampling_rate_hz, window)
 
 
@@ -128,28 +128,28 @@ def of_hits(
     progress: Progress | None = None,
     **fields: Mapping[str, Any] | Part | str,
 ) -> Result:
-    """The frequency responses of accepted hits, as the command ``rodlab frf`` gives them.
+    """Returns the frequency responses of accepted hits, like the command ``rodlab frf``.
 
     Parameters
     ----------
     hits : Hits
-        Of :func:`rodlab.read`.
+        Hits from :func:`rodlab.read`.
     input : str, optional
-        Channel that is divided by; by default the first.
+        Channel in the denominator; by default the first.
     outputs : list of str, optional
-        Channels that are divided; by default all others.
+        Channels in the numerator; by default all others.
     estimator : str, optional
         ``H1`` (default), ``H2``, ``Hv`` or ``Hs``.
     window : Part, optional
-        As ``sheet.Hann()``; by default rectangular.
+        Window such as ``sheet.Hann()``; by default rectangular.
     band : pair of str, optional
-        As ``("20 Hz", "10 kHz")``.
+        Lowest and highest frequency, such as ``("20 Hz", "10 kHz")``.
     kind : str, optional
         ``Receptance``, ``Mobility``, ``Accelerance``, ``DynamicStiffness``, ``Impedance`` or ``DynamicMass``; by default as measured.
     silent : str, optional
-        Time before a blow in which the channels rest.
+        Time before a blow in which the channels are at rest.
     **fields
-        Any other field of the sheet, as ``exponential_window=sheet.EndWeight(weight="1 %")``.
+        Any other field of the sheet, such as ``exponential_window=sheet.EndWeight(weight="1 %")``.
 
     Raises
     ------

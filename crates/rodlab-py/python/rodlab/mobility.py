@@ -1,6 +1,6 @@
 """Mobility of an impact face, measured or computed (Ödeen 1993, paper E, section 3.1).
 
-Every function gives what the command ``rodlab mobility`` gives for a sheet with the same statements, to the last digit.
+Every function gives the results of the command ``rodlab mobility`` for a sheet with the same statements, to the last digit.
 """
 
 from __future__ import annotations
@@ -36,12 +36,12 @@ class Options(TypedDict, total=False):
     complete: tuple[Number, Number]
     """Frequencies in Hz: lines below the first follow from the weighed mass, fitted up to the second."""
     front_impedance: Number
-    """Characteristic impedance in kg/s of the material at the face. A force is followed in time only with it."""
+    """Characteristic impedance in kg/s of the material at the face. A force by time marching requires it."""
     progress: Progress
 
 
 class Mobility(Result):
-    """A mobility v/F over the frequency. Arrays have the shape (n_lines,), from 0 Hz; time factor exp(+iωt)."""
+    """A mobility v/F as a function of frequency. Arrays have the shape (n_lines,), from 0 Hz; time factor exp(+iωt)."""
 
     @property
     def lines(self) -> Table:
@@ -61,7 +61,7 @@ class Mobility(Result):
 
     @property
     def standard_error(self) -> NDArray[np.float64] | None:
-        """Root of E|δY|² in m/(N s), by the scatter of the hits; None where no scatter is known."""
+        """Root of E|δY|² in m/(N s), from the scatter of the hits; None if the scatter is not known."""
         name = "standard_error_m_per_n_s"
         return self.lines.numbers(name) if name in self.lines.units else None
 
@@ -76,9 +76,9 @@ class Mobility(Result):
         Parameters
         ----------
         file : path
-            As ``"hammer.uff"``. An existing file is not replaced.
+            Path such as ``"hammer.uff"``. An existing file is not replaced.
         **fields
-            Fields of ``Measured`` in a sheet, as ``support=sheet.Free(mass="1.5 kg ± 1 gram")`` and ``front_impedance="3.2e3 kg/s"``.
+            Fields of ``Measured`` in a sheet, such as ``support=sheet.Free(mass="1.5 kg ± 1 gram")`` and ``front_impedance="3.2e3 kg/s"``.
 
         Raises
         ------
@@ -101,20 +101,20 @@ def of_hits(
     source: Mapping[str, Any] | None = None,
     **options: Unpack[Options],
 ) -> Mobility:
-    """The mobility from hits with a hammer.
+    """Returns the mobility from hits with a hammer.
 
     Parameters
     ----------
     hits : Hits
-        Of :func:`rodlab.read`.
+        Hits from :func:`rodlab.read`.
     force, response : str, optional
         Channels of the force and of the motion of the face; by default the first and the second.
     estimator : str, optional
         ``H1`` (default), ``H2``, ``Hv`` or ``Hs``.
     silent : float or str, optional
-        Time in s before a blow in which the channels rest.
+        Time in s before a blow in which the channels are at rest.
     source : mapping, optional
-        Other fields of ``Hits`` in a sheet, as ``{"exponential_window": "1 %"}``.
+        Other fields of ``Hits`` in a sheet, such as ``{"exponential_window": "1 %"}``.
     **options
         See :class:`Options`.
 
@@ -141,7 +141,7 @@ def of_two_hammers(
     source: Mapping[str, Any] | None = None,
     **options: Unpack[Options],
 ) -> Mobility:
-    """The mobility from two tests of one face, merged line by line.
+    """Returns the mobility from two tests of the same face, merged line by line.
 
     Parameters
     ----------
@@ -150,12 +150,12 @@ def of_two_hammers(
     merge : str, optional
         ``InverseVariance`` (default) or ``LargerInput``.
     force, response, estimator, silent, source, **options
-        As :func:`of_hits`, of both tests.
+        As for :func:`of_hits`, for both tests.
 
     Raises
     ------
     SheetError, ReadError, NotAllowed
-        As :func:`of_hits`.
+        As for :func:`of_hits`.
     """
     if low._folder != high._folder:
         found = f"the folders of low and high are `{low._folder}` and `{high._folder}`"
@@ -174,18 +174,18 @@ def of_file(
     folder: str | os.PathLike[str] = ".",
     **options: Unpack[Options],
 ) -> Mobility:
-    """The mobility from an averaged frequency response in a file.
+    """Returns the mobility from an averaged frequency response in a file.
 
     Parameters
     ----------
     file : path
         Universal file, or any format with lines on a frequency axis.
     kind : str, optional
-        ``Mobility``, ``Accelerance``, ...; by default that of the unit in the file.
+        ``Mobility``, ``Accelerance``, ...; by default the kind that the unit in the file gives.
     data_set : int or str, optional
         Data set, by number from 1 or by name; by default the only complex one.
     source : mapping, optional
-        Other fields of ``File`` in a sheet, as ``{"coherence": 3, "averages": 8}``.
+        Other fields of ``File`` in a sheet, such as ``{"coherence": 3, "averages": 8}``.
     folder : path
         Start of a relative path.
     **options
@@ -194,7 +194,7 @@ def of_file(
     Raises
     ------
     SheetError, ReadError, NotAllowed
-        As :func:`of_hits`.
+        As for :func:`of_hits`.
     """
     fields = {"file": os.fspath(file), "kind": None if kind is None else Part(kind), "data_set": data_set}
     return _mobility(Part("File", (), tuple((fields | dict(source or {})).items())), Path(folder), options)
@@ -208,14 +208,14 @@ def of_body(
     materials: Mapping[str, Mapping[str, Any]] | None = None,
     **options: Unpack[Options],
 ) -> Mobility:
-    """The mobility of a computed body on equidistant lines, with the checks of a measured one.
+    """Returns the mobility of a computed body on equidistant lines, with the checks of a measured mobility.
 
     :func:`rodlab.rods.mobility` gives the values alone, at any frequencies.
 
     Parameters
     ----------
     body : Part
-        As ``sheet.Chain(elements=[sheet.Cone(...)])``.
+        Body such as ``sheet.Chain(elements=[sheet.Cone(...)])``.
     highest : float or str
         Highest frequency in Hz.
     lines : int

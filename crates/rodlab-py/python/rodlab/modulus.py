@@ -1,6 +1,6 @@
-"""Complex modulus of a rod, by the methods of papers A and B (Ödeen 1993) and their neighbours.
+"""Complex modulus of a rod, by the methods of papers A and B (Ödeen 1993) and related methods.
 
-Every function gives what the command ``rodlab modulus`` gives for a sheet with the same statements, to the last digit.
+Every function gives the results of the command ``rodlab modulus`` for a sheet with the same statements, to the last digit.
 """
 
 from __future__ import annotations
@@ -27,36 +27,36 @@ if TYPE_CHECKING:
 __all__ = ["Modulus", "Options", "multi_point", "three_point", "two_point"]
 
 Number = float | str
-"""A number in SI, which is exact, or a text with a unit and a standard uncertainty, as ``"799 mm ± 0.3 mm"``."""
+"""A number in SI, which is exact, or a text with a unit and a standard uncertainty, such as ``"799 mm ± 0.3 mm"``."""
 
 
 class Options(TypedDict, total=False):
-    """What every method takes besides; the defaults are those of a sheet."""
+    """Options of every method; the defaults are those of a sheet."""
 
     title: str
     band: tuple[Number, Number]
-    """Frequencies in Hz between which lines are taken."""
+    """Lowest and highest frequency in Hz of the lines used."""
     poisson_ratio: Number
-    """Takes lateral inertia out, by the theory of Pochhammer and Chree."""
+    """Poisson's ratio, to correct for lateral inertia with the theory of Pochhammer and Chree."""
     silent: Number
-    """Time in s that each record is silent before the blow: noise is read from there."""
+    """Time in s for which each record is silent before the blow: the noise is estimated from this part."""
     limits: Mapping[str, str]
-    """What is asked of a valid line, as ``{"storage_modulus": "2 %"}``."""
+    """Requirements on a valid line, such as ``{"storage_modulus": "2 %"}``."""
     checks: Mapping[str, Any]
-    """Checks that need no truth, as ``{"level": "1 %"}``."""
+    """Checks that need no true value, such as ``{"level": "1 %"}``."""
     causal: bool
-    """Finds the relaxing material nearest to all lines together, too: :attr:`Modulus.causal`."""
+    """True to find also the relaxing material nearest to all lines together: :attr:`Modulus.causal`."""
     report_at: Sequence[str]
-    """Frequencies whose results are quantities, as ``["1 kHz"]``."""
+    """Frequencies at which the results are also given as quantities, such as ``["1 kHz"]``."""
     folder: str | os.PathLike[str]
-    """Where the paths of a source that is a part start; those of hits are known."""
+    """Start of the relative paths of a source that is a part; the folder of hits is known."""
     progress: Progress
 
 
 class Modulus(Result):
-    """A complex modulus over the frequency. Arrays have the shape (n_lines,).
+    """A complex modulus as a function of frequency. Arrays have the shape (n_lines,).
 
-    The table ``modulus`` and the properties are in SI, as ``modulus.csv``.
+    The table ``modulus`` and the properties are in SI, like ``modulus.csv``.
     """
 
     @property
@@ -66,17 +66,17 @@ class Modulus(Result):
 
     @property
     def budget(self) -> Table | None:
-        """What makes the uncertainty of E' (in % of it) and of the loss factor on every line; None if only noise is uncertain."""
+        """Sources of the uncertainty of E' (in % of E') and of the loss factor on every line; None if noise is the only source."""
         return self.tables.get("budget")
 
     @property
     def causal(self) -> Table | None:
-        """The relaxing material nearest to all lines together, with its errors; None unless it was asked for by ``causal=True``."""
+        """The relaxing material nearest to all lines together, with its errors; None unless requested with ``causal=True``."""
         return self.tables.get("causal")
 
     @property
     def valid(self) -> NDArray[np.bool_]:
-        """Whether each line meets the conditions of validity."""
+        """True for each line that meets the conditions of validity."""
         return np.asarray(self.lines.columns()["valid"], dtype=np.bool_)
 
     @property
@@ -86,7 +86,7 @@ class Modulus(Result):
 
     @property
     def modulus(self) -> NDArray[np.complex128]:
-        """E' + iE'' in Pa."""
+        """Complex modulus E' + iE'' in Pa."""
         of = self.lines.numbers
         return np.asarray(of("storage_modulus_pa") + 1j * of("loss_modulus_pa"), dtype=np.complex128)
 
@@ -99,7 +99,7 @@ class Modulus(Result):
 
     @property
     def loss_factor(self) -> NDArray[np.float64]:
-        """E''/E'."""
+        """Loss factor E''/E'."""
         return self.lines.numbers("loss_factor")
 
     def columns(self) -> dict[str, Column]:
@@ -107,11 +107,11 @@ class Modulus(Result):
         return self.lines.columns()
 
     def to_pandas(self) -> pandas.DataFrame:
-        """The table of all lines; its `attrs` hold `units`."""
+        """Returns the table of all lines; its `attrs` have `units`."""
         return self.lines.to_pandas()
 
     def to_xarray(self) -> xarray.Dataset:
-        """The table of all lines over the frequency; each variable has its `units`."""
+        """Returns the table of all lines as a data set over the frequency; each variable has its `units`."""
         return self.lines.to_xarray()
 
     def plot(self, ax: Sequence[Axes] | None = None) -> Sequence[Axes]:
@@ -140,18 +140,18 @@ def two_point(
     solver: str | None = None,
     **options: Unpack[Options],
 ) -> Modulus:
-    """The complex modulus from the motions of both ends of a rod that is struck at one of them (Ödeen 1993, paper A, eqs. 1, 5-7).
+    """Returns the complex modulus from the motions of both ends of a rod that is struck at one of them (Ödeen 1993, paper A, eqs. 1, 5-7).
 
     Parameters
     ----------
     source : Hits or Part
-        Accepted hits of :func:`rodlab.read`; or ``sheet.Ratio(...)``, a file with the ratio of impacted end by free end.
+        Accepted hits from :func:`rodlab.read`; or ``sheet.Ratio(...)``, a file with the ratio of the impacted to the free end.
     length, diameter : float or str
-        Of the specimen, in m.
+        Dimensions of the specimen in m.
     density : float or str
-        In kg/m³.
+        Density in kg/m³.
     accelerometer_mass : float or str, optional
-        Mass on the free end in kg, the accelerometer with its connector; none by default.
+        Mass in kg on the free end, of the accelerometer with its connector; none by default.
     impacted_end, free_end : str, optional
         Channels; by default the first and the second.
     solver : str, optional
@@ -185,12 +185,12 @@ def two_point(
 def three_point(
     source: Hits, *, gauges: Mapping[str, Number], diameter: Number, density: Number, **options: Unpack[Options]
 ) -> Modulus:
-    """The complex modulus from three equidistant gauges, in closed form (Ödeen 1993, paper B, eqs. 6-9).
+    """Returns the complex modulus from three equidistant gauges, in closed form (Ödeen 1993, paper B, eqs. 6-9).
 
     Parameters
     ----------
     source : Hits
-        Accepted hits of :func:`rodlab.read`.
+        Accepted hits from :func:`rodlab.read`.
     gauges : mapping of str to float or str
         Position in m along the rod of each of the three channels, in order of the positions.
     diameter, density : float or str
@@ -201,7 +201,7 @@ def three_point(
     Raises
     ------
     SheetError, ReadError, NotAllowed
-        As :func:`two_point`.
+        As for :func:`two_point`.
     """
     method = Part("ThreePoint", (), (("gauges", _gauges(gauges)),))
     return _modulus(source, method, _specimen(diameter, density), options)
@@ -217,25 +217,27 @@ def multi_point(
     wave_speed: Number | None = None,
     **options: Unpack[Options],
 ) -> Modulus:
-    """The complex modulus from three gauges or more at any positions, or two before a free end, by least squares (generalises Ödeen 1993, paper B).
+    """Returns the complex modulus from three or more gauges at any positions, or from two gauges and a free end, by least squares
+    (generalises Ödeen 1993, paper B).
 
-    One shot suffices: its errors are from the silence before it, and a record may end while the rod rings.
+    One shot suffices: its errors follow from the silence before it, and a record may end while the rod rings.
 
     Parameters
     ----------
     source, gauges, diameter, density
-        As :func:`three_point`.
+        As for :func:`three_point`.
     free_end_at : float or str, optional
-        Position of a free end in m, beyond the last gauge. Two gauges take it as the third condition; three or more are checked against it.
+        Position of a free end in m, beyond the last gauge. For two gauges it is the third condition; three or more gauges are checked
+        against it.
     wave_speed : float or str, optional
-        A guess in m/s; searched by default.
+        A first guess in m/s; found by a search by default.
     **options
         See :class:`Options`.
 
     Raises
     ------
     SheetError, ReadError, NotAllowed
-        As :func:`two_point`.
+        As for :func:`two_point`.
     """
     fields = (
         ("gauges", _gauges(gauges)),

@@ -1,4 +1,4 @@
-"""Rheological laws fitted to a complex modulus, and cards of them for other programs."""
+"""Rheological laws fitted to a complex modulus, and material cards of the laws for other programs."""
 
 from __future__ import annotations
 
@@ -37,10 +37,10 @@ _PROGRAMS = {
 
 
 class _Laws(Result):
-    """Laws that were fitted. The table ``laws`` compares them."""
+    """Fitted laws. The table ``laws`` compares them."""
 
     def parameters(self, law: str) -> dict[str, Quantity]:
-        """The parameters of a fitted law by their names, with standard errors and verdicts.
+        """Returns the parameters of a fitted law by their names, with standard errors and verdicts.
 
         Raises
         ------
@@ -67,7 +67,7 @@ class _Laws(Result):
         temperature: str | None = None,
         progress: Progress | None = None,
     ) -> str:
-        """The text of a material card of the Prony series, ``generalised maxwell``, which must be among the fitted laws.
+        """Returns the text of a material card of the Prony series, ``generalised maxwell``, which must be among the fitted laws.
 
         Parameters
         ----------
@@ -76,11 +76,11 @@ class _Laws(Result):
         name : str
             Name of the material: a letter followed by letters, digits, ``-`` or ``_``.
         poisson_ratio : float or str
-            As ``"0.40 ± 0.02"``.
+            Poisson's ratio such as ``"0.40 ± 0.02"``.
         poisson_ratio_at : float or str, optional
-            Frequency in Hz at which that is the ratio; the middle of the fitted lines by default.
+            Frequency in Hz at which the ratio applies; the middle of the fitted lines by default.
         temperature : str, optional
-            As ``"23 degC"``: a comment of the card.
+            Temperature such as ``"23 degC"``, for a comment in the card.
 
         Raises
         ------
@@ -100,12 +100,12 @@ class _Laws(Result):
         temperature: str | None = None,
         progress: Progress | None = None,
     ) -> list[str]:
-        """The texts of cards of so many draws of the modulus, the density and Poisson's ratio, for a Monte Carlo calculation of the program.
+        """Returns the texts of cards for `draws` draws of modulus, density and Poisson's ratio, for a Monte Carlo calculation with the program.
 
         Parameters
         ----------
         draws : int
-            Number of cards, 1 to 1000; the others as for ``card``.
+            Number of cards, 1 to 1000; the other parameters are as for ``card``.
 
         Raises
         ------
@@ -142,49 +142,49 @@ class _Laws(Result):
 
 
 class Fit(_Laws, Modulus):
-    """Laws fitted to the valid lines of a modulus, which it is as well."""
+    """Laws fitted to the valid lines of a modulus, together with this modulus."""
 
 
 class Sweep(_Laws):
-    """Tables of a modulus over frequency or time, of one temperature or many, and the laws fitted to them.
+    """Tables of a modulus against frequency or time, at one temperature or at several, and the laws fitted to them.
 
-    The table ``data`` has the rows; of several temperatures ``master_curve`` has them at their reduced frequencies or times, ``shifts`` the shift of each
-    temperature, ``shift_laws`` WLF and Arrhenius.
+    The table ``data`` has the rows. For several temperatures ``master_curve`` has the rows at their reduced frequencies or times, ``shifts``
+    the shift of each temperature, and ``shift_laws`` the laws of WLF and Arrhenius.
     """
 
     @property
     def causal(self) -> Table | None:
-        """The relaxing material nearest to all rows together, with its errors; None unless it was asked for by ``causal=True``."""
+        """The relaxing material nearest to all rows together, with its errors; None unless requested with ``causal=True``."""
         return self.tables.get("causal")
 
     @property
     def lines(self) -> Table:
-        """The rows over their frequencies: reduced ones of several temperatures."""
+        """The rows with their frequencies or times, which are reduced ones for several temperatures."""
         return self.tables.get("master_curve") or self.table("data")
 
     @property
     def frequency_hz(self) -> NDArray[np.float64]:
-        """Frequencies in Hz, reduced ones of several temperatures, shape (n_rows,); of rows over frequency only."""
+        """Frequencies in Hz, reduced ones for several temperatures, shape (n_rows,); only for rows over frequency."""
         return self.lines.numbers("reduced_frequency_hz" if "master_curve" in self.tables else "frequency_hz")
 
     @property
     def modulus(self) -> NDArray[np.complex128]:
-        """Storage and loss modulus in Pa, shape (n_rows,), with the vertical shifts taken off."""
+        """Storage and loss modulus in Pa, shape (n_rows,), with the vertical shifts removed."""
         of = self.lines.numbers
         return np.asarray(of("storage_modulus_pa") + 1j * of("loss_modulus_pa"), dtype=np.complex128)
 
     @property
     def time(self) -> NDArray[np.float64]:
-        """Times since the load began to grow in s, reduced ones of several temperatures, shape (n_rows,); of rows over time only."""
+        """Times in s since the load began to grow, reduced ones for several temperatures, shape (n_rows,); only for rows over time."""
         return self.lines.numbers("reduced_time_s" if "master_curve" in self.tables else "time_s")
 
     @property
     def modulus_over_time(self) -> NDArray[np.float64]:
-        """E(t), or 1/J(t) of creep, in Pa, shape (n_rows,), with the vertical shifts taken off."""
+        """E(t), or 1/J(t) of creep, in Pa, shape (n_rows,), with the vertical shifts removed."""
         return self.lines.numbers("modulus_over_time_pa")
 
     def plot(self, ax: Axes | None = None) -> Axes:
-        """Draws both moduli over the frequency, or that over time, with the series of a master curve; returns the axes."""
+        """Draws both moduli against frequency, or the modulus against time, with the series of a master curve; returns the axes."""
         import matplotlib.pyplot as plt
 
         if ax is None:
@@ -217,23 +217,23 @@ def fit(
     most_lines: int | None = None,
     progress: Progress | None = None,
 ) -> Fit:
-    """Fits laws to the valid lines of a modulus and compares them, as ``laws`` of a sheet for ``rodlab modulus`` does.
+    """Fits laws to the valid lines of a modulus and compares the laws, like ``laws`` in a sheet for ``rodlab modulus``.
 
     Parameters
     ----------
     modulus : Modulus
-        Of :mod:`rodlab.modulus`. Its files are read again.
+        Result of a function of :mod:`rodlab.modulus`. Its files are read again.
     laws : str or list of str
         ``elastic``, ``constant q``, ``spring-pot``, ``kelvin-voigt``, ``maxwell``, ``zener``, ``fractional maxwell``, ``fractional zener``,
-        ``havriliak-negami``, ``generalised maxwell`` (as many branches as the criterion wants), ``power law`` (Ödeen 1993, paper E, eq. 7).
+        ``havriliak-negami``, ``generalised maxwell`` (number of branches by the criterion), ``power law`` (Ödeen 1993, paper E, eq. 7).
     criterion : str
         ``Bic`` or ``Aicc``.
     confidence : float or str
         Confidence of the intervals.
     most_branches : int, optional
-        Greatest number of branches of a generalised Maxwell model; not limited by default.
+        Largest number of branches of a generalised Maxwell model; not limited by default.
     most_lines : int, optional
-        Lines that are fitted at most, evenly chosen among the valid ones; 400 by default.
+        Largest number of fitted lines, evenly chosen among the valid ones; 400 by default.
 
     Raises
     ------
@@ -246,29 +246,29 @@ def fit(
 
 
 class SweepOptions(TypedDict, total=False):
-    """What :func:`sweep` and :func:`of_arrays` take besides; the defaults are those of a sheet."""
+    """Options of :func:`sweep`, :func:`of_arrays` and :func:`over_time`; the defaults are those of a sheet."""
 
     title: str
     laws: str | Sequence[str]
-    """As :func:`fit` takes them; none by default."""
+    """Laws as for :func:`fit`; none by default."""
     reference_temperature: str
-    """Of the master curve, as ``"20 degC"``; needed for several temperatures."""
+    """Reference temperature of the master curve, such as ``"20 degC"``; needed for several temperatures."""
     kind: str
     """``Tension`` (default), ``Bending``, ``Shear`` or ``Bulk``."""
     density: Number
-    """In kg/m³; needed for cards."""
+    """Density in kg/m³; needed for cards."""
     band: tuple[Number, Number]
-    """Measured frequencies in Hz that are used."""
+    """Lowest and highest measured frequency in Hz of the rows used."""
     steps: Part
-    """Rows of one temperature; ``sheet.Within("1 K")`` by default."""
+    """Grouping of rows into temperatures; ``sheet.Within("1 K")`` by default."""
     scale_uncertainty: Number
     """Standard uncertainty of the scale of all moduli."""
     stated_shifts: Part
-    """As ``sheet.Wlf(c1=17.44, c2=51.6, at="100 degC")``, where neighbouring temperatures do not overlap."""
+    """Shifts such as ``sheet.Wlf(c1=17.44, c2=51.6, at="100 degC")``, where neighbouring temperatures do not overlap."""
     vertical_shifts: Part
     """``AsNeeded`` (default), ``Unity`` or ``RubberElasticity(...)``."""
     causal: bool
-    """Finds the relaxing material nearest to all rows together, too: :attr:`Sweep.causal`."""
+    """True to find also the relaxing material nearest to all rows together: :attr:`Sweep.causal`."""
     criterion: str
     confidence: Number
     most_branches: int
@@ -279,16 +279,16 @@ class SweepOptions(TypedDict, total=False):
 def sweep(
     tables: Sequence[Mapping[str, Any]], *, folder: str | os.PathLike[str] = ".", **options: Unpack[SweepOptions]
 ) -> Sweep:
-    """Laws and a master curve of measured moduli, such as those of a DMA, as ``rodlab fit`` gives them.
+    """Returns laws and a master curve of measured moduli, for example from a DMA, like ``rodlab fit``.
 
     Parameters
     ----------
     tables : list of mapping
-        Each as in a sheet: ``files``, ``frequency``, ``modulus`` as ``sheet.Parts(storage="E'", loss="E''")``, ``temperature`` as
-        ``sheet.Column("T")``, ``units``, ``errors``. Over time: ``time`` and ``ramp`` instead of ``frequency``, ``modulus`` as
+        Each as in a sheet: ``files``, ``frequency``, ``modulus`` such as ``sheet.Parts(storage="E'", loss="E''")``, ``temperature`` such as
+        ``sheet.Column("T")``, ``units``, ``errors``. For moduli over time: ``time`` and ``ramp`` instead of ``frequency``, ``modulus`` as
         ``sheet.Relaxation(modulus="E")``, ``sheet.Creep(compliance="J")`` or ``sheet.CreepModulus(modulus="E")``.
     folder : path
-        Where relative paths start.
+        Start of relative paths.
     **options
         See :class:`SweepOptions`.
 
@@ -310,16 +310,16 @@ def of_arrays(
     standard_error: ArrayLike | None = None,
     **options: Unpack[SweepOptions],
 ) -> Sweep:
-    """Laws and a master curve of moduli in memory.
+    """Returns laws and a master curve of moduli in memory.
 
     Parameters
     ----------
     frequency_hz : array_like, shape (n_rows,)
-        In Hz.
+        Frequencies in Hz.
     modulus : array_like of complex, shape (n_rows,)
         E' + iE'' in Pa.
     temperature : array_like of shape (n_rows,), or str
-        In °C; or one of all rows, as ``"23 degC"``.
+        Temperatures in °C; or one temperature of all rows, such as ``"23 degC"``.
     standard_error : array_like of complex, shape (n_rows,), optional
         Standard errors of E' (real part) and of E'' (imaginary part) in Pa, independent from row to row; the scatter about the fit by default.
     **options
@@ -353,20 +353,20 @@ def over_time(
     standard_error: ArrayLike | None = None,
     **options: Unpack[SweepOptions],
 ) -> Sweep:
-    """Laws and a master curve of moduli over time in memory.
+    """Returns laws and a master curve of moduli over time in memory.
 
     Parameters
     ----------
     time : array_like, shape (n_rows,)
-        Since the load began to grow, in s. Rows up to the end of the ramp are left out.
+        Times since the load began to grow, in s. Rows up to the end of the ramp are left out.
     modulus : array_like, shape (n_rows,)
-        Stress over strain in Pa: E(t) of relaxation, 1/J(t) of creep.
+        Stress divided by strain in Pa: E(t) of relaxation, 1/J(t) of creep.
     test : str
         ``relaxation`` or ``creep``.
     ramp : float or str, optional
-        Time in s in which the load grew, in proportion to time; a step by default.
+        Duration in s of the growth of the load, in proportion to time; a step by default.
     temperature : array_like of shape (n_rows,), or str
-        In °C; or one of all rows, as ``"23 degC"``.
+        Temperatures in °C; or one temperature of all rows, such as ``"23 degC"``.
     standard_error : array_like, shape (n_rows,), optional
         Standard errors of the moduli in Pa, independent from row to row; the scatter about the fit by default.
     **options
@@ -412,7 +412,7 @@ def _of_columns(
 
 
 def _array(name: str, values: ArrayLike, kind: type[N]) -> NDArray[N]:
-    """`values` as a vector of finite numbers."""
+    """Returns `values` as a vector of finite numbers."""
     try:
         found = np.asarray(values)
         vector = found.astype(kind) if found.dtype.kind in "biuf" or (found.dtype.kind == "c" and kind is np.complex128) else None
@@ -465,7 +465,7 @@ def _stated_laws(
 
 
 def _with_laws(of: Result, more: Mapping[str, Any], progress: Progress | None, kind: type[L]) -> L:
-    """The sheet of `of` done again, with `more` in its laws."""
+    """Does the sheet of `of` again, with `more` in its laws."""
     if of._sheet is None:
         raise Error("the modulus is the result of a file, expected one of this package: add `laws` to the sheet instead")
     fields = dict(of._sheet.fields)
@@ -475,7 +475,7 @@ def _with_laws(of: Result, more: Mapping[str, Any], progress: Progress | None, k
 
 
 def named_law(name: str) -> Part:
-    """The law in a sheet: ``fractional zener`` is ``FractionalZener`` there."""
+    """Returns the law as a part of a sheet: ``fractional zener`` is ``FractionalZener`` there."""
     words = name.replace("-", " ").split()
     return Part("".join(word[:1].upper() + word[1:] for word in words))
 

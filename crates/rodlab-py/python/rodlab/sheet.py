@@ -1,9 +1,9 @@
 """Parts of test sheets by their names, for sheets that are written in Python.
 
 Every capitalised name is a part: ``sheet.Cone(material="nylon", near="75 mm", far="30 mm", length="400 mm")`` is
-``Cone(material: "nylon", near: "75 mm", far: "30 mm", length: "400 mm")`` of a file. A mapping is a list of fields, a list a list. Which
-parts and fields there are, the commented sheets of :func:`rodlab.init` say; a name that does not exist is refused when the sheet is run,
-with the nearest one that does. :func:`rodlab.run` takes a sheet: ``rodlab.run(sheet.Force(title="...", ...))``.
+``Cone(material: "nylon", near: "75 mm", far: "30 mm", length: "400 mm")`` in a file. A mapping becomes a list of fields, a list a list.
+The commented sheets of :func:`rodlab.init` show the parts and their fields; an unknown name is refused when the sheet is run, with the
+nearest known name. :func:`rodlab.run` takes a sheet: ``rodlab.run(sheet.Force(title="...", ...))``.
 """
 
 from __future__ import annotations

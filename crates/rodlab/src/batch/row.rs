@@ -94,8 +94,9 @@ fn result_in(folder: &Path) -> Option<StoredResult> {
     serde_json::from_str(&text).ok()
 }
 
-/// The row of a result in `folder` that a new run would reproduce: same software, sheet and files,
-/// with no other files matching its patterns. All files of the result are as they were written.
+/// Returns the row of a result in `folder` that a new run would reproduce: software, sheet and
+/// files are the same, no other files match the patterns of the sheet, and all files of the result
+/// are unchanged.
 pub(super) fn current(test: &Test, folder: &Path) -> Option<Row> {
     let stored = result_in(folder)?;
     let hash = |path: &Path| Some(ContentHash::of(&input::read(path).ok()?).to_string());

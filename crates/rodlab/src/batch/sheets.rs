@@ -55,7 +55,7 @@ fn no_sheet(place: &str) -> RodlabError {
     }
 }
 
-/// The paths of a place: itself, or the matches of its pattern.
+/// Returns the paths of a place: the place itself, or the matches of its pattern.
 fn found_at(place: &str) -> Result<Vec<PathBuf>, RodlabError> {
     let path = PathBuf::from(place);
     if path.exists() {
@@ -126,8 +126,8 @@ impl Search {
         Ok(full)
     }
 
-    /// Adds all sheets in the folder and below: files `*.ron`, and files `*.toml` that name a job;
-    /// links are kept for later.
+    /// Adds all sheets in the folder and its subfolders: files `*.ron`, and files `*.toml` that
+    /// name a job; links are kept for later.
     fn folder(&mut self, folder: &Place) -> Result<(), RodlabError> {
         if !self.folders.insert(real(&folder.shown)?) || output::holds_result(&folder.shown) {
             return Ok(());
@@ -151,7 +151,7 @@ impl Search {
         Ok(())
     }
 
-    /// Searches the folders behind links, in order of the names of the links.
+    /// Searches the folders to which links lead, in order of the names of the links.
     fn follow_links(&mut self) -> Result<(), RodlabError> {
         while let Some((full, shown)) = self.links.pop_first() {
             self.followed.insert(full.clone());
@@ -168,13 +168,13 @@ impl Search {
     }
 }
 
-/// Returns true for a file `*.ron`, and for a file `*.toml` that names a job, unlike those of other
-/// programs.
+/// Returns true for a file `*.ron`, and for a file `*.toml` that names a job, unlike the TOML files
+/// of other programs.
 fn is_sheet(path: &Path) -> bool {
     let Some(ending) = path.extension() else {
         return false;
     };
-    // a file that cannot be read is kept: the campaign says why
+    // a file that cannot be read is kept: the campaign reports the reason
     ending == Language::Ron.extension()
         || ending == Language::Toml.extension()
             && fs::read(path).map_or(true, |bytes| sheet::names_a_job(&bytes))
@@ -194,7 +194,7 @@ fn unreadable(path: &Path, source: std::io::Error) -> RodlabError {
     }
 }
 
-/// Names for sheets with these full paths.
+/// Returns the tests, named after the full paths of their sheets.
 fn named(sheets: BTreeMap<PathBuf, PathBuf>) -> Result<Vec<Test>, RodlabError> {
     let common: PathBuf = sheets
         .keys()
@@ -231,8 +231,8 @@ fn named(sheets: BTreeMap<PathBuf, PathBuf>) -> Result<Vec<Test>, RodlabError> {
         .collect())
 }
 
-/// The path of `sheet` below `common` without extension; `None` if the rest of a name leads
-/// elsewhere, as for `...ron`.
+/// The path of `sheet` below `common` without extension; `None` if the name without extension leads
+/// to another folder, as with `...ron`.
 fn name_of(sheet: &Path, common: &Path) -> Option<String> {
     let stem = sheet.file_stem()?;
     if stem == "." || stem == ".." {

@@ -50,7 +50,7 @@ impl Summary {
         }
     }
 
-    /// The standing of the worst test, which is that of the campaign.
+    /// The standing of the worst test, which is the standing of the campaign.
     #[must_use]
     pub fn worst(&self) -> Standing {
         let all = self.tests.iter().map(|row| row.status);
@@ -204,8 +204,8 @@ fn table<const N: usize>(
     String::from_utf8(bytes).map_err(|error| RodlabError::step(format!("writing {name}"), error))
 }
 
-/// The results and failures below `folders`, by the names of their folders; with several folders,
-/// each name begins with that of its folder.
+/// Returns the results and failures below `folders`, named after their folders; with several
+/// folders, each name begins with the name of its folder.
 ///
 /// # Errors
 ///

@@ -22,7 +22,7 @@ use serde::{Deserialize, Serialize};
 use crate::sheet::{self, Language, plausible};
 use crate::{RodlabError, input, output};
 
-/// Most sheets of a sweep.
+/// Maximum number of sheets of a sweep.
 const MOST_SHEETS: f64 = 100_000.0;
 
 /// Placeholder of the seed.
@@ -51,7 +51,7 @@ struct Plan {
 struct Axis {
     /// Name of the placeholder.
     name: String,
-    /// Texts that replace it.
+    /// Texts that replace the placeholder.
     values: Vec<String>,
 }
 
@@ -85,13 +85,13 @@ pub struct SweptSheet {
     pub sha256: String,
 }
 
-/// Writes the sheets of the plan at `plan` and the list `sweep.csv` to `folder`, by default beside
+/// Writes the sheets of the plan at `plan` and the list `sweep.csv` to `folder`, by default next to
 /// the plan, with its name and `-sheets`. All sheets are parsed before the first one is written.
 ///
 /// # Errors
 ///
 /// [`RodlabError::Sheet`] for a mistake in the plan or in a filled template,
-/// [`RodlabError::Request`] for values and placeholders that do not fit, [`RodlabError::Exists`]
+/// [`RodlabError::Request`] for values and placeholders that do not match, [`RodlabError::Exists`]
 /// for a file that exists: nothing is written then. [`RodlabError::Read`], [`RodlabError::Write`].
 pub fn sweep(plan: &Path, folder: Option<&Path>) -> Result<Sweep, RodlabError> {
     let text = input::read_text(plan)?;
@@ -149,7 +149,7 @@ pub fn sweep(plan: &Path, folder: Option<&Path>) -> Result<Sweep, RodlabError> {
     Ok(sweep)
 }
 
-/// The placeholders with their values, the seed the last.
+/// The placeholders with their values; the seed is the last.
 fn axes_of(plan: Plan) -> Result<Vec<Axis>, RodlabError> {
     let mut axes = plan.grid;
     let mut sheets = 1.0;
@@ -273,7 +273,7 @@ fn parts_of<'a>(
     }
 }
 
-/// The error at the placeholder in front of `behind`, which is an end of `template`.
+/// Returns the error at the placeholder before `behind`, the rest of `template`.
 fn misplaced(
     path: &Path,
     template: &str,
@@ -317,7 +317,7 @@ fn filled(parts: &[TemplatePart<'_>], values: &[&str]) -> String {
         .collect()
 }
 
-/// `sweep.csv`: one line for each sheet, with its values and its hash.
+/// Returns the text of `sweep.csv`: one line for each sheet, with its values and its hash.
 fn csv_of(sweep: &Sweep) -> Result<Vec<u8>, RodlabError> {
     let refused = |error: csv::Error| RodlabError::step("writing sweep.csv", error);
     let mut writer = csv::Writer::from_writer(Vec::new());

@@ -1,4 +1,5 @@
-//! Bodies of a sheet: computed rows of elements, single lumps, measured bodies, and several joined.
+//! Bodies of a sheet: computed chains of elements, single lumps, measured bodies, and several
+//! bodies joined.
 
 pub mod assembly;
 
@@ -23,7 +24,7 @@ use crate::RodlabError;
 use crate::sheet::plausible;
 use crate::sheet::{AddedMass, ImpactMass, Length, SpecificImpedance, Stated, Stiffness};
 
-/// A body as a row of elements from its impact face, a lump, or a measured body.
+/// A body: a chain of elements from its impact face on, a lump, a measured body, or an assembly.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub enum BodySheet {
@@ -37,16 +38,16 @@ pub enum BodySheet {
     },
     /// A rigid body.
     RigidMass(Stated<ImpactMass>),
-    /// A long rod without reflections, by its material and diameter.
+    /// A long rod without reflections, described by its material and diameter.
     LongRod {
         /// Name of its material.
         material: String,
         /// Diameter.
         diameter: Stated<Length>,
     },
-    /// A long rod by its characteristic impedance.
+    /// A long rod, described by its characteristic impedance.
     Impedance(Stated<SpecificImpedance>),
-    /// A body by the measured response of its impact face.
+    /// A body, described by the measured response of its impact face.
     Measured(Box<MeasuredBodySheet>),
     /// Bodies joined at points.
     Assembly(Box<AssemblySheet>),
@@ -69,9 +70,9 @@ pub enum ElementSheet {
     Cone {
         /// Name of its material.
         material: String,
-        /// Diameter at the side of the impact face.
+        /// Diameter of the end towards the impact face.
         near: Stated<Length>,
-        /// Diameter at the other side.
+        /// Diameter of the other end.
         far: Stated<Length>,
         /// Length.
         length: Stated<Length>,
@@ -80,9 +81,9 @@ pub enum ElementSheet {
     Horn {
         /// Name of its material.
         material: String,
-        /// Diameter at the side of the impact face.
+        /// Diameter of the end towards the impact face.
         near: Stated<Length>,
-        /// Diameter at the other side.
+        /// Diameter of the other end.
         far: Stated<Length>,
         /// Length.
         length: Stated<Length>,
@@ -258,7 +259,7 @@ macro_rules! chain_of {
                     (ElementSheet::Mass(mass), _) => body.mass(mass.nominal()),
                     (ElementSheet::Spring(stiffness), _) => body.spring(stiffness.nominal()),
                     (ElementSheet::Dashpot(resistance), _) => body.dashpot(resistance.nominal()),
-                    // a material of the other kind: `chain` has chosen the function by the kinds
+                    // not reached: `chain` has chosen the function by the kinds of the materials
                     _ => body,
                 };
             }

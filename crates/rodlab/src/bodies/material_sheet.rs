@@ -21,7 +21,7 @@ use crate::sheet::plausible;
 use crate::sheet::{Density, Duration, Frequency, Kind, Pressure, Ratio, Stated, Viscosity};
 use crate::{Outcome, RodlabError, input};
 
-/// Frequency \[Hz\] of the waves whose speed is checked, typical of the resonances of laboratory
+/// Frequency \[Hz\] at which the wave speed is checked, typical of the resonances of laboratory
 /// rods.
 const SOMEWHERE_HZ: f64 = 1e3;
 
@@ -32,7 +32,7 @@ pub type Materials = BTreeMap<String, MaterialSheet>;
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct MaterialSheet {
-    /// Density, such as `"1150 kg/m3"`; that of the result for a law from one.
+    /// Density, such as `"1150 kg/m3"`; left out with a law from a result, which has its density.
     #[serde(default)]
     pub density: Option<Stated<Density>>,
     /// Law of the modulus.
@@ -118,13 +118,13 @@ pub enum LawSheet {
         /// q.
         wave_number_exponent: f64,
     },
-    /// Law with its errors, and density, found by an earlier run: its file `material.json`, such as
-    /// `"nylon-result/material.json"`, relative to the sheet.
+    /// Law with its errors, and density, from an earlier result: the path of its file
+    /// `material.json`, relative to the sheet, such as `"nylon-result/material.json"`.
     Result(String),
 }
 
 impl LawSheet {
-    /// The law as springs and Maxwell branches; `None` if it is none.
+    /// The law as springs and Maxwell branches; `None` if it cannot be written in this form.
     fn prony(&self) -> Option<Result<GeneralisedMaxwell, RodwaveError>> {
         let branch = |modulus: f64, relaxation_time: f64| {
             vec![MaxwellBranch {
@@ -199,7 +199,7 @@ impl MaterialSheet {
     ///
     /// # Errors
     ///
-    /// [`RodlabError::Request`] if there is none.
+    /// [`RodlabError::Request`] if no density is stated.
     pub(crate) fn stated_density(&self, field: &str) -> Result<&Stated<Density>, RodlabError> {
         self.density.as_ref().ok_or_else(|| {
             RodlabError::request(
@@ -210,8 +210,8 @@ impl MaterialSheet {
         })
     }
 
-    /// Density \[kg/m³\] and law as springs and Maxwell branches; `None` if it is none. `field` is the
-    /// place of the material in the sheet.
+    /// Density \[kg/m³\] and law as springs and Maxwell branches; `None` if the law cannot be
+    /// written in this form. `field` is the place of the material in the sheet.
     pub(crate) fn prony(
         &self,
         field: &str,
@@ -312,7 +312,7 @@ impl MaterialSheet {
                 let medium = Medium::new(density, law).map_err(refused)?;
                 return Ok(Material::OnAxis(medium));
             }
-            // answered above
+            // refused above
             LawSheet::Result(_) => return Err(RodlabError::request(field, "no law", "a law")),
         };
         Material::analytic(density, law, field)
@@ -351,8 +351,8 @@ impl MaterialSheet {
     }
 }
 
-/// The materials with every law from a result read; their files are inputs of the outcome, and
-/// their doubts doubts of it.
+/// Returns the materials, with every law from a result read. The files read become inputs of the
+/// outcome, and their doubts become doubts of the outcome.
 pub(crate) fn read(
     materials: &Materials,
     folder: &Path,

@@ -6,7 +6,7 @@ use crate::records::Selector;
 use crate::responses::{CompletionSheet, KindSheet, ResponseFile, SupportSheet};
 use crate::sheet::{Duration, Exact, Frequency, Ratio, SpecificImpedance, Stated};
 
-/// A body by the measured response of its impact face, as written by `rodlab mobility`.
+/// A body, described by the measured response of its impact face, as written by `rodlab mobility`.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct MeasuredBodySheet {
@@ -18,7 +18,8 @@ pub struct MeasuredBodySheet {
     /// Column of the imaginary part, if it is separate.
     #[serde(default)]
     pub imaginary: Option<Selector>,
-    /// Kind of response, such as `Mobility` or `Accelerance`; by default that of its unit.
+    /// Kind of response, such as `Mobility` or `Accelerance`; by default the kind that fits its
+    /// unit.
     #[serde(default)]
     pub kind: Option<KindSheet>,
     /// Data set of the standard error of the lines.
@@ -33,30 +34,30 @@ pub struct MeasuredBodySheet {
     /// Upper frequency of the lines used, such as `"10 kHz"`; by default all lines.
     #[serde(default)]
     pub up_to: Option<Exact<Frequency>>,
-    /// Support of the body, such as `Free(mass: "1.5 kg ± 1 gram")`; by default that given by the
-    /// line at 0 Hz.
+    /// Support of the body, such as `Free(mass: "1.5 kg ± 1 gram")`; by default the support that
+    /// the line at 0 Hz indicates.
     #[serde(default)]
     pub support: SupportSheet,
-    /// Replacement of low-frequency lines of a free body by its weighed mass; by default they stay
-    /// as measured.
+    /// Replacement of low-frequency lines of a free body by its weighed mass; by default the lines
+    /// stay as measured.
     #[serde(default)]
     pub complete: Option<CompletionSheet>,
-    /// Characteristic impedance of the material at the face, which gives its immediate
-    /// response, such as `"2250 kg/s ± 2 %"`.
+    /// Characteristic impedance of the material at the face, such as `"2250 kg/s ± 2 %"`; it
+    /// determines the response before any echo returns.
     #[serde(default)]
     pub front_impedance: Option<Stated<SpecificImpedance>>,
-    /// Standard uncertainty of the scale, common to all lines, such as `"1 %"`: that of the
-    /// sensors.
+    /// Standard uncertainty of the scale, such as `"1 %"`, due to the sensors; common to all lines.
     #[serde(default)]
     pub scale_uncertainty: Option<Exact<Ratio>>,
-    /// Standard uncertainty of the delay of the response behind the force, such as `"2 us"`: that of
-    /// the channels, the same on all lines.
+    /// Standard uncertainty of the delay of the response relative to the force, such as `"2 us"`,
+    /// due to the channels; common to all lines.
     #[serde(default)]
     pub delay_uncertainty: Option<Exact<Duration>>,
     /// Removes the part of the impulse response before the impulse; by default it is kept.
     #[serde(default)]
     pub causal: bool,
-    /// Removes real parts below 0, by which the body would return energy; by default they are kept.
+    /// Removes real parts below 0, with which the body would deliver energy; by default they are
+    /// kept.
     #[serde(default)]
     pub passive: bool,
 }

@@ -10,16 +10,17 @@ use super::material::Material;
 use crate::RodlabError;
 use crate::material_file::MaterialFile;
 
-/// Law and density of a result, moved by so many standard uncertainties of each independent error.
+/// Law and density of a result, each independent error moved by a number of its standard
+/// uncertainties.
 #[derive(Debug, Clone)]
 pub(crate) struct MeasuredMaterial {
     file: Arc<MaterialFile>,
-    /// One for each error; none of a material as it was found.
+    /// Number of standard uncertainties, one per error; empty for the material as found.
     standard: Vec<f64>,
 }
 
 impl MeasuredMaterial {
-    /// The material as it was found.
+    /// The material as found.
     pub(super) fn of(file: Arc<MaterialFile>) -> Self {
         Self {
             file,
@@ -27,7 +28,8 @@ impl MeasuredMaterial {
         }
     }
 
-    /// The material with every error moved by what `standard` says for its source.
+    /// Returns the material with every error moved by the number of standard uncertainties that
+    /// `standard` returns for its source.
     pub(crate) fn moved(
         &self,
         mut standard: impl FnMut(&str) -> Result<f64, RodlabError>,
@@ -71,14 +73,14 @@ impl MeasuredMaterial {
         Material::analytic(density, law, field)
     }
 
-    /// Density \[kg/m³\] and law as springs and Maxwell branches; `None` if it is none. `field` is its
-    /// place in the sheet.
+    /// Density \[kg/m³\] and law as springs and Maxwell branches; `None` if the law cannot be
+    /// written in this form. `field` is the place of the material in the sheet.
     pub(super) fn prony(
         &self,
         field: &str,
     ) -> Result<Option<(f64, GeneralisedMaxwell)>, RodlabError> {
         let (density, law) = self.file.moved(&self.standard, field)?;
-        // logarithms of a modulus, of a modulus and a time, of two moduli and a time
+        // logarithms of one modulus, of a modulus and a time, or of two moduli and a time
         let numbers = match &law {
             FittedLaw::Elastic(law) => law.parameters(),
             FittedLaw::Maxwell(law) => law.parameters(),

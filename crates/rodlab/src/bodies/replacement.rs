@@ -7,7 +7,7 @@ use crate::RodlabError;
 use crate::sheet::{Kind, Stated};
 
 /// A replacement of stated quantities: a draw within their uncertainties, or the refusal of
-/// uncertain ones.
+/// quantities with an uncertainty.
 pub(crate) trait Replacement {
     /// The quantity in place of `stated`; `field` is its place in the sheet.
     fn stated<K: Kind>(
@@ -16,8 +16,8 @@ pub(crate) trait Replacement {
         field: &str,
     ) -> Result<Stated<K>, RodlabError>;
 
-    /// Standard uncertainties by which one independent error of a law from a result is moved;
-    /// `source` names it.
+    /// Number of standard uncertainties by which an independent error of a law from a result is
+    /// moved; `source` names the error.
     fn standard(&mut self, source: &str) -> Result<f64, RodlabError>;
 
     fn materials(&mut self, materials: &Materials) -> Result<Materials, RodlabError> {

@@ -2,8 +2,8 @@
 
 use labio::{Abscissa, Contents, Ordinate, Series, SeriesAxis, SeriesKind, Unit};
 
-/// The part of `contents` that the format called `format` can hold besides the values. The removed
-/// parts are found again by comparing the written file with its source.
+/// Returns `contents` without the parts, other than values, that the format called `format` cannot
+/// hold. The comparison of the written file with its source lists the removed parts.
 pub(super) fn fitted(contents: &Contents, format: &str) -> Contents {
     let mut fitted = Contents::of_format(contents.format);
     fitted.series.clone_from(&contents.series);
@@ -54,8 +54,8 @@ pub(super) fn fitted(contents: &Contents, format: &str) -> Contents {
     fitted
 }
 
-/// The contents of a MATLAB file as it was written: each of `n` series with the abscissa and the units
-/// that stand in variables of their own.
+/// Returns the contents of a MATLAB file in the form before writing: each of `n` series with its
+/// abscissa and its units, which are separate variables in the file.
 pub(super) fn joined(mut back: Contents, n: usize) -> Contents {
     let others = back.series.split_off(n.min(back.series.len()));
     for series in &mut back.series {
@@ -109,7 +109,7 @@ fn bare(series: &mut Series, index: usize, n: usize) {
     series.properties.clear();
 }
 
-/// Returns true if a WAVE file has a place for a text of this name.
+/// Returns true if a WAVE file has a field for a text of this name.
 fn is_info(key: &str) -> bool {
     let of_info = key.len() == 4
         && key.starts_with('I')

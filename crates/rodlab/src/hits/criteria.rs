@@ -26,7 +26,7 @@ pub struct CriteriaSheet {
     /// Ranges of the recorder, such as `{"hammer": "10 V"}`, in a unit of the recorded signal; 99
     /// % of the range is an overload.
     pub full_scales: BTreeMap<String, Reading>,
-    /// Smallest peak over the standard deviation of the noise; by default 10.
+    /// Smallest ratio of the peak to the standard deviation of the noise; by default 10.
     pub peak_over_noise: Limit<f64>,
     /// Smallest ratio of the second contact to the first for a double hit; by default 0.05, not
     /// checked in bars.
@@ -36,13 +36,13 @@ pub struct CriteriaSheet {
     /// Number of equal samples in the middle of a movement that counts as a drop-out; by default
     /// 8.
     pub drop_out_run: Limit<usize>,
-    /// Largest rest level over the peak; by default 0.25.
+    /// Largest ratio of the rest level to the peak; by default 0.25.
     pub static_offset: Limit<f64>,
-    /// Largest difference of the rest levels before and after over the peak; by default 0.02, not
-    /// checked for pulses of bars.
+    /// Largest difference between the rest levels before and after, relative to the peak; by
+    /// default 0.02, not checked for pulses of bars.
     pub level_shift: Limit<f64>,
-    /// Largest remainder at the end over the peak; by default 0.01, not checked for pulses of
-    /// bars.
+    /// Largest remainder at the end, relative to the peak; by default 0.01, not checked for pulses
+    /// of bars.
     pub remainder: Limit<f64>,
 }
 
@@ -56,7 +56,7 @@ pub enum HitKind {
     Bar,
     /// Waves like those of `Bar`, in a record that may end while the bar rings.
     RingingBar,
-    /// Waves in a bar from which pulses are cut out: it may still ring at the end.
+    /// Waves in a bar from which pulses are cut out; the bar may still ring at the end.
     BarPulses,
 }
 
@@ -110,7 +110,7 @@ impl<'de, T: Deserialize<'de>> Deserialize<'de> for Limit<T> {
                 Ok(Limit::Off)
             }
 
-            // TOML has no word for nothing
+            // TOML has no null value
             fn visit_str<E: de::Error>(self, word: &str) -> Result<Limit<T>, E> {
                 if word == "none" {
                     Ok(Limit::Off)
@@ -141,7 +141,7 @@ impl<'de, T: Deserialize<'de>> Deserialize<'de> for Limit<T> {
 }
 
 impl<T: Copy> Limit<T> {
-    /// `criteria` with this limit, entered by `put`.
+    /// Returns `criteria` with this limit, which `put` enters.
     fn put<E>(
         self,
         criteria: Criteria,
@@ -219,14 +219,14 @@ impl CriteriaSheet {
         Ok(criteria)
     }
 
-    /// Defaults of the limits that the sheet leaves open: those of `criteria`, which were made from
-    /// it.
+    /// Returns settings for the kind of hit and the limits that the sheet leaves open. The limits
+    /// are those of `criteria`, which were made from the sheet.
     pub(super) fn defaults(
         criteria: &Criteria,
         usual: HitKind,
         field: &str,
     ) -> Result<Vec<Setting>, RodlabError> {
-        // the limits are in the criteria, and their defaults nowhere else
+        // the default limits are known only to the criteria
         let limits = serde_json::to_value(criteria)
             .map_err(|error| RodlabError::step(format!("{field}, listing the limits"), error))?;
         let of_limit = |name: &str| {

@@ -22,18 +22,18 @@ pub enum Cut {
         level: Reading,
         /// Length of a hit with its pre-trigger, such as `"0.5 s"` or `"4096 samples"`.
         length: Stretch,
-        /// Time before the crossing, such as `"10 ms"`; rest level and noise are found there, from
+        /// Time before the crossing, such as `"10 ms"`; it gives the rest level and the noise, from
         /// at least eight samples.
         pre_trigger: Stretch,
         /// Direction of the crossing: `Rising` (default), `Falling` or `Either`.
         #[serde(default)]
         slope: Option<Slope>,
-        /// Distance beyond the level on the other side that re-arms the trigger, such as `"10 N"`;
-        /// by default half the level.
+        /// Distance by which the signal must return past the level to re-arm the trigger, such as
+        /// `"10 N"`; by default half the level.
         #[serde(default)]
         hysteresis: Option<Reading>,
-        /// Time without a new trigger, such as `"0.5 s"`; by default to the hit's end, to include
-        /// a second contact.
+        /// Time without a new trigger, such as `"0.5 s"`; by default until the end of the hit, to
+        /// include a second contact.
         #[serde(default)]
         hold_off: Option<Stretch>,
     },

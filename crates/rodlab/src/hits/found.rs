@@ -23,7 +23,7 @@ pub enum OddSheet {
 pub struct FoundHits {
     /// One log per record, with the name of the record.
     logs: Vec<(String, HitLog)>,
-    /// Hits were cut out of longer records, and are distinguished by their times.
+    /// True if hits were cut out of longer records; they are then distinguished by their times.
     by_trigger: bool,
     settings: Vec<Setting>,
     /// The treatment of a hit that departs from the others.
@@ -58,7 +58,7 @@ impl FoundHit<'_> {
         }
     }
 
-    /// Returns true if it is a hit; otherwise it stands for a record in which the trigger never
+    /// Returns true if it is a hit; otherwise it represents a record in which the trigger never
     /// fired.
     #[must_use]
     pub fn is_found(&self) -> bool {
@@ -66,7 +66,8 @@ impl FoundHit<'_> {
         !self.hit.reasons().iter().any(silent)
     }
 
-    /// Returns true if it was cut out of a longer record, so that its time is that of the trigger.
+    /// Returns true if the hit was cut out of a longer record, so that its time is that of the
+    /// trigger.
     #[must_use]
     pub fn is_by_trigger(&self) -> bool {
         self.by_trigger
@@ -140,7 +141,8 @@ impl FoundHits {
             .unzip()
     }
 
-    /// The log with hit `number` of all, and the number of the hit in that log.
+    /// Returns the log that contains hit `number`, counted over all logs, and the number of the hit
+    /// in that log.
     pub(super) fn log_of(&mut self, number: usize) -> Option<(&mut HitLog, usize)> {
         super::within(&mut self.logs, number)
     }
@@ -218,8 +220,8 @@ impl FoundHits {
         rejected
     }
 
-    /// Extends accepted hits by rest to the length of the longest, and adds a setting that states
-    /// this.
+    /// Extends accepted hits at their rest level to the length of the longest, and adds a setting
+    /// that states this.
     pub(super) fn pad(&mut self, field: &str) -> Result<(), RodlabError> {
         let (numbers, hits) = self.numbered();
         let lengths: Vec<usize> = hits.iter().map(|hit| hit.n_samples()).collect();

@@ -7,11 +7,11 @@ use super::FoundHits;
 use crate::RodlabError;
 use crate::digits::significant;
 
-/// Probability with which independent hits are called doubtful.
+/// Probability that independent hits are wrongly called doubtful.
 const LEVEL: f64 = 0.01;
 
-/// Refuses accepted hits of `sets` that are one measurement, and `channels` that are one; returns
-/// one reason for doubt per pair of hits that differ by less than their noise
+/// Refuses accepted hits of `sets` that are the same measurement, and `channels` that have the same
+/// samples; returns one reason for doubt per pair of hits that differ by less than their noise
 /// ([`find_near_copies`]).
 ///
 /// # Errors
@@ -62,7 +62,7 @@ pub fn expect_independent(
         .collect())
 }
 
-/// Refuses averages whose coherence is 1 to rounding; `place` is their part of the sheet.
+/// Refuses averages whose coherence is 1 to rounding; `place` is their place in the sheet.
 ///
 /// # Errors
 ///

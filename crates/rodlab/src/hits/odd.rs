@@ -22,7 +22,7 @@ pub fn level_at_rest(hits: &[&Record], field: &str) -> Result<Detrend, RodlabErr
 }
 
 impl FoundHits {
-    /// Compares each accepted hit with the response of `outputs` over `input` of all others.
+    /// Compares each accepted hit with the response of `outputs` to `input` in all other hits.
     /// Returns a reason for doubt for each hit that departs, or leaves it out, as stated in the
     /// sheet.
     ///
@@ -61,7 +61,7 @@ impl FoundHits {
         }
     }
 
-    /// Rejects hits that share an extreme value as caused by a limit of the recorder.
+    /// Rejects hits that share an extreme value, which indicates a limit of the recorder.
     pub(super) fn compare_extremes(&mut self, criteria: &Criteria) -> Result<(), RodlabError> {
         let comparing = |error| RodlabError::step("comparing hits", error);
         let (numbers, hits) = self.numbered();

@@ -25,11 +25,11 @@ pub(super) fn complete(contents: &mut Contents) -> Result<bool, RodlabError> {
     Ok(told)
 }
 
-/// Fewest samples of a record that could be a hit.
+/// Minimum number of samples of a record that could be a hit.
 const SHORTEST_HIT: usize = 64;
 
-/// Suspicions about the channels, and objections to the records as one hit each: the latter only if
-/// times are known.
+/// Returns suspicions about the channels, and objections to each record, judged as one hit. There
+/// are objections only if the times are known.
 pub(super) fn of_records(
     records: &[Record],
     rate_is_told: bool,

@@ -1,10 +1,10 @@
-//! Data sets that contain the times of the others.
+//! Data sets that contain the times of the other data sets.
 
 use labio::{Ordinate, Series};
 
-/// Tolerance for the place of a time, as a fraction of the step: times are written with few digits.
+/// Tolerance of a time, as a fraction of the step: times are written with few digits.
 const OFF: f64 = 0.1;
-/// Fewest values; fewer may be evenly spaced by chance.
+/// Minimum number of values; fewer may be evenly spaced by chance.
 const FEWEST: usize = 16;
 
 /// The step of evenly increasing values; `None` for others, or for a data set with a unit.

@@ -1,7 +1,7 @@
-//! Calibration of a long bar: how its waves propagate, from one shot on it or several.
+//! Calibration of a long bar: the propagation of its waves, from one or more shots.
 //!
-//! The methods are those of [`modulus`]: two gauges or more before the free end by least squares,
-//! one by the pulse and its reflection, whose windows are found here.
+//! The methods are those of [`modulus`]: least squares for two or more gauges before the free end;
+//! for one gauge, the pulse and its reflection, whose windows are found here.
 
 mod figures;
 mod passages;
@@ -41,8 +41,8 @@ pub struct BarSheet {
     pub gauges: Vec<BarGaugeSheet>,
     /// Files and channels; each record is a shot.
     pub records: Records,
-    /// Silence of each record before the pulse, such as `"0.9 ms"`: level at rest and noise are
-    /// found there.
+    /// Silence of each record before the pulse, such as `"0.9 ms"`; it gives the level at rest and
+    /// the noise.
     pub silent: Exact<Duration>,
     /// A guess of the wave speed, such as `"1700 m/s"`; searched by default.
     #[serde(default)]
@@ -62,8 +62,8 @@ pub struct BarSheet {
     /// Frequencies whose results are reported individually.
     #[serde(default)]
     pub report_at: Option<Vec<Exact<Frequency>>>,
-    /// Draws of noise and of everything stated with ±, such as 1000, by which the linear errors are
-    /// judged.
+    /// Number of draws of the noise and of everything stated with ±, such as 1000, to check the
+    /// linear errors.
     #[serde(default)]
     pub monte_carlo: Option<usize>,
 }
@@ -76,8 +76,7 @@ pub struct LongBarSheet {
     pub length: Exact<Length>,
     /// Diameter, such as `"20 mm"`.
     pub diameter: Exact<Length>,
-    /// Density, such as `"1190 kg/m3 ± 1 kg/m3"`: it is that of the modulus, and the waves do not
-    /// depend on it.
+    /// Density, such as `"1190 kg/m3 ± 1 kg/m3"`: the modulus depends on it, the waves do not.
     pub density: Stated<Density>,
     /// Poisson's ratio, such as `"0.37 ± 0.02"`, for lateral inertia; `"0"` for simulated waves in
     /// one dimension.
@@ -191,13 +190,13 @@ impl BarSheet {
     }
 }
 
-/// A length from the text of one that is exact.
+/// Converts the text of an exact length to a length.
 fn length(text: &str) -> Result<Stated<Length>, RodlabError> {
     text.parse()
         .map_err(|error| RodlabError::step("the diameter of the bar", error))
 }
 
-/// A coordinate from the text of a length.
+/// Converts the text of a length to a coordinate.
 fn coordinate(text: &str) -> Result<Stated<Coordinate>, RodlabError> {
     text.parse()
         .map_err(|error| RodlabError::step("the position of a gauge", error))
@@ -216,7 +215,8 @@ pub(crate) fn run(sheet: &BarSheet, context: &JobContext<'_>) -> Result<Outcome,
     Ok(outcome)
 }
 
-/// Names a setting of a modulus as the sheet of a bar does; returns false for one that no bar has.
+/// Renames a setting of a modulus to its name in the sheet of a bar; returns false for a setting
+/// that no bar has.
 fn in_terms_of_a_bar(setting: &mut Setting) -> bool {
     setting.name = match setting.name.as_str() {
         "specimen.accelerometer_mass" => return false,
@@ -228,7 +228,7 @@ fn in_terms_of_a_bar(setting: &mut Setting) -> bool {
     true
 }
 
-/// Adds what a bar has beside the modulus of its material.
+/// Adds the results of a bar other than the modulus of its material.
 fn add(
     outcome: &mut Outcome,
     found: &Found<'_>,

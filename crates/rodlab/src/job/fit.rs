@@ -1,10 +1,10 @@
 //! Laws, master curve, shift laws and material cards from tables of a complex modulus, such as
 //! those of a DMA, and of relaxation and creep over time.
 //!
-//! Rows of all tables are sorted into steps of one temperature each. One step is fitted by laws.
-//! Several are shifted to one master curve by `cmod::rheology::MasterCurve`, the shifts are fitted
-//! by the laws of Williams, Landel and Ferry and of Arrhenius, and laws are fitted to the reduced
-//! lines with the errors of the shifts.
+//! Rows of all tables are sorted into steps of one temperature each. Laws are fitted to a single
+//! step. Several steps are shifted to one master curve by `cmod::rheology::MasterCurve`; the laws
+//! of Williams, Landel and Ferry and of Arrhenius are fitted to the shifts, and laws are fitted to
+//! the reduced lines with the errors of the shifts.
 
 mod columns;
 mod errors;
@@ -57,39 +57,39 @@ pub struct FitSheet {
     /// Loading, which decides the name of the modulus; `Tension` by default.
     #[serde(default)]
     pub kind: Option<LoadingSheet>,
-    /// Rows of one temperature; by default all within 1 K.
+    /// Grouping of the rows into steps of one temperature; by default all rows within 1 K.
     #[serde(default)]
     pub steps: Option<StepsSheet>,
-    /// Reference of the master curve, such as `"20 degC"`: the nearest step is taken. Needed for
+    /// Reference of the master curve, such as `"20 degC"`: the nearest step is used. Needed for
     /// several temperatures.
     #[serde(default)]
     pub reference_temperature: Option<Exact<Temperature>>,
     /// Shifts that connect temperatures whose curves do not overlap; none by default.
     #[serde(default)]
     pub stated_shifts: Option<StatedShiftsSheet>,
-    /// Factors of the modulus; estimated where the data require them by default.
+    /// Factors of the modulus; by default estimated if the data require them.
     #[serde(default)]
     pub vertical_shifts: Option<VerticalSheet>,
     /// Measured frequencies used, such as `(from: "0.1 Hz", to: "50 Hz")`; all by default.
     #[serde(default)]
     pub band: Option<BandSheet>,
-    /// Standard uncertainty of the scale of all moduli, such as `"2 %"`: that of the force, the
-    /// displacement and the dimensions of the specimen. Not stated by default.
+    /// Standard uncertainty of the scale of all moduli, such as `"2 %"`, due to the force, the
+    /// displacement and the dimensions of the specimen. None by default.
     #[serde(default)]
     pub scale_uncertainty: Option<Exact<Ratio>>,
-    /// Density of the material, such as `"1150 kg/m3 ± 2 kg/m3"`; needed for cards and for a
-    /// material of later sheets.
+    /// Density of the material, such as `"1150 kg/m3 ± 2 kg/m3"`; needed for cards and for use as a
+    /// material in later sheets.
     #[serde(default)]
     pub density: Option<Stated<Density>>,
     /// Laws fitted to the modulus or to the master curve, and cards; none by default.
     #[serde(default)]
     pub laws: Option<LawsSheet>,
-    /// The relaxing material nearest to all rows together, with its errors, and whether the rows agree
-    /// with it; not found by default.
+    /// Computes the relaxing material nearest to all rows together, with its errors, and checks
+    /// whether the rows agree with it; off by default.
     #[serde(default)]
     pub causal: bool,
-    /// Draws of the rows and of everything stated with ±, such as 1000, by which the linear errors
-    /// are judged.
+    /// Number of draws of the rows and of everything stated with ±, such as 1000, to check the
+    /// linear errors.
     #[serde(default)]
     pub monte_carlo: Option<usize>,
 }
@@ -143,8 +143,8 @@ struct Found<'a> {
 struct Sweep {
     curve: MasterCurve,
     shift_laws: Result<ShiftLaws, cmod::CmodError>,
-    /// The same with errors by the scatter of the shifts, where WLF does not hold within their
-    /// own.
+    /// The shift laws with errors from the scatter of the shifts, if WLF does not fit the shifts
+    /// within their own errors.
     by_scatter: Option<ShiftLaws>,
     /// Reduced lines.
     reduced: ModulusData,
@@ -365,7 +365,7 @@ fn check(sheet: &FitSheet) -> Result<(), RodlabError> {
     Ok(())
 }
 
-/// The rows as the causal estimate shows them.
+/// The rows, in the form in which the causal estimate is shown.
 fn shown<'a>(found: &Found<'a>, data: &ModulusData) -> Shown<'a> {
     let Lines {
         points,
@@ -387,7 +387,7 @@ fn shown<'a>(found: &Found<'a>, data: &ModulusData) -> Shown<'a> {
     }
 }
 
-/// Lines for laws: those of the only temperature, or the reduced ones.
+/// Lines for the fit of laws: the lines of a single temperature, or the reduced lines.
 fn lines<'a>(found: &Found<'_>, data: &'a ModulusData) -> Lines<'a> {
     let points: Vec<(f64, Complex64)> = data
         .omega()

@@ -44,8 +44,8 @@ pub struct ForceSheet {
     pub materials: Materials,
     /// The force to be found.
     pub problem: Problem,
-    /// Draws of mobilities and of everything stated with ±, such as 1000, by which the errors of an
-    /// impact are judged.
+    /// Number of draws of mobilities and of everything stated with ±, such as 1000, to check the
+    /// errors of an impact.
     #[serde(default)]
     pub monte_carlo: Option<usize>,
 }

@@ -360,7 +360,7 @@ fn report(
             ));
         }
     }
-    // the answer before the records
+    // the figures of the answer come before those of the records
     outcome.figures.splice(0..0, figures);
     if only_chance {
         let reason = format!(

@@ -30,7 +30,8 @@ use crate::{Outcome, RodlabError};
 use answer::Left;
 use laws::{FittedLaw, Identified, LawFit, Standing};
 
-/// Most cells of a rod: the computing time is proportional to their square.
+/// Maximum number of cells of a rod: the computing time is proportional to the square of their
+/// number.
 const MOST_CELLS: f64 = 2000.0;
 
 /// Sheet of the job.
@@ -42,12 +43,12 @@ pub struct IdentifySheet {
     /// Free texts for the report.
     #[serde(default)]
     pub about: About,
-    /// The rod of all tests that do not state their own.
+    /// The rod, for all tests that do not state a rod of their own.
     #[serde(default)]
     pub specimen: Option<SpecimenSheet>,
     /// The tests used together.
     pub tests: Vec<TestSheet>,
-    /// Filter of the recorder of all tests. Where it is stated the recorder is part of the model,
+    /// Filter of the recorder, for all tests. If it is stated, the recorder is part of the model,
     /// and nonlinear laws are compared and identified through it.
     #[serde(default)]
     pub recorder: Option<AntiAliasSheet>,
@@ -57,32 +58,32 @@ pub struct IdentifySheet {
     /// Differentiation of displacements.
     #[serde(default)]
     pub differentiator: DifferentiatorSheet,
-    /// Laws to be fitted; those of paper D by default.
+    /// Laws to be fitted; by default those of paper D.
     #[serde(default = "laws_of_paper_d")]
     pub laws: Vec<Law>,
     /// Compares the laws with each other and with linear competitors.
     #[serde(default = "yes")]
     pub compare: bool,
-    /// Computes profile likelihoods for the resulting law, or else for the one with the nearest
+    /// Computes profile likelihoods for the resulting law, or else for the law with the nearest
     /// response, if the data determine its damping.
     #[serde(default = "yes")]
     pub profiles: bool,
     /// Cell of the rod in the direct problem, at most `"4 mm"`; by default as short as the accuracy
-    /// needs.
+    /// requires.
     #[serde(default)]
     pub cell: Option<Exact<Length>>,
-    /// Tests that may be made next, of which the one that tells most is sought: between the laws that
-    /// are left, or of the parameters of the only one.
+    /// Tests that may be made next. The job finds the most informative of them, to decide between
+    /// the remaining laws, or to determine the parameters of the only one.
     #[serde(default)]
     pub next: Option<NextSheet>,
-    /// Draws of the noise and of everything stated with ±, such as 200, by which the linear errors
-    /// are judged.
+    /// Number of draws of the noise and of everything stated with ±, such as 200, to check the
+    /// linear errors.
     #[serde(default)]
     pub monte_carlo: Option<usize>,
 }
 
 impl IdentifySheet {
-    /// The candidate with thermally activated rates, if the sheet asks for them.
+    /// The candidate with thermally activated rates, if the sheet requests them.
     fn activated(&self, candidate: Candidate) -> Result<Candidate, RodlabError> {
         match &self.arrhenius {
             None => Ok(candidate),
@@ -92,9 +93,9 @@ impl IdentifySheet {
         }
     }
 
-    /// Cell that the sheet fixes \[m\]; `None` where a fit chooses it. One longer than the default
-    /// is none: by the error of such a grid a law would be refuted, or its parameters wrong by more
-    /// than their errors.
+    /// Cell that the sheet fixes \[m\]; `None` if a fit chooses it. A stated cell longer than the
+    /// default is ignored: with the error of such a grid, a law would be refuted, or its parameters
+    /// would be wrong by more than their errors.
     fn fixed_cell(&self) -> Option<f64> {
         let stated = self.cell.as_ref().map(Exact::si);
         stated.filter(|cell| *cell <= DEFAULT_CELL)
@@ -129,15 +130,15 @@ impl IdentifySheet {
         used.chain(self.tests.iter().filter_map(|test| test.specimen.as_ref()))
     }
 
-    /// The rod, if all tests are of one.
+    /// The rod, if all tests are made on one.
     fn single_specimen(&self) -> Option<&SpecimenSheet> {
         let mut all = self.specimens();
         let first = all.next()?;
         all.all(|other| other.is_stated_as(first)).then_some(first)
     }
 
-    /// Relative errors of length and density that are the same in all tests: of several rods that
-    /// of the density alone, which is the largest stated, since the rods are of one material.
+    /// Relative errors of length and density that are the same in all tests. For several rods, only
+    /// that of the density: the largest one stated, since the rods are of one material.
     fn specimen_uncertainty(&self) -> Result<SpecimenUncertainty, RodlabError> {
         let length = self.single_specimen().map_or(0.0, |specimen| {
             specimen.length.with_uncertainty().relative()
@@ -151,7 +152,7 @@ impl IdentifySheet {
     }
 }
 
-/// Rates and relaxation times that depend on the temperature with one activation energy.
+/// Rates and relaxation times that depend on the temperature through one activation energy.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ArrheniusSheet {
@@ -163,10 +164,10 @@ pub struct ArrheniusSheet {
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SpecimenSheet {
-    /// Distance from the section of excitation to the free end, such as `"394 mm ± 0.5 mm"`. E has
-    /// twice its relative error.
+    /// Distance from the section of excitation to the free end, such as `"394 mm ± 0.5 mm"`. The
+    /// relative error of E is twice that of the length.
     pub length: Stated<Length>,
-    /// Density, such as `"1140 kg/m3 ± 0.2 %"`. E has its relative error.
+    /// Density, such as `"1140 kg/m3 ± 0.2 %"`. The relative error of E is that of the density.
     pub density: Stated<Density>,
 }
 
@@ -190,7 +191,7 @@ struct Found {
     tests: Vec<RodTest>,
     /// Impact velocity of each test [m/s].
     impact_velocities: Vec<f64>,
-    /// True if the tests are of distinct impact velocities.
+    /// True if the tests have distinct impact velocities.
     several_velocities: bool,
     laws: Vec<FittedLaw>,
     left: Left,
@@ -200,9 +201,9 @@ struct Found {
     /// Estimates of nonlinear laws on a narrower band, for recorders not already biased by their
     /// excitation.
     bands: Vec<NarrowedBand>,
-    /// Errors of the transducers with which alone a law explains the data.
+    /// Errors of the transducers without which no law explains the data.
     transducers: Option<answer::SuspectTransducers>,
-    /// The law of the profiles.
+    /// The law whose profiles were computed.
     profiled: Option<Law>,
     profiles: Vec<Profile>,
 }
@@ -226,8 +227,8 @@ impl Found {
             .map_or_else(of_excitation, NarrowedBand::to_string)
     }
 
-    /// Returns true if the law at this place of the comparison was fitted, the data do not determine
-    /// its damping, and an elastic rod explains them.
+    /// Returns true if the law at this place of the comparison was fitted, the data do not
+    /// determine its damping, and an elastic rod explains the data.
     fn is_without_damping(&self, place: usize) -> bool {
         let comparison = self.comparison.as_ref();
         let law = comparison.and_then(|found| found.laws.get(place)?.law);
@@ -236,8 +237,8 @@ impl Found {
         law != Some(Law::Elastic) && fitted.any(lacks) && self.may_be_elastic()
     }
 
-    /// Returns true unless the comparison refutes an elastic rod, by its own misfit or beside that of
-    /// the best law.
+    /// Returns true unless the comparison refutes an elastic rod, by the misfit of that rod or by
+    /// comparison with the best law.
     fn may_be_elastic(&self) -> bool {
         let compared = self.comparison.iter().flat_map(|found| &found.laws);
         let least = compared.clone().map(|law| law.chi_square);
@@ -253,8 +254,8 @@ impl Found {
     }
 }
 
-/// χ² of an elastic rod over that of a law of up to five more parameters that would have a
-/// probability of 0.001 if it were elastic.
+/// Excess of χ² of an elastic rod over that of a law with up to five more parameters, which would
+/// have a probability of 0.001 if the rod were elastic.
 const REFUTED: f64 = 20.5;
 
 /// Returns true if the fastest test is distinctly faster than the slowest, by the criterion of the
@@ -282,7 +283,7 @@ fn recorders(sheet: &IdentifySheet, tests: &[RodTest]) -> Result<Vec<RecorderChe
         .collect()
 }
 
-/// The standard candidates, and of the sheet's `laws` those that are neither among them nor
+/// The standard candidates, and those of the sheet's `laws` that are neither among them nor among
 /// `further`.
 fn candidates(sheet: &IdentifySheet, further: &[Candidate]) -> Result<Vec<Candidate>, RodlabError> {
     let mut all = Candidate::standard();
@@ -298,8 +299,8 @@ fn candidates(sheet: &IdentifySheet, further: &[Candidate]) -> Result<Vec<Candid
     all.into_iter().map(|one| sheet.activated(one)).collect()
 }
 
-/// The laws of the sheet and, of those left by the comparison, the linear ones and those with an
-/// equilibrium.
+/// The laws of the sheet and, among the laws left by the comparison, the linear ones and those with
+/// an equilibrium.
 fn laws_to_fit(sheet: &IdentifySheet, left: &Left, comparison: Option<&Comparison>) -> Vec<Law> {
     let mut laws = sheet.laws.clone();
     let compared = |place: &usize| comparison?.laws.get(*place)?.law;
@@ -362,8 +363,8 @@ pub(crate) fn run(sheet: &IdentifySheet, context: &JobContext<'_>) -> Result<Out
             .map_err(|error| RodlabError::step("comparing the laws", error))
     };
     let mut comparison = None;
-    // the misfit of the best law as the transducers are stated, if no law explains the data unless
-    // they err
+    // the misfit of the best law with the transducers as stated, if no law explains the data unless
+    // the transducers have errors
     let mut misfit_as_stated = None;
     if sheet.compare {
         let as_stated = compared(&tests)?;
@@ -446,7 +447,7 @@ pub(crate) fn run(sheet: &IdentifySheet, context: &JobContext<'_>) -> Result<Out
             profiles = found;
         }
     }
-    // verdicts follow from the data; the specimen adds to the errors
+    // verdicts follow from the data; the uncertainty of the specimen is added to the errors
     let specimen = sheet.specimen_uncertainty()?;
     let laws = laws
         .into_iter()
@@ -560,7 +561,7 @@ fn defaults() -> Vec<Setting> {
     ]
 }
 
-/// Reports the contribution of the specimen to the errors, or that it is not included.
+/// Reports the contribution of the specimen to the errors, or that the errors do not include it.
 fn specimen_in_words(sheet: &IdentifySheet, found: &Found, outcome: &mut Outcome) {
     let is_unstated = |of: &dyn Fn(&SpecimenSheet) -> ValueWithUncertainty| {
         let mut all = sheet.specimens();

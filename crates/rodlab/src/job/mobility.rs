@@ -41,15 +41,15 @@ pub struct MobilitySheet {
     /// Upper frequency of the lines used, such as `"10 kHz"`; by default all lines.
     #[serde(default)]
     pub up_to: Option<Exact<Frequency>>,
-    /// Support of the body; by default that given by the line at 0 Hz.
+    /// Support of the body; by default the support that the line at 0 Hz indicates.
     #[serde(default)]
     pub support: SupportSheet,
-    /// Replacement of low-frequency lines of a free body by its weighed mass; by default they stay
-    /// as measured.
+    /// Replacement of low-frequency lines of a free body by its weighed mass; by default the lines
+    /// stay as measured.
     #[serde(default)]
     pub complete: Option<CompletionSheet>,
-    /// Characteristic impedance of the material at the face, which gives its immediate response,
-    /// such as `"3.2e3 kg/s"`.
+    /// Characteristic impedance of the material at the face, such as `"3.2e3 kg/s"`; it determines
+    /// the response before any echo returns.
     #[serde(default)]
     pub front_impedance: Option<NotFollowed<SpecificImpedance>>,
 }
@@ -81,7 +81,7 @@ pub(crate) fn run(sheet: &MobilitySheet, context: &JobContext<'_>) -> Result<Out
     Ok(outcome)
 }
 
-/// Defaults of the fields that the sheet leaves open, but of its source.
+/// Defaults of the fields that the sheet leaves open, except those of its source.
 fn defaults() -> [Setting; 5] {
     [
         Setting::by_default("head_mass", "none"),
@@ -92,7 +92,7 @@ fn defaults() -> [Setting; 5] {
     ]
 }
 
-/// Numbers of lines by their accuracy.
+/// States the number of valid lines and their accuracy.
 #[allow(
     clippy::indexing_slicing,
     reason = "the lines that are counted are those of the mobility, which has a frequency and an error for each"

@@ -1,5 +1,5 @@
 //! Complex modulus of a rod, by any of the methods of `cmod`, from hits or from a ratio of spectra
-//! made by another program.
+//! that another program computed.
 
 mod calibration;
 mod causal;
@@ -58,21 +58,21 @@ pub struct ModulusSheet {
     pub method: MethodSheet,
     /// The measured data.
     pub source: SourceSheet,
-    /// Lines used, such as `(from: "200 Hz", to: "16 kHz")`; all above 0 Hz by default.
+    /// Lines used, such as `(from: "200 Hz", to: "16 kHz")`; by default all lines above 0 Hz.
     #[serde(default)]
     pub band: Option<BandSheet>,
     /// Requirements of a valid line.
     #[serde(default)]
     pub limits: LimitsSheet,
-    /// Correction of the modulus for lateral inertia; none by default: Poisson's ratio may then be
-    /// anything up to 0.5, the resulting error is one of the common errors, and a line where
-    /// it exceeds the limit of E' is not valid.
+    /// Correction of the modulus for lateral inertia; by default none. Without it Poisson's ratio
+    /// is assumed to be anything up to 0.5, the resulting error is one of the common errors, and a
+    /// line is not valid if this error exceeds the limit of E'.
     #[serde(default)]
     pub lateral_inertia: Option<LateralInertiaSheet>,
     /// Checks that need no reference values.
     #[serde(default)]
     pub checks: ChecksSheet,
-    /// Finds the relaxing material nearest to all lines together, too, with its errors; not by
+    /// Also finds the relaxing material nearest to all lines together, with its errors; off by
     /// default.
     #[serde(default)]
     pub causal: bool,
@@ -83,11 +83,11 @@ pub struct ModulusSheet {
     /// default 1, 2 and 5 of each decade with valid lines.
     #[serde(default)]
     pub report_at: Option<Vec<Exact<Frequency>>>,
-    /// Temperatures of the hits, and the one to which the modulus is referred.
+    /// Temperatures of the hits, and the temperature to which the modulus is referred.
     #[serde(default)]
     pub temperature: Option<TemperatureSheet>,
-    /// Draws of noise and of everything stated with ±, such as 1000, by which the linear errors are
-    /// judged.
+    /// Number of draws of noise and of everything stated with ±, such as 1000, to check the linear
+    /// errors.
     #[serde(default)]
     pub monte_carlo: Option<usize>,
 }
@@ -101,7 +101,7 @@ pub struct SpecimenSheet {
     pub length: Option<Stated<Length>>,
     /// Diameter, such as `"15.8 mm"`.
     pub diameter: Stated<Length>,
-    /// Density, such as `"912 kg/m3 ± 0.1 %"`. Its relative error is that of the modulus.
+    /// Density, such as `"912 kg/m3 ± 0.1 %"`. The modulus has the same relative error.
     pub density: Stated<Density>,
     /// Mass on the free end, the accelerometer with its connector, such as `"2.9 gram"`; none by
     /// default.
@@ -113,13 +113,13 @@ pub struct SpecimenSheet {
 #[derive(Debug, Clone, Default, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct LimitsSheet {
-    /// Largest relative error of E', within which five standard errors of the random part and
-    /// uncorrected lateral inertia must lie, such as `"1 %"`, which is the default.
+    /// Largest relative error of E', such as `"1 %"`, which is the default. Five standard errors of
+    /// the random part, and uncorrected lateral inertia, must be within it.
     pub storage_modulus: Option<Exact<Ratio>>,
     /// Largest relative error of the loss factor, likewise; `"5 %"` by default.
     pub loss_factor: Option<Exact<Ratio>>,
-    /// Largest relative common error of E', within which two standard errors of all common sources
-    /// must lie; not required by default.
+    /// Largest relative common error of E'. Two standard errors of all common sources must be
+    /// within it; not required by default.
     pub common_storage_modulus: Option<Exact<Ratio>>,
     /// Largest amplification of a relative error; `"10"` by default.
     pub error_amplification: Option<Exact<Ratio>>,
@@ -128,7 +128,7 @@ pub struct LimitsSheet {
 }
 
 impl ModulusSheet {
-    /// Defaults of the fields that the sheet leaves open, but of its source.
+    /// Defaults of the fields that the sheet leaves open, except those of its source.
     fn defaults(&self) -> Vec<Setting> {
         let mut defaults = Vec::new();
         let mut open = |name: &str, value: &str| defaults.push(Setting::by_default(name, value));
@@ -202,9 +202,9 @@ pub(super) struct Found<'a> {
     /// The estimate: corrected for lateral inertia, if requested.
     pub(super) estimate: &'a ModulusEstimate,
     pub(super) corrected: Option<&'a CorrectedEstimate>,
-    /// Results for the errors of the sensors, if any are stated.
+    /// Results for the errors of the sensors, if such errors are stated.
     calibration: Option<&'a SelfCalibration>,
-    /// Distance over which wavelengths are counted \[m\].
+    /// Distance between the sections or ends over which wavelengths are counted \[m\].
     distance: f64,
 }
 
@@ -278,7 +278,7 @@ pub(super) fn run_with(
         outcome.doubt(doubt.as_str());
     }
     match found.calibration {
-        // what is found of sensors is found of those that are drawn
+        // results for sensors of a draw would be those of the drawn sensors
         _ if context.draw.is_some() => {}
         Some(calibrated) => calibration::state(&mut outcome, sheet, &measured, calibrated),
         None => calibration::state_none(&mut outcome, &measured),
@@ -302,7 +302,7 @@ pub(super) fn run_with(
         outcome.tables.push(table);
     }
     outcome.attachments.extend(universal::attachment(&found)?);
-    // the answer before the records
+    // the figures of the answer come before those of the records
     let answer = figures::figures(&found, &reasons);
     outcome.figures.splice(0..0, answer);
     add(&mut outcome, &found)?;

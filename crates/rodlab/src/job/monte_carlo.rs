@@ -1,8 +1,8 @@
-//! Monte Carlo computation beside the linear errors of a result (JCGM 101).
+//! Monte Carlo computation in addition to the linear errors of a result (JCGM 101).
 //!
-//! Each draw is the job itself on a sheet in which every quantity with ± is drawn within it, and on
-//! data to which the random errors are added once more. The scatter of each number over the draws is
-//! compared with its stated standard error, which is linear in the errors.
+//! Each draw is the job itself, on a sheet in which every quantity with ± is drawn within its
+//! uncertainty, and on data to which the random errors are added once more. The scatter of each
+//! number over the draws is compared with its stated standard error, which is linear in the errors.
 
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
@@ -15,20 +15,20 @@ use crate::outcome::{CHECK, Cells, Column, Quantity, Table};
 use crate::sheet::{self, plausible};
 use crate::{Outcome, RodlabError};
 
-/// Least number of draws: the scatter of fewer says nothing.
+/// Smallest number of draws: the scatter of fewer draws is not meaningful.
 const LEAST: usize = 20;
 /// Largest number of draws.
 const MOST: f64 = 1e6;
 /// Seed of the draws.
 const SEED: u64 = 1;
-/// Draws between two sums, which are made in the order of the draws.
+/// Number of draws computed at a time, before they are summed in the order of the draws.
 const BATCH: usize = 64;
-/// Relative difference of two standard errors that counts.
+/// Relative difference of two standard errors up to which they count as equal.
 const DIFFERENCE: f64 = 0.1;
-/// Least scatter, in stated standard errors: the error of a number that scatters less is not that of a
-/// drawn quantity, as the step of a march.
+/// Smallest scatter that is compared, in stated standard errors: if a number scatters less, its
+/// error is not due to a drawn quantity, but for example to the step of a march.
 const MOVED: f64 = 0.01;
-/// Standard errors of the scatter by which a difference has to exceed it.
+/// Number of standard errors of the scatter by which a difference must exceed [`DIFFERENCE`].
 const CERTAIN: f64 = 3.0;
 
 /// Beginning of the name of the column with the errors of a column.
@@ -79,13 +79,14 @@ impl Scatter {
         (self.squares / f64::from(self.draws.saturating_sub(1))).sqrt()
     }
 
-    /// Scatter over stated standard error, if both are known.
+    /// Ratio of the scatter to the stated standard error, if both are known.
     fn ratio(&self, number: &Number<'_>) -> Option<f64> {
         let ratio = self.deviation() / number.standard_error;
         (self.draws as usize >= LEAST && ratio >= MOVED && ratio.is_finite()).then_some(ratio)
     }
 
-    /// Returns true if the scatter is not the stated standard error, beyond chance.
+    /// Returns true if the scatter differs from the stated standard error by more than chance
+    /// explains.
     fn differs(&self, number: &Number<'_>) -> bool {
         let chance = CERTAIN / (2.0 * f64::from(self.draws)).sqrt();
         let differs = |ratio: f64| (ratio - 1.0).abs() > DIFFERENCE + chance;
@@ -93,7 +94,8 @@ impl Scatter {
     }
 }
 
-/// Draws `sheet` and its data, and adds to `outcome` what they say of its standard errors.
+/// Draws `sheet` and its data, and adds the comparison of the draws with the standard errors to
+/// `outcome`.
 ///
 /// # Errors
 ///
@@ -276,7 +278,7 @@ fn uncertain(table: &Table) -> impl Iterator<Item = Uncertain<'_>> {
 
 impl Place {
     /// The number in the outcome `drawn`, which may have other quantities and rows than `base`; NaN
-    /// if it is not there.
+    /// if `drawn` does not have the number.
     fn find(self, base: &Outcome, drawn: &Outcome) -> f64 {
         self.found(base, drawn).unwrap_or(f64::NAN)
     }
@@ -297,7 +299,7 @@ impl Place {
                     .filter(same)
                     .or_else(|| drawn.tables.iter().find(same))?;
                 let at = cell(known, 0, row)?;
-                // a line without a result moves those behind it
+                // a line without a result shifts the rows after it
                 let row = (0..=row)
                     .rev()
                     .take_while(|row| cell(other, 0, *row).is_none_or(|other| other >= at))
@@ -375,8 +377,8 @@ impl<'a> Judged<'a> {
         })
     }
 
-    /// Columns for the tables of `base`: the table, the place in it, and the column; from the last
-    /// to the first of a table.
+    /// Columns for the tables of `base`: the index of the table, the place in the table, and the
+    /// column. The columns of a table are in descending order of their places.
     fn columns(&self, base: &Outcome) -> Vec<(usize, usize, Column)> {
         let mut columns = Vec::new();
         for (at, table) in base.tables.iter().enumerate() {

@@ -1,6 +1,6 @@
 //! Loss factor from creep recovery: the model of paper C from tests with one or several loads.
 //!
-//! A rod is loaded for a while and unloaded, and its loss factor is read as it recovers. The
+//! A rod is loaded for a while and unloaded, and its loss factor is read while it recovers. The
 //! readings are fitted by one model for all tests (`cmod::recovery`), which then predicts the
 //! recovery from other loads, such as a periodic one.
 
@@ -45,13 +45,13 @@ pub struct RecoverySheet {
     /// to all readings.
     #[serde(default)]
     pub virgin_loss_factor: Option<Stated<Ratio>>,
-    /// Kind of the readings, loss factors or changes; loss factors by default.
+    /// Kind of the readings: loss factors (the default), or changes.
     #[serde(default)]
     pub readings_are: Option<ReadingsAre>,
-    /// Standard error of a reading that states none itself, such as `"0.0012"`.
+    /// Standard error of readings that state none themselves, such as `"0.0012"`.
     #[serde(default)]
     pub standard_error: Option<Exact<Ratio>>,
-    /// Basis of the errors of the result; the stated errors by default.
+    /// Basis of the errors of the result; by default the stated errors.
     #[serde(default)]
     pub error_scale: Option<ErrorScaleSheet>,
     /// The tests.
@@ -59,11 +59,11 @@ pub struct RecoverySheet {
     /// Loads whose recovery is predicted.
     #[serde(default)]
     pub predictions: Vec<PredictionSheet>,
-    /// The procedure of paper C in addition to the joint fit.
+    /// Applies the procedure of paper C in addition to the joint fit.
     #[serde(default)]
     pub paper_procedure: Option<PaperProcedureSheet>,
-    /// Draws of the readings and of everything stated with ±, such as 1000, by which the linear
-    /// errors are judged.
+    /// Number of draws of the readings and of everything stated with ±, such as 1000, to check the
+    /// linear errors.
     #[serde(default)]
     pub monte_carlo: Option<usize>,
 }
@@ -101,7 +101,7 @@ impl From<ErrorScaleSheet> for ErrorScale {
 pub struct TestSheet {
     /// Name, such as `"Test 1"`.
     pub name: String,
-    /// The load, part by part, from a virgin specimen to the unloading.
+    /// The load, part by part, from the virgin specimen to the unloading.
     pub load: Vec<LoadSheet>,
     /// Frequency of this test, if it differs from that of the sheet.
     #[serde(default)]
@@ -199,7 +199,7 @@ pub(crate) fn run(sheet: &RecoverySheet, context: &JobContext<'_>) -> Result<Out
     };
     context.check_cancelled()?;
     let error_factor = if scale == ErrorScale::FromResidual {
-        // a fit by the residual has degrees of freedom, or it does not exist
+        // a fit with errors from the residual has degrees of freedom, or does not exist
         (fit.chi_squared / fit.degrees_of_freedom as f64).sqrt()
     } else {
         1.0
@@ -263,7 +263,7 @@ fn paper(sheet: &RecoverySheet, tests: &[RecoveryTest]) -> Result<Option<PaperFi
     .map_err(|error| RodlabError::step("paper_procedure", error))
 }
 
-/// Tests without readings, at the times of the curves.
+/// The tests without readings that are predicted, at the times of the curves.
 fn predictions(
     sheet: &RecoverySheet,
     tests: &[RecoveryTest],

@@ -42,7 +42,7 @@ pub enum Job {
     Mobility(Box<mobility::MobilitySheet>),
     /// Force between two bodies, or from a response.
     Force(Box<force::ForceSheet>),
-    /// Propagation of waves in a long bar, from one shot on it.
+    /// Propagation of waves in a long bar, from one or more shots.
     Bar(Box<bar::BarSheet>),
     /// Stress-strain curve from split Hopkinson bars.
     Shpb(Box<shpb::ShpbSheet>),
@@ -70,7 +70,7 @@ impl Job {
 }
 
 impl Job {
-    /// Does the job, without a Monte Carlo computation beside it.
+    /// Does the job, without a Monte Carlo computation of the whole job.
     pub(super) fn run(&self, context: &JobContext<'_>) -> Result<Outcome, RodlabError> {
         match self {
             Self::Frf(sheet) => frf::run(sheet, context),
@@ -86,8 +86,8 @@ impl Job {
         }
     }
 
-    /// Number of draws of a Monte Carlo computation of the whole job, if it is asked for. The shots
-    /// of a Hopkinson bar are drawn by their job itself.
+    /// Number of draws of a Monte Carlo computation of the whole job, if it is requested. For the
+    /// shots of a Hopkinson bar, the job itself makes the draws.
     pub(super) fn monte_carlo(&self) -> Option<usize> {
         match self {
             Self::Modulus(sheet) => sheet.monte_carlo,
@@ -100,8 +100,8 @@ impl Job {
         }
     }
 
-    /// Leaves out what is drawn from the result and fitted to it, and returns true if there was any
-    /// of it.
+    /// Removes the Monte Carlo draws from the sheet, and from that of a modulus also the laws;
+    /// returns true if the sheet had any of them.
     pub(crate) fn leave_out_what_takes_long(&mut self) -> bool {
         let draws = match self {
             Self::Modulus(sheet) => {
@@ -135,13 +135,13 @@ impl Sheet {
         })
     }
 
-    /// The language of its text.
+    /// The language of the sheet.
     #[must_use]
     pub fn language(&self) -> Language {
         sheet::language_of(&self.text)
     }
 
-    /// All that the sheet states but its title, by its place and as it is written.
+    /// All statements of the sheet except its title, with their places and as written.
     pub(crate) fn statements(&self) -> Vec<Statement> {
         let mut statements = sheet::statements::<Job>(&self.text);
         statements.retain(|statement| statement.name != "title");
@@ -158,8 +158,8 @@ impl Sheet {
     }
 }
 
-/// Parses the job of the text of a sheet; `path` is only named in errors. A leading byte-order mark
-/// is ignored.
+/// Parses the job of the text of a sheet; `path` is used only in error messages. A leading
+/// byte-order mark is ignored.
 ///
 /// # Errors
 ///

@@ -85,7 +85,7 @@ pub enum ExperimentSheet {
     StrainsInFrame(Box<StrainsInFrameSheet>),
     /// Loss factors after creep loads (paper C).
     CreepRecovery(Box<CreepRecoverySheet>),
-    /// A rod of an inelastic law struck by a projectile (paper D).
+    /// A rod with an inelastic law, struck by a projectile (paper D).
     ImpactedRod(Box<ImpactedRodSheet>),
     /// Blows of a hammer on the face of a body (paper E).
     HammerOnBody(Box<HammerOnBodySheet>),
@@ -111,7 +111,7 @@ impl Request<'_> {
     /// Density and law of the material called `name`, as springs and Maxwell branches for a march
     /// in time.
     fn prony(&self, name: &str, field: &str) -> Result<(f64, GeneralisedMaxwell), RodlabError> {
-        // the name, the density and the numbers of the law are checked
+        // this checks the name, the density and the numbers of the law
         material_called(self.materials, name, field)?;
         let of_sheet = self.materials.get(name).map(|sheet| sheet.prony(field));
         of_sheet.transpose()?.flatten().ok_or_else(|| {
@@ -200,7 +200,7 @@ struct Made {
 }
 
 impl Made {
-    /// With its sheets, which are in RON, in the language of the sheet that asks for them.
+    /// Converts the evaluation sheets, which are in RON, to the language of the sheet of the test.
     fn in_the_language(mut self, language: Language) -> Result<Self, RodlabError> {
         if language != Language::Ron {
             for evaluation in &mut self.evaluations {

@@ -54,7 +54,8 @@ pub(super) fn attach(
     let at = at.unwrap_or_else(|| lines.data.middle_frequency_hz());
     let card = match card.with_poisson_ratio_at(at, ratio.standard_uncertainty) {
         Ok(card) => card,
-        // a stiff bulk and this ratio make no solid where the modulus is another
+        // with a stiff bulk, this ratio does not give a solid at frequencies where the modulus
+        // differs
         Err(error @ CmodError::NonPhysical { .. }) if asked.poisson_ratio_at.is_none() => {
             outcome.warnings.push(format!(
                 "No card is written: {error}. The ratio is taken at {}; state `poisson_ratio_at` if it is another frequency's.",
@@ -119,11 +120,11 @@ pub(super) fn attach(
 /// Seed of the draws: the same sheet and files give the same cards.
 const SEED: u64 = 1;
 
-/// Draws that are tried, where a number is out of its range.
+/// Number of draws that are tried if a number is out of its range.
 const MOST_TRIES: usize = 100;
 
-/// One draw of `card`: of the errors of its series, its density and its Poisson's ratio. The error of
-/// the density moves the series as well, where the moduli were found with it.
+/// One draw of `card`: of the errors of its series, its density and its Poisson's ratio. The error
+/// of the density also moves the series, if the moduli were found with the density.
 fn drawn<'a>(
     card: &MaterialCard<'a>,
     (density, ratio): (ValueWithUncertainty, ValueWithUncertainty),

@@ -14,7 +14,7 @@ use crate::{Outcome, RodlabError};
 /// Half the width of a band, in standard errors.
 const BAND: f64 = 2.0;
 
-/// The lines of which the estimate is, for its figure and its table.
+/// The lines of the estimate, for its figure and its table.
 pub(crate) struct Shown<'a> {
     /// Symbol of the modulus.
     pub(crate) symbol: &'a str,
@@ -35,7 +35,7 @@ struct Line {
     modulus: Complex64,
     /// Variances of E' and E'', and their covariance.
     all: [f64; 3],
-    /// The same of the random part.
+    /// Variances and covariance of the random part.
     random: [f64; 3],
     distance: f64,
 }
@@ -64,7 +64,7 @@ impl Line {
     }
 }
 
-/// States the estimate, or why there is none.
+/// Reports the estimate, or the reason why there is none.
 pub(crate) fn state(
     outcome: &mut Outcome,
     shown: &Shown<'_>,

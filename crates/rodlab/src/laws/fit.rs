@@ -112,12 +112,13 @@ fn attach_material(outcome: &mut Outcome, lines: &Lines<'_>, best: &RheologicalF
     }
 }
 
-/// An `error` on the scale of the parameter as an error of its value; `None` if it is not small.
+/// Converts an `error` on the scale of the parameter to an error of its value; `None` if the
+/// standard error of the parameter is too large for this.
 pub(crate) fn of_value(parameter: &Parameter, error: f64) -> Option<f64> {
     match parameter.scale {
         Scale::Ratio if parameter.standard_error < 0.5 => Some(parameter.value * error),
         Scale::Difference => Some(error),
-        // on the odds of α its derivative is α(1 - α)
+        // the derivative of α with respect to its log odds is α(1 - α)
         Scale::LogOdds if parameter.standard_error < 0.5 => {
             Some(parameter.value * (1.0 - parameter.value) * error)
         }
@@ -228,7 +229,7 @@ fn table(comparison: &Comparison) -> Table {
     }
 }
 
-/// The laws over frequency, and over time, as far as there are lines.
+/// The laws over frequency, and over time, if there are such lines.
 fn figures(lines: &Lines<'_>, comparison: &Comparison, best: &RheologicalFit) -> Vec<Figure> {
     let (frequency, hertz) = &lines.drawn.frequency;
     let (storage, pascal) = &lines.drawn.storage;

@@ -14,11 +14,12 @@ pub(crate) struct Lines<'a> {
     pub(crate) points: Vec<(f64, Complex64)>,
     /// Basis of the errors.
     pub(crate) error_scale: ErrorScale,
-    /// Profiles of the parameters of a Prony series, which take long for many branches.
+    /// True to compute profiles of the parameters of a Prony series, which take long for many
+    /// branches.
     pub(crate) series_profiles: bool,
     /// Density of the material [kg/m³], if it is known.
     pub(crate) density: Option<ValueWithUncertainty>,
-    /// The modulus is Young's, of which later sheets may make rods.
+    /// True if the modulus is Young's, with which later sheets can describe rods.
     pub(crate) is_youngs: bool,
     /// Temperature of the lines for a card, unless the sheet states it there.
     pub(crate) temperature: Option<String>,

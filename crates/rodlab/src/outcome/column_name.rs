@@ -1,9 +1,8 @@
 //! Names and units of columns for other programs: `storage_modulus_pa` for "E'" in GPa.
 //!
-//! A column is declared once, by its words and its unit, as reports and figures show them. CSV,
-//! JSON and Python have the name that follows here: the words in small letters with `_` between
-//! them, and the unit. Numbers are in units without a prefix (Pa, not GPa); `%`, `deg` and `degC`
-//! stay.
+//! A column is declared once, by its words and its unit, as shown in reports and figures. CSV, JSON
+//! and Python use the name that is derived here: the words in lower case with `_` between them, and
+//! the unit. Numbers are in units without a prefix (Pa, not GPa); `%`, `deg` and `degC` stay.
 
 /// Units with a prefix: their unit without one, and the factor to it.
 const PREFIXED: [(&str, &str, f64); 18] = [
@@ -27,7 +26,7 @@ const PREFIXED: [(&str, &str, f64); 18] = [
     ("mJ", "J", 1e-3),
 ];
 
-/// Words that a name leaves out.
+/// Words that are left out of a name.
 const ARTICLES: [&str; 2] = ["of", "the"];
 
 /// The unit of a column for other programs, and the factor from `unit` to it.

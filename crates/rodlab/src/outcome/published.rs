@@ -1,4 +1,4 @@
-//! Tables as CSV, JSON and Python have them.
+//! Tables in the form for CSV, JSON and Python.
 
 use serde::{Serialize, Serializer};
 
@@ -8,10 +8,10 @@ use super::{Cells, Column, Table};
 /// A column for other programs.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct PublishedColumn<'a> {
-    /// Name with its unit, as `storage_modulus_pa`; unlike those of the other columns of the
-    /// table.
+    /// Name with its unit, such as `storage_modulus_pa`; different from the names of the other
+    /// columns of the table.
     pub name: String,
-    /// The name in reports and figures, as `E'`.
+    /// The name in reports and figures, such as `E'`.
     pub words: &'a str,
     /// Unit, without a prefix; empty for pure numbers and words.
     pub unit: &'a str,
@@ -27,7 +27,7 @@ pub enum PublishedCells<'a> {
     Numbers(Vec<f64>),
     /// Words.
     Words(&'a [String]),
-    /// Answers.
+    /// Truth values.
     Flags(&'a [bool]),
 }
 

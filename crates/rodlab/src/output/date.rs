@@ -1,5 +1,5 @@
-//! The date of a report, reproducible from the same files: that of its newest input, not that of
-//! the clock.
+//! The date of a report, reproducible from the same files: the date of the newest input, not the
+//! current time.
 
 use std::env;
 use std::fs;
@@ -15,8 +15,8 @@ const VARIABLE: &str = "SOURCE_DATE_EPOCH";
 const LATEST: u64 = 253_402_300_799;
 const SECONDS_PER_DAY: u64 = 86_400;
 
-/// The date of `SOURCE_DATE_EPOCH` if it is set, else that of the newest of the input files; `None`
-/// if neither is known.
+/// The date of `SOURCE_DATE_EPOCH` if it is set, otherwise the date of the newest input file;
+/// `None` if neither is known.
 ///
 /// # Errors
 ///

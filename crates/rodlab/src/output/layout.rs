@@ -5,8 +5,8 @@ use std::io::{self, Write};
 
 use serde_json::ser::Formatter;
 
-/// Objects on lines, arrays on one line: a column of a thousand numbers is one line, not a
-/// thousand.
+/// Formatter that writes objects on several lines and arrays on one: a column of a thousand numbers
+/// is one line, not a thousand.
 #[derive(Debug, Default)]
 pub(super) struct ArraysOnOneLine {
     depth: usize,

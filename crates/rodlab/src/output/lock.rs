@@ -1,9 +1,9 @@
 //! Lock of a folder for one writer at a time, with a list of the files being replaced.
 //!
-//! The lock is one of the operating system on a file in the folder, which is released however the
+//! The lock is a lock of the operating system on a file in the folder. It is released however the
 //! process ends, so that no stale lock remains. The file also lists the names that are being
-//! replaced. It is removed when a result is complete; after a run that ended in between, the next
-//! run finds in it the possible files of the unfinished one.
+//! replaced. The file is removed when a result is complete; after a run that ended earlier, the
+//! next run finds in it the possible files of the unfinished run.
 
 use std::collections::BTreeSet;
 use std::fs::{self, File, OpenOptions, TryLockError};
@@ -102,7 +102,7 @@ impl FolderLock {
             .and_then(|_| self.file.read_to_end(&mut bytes))
             .map_err(|source| super::refusal(&self.path, source))?;
         let text = String::from_utf8_lossy(&bytes);
-        // the first line is that of the owner; a last line without an end is incomplete
+        // the first line names the owner; a last line without a line ending is incomplete
         let whole = text.rfind('\n').map_or("", |end| &text[..end]);
         Ok(whole
             .lines()
@@ -117,7 +117,7 @@ impl FolderLock {
         &mut self,
         names: impl Iterator<Item = &'n str>,
     ) -> Result<(), RodlabError> {
-        // begins with an end of line, because the line before may have none
+        // begins with a line ending, because the line before may have none
         let text: String = std::iter::once("")
             .chain(names)
             .map(|name| format!("{name}\n"))
@@ -149,13 +149,14 @@ impl FolderLock {
 impl Drop for FolderLock {
     fn drop(&mut self) {
         if !self.unfinished {
-            // while it is locked: a waiting run notices that the file is a different one
+            // removed while it is locked, so that a waiting run notices that the file is a
+            // different one
             let _ = fs::remove_file(&self.path);
         }
     }
 }
 
-/// Returns true if `file` is the one at `path`.
+/// Returns true if `file` is the file at `path`.
 fn is_at(file: &File, path: &Path) -> bool {
     #[cfg(unix)]
     {

@@ -9,8 +9,9 @@ use serde::Deserialize;
 use super::{FAILURE, PROGRAM, RESULT, RESULT_VERSION, is_plain};
 use crate::input;
 
-/// Names listed in the `result.json` or `failure.json` at `path`, and its own; `None` if the file
-/// is not of this program, cannot be read, is a link, or has a later version of the structure.
+/// Names listed in the `result.json` or `failure.json` at `path`, and the name of that file; `None`
+/// if the file is not of this program, cannot be read, is a link, or has a later version of the
+/// structure.
 pub(super) fn listed(path: &Path) -> Option<BTreeSet<String>> {
     #[derive(Deserialize)]
     struct Listing {

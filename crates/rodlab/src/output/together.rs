@@ -1,5 +1,5 @@
-//! Replacement of the files of a folder together: all files are of one run, the new or the earlier
-//! one.
+//! Replacement of the files of a folder together: all files belong to one run, the new one or the
+//! earlier one.
 
 use std::collections::BTreeSet;
 use std::fs;
@@ -20,9 +20,10 @@ const AT_A_TIME: usize = 4;
 
 /// Writes the files of a result to `folder`; `reads` are the files that the run has read.
 ///
-/// All are on the disk before the first file changes. Then `result.json` and `failure.json` of an
-/// earlier run are removed, with its files that the new run lacks, and the new ones follow in
-/// order: if a `result.json` exists, all files belong to one run.
+/// All files are on the disk under temporary names before the first existing file changes. Then
+/// `result.json` and `failure.json` of an earlier run are removed, with those of its files that the
+/// new run does not write, and the new files follow in order: if a `result.json` exists, all files
+/// belong to one run.
 pub(crate) fn replace_result(
     folder: &Path,
     files: &[(String, Vec<u8>)],
@@ -53,7 +54,7 @@ pub(crate) fn replace_result(
 
 /// Puts a `failure.json` into `folder` in place of a `result.json`. The report of the earlier
 /// result is renamed accordingly; its other files stay as they are, and `text` receives their
-/// names: if a disk with recordings was missing, the earlier report is all there is.
+/// names: if a disk with recordings was missing, the earlier report is all that is left.
 pub(crate) fn replace_by_failure(
     folder: &Path,
     text: impl FnOnce(Vec<String>) -> Result<Vec<u8>, RodlabError>,
@@ -90,7 +91,7 @@ pub(crate) fn replace_by_failure(
 }
 
 /// Puts the `files` of a summary, one of which is called `signed` and names this program, into
-/// `folder` in place of those of an earlier summary.
+/// `folder` in place of the files of an earlier summary.
 pub(crate) fn replace_summary(
     folder: &Path,
     files: &[(String, Vec<u8>)],

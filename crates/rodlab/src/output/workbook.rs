@@ -7,17 +7,18 @@ use rust_xlsxwriter::{DocProperties, ExcelDateTime, Format, Workbook, XlsxError}
 use crate::RodlabError;
 use crate::outcome::{PublishedCells, Table};
 
-/// Most characters of the name of a sheet.
+/// Maximum number of characters of the name of a sheet.
 const MOST_CHARACTERS: usize = 31;
 
-/// Characters that the name of a sheet cannot have.
+/// Characters that the name of a sheet must not contain.
 const FORBIDDEN: [char; 7] = ['[', ']', ':', '*', '?', '/', '\\'];
 
 /// Width of a column beyond its name, in characters.
 const MARGIN: f64 = 2.0;
 
 /// The workbook of `tables`, a sheet for each in their order: names of the columns, units, rows.
-/// Numbers are numbers, a missing one is an empty cell. The bytes depend on the tables alone.
+/// Numbers are written as numbers, a missing number as an empty cell. The bytes depend only on the
+/// tables.
 ///
 /// # Errors
 ///
@@ -65,8 +66,8 @@ fn written(tables: &[Table]) -> Result<Vec<u8>, XlsxError> {
     workbook.save_to_buffer()
 }
 
-/// The name of a table as that of a sheet, unlike the `names` before, of which each counts how often
-/// it was asked for.
+/// Returns a sheet name for a table that differs from all earlier ones; `names` counts how often
+/// each name was requested.
 fn sheet_name(name: &str, names: &mut BTreeMap<String, usize>) -> String {
     let allowed = name.chars().filter(|c| !FORBIDDEN.contains(c));
     let name: String = allowed.take(MOST_CHARACTERS).collect();

@@ -20,23 +20,23 @@ pub struct ChannelSheet {
     #[serde(default)]
     pub unit: Option<String>,
     /// Sensitivity of the sensor, such as `"10.2 mV/g"` or `"4 pC/N ± 1 %"`; absent if the file
-    /// has the quantity itself.
+    /// contains the quantity itself.
     #[serde(default)]
     pub sensitivity: Option<Sensitivity>,
     /// A bridge of strain gauges, instead of a sensitivity.
     #[serde(default)]
     pub bridge: Option<BridgeSheet>,
-    /// Amplifier after the sensor, such as `"100"` or `"10 mV/pC"`.
+    /// Gain of an amplifier after the sensor, such as `"100"` or `"10 mV/pC"`.
     #[serde(default)]
     pub gain: Option<Sensitivity>,
-    /// Sensor wired or mounted in the opposite direction.
+    /// True for a sensor that is wired or mounted in the opposite direction.
     #[serde(default)]
     pub inverted: bool,
     /// Reading at rest, in the unit of the file.
     #[serde(default)]
     pub offset: f64,
-    /// Delay of the channel's samples after those of the others, such as `"5 us"` or `"0 us ± 2
-    /// us"`.
+    /// Delay of the samples of this channel relative to the other channels, such as `"5 us"` or
+    /// `"0 us ± 2 us"`.
     #[serde(default)]
     pub time_skew: Option<Stated<Time>>,
     /// Coordinate of the sensor along the rod.

@@ -1,4 +1,4 @@
-//! Facts about channels from a file, and additions of the sheet.
+//! Statements of a file about its channels, and additions from the sheet.
 
 use labio::format::uff58::response;
 use labio::{Abscissa, Contents, Dimension, Series, SeriesAxis, Unit};
@@ -7,7 +7,8 @@ use super::{Records, Selector};
 use crate::RodlabError;
 use crate::digits;
 
-/// Relative difference up to which a sampling rate of the sheet is that of the file, rounded there.
+/// Relative difference up to which the sampling rate of the sheet counts as that of the file, which
+/// is rounded there.
 const ROUNDED_RATE: f64 = 1e-3;
 
 /// Relative difference from which times without a unit contradict a sampling rate.
@@ -27,9 +28,9 @@ pub(crate) fn step_without_unit(series: &Series) -> Option<f64> {
 }
 
 impl Records {
-    /// Adds to `contents` what `file` does not record and the sheet states: the sampling rate,
-    /// units. Returns the series of every channel of the sheet: several if a file contains
-    /// several hits.
+    /// Adds to `contents` the sampling rate and the units that `file` does not record and the sheet
+    /// states. Returns the series of every channel of the sheet: several if a file contains several
+    /// hits.
     pub(super) fn complete(
         &self,
         contents: &mut Contents,
@@ -154,7 +155,7 @@ impl Records {
                 }
                 0.0
             }
-            // no time, or no even one: reported when records are made
+            // no time axis, or an uneven one: reported when records are made
             _ => return Ok(()),
         };
         let second =
@@ -220,7 +221,8 @@ impl Records {
     }
 }
 
-/// Another series that has the `name` of a channel in the file, if none of those meant has it.
+/// Returns another series of the file that has the `name` of a channel, if none of the selected
+/// series `meant` has it.
 fn namesake(contents: &Contents, name: &str, meant: &[usize]) -> Option<usize> {
     let has_name = |series: &Series| series.name.trim().eq_ignore_ascii_case(name.trim());
     let mut own = meant.iter().filter_map(|index| contents.series.get(*index));
@@ -228,8 +230,8 @@ fn namesake(contents: &Contents, name: &str, meant: &[usize]) -> Option<usize> {
     if own.any(has_name) { None } else { other() }
 }
 
-/// The series meant by `selector`: all with that name, or the one with that number and those of its
-/// name at the same point.
+/// Returns the series that `selector` selects: all with its name, or the one with its number and
+/// all with the same name at the same point.
 fn meant(contents: &Contents, selector: &Selector) -> Vec<usize> {
     let all_that = |is_meant: &dyn Fn(&Series) -> bool| -> Vec<usize> {
         let all = contents.series.iter().enumerate();

@@ -3,8 +3,8 @@
 //! `x`: the different abscissae; `p`: panels with axes `x`, `y` (label, unit, 1 for logarithmic,
 //! range), `e` (1 for equal axes), `g` (greyed ranges with reasons) and `m`, the marks: `t` is `l`,
 //! `p`, `b` or `a` for line, points, band and vertical line, `n` the name, `r` the role from 0, `x`
-//! which abscissae, `y` and `z` the ordinates (`z`: bars, or upper edge), `v` the place of a
-//! vertical line.
+//! the number of the abscissae, `y` and `z` the ordinates (`z`: bars, or upper edge), `v` the place
+//! of a vertical line.
 
 use std::fmt::Write;
 
@@ -152,7 +152,7 @@ fn numbers(json: &mut String, values: &[f64], digits: i32) {
     json.push(']');
 }
 
-/// `value` to so many digits, in as few characters as possible; null if not finite.
+/// `value` to this number of digits, in as few characters as possible; null if not finite.
 #[expect(
     clippy::cast_possible_truncation,
     reason = "the power of ten of a number lies between -324 and 308, and seven digits are far below the greatest integer"

@@ -1,7 +1,7 @@
 //! Numbers for reading, without meaningless digits.
 
-/// `value` with its standard error, both to the second digit of the error; without one, to five
-/// digits.
+/// `value` with its standard error, both to the second digit of the error; without an error, to
+/// five digits.
 ///
 /// Large and small numbers have a common power of ten: `(2.612 ± 0.014)×10⁹`.
 pub(crate) fn with_error(value: Option<f64>, error: Option<f64>) -> String {
@@ -90,7 +90,7 @@ pub(super) fn in_line(values: &[f64]) -> Vec<String> {
             })
             .collect()
     };
-    // digits that are zero in all of them are omitted
+    // digits that are zero in all numbers are omitted
     let full = written(most);
     let needed = full
         .iter()

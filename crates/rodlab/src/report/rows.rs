@@ -7,19 +7,19 @@ use super::number::{alone, in_line, with_error};
 use crate::digits::prefix_for;
 use crate::outcome::{Cells, Column, Quantity, Table};
 
-/// Rows visible at once.
+/// Number of rows visible at once.
 const FIRST: usize = 12;
-/// Most rows on the page; the file has the rest.
+/// Maximum number of rows on the page; the file contains the rest.
 const IN_ALL: usize = 400;
-/// Most columns visible at once, so that a sheet of paper holds them.
+/// Maximum number of columns visible at once, so that they fit on a sheet of paper.
 const COLUMNS: usize = 8;
-/// Most different verdicts that get a letter.
+/// Maximum number of different verdicts that are denoted by letters.
 const LETTERS: usize = 20;
 
-/// Most characters of a text that is not broken.
+/// Maximum number of characters of a text that is not broken into lines.
 const SHORT: usize = 24;
 
-/// Beginnings of the names of columns that explain others.
+/// Beginnings of the names of columns that explain other columns.
 const EXPLAINING: [&str; 4] = [
     "random error of",
     "common error of",
@@ -39,7 +39,7 @@ pub(super) struct QuantityRow<'a> {
 
 impl<'a> QuantityRow<'a> {
     pub(super) fn of(quantity: &'a Quantity) -> Self {
-        // of the error where the value is less
+        // the prefix is that of the error if the value is smaller
         let sizes = [quantity.value, quantity.standard_error]
             .into_iter()
             .flatten();
@@ -55,8 +55,8 @@ impl<'a> QuantityRow<'a> {
     }
 }
 
-/// A table: its principal columns with errors beside their values, a legend of the letters by which
-/// verdicts are named, and all columns to unfold.
+/// A table: its principal columns with errors next to their values, a legend of the letters that
+/// denote verdicts, and all columns to unfold.
 #[derive(Serialize)]
 pub(super) struct TableRows<'a> {
     title: &'a str,
@@ -103,7 +103,7 @@ struct Shown {
     texts: Vec<String>,
 }
 
-/// The style class of a column: numbers aligned right, short words in one line.
+/// The style class of a column of words: short words stay on one line.
 fn class_of(texts: &[String]) -> &'static str {
     let is_short = |word: &String| word.chars().count() <= SHORT;
     if texts.iter().all(is_short) {
@@ -134,7 +134,7 @@ fn picked<T: Clone>(values: &[T], rows: &[usize]) -> Vec<T> {
         .collect()
 }
 
-/// `column` with all its words.
+/// `column` with its numbers or with all its words.
 fn as_it_is(column: &Column, rows: &[usize]) -> Shown {
     match &column.cells {
         Cells::Numbers(values) => Shown {
@@ -167,7 +167,7 @@ fn beside_errors(column: &Column, values: &[f64], errors: &[f64], rows: &[usize]
     }
 }
 
-/// The standard errors of `column` in the next one, if that is what it has.
+/// Returns the standard errors of `column` from the column `next`, if `next` contains them.
 fn errors_of<'a>(column: &Column, next: Option<&'a Column>) -> Option<&'a [f64]> {
     let next = next?;
     let of = next.name.strip_prefix("standard error of ")?;
@@ -175,7 +175,7 @@ fn errors_of<'a>(column: &Column, next: Option<&'a Column>) -> Option<&'a [f64]>
     (is_of && next.unit == column.unit).then(|| numbers_of(next))?
 }
 
-/// The value that all rows have.
+/// The value that all rows have; `None` if the values differ, or for three rows or fewer.
 fn constant(values: &[f64]) -> Option<f64> {
     let first = *values.first()?;
     let same = |value: &f64| value.total_cmp(&first).is_eq() || (value.is_nan() && first.is_nan());
@@ -193,7 +193,8 @@ fn spread(rows: &[usize], count: usize) -> Vec<usize> {
         .collect()
 }
 
-/// The verdicts of a column by letters, and their legend; `None` where the words are shorter.
+/// The verdicts of a column as letters, and their legend; `None` if there are too many different
+/// verdicts.
 fn by_letters<'a>(cells: &'a Cells) -> Option<(Vec<String>, Vec<Letter>)> {
     let Cells::Validity {
         valid,
@@ -254,7 +255,8 @@ fn view(columns: &[Shown]) -> View {
     }
 }
 
-/// Rows that show a table in brief: of lines in order some of the valid ones, else the first.
+/// Rows that show a table in brief: for increasing abscissae, rows spread over the valid ones, or
+/// over all if few are valid; otherwise the first rows.
 fn brief_rows(table: &Table, total: usize) -> (Vec<usize>, &'static str) {
     // a few more rows are not worth folding
     if total <= FIRST + 4 {

@@ -15,12 +15,12 @@ use crate::outcome::InputFile;
 use crate::records::Selector;
 use crate::{Outcome, RodlabError, cut_short, input, universal};
 
-/// Tolerance for the place of a line, as a fraction of the spacing: the error of a rounded
+/// Tolerance for the frequency of a line, as a fraction of the spacing: the error of a rounded
 /// frequency.
 const OFF_GRID: f64 = 1e-3;
 
-/// Most lines below the first of a file, about a million: a spacing rounded to nearly zero in the
-/// file would need more memory than there is.
+/// Maximum number of lines below the first line of a file, about a million: with a spacing that is
+/// rounded to nearly zero in the file, the lines would need more memory than there is.
 const MOST_BEFORE: usize = 1 << 20;
 
 /// Suffix of the name of a response that gives the name of its standard error.
@@ -48,12 +48,12 @@ pub struct ResponseFile {
     /// Column of the imaginary part, if it is separate.
     #[serde(default)]
     pub imaginary: Option<Selector>,
-    /// Kind of response, such as `Mobility`; by default that of its unit.
+    /// Kind of response, such as `Mobility`; by default the kind that fits its unit.
     #[serde(default)]
     pub kind: Option<KindSheet>,
-    /// Data set of the standard error of the lines, the root of the variance of the complex
-    /// number, in the unit of the response. By default the one with the name of the response
-    /// and the suffix `, standard error`, if there is one.
+    /// Data set of the standard error of the lines, the root of the variance of the complex number,
+    /// in the unit of the response. By default the data set with the name of the response and the
+    /// suffix `, standard error`, if there is one.
     #[serde(default)]
     pub standard_error: Option<Selector>,
     /// Data set of the coherence, which gives the standard error together with `averages`.
@@ -67,7 +67,7 @@ pub struct ResponseFile {
 /// The lines of a data set on the grid of a response.
 struct Lines {
     spacing_hz: f64,
-    /// lines of the grid below the first of the file
+    /// Number of lines of the grid below the first line of the file.
     before: usize,
 }
 
@@ -316,7 +316,7 @@ impl ResponseFile {
                 let on_grid = |k: usize, value: f64| {
                     (value - first - k as f64 * step).abs() <= OFF_GRID * step
                 };
-                // a frequency that is not a number is on no grid
+                // a frequency that is not a number is not on the grid
                 if let Some((line, value)) = places.find(|(k, value)| !on_grid(*k, **value)) {
                     return Err(off(format!("uneven at line {line}, {value}")));
                 }

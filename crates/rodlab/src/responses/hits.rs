@@ -35,15 +35,15 @@ pub struct HitsSource {
     /// response.
     #[serde(default)]
     pub estimator: Option<EstimatorSheet>,
-    /// Window that passes the force during the contact of the hammer only.
+    /// Window that passes the force only during the contact of the hammer.
     #[serde(default)]
     pub force_window: Option<ForceWindowSheet>,
     /// Exponential window on both channels, by its weight at the end of a hit, such as `"1 %"`.
     #[serde(default)]
     pub exponential_window: Option<Exact<Ratio>>,
     /// Time before a blow in which the channels rest, such as `"20 ms"`: it gives the noise for
-    /// `Hs`, and the bias of the others. By default the pre-trigger of hits that are cut by a
-    /// trigger, or else the rest that the records show.
+    /// `Hs`, and the bias of the other estimators. By default the pre-trigger of hits that are cut
+    /// by a trigger, or else the rest that the records show.
     #[serde(default)]
     pub silent: Option<Exact<Duration>>,
 }
@@ -77,12 +77,12 @@ impl EstimatorSheet {
 
 /// The method of combining two tests line by line.
 ///
-/// Both state errors with the same coverage, to 1 %. A soft and a hard tip on a body of two modes,
-/// noise on force and response, 100 tests: with ten hits each, the mean error of a line is 0.5 to 1
-/// % smaller by weighting than by choice, and 0.3 % larger if noise of the force prevails. With
-/// three hits, whose variances are poor weights, it is up to 6 % larger with the noise at rest
-/// known, and up to a quarter without: state `LargerInput` there. For hammers of equal force,
-/// weighting gains a third.
+/// Both methods state errors with the same coverage, to 1 %. In 100 tests with a soft and a hard
+/// tip on a body of two modes, with noise on force and response: with ten hits each, the mean error
+/// of a line is 0.5 to 1 % smaller by weighting than by choice of a test, and 0.3 % larger if noise
+/// of the force prevails. With three hits, whose variances are poor weights, it is up to 6 % larger
+/// if the noise at rest is known, and up to a quarter larger if not: state `LargerInput` in this
+/// case. For hammers of equal force, weighting gains a third.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize)]
 pub enum MergeSheet {
     /// Weighting by the inverse of their relative variances.
@@ -276,7 +276,7 @@ impl HitsSource {
         Ok(found)
     }
 
-    /// Defaults of the fields that the sheet leaves open, but of the hits.
+    /// Defaults of the fields that the sheet leaves open, except those of the hits.
     fn defaults(field: &str) -> [Setting; 3] {
         let estimator = format!("{:?}", EstimatorSheet::default());
         [
@@ -387,7 +387,7 @@ impl HitsSource {
     }
 
     /// Adds the error from truncated records to the variance of `response`, and reports its size.
-    /// `shares` are those of the first of two tests.
+    /// `shares` are the shares of the first of two tests in the lines.
     ///
     /// # Errors
     ///

@@ -1,8 +1,8 @@
 //! Lines that carry a signal.
 
-/// First and last line of the stretch that carries a signal: the one with the largest excess of
-/// lines whose coherence is above that of chance over the others. Single antiresonances do not end
-/// it, and chance peaks of noise do not lengthen it.
+/// First and last line of the stretch that carries a signal: the stretch in which the lines with a
+/// coherence above that of chance outnumber the other lines the most. Single antiresonances do not
+/// end it, and chance peaks of noise do not lengthen it.
 #[must_use]
 pub fn stretch_with_signal(above_chance: impl IntoIterator<Item = bool>) -> Option<(usize, usize)> {
     let mut best: Option<(i64, usize, usize)> = None;

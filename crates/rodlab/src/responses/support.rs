@@ -15,19 +15,19 @@ use crate::sheet::{
 #[derive(Debug, Clone, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub enum SupportSheet {
-    /// No support: below its first resonance it moves as a mass.
+    /// No support: below its first resonance, the body moves like a rigid mass.
     Free {
-        /// Its mass, such as `"1.504 kg ± 1 gram"`.
+        /// Mass of the body, such as `"1.504 kg ± 1 gram"`.
         mass: Stated<ImpactMass>,
     },
     /// A rigid support.
     Fixed,
     /// A rod so long that no wave returns.
     LongRod {
-        /// Its characteristic impedance, such as `"392 kg/s"`.
+        /// Characteristic impedance of the rod, such as `"392 kg/s"`.
         impedance: NotFollowed<SpecificImpedance>,
     },
-    /// The support given by the line at 0 Hz.
+    /// The support that the line at 0 Hz indicates.
     #[default]
     AsMeasured,
 }
@@ -60,13 +60,13 @@ impl SupportSheet {
     }
 }
 
-/// Replacement of low-frequency lines by those of the weighed mass.
+/// Replacement of low-frequency lines by the lines of a rigid body with the weighed mass.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct CompletionSheet {
     /// Lines below this frequency are replaced, such as `"30 Hz"`.
     pub below: Exact<Frequency>,
-    /// Lines from there up to this frequency, well below the first resonance, determine the
+    /// Lines from `below` up to this frequency, well below the first resonance, determine the
     /// elastic term, such as `"200 Hz"`.
     pub fitted_to: Exact<Frequency>,
 }

@@ -11,7 +11,7 @@ use super::mistake::Mistake;
 
 /// The mistakes in a sheet: the first one, and the others after it in the text.
 ///
-/// Its text is one line, `sheet.toml:12:9: specimen.lenght: ...`; as a [`Diagnostic`] it is an
+/// Its text is one line, `sheet.toml:12:9: specimen.lenght: ...`; as a [`Diagnostic`] it shows an
 /// excerpt of the sheet for each mistake.
 #[derive(Debug)]
 pub struct SheetError {
@@ -23,7 +23,7 @@ pub struct SheetError {
 }
 
 impl SheetError {
-    /// The error of `mistakes` in `text`.
+    /// Creates the error for `mistakes` in `text`.
     pub(super) fn of(path: &Path, text: &str, mistakes: Vec<Mistake>) -> Box<Self> {
         let name = path.display().to_string();
         let source = Arc::new(NamedSource::new(name, text.to_owned()));
@@ -59,7 +59,7 @@ impl SheetError {
         self.column
     }
 
-    /// Place of the mistake in the sheet, as `specimen.length`; empty outside of all fields.
+    /// Place of the mistake in the sheet, such as `specimen.length`; empty outside of all fields.
     #[must_use]
     pub fn field(&self) -> &str {
         &self.mistake.field

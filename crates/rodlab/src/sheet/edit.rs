@@ -15,7 +15,7 @@ pub(crate) struct Leaf {
     pub(crate) place: Range<usize>,
 }
 
-/// The values of a sheet in the order of its text; none if it is no sheet in its language.
+/// Returns the values of a sheet in the order of its text; none if the text cannot be parsed.
 pub(crate) fn leaves(text: &str) -> Vec<Leaf> {
     let bare = without_mark(text);
     let mut leaves = Vec::new();
@@ -67,10 +67,10 @@ pub(crate) enum Ruling {
     Criteria,
 }
 
-/// Names of the two lists of decisions among the hits of a sheet.
+/// Names of the two lists of decisions in the description of hits of a sheet.
 const LISTS: [(&str, Ruling); 2] = [("reject", Ruling::Reject), ("accept", Ruling::Accept)];
 
-/// Place of the description of hits in a sheet, by its job.
+/// Path of the description of hits in a sheet; it depends on the job.
 fn place_of_hits(root: &Node) -> Option<&'static [&'static str]> {
     let Value::Choice(job) = &root.value else {
         return None;
@@ -83,11 +83,12 @@ fn place_of_hits(root: &Node) -> Option<&'static [&'static str]> {
     }
 }
 
-/// The text of a sheet with the decision `ruling` on hit `hit` in place of any other.
+/// Returns the text of a sheet with the decision `ruling` on hit `hit`, in place of any earlier
+/// decision on that hit.
 ///
 /// # Errors
 ///
-/// A sentence that says what to write by hand where the text has no place for the decision.
+/// A sentence that states what to write by hand, if the text has no place for the decision.
 pub(crate) fn ruled(text: &str, hit: usize, ruling: Ruling) -> Result<String, String> {
     let by_hand = || {
         format!(
@@ -103,7 +104,7 @@ pub(crate) fn ruled(text: &str, hit: usize, ruling: Ruling) -> Result<String, St
         return Ok(cleared);
     };
     let changed = with_ruling(&cleared, path, list, hit).ok_or_else(by_hand)?;
-    // what cannot be found again was not written where it counts
+    // a decision that cannot be read back is not in the right place
     if rulings(&changed, path, list).is_some_and(|hits| hits.contains(&hit)) {
         Ok(changed)
     } else {
@@ -121,7 +122,7 @@ fn rulings(text: &str, path: &[&str], list: &str) -> Option<Vec<usize>> {
     Some(elements.iter().filter_map(hit_of).collect())
 }
 
-/// The text without decisions on `hit`; `None` if it is no sheet.
+/// Returns the text without decisions on `hit`; `None` if the text is not a sheet.
 fn without_rulings(text: &str, path: &[&str], hit: usize) -> Option<String> {
     let bare = without_mark(text);
     let (_, root) = tree::of(bare).ok()?;
@@ -137,7 +138,7 @@ fn without_rulings(text: &str, path: &[&str], hit: usize) -> Option<String> {
             if hit_of(element) != Some(hit) {
                 continue;
             }
-            // with the comma on the side of a neighbour
+            // together with the comma between the element and a neighbour
             let before = index.checked_sub(1).and_then(|index| elements.get(index));
             gone.push(match (before, elements.get(index + 1)) {
                 (Some(before), _) => before.place.end..element.place.end,
@@ -154,7 +155,7 @@ fn without_rulings(text: &str, path: &[&str], hit: usize) -> Option<String> {
     Some(with_mark_of(text, &changed))
 }
 
-/// The text with `hit` on `list`.
+/// Returns the text with `hit` on `list`.
 fn with_ruling(text: &str, path: &[&str], list: &str, hit: usize) -> Option<String> {
     let bare = without_mark(text);
     let (language, root) = tree::of(bare).ok()?;
@@ -183,7 +184,8 @@ fn with_ruling(text: &str, path: &[&str], list: &str, hit: usize) -> Option<Stri
             }
             None => inserted(bare, hits, &stated)?,
         },
-        // the table that has no hits yet, if only they are missing
+        // in TOML the missing tables are appended; in the other languages `hits` is inserted in its
+        // parent, if nothing else is missing
         Err(_) if language == Language::Toml => {
             let gap = if bare.ends_with('\n') { "" } else { "\n" };
             (
@@ -209,7 +211,7 @@ fn with_ruling(text: &str, path: &[&str], list: &str, hit: usize) -> Option<Stri
     Some(with_mark_of(text, &changed))
 }
 
-/// Place and words by which a table states one thing more.
+/// Returns the place and the words that add the field `stated` to a table.
 fn inserted(text: &str, table: &Node, stated: &str) -> Option<(usize, String)> {
     let Value::Table(entries) = &table.value else {
         return None;
@@ -219,7 +221,7 @@ fn inserted(text: &str, table: &Node, stated: &str) -> Option<(usize, String)> {
         let more = if entries.is_empty() { "" } else { ", " };
         return Some((table.place.start + 1, format!("{stated}{more}")));
     }
-    // a table under its header: a line of its own above a field that begins one
+    // a table under its header: a new line above the first field that begins a line
     entries.iter().find_map(|Entry { name_place, .. }| {
         let line = text
             .get(..name_place.start)?
@@ -233,7 +235,7 @@ fn inserted(text: &str, table: &Node, stated: &str) -> Option<(usize, String)> {
     })
 }
 
-/// The hit that an element of a list names.
+/// Returns the number of the hit that an element of a list names.
 fn hit_of(element: &Node) -> Option<usize> {
     match element.entry("hit")?.node.value {
         Value::Integer(hit) => usize::try_from(hit).ok(),
@@ -241,7 +243,8 @@ fn hit_of(element: &Node) -> Option<usize> {
     }
 }
 
-/// The part of the sheet at `path`, or the last one on the way with what is missing below it.
+/// Returns the part of the sheet at `path`, or the last existing part on the way together with the
+/// rest of `path` that is missing.
 fn follow<'n, 'p>(
     root: &'n Node,
     path: &'p [&'p str],
@@ -264,7 +267,7 @@ fn follow<'n, 'p>(
 }
 
 impl Node {
-    /// The settings of a sheet that is the choice of its job.
+    /// Returns the settings of a sheet that is the choice of its job; any other node unchanged.
     fn content(&self) -> &Self {
         match &self.value {
             Value::Choice(choice) => choice.content.as_deref().unwrap_or(self),
@@ -343,7 +346,7 @@ mod tests {
                 (vec![5], vec![3]),
                 "{last}"
             );
-            // what was there is there still
+            // the earlier text is unchanged
             let kept = leaves(text)
                 .iter()
                 .all(|leaf| last.contains(&text[leaf.place.clone()]));

@@ -37,8 +37,8 @@ pub(super) fn text_of(path: &Path, bytes: &[u8]) -> Result<String, RodlabError> 
     }
 }
 
-/// The error for a text that is not a sheet: it is a recording if it contains a table of numbers,
-/// which no sheet does.
+/// Returns the error for a text that is not a sheet: [`RodlabError::NoSheet`] for a recording,
+/// which is recognised by its table of numbers; otherwise `error`.
 pub(super) fn or_recording(path: &Path, bytes: &[u8], error: Box<SheetError>) -> RodlabError {
     match format::recognise(bytes) {
         Some(reader) => no_sheet(path, reader.name()),
@@ -54,8 +54,8 @@ fn no_sheet(path: &Path, format: &str) -> RodlabError {
     }
 }
 
-/// The name of an encoding with several bytes per character, recognised by its mark or by the zeros
-/// among Latin letters.
+/// Returns the name of an encoding with several bytes per character, recognised by its byte-order
+/// mark or by a zero next to the first letter.
 fn wide(bytes: &[u8]) -> Option<&'static str> {
     match bytes {
         [0xff, 0xfe, 0, 0, ..] | [0, 0, 0xfe, 0xff, ..] => Some("UTF-32, by its byte-order mark"),
@@ -67,14 +67,14 @@ fn wide(bytes: &[u8]) -> Option<&'static str> {
     }
 }
 
-/// The error at the first character that is not UTF-8, with its meaning in Latin-1, where every
-/// byte is a character.
+/// Returns the error for the first byte that is not UTF-8, with its meaning in Latin-1, in which
+/// every byte is a character.
 fn not_utf8(path: &Path, bytes: &[u8], at: usize) -> RodlabError {
     let before = String::from_utf8_lossy(bytes.get(..at).unwrap_or_default());
     let line = before.matches('\n').count() + 1;
     let column = before.chars().rev().take_while(|c| *c != '\n').count() + 1;
     let found = bytes.get(at).map_or_else(String::new, |&byte| {
-        // 0x80 to 0x9f are control characters of Latin-1, and symbols of Windows-1252
+        // 0x80 to 0x9f are control characters in Latin-1, and symbols in Windows-1252
         let meant = if byte >= 0xa0 {
             format!(
                 ", `{}` in Latin-1 (ISO 8859-1, Windows-1252)",
@@ -152,7 +152,7 @@ mod tests {
             let marked = format!("{MARK}{}", job.template(language));
             let text = text_of(path, marked.as_bytes()).unwrap();
             assert_eq!(parse(path, &text).unwrap().name(), job.name());
-            // a sheet does not look like a recording either, so that a mistake in it is shown
+            // a sheet is not recognised as a recording either, so a mistake in it is reported
             assert!(format::recognise(marked.as_bytes()).is_none());
         }
     }

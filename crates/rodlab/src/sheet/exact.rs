@@ -19,12 +19,12 @@ pub(crate) const ADVICE: &str = ". To see what the uncertainty does, run a secon
 pub trait Reason {
     /// Completes "`10 kHz ± 1 %` has an uncertainty".
     const PROBLEM: &'static str;
-    /// The alternative, after the expected text.
+    /// Suggested alternative, appended to the expected text.
     const ADVICE: &'static str;
 }
 
 /// The value is chosen, not measured: a limit, a band, a window, a threshold, a step, a level, a
-/// noise, the truth of a virtual test.
+/// noise level, the truth of a virtual test.
 #[derive(Debug, Clone, Copy)]
 pub enum ByDefinition {}
 

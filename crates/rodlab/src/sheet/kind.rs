@@ -8,9 +8,9 @@ pub trait Kind {
     const NAME: &'static str;
     /// Example of its text, without an uncertainty.
     const EXAMPLE: &'static str;
-    /// Its dimension.
+    /// Dimension of the quantity.
     const DIMENSION: Dimension;
-    /// Refuses zero and negative values.
+    /// True if zero and negative values are refused.
     const POSITIVE: bool;
 }
 
@@ -46,7 +46,7 @@ kinds! {
     Coordinate: "a coordinate", "\"0 mm\" or \"-12 mm\"", dimension(1, 0, 0, 0), false;
     /// A mass above 0 \[kg\].
     ImpactMass: "a mass", "\"1.5 kg\" or \"2.9 gram\"", dimension(0, 1, 0, 0), true;
-    /// A mass of 0 or more \[kg\], such as that of an absent accelerometer.
+    /// A mass of 0 or more \[kg\]; 0 stands for an absent accelerometer.
     AddedMass: "a mass", "\"2.9 gram\" or \"0 kg\"", dimension(0, 1, 0, 0), false;
     /// A density above 0 [kg/m³].
     Density: "a density", "\"1150 kg/m3\"", dimension(-3, 1, 0, 0), true;
@@ -72,7 +72,7 @@ kinds! {
     Viscosity: "a viscosity", "\"20 kPa s\"", dimension(-1, 1, -1, 0), true;
     /// A temperature \[K\].
     Temperature: "a temperature", "\"23 degC\" or \"296 K\"", dimension(0, 0, 0, 1), true;
-    /// A change with temperature [1/K].
+    /// A relative change per degree of temperature [1/K].
     PerKelvin: "a change per degree", "\"-0.004 1/K\" or \"-0.004 1/K ± 0.001 1/K\"", dimension(0, 0, 0, -1), false;
     /// A pure number above 0.
     Ratio: "a pure number", "\"0.094\" or \"9.4 %\"", Dimension::NONE, true;

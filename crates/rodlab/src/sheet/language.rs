@@ -1,19 +1,19 @@
-//! Languages of sheets, told apart by their content.
+//! Languages of sheets, recognised by their content.
 
 /// The language of a sheet.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Language {
-    /// TOML, in which choices have names as `two_point`.
+    /// TOML, in which choices have names such as `two_point`.
     Toml,
-    /// RON, in which choices have names as `TwoPoint`.
+    /// RON, in which choices have names such as `TwoPoint`.
     Ron,
-    /// JSON, as programs write it, with the names and the form of TOML.
+    /// JSON, usually written by programs, with the names and the structure of TOML.
     Json,
 }
 
 impl Language {
-    /// The language of `text`, by the first of its characters that are no comment; `None` if it
-    /// begins like none of them.
+    /// Returns the language of `text`, recognised by its first characters outside comments; `None`
+    /// if it begins like none of the languages.
     ///
     /// JSON begins with a brace, TOML with a key and `=` or with a header in brackets, RON with a
     /// name and a bracket.
@@ -21,7 +21,7 @@ impl Language {
     pub fn of(text: &str) -> Option<Self> {
         let start = without_comments(text);
         if start.starts_with("#!") {
-            return Some(Self::Ron); // an attribute, as `#![enable(implicit_some)]`
+            return Some(Self::Ron); // an attribute, such as `#![enable(implicit_some)]`
         }
         match start.chars().next()? {
             '{' => return Some(Self::Json),
@@ -51,7 +51,7 @@ impl Language {
         }
     }
 
-    /// The name of the choice `variant`, as `TwoPoint`, in this language.
+    /// Returns the name of the choice `variant`, such as `TwoPoint`, in this language.
     pub(super) fn name_of(self, variant: &str) -> String {
         match self {
             Self::Ron => variant.to_owned(),
@@ -60,7 +60,7 @@ impl Language {
     }
 }
 
-/// `text` from its first character on that is neither white space nor in a comment of TOML or RON.
+/// Returns `text` without leading white space and leading comments of TOML or RON.
 fn without_comments(text: &str) -> &str {
     let mut rest = text.trim_start();
     loop {
@@ -76,7 +76,7 @@ fn without_comments(text: &str) -> &str {
     }
 }
 
-/// `TwoPoint` as `two_point`, `H1` as `h1`.
+/// Converts `TwoPoint` to `two_point`, `H1` to `h1`.
 pub(super) fn snake_case(name: &str) -> String {
     let mut words = String::with_capacity(name.len() + 4);
     for letter in name.chars() {

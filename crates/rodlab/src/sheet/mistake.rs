@@ -2,15 +2,15 @@
 
 use std::ops::Range;
 
-/// Bytes of the text.
+/// Range of bytes in the text.
 pub(super) type Place = Range<usize>;
 
 /// A mistake in a sheet.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Mistake {
-    /// Its place in the text.
+    /// Place in the text.
     pub(super) place: Place,
-    /// Its field, as `specimen.length`; empty outside of all fields.
+    /// Field of the mistake, such as `specimen.length`; empty outside of all fields.
     pub(super) field: String,
     /// The text found and the text expected.
     pub(super) problem: String,
@@ -19,7 +19,7 @@ pub(super) struct Mistake {
 }
 
 impl Mistake {
-    /// A mistake outside of all fields.
+    /// Creates a mistake outside of all fields.
     pub(super) fn new(place: Place, problem: impl Into<String>) -> Self {
         Self {
             place,
@@ -30,8 +30,8 @@ impl Mistake {
     }
 }
 
-/// The name of `expected` nearest to `found`; `None` if a third of its letters are wrong, for it is
-/// a different word then.
+/// Returns the name of `expected` nearest to `found`; `None` if more than a third of the letters of
+/// `found` are wrong, for then it is probably a different word.
 pub(super) fn nearest<'a, N: AsRef<str>>(found: &str, expected: &'a [N]) -> Option<&'a N> {
     let best = expected
         .iter()
@@ -40,12 +40,12 @@ pub(super) fn nearest<'a, N: AsRef<str>>(found: &str, expected: &'a [N]) -> Opti
     (3 * best.0 <= found.chars().count().max(3)).then_some(best.1)
 }
 
-/// `did you mean ...?`
+/// Returns `did you mean ...?`.
 pub(super) fn did_you_mean(name: &str) -> String {
     format!("did you mean `{name}`?")
 }
 
-/// The names with commas between them.
+/// Returns the names in backquotes, separated by commas.
 pub(super) fn quoted<N: AsRef<str>>(names: &[N]) -> String {
     let quoted: Vec<String> = names
         .iter()
@@ -54,7 +54,7 @@ pub(super) fn quoted<N: AsRef<str>>(names: &[N]) -> String {
     quoted.join(", ")
 }
 
-/// `text` with a small first letter, unless it begins with an abbreviation.
+/// Returns `text` with a lower-case first letter, unless it begins with an abbreviation.
 pub(super) fn lower_case(text: &str) -> String {
     let mut letters = text.chars();
     let Some(first) = letters.next() else {

@@ -1,5 +1,5 @@
-//! Checks of implausible values, and of counts that would take too long: refused before anything is
-//! computed.
+//! Checks for implausible values, and for counts whose computation would take too long. Both are
+//! refused before anything is computed.
 
 use crate::RodlabError;
 

@@ -1,11 +1,12 @@
-//! The text of a quantity: number, unit, and the uncertainty behind `±`.
+//! The text of a quantity: number, unit, and the uncertainty after `±`.
 
 use labio::{Dimension, Unit};
 
 use super::kind::{ImpactMass, Kind};
 
-/// The text of a quantity with its value moved by `standards` of its standard uncertainties, such as
-/// `"1.01e1 mV/g ± 1 %"` of `"10 mV/g ± 1 %"` moved by 1; `None` for a text without an uncertainty.
+/// Returns the text of a quantity with its value moved by `standards` standard uncertainties, such
+/// as `"1.01e1 mV/g ± 1 %"` for `"10 mV/g ± 1 %"` moved by 1; `None` for a text without a readable
+/// uncertainty.
 pub(super) fn moved(text: &str, standards: impl FnOnce() -> f64) -> Option<String> {
     let (quantity, Some(uncertainty)) = value_and_uncertainty(text) else {
         return None;
@@ -21,7 +22,7 @@ pub(super) fn moved(text: &str, standards: impl FnOnce() -> f64) -> Option<Strin
         let alike = unit.dimension() == in_unit.dimension();
         alike.then(|| (value, size * scale(&in_unit) / scale(&unit)))
     };
-    // `g` beside `mg` is the gram
+    // in a mass, such as `2.9 g ± 30 mg`, `g` is the gram
     let (value, deviation) = read(Dimension::NONE).or_else(|| read(ImpactMass::DIMENSION))?;
     let unit = quantity.trim().get(number_of(quantity.trim()).len()..)?;
     let drawn = value + standards() * deviation;
@@ -43,8 +44,8 @@ pub(crate) fn number_and_unit(text: &str) -> Result<(f64, Unit), String> {
     number_and_unit_of(text, Dimension::NONE)
 }
 
-/// The number at the start of `text` and the unit after it; `g` is the gram where the dimension
-/// asks for it.
+/// The number at the start of `text` and the unit after it; `g` is the gram if the expected
+/// dimension requires it.
 pub(super) fn number_and_unit_of(text: &str, expected: Dimension) -> Result<(f64, Unit), String> {
     let text = text.trim();
     let (number, unit) = text.split_at(number_of(text).len());

@@ -101,8 +101,8 @@ impl<K> Stated<K> {
         self.stated
     }
 
-    /// Value of a body, a material or a contact, for a job that propagates its uncertainty by draws
-    /// of the whole sheet or has refused one by
+    /// Value of a property of a body, a material or a contact, for a job that propagates the
+    /// uncertainty by draws of the whole sheet, or that has already refused any uncertainty with
     /// [`WithoutUncertainty`](super::replacement::WithoutUncertainty).
     pub(crate) fn nominal(&self) -> f64 {
         self.stated.value
@@ -278,7 +278,7 @@ where
             text.deserialize_any(self)
         }
 
-        /// The example in place of a mistake, while other mistakes are looked for.
+        /// Returns the example in place of a faulty value, so that further mistakes can be found.
         fn visit_none<E: de::Error>(self) -> Result<T, E> {
             let example = K::EXAMPLE.split('"').nth(1).unwrap_or_default();
             example.parse().map_err(E::custom)

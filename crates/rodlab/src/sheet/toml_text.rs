@@ -5,14 +5,14 @@ use std::fmt::Write as _;
 use super::language::snake_case;
 use super::tree::{Choice, Entry, JOB, Node, Value};
 
-/// Longest line of a table or a list on one line.
+/// Maximum length of a line with a whole table or a whole list, in characters.
 const LONGEST_LINE: usize = 120;
 
-/// Most values of a table that is written on the line of its name.
+/// Maximum number of values of a table that is written on the line of its name.
 const VALUES_ON_A_LINE: usize = 2;
 
-/// The text of the sheet `root`, which was read from `source` in RON. Comments above and behind a
-/// field stay with it.
+/// Returns the text of the sheet `root`, which was read from `source` in RON. Comments above and
+/// after a field stay with the field.
 pub(super) fn of(source: &str, root: &Node) -> String {
     let mut written = Written {
         source,
@@ -88,7 +88,8 @@ impl Written<'_> {
         self.text.push('\n');
     }
 
-    /// The lines of nothing but a comment above the place `start`, which begins its own line.
+    /// Writes the comment lines directly above the place `start`, if `start` is the first place on
+    /// its line.
     fn comments_above(&mut self, start: usize) {
         let before = self.source.get(..start).unwrap_or_default();
         let mut lines = before.rsplit('\n');
@@ -103,7 +104,8 @@ impl Written<'_> {
         }
     }
 
-    /// The comment behind a value on its last line, with space ahead.
+    /// Returns the comment after a value on the last line of the value, preceded by spaces; empty
+    /// if there is none.
     fn comment_behind(&self, node: &Node) -> String {
         let behind = self.source.get(node.place.end..).unwrap_or_default();
         let line = behind.lines().next().unwrap_or_default();
@@ -113,9 +115,9 @@ impl Written<'_> {
             .unwrap_or_default()
     }
 
-    /// The fields of the table `path`: first those on one line, then tables under headers of their
-    /// own. `above` is the place of the name of a table whose header was left out; its comments
-    /// go to the next header.
+    /// Writes the fields of the table `path`: first those that fit on one line, then tables under
+    /// headers of their own. `above` is the place of the name of a table whose header was left out;
+    /// the comments above that name go to the next header.
     fn table(&mut self, path: &str, fields: &[Field<'_>], mut above: Option<usize>) {
         let mut below = Vec::new();
         for field in fields {
@@ -165,8 +167,8 @@ impl Written<'_> {
         }
     }
 
-    /// `name = value` if the value is short or holds no tables; a list of short tables has a line
-    /// for each.
+    /// Returns `name = value` for a value without tables, and for short tables without comments; a
+    /// list of short tables has one line per table.
     fn on_a_line(&self, field: &Field<'_>) -> Option<String> {
         let line = format!("{} = {}", key(&field.name), inline(field.node));
         let has_comments = || {
@@ -212,7 +214,7 @@ impl Written<'_> {
     }
 }
 
-/// Number of values in a table and below.
+/// Number of values in a node, including those of nested tables and lists.
 fn values_of(node: &Node) -> usize {
     match &node.value {
         Value::List(nodes) => nodes.iter().map(values_of).sum(),
@@ -227,7 +229,7 @@ fn values_of(node: &Node) -> usize {
     }
 }
 
-/// The value on one line.
+/// Returns the value as text on one line.
 fn inline(node: &Node) -> String {
     match &node.value {
         Value::Nothing => quoted("none"),

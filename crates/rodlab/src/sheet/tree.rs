@@ -1,4 +1,4 @@
-//! Sheets as values with their places in the text, whatever their language.
+//! Sheets in any language as values with their places in the text.
 
 mod json;
 mod ron;
@@ -56,7 +56,7 @@ pub(super) const JOB: &str = "job";
 ///
 /// # Errors
 ///
-/// Mistakes against the rules of the language, or the one that the text is in none.
+/// All syntax errors, or a single mistake if the text is in none of the languages.
 pub(super) fn of(text: &str) -> Result<(Language, Node), Vec<Mistake>> {
     let Some(language) = Language::of(text) else {
         let start = text.len() - text.trim_start().len();
@@ -77,7 +77,8 @@ pub(super) fn of(text: &str) -> Result<(Language, Node), Vec<Mistake>> {
     Ok((language, node))
 }
 
-/// `root` as the choice of the job that its field `job` names, with the other fields as settings.
+/// Converts `root` to the choice of the job that its field `job` names, with the other fields as
+/// settings. A root without that field is returned unchanged.
 fn headed(mut root: Node) -> Node {
     let Value::Table(entries) = &mut root.value else {
         return root;
@@ -102,7 +103,7 @@ fn headed(mut root: Node) -> Node {
 }
 
 impl Node {
-    /// A value without parts, as it is written; `None` for any other.
+    /// Returns the text of a value without parts, as written; `None` for a value with parts.
     pub(super) fn as_written(&self) -> Option<String> {
         match &self.value {
             Value::Nothing => Some("none".to_owned()),
@@ -116,7 +117,7 @@ impl Node {
         }
     }
 
-    /// The value in words, as "found ..." goes on.
+    /// Describes the value in the words that follow "found".
     pub(super) fn in_words(&self) -> String {
         match &self.value {
             Value::Nothing => "nothing".to_owned(),

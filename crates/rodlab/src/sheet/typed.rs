@@ -1,8 +1,8 @@
-//! Values of a sheet as typed sheets, with all mistakes of one reading.
+//! Conversion of the values of a sheet to its type, with a list of all mistakes.
 //!
 //! Serde stops at the first mistake. Here the mistake is kept, its place is filled with a value of
-//! the right type, and the sheet is read again, until nothing new is found. Fields that do not
-//! exist, or stand twice, are kept as they are met.
+//! the right type, and the sheet is read again, until nothing new is found. Unknown and repeated
+//! fields do not stop a reading; they are noted as mistakes on the way.
 
 mod access;
 mod fault;
@@ -25,28 +25,29 @@ use super::mistake::Mistake;
 use super::quantity_text::moved;
 use super::tree::Node;
 
-/// Name by which a quantity asks for its text, so that a place without one can be filled.
+/// Type name by which a quantity asks for its text, so that an example can replace a faulty
+/// quantity.
 pub(super) const QUANTITY: &str = "$rodlab::sheet::Quantity";
 
-/// Most mistakes that are listed.
+/// Maximum number of listed mistakes.
 const MOST_MISTAKES: usize = 20;
 
 /// State of the readings of a sheet, which is read again with a filler in place of each mistake.
 #[derive(Debug)]
 struct Pass {
     language: Language,
-    /// Fields in whose place a filler is read.
+    /// Fields that are read from a filler.
     filled: BTreeSet<String>,
     /// Mistakes that did not end the reading.
     noted: RefCell<Vec<Mistake>>,
     /// Statements of the sheet, in its order.
     stated: RefCell<Vec<Statement>>,
-    /// Random numbers of a draw of the sheet, within its stated uncertainties.
+    /// Random numbers for a draw of the sheet within its stated uncertainties.
     random: Option<RefCell<ChaCha8Rng>>,
 }
 
-/// A statement of a sheet: its place, such as `specimen.length`, and its value as it is written, but
-/// that choices have the names of their types.
+/// A statement of a sheet: its place, such as `specimen.length`, and its value as written, except
+/// that choices have the names of their variants.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct Statement {
     pub(crate) name: String,
@@ -66,7 +67,8 @@ impl Pass {
         }
     }
 
-    /// Notes a statement, behind `separator` if its place has a part of it already.
+    /// Notes a statement; if the previous one has the same place, appends `value` to it after
+    /// `separator`.
     fn note(&self, name: String, separator: &str, value: &str) {
         let mut stated = self.stated.borrow_mut();
         match stated.last_mut() {
@@ -83,7 +85,7 @@ impl Pass {
         }
     }
 
-    /// Puts another name of the same value in place of what was noted last.
+    /// Replaces the last noted part of a value by another name of the same value.
     fn note_again(&self, value: &str) {
         if let Some(known) = self.stated.borrow_mut().last_mut() {
             known.value.truncate(known.last);
@@ -91,14 +93,15 @@ impl Pass {
         }
     }
 
-    /// A draw of the quantity `text` within its uncertainty; `None` for a text without one, or where
-    /// nothing is drawn.
+    /// Returns a draw of the quantity `text` within its uncertainty; `None` for a text without an
+    /// uncertainty, or if the sheet is not drawn.
     fn drawn(&self, text: &str) -> Option<String> {
         let mut random = self.random.as_ref()?.borrow_mut();
         moved(text, || random.sample(StandardNormal))
     }
 
-    /// Returns true if a field below `field` is filled: its value is not what the sheet states.
+    /// Returns true if a field below `field` is filled: then the value of `field` is not the one
+    /// that the sheet states.
     fn is_filled_below(&self, field: &str) -> bool {
         let below = |filled: &String| {
             let rest = filled.strip_prefix(field);
@@ -108,7 +111,7 @@ impl Pass {
     }
 }
 
-/// Reads `root` as `T`, with all that it states.
+/// Reads `root` as `T`, with all its statements.
 ///
 /// # Errors
 ///
@@ -139,7 +142,7 @@ pub(super) fn read<T: DeserializeOwned>(
             Ok(_) => break,
             Err(fault) => fault,
         };
-        // a value that holds a filler may be refused because of it
+        // a value that contains a filler may be refused because of the filler
         let is_own = fault.is_missing() || !pass.is_filled_below(fault.field());
         let spot = fault.spot();
         if is_own && !pass.filled.contains(&spot) {
@@ -173,7 +176,8 @@ pub(super) fn read_drawn<T: DeserializeOwned>(
         .map_err(|fault| vec![fault.into_mistake(language)])
 }
 
-/// Adds `spot`, or the nearest field about it that is not filled yet; returns false if all are.
+/// Adds `spot`, or the innermost field around it that is not filled yet; returns false if all are
+/// filled.
 fn fill(filled: &mut BTreeSet<String>, mut spot: &str) -> bool {
     while !spot.is_empty() {
         if filled.insert(spot.to_owned()) {

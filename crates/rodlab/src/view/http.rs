@@ -1,20 +1,20 @@
-//! Requests and answers of HTTP/1.1, one on a connection, for a page that a program serves to the
+//! Requests and answers of HTTP/1.1, one per connection, for a page that a program serves to the
 //! browser on the same machine.
 
 use std::io::{self, Read, Write};
 use std::net::{Shutdown, TcpStream};
 use std::time::Duration;
 
-/// Most bytes of the head of a request.
+/// Maximum number of bytes of the head of a request.
 const MOST_OF_HEAD: usize = 16 << 10;
-/// Most bytes of a request's body: a sheet is text.
+/// Maximum number of bytes of the body of a request, which is the text of a sheet.
 const MOST_OF_BODY: usize = 4 << 20;
-/// Most headers of a request; browsers send about twenty.
+/// Maximum number of headers of a request; browsers send about twenty.
 const MOST_HEADERS: usize = 64;
-/// Longest time for a request to come, and for an answer to be taken.
+/// Longest time to receive a request, and to send an answer.
 const PATIENCE: Duration = Duration::from_secs(10);
 
-/// Longest time for the rest of a request that is refused.
+/// Longest time to receive the rest of a refused request.
 const LINGER: Duration = Duration::from_secs(1);
 
 /// A request.
@@ -22,9 +22,9 @@ const LINGER: Duration = Duration::from_secs(1);
 pub(super) struct Request {
     pub(super) method: String,
     pub(super) path: String,
-    /// Host that the browser believes to ask.
+    /// Host that the browser addresses.
     pub(super) host: Option<String>,
-    /// Page that asks, which browsers state with every POST.
+    /// Page that sends the request; browsers state it with every POST.
     pub(super) origin: Option<String>,
     pub(super) body: Vec<u8>,
 }
@@ -58,7 +58,7 @@ impl Answer {
         }
     }
 
-    /// A request that is not answered; `status` says why.
+    /// Creates the answer that refuses a request; `status` states the reason.
     pub(super) fn refused(status: &'static str) -> Self {
         Self {
             status,
@@ -68,7 +68,8 @@ impl Answer {
         }
     }
 
-    /// Writes the answer. Nothing is stored by the browser, framed by another page, or told to one.
+    /// Writes the answer. Its headers prevent the browser from storing it, and other pages from
+    /// framing or reading it.
     pub(super) fn write(&self, stream: &mut TcpStream) -> io::Result<()> {
         let policy = self.policy.as_ref();
         let policy = policy.map_or(String::new(), |policy| {
@@ -86,7 +87,7 @@ impl Answer {
         stream.write_all(head.as_bytes())?;
         stream.write_all(&self.body)?;
         stream.flush()?;
-        // a connection that is closed with something unread takes its answer back
+        // if a connection is closed with unread data, its answer may be lost
         stream.shutdown(Shutdown::Write)?;
         stream.set_read_timeout(Some(LINGER))?;
         let mut rest = stream.take(MOST_OF_BODY as u64);
@@ -94,7 +95,8 @@ impl Answer {
     }
 }
 
-/// Reads the request of a connection; an answer, if it is none or too long.
+/// Reads the request of a connection; returns a refusing answer if it is not a request, or too
+/// long.
 pub(super) fn read(stream: &mut TcpStream) -> Result<Request, Answer> {
     let cut = |_| Answer::refused("408 Request Timeout");
     stream.set_read_timeout(Some(PATIENCE)).map_err(cut)?;
@@ -126,7 +128,7 @@ pub(super) fn read(stream: &mut TcpStream) -> Result<Request, Answer> {
     Ok(request)
 }
 
-/// The request, the length of its body and that of its head; `None` if the head is not whole.
+/// The request, the length of its body and that of its head; `None` if the head is not complete.
 fn parsed(bytes: &[u8]) -> Result<Option<(Request, usize, usize)>, Answer> {
     let bad = || Answer::refused("400 Bad Request");
     let mut headers = [httparse::EMPTY_HEADER; MOST_HEADERS];
@@ -144,7 +146,7 @@ fn parsed(bytes: &[u8]) -> Result<Option<(Request, usize, usize)>, Answer> {
         let header = headers.find(|header| header.name.eq_ignore_ascii_case(name));
         header.map(|header| String::from_utf8_lossy(header.value).into_owned())
     };
-    // browsers state the length of what a page sends
+    // browsers state the length of the data that a page sends
     if header("transfer-encoding").is_some() {
         return Err(Answer::refused("411 Length Required"));
     }

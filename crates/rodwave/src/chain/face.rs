@@ -31,7 +31,7 @@ impl Face {
         }
     }
 
-    /// Creates the face of a body of this impedance F/v [kg/s].
+    /// Creates the face of a body of the impedance `impedance` F/v [kg/s].
     pub(super) fn of_impedance(impedance: Complex64) -> Result<Self, RodwaveError> {
         check_finite("impedance of the termination [kg/s]", impedance.norm())?;
         let mut face = Self::new(impedance, Complex64::ONE);
@@ -64,7 +64,7 @@ impl Face {
         self.exponent = 0.0;
     }
 
-    /// v/F.
+    /// Mobility v/F \[s/kg\].
     pub(super) fn mobility(&self) -> Result<Complex64, RodwaveError> {
         let (force, size) = self.scaled_force()?;
         let mobility = (self.velocity / size) / force;
@@ -72,7 +72,8 @@ impl Face {
         Ok(mobility)
     }
 
-    /// State of this section over the force at `struck`, to which this pair has been transferred.
+    /// State of this section per unit force at the face `struck`, to which this pair has been
+    /// transferred.
     pub(super) fn over_force_of(&self, struck: &Self) -> Result<State, RodwaveError> {
         let (force, size) = struck.scaled_force()?;
         let per_force = force.inv() * (struck.factor * (-struck.exponent).exp() / size);
@@ -87,8 +88,8 @@ impl Face {
         Ok(state)
     }
 
-    /// Force divided by its magnitude, and the magnitude: the square of a small one would underflow
-    /// in a quotient.
+    /// Force divided by its magnitude, and the magnitude. In a quotient, the square of a small
+    /// force would underflow.
     fn scaled_force(&self) -> Result<(Complex64, f64), RodwaveError> {
         let size = check_positive("magnitude of the impedance of the face", self.force.norm())?;
         Ok((self.force / size, size))

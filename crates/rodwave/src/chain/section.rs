@@ -47,8 +47,8 @@ impl<'a, V: Argument> Section<'a, V> {
     }
 
     /// State of the section at `omega` [rad/s] for a compressive impulse of 1 N s on the impact
-    /// face, F̂ = 1: the transfer functions N̂/F̂ and v̂/F̂ \[s/kg\]. For a section within a cone
-    /// see (paper E, eq. A4).
+    /// face, F̂ = 1: the transfer functions N̂/F̂ and v̂/F̂ \[s/kg\]. For a section within a cone,
+    /// see paper E, eq. A4.
     ///
     /// Quotients of two such states are the transfer functions between two sections, whatever the
     /// excitation. Where the waves have decayed below 1e-308, the state is 0.
@@ -63,8 +63,8 @@ impl<'a, V: Argument> Section<'a, V> {
     /// [rad/s], for a compressive impulse of 1 N s on the impact face, with x = 0 at the
     /// section (Ödeen 1993, paper E, eq. A15).
     ///
-    /// In a cone or a horn, where these are not independent solutions, they are the waves of a
-    /// uniform rod that continues the section.
+    /// In a cone or a horn, travelling waves are not independent solutions; the waves returned are
+    /// those of a uniform rod that continues the section.
     ///
     /// # Errors
     /// As [`Chain::mobility`]; [`RodwaveError::InElement`] for a lumped element, and at ω = 0.

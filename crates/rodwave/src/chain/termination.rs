@@ -38,7 +38,7 @@ pub enum Termination<V: Argument = AngularFrequency> {
     },
 }
 
-/// An impedance F/v [kg/s] as function of the frequency.
+/// An impedance F/v [kg/s] as a function of the frequency.
 #[derive(Clone)]
 pub struct Impedance<V>(Arc<dyn Fn(V) -> Complex64 + Send + Sync>);
 
@@ -73,8 +73,8 @@ impl Termination<LaplaceVariable> {
 }
 
 impl<V: Argument> Termination<V> {
-    /// Creates a rod of this `medium` and `section` without reflections, as the long cylindrical
-    /// rod of paper E (eqs. 10 and A16).
+    /// Creates a semi-infinite rod of this `medium` and `section`, which reflects nothing, like the
+    /// long cylindrical rod of paper E (eqs. 10 and A16).
     #[must_use]
     pub fn semi_infinite<M>(medium: &M, section: impl Into<CrossSection>) -> Self
     where

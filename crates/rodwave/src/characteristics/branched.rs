@@ -1,12 +1,13 @@
-//! The direct problem of a rod whose material is several branches in parallel.
+//! The direct problem of a rod whose material consists of several branches in parallel.
 //!
 //! ```text
 //! σ = Σ σᵢ ,    ∂σᵢ/∂t = wᵢE (∂ε/∂t - Fᵢ(σᵢ)) ,    Σ wᵢ = 1
 //! ```
 //!
-//! The waves travel as in [`super`], by the sum of the stresses. The shift strains all branches
-//! equally, dσᵢ = wᵢ dσ, so that it does not change the *excess* pᵢ = σᵢ - wᵢσ of a node; each branch
-//! relaxes by its own exact flow, and Σ pᵢ = 0. A spring relaxes nothing and needs no row.
+//! The waves travel as in [`super`], where σ is the sum of the stresses of the branches. The shift
+//! strains all branches equally, dσᵢ = wᵢ dσ, so that it does not change the *excess* pᵢ = σᵢ - wᵢσ
+//! of a node; each branch relaxes by its own exact flow, and Σ pᵢ = 0. A spring does not relax, and
+//! its excess is not stored.
 
 use super::by_sample::{Motion, by_samples, slopes_of};
 use super::time_levels::TimeLevels;
@@ -28,9 +29,9 @@ pub struct LinearBranch {
     pub time: f64,
 }
 
-/// A rod whose law is that of one branch, in parallel with linear Maxwell branches and, if the rod
-/// has one, with a [spring](InelasticRod::with_spring). Its modulus is that of all branches
-/// together.
+/// A rod in which one branch obeys the law of the rod, in parallel with linear Maxwell branches
+/// and, if the rod has one, with a [spring](InelasticRod::with_spring). The modulus of the rod is
+/// the sum of the moduli of all branches.
 ///
 /// ```
 /// use rodwave::band_limited::SampledHistory;
@@ -72,11 +73,11 @@ pub enum Direction {
 }
 
 impl<L: InelasticLaw> BranchedProblem<L> {
-    /// Cuts `rod`, with these branches beside, into `cells` equal cells.
+    /// Cuts `rod`, with these branches in parallel with its law, into `cells` equal cells.
     ///
     /// # Errors
-    /// [`RodwaveError::NonPhysical`] for fewer than 8 cells or more than 2^27, for a share or a time
-    /// that is not above 0, and unless a share is left for the law.
+    /// [`RodwaveError::NonPhysical`] for fewer than 8 cells or more than 2^27, for a share or a
+    /// time that is not above 0, and if no share is left for the law.
     pub fn new(
         rod: InelasticRod<L>,
         linear: Vec<LinearBranch>,
@@ -99,7 +100,7 @@ impl<L: InelasticLaw> BranchedProblem<L> {
         1.0 - self.rod.spring() - linear
     }
 
-    /// Shares of the branches that relax, that of the law last.
+    /// Shares of the branches that relax; the branch of the law is the last.
     fn shares(&self) -> Vec<f64> {
         let linear = self.linear.iter().map(|branch| branch.share);
         linear.chain([self.of_law()]).collect()
@@ -141,7 +142,7 @@ impl<L: InelasticLaw> BranchedProblem<L> {
     /// # Errors
     /// As [`Self::free_end_velocity`]; [`RodwaveError::LengthMismatch`] for a direction with another
     /// number of shares or times than the problem has, for a parameter that the law does not have,
-    /// and for a law of more than [`MAX_PARAMETERS`](crate::inelastic::MAX_PARAMETERS) parameters.
+    /// and for a law with more than [`MAX_PARAMETERS`](crate::inelastic::MAX_PARAMETERS) parameters.
     pub fn free_end_velocity_with_sensitivities(
         &self,
         excitation: &dyn VelocityHistory,
@@ -245,7 +246,7 @@ impl<L: InelasticLaw> BranchedProblem<L> {
     }
 
     /// Computes dv_r/dv_e at `times` \[s\] for the samples of `pulses`, along the motion that
-    /// `excitation` drives; one column a sample, with `least` [m/s] as in
+    /// `excitation` drives; one column per sample, with `least` [m/s] as in
     /// [`DirectProblem`](super::DirectProblem::free_end_velocity_by_samples).
     ///
     /// # Errors
@@ -271,11 +272,12 @@ impl<L: InelasticLaw> BranchedProblem<L> {
     }
 }
 
-/// A linear branch over one step: Δσ = `loss` σ.
+/// A linear branch during one step: Δσ = `loss` σ.
 #[derive(Debug, Clone, Copy)]
 struct LinearFlow {
     loss: f64,
-    /// dΔσ/d ln τ over σ, and twice that by ln E at constant dimensionless time.
+    /// dΔσ/d ln τ divided by σ: twice the derivative with respect to ln E at constant dimensionless
+    /// time.
     by_log_time: f64,
 }
 
@@ -318,9 +320,9 @@ struct BranchedMarch<L: InelasticLaw> {
     excess: Vec<Row>,
     tangents: Vec<Tangent>,
     shares: Vec<f64>,
-    /// Flows over half a step, for the first one, and over a whole step.
+    /// Flows for half a step, used in the first step, and for a whole step.
     flows: [Flows<L::Flow>; 2],
-    /// Changes of the branches in one block, and their derivatives by one parameter.
+    /// Changes of the branches in one block, and their derivatives with respect to one parameter.
     changes: Vec<StressChange>,
     by: Row,
     impedance: f64,
@@ -328,7 +330,7 @@ struct BranchedMarch<L: InelasticLaw> {
     reached: usize,
 }
 
-/// Flows of the branches that relax over one duration.
+/// Flows of the branches that relax, for one duration.
 struct Flows<F> {
     linear: Vec<LinearFlow>,
     of_law: F,
@@ -367,7 +369,8 @@ impl<L: InelasticLaw> BranchedMarch<L> {
         march
     }
 
-    /// Returns true if a step at whose end the driven end `moves` or not changes nothing.
+    /// Returns true if a step changes nothing; `moves` states whether the driven end moves at the
+    /// end of the step.
     fn rests(&self, moves: bool) -> bool {
         self.reached == 0 && !moves && self.wave.is_at_rest()
     }
@@ -383,7 +386,8 @@ impl<L: InelasticLaw> BranchedMarch<L> {
         self.wave.shift(velocity);
     }
 
-    /// Advances, and writes the derivative of the change of each branch by its stress at each node.
+    /// Advances, and writes the derivative of the change of each branch with respect to its stress
+    /// at each node.
     fn advance_with_slopes(&mut self, velocity: f64, slopes: &mut [Vec<f64>], least: f64) {
         let of_law = self.shares.last().copied().unwrap_or(1.0);
         let least = of_law * self.impedance * least;
@@ -413,7 +417,7 @@ impl<L: InelasticLaw> BranchedMarch<L> {
 /// vector instructions of the processor.
 struct Relax<'a, 's, L: InelasticLaw> {
     march: &'a mut BranchedMarch<L>,
-    /// Slopes to be written, with the least stress of the law's \[Pa\].
+    /// Slopes to be written, with the least stress \[Pa\] at which that of the law is evaluated.
     slopes: Option<(&'s mut [Vec<f64>], f64)>,
 }
 

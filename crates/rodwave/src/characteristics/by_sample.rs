@@ -1,8 +1,8 @@
-//! Derivatives of the velocity of the free end by samples of the excitation.
+//! Derivatives of the velocity of the free end with respect to samples of the excitation.
 //!
-//! The tangent-linear model along one motion of the rod: its coefficients, the derivatives of the
-//! relaxation by the stress of each node, are the same for all samples. The tangents of
-//! [`LANES`] samples travel side by side.
+//! The tangent-linear model is integrated along one motion of the rod. Its coefficients, the
+//! derivatives of the relaxation with respect to the stress of each node, are the same for all
+//! samples. The tangents of [`LANES`] samples are computed together.
 
 use super::time_levels::TimeLevels;
 use super::{DirectProblem, March};
@@ -13,9 +13,9 @@ use crate::inelastic::{InelasticLaw, LANES, RelaxationFlow, lanes};
 
 impl<L: InelasticLaw> DirectProblem<L> {
     /// Computes dv_r/dv_e at `times` \[s\] for the samples of `pulses`, along the motion that
-    /// `excitation` drives; one column a sample. Where the velocity of a wave is below `least` [m/s]
-    /// the law is linearised at that velocity: at rest Norton's law of an exponent below 1 has no
-    /// slope.
+    /// `excitation` drives; one column per sample. Where |σ|/Z is below `least` [m/s], the law is
+    /// linearised at |σ|/Z = `least`: Norton's law with an exponent below 1 has no finite slope at
+    /// rest.
     ///
     /// # Errors
     /// As [`Self::free_end_velocity`].
@@ -50,9 +50,9 @@ pub(super) struct Motion<'a> {
     pub(super) shares: &'a [f64],
 }
 
-/// Derivatives of the velocity of the free end by the samples of `pulses`. `advance` makes a step of
-/// the motion at whose end the velocity at x = -L is its first argument, and writes the derivative
-/// of the change of each branch by its stress at each node.
+/// Derivatives of the velocity of the free end with respect to the samples of `pulses`. `advance`
+/// makes a step of the motion; its first argument is the velocity at x = -L at the end of the step.
+/// It writes the derivative of the change of each branch with respect to its stress at each node.
 pub(super) fn by_samples(
     motion: &Motion<'_>,
     pulses: &SamplePulses,
@@ -91,8 +91,8 @@ pub(super) fn by_samples(
 }
 
 impl<L: InelasticLaw> March<L> {
-    /// Advances one time step as [`Self::advance`] does, and writes the derivative of the change
-    /// of stress by the stress of each node.
+    /// Advances one time step as [`Self::advance`] does, and writes the derivative of the change of
+    /// stress with respect to the stress of each node.
     fn advance_with_slopes(&mut self, velocity: f64, slopes: &mut [f64], least: f64) {
         let nodes = self.wave.len();
         let flow = if self.steps == 0 {
@@ -118,12 +118,12 @@ struct RelaxWithSlopes<'a, F> {
     slopes: &'a mut [[f64; LANES]],
     flow: &'a F,
     impedance: f64,
-    /// Least stress \[Pa\] of a slope.
+    /// Least stress \[Pa\] at which a slope is evaluated.
     least: f64,
 }
 
-/// The slopes of `flow` at these stresses, or at `least` \[Pa\] where they are below, from those
-/// `at_stress`.
+/// Returns the slopes of `flow` at these stresses; where a stress is below `least` \[Pa\] in
+/// magnitude, the slope at `least`. `at_stress` are the slopes at the stresses themselves.
 #[inline(always)]
 pub(super) fn slopes_of<F: RelaxationFlow>(
     flow: &F,
@@ -156,18 +156,19 @@ impl<F: RelaxationFlow> pulp::NullaryFnOnce for RelaxWithSlopes<'_, F> {
     }
 }
 
-/// Tangents of some samples, one a lane: the waves R and L at each node.
+/// Tangents of some samples, one per lane: the waves R and L at each node.
 struct PulseGroup {
     members: Vec<usize>,
     nodes: usize,
     /// First step in which a tangent moves.
     begin: usize,
-    /// R from `of_right` on, which travels towards the end, and L from `of_left` on.
+    /// R, from the index `of_right` on, travels towards the end; L starts at the index `of_left`.
     right: Vec<[f64; LANES]>,
     left: Vec<[f64; LANES]>,
     of_right: usize,
     of_left: usize,
-    /// Excess of each branch over its share of s at each node; empty if there is one and no spring.
+    /// Excess of each branch over its share of s at each node; empty if there is a single branch
+    /// and no spring.
     excess: Vec<Vec<[f64; LANES]>>,
     /// Derivative of the free end's velocity at each time level, for each member.
     histories: Vec<Vec<f64>>,
@@ -181,7 +182,7 @@ impl PulseGroup {
     fn new(members: &[usize], pulses: &SamplePulses, motion: &Motion<'_>) -> Self {
         let Motion { nodes, levels, .. } = *motion;
         let steps = levels.steps;
-        // a branch beside a spring has an excess as well
+        // a branch in parallel with a spring has an excess as well
         let rows = match motion.shares {
             [share] if *share >= 1.0 => 0,
             shares => shares.len(),
@@ -311,7 +312,8 @@ mod tests {
 
     const RATE: f64 = 102_400.0;
 
-    /// Differences of the response to excitations whose samples differ.
+    /// Compares the derivatives with differences of responses to excitations that differ in one
+    /// sample.
     fn agrees_with_differences<L: crate::inelastic::InelasticLaw>(law: L) {
         let rod = InelasticRod::new(0.3, 1140.0, 3e9, law).unwrap();
         let problem = DirectProblem::new(rod, 60).unwrap();
@@ -324,7 +326,7 @@ mod tests {
         // the levels of all marches begin with the first sample
         samples[0] = 1e-9;
         let times: Vec<f64> = (0..100).map(|k| f64::from(k) / RATE).collect();
-        // more than the lanes of a group, the first within reach of the beginning
+        // more samples than a group has lanes, the first at the start of the record
         let places: Vec<usize> = (0..95).step_by(5).collect();
         let pulses = SamplePulses::new(&places, RATE).unwrap();
         let excitation = SampledHistory::new(&samples, RATE).unwrap();
@@ -341,7 +343,7 @@ mod tests {
             let (above, below) = (response(*place, 1e-6), response(*place, -1e-6));
             for (k, by) in column.iter().enumerate() {
                 let difference = (above[k] - below[k]) / 2e-6;
-                // at rest F grows as h^κ, and the difference errs as h^(κ - 1)
+                // at rest F is proportional to h^κ, and the error of the difference to h^(κ - 1)
                 assert!(
                     (by - difference).abs() < 1e-6,
                     "{place} {k}: {by} {difference}"

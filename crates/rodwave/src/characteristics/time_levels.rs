@@ -4,12 +4,12 @@ use crate::band_limited::{SamplePulses, VelocityHistory, check_times};
 use crate::error::{RodwaveError, check_steps};
 use crate::interpolation::Quintic;
 
-/// The equidistant times of a march, from the end of the rest of its excitation on.
+/// The equidistant times of a march, from the time on at which its excitation first moves.
 ///
 /// The first level does not depend on the length of a step, so that a front enters the grid at the
-/// same part of a step whatever the modulus. Behind a jump the error of a march is of first order in
-/// the step and changes with that part: with levels from time 0 the misfit of a sharp blow was wavy
-/// in E, by one unit of χ² and with a period of a step in the latest arrival.
+/// same fraction of a step whatever the modulus. After a jump the error of a march is of first
+/// order in the step and changes with that fraction: with levels from time 0, the misfit of a sharp
+/// blow oscillated with E by one unit of χ², with a period of one step in the latest arrival.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct TimeLevels {
     begin: f64,
@@ -28,7 +28,8 @@ impl TimeLevels {
         Self::from(excitation.begin(), excitation, times, step)
     }
 
-    /// Levels as [`Self::of`] returns them, the first also not after the begin of any of `pulses`.
+    /// Returns levels like [`Self::of`], but the first one is not after the start of any of
+    /// `pulses`.
     pub(super) fn of_pulses(
         excitation: &dyn VelocityHistory,
         pulses: &SamplePulses,
@@ -62,7 +63,7 @@ impl TimeLevels {
         time - self.begin
     }
 
-    /// Number of the level before `time` \[s\], from the first to the last.
+    /// Number of the last level before `time` \[s\], limited to the existing levels.
     #[expect(
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,

@@ -70,7 +70,7 @@ const CONE_SERIES: [f64; 9] = [
 
 /// W = (cosh x - sinh x/x)/x², divided by e^{exponent} like its arguments.
 ///
-/// The difference loses a factor 3/|x|² of the digits. Below |x| = 1 the series is used, with a
+/// The difference loses accuracy by a factor 3/|x|². Below |x| = 1 the series is used, with a
 /// remainder below 2e-18.
 fn cone_function(hyperbolic: &ScaledHyperbolic, x_squared: Complex64, s: Complex64) -> Complex64 {
     if x_squared.norm_sqr() < 1.0 {
@@ -204,7 +204,7 @@ mod tests {
                 cone_function(&hyperbolic, x * x, s) * hyperbolic.exponent.exp()
             };
             let (below, above) = (value(1.0 - 1e-15), value(1.0 + 1e-15));
-            // slope 1/15 over 2e-15, and rounding magnified by 3 to 5 in the difference
+            // the slope 1/15 times 2e-15, and rounding magnified by 3 to 5 in the difference
             assert!((below - above).norm() < 4e-15, "{below} {above}");
         }
     }

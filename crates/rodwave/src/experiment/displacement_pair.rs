@@ -6,10 +6,10 @@ use crate::impact::{ImpactBalance, ImpactHistory, ImpactTest};
 use crate::inelastic::InelasticLaw;
 
 /// Displacement histories of a struck rod from the first contact on, exact at the sensors: neither
-/// filtered nor sampled at a recorder's rate. (Ödeen 1993, paper D, Figure 2).
+/// filtered nor sampled at a recorder's rate (Ödeen 1993, paper D, Figure 2).
 ///
-/// In the chain that computes them a displacement is the sum of velocity times step, so that they
-/// are as accurate as the velocities.
+/// A displacement is the sum of velocity times step in the chain that computes it, so the
+/// displacements are as accurate as the velocities.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct DisplacementPair {
@@ -93,9 +93,9 @@ mod tests {
     use crate::impact::Striker;
     use crate::inelastic::Elastic;
 
-    /// A striker of the rod's own material sends a pulse of V/2 and 2 Lₛ/c: it moves a section by V
-    /// Lₛ/c, the free end by twice that, and the section once more when it comes back.
-    /// (Ödeen 1993, paper D, Figure 2).
+    /// A striker of the same material as the rod sends a pulse of velocity V/2 and duration 2 Lₛ/c.
+    /// The pulse moves a section by V Lₛ/c, the free end by twice that, and the section once more
+    /// when the pulse comes back (Ödeen 1993, paper D, Figure 2).
     #[test]
     fn displacements_are_those_of_de_saint_venant() {
         let striker = Striker {
@@ -121,7 +121,7 @@ mod tests {
             reason = "a time within the history"
         )]
         let at = |of: &[f64], time: f64| of[(time / pair.step) as usize];
-        // the chain rings at the edges of the pulse by a few hundredths over a few of its hundred
+        // at the edges of the pulse the chain rings by a few hundredths, over a few of its hundred
         // cells
         for (found, expected) in [
             (at(&pair.section, 0.39 / c), 0.0),
@@ -132,7 +132,8 @@ mod tests {
         ] {
             assert!((found - expected).abs() < 5e-3 * once, "{found} {expected}");
         }
-        // the free end is beyond 1.2 of the 2 parts of its way when 0.6 of the pulse has arrived
+        // the free end moves by 2 `once`; it has moved by 1.2 `once` when 0.6 of the pulse has
+        // arrived
         let until = pair.in_range_until(1.2 * once);
         assert!((until - 0.86 / c).abs() < 2e-3 / c, "{until}");
     }

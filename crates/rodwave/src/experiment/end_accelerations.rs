@@ -193,8 +193,8 @@ pub struct Specimen {
     pub accelerometer_mass: f64,
 }
 
-/// The test of paper A. With `V` = [`LaplaceVariable`] the law of the material is analytic and all
-/// histories are exact. (Ödeen 1993, paper A, Figures 1 and 2).
+/// The test of paper A (Ödeen 1993, paper A, Figures 1 and 2). With `V` = [`LaplaceVariable`] the
+/// law of the material is analytic and all histories are exact.
 #[derive(Debug, Clone)]
 pub struct EndAccelerationTest<V: Argument = AngularFrequency> {
     specimen: Specimen,
@@ -211,15 +211,15 @@ pub enum Tail {
     /// Periodic histories that have decayed within the period: the late part is this far below the
     /// peak.
     DiedOut {
-        /// Root mean square of the last sixteenth of the period over the peak, at the end where it
-        /// is larger.
+        /// Root mean square of the last sixteenth of the period over the peak, for the end of the
+        /// rod where this ratio is larger.
         late_level: f64,
     },
     /// Periodic histories that have not decayed: their beginning contains the end of the previous
     /// period; not reliable.
     WrappedAround {
-        /// Root mean square of the last sixteenth of the period over the peak, at the end where it
-        /// is larger.
+        /// Root mean square of the last sixteenth of the period over the peak, for the end of the
+        /// rod where this ratio is larger.
         late_level: f64,
     },
 }
@@ -238,7 +238,7 @@ pub struct EndAccelerationRecord {
     pub impacted_end: Vec<f64>,
     /// Acceleration a₂ of the free end [m/s²], along the force; `(n_samples)`.
     pub free_end: Vec<f64>,
-    /// Truncation: tells whether the transform was long enough.
+    /// Truncation of the histories; shows whether the transform was long enough.
     pub tail: Tail,
 }
 
@@ -277,11 +277,11 @@ impl EndAccelerationTest<LaplaceVariable> {
     /// Computes the accelerations under this `force` \[N\] to the accuracy of the `synthesis`, for
     /// elastic rods too.
     ///
-    /// The transform of a₁ decays as that of the force at frequencies where the inertia of the
-    /// accelerometer exceeds the impedance of the rod; without accelerometer it decays as s
+    /// The transform of a₁ decays like that of the force at frequencies where the inertia of the
+    /// accelerometer exceeds the impedance of the rod; without accelerometers it decays like s
     /// times that of the force. Content above the Nyquist frequency causes ringing, so that the
-    /// interval must be short compared with the force, or the synthesis smoothed; late in the
-    /// record the ringing has grown as e^{at}.
+    /// interval must be short compared with the duration of the force, or the synthesis smoothed;
+    /// late in the record the ringing has grown as e^{at}.
     ///
     /// # Errors
     /// As [`Chain::mobility`] and [`DampedSynthesis::history`].
@@ -363,8 +363,8 @@ impl<V: Argument> EndAccelerationTest<V> {
     /// Computes the accelerations under a periodic `force` \[N\], for laws that are known on the
     /// real axis only.
     ///
-    /// At 0 Hz both are F̂(0) over the mass. The [`Tail`] of the record tells whether one period
-    /// represents a single impact.
+    /// At 0 Hz both accelerations are F̂(0) over the mass. The [`Tail`] of the record shows whether
+    /// one period represents a single impact.
     ///
     /// # Errors
     /// As [`Chain::mobility`] and [`FourierSynthesis::history`].
@@ -425,7 +425,7 @@ impl Transforms {
     }
 }
 
-/// Root mean square of the end of the period over the peak.
+/// Root mean square of the last sixteenth of the period over the peak.
 fn late_level(samples: &[f64]) -> f64 {
     let n_late = (samples.len() / PARTS_OF_PERIOD).max(1);
     let peak = samples.iter().fold(0.0_f64, |peak, a| peak.max(a.abs()));

@@ -52,7 +52,8 @@ pub const GENERATOR: &str = "impact of two bodies: chain recursion, damped Fouri
 /// at the Nyquist frequency.
 const SMOOTHING: f64 = 2.5;
 
-/// Fraction of the peak below which a tension is the alias of the next period, 1e-7, or rounding.
+/// Fraction of the peak below which a tension is ignored: the alias of the next period is 1e-7, and
+/// the rest is rounding.
 const TENSION: f64 = 1e-6;
 
 /// Two bodies whose impact faces meet.
@@ -117,10 +118,11 @@ impl<'a> ImpactOfTwoBodies<'a> {
     ///
     /// # Validity
     /// Until the end of the contact the error is that of [`DampedSynthesis`]. If the stick force
-    /// passes through zero with a slope, the velocities after it have an error of the order of
-    /// the interval squared; if it jumps to tension, the end is known to ±2 standard deviations
-    /// of the Gaussian and the impulse to the jump times one. With a massless spring at the
-    /// impact face the velocity of that face jumps at the end of the contact, and rings there.
+    /// passes through zero with a slope, the velocities after it have an error of the order of the
+    /// interval squared. If the stick force jumps to tension, the end of the contact is known to ±2
+    /// standard deviations of the Gaussian, and the impulse to the jump times one standard
+    /// deviation. With a massless spring at the impact face the velocity of that face jumps at the
+    /// end of the contact, and rings there.
     ///
     /// # Errors
     /// [`RodwaveError::NonPhysical`] for the velocity, for times that are not positive or a
@@ -263,7 +265,7 @@ fn compressive_part(stick: &SynthesizedHistory) -> (Vec<f64>, ContactEnd) {
 /// Σ Δt f_n e^{-s t_n} at the arguments of the synthesis, t_n from the first sample: the transform
 /// of a history without content above the Nyquist frequency.
 fn transform_of_samples(samples: &[f64], interval: f64, damping: f64) -> Vec<Complex64> {
-    // the samples are half a period and its end: a period has 2 (n - 1)
+    // the samples are half a period and its end point: a period has 2 (n - 1) samples
     let mut fourier = RealFourier::new(2 * (samples.len() - 1));
     let damped = fourier.samples().iter_mut().zip(samples);
     for (index, (damped, sample)) in damped.enumerate() {

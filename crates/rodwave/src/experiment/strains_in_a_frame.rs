@@ -87,7 +87,7 @@ impl fmt::Debug for Excitation<'_> {
     }
 }
 
-/// A spring and a dashpot to the ground and a mass, in parallel: Z(s) = k/s + q + sm. (Ödeen 1993,
+/// A spring and a dashpot to the ground and a mass, in parallel: Z(s) = k/s + q + sm (Ödeen 1993,
 /// paper B, Figure 3).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct EndSupport {
@@ -100,9 +100,9 @@ pub struct EndSupport {
 }
 
 impl EndSupport {
-    /// The steel cantilever beams of paper B, 280 mm x 30 mm x 1 mm, by their lowest mode: k =
-    /// 3EI/l³ and m = (33/140) ρbhl (Rayleigh's quotient with the static deflection), E and ρ
-    /// of the steel of paper E. The resistance, 1 % of critical, is an assumption.
+    /// The steel cantilever beams of paper B, 280 mm x 30 mm x 1 mm, represented by their lowest
+    /// mode: k = 3EI/l³ and m = (33/140) ρbhl (Rayleigh's quotient with the static deflection),
+    /// with E and ρ of the steel of paper E. The resistance, 1 % of critical, is an assumption.
     pub const PAPER_B_BEAM: Self = Self {
         stiffness: 3.0 * 206e9 * (0.030 * 0.001 * 0.001 * 0.001 / 12.0) / (0.280 * 0.280 * 0.280),
         resistance: 0.0208,
@@ -240,8 +240,8 @@ impl FrameMember<LaplaceVariable> {
     /// Computes the strain histories under this `excitation` to the accuracy of the `synthesis`,
     /// including undamped structures.
     ///
-    /// The transforms decay as that of the prescribed force or velocity; content above the Nyquist
-    /// frequency causes ringing.
+    /// The transforms decay like that of the prescribed force or velocity; content above the
+    /// Nyquist frequency causes ringing.
     ///
     /// # Errors
     /// As [`Chain::mobility`] and [`DampedSynthesis::history`].

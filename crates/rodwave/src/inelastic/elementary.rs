@@ -6,7 +6,7 @@
 
 use super::LANES;
 
-/// √½ as bits: mantissas lie between √½ and √2.
+/// √½ as bits: mantissas are between √½ and √2.
 const SQRT_HALF_BITS: u64 = 0x3FE6_A09E_667F_3BCD;
 const ONE_BITS: u64 = 0x3FF0_0000_0000_0000;
 const MANTISSA: u64 = 0x000F_FFFF_FFFF_FFFF;
@@ -16,7 +16,7 @@ const TWO_TO_52: f64 = 4_503_599_627_370_496.0;
 /// 1.5 · 2^52: adding it rounds to the nearest integer.
 const ROUNDER: f64 = 6_755_399_441_055_744.0;
 
-/// 1/(2k + 1), of artanh(t)/t in t².
+/// Coefficients 1/(2k + 1) of the series of artanh(t)/t in powers of t².
 pub(super) const ARTANH: [f64; 9] = [
     1.0,
     1.0 / 3.0,
@@ -29,7 +29,7 @@ pub(super) const ARTANH: [f64; 9] = [
     1.0 / 17.0,
 ];
 
-/// 1/k!.
+/// Coefficients 1/k! of the series of the exponential.
 const EXPONENTIAL: [f64; 13] = [
     1.0,
     1.0,
@@ -75,7 +75,7 @@ pub(super) fn polynomial<const N: usize>(coefficients: &[f64; N], x: f64) -> f64
     sum
 }
 
-/// Largest of several numbers, by halves; NaN may be skipped.
+/// Largest of several numbers, found by halving the array; NaN may be skipped.
 #[inline(always)]
 #[allow(
     clippy::indexing_slicing,
@@ -117,8 +117,8 @@ pub(super) fn ln(x: &[f64; LANES]) -> [f64; LANES] {
     })
 }
 
-/// exp of numbers between -708 and 709, to 1e-14 times 1 + |x|; beyond, the value at the nearer
-/// end.
+/// exp of numbers between -708 and 709, to 1e-14 times 1 + |x|; outside this range, the value at
+/// the nearer end.
 #[inline(always)]
 pub(super) fn exp(x: &[f64; LANES]) -> [f64; LANES] {
     lanes!(|i| {

@@ -10,7 +10,7 @@ pub(super) fn entire(x: f64) -> f64 {
         power *= x / k;
         let term = power / k;
         sum += term;
-        // the terms fall from k = x on
+        // the terms decrease from k = x on
         if term <= 1e-17 * sum || !sum.is_finite() {
             return sum;
         }
@@ -22,7 +22,7 @@ pub(super) const EULER_GAMMA: f64 = 0.577_215_664_901_532_9;
 /// Value of E1(1).
 pub(super) const E1_OF_ONE: f64 = 0.219_383_934_395_520_27;
 
-/// Positive nodes and weights of Gauss and Legendre's rule of eight points on [-1, 1].
+/// Positive nodes and weights of the eight-point Gauss-Legendre rule on [-1, 1].
 pub(super) const GAUSS_LEGENDRE: [(f64, f64); 4] = [
     (0.183_434_642_495_649_8, 0.362_683_783_378_362),
     (0.525_532_409_916_329, 0.313_706_645_877_887_3),
@@ -77,7 +77,7 @@ mod tests {
 
     #[test]
     fn quadrature_joins_the_library_on_both_sides() {
-        // The two evaluations share nothing at 1.5, and the step from 1.5 to 1.5 (1 - 1e-14) is
+        // Two independent evaluations meet at 1.5, and the step from 1.5 to 1.5 (1 - 1e-14) is
         // 1e-15.
         let below = e1(1.5 * (1.0 - 1e-14));
         let above = e1(1.5);

@@ -7,8 +7,8 @@ use super::{
 use crate::RodwaveError;
 use crate::error::{check_finite, check_positive};
 
-/// Flow of thermally activated segments: F(σ) = ε̇₀ sinh(σ/σ*) = r sinh(β σ/σ_ref)/sinh β, with
-/// β = σ_ref/σ* and r = F(σ_ref). Towards β = 0 it is the linear Maxwell law.
+/// Flow of thermally activated segments: F(σ) = ε̇₀ sinh(σ/σ*) = r sinh(β σ/σ_ref)/sinh β, with β =
+/// σ_ref/σ* and r = F(σ_ref). In the limit β → 0 it is the linear Maxwell law.
 ///
 /// ```
 /// use rodwave::inelastic::{Eyring, InelasticLaw};
@@ -48,7 +48,7 @@ impl Eyring {
     ///
     /// # Errors
     /// [`RodwaveError::NonPhysical`] unless all are finite and above 0, and so is the resulting
-    /// viscosity: β < 700 or so.
+    /// viscosity, which requires β below about 700.
     pub fn from_reference_rate(
         sharpness: f64,
         reference_rate: f64,
@@ -62,7 +62,7 @@ impl Eyring {
             reference_rate: check_positive("reference rate [1/s]", reference_rate)?,
             reference_stress: check_positive("reference stress [Pa]", reference_stress)?,
         };
-        // used by the flow
+        // the flow uses the viscosity
         check_positive("viscosity [Pa s]", law.viscosity())?;
         Ok(law)
     }
@@ -85,7 +85,7 @@ impl Eyring {
         self.activation_stress() / self.rate_factor()
     }
 
-    /// Activation volume k T/σ* \[m³\] at `temperature` \[K\], of the uniaxial stress.
+    /// Activation volume k T/σ* \[m³\] at `temperature` \[K\], for uniaxial stress.
     #[must_use]
     pub fn activation_volume(&self, temperature: f64) -> f64 {
         BOLTZMANN * temperature / self.activation_stress()
@@ -164,8 +164,8 @@ const TANH: [f64; 6] = [
     -1382.0 / 155_925.0,
 ];
 
-/// Largest y0 of that series, whose first omitted term is 1e-17 there; beyond, 1 - e^{-y0} loses a
-/// digit at most.
+/// Largest y0 for the series [`TANH`], whose first omitted term is 1e-17 there; above it, 1 -
+/// e^{-y0} loses a digit at most.
 const SMALL: f64 = 0.125;
 
 /// Largest z of the series of artanh: the first omitted term is 3e-18.
@@ -201,7 +201,7 @@ impl EyringFlow {
         });
         let drop = lanes!(|i| {
             let all = rest[i] + self.decay * tanh[i] * tanh[i];
-            // a stress beyond 700 σ* falls at once: neither term is left of it
+            // a stress above 700 σ* falls at once: both terms of `all` have underflowed to 0
             if all > 0.0 {
                 tanh[i] * self.decay / all
             } else {
@@ -290,7 +290,7 @@ impl RelaxationFlow for EyringFlow {
                 -2.0 * self.left * falls / all,
             )
         } else {
-            // a step without length at more than 700 σ*
+            // a step of zero length at more than 700 σ*
             (1.0, 0.0)
         };
         let by_advance = (self.activation_stress * by_advance).copysign(-stress);

@@ -8,10 +8,11 @@ use super::{
 use crate::RodwaveError;
 use crate::error::{check_finite, check_positive};
 
-/// F(σ) = σ exp(|σ|/m)/η = r (σ/σ_ref) exp(β (|σ|/σ_ref - 1)), with β = σ_ref/m and r = F(σ_ref).
+/// Inelastic strain rate F(σ) = σ exp(|σ|/m)/η = r (σ/σ_ref) exp(β (|σ|/σ_ref - 1)), with β =
+/// σ_ref/m and r = F(σ_ref).
 ///
-/// β = 0 is the linear Maxwell law, and β < 0 (a viscosity that grows with stress) is allowed, so
-/// that the linear limit is not a bound for an identification.
+/// β = 0 is the linear Maxwell law. β < 0 (a viscosity that grows with stress) is allowed, so that
+/// β = 0 is not at the edge of the range that an identification searches.
 ///
 /// ```
 /// use rodwave::inelastic::{InelasticLaw, MaxwellGurevichRabinovich};
@@ -46,7 +47,7 @@ impl MaxwellGurevichRabinovich {
     ///
     /// # Errors
     /// [`RodwaveError::NonPhysical`] unless β is finite and the others finite and above 0, as must
-    /// be the resulting viscosity: |β| < 700 or so.
+    /// be the resulting viscosity, which requires |β| below about 700.
     pub fn from_reference_rate(
         sharpness: f64,
         reference_rate: f64,
@@ -57,7 +58,7 @@ impl MaxwellGurevichRabinovich {
             reference_rate: check_positive("reference rate [1/s]", reference_rate)?,
             reference_stress: check_positive("reference stress [Pa]", reference_stress)?,
         };
-        // used by the flow
+        // the flow uses the viscosity
         check_positive("viscosity [Pa s]", law.viscosity())?;
         Ok(law)
     }
@@ -196,7 +197,7 @@ fn shrink_by_series<const TERMS: usize>(a: f64, p: f64) -> f64 {
     a * sum
 }
 
-/// S by the series.
+/// S from the series.
 fn decrement_by_series(a: f64, p: f64) -> f64 {
     -shrink_by_series::<MOST_TERMS>(a, p).ln_1p()
 }
@@ -228,10 +229,10 @@ fn decrement_of_long_step(q: f64, y0: f64) -> f64 {
         return target;
     }
     if target > E1_OF_ONE {
-        // In z = ln y, E1 is convex and decreasing, and E1 > -z - γ: Newton from the left rises to
-        // the root.
+        // As a function of z = ln y, E1 is convex and decreasing, and E1 > -z - γ: Newton's method
+        // from the left rises to the root.
         let mut z = -target - EULER_GAMMA;
-        // below, E1 is -z - γ to the last digit, and e^z finally vanishes
+        // below z = -40, E1 is -z - γ to the last digit, and e^z eventually underflows
         let most = if z < -40.0 { 0 } else { 60 };
         for _ in 0..most {
             let y = z.exp();
@@ -519,10 +520,10 @@ mod tests {
     use super::*;
     use crate::inelastic::exponential_integral::GAUSS_LEGENDRE;
 
-    /// y1/y0 - 1 without the series: the summed rule for ∫₀^S exp(p (1 - e^{-s})) ds = a is solved
-    /// for S by Newton's method.
+    /// y1/y0 - 1 without the series: ∫₀^S exp(p (1 - e^{-s})) ds = a, with the integral by
+    /// quadrature, is solved for S by Newton's method.
     fn shrink_by_quadrature(a: f64, p: f64) -> f64 {
-        // exact to rounding over S < 0.05, where pS < 0.1
+        // the quadrature is exact to rounding for S < 0.05, where pS < 0.1
         let integrand = |s: f64| (-p * (-s).exp_m1()).exp();
         let mut decrement = a;
         for _ in 0..20 {
@@ -551,7 +552,8 @@ mod tests {
                     (shrink_by_series::<9>(nine, p), nine),
                 ] {
                     let expected = shrink_by_quadrature(a, p);
-                    // 2e-13 from the end of the series and some units of rounding of the quadrature
+                    // 2e-13 from the truncation of the series and some units of rounding of the
+                    // quadrature
                     assert!(
                         (found / expected - 1.0).abs() < 2e-13,
                         "p {p}, a {a}: {found} {expected}"
@@ -575,8 +577,8 @@ mod tests {
                 let mut cells = [stress; LANES];
                 cells[LANES - 1] = harder;
                 let together = flow.change(&cells);
-                // twice what the end of the series may leave, and the rounding of the stress in the
-                // last way
+                // twice the largest truncation error of the series, and the rounding of the stress
+                // where the cells are solved one by one
                 let allowed = 4e-13 * alone[0].abs() + 2.0 * f64::EPSILON * stress.abs();
                 for (alone, together) in alone.iter().zip(&together).take(LANES - 1) {
                     assert!(
@@ -591,7 +593,7 @@ mod tests {
     #[test]
     fn a_viscosity_that_grows_with_stress_takes_no_longer() {
         for x in [1e-9, 0.3, 2.0, 15.0, 40.0] {
-            // two parts are the whole, the second one far beyond the relaxation
+            // a step equals its two parts, of which the second is far longer than the relaxation
             for (first, second) in [(0.1, 0.4), (0.5, 30.0), (3.0, 1e6)] {
                 let [first, second] = [first, second].map(|q| q * f64::exp(x));
                 let whole = decrement_of_long_step(first + second, -x);
@@ -603,7 +605,7 @@ mod tests {
                 );
             }
         }
-        // some 1e16 relaxation times: the rate is that of η
+        // some 1e16 relaxation times: the rate is that of the viscosity η
         let far = decrement_of_long_step(1e16, -3.0);
         assert!((far / 1e16 - 1.0).abs() < 1e-15, "{far}");
         assert!(decrement_of_long_step(f64::INFINITY, -3.0).is_infinite());

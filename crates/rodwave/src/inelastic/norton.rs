@@ -70,8 +70,8 @@ impl MaxwellNorton {
     }
 }
 
-/// Accepts an exponent for which the flow can be computed. Far below the limit the law is already
-/// perfectly plastic.
+/// Accepts an exponent for which the flow can be computed. At exponents far below the limit the law
+/// is already perfectly plastic.
 fn check_exponent(exponent: f64) -> Result<f64, RodwaveError> {
     if exponent > 0.0 && exponent <= 1e6 {
         Ok(exponent)
@@ -183,8 +183,8 @@ impl NortonFlow {
         a * elementary::polynomial(&self.series, a)
     }
 
-    /// The fall of the stress of several cells: by the series, undivided or in parts, or in closed
-    /// form; `None` if a step [overflows](Self::overflows).
+    /// Decrease of the stress of several cells: by the series, over the whole step or in parts, or
+    /// in closed form; `None` if a step [overflows](Self::overflows).
     #[inline(always)]
     #[allow(
         clippy::indexing_slicing,
@@ -213,7 +213,7 @@ impl NortonFlow {
             for i in 0..LANES {
                 let by = self.short_decrement(step[i]);
                 decrement[i] += by - decrement[i] * by;
-                // |σ|ⁿ has fallen by 1 + n a
+                // |σ|ⁿ has fallen by the factor 1 + n a
                 step[i] /= 1.0 + self.excess * step[i];
             }
             left -= 1.0;
@@ -221,7 +221,7 @@ impl NortonFlow {
         Some(Fall::by(decrement))
     }
 
-    /// [`Self::fall`] by exp(-a ln(1 + x)/x), x = n a, where a step is not short.
+    /// [`Self::fall`] by exp(-a ln(1 + x)/x), x = n a, for the cells whose step is not short.
     #[inline(always)]
     #[allow(
         clippy::indexing_slicing,
@@ -230,7 +230,8 @@ impl NortonFlow {
     fn long_fall(&self, a: &[f64; LANES]) -> Fall {
         let sum = lanes!(|i| 1.0 + self.excess * a[i]);
         let ln_sum = elementary::ln(&sum);
-        // of 1 + x the rounded x is used, by which its logarithm is divided: the quotient is exact
+        // x is taken from the rounded 1 + x of the logarithm, so that the quotient ln(1 + x)/x is
+        // exact
         let exponent = lanes!(|i| {
             let rounded = sum[i] - 1.0;
             if rounded == 0.0 {
@@ -271,7 +272,7 @@ impl NortonFlow {
 /// first, 5e-16.
 const SHORT: f64 = 2e-2;
 
-/// The fall of the stress of several cells in one step.
+/// Decrease of the stress of several cells in one step.
 struct Fall {
     /// 1 - |σ1/σ0|
     decrement: [f64; LANES],
@@ -341,7 +342,7 @@ impl RelaxationFlow for NortonFlow {
         let Some(Fall { decrement, kept }) = self.fall(&a) else {
             return cell_by_cell(self, stress, parameters);
         };
-        // the series of short steps does not need it
+        // the series of short steps does not need the logarithm
         let ln_factor = if self.is_short(elementary::largest(&a)) {
             [0.0; LANES]
         } else {
@@ -356,8 +357,8 @@ impl RelaxationFlow for NortonFlow {
             let gone = x <= -1.0;
             let relaxed = stress[i] * kept[i];
             let by_log_rate = if gone { 0.0 } else { -relaxed * a * inverse };
-            // as `bend`; it counts a-fold, and a difference of 1e-15 over the square of 2e-2 is far
-            // below that
+            // as `bend`, with another limit of the series: the result is multiplied by a, and at
+            // this limit a rounding of 1e-15 over the square of 2e-2 is negligible
             let bend = if x.abs() < SHORT {
                 0.5 - x * (2.0 / 3.0 - x * (0.75 - x * (0.8 - x * (5.0 / 6.0 - x * (6.0 / 7.0)))))
             } else {

@@ -104,7 +104,7 @@ impl NonNegativeProblem {
         columns.map(|column| dot(column, rest)).collect()
     }
 
-    /// Upper bound of the decrease of |b - A x|² by its `gradient` g = Aᵀ(b - A x).
+    /// Upper bound of the decrease of |b - A x|² from its `gradient` g = Aᵀ(b - A x).
     ///
     /// By convexity it is 2 g·x* for the optimum x*, if x is optimal among its own columns.
     fn gain(&self, gradient: &[f64]) -> f64 {
@@ -122,7 +122,7 @@ impl NonNegativeProblem {
     }
 
     /// Optimum over the passive columns and one more; columns whose coefficient would be negative
-    /// leave.
+    /// are removed.
     fn enter(&self, passive: &[Passive], index: usize) -> Option<Vec<Passive>> {
         let mut current = passive.to_vec();
         current.push(Passive { index, amount: 0.0 });
@@ -204,8 +204,8 @@ struct Passive {
     amount: f64,
 }
 
-/// Returns a·b. Eight sums run side by side, so that none waits for the one before; their order
-/// depends on no processor.
+/// Returns a·b. Eight partial sums are computed in parallel, so that none waits for the one before;
+/// their order does not depend on the processor.
 pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
     let ((a, a_rest), (b, b_rest)) = (a.as_chunks::<8>(), b.as_chunks::<8>());
     let mut sums = [0.0; 8];
@@ -232,8 +232,8 @@ pub(super) fn subtract(from: &mut [f64], amount: f64, vector: &[f64]) {
 mod tests {
     use super::*;
 
-    /// Columns without negative entries: those of length 1 have a sum of at least 1, |x*|₁ <= |A
-    /// x*|₁ <= √m |b|.
+    /// Columns of length 1 without negative entries have a sum of at least 1: |x*|₁ <= |A x*|₁ <=
+    /// √m |b|.
     fn problem(columns: Vec<Vec<f64>>, target: Vec<f64>) -> NonNegativeProblem {
         let largest_sum = (target.len() as f64).sqrt() * length(&target);
         NonNegativeProblem::new(columns, target, largest_sum)
@@ -254,8 +254,8 @@ mod tests {
             subtract(&mut rest, *amount, column);
         }
         assert!((length(&rest) - solution.residual).abs() < 1e-14);
-        // TOLERANCE: the squared residual is within 1 % of its optimum, the residual within 0.5 %
-        // and a bit.
+        // TOLERANCE: the squared residual is within 1 % of its optimum, the residual within
+        // slightly more than 0.5 %.
         assert!(solution.residual_lower_bound <= solution.residual);
         assert!(solution.residual_lower_bound > 0.994 * solution.residual);
         for (column, amount) in columns.iter().zip(&solution.coefficients) {

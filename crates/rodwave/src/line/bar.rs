@@ -1,7 +1,7 @@
 //! The state of one segment: travelling waves and stationary branches.
 //!
 //! Cell j has its centre at (j + ½) dx. Its waves R = s - v and L = s + v, s = σ/Z, travel one cell
-//! per step; an end of the segment lies half a cell from the nearest centre, so that a wave reaches
+//! per step; an end of the segment is half a cell from the nearest centre, so that a wave reaches
 //! it half a step later.
 //!
 //! The elastic part of a step strains all branches equally, dσᵢ = (Eᵢ/E) dσ: the *excess* pᵢ = σᵢ -
@@ -249,8 +249,8 @@ impl Bar {
         }
     }
 
-    /// The derivative of the total change in the block by one parameter; with `keep`, the tangent
-    /// relaxes.
+    /// Relaxes the tangent `index` in the block: the derivatives of its waves and of the excess of
+    /// its branches with respect to one parameter.
     #[inline(always)]
     fn relax_tangent(&mut self, index: usize, first: usize, count: usize) {
         let inverse = 1.0 / self.specific_impedance;
@@ -277,8 +277,8 @@ impl Bar {
         }
     }
 
-    /// dσ before the change and the derivative of the change of σ, by one parameter, for the
-    /// current block.
+    /// dσ before the change and the derivative of the change of σ, with respect to one parameter,
+    /// for the current block.
     #[inline(always)]
     pub(super) fn tangent_changes(
         &mut self,
@@ -375,13 +375,13 @@ impl pulp::NullaryFnOnce for RelaxWithTangents<'_> {
     }
 }
 
-/// Derivatives of σ and of its change by one parameter.
+/// Derivatives of σ and of its change with respect to one parameter.
 pub(super) struct TangentChanges {
     pub(super) stress: [f64; LANES],
     pub(super) total: [f64; LANES],
 }
 
-/// Adds `factor` dx ∂u/∂x, by differences of second order.
+/// Adds `factor` dx ∂u/∂x, computed by differences of second order.
 fn add_slope(target: &mut [f64], u: &[f64], factor: f64) {
     let last = u.len() - 1;
     let half = 0.5 * factor;

@@ -25,7 +25,7 @@ impl CellStrains {
         self.add_stress(bar, -1.0);
     }
 
-    /// Adds the stress after it.
+    /// Adds the stress after the elastic part of a step.
     pub(super) fn after_shift(&mut self, bar: &Bar) {
         self.add_stress(bar, 1.0);
     }

@@ -1,4 +1,4 @@
-//! Velocity, stress and strain of a whole line over position and time: the x-t diagram.
+//! Velocity, stress and strain of a whole line as functions of position and time: the x-t diagram.
 
 use super::bar::Bar;
 use super::cell_strains::CellStrains;
@@ -27,7 +27,7 @@ pub struct Diagram {
     /// Centre of each cell \[m\] from the left end, in the initial position of the line with its
     /// gaps.
     pub positions: Vec<f64>,
-    /// Body of each cell, from 0 at the left.
+    /// Index of the body of each cell, from 0 at the left.
     pub bodies: Vec<usize>,
     /// Times \[s\].
     pub times: Vec<f64>,
@@ -42,7 +42,8 @@ pub struct Diagram {
 }
 
 impl Diagram {
-    /// The part of `quantity`, one of the three, at time `index`; empty if it does not exist.
+    /// The part of `quantity` (velocity, stress or strain) at time `index`; empty if it does not
+    /// exist.
     #[must_use]
     pub fn at<'a>(&self, quantity: &'a [f64], index: usize) -> &'a [f64] {
         let n_cells = self.positions.len();
@@ -63,7 +64,7 @@ impl Diagram {
         duration: f64,
         stride: usize,
     ) -> Result<Self, RodwaveError> {
-        // rounding may exceed a whole number of steps
+        // by rounding, the quotient may exceed a whole number of steps
         let steps = check_steps((duration / march.grid().time_step * (1.0 - 1e-12)).ceil())?;
         if stride == 0 {
             return Err(RodwaveError::NonPhysical {
@@ -102,7 +103,7 @@ impl Diagram {
             }
         }
         diagram.ledger = march.ledger();
-        // any overflow in the line soon reaches its energy
+        // any overflow in the line soon shows in its energy
         check_finite("energy of the line [J]", diagram.ledger.stored)?;
         Ok(diagram)
     }

@@ -11,10 +11,10 @@ use crate::error::{check_finite, check_positive};
 #[derive(Debug, Clone, Default)]
 #[non_exhaustive]
 pub enum End {
-    /// No force.
+    /// A free end, without force.
     #[default]
     Free,
-    /// No velocity.
+    /// A fixed end, without velocity.
     Fixed,
     /// A rigid mass \[kg\] that is bonded to the end and has its initial velocity.
     Mass(f64),
@@ -80,7 +80,7 @@ impl Drive {
     /// # Errors
     /// [`RodwaveError::ExcitationTooShort`] unless it is.
     pub(super) fn check_until(&self, needed: f64) -> Result<(), RodwaveError> {
-        // rounding may exceed a whole number of sampling intervals
+        // by rounding, `needed` may exceed a whole number of sampling intervals
         if needed > self.end * (1.0 + 1e-12) {
             return Err(RodwaveError::ExcitationTooShort {
                 needed,

@@ -55,7 +55,7 @@ impl GaugeState {
         reason = "positions inside the segment, cell counts far below 2^52"
     )]
     pub(super) fn new(bar: &Bar, segment: usize, distance: f64, tangents: usize) -> Self {
-        // centres of cells lie at (j + 1/2) dx
+        // centres of cells are at (j + 1/2) dx
         let position = distance / bar.cell_length - 0.5;
         let last = (bar.cells() - STENCIL) as f64;
         let first = (position.floor() - 1.0).clamp(0.0, last);
@@ -77,8 +77,8 @@ impl GaugeState {
         }
     }
 
-    /// Subtracts the stress before the elastic part of a step, the only part that changes the
-    /// strain, by dσ/E.
+    /// Subtracts the stress before the elastic part of a step; only this part changes the strain,
+    /// by dσ/E.
     pub(super) fn before_shift(&mut self, bar: &Bar) {
         self.add_stress(bar, -1.0);
     }

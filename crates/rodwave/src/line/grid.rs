@@ -6,7 +6,7 @@ use crate::error::check_positive;
 /// Fewest cells of a segment: the interpolation at a gauge needs four.
 const FEWEST_CELLS: f64 = 4.0;
 
-/// Default of the largest relative change of a wave speed for a whole number of cells.
+/// Default largest relative change of a wave speed to get a whole number of cells.
 pub(super) const DEFAULT_SPEED_TOLERANCE: f64 = 1e-3;
 
 /// Largest refinement of the grid relative to the requested one in the search for whole numbers.
@@ -20,8 +20,8 @@ pub struct Grid {
     pub time_step: f64,
     /// Number of cells of each segment.
     pub cells: Vec<usize>,
-    /// Relative change of the wave speed of each segment for which its transit time is a whole
-    /// number of steps.
+    /// Relative change of the wave speed of each segment that makes its transit time a whole number
+    /// of steps.
     pub speed_change: Vec<f64>,
 }
 
@@ -37,10 +37,10 @@ impl Grid {
     /// `longest_step`.
     ///
     /// With a common step and Courant number 1 everywhere, segment k has T_k/dt cells, in general
-    /// not a whole number. Rounding it at an arbitrary step would be a first-order error. Here
-    /// the step with the least rounding is searched between half the longest one and the
-    /// longest one; two segments then have a second-order error, and commensurable ones none. If
-    /// the best is not good enough, finer steps are tried.
+    /// not a whole number. Rounding this number at an arbitrary step would be a first-order error.
+    /// The step with the least rounding is therefore searched between half the longest step and the
+    /// longest step; two segments then have a second-order error, and commensurable ones none. If
+    /// the best step is not good enough, finer steps are tried.
     #[expect(
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,

@@ -21,7 +21,7 @@ pub struct LineHistory {
     pub contacts: Vec<ContactHistory>,
     /// Histories of the left and the right end of the line.
     pub ends: [EndHistory; 2],
-    /// Derivatives by the requested parameters.
+    /// Derivatives with respect to the requested parameters.
     pub derivatives: Vec<Derivatives>,
     /// Energy and momentum at the end.
     pub ledger: Ledger,
@@ -63,7 +63,7 @@ pub struct ContactHistory {
     pub opens: Vec<f64>,
 }
 
-/// Derivatives of all histories by one parameter.
+/// Derivatives of all histories with respect to one parameter.
 #[derive(Debug, Clone)]
 #[non_exhaustive]
 pub struct Derivatives {
@@ -93,11 +93,11 @@ impl EndHistory {
 }
 
 impl EndHistory {
-    /// Velocity [m/s] of an end that is at rest in its first steps, at `times` \[s\], by a polynomial
-    /// of degree five through its values in steps of `time_step` \[s\].
+    /// Velocity [m/s] of an end that is at rest in its first steps, at `times` \[s\], by a
+    /// polynomial of degree five through its values at intervals of `time_step` \[s\].
     #[must_use]
     pub fn velocity_at(&self, time_step: f64, times: &[f64]) -> Vec<f64> {
-        // the first value is that at half a step; before it the end is at rest
+        // the first value is at half a step; before it the end is at rest
         const BEFORE: usize = 3;
         let at_rest = std::iter::repeat_n(&0.0, BEFORE);
         let history: Vec<f64> = at_rest.chain(&self.velocity).copied().collect();
@@ -115,7 +115,7 @@ impl LineHistory {
         contacts: usize,
         parameters: &[Parameter],
     ) -> Result<Self, RodwaveError> {
-        // rounding may exceed a whole number of steps
+        // by rounding, the quotient may exceed a whole number of steps
         let steps = check_steps((duration / march.grid().time_step * (1.0 - 1e-12)).ceil())?;
         let mut history = Self {
             grid: march.grid().clone(),
@@ -140,7 +140,7 @@ impl LineHistory {
             history.push_ends(&march);
         }
         history.ledger = march.ledger();
-        // any overflow in the line soon reaches its energy
+        // any overflow in the line soon shows in its energy
         check_finite("energy of the line [J]", history.ledger.stored)?;
         Ok(history)
     }

@@ -15,14 +15,14 @@ pub(super) struct Meeting {
     pub(super) velocity: f64,
 }
 
-/// One side of a junction: the arriving wave, in s-units of its segment, and z.
+/// One side of a junction: the arriving wave, in units of s = σ/Z of its segment, and z.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Side {
     pub(super) arriving: f64,
     pub(super) impedance: f64,
 }
 
-/// Derivatives of a [`Side`] by one parameter.
+/// Derivatives of a [`Side`] with respect to one parameter.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct SideTangent {
     pub(super) arriving: f64,
@@ -53,7 +53,7 @@ pub(super) struct Encounter {
     pub(super) left: Meeting,
     pub(super) right: Meeting,
     pub(super) lost: f64,
-    /// Time at which a contact closes or opens, in steps after the start of this one.
+    /// Time at which a contact closes or opens, in steps after the start of the present step.
     pub(super) turn: Option<f64>,
 }
 
@@ -113,8 +113,8 @@ impl Junction {
         encounter
     }
 
-    /// Derivatives of the encounter by parameter `index` of the tangents, after [`Self::meet`] has
-    /// decided whether the contact is closed.
+    /// Derivatives of the encounter with respect to parameter `index` of the tangents, after
+    /// [`Self::meet`] has decided whether the contact is closed.
     #[allow(
         clippy::indexing_slicing,
         reason = "a contact has a tangent for each parameter of the march"
@@ -179,7 +179,7 @@ pub(super) struct Terminal {
     velocity_tangents: Vec<f64>,
     /// work done on the line by driven or fixed ends \[J\]
     pub(super) supplied: f64,
-    /// energy taken by a dashpot \[J\]
+    /// energy absorbed by a dashpot \[J\]
     pub(super) radiated: f64,
     /// impulse on the line, along x [N s]
     pub(super) impulse: f64,
@@ -253,7 +253,7 @@ impl Terminal {
         })
     }
 
-    /// Derivatives of the meeting by parameter `index`.
+    /// Derivatives of the meeting with respect to parameter `index`.
     #[allow(
         clippy::indexing_slicing,
         reason = "an end has a tangent for each parameter of the march"

@@ -16,10 +16,10 @@ pub struct Ledger {
     pub supplied: f64,
     /// Energy lost to inelastic strain rates \[J\]; never decreases.
     pub dissipated: f64,
-    /// Energy taken by dashpots and matched ends \[J\]; never decreases.
+    /// Energy absorbed by dashpots and matched ends \[J\]; never decreases.
     pub radiated: f64,
-    /// Energy lost by the two half cells that close a gap \[J\]; never decreases, and vanishes
-    /// with the grid.
+    /// Energy lost by the two half cells that close a gap \[J\]; never decreases, and vanishes as
+    /// the grid is refined.
     pub lost_in_contact: f64,
     /// Momentum along x at the start [N s].
     pub initial_momentum: f64,

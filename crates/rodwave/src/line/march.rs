@@ -12,15 +12,15 @@ use crate::RodwaveError;
 
 /// The state of a [`Line`] at one time level.
 ///
-/// Values in cells are at whole steps, k dt; those of ends and contacts half a step before, at (k -
-/// ½) dt.
+/// Values in cells are at whole steps, k dt; those of ends and contacts are half a step earlier, at
+/// (k - ½) dt.
 #[derive(Debug, Clone)]
 pub struct March {
     grid: Grid,
     bars: Vec<Bar>,
     junctions: Vec<Junction>,
     encounters: Vec<Encounter>,
-    /// by parameter, then by junction
+    /// indexed by parameter, then by junction
     encounter_tangents: Vec<Vec<[Meeting; 2]>>,
     ends: [Terminal; 2],
     meetings: [Meeting; 2],

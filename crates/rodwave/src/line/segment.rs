@@ -17,8 +17,8 @@ use crate::{InelasticRod, RodwaveError};
 /// σ = Σ σᵢ ,    ∂σᵢ/∂t = Eᵢ (∂v/∂x - Fᵢ(σᵢ)) ,    E = Σ Eᵢ
 /// ```
 ///
-/// One branch is the rod of (Ödeen 1993, paper D, eq. 7); a spring and Maxwell branches are a Zener
-/// or Prony solid.
+/// A single branch gives the rod of (Ödeen 1993, paper D, eq. 7); a spring and Maxwell branches
+/// give a Zener or Prony solid.
 ///
 /// ```
 /// use rodwave::inelastic::{Elastic, Maxwell};
@@ -67,8 +67,8 @@ impl Segment {
         Self::new(length, area, density)?.with_branch(modulus, Elastic)
     }
 
-    /// Creates a rod of paper D with its cross-sectional `area` \[m²\]; a spring beside its law is
-    /// branch 0.
+    /// Creates a rod of paper D with its cross-sectional `area` \[m²\]; a spring in parallel with
+    /// its law is branch 0.
     ///
     /// # Errors
     /// [`RodwaveError::NonPhysical`] unless the area is finite and above 0; otherwise as
@@ -112,8 +112,8 @@ impl Segment {
     ///
     /// # Errors
     /// [`RodwaveError::NonPhysical`] unless the modulus is finite and above 0;
-    /// [`RodwaveError::LengthMismatch`] for a law of more
-    /// than [`MAX_PARAMETERS`](crate::inelastic::MAX_PARAMETERS) parameters.
+    /// [`RodwaveError::LengthMismatch`] for a law with more than
+    /// [`MAX_PARAMETERS`](crate::inelastic::MAX_PARAMETERS) parameters.
     pub fn with_branch<L>(mut self, modulus: f64, law: L) -> Result<Self, RodwaveError>
     where
         L: InelasticLaw + 'static,

@@ -20,7 +20,7 @@ pub const LN_MODULUS: &str = "ln_modulus";
 /// Role of a parameter in a segment.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Source {
-    /// None.
+    /// No role: the parameter belongs to another segment.
     Elsewhere,
     /// The modulus of a branch.
     LogModulus(usize),
@@ -28,14 +28,14 @@ pub(super) enum Source {
     Parameter(usize, usize),
 }
 
-/// Derivatives of the state of a segment by one parameter of the line.
+/// Derivatives of the state of a segment with respect to one parameter of the line.
 #[derive(Debug, Clone)]
 pub(super) struct BarTangent {
     pub(super) right: SlidingWindow,
     pub(super) left: SlidingWindow,
     pub(super) excess: Vec<Vec<f64>>,
     pub(super) source: Source,
-    /// d ln Z = ½ d ln E, and as much d ln c
+    /// d ln Z = ½ d ln E, which is also d ln c
     pub(super) impedance_growth: f64,
     /// d(Eᵢ/E) of every branch
     pub(super) fraction_growth: Vec<f64>,

@@ -18,9 +18,9 @@ use crate::modulus::differentiable::write;
 /// causal pair, so that the law cannot be continued to complex frequencies and is not a
 /// [`LaplaceModulus`](crate::modulus::LaplaceModulus). For p < q there is a (very low) frequency
 /// below which α > k, that is E' < 0. According to [`kramers_kronig`](crate::kramers_kronig) no
-/// relaxing material has the constants of Nylon-6 from 0.5 to 10 kHz; the nearest differs by 0.03 %
-/// of |E|, which is 0.4 % of its loss. [`ConstantQ`](crate::modulus::ConstantQ) is a causal law of
-/// p = q.
+/// relaxing material has the power laws of Nylon-6 from 0.5 to 10 kHz; the nearest material differs
+/// by 0.03 % of |E|, which is 0.4 % of its loss. [`ConstantQ`](crate::modulus::ConstantQ) is a
+/// causal law with p = q.
 ///
 /// ```
 /// use rodwave::medium::Medium;
@@ -83,8 +83,8 @@ impl PowerLawPropagation {
         })
     }
 
-    /// Writes the derivatives of γ = α + ik [1/m] at `omega` [rad/s] by ln a, p, ln b and q, in
-    /// this order, to `derivatives`: α, α ln |ω|, ik, ik ln |ω|; 0 at ω = 0.
+    /// Writes the derivatives of γ = α + ik [1/m] at `omega` [rad/s] with respect to ln a, p, ln b
+    /// and q, in this order, to `derivatives`: α, α ln |ω|, ik, ik ln |ω|; 0 at ω = 0.
     ///
     /// The derivatives of the modulus are -2E/γ times these.
     ///

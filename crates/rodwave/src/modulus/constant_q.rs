@@ -16,7 +16,7 @@ use crate::error::check_positive;
 /// modulus at one frequency. A constant *complex* modulus E₀(1 + i tan δ), often used instead, is
 /// not causal: losses imply dispersion, here c ∝ ω^g.
 ///
-/// It is the linear reference law for an identification of nonlinear ones (see
+/// It is the linear reference law for the identification of nonlinear laws (see
 /// `docs/theory/moduli.md`).
 ///
 /// ```
@@ -36,7 +36,7 @@ pub struct ConstantQ {
 }
 
 impl ConstantQ {
-    /// Creates the law of magnitude `modulus` E₀ \[Pa\] at `reference_omega` ω₀ [rad/s] and of
+    /// Creates the law with magnitude `modulus` E₀ \[Pa\] at `reference_omega` ω₀ [rad/s] and with
     /// `loss_factor` tan δ.
     ///
     /// # Errors

@@ -1,11 +1,11 @@
-//! Derivatives of a modulus by the parameters of its law.
+//! Derivatives of a modulus with respect to the parameters of its law.
 
 use num_complex::Complex64;
 
 use super::LaplaceModulus;
 use crate::RodwaveError;
 
-/// A complex modulus with exact derivatives by its parameters.
+/// A complex modulus with exact derivatives with respect to its parameters.
 ///
 /// A parameter that can have any value above 0 is replaced by its natural logarithm, in SI units,
 /// and its name begins with `ln_`: a fit then cannot leave the range, and a step of 0.01 is one per
@@ -34,7 +34,7 @@ pub trait DifferentiableModulus: LaplaceModulus {
     /// unchanged.
     ///
     /// # Errors
-    /// [`RodwaveError::LengthMismatch`] unless their number is that of the law;
+    /// [`RodwaveError::LengthMismatch`] unless the number of parameters is that of the law;
     /// [`RodwaveError::NonPhysical`] if a value is out of its range.
     fn with_parameters(&self, parameters: &[f64]) -> Result<Self, RodwaveError>
     where

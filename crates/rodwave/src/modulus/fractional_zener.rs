@@ -14,7 +14,7 @@ use crate::RodwaveError;
 use crate::error::check_positive;
 use crate::quotient::quotient;
 
-/// A solid with a broad, symmetric loss peak, and the Zener model for α = 1.
+/// A solid with a broad, symmetric loss peak; the Zener model for α = 1.
 ///
 /// ```text
 /// E(s) = E₀ + (E₁ - E₀) (sτ)^α/(1 + (sτ)^α) ,    0 < α <= 1
@@ -26,7 +26,7 @@ use crate::quotient::quotient;
 /// as ω^{±α}.
 ///
 /// # Accuracy
-/// E(t) and J(t) have absolute errors of a few 1e-15 of E₁ - E₀ and 1/E₀ - 1/E₁.
+/// E(t) and J(t) have absolute errors of a few 1e-15 times E₁ - E₀ and 1/E₀ - 1/E₁, respectively.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FractionalZener {
     step: ModulusStep,

@@ -120,7 +120,7 @@ impl MaxwellBranch {
         quotient(self.modulus * s_tau, 1.0 + s_tau)
     }
 
-    /// Derivative by ln s, which equals that by ln τᵢ.
+    /// Derivative with respect to ln s, which equals that with respect to ln τᵢ.
     fn slope_at_s(&self, s: Complex64) -> Complex64 {
         quotient(self.at_s(s), 1.0 + s * self.relaxation_time)
     }

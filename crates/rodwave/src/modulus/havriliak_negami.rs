@@ -17,11 +17,11 @@ use crate::quotient::quotient;
 /// ```
 ///
 /// α sets the breadth of the loss peak, β its skewness: E'' grows as ω^α below and falls as ω^{-αβ}
-/// above. β = 1 is the [`FractionalZener`](super::FractionalZener) model (Cole and Cole), α = 1
-/// that of Davidson and Cole. The bounds are those of a relaxation modulus that decreases
-/// monotonically with all derivatives; β itself may exceed 1.
+/// above. β = 1 is the [`FractionalZener`](super::FractionalZener) model (Cole and Cole), α = 1 the
+/// model of Davidson and Cole. Within the bounds the relaxation modulus decreases monotonically
+/// with all derivatives; β itself may exceed 1.
 ///
-/// The time domain requires the Mittag-Leffler function of three parameters; the law is not a
+/// The time domain requires the three-parameter Mittag-Leffler function; the law is not a
 /// [`TimeDomainModulus`](super::TimeDomainModulus).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct HavriliakNegami {
@@ -107,7 +107,7 @@ fn share(power: Complex64, exponent: f64) -> Complex64 {
     } else {
         (1.0 + power).ln()
     };
-    // 1 - e^{-z} by parts
+    // 1 - e^{-z} from the real and the imaginary part of z
     let Complex64 { re, im } = exponent * logarithm;
     let half = (0.5 * im).sin();
     Complex64::new(

@@ -15,8 +15,8 @@ use crate::quotient::quotient;
 /// E(s) = E sτ/(1 + sτ) ,    τ = η/E ,    E''/E' = 1/(ωτ)
 /// ```
 ///
-/// The model is a fluid: E(0) = 0. The loss factor falls as 1/ω; that of no solid polymer does so
-/// over more than a part of a decade.
+/// The model is a fluid: E(0) = 0. The loss factor falls as 1/ω; no solid polymer shows this over
+/// more than a part of a decade.
 ///
 /// ```
 /// use rodwave::modulus::{ComplexModulus, Maxwell};
@@ -77,8 +77,8 @@ impl LaplaceModulus for Maxwell {
     }
 }
 
-/// Parameters: `ln_modulus`, `ln_relaxation_time`. The derivative by ln E is at constant τ, not at
-/// constant viscosity.
+/// Parameters: `ln_modulus`, `ln_relaxation_time`. The derivative with respect to ln E is at
+/// constant τ, not at constant viscosity.
 impl DifferentiableModulus for Maxwell {
     fn parameter_names(&self) -> Vec<String> {
         named(&["ln_modulus", "ln_relaxation_time"])

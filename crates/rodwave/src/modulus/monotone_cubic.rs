@@ -62,7 +62,7 @@ impl MonotoneCubic {
         Self { points }
     }
 
-    /// Value at `x`, which must lie between the first and the last point.
+    /// Value at `x`, which must be between the first and the last point.
     pub(super) fn value(&self, x: f64) -> f64 {
         self.within(x, |left, right, width, t| {
             let (u, v) = (1.0 - t, t);
@@ -71,7 +71,7 @@ impl MonotoneCubic {
         })
     }
 
-    /// Derivative at `x`, which must lie between the first and the last point.
+    /// Derivative at `x`, which must be between the first and the last point.
     pub(super) fn slope(&self, x: f64) -> f64 {
         self.within(x, |left, right, width, t| {
             let u = 1.0 - t;
@@ -174,8 +174,8 @@ mod tests {
                 .map(|x| (cubic.value(x) - x.exp()).abs())
                 .fold(0.0, f64::max)
         };
-        // Slopes of second order make the value third order: a factor 8 by halving, 16 where errors
-        // cancel.
+        // Slopes of second order make the value third order: halving the spacing reduces the error
+        // by a factor 8, or 16 where errors cancel.
         let (coarse, fine) = (error(20), error(40));
         assert!(
             (7.0..18.0).contains(&(coarse / fine)),

@@ -64,8 +64,8 @@ pub struct PronyStandIn {
 /// Decades of rates with individual branches beyond either end of the band.
 const MARGIN_DECADES: f64 = 1.0;
 
-/// Decades of rates beyond these that are combined into one branch on either side; the effect of
-/// the rest is below 1e-8.
+/// Decades of rates beyond the margin that are combined into one branch on either side; the effect
+/// of the rest is below 1e-8.
 const TAIL_DECADES: f64 = 8.0;
 
 /// Largest number of branches, including those of the tails: the error is computed at eight times
@@ -76,10 +76,10 @@ impl PronyStandIn {
     /// Applies the trapezoidal rule over ln x with `branches_a_decade` nodes, and adds a spring
     /// that makes E' exact at the middle of `band`.
     ///
-    /// The integrand has its nearest pole at s = -x, π/2 from the real axis of ln x, so the rule
-    /// errs by 2π H exp(-π²/h), h being the step of ln x: for a loss factor of 0.07 by 5e-5 of
-    /// the modulus with two branches per decade, 2e-7 with three. A branch at either
-    /// end combines the spectrum beyond a decade outside the band.
+    /// The integrand has its nearest pole at s = -x, π/2 from the real axis of ln x, so the error
+    /// of the rule is 2π H exp(-π²/h), h being the step of ln x: for a loss factor of 0.07 the
+    /// error is 5e-5 of the modulus with two branches per decade, 2e-7 with three. A branch at
+    /// either end combines the spectrum beyond a decade outside the band.
     ///
     /// # Errors
     /// [`RodwaveError::NonPhysical`] unless 0 < from < to and the number of branches per decade is
@@ -233,7 +233,7 @@ mod tests {
         }
     }
 
-    /// A Cole-Cole spectrum integrates to the relaxed part: Σ Eᵢ → E₁ - E₀ over many decades.
+    /// A Cole-Cole spectrum integrates to the part that relaxes: Σ Eᵢ → E₁ - E₀ over many decades.
     #[test]
     fn branches_of_a_fractional_zener_law_add_up_to_what_relaxes() {
         let law = FractionalZener::new(1e9, 3e9, 1e-4, 0.6).unwrap();
@@ -243,7 +243,7 @@ mod tests {
         };
         let series = PronyStandIn::new(&law, wide, 3.0).unwrap();
         let sum: f64 = series.law().branches().iter().map(|b| b.modulus).sum();
-        // the rates beyond 14 decades on either side hold 10^{-0.6 × 14} of it
+        // the rates beyond 14 decades on either side contribute 10^{-0.6 × 14} of the sum
         assert!((sum / 2e9 - 1.0).abs() < 1e-6, "{sum:e}");
         assert!((series.law().equilibrium_modulus() / 1e9 - 1.0).abs() < 1e-6);
         // 2π H exp(-π²/h), H being at most 0.3 of E here
@@ -256,7 +256,7 @@ mod tests {
         let error = |n| PronyStandIn::new(&law, BAND, n).unwrap().greatest_error();
         let (one, two) = (error(1.0), error(2.0));
         // 2π H exp(-π²/h) of the modulus with H = 0.0634; the number of branches is rounded, and
-        // what is gathered at the ends adds some
+        // the branches that combine the ends add some error
         let predicted = |h: f64| 2.0 * PI * 0.0634 * (-PI * PI / h).exp();
         assert!((one / predicted(LN_10) - 1.0).abs() < 0.3, "{one:e}");
         assert!((two / predicted(0.5 * LN_10) - 1.0).abs() < 0.3, "{two:e}");

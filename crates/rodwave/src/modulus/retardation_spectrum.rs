@@ -50,8 +50,8 @@ impl RetardationSpectrum {
         let branches = distinct(law.branches());
         let viscosity: f64 = branches.iter().map(MaxwellBranch::viscosity).sum();
         let solid = law.equilibrium_modulus() > 0.0;
-        // Each zero lies between its pole and the next; the last one of a solid below the bound by
-        // E∞ alone.
+        // Each zero is between its pole and the next; the last zero of a solid is below the bound
+        // that E∞ alone gives.
         let above_slowest = solid.then(|| viscosity / law.equilibrium_modulus());
         let gaps = branches
             .windows(2)

@@ -68,7 +68,7 @@ impl SpringPot {
         self.reference_omega
     }
 
-    /// Derivative by the exponent, E ln(s/ωᵣ), 0 at s = 0.
+    /// Derivative with respect to the exponent, E ln(s/ωᵣ), 0 at s = 0.
     pub(super) fn by_exponent(&self, s: Complex64) -> Complex64 {
         let modulus = self.at_s(s);
         if modulus == Complex64::ZERO {

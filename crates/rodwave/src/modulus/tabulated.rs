@@ -7,18 +7,18 @@ use super::{ComplexModulus, check_modulus};
 use crate::RodwaveError;
 use crate::error::check_positive;
 
-/// Storage and loss modulus on the lines of a measurement, interpolated monotonically over ln ω.
+/// Storage and loss modulus at the lines of a measurement, interpolated monotonically in ln ω.
 ///
 /// A table is undefined outside its band, where [`lookup`](Self::lookup) returns an error. It is
 /// therefore not a [`ComplexModulus`], which has a value at every frequency: [`held`](Self::held)
 /// converts it to one, by an explicit choice of the caller. For ω < 0 the modulus is the complex
 /// conjugate.
 ///
-/// Lines are needed where E'' is curved: for a Zener material with its loss peak at 0.5 kHz, on
-/// lines evenly spaced from 0.5 to 10 kHz, E'' errs between the lines by up to 12 % of its maximum
-/// with 5 lines, 7 % with 10, 2.6 % with 20 and 0.8 % with 40 (a peak within the band by 18, 4, 0.5
-/// and 0.07 %), E' by less than 1.1 %; constant loss by less than 0.02 %.
-/// [`interpolation_error`](Self::interpolation_error) estimates this error.
+/// Many lines are needed where E'' is curved. For a Zener material with its loss peak at 0.5 kHz,
+/// on lines evenly spaced from 0.5 to 10 kHz, the error of E'' between the lines is up to 12 % of
+/// its maximum with 5 lines, 7 % with 10, 2.6 % with 20 and 0.8 % with 40 (for a peak within the
+/// band 18, 4, 0.5 and 0.07 %). The error of E' is less than 1.1 %, that of a constant loss less
+/// than 0.02 %. [`interpolation_error`](Self::interpolation_error) estimates this error.
 ///
 /// Interpolated values are causal only to the accuracy of the interpolation, and a table is not a
 /// [`LaplaceModulus`](super::LaplaceModulus). It has no parameters.
@@ -43,8 +43,8 @@ pub struct Tabulated {
     loss: MonotoneCubic,
 }
 
-/// Factor of the estimated error on the difference of two interpolations of the same lines, which
-/// may be equally wrong.
+/// Ratio of the estimated error to the difference of two interpolations of the same lines; both
+/// interpolations may be wrong in the same way.
 const CAUTION: f64 = 3.0;
 
 /// A line of the table.
@@ -118,8 +118,8 @@ impl Tabulated {
         })
     }
 
-    /// Returns true if the magnitude of `omega` [rad/s] lies in the band of the table, including
-    /// its ends.
+    /// Returns true if the magnitude of `omega` [rad/s] is in the band of the table, including its
+    /// ends.
     #[must_use]
     pub fn covers(&self, omega: f64) -> bool {
         (self.first.omega..=self.last.omega).contains(&omega.abs())
@@ -147,10 +147,10 @@ impl Tabulated {
     /// table and for fewer than four lines.
     ///
     /// The estimate is three times the largest difference in the interval from the cubic through
-    /// the four nearest lines. Over laws of Zener, fractional Zener, power-law and
-    /// constant-loss type on 5 to 40 lines, evenly spaced in ω or in ln ω, it is at least the error
-    /// at 95 % of the frequencies and at most 20 times as large in the median. Errors of the lines
-    /// themselves are not included, and a maximum of E'' between two lines enters only by its
+    /// the four nearest lines. For laws of Zener, fractional Zener, power-law and constant-loss
+    /// type on 5 to 40 lines, evenly spaced in ω or in ln ω, the estimate is at least the error at
+    /// 95 % of the frequencies, and at most 20 times the error in the median. Errors of the lines
+    /// themselves are not included, and a maximum of E'' between two lines enters only through its
     /// flanks.
     #[must_use]
     pub fn interpolation_error(&self, omega: f64) -> Option<Complex64> {
@@ -163,7 +163,7 @@ impl Tabulated {
     }
 
     /// Continues the table by its first and its last line: constant E' and E'' below and above, and
-    /// E(0) = E' of the first.
+    /// E(0) = E' of the first line.
     ///
     /// A constant loss with a constant stiffness is not causal. The effect of the continuation on a
     /// result must be judged, for instance by applying [`covers`](Self::covers) to the
@@ -217,7 +217,7 @@ impl ComplexModulus for HeldTable {
     }
 }
 
-/// Converts the value for |ω| to that for ω.
+/// Converts the value for |ω| to the value for ω.
 fn conjugate_below_zero(value: Complex64, omega: f64) -> Complex64 {
     if omega < 0.0 { value.conj() } else { value }
 }

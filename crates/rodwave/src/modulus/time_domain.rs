@@ -105,8 +105,8 @@ mod tests {
     fn decay_agrees_with_the_power_series() {
         for (exponent, x, exact) in SERIES {
             let decay = fractional_decay(exponent, x.powf(1.0 / exponent)).unwrap();
-            // The library's contour integral asks for 5 units in the last place of 1; x^(1/α) and
-            // back costs 1/α more.
+            // The tolerance of the library's contour integral is 5 units in the last place of 1;
+            // computing x^(1/α) and its power costs 1/α more.
             assert!(
                 (decay - exact).abs() < 1e-14,
                 "α = {exponent}, x = {x}: {:e}",

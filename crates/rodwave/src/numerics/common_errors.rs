@@ -46,14 +46,14 @@ impl CommonErrors {
         &self.vectors
     }
 
-    /// Computes C^{-1/2} `values`, which is never longer than they are.
+    /// Computes C^{-1/2} `values`, whose length never exceeds that of `values`.
     pub fn whiten(&self, values: &mut [f64]) {
         for vector in &self.whitened {
             whiten_by(vector, values);
         }
     }
 
-    /// Returns the largest factor by which whitening shortens a vector, or more.
+    /// Returns an upper bound of the factor by which whitening shortens a vector.
     #[must_use]
     pub fn shortening(&self) -> f64 {
         let root = |vector: &Vec<f64>| (1.0 + dot(vector, vector)).sqrt();
@@ -61,7 +61,7 @@ impl CommonErrors {
     }
 
     /// Returns the sizes ξ of the common errors, in standard uncertainties, that best explain the
-    /// residual `rest`: those of the least |rest - Σ ξ g|² + Σ ξ², which is the squared length of
+    /// residual `rest`. They minimise |rest - Σ ξ g|² + Σ ξ²; the minimum is the squared length of
     /// the whitened residual.
     #[must_use]
     pub fn sizes(&self, rest: &[f64]) -> Vec<f64> {
@@ -76,8 +76,8 @@ impl CommonErrors {
     }
 }
 
-/// Computes (I + a aᵀ)^{-1/2} `values` = values - a (a·values) (1 - 1/√(1 + a²))/a², without the
-/// difference.
+/// Computes (I + a aᵀ)^{-1/2} `values` = values - a (a·values) (1 - 1/√(1 + a²))/a², without
+/// cancellation in the difference.
 fn whiten_by(vector: &[f64], values: &mut [f64]) {
     let root = (1.0 + dot(vector, vector)).sqrt();
     let part = dot(vector, values) / (root * (1.0 + root));

@@ -76,7 +76,7 @@ impl Jet {
         }
     }
 
-    /// g of this function, from g, g' and g'' at its value.
+    /// The composition g(f), from g, g' and g'' at the value of f.
     #[must_use]
     pub fn compose(self, [value, first, second]: [Complex64; 3]) -> Self {
         Self {

@@ -1,4 +1,4 @@
-//! Conditions (i) and (ii) of paper A: a wave that is long compared with the diameter and not with
+//! Conditions (i) and (ii) of paper A: a wave that is long compared with the diameter but not with
 //! the length.
 
 use crate::RodwaveError;
@@ -31,7 +31,7 @@ pub struct Slenderness {
 }
 
 impl Slenderness {
-    /// Creates the wavelength of a wave of `wave_number` k = Im γ [rad/m] in a specimen of
+    /// Creates the slenderness for a wave of `wave_number` k = Im γ [rad/m] in a specimen of
     /// `diameter` D \[m\] and `length` L \[m\].
     ///
     /// # Errors
@@ -95,7 +95,7 @@ impl Slenderness {
 mod tests {
     use super::*;
 
-    /// Limits themselves meet neither condition, as printed: λ "should exceed" 5D and "be less
+    /// The limits themselves meet neither condition, as printed: λ "should exceed" 5D and "be less
     /// than" 5L.
     #[test]
     fn conditions_are_strict() {

@@ -17,8 +17,8 @@
 //! ```
 //!
 //! which is analytic in B = ρω²a²/E, K = k²a² and ν and regular up to ν = 1/2. The left side
-//! vanishes with B for every K; here it is solved after division by B. In the limit of thin rods it
-//! is proportional to K - B.
+//! vanishes at B = 0 for every K; here the equation is solved after division by B. In the limit of
+//! thin rods it is proportional to K - B.
 
 use complex_bessel::besselj_scaled;
 use num_complex::Complex64;
@@ -50,7 +50,7 @@ pub(super) struct FrequencyEquation {
 }
 
 impl FrequencyEquation {
-    /// Evaluates the equation at B = `bar` and K = `wave`; `None` for |pa| or |qa| above some 10⁹,
+    /// Evaluates the equation at B = `bar` and K = `wave`; `None` for |pa| or |qa| above about 10⁹,
     /// where the Bessel functions fail.
     pub(super) fn at(bar: Complex64, wave: Complex64, poisson_ratio: f64) -> Option<Self> {
         let x = (1.0 + poisson_ratio) * (1.0 - 2.0 * poisson_ratio) / (1.0 - poisson_ratio) * bar
@@ -65,7 +65,7 @@ impl FrequencyEquation {
         })
     }
 
-    /// The left side, divided by B, along `variable`.
+    /// The left side, divided by B, with its derivatives along `variable`.
     pub(super) fn along(&self, variable: Variable) -> Jet {
         let slope = |of: Variable| if variable == of { 1.0 } else { 0.0 };
         let b = Jet::linear(self.bar, slope(Variable::Bar));
@@ -193,7 +193,7 @@ mod tests {
                 let reference = Complex64::new(reference.0, reference.1);
                 let error = (value * z.powi(n) - reference).norm() / reference.norm();
                 // rounding of z² and √ at |z| = 40 changes the phase by 40 eps; the functions
-                // themselves are good to 1e-15
+                // themselves are accurate to 1e-15
                 assert!(error < 2e-14, "J{n}({z}): {error:e}");
             }
         }
@@ -206,16 +206,16 @@ mod tests {
         let below: [Complex64; 4] = entire_bessel(0.99e-16.into()).unwrap();
         let at_zero: [Complex64; 4] = entire_bessel(Complex64::ZERO).unwrap();
         for n in 0..4 {
-            // Jₙ of the library forms zⁿ by a logarithm, which costs n |ln z| = 55 roundings
+            // Jₙ of the library computes zⁿ from a logarithm, which costs n |ln z| = 55 roundings
             let jump = (above[n] / below[n] - 1.0).norm();
             assert!(jump < 2e-14, "J{n}: {jump:e}");
             assert_eq!(below[n], at_zero[n]);
         }
     }
 
-    /// Both derivatives along all three variables against central differences. The exponential
-    /// scaling is not analytic, so the differences are taken of a ratio in which it cancels:
-    /// real points with real p and q have none.
+    /// Compares both derivatives along all three variables with central differences. The
+    /// exponential scaling is not analytic, so the differences are taken at points where there is
+    /// no scaling: real points with real p and q.
     #[test]
     fn derivatives_agree_with_differences() {
         let (bar, wave, nu) = (4.0, 0.9, 0.3);

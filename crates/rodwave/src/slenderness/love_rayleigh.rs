@@ -15,8 +15,8 @@ use super::theory::{
 /// k² = ρω²/(E - ρν²k_p²ω²)            E = ρω²/k² + ρν²k_p²ω²            (k complex: k² = -γ²)
 /// ```
 ///
-/// with the polar radius of gyration k_p of the cross-section: k_p² = D²/8 of a circle, (b² +
-/// h²)/12 of a rectangle. Only E' is corrected: the apparent E'' is correct.
+/// with the polar radius of gyration k_p of the cross-section: k_p² = D²/8 for a circle, (b² +
+/// h²)/12 for a rectangle. Only E' is corrected: the apparent E'' is correct.
 ///
 /// # Validity
 /// The correction is exact to leading order in (D/λ)². The remaining error of E' is about 0.2 % at

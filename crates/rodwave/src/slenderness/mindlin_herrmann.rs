@@ -10,8 +10,8 @@ use super::theory::{CorrectedModulus, FirstBranch, RodTheory, Root, RoundRod, Sc
 
 /// Theory of Mindlin and Herrmann for a round rod.
 ///
-/// With the radial displacement proportional to the radius, the energies of both motions, and the
-/// shear coefficient κ² on the shear stiffness between them,
+/// With a radial displacement proportional to the radius, the energies of both motions, and the
+/// shear coefficient κ² on the shear stiffness between them, the theory gives
 ///
 /// ```text
 /// [(λ+2μ)k² - ρω²] [4(λ+μ) + (a²/2)(κ²μk² - ρω²)] = 4λ²k²
@@ -27,8 +27,8 @@ use super::theory::{CorrectedModulus, FirstBranch, RodTheory, Root, RoundRod, Sc
 /// # Validity
 /// By default κ is c_R/c_S, so that short waves have the speed of Rayleigh's surface wave. **For
 /// long waves this is less accurate than Love's theory:** the lateral inertia is reduced by the
-/// shear energy of a motion that a long wave does not have, K - B = ½ν²K² (1 - κ²μ/E), about 30 per
-/// cent. It is included for comparison; use [`super::PochhammerChree`].
+/// shear energy of a motion that a long wave does not have, K - B = ½ν²K² (1 - κ²μ/E), by about 30
+/// per cent. The theory is included for comparison; use [`super::PochhammerChree`].
 ///
 /// The branch is selected by the sign of a square root, which is correct for loss factors up to 1.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -79,13 +79,13 @@ impl MindlinHerrmann {
         self.shear_coefficient / (2.0 + 2.0 * self.poisson_ratio)
     }
 
-    /// Coefficients of the two bracketed factors: p = 1-ν on K, q = (1+ν)(1-2ν) on B.
+    /// Coefficients of the two bracketed factors: p = 1-ν of K, q = (1+ν)(1-2ν) of B.
     fn stiffness_ratios(&self) -> (f64, f64) {
         let nu = self.poisson_ratio;
         (1.0 - nu, (1.0 + nu) * (1.0 - 2.0 * nu))
     }
 
-    /// ∂B/∂ν at constant K, by the derivatives of the frequency equation.
+    /// ∂B/∂ν at constant K, from the derivatives of the frequency equation.
     fn bar_by_poisson_ratio(&self, bar: Complex64, wave: Complex64) -> Complex64 {
         let (p, q) = self.stiffness_ratios();
         let s = self.shear_ratio();

@@ -28,15 +28,15 @@ impl Theory {
     /// | Love | -0.01 % | -0.17 % | -1.3 % |
     /// | Pochhammer-Chree | 0 | 0 | 0 |
     ///
-    /// The error is that of the dispersion relation of Pochhammer and Chree for long waves,
+    /// The error follows from the dispersion relation of Pochhammer and Chree for long waves,
     ///
     /// ```text
     /// B/K = 1 - ½ν²K - ν²(7 - 4ν - 32ν² + 4ν³ + 24ν⁴)/(48(1-ν²)) K² + O(K³) ,    K = (πD/λ)²
     /// ```
     ///
-    /// of which Love's theory has 1/(1 + ½ν²K). The error grows smoothly with the frequency: a
-    /// modulus corrected by one theory over a whole band is a smooth function, whereas one
-    /// corrected by two has a step where they meet, which no causal material has.
+    /// of which Love's theory contains 1/(1 + ½ν²K). The error grows smoothly with the frequency: a
+    /// modulus corrected by one theory over a whole band is a smooth function, whereas a modulus
+    /// corrected by two theories has a step where they meet, which no causal material has.
     ///
     /// ```
     /// use rodwave::slenderness::Theory;
@@ -47,8 +47,8 @@ impl Theory {
     /// ```
     ///
     /// # Validity
-    /// Low losses, ν exact. At λ = 3D the error of Love's theory is overestimated by up to a
-    /// quarter; below 3D it is only an order of magnitude.
+    /// Low losses and an exact ν. At λ = 3D the error of Love's theory is overestimated by up to a
+    /// quarter; below 3D only its order of magnitude is correct.
     ///
     /// # Errors
     /// [`RodwaveError::NonPhysical`] unless λ/D and (D/λ)⁴ are finite and above 0, and -1 < ν <=

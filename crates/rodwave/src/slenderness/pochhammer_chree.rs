@@ -9,7 +9,8 @@ use crate::numerics::Jet;
 use super::frequency_equation::{FrequencyEquation, Variable};
 use super::theory::{CorrectedModulus, FirstBranch, RodTheory, Root, RoundRod, Scale};
 
-/// |B| or |K| below which B/K = 1 - ½ν²K is exact to rounding: the next term of the series is below 0.1 K².
+/// |B| or |K| below which B/K = 1 - ½ν²K is exact to rounding: the next term of the series is below
+/// 0.1 K².
 const SERIES_END: f64 = 1e-8;
 
 /// √|K| or √|B| at which Newton's iteration starts from Love's theory, λ = 6D, where Love's error
@@ -23,11 +24,11 @@ const LARGEST_STEP: f64 = 0.5;
 /// double precision.
 const SMALLEST_STEP: f64 = 1e-10;
 
-/// Number of steps, successful or not, after which the path is given up: some ka = 85.
+/// Number of steps, successful or not, after which the path is given up: at about ka = 85.
 const MOST_STEPS: usize = 5000;
 
-/// Largest step as a fraction of the clearance to other branches at its start; twice that at its
-/// end.
+/// Largest step as a fraction of the clearance to other branches at the start of the step; twice
+/// this fraction at its end.
 const REACH: f64 = 0.2;
 
 /// Largest correction of the prediction by Newton's iteration as a fraction of the clearance.
@@ -46,30 +47,30 @@ const MOST_NEWTON_STEPS: usize = 8;
 /// p² = ρω²/(λ+2μ) - k² ,    q² = ρω²/μ - k² ,    k² = -γ²
 /// ```
 ///
-/// For long waves B/K = 1 - ½ν²K + O(K²) with B = ρω²a²/E, K = -γ²a²; for short ones in an elastic
+/// For long waves B/K = 1 - ½ν²K + O(K²) with B = ρω²a²/E, K = -γ²a²; for short waves in an elastic
 /// rod the phase velocity is that of Rayleigh's surface wave.
 ///
 /// # Method
 /// The equation has infinitely many roots. The first branch begins as K = B and is *followed* from
-/// there: ω, or γ in the inverse direction, is increased to its value from a point where Love's
-/// theory is accurate, with E or ω constant. Each step is predicted along the tangent, corrected by
-/// Newton's iteration, and limited to a fraction of the distance to the neighbouring branch, so
-/// that it cannot jump to that branch at a close passage. That distance is estimated by 2|f'/f''|
-/// in B and in K. Down to λ ≈ 6D there is one step.
+/// there: ω, or γ in the inverse direction, is increased to its final value from a point where
+/// Love's theory is accurate, with E or ω constant. Each step is predicted along the tangent,
+/// corrected by Newton's iteration, and limited to a fraction of the distance to the neighbouring
+/// branch, so that it cannot jump to that branch at a close passage. That distance is estimated by
+/// 2|f'/f''| in B and in K. Down to λ ≈ 6D there is one step.
 ///
 /// A modulus found from γ must give γ again on the first branch; otherwise the result is
 /// [`FirstBranch::Left`].
 ///
 /// # Validity
 /// λ from infinity to D/27 and any loss. For ν = 0 the first branch is elementary theory, which
-/// crosses the second at ka = 1.841; for small ν > 0 the two veer apart there, and the loss of a
-/// nearly elastic modulus determines the course of the branch. If it cannot be determined, the
+/// crosses the second branch at ka = 1.841; for small ν > 0 the two veer apart there, and the loss
+/// of a nearly elastic modulus determines the course of the branch. If it cannot be determined, the
 /// result is [`FirstBranch::Left`]; likewise beyond ka = 85, λ = D/27, where the path is too long.
 ///
 /// The roots are branches of one analytic function. With heavy losses in short waves two moduli may
 /// have the same γ, each on its first branch, and [`RodTheory::modulus`] returns the one that is
-/// reached with γ growing in proportion. This occurs for ν = -0.23, E''/E' = 0.52, λ = 1.2D; for ν
-/// >= 0, λ > 2D and E''/E' <= 1 it was never found.
+/// reached when γ is scaled up to its value from 0. This occurs for ν = -0.23, E''/E' = 0.52, λ =
+/// 1.2D; for ν >= 0, λ > 2D and E''/E' <= 1 it was never found.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PochhammerChree {
     scale: Scale,
@@ -139,7 +140,7 @@ fn is_close(a: Complex64, b: Complex64) -> bool {
     (a - b).norm() <= CLOSURE * b.norm()
 }
 
-/// The unknown of B and K.
+/// The unknown one of B and K.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Sought {
     Bar,
@@ -170,7 +171,8 @@ struct Point {
     by_poisson_ratio: Complex64,
     /// Estimated distance to another branch at constant `given`.
     root_clearance: f64,
-    /// Estimated distance at constant `root`: it is the smaller one for a branch that runs across.
+    /// Estimated distance to another branch at constant `root`, the smaller one for a branch that
+    /// crosses.
     given_clearance: f64,
 }
 

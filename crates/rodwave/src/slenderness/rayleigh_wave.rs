@@ -27,7 +27,7 @@ pub fn rayleigh_to_shear_speed(poisson_ratio: f64) -> Result<f64, RodwaveError> 
         .sqrt())
 }
 
-/// ξ = (c_R/c_S)² and its derivative by ν.
+/// ξ = (c_R/c_S)² and its derivative with respect to ν.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct RayleighWave {
     pub(super) squared_ratio: f64,

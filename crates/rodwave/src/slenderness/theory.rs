@@ -1,5 +1,5 @@
-//! Interface of a theory of lateral inertia: both directions, and results that tell whether they
-//! lie on the first branch.
+//! Interface of a theory of lateral inertia: both directions, and results that state whether they
+//! are on the first branch.
 
 use num_complex::Complex64;
 
@@ -135,7 +135,7 @@ pub struct CorrectedModulus {
     pub by_poisson_ratio: Complex64,
 }
 
-/// Standard errors of a modulus due to that of Poisson's ratio. They are fully correlated.
+/// Standard errors of a modulus due to the error of Poisson's ratio. They are fully correlated.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct ModulusError {
@@ -157,7 +157,7 @@ impl CorrectedModulus {
     /// Returns the standard errors due to the `poisson_ratio_error` δν, to first order: |Re ∂E/∂ν|
     /// δν and so on.
     ///
-    /// To leading order the correction is proportional to ν², and its relative error 2 δν/ν.
+    /// To leading order the correction is proportional to ν², and its relative error is 2 δν/ν.
     ///
     /// # Errors
     /// [`RodwaveError::NonPhysical`] unless δν is finite and not negative.
@@ -189,7 +189,7 @@ impl CorrectedModulus {
 pub(super) struct Root {
     /// B or K.
     pub(super) value: Complex64,
-    /// Derivative by ν, at constant other variable.
+    /// Derivative with respect to ν, with the other variable constant.
     pub(super) by_poisson_ratio: Complex64,
 }
 

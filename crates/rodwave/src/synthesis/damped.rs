@@ -26,12 +26,12 @@ const LARGEST_COUNT: f64 = 67_108_864.0; // 2^26
 /// The period T_p is twice the duration T (at least), and aT_p = 16.
 ///
 /// # Validity
-/// q is causal, and Q analytic for Re s > 0. The value at t contains e^{-16} = 1.1e-7 of that at
-/// t + T_p, and a rounding error of up to 1e-9 of the largest value. Transforms that decay as 1/s
-/// belong to histories that begin with a jump, or contain one; without smoothing it rings, with an
-/// amplitude of 1/(πn) of the jump at n samples from it. A Gaussian smoothing of standard deviation
-/// σ removes the ringing and spreads the jump over ±6σ; elsewhere a piecewise constant or linear
-/// history is unchanged.
+/// q must be causal, and Q analytic for Re s > 0. The value at t contains e^{-16} = 1.1e-7 of the
+/// value at t + T_p, and a rounding error of up to 1e-9 of the largest value. Transforms that decay
+/// as 1/s belong to histories that begin with a jump, or contain one; without smoothing the jump
+/// rings, with an amplitude of 1/(πn) of the jump at n samples from it. A Gaussian smoothing of
+/// standard deviation σ removes the ringing and spreads the jump over ±6σ; elsewhere a piecewise
+/// constant or linear history is unchanged.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DampedSynthesis {
     interval: f64,

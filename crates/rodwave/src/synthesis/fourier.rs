@@ -17,8 +17,8 @@ const MOST_LINES: usize = 1 << 27;
 ///
 /// # Validity
 /// The history has the period 1/Δf: q must decay within it, otherwise the result is the sum of all
-/// repetitions. A pole on the frequency axis, as of an elastic body with free or fixed ends,
-/// excludes the method. Content above the last line is missing, so that a jump rings.
+/// repetitions. A pole on the frequency axis, such as that of an elastic body with free or fixed
+/// ends, excludes the method. Content above the last line is missing, so that a jump rings.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FourierSynthesis {
     frequency_step_hz: f64,

@@ -18,7 +18,7 @@ pub use self::readings::UnitReading;
 #[derive(Debug, Clone, PartialEq)]
 pub struct Printed {
     pub value: f64,
-    /// Half a unit of the last printed digit, or a reasoned allowance.
+    /// Half a unit of the last printed digit, or an allowance with its reason.
     pub tolerance: f64,
     /// Digits and unit as printed.
     pub printed: String,
@@ -124,7 +124,7 @@ pub struct PaperD {
     pub striker: Striker,
     /// Sampling rate in Hz
     pub sampling_rate: f64,
-    /// About sixty parameter vectors of each model.
+    /// Number of parameter vectors of each model, about sixty.
     pub standard_samples_per_model: f64,
     /// Reason why every result names its reading of the units.
     pub no_consistent_reading: String,
@@ -420,8 +420,8 @@ mod tests {
 
     #[test]
     fn printed_relative_errors_follow_from_printed_input_and_output() {
-        // The difference of two rounded numbers carries up to one unit of their last digit, beside
-        // the error's own half unit.
+        // The difference of two rounded numbers carries up to one unit of their last digit, in
+        // addition to the half unit of the error itself.
         for row in load().unwrap().appendix(UnitReading::Literal) {
             for cell in &row.parameters {
                 let relative_error =

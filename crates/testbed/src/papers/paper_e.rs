@@ -42,7 +42,7 @@ pub struct PaperE {
 }
 
 impl PaperE {
-    /// Returns the distance of the lines, in Hz.
+    /// Returns the spacing of the lines, in Hz.
     pub fn frequency_step_hz(&self) -> f64 {
         1.0 / (self.samples * self.sample_period)
     }

@@ -28,7 +28,7 @@ pub struct PrintedTable {
     paper: String,
     /// Name of the table in print, or `constants`.
     table: String,
-    /// Sections that print it.
+    /// Sections in which it is printed.
     section: String,
     /// Lines of the text edition from which it was transcribed.
     lines: String,
@@ -55,7 +55,7 @@ pub struct PrintedTable {
 )]
 struct Column {
     name: String,
-    /// Printed symbol of the column, where it is not the name.
+    /// Printed symbol of the column, if it is not the name.
     #[serde(default)]
     symbol: Option<String>,
     holds: Holds,
@@ -64,7 +64,7 @@ struct Column {
 /// Content of the cells of a column.
 #[derive(Debug, Clone, Deserialize)]
 enum Holds {
-    /// Name of the row; with several such columns, all of them together.
+    /// Name of the row; several such columns form the name together.
     Label,
     /// Words.
     Text,
@@ -247,7 +247,7 @@ impl PrintedTable {
     }
 }
 
-/// Reads `found`, in the unit of its column or in its own, and converts it.
+/// Reads `found`, in the unit of its column or in a unit of its own, and converts it.
 pub fn read_value(
     path: &Path,
     row: &str,
@@ -341,7 +341,7 @@ mod tests {
         parse_ron::<PrintedTable>(path, text)?.to_si(path)
     }
 
-    /// Returns the message for the table above with one piece of it exchanged.
+    /// Returns the message for the table above with one piece of it replaced.
     fn message(piece: &str, by: &str) -> String {
         assert_eq!(TABLE.matches(piece).count(), 1, "{piece}");
         read(&TABLE.replace(piece, by)).unwrap_err().to_string()

@@ -46,7 +46,7 @@ pub struct SiValue {
 }
 
 impl SiValue {
-    /// Takes the number of `right`, keeping the printed text.
+    /// Replaces the number by that of `right` and keeps the printed text.
     pub fn correct(&mut self, right: Self) {
         *self = Self {
             printed: std::mem::take(&mut self.printed),

@@ -48,7 +48,7 @@ fn an_impossible_course_stands_lower() {
     assert!((at(-0.2, 5.0, 1e-3) + 3.5).abs() < 1e-9);
     assert!((at(5.4, 5.0, 1e-3) + 3.5).abs() < 1e-9);
     assert!((at(0.3, 5.0, -2e-4) + 3.5).abs() < 1e-9);
-    // all three together, limited to eight standard errors of one
+    // all three quantities together; one quantity, limited to eight standard errors
     assert!((at(-0.2, -0.6, -2e-4) + 1.5 + 6.0).abs() < 1e-9);
     assert!((at(-7.0, 5.0, 1e-3) + 1.5 + 32.0).abs() < 1e-9);
 }
@@ -68,7 +68,7 @@ fn line(omega: f64, root: Complex64, variance: f64) -> LineAt<'static> {
 
 #[test]
 fn a_line_determines_its_roots_where_they_are_far_apart() {
-    // six standard deviations of noise against |Ψ'|²/(2|Ψ''|), or |Ψ'| where that is less
+    // |Ψ'|²/(2|Ψ''|), or |Ψ'| where that is less, divided by six standard deviations of the noise
     let of = |root: Complex64, sigma: f64| {
         let [_, slope, curvature] = FreeEnd.expand(root);
         let distance = (slope.norm_sqr() / (2.0 * curvature.norm())).min(slope.norm());
@@ -82,7 +82,7 @@ fn a_line_determines_its_roots_where_they_are_far_apart() {
         let line = line(1000.0, root, 1e-4);
         assert!(relative(line.determination_at(root), of(root, 1e-2)) < 1e-12);
     }
-    // Of the two roots of a line between 0 and π, ± x without a full turn, the lower counts.
+    // The root with the lowest phase between 0 and π counts.
     let root = Complex64::new(0.05, 0.6);
     let found = line(1000.0, root, 1e-4).determination();
     assert!(relative(found, of(root, 1e-2)) < 1e-9, "{found}");
@@ -105,7 +105,7 @@ fn courses_that_have_run_together_are_one() {
     assert_eq!(one.len(), 1);
     assert!((one[0].state.gamma - gamma).norm() < 1e-15);
     assert!((one[0].log_weight - ((-1.0_f64).exp() + (-2.0_f64).exp()).ln()).abs() < 1e-12);
-    // the heavier one has the right history
+    // the course with the larger weight has the right history
     let one = merged(near, (-2.0, -1.0));
     assert!((one[0].state.gamma - near.gamma).norm() < 1e-15);
     assert_eq!(
@@ -229,7 +229,8 @@ fn courses_begin_at_every_root_with_a_speed_that_is_possible() {
     for (found, expected) in all.iter().zip([1.0, tau - 1.0, tau + 1.0]) {
         assert!(relative(*found, expected) < 1e-6, "{all:?}");
     }
-    // a transit of 3 ms limits it to 6 rad; a slowest wave of 600 m/s to 6.67
+    // a transit time of 3 ms limits the phase to 6 rad, a slowest wave of 600 m/s limits it to 6.67
+    // rad
     assert_eq!(begun(&anchors, 3e-3).len(), 2);
     let slower = Anchors {
         slowest: 600.0,

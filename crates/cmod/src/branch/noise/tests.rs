@@ -29,8 +29,8 @@ fn relative(a: f64, b: f64) -> f64 {
     (a / b - 1.0).abs()
 }
 
-/// Lines of equal spacing on a straight line, offset by `step` alternately upwards and downwards;
-/// `variance` is the stated one.
+/// Equally spaced lines whose values are on a straight line, offset by `step` alternately upwards
+/// and downwards; `variance` is the stated one.
 fn zigzag(n: usize, step: f64, variance: f64) -> Vec<LineAt<'static>> {
     (0..n)
         .map(|k| {
@@ -59,13 +59,13 @@ fn a_median_is_the_middle() {
 
 #[test]
 fn a_deviation_is_from_the_straight_line_through_the_neighbours() {
-    // a quarter of the way between 1 and 3 the straight line is at 1.5; the variances are 9/16, 1
-    // and 1/16 of theirs
+    // a quarter of the way from 1 to 3 the straight line is at 1.5; the variances of the three
+    // lines count with the factors 9/16, 1 and 1/16
     let (first, last) = (line(10.0, 1.0, 0.016), line(14.0, 3.0, 0.032));
     let middle = line(11.0, 1.7, 0.004);
     let expected = 0.2 * 0.2 / (0.004 + 9.0 / 16.0 * 0.016 + 0.032 / 16.0);
     assert!(relative(deviation(&first, &middle, &last).unwrap(), expected) < 1e-12);
-    // from the other neighbour it is three quarters of the way
+    // three quarters of the way from the first line to the last
     let middle = line(13.0, 1.7, 0.004);
     let expected = 0.8 * 0.8 / (0.004 + 0.016 / 16.0 + 9.0 / 16.0 * 0.032);
     assert!(relative(deviation(&first, &middle, &last).unwrap(), expected) < 1e-12);
@@ -85,7 +85,7 @@ fn scatter_of_neighbours_is_the_level_of_noise() {
     for step in [1.8e-3, 0.2e-3] {
         assert!(relative(of(step, false), level(step)) < 1e-9);
     }
-    // the stated noise is accepted up to twice that, and never lowered
+    // the stated noise is accepted up to a scatter of twice its variance, and never lowered
     assert!(level(1.0e-3) > 2.0 && level(0.7e-3) < 2.0 && level(0.7e-3) > 1.0);
     assert!(relative(of(1.0e-3, true), level(1.0e-3)) < 1e-9);
     assert!(of(0.7e-3, true).total_cmp(&1.0).is_eq());
@@ -94,15 +94,15 @@ fn scatter_of_neighbours_is_the_level_of_noise() {
 
 #[test]
 fn the_level_is_not_inferred_beyond_a_tenth() {
-    // differences of neighbours of 0.8 may be the signal: noise of at most 0.1 (1/4 + |Ψ|²)^1/2,
-    // here of the middle line
+    // differences of 0.8 between neighbours may be the signal: the noise is at most 0.1 (1/4 +
+    // |Ψ|²)^1/2, here that of the middle line
     let lines = zigzag(9, 0.4, 1e-6);
     let level = NoiseLevel::of(&lines, &places(&[0; 9]), false).factor;
     let mut most: Vec<f64> = lines
         .iter()
         .map(|line| 0.01 * (0.25 + line.sight.observed.norm_sqr()) / 1e-6)
         .collect();
-    // the median of the inverse, upper of the middle two, is that of the values
+    // the median of the inverse values belongs to the same line as the median of the values
     most.sort_by(f64::total_cmp);
     assert!(relative(level, most[4]) < 1e-9, "{level} {}", most[4]);
 }
@@ -118,7 +118,7 @@ fn lines_of_different_records_are_no_neighbours() {
     assert!(apart.factor.total_cmp(&1.0).is_eq());
     let together = NoiseLevel::of(&lines, &places(&[0; 12]), true);
     assert!(together.factor > 1e3);
-    // a missing line is skipped: the lines beside it become neighbours
+    // a missing line is skipped: the lines on either side of it become neighbours
     let mut gap = zigzag(9, 1.8e-3, 1e-6);
     for line in &mut gap {
         line.missing = true;
@@ -151,8 +151,8 @@ fn a_level_multiplies_variances_down_to_the_least() {
 
 #[test]
 fn a_level_is_adjusted_beyond_four_standard_errors_of_the_misfit() {
-    // for 10000 lines the median has a standard error of 0.0144, four are 0.058: the limit of 1.3
-    // is the higher one at first
+    // for 10000 lines the median has a standard error of 0.0144, and four standard errors are
+    // 0.058: at first the limit of 1.3 is the higher one
     let many = 10_000;
     let mut high = level(true, 1.0);
     assert!(!high.adjust((many, 1.29)));

@@ -10,7 +10,7 @@ fn relative(a: f64, b: f64) -> f64 {
     (a / b - 1.0).abs()
 }
 
-/// Φ by Simpson's rule from eight standard errors below, without the error function.
+/// Φ by Simpson's rule from -9, without the error function.
 fn normal_distribution(x: f64) -> f64 {
     let (from, n) = (-9.0, 4000);
     let h = (x - from) / f64::from(n);
@@ -45,7 +45,7 @@ fn positive_half(mean: f64, spread: f64) -> (f64, f64) {
             _ => 2.0,
         };
         let x = from + h * f64::from(k);
-        // the exponent relative to that at 0, which would vanish
+        // the exponent relative to its value at 0, where the density would underflow
         let exponent =
             -0.5 * ((x - mean) / spread).powi(2) + 0.5 * (mean.min(0.0) / spread).powi(2);
         for (power, moment) in moments.iter_mut().enumerate() {
@@ -76,7 +76,7 @@ fn a_damping_that_cannot_be_negative_has_the_moments_of_what_is_left() {
         );
         assert!(relative(variance, expected_variance) < 1e-6);
     }
-    // by the asymptote, of which the next term is 2/a³
+    // by the asymptotic expansion, whose next term is 2/a³
     let (found, variance) = cut_below_zero(-1.0, 0.1);
     assert!(relative(found, 0.1 / 10.0) < 0.05, "{found}");
     assert!((0.0..0.01).contains(&variance));
@@ -133,7 +133,7 @@ fn the_probability_of_a_root_is_that_of_its_half_plane() {
     // along the damping: 0.1 on the wrong side, with a standard error of 0.2
     let p = here.probability_of_first(gamma(0.6, 2.0), gamma(0.2, 2.0));
     assert!((p - normal_distribution(-0.5)).abs() < 1e-9, "{p}");
-    // oblique: the unit normal is (0.6, 0.8), the middle 0.1 behind the mean
+    // oblique: the unit normal is (0.6, 0.8), and the mean is 0.1 ahead of the middle
     let (ahead, error) = (0.1, (0.36 * 0.04 + 0.64 * 0.01_f64).sqrt());
     let middle = gamma(0.3, 2.0) - ahead * gamma(0.6, 0.8);
     let half = 0.35 * gamma(0.6, 0.8);
@@ -141,7 +141,7 @@ fn the_probability_of_a_root_is_that_of_its_half_plane() {
     assert!((p - normal_distribution(ahead / error)).abs() < 1e-9, "{p}");
     let q = here.probability_of_first(middle - half, middle + half);
     assert!((p + q - 1.0).abs() < 1e-12);
-    // nine standard errors are certain to all digits, in either direction
+    // a distance of nine standard errors is certain to all digits, in either direction
     let far = phase(gamma(0.3, 2.0), 0.04, 0.001);
     let exactly = |p: f64, expected: f64| p.total_cmp(&expected).is_eq();
     assert!(exactly(
@@ -149,7 +149,7 @@ fn the_probability_of_a_root_is_that_of_its_half_plane() {
         1.0
     ));
     assert!(far.probability_of_first(gamma(0.3, 1.981), gamma(0.3, 2.001)) < 1e-15);
-    // without an error the nearer root is certain, and between two there is no decision
+    // without an error the nearer root is certain; halfway between two roots there is no decision
     let known = phase(gamma(0.0, 2.0), 0.0, 0.0);
     assert!(exactly(
         known.probability_of_first(gamma(0.0, 2.1), gamma(0.0, 1.8)),
@@ -187,7 +187,7 @@ fn any_root_can_be_asked_for() {
     assert!((p - here.probability_of_first(first, second)).abs() < 1e-15 && p > 0.5);
     let q = here.probability_of(second, &line);
     assert!((p + q - 1.0).abs() < 1e-12);
-    // within 0.005 rad it is the same root, farther away it is none
+    // within 0.005 rad it is the same root, farther away it is no root of the line
     let near = here.probability_of(first + gamma(0.0, 0.004), &line);
     assert!((near - p).abs() < 1e-15);
     assert!(here.probability_of(first + gamma(0.0, 0.006), &line) < 1e-15);
@@ -214,18 +214,18 @@ fn a_local_misfit_is_a_running_mean_from_both_sides() {
         let expected = 1.0 + 2.0 * 0.875_f64.powi(away);
         assert!(relative(*found, expected) < 1e-12, "{k}: {found}");
     }
-    // a skipped line has no misfit of its own
+    // a skipped line has no misfit
     chi_square[20] = None;
     let misfit = local_misfit(&chi_square, &smoothed(0.1), &lines);
     assert!(misfit.iter().all(|m| (m - 1.0).abs() < 1e-12));
-    // the effect of ten erratic lines over less than half a wave ends with them, over more it does
-    // not
+    // the effect of ten erratic lines over less than half a wave ends with these lines; over more
+    // than half a wave it does not
     chi_square[15..25].fill(Some(100.0));
     let short = local_misfit(&chi_square, &smoothed(0.05), &lines);
     assert!(short.iter().all(|m| m.is_finite()) && short[20] > ERRATIC);
     let long = local_misfit(&chi_square, &smoothed(0.5), &lines);
     let lost = long.iter().position(|m| m.is_infinite()).unwrap();
-    // backwards the mean is above the limit from 19 lines ahead of the stretch on
+    // the backward mean is above the limit from 19 lines before the stretch on
     let began = short.iter().position(|m| *m > ERRATIC).unwrap();
     assert_eq!(lost, began + 7, "7 steps of 0.5 rad are the first above π");
     assert!(long[lost..].iter().all(|m| m.is_infinite()));
@@ -337,7 +337,8 @@ fn doubts_come_in_the_order_of_their_weight() {
             0.0
         )
     );
-    // a standard error of 0.01: five below 0 are an error of the count, three are noise
+    // for a standard error of 0.01, five standard errors below 0 are an error of the count, three
+    // are noise
     let (doubt, confidence) = ask(&clear, gamma(-0.05, 2.0), 0.995, roots, (0.0, None));
     let Some(BranchDoubt::Turned {
         damping_length,
@@ -350,7 +351,8 @@ fn doubts_come_in_the_order_of_their_weight() {
     assert!(confidence.abs() < 1e-15);
     let (doubt, _) = ask(&clear, gamma(-0.03, 2.0), 0.995, roots, (0.0, None));
     assert_eq!(doubt, None);
-    // half of the missing confidence belongs to another speed, or it is the other root
+    // more than half of the missing confidence belongs to another speed; otherwise the doubt is
+    // about the other root
     let (doubt, confidence) = ask(&clear, at, 0.9, roots, (0.06, Some(4.0)));
     assert_eq!(
         doubt,
@@ -369,7 +371,8 @@ fn doubts_come_in_the_order_of_their_weight() {
             other: 4.2
         })
     );
-    // a rival does not matter where the confidence is high, nor another root that is the same
+    // a rival does not matter where the confidence is high, nor does another root that coincides
+    // with the first
     assert_eq!(ask(&clear, at, 0.995, roots, (0.06, Some(4.0))).0, None);
     let same = (at, at + gamma(0.0, 0.004));
     assert_eq!(ask(&clear, at, 0.9, same, (0.0, None)).0, None);

@@ -14,7 +14,7 @@ use crate::error::{CmodError, check_not_negative, check_positive};
 pub struct SeriesModulus {
     /// E₁ \[Pa\], the measured |E| at the frequency of the tests.
     pub value: f64,
-    /// Its standard error \[Pa\].
+    /// Standard error of E₁ \[Pa\].
     pub standard_error: f64,
 }
 
@@ -25,7 +25,7 @@ pub enum ErrorScale {
     /// Errors stated with the readings.
     #[default]
     Stated,
-    /// Residual: the stated errors are taken as relative weights, and multiplied by √(χ²/ν).
+    /// Residual: the stated errors serve as relative weights and are multiplied by √(χ²/ν).
     FromResidual,
 }
 
@@ -34,7 +34,7 @@ pub enum ErrorScale {
 ///
 /// Coordinates are ln E₂, ln k and ln m with k = E₂Bσ_r^m, the rate at the geometric mean σ_r of
 /// the largest stresses. The derivatives are exact, the start is the best point of a grid, the
-/// iteration is damped least squares. The errors are of first order.
+/// iteration is damped least squares. The standard errors are a first-order approximation.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 #[must_use]
@@ -48,8 +48,8 @@ pub struct RecoveryFit {
     /// Covariance of (ln E₂, ln B, m), by rows; `None` if a combination of them is undetermined.
     pub covariance: Option<[[f64; 3]; 3]>,
     /// Singular values of the Jacobian, descending: changes of the predictions along each of the
-    /// `directions`, in standard errors of the readings. 0 is a combination of parameters on
-    /// which the predictions do not depend.
+    /// `directions`, in standard errors of the readings. A value of 0 belongs to a combination of
+    /// parameters on which the predictions do not depend.
     pub signal_to_noise: Vec<f64>,
     /// Unit vectors in (ln E₂, ln k, ln m), one per singular value.
     pub directions: Vec<Vec<f64>>,
@@ -67,10 +67,10 @@ impl RecoveryFit {
     /// Fits `tests`.
     ///
     /// # Errors
-    /// [`CmodError::TooFewReadings`] below three in all, or without a degree of freedom where the
-    /// errors follow from the residual; [`CmodError::NonPhysical`] for a modulus that is not
-    /// above 0 or a negative error of it; [`CmodError::NoStart`] if the loss factor is not
-    /// raised; [`CmodError::LoadNotIntegrated`].
+    /// [`CmodError::TooFewReadings`] for fewer than three readings in all, or if the errors follow
+    /// from the residual and no degree of freedom is left; [`CmodError::NonPhysical`] for a modulus
+    /// that is not above 0 or whose error is negative; [`CmodError::NoStart`] if the readings show
+    /// no rise of the loss factor; [`CmodError::LoadNotIntegrated`].
     pub fn new(
         tests: &[RecoveryTest],
         series_modulus: SeriesModulus,
@@ -159,8 +159,9 @@ impl RecoveryFit {
         })
     }
 
-    /// Returns the standard error of the predicted Δtan δ at the readings of `test`, which need not
-    /// be one of the fitted tests; infinite where these leave it undetermined.
+    /// Returns the predicted Δtan δ with its standard error at the times of `test`, which need not
+    /// be one of the fitted tests. The error is infinite where the fitted tests leave the
+    /// prediction undetermined.
     ///
     /// # Errors
     /// [`CmodError::LoadNotIntegrated`].
@@ -252,7 +253,7 @@ impl Errors {
         }
     }
 
-    /// Returns the largest standard error, if it is too large.
+    /// Returns the largest standard error, if a parameter is not identified.
     fn unidentified(&self) -> Option<f64> {
         let errors = [self.parallel_modulus, self.rate, self.exponent];
         // a comparison with NaN is false: an unknown error counts as not identified

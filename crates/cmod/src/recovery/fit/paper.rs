@@ -37,7 +37,7 @@ pub struct PaperFit {
 ///
 /// # Errors
 /// [`CmodError::ReferenceTest`] if there is no such test; [`CmodError::TooFewReadings`] if there is
-/// no other; [`CmodError::NonPhysical`] unless 0 < lower < upper exponent; those of
+/// no other test; [`CmodError::NonPhysical`] unless 0 < lower < upper exponent; the errors of
 /// [`SingleTestFit`].
 pub fn paper_procedure(
     tests: &[RecoveryTest],

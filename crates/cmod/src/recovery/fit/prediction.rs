@@ -1,8 +1,8 @@
 //! Loss factors predicted by the model for a set of tests, with derivatives.
 //!
 //! The coordinates are ln E₂, the logarithm of the rate k = E₂ B σ_r^m at a reference stress within
-//! the loads, and m. B itself is the rate at 1 Pa, seven decades away; its error is that of m
-//! multiplied by ln σ_r.
+//! the loads, and m. B itself is the strain rate of the dashpot at 1 Pa, seven decades below the
+//! loads; the error of ln B is that of m multiplied by ln σ_r.
 
 use std::f64::consts::TAU;
 
@@ -63,7 +63,7 @@ pub(super) fn predict(test: &RecoveryTest, at: &Coordinates) -> Result<Predictio
     let m = at.exponent;
     let spring = test.load.response(&pair)?;
     let (rate, logarithm) = pair.local_rate(spring.value);
-    // without a stress there is no change and no dependence
+    // without a stress the loss factor does not change, whatever the parameters
     let (rate_by_log_rate, rate_by_exponent) = if spring.value == 0.0 {
         (0.0, 0.0)
     } else {
@@ -258,7 +258,7 @@ mod tests {
             let recovery = model.recovery(&load).unwrap();
             let test = test(load);
             let predicted = predict(&test, &AT).unwrap();
-            // two integrations of 1e-9, to the power m
+            // two integrations with errors of 1e-9, raised to the power m
             assert!((predicted.recovery_time / recovery.recovery_time() - 1.0).abs() < 4e-9);
             for (t, change) in test.time.iter().zip(&predicted.change) {
                 let expected = recovery.loss_factor_change(TAU * 10e3, *t);
@@ -286,7 +286,7 @@ mod tests {
                 let (up, down) = (moved(1.0), moved(-1.0));
                 for ((u, d), e) in up.iter().zip(&down).zip(column) {
                     let difference = (u - d) / (2.0 * h);
-                    // h² = 1e-8 of the value, and the integration's 1e-9/h
+                    // error: h² = 1e-8 of the value, and 1e-9/h from the integration
                     assert!((difference - e).abs() < 1e-5 * u, "{k}: {difference} {e}");
                 }
             }

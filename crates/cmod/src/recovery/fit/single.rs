@@ -28,7 +28,7 @@ pub struct SingleTestFit {
     pub initial_change_error: f64,
     /// Standard error of ln t_r; infinite if not determined.
     pub recovery_time_error: f64,
-    /// Product Δtan δᵢ t_r \[s\], the late readings times their time.
+    /// Product Δtan δᵢ t_r \[s\], which Δtan δ multiplied by the time approaches at late times.
     pub tail: f64,
     /// Standard error of the logarithm of the product; infinite if not determined.
     pub tail_error: f64,
@@ -42,8 +42,8 @@ impl SingleTestFit {
     /// Fits equation 4 to `test` by least squares.
     ///
     /// # Errors
-    /// [`CmodError::TooFewReadings`] below two; [`CmodError::NoStart`] if the loss factor is not
-    /// raised.
+    /// [`CmodError::TooFewReadings`] for fewer than two readings; [`CmodError::NoStart`] if the
+    /// readings show no rise of the loss factor.
     pub fn new(test: &RecoveryTest) -> Result<Self, CmodError> {
         let count = test.time.len();
         if count < 2 {
@@ -119,8 +119,8 @@ impl SingleTestFit {
     /// Returns the parameters with `exponent` m and `series_modulus` E₁ \[Pa\] that give this curve
     /// after the load of `test`.
     ///
-    /// There is exactly one E₂ and B for every m: the paper calls this an infinite number of sets
-    /// of parameter values which give identical results.
+    /// There is exactly one pair of E₂ and B for every m: the paper calls this an infinite number
+    /// of sets of parameter values which give identical results.
     ///
     /// # Errors
     /// [`CmodError::NonPhysical`] unless `exponent` and `series_modulus` are finite and above 0;

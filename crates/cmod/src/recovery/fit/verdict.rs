@@ -2,8 +2,8 @@
 
 use std::fmt;
 
-/// Largest standard error, of a logarithm or of the exponent, at which a parameter counts as
-/// identified: a parameter of three standard errors.
+/// Standard error, of a logarithm or of the exponent, below which a parameter counts as identified.
+/// For a logarithm, the parameter is then more than three times its standard error.
 pub const IDENTIFIED_BELOW: f64 = 1.0 / 3.0;
 
 /// Scale of the error of a parameter.
@@ -32,7 +32,7 @@ pub enum Reason {
         /// The smallest t/t_r of a reading.
         earliest: f64,
     },
-    /// The loads differ and the recovery is visible, but not beyond the errors of the readings.
+    /// The loads differ and the readings cover the recovery, but their errors are too large.
     Noise {
         /// Standard error of the least determined of E₂, the rate k and m.
         standard_error: f64,
@@ -65,15 +65,15 @@ impl fmt::Display for Reason {
 pub enum Verdict {
     /// The standard error is below [`IDENTIFIED_BELOW`].
     Identified,
-    /// The parameter follows from E₂, k and m, which are identified. This is B, the rate at 1 Pa:
-    /// extrapolated over seven decades of stress, it may be uncertain by a factor where the
-    /// rate at the loads is well known.
+    /// The parameter follows from E₂, k and m, which are identified. This applies to B, the strain
+    /// rate at 1 Pa: extrapolated over seven decades of stress, its relative error may be large
+    /// even where the rate at the loads is accurate.
     FollowsFromIdentified,
-    /// The tests do not determine it; the value is where the iteration stopped, not a property of
-    /// the material.
+    /// The tests do not determine the parameter; its value is the point at which the iteration
+    /// stopped, not a property of the material.
     NotIdentifiable(Reason),
-    /// The parameter is given. No loss factor determines it: E₁ and E₂ times a factor with B
-    /// divided by it predict the same.
+    /// The parameter is given. No loss factor determines it: multiplying E₁ and E₂ by a factor and
+    /// dividing B by it leaves all predictions unchanged.
     Given,
 }
 

@@ -9,17 +9,17 @@ use super::{BulkBehaviour, MaterialCard, check_long_term, number};
 use crate::error::{CmodError, check_not_negative, check_positive};
 
 /// Points per decade of the functions of Code_Aster, between which it interpolates on logarithmic
-/// scales: a Debye peak is then met to 0.2 %.
+/// scales: a Debye peak is then reproduced to 0.2 %.
 const POINTS_PER_DECADE: f64 = 20.0;
 
-/// Most points of one of these functions.
+/// Maximum number of points of one of these functions.
 const MOST_POINTS: usize = 2000;
 
 impl MaterialCard<'_> {
-    /// Writes the table of a *Generalized Maxwell* material of COMSOL, shear modulus \[Pa\] and
-    /// relaxation time \[s\] of each branch, as it is loaded from a file, with
-    /// [`BulkBehaviour::Elastic`]. The comments state density, Young's modulus and Poisson's ratio
-    /// of the main branch, which are the long-term ones.
+    /// Writes the table that a *Generalized Maxwell* material of COMSOL loads from a file: shear
+    /// modulus \[Pa\] and relaxation time \[s\] of each branch, with [`BulkBehaviour::Elastic`].
+    /// The comments state the density, and Young's modulus and Poisson's ratio of the main branch,
+    /// which are the long-term ones.
     ///
     /// # Errors
     /// Those of [`Self::abaqus`].
@@ -48,9 +48,9 @@ impl MaterialCard<'_> {
         Ok(text)
     }
 
-    /// Writes the material of a `DYNA_VISCO` of Code_Aster: storage modulus and loss factor over
-    /// frequency, and a constant Poisson's ratio, which that command requires. Outside of the band
-    /// from `lowest_hz` to `highest_hz` \[Hz\] the functions are not defined.
+    /// Writes the material for `DYNA_VISCO` of Code_Aster: storage modulus and loss factor as
+    /// functions of frequency, and a constant Poisson's ratio, which that command requires. Outside
+    /// of the band from `lowest_hz` to `highest_hz` \[Hz\] the functions are not defined.
     ///
     /// # Errors
     /// [`CmodError::NonPhysical`] unless both frequencies are finite and above 0 and the second is
@@ -109,9 +109,9 @@ impl MaterialCard<'_> {
         ))
     }
 
-    /// Writes the material as JSON, in SI units named by its fields, with
-    /// [`BulkBehaviour::Elastic`]: the series of the rod, and instantaneous bulk and shear modulus
-    /// with the terms of shear, by which the latter relaxes.
+    /// Writes the material as JSON, with [`BulkBehaviour::Elastic`]; the names of the fields state
+    /// the SI units. The text contains the series of the rod, the instantaneous bulk and shear
+    /// modulus, and the terms by which the shear modulus relaxes.
     ///
     /// # Errors
     /// Those of [`Self::abaqus`].
@@ -150,7 +150,8 @@ impl MaterialCard<'_> {
         ))
     }
 
-    /// The solid with [`BulkBehaviour::Elastic`] and a long-term shear modulus.
+    /// Returns the solid with [`BulkBehaviour::Elastic`], whose long-term shear modulus must be
+    /// above 0.
     fn elastic_solid(&self) -> Result<Isotropic, CmodError> {
         let solid = Isotropic::of(&self.law, self.instantaneous_ratio, BulkBehaviour::Elastic)?;
         check_long_term(&solid)?;
@@ -158,13 +159,13 @@ impl MaterialCard<'_> {
     }
 }
 
-/// A text of JSON; comments have no control characters.
+/// Returns `text` as a JSON string; comments have no control characters.
 fn quoted(text: &str) -> String {
     let escaped = text.replace('\\', "\\\\").replace('"', "\\\"");
     format!("\"{escaped}\"")
 }
 
-/// A list of JSON, an entry a line, its end indented by `indent`.
+/// Returns a JSON list with one entry per line, its closing bracket indented by `indent`.
 fn listed(entries: impl Iterator<Item = String>, indent: &str) -> String {
     let entries: Vec<String> = entries
         .map(|entry| format!("\n{indent}  {entry}"))

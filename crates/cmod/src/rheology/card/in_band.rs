@@ -25,8 +25,8 @@ use super::super::parameter::Parameter;
 use super::super::prony::Prony;
 use crate::error::CmodError;
 
-/// Returns the series nearest to the data with times within the band, starting from those of
-/// `series`; all its parameters are identified, and none of its branches costs more than it explains,
+/// Returns the series nearest to the data with relaxation times within the band, starting from the
+/// times of `series`. All its parameters are identified, and every branch is worth its parameters
 /// by Schwarz's criterion.
 pub(super) fn in_band(
     data: &ModulusData,
@@ -54,7 +54,7 @@ pub(super) fn in_band(
         let open = |parameter: &Parameter| !parameter.verdict.is_identified();
         let shorter = without_the_cheapest(data, &found);
         if within && !fit.parameters.iter().skip(1).any(open) {
-            // a branch may be identified and yet be no more than the common errors of the data
+            // an identified branch may still describe no more than the common errors of the data
             if found.branches.len() > 1
                 && let Ok(simpler) = fitted(data, shorter, ends, options)
                 && simpler.1.bic <= fit.bic
@@ -72,7 +72,7 @@ pub(super) fn in_band(
     }
 }
 
-/// Relaxation times of the series without the branch of least cost.
+/// Returns the relaxation times of the series without the branch whose removal raises χ² least.
 fn without_the_cheapest(data: &ModulusData, found: &Series) -> Vec<f64> {
     let without = |left_out: usize| {
         let kept = found.branches.iter().enumerate();

@@ -20,7 +20,7 @@ pub(super) struct Term {
     pub(super) relaxation_time: f64,
 }
 
-/// Young's modulus \[Pa\] and Poisson's ratio of a shear and a bulk modulus \[Pa\].
+/// Returns Young's modulus \[Pa\] and Poisson's ratio for a shear and a bulk modulus \[Pa\].
 pub(super) fn young_and_poisson(shear: f64, bulk: f64) -> (f64, f64) {
     (
         9.0 * bulk * shear / (3.0 * bulk + shear),
@@ -56,7 +56,7 @@ impl Isotropic {
             terms,
         };
         check_positive("instantaneous shear modulus [Pa]", instantaneous_shear)?;
-        // a card contains products of the two
+        // a card contains products of the two moduli
         check_positive(
             "square of the instantaneous bulk modulus [Pa^2]",
             instantaneous_bulk * instantaneous_bulk,
@@ -81,9 +81,9 @@ impl Isotropic {
 
 /// Returns the branches of G = 3KE/(9K - E) with K constant.
 ///
-/// At s = -x, E = E∞ + Σ Eᵢ x/(x - λᵢ), λᵢ = 1/τᵢ, decreases from +∞ to -∞ between two neighbours
-/// of the λᵢ, and from +∞ to E(∞) < 9K above the last: E = 9K has one root μ in each interval.
-/// There G has a pole, of the branch Gμ = 27K²/(μ E'(s)), which is positive because E'(s) = Σ
+/// At s = -x, E = E∞ + Σ Eᵢ x/(x - λᵢ), λᵢ = 1/τᵢ, decreases from +∞ to -∞ between two neighbouring
+/// λᵢ, and from +∞ to E(∞) < 9K above the last: E = 9K has one root μ in each interval. There G has
+/// a pole, whose branch has the modulus Gμ = 27K²/(μ E'(s)); it is positive because E'(s) = Σ
 /// Eᵢλᵢ/(s + λᵢ)² is.
 fn shear_terms(law: &GeneralisedMaxwell, bulk: f64) -> Result<Vec<Term>, CmodError> {
     let mut rates: Vec<(f64, f64)> = law
@@ -112,7 +112,7 @@ fn shear_terms(law: &GeneralisedMaxwell, bulk: f64) -> Result<Vec<Term>, CmodErr
                 beyond
             }
         };
-        // to neighbouring numbers
+        // until the two are neighbouring numbers
         loop {
             let middle = 0.5 * (low + high);
             if !(middle > low && middle < high) {

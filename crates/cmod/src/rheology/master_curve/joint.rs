@@ -25,14 +25,15 @@ pub(super) struct Joint<'a> {
     pub(super) options: FitOptions,
     pub(super) shift_of_line: Vec<Option<usize>>,
     pub(super) factor_of_line: Vec<Option<usize>>,
-    /// Steps whose shifts, and whose factors, are fitted, with their temperatures.
+    /// Steps whose shifts (`others`) and whose factors (`scaled`) are fitted, with their
+    /// temperatures.
     pub(super) others: Vec<usize>,
     pub(super) scaled: Vec<usize>,
     pub(super) temperatures: Vec<f64>,
     pub(super) scaled_temperatures: Vec<f64>,
 }
 
-/// Minimum of an order that the next round does not change.
+/// Minimum whose order the next round does not change.
 pub(super) struct Settled {
     pub(super) model: Prony,
     pub(super) minimum: Minimum,
@@ -48,7 +49,8 @@ impl Settled {
         joint.scores(&self.minimum).bic
     }
 
-    /// Returns true if χ² is too large to be due to chance.
+    /// Returns true if χ² is too large to be due to chance; also if the errors follow from the
+    /// residual, where χ² is no test.
     pub(super) fn is_refused(&self, joint: &Joint<'_>) -> bool {
         const LEVEL: f64 = 0.01;
         let freedom = joint.joined.values().saturating_sub(self.minimum.at.len());

@@ -9,7 +9,7 @@ use crate::error::CmodError;
 
 /// Maximum logarithm of the factor of the modulus between neighbouring temperatures: e^±0.2.
 const MOST_LOG_FACTOR: f64 = 0.2;
-/// Minimum number of common points for a factor: shift and factor together fit a few by chance.
+/// Minimum number of common points for a factor: shift and factor together fit fewer by chance.
 const FEWEST_FOR_FACTOR: usize = 8;
 
 /// Connection of a temperature with the previous one.
@@ -17,12 +17,12 @@ const FEWEST_FOR_FACTOR: usize = 8;
 pub(super) struct Link {
     /// ln of the ratio of the shifts where the curves overlap.
     pub(super) overlap: Option<f64>,
-    /// ln of the ratio of the factors there.
+    /// ln of the ratio of the factors in the overlap; 0 if there is none.
     pub(super) log_factor: f64,
 }
 
-/// Returns the links of each temperature to the previous one; `None` where there is none, as for
-/// the first.
+/// Returns the link of each temperature to the previous one; `None` where there is no link, as for
+/// the first temperature.
 pub(super) fn links(sweep: &TemperatureSweep, factors: &[f64]) -> Vec<Option<Link>> {
     let reduced: Vec<ModulusData> = sweep
         .data
@@ -67,8 +67,8 @@ pub(super) fn connected(links: &[Option<Link>], reference: usize) -> RangeInclus
 }
 
 impl TemperatureSweep {
-    /// Returns the temperatures that overlaps or stated shifts connect with the one of index
-    /// `reference`.
+    /// Returns the temperatures that overlaps or stated shifts connect with the temperature of
+    /// index `reference`.
     ///
     /// # Errors
     /// [`CmodError::ReferenceTest`] for an index beyond the temperatures.
@@ -93,7 +93,7 @@ pub(super) struct Starts {
     /// ln a_T, 0 at the reference.
     pub(super) log_shifts: Vec<f64>,
     pub(super) log_factors: Vec<f64>,
-    /// True if ln a_T is the stated one.
+    /// True if ln a_T is the stated value.
     pub(super) is_stated: Vec<bool>,
 }
 
@@ -102,7 +102,7 @@ pub(super) struct Starts {
     reason = "there is one entry for each temperature, and `reference` is below their number"
 )]
 impl Starts {
-    /// Determines the starts from the reference to both sides.
+    /// Determines the starts, step by step from the reference to both sides.
     pub(super) fn of(sweep: &TemperatureSweep, links: &[Option<Link>], reference: usize) -> Self {
         let count = links.len();
         let mut starts = Self {

@@ -12,18 +12,18 @@ use crate::estimate::ErrorSource;
 const STEP: f64 = 1e-3;
 
 impl MasterCurve {
-    /// Returns the lines of `sweep` at their reduced frequencies, in the order of these, with
-    /// moduli divided by b_T.
+    /// Returns the lines of `sweep` at their reduced frequencies, in increasing order, with moduli
+    /// divided by b_T.
     ///
     /// The shifts and factors are results with errors, and a law fitted to the reduced lines
-    /// depends on them. With L Lᵀ the covariance of all ln b_T and ln a_T, each column of L is
-    /// one [common error](ModulusData::with_common_errors), which shifts a line by -E δ ln b -
-    /// (dE/d ln ω) δ ln a. The covariance of the law's parameters is then that of a joint fit of
-    /// law and shifts to first order, where the law explains the data as well as the series.
+    /// depends on them. With L Lᵀ the covariance of all ln b_T and ln a_T, each column of L is one
+    /// [common error](ModulusData::with_common_errors), which shifts a line by -E δ ln b - (dE/d ln
+    /// ω) δ ln a. The covariance of the law's parameters is then, to first order, that of a joint
+    /// fit of law and shifts, provided that the law explains the data as well as the series.
     ///
     /// # Errors
-    /// [`CmodError::ChangedResult`] if lists of this result were changed, or `sweep` is another
-    /// one.
+    /// [`CmodError::ChangedResult`] if lists of this result were changed, or if `sweep` is not the
+    /// sweep of this master curve.
     pub fn reduced(&self, sweep: &TemperatureSweep) -> Result<ModulusData, CmodError> {
         let mut columns: Vec<Columns> = Vec::with_capacity(self.shifts.len());
         let (mut factors, mut shifts) = (0, 0);
@@ -109,15 +109,15 @@ impl MasterCurve {
     }
 }
 
-/// Places of the factor and of the shift of a temperature among those that were fitted.
+/// Indices of the factor and of the shift of a temperature among the fitted ones.
 #[derive(Debug, Clone, Copy, Default)]
 struct Columns {
     factor: Option<usize>,
     shift: Option<usize>,
 }
 
-/// Returns lower triangular L with LLᵀ = C by rows; a pivot that is not above rounding leaves its
-/// column empty.
+/// Returns lower triangular L with LLᵀ = C by rows; a pivot that is not above rounding makes its
+/// column 0.
 fn root_of(covariance: &[Vec<f64>]) -> Vec<Vec<f64>> {
     const ROUNDING: f64 = 1e-12;
     let mut rows: Vec<Vec<f64>> = Vec::with_capacity(covariance.len());

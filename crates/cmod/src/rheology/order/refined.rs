@@ -16,7 +16,7 @@ use crate::directions::Directions;
 /// Predicted decrease of χ² for which a further branch is added; a criterion requires 4 or more.
 const WORTHWHILE: f64 = 1.0;
 /// Increase of χ², with moduli refitted, below which branches are removed without evaluating the
-/// orders between: no criterion would keep them.
+/// orders in between: no criterion would keep them.
 const FREE_OF_COST: f64 = 0.5;
 const MOST_FURTHER_LINES: usize = 12;
 
@@ -33,7 +33,7 @@ impl Refined {
         Self::with_effort(data, series, Effort::Search)
     }
 
-    /// Moves to the minimum itself.
+    /// Refines the series to the full accuracy of the minimum.
     pub(super) fn settled(self, data: &ModulusData) -> Option<Self> {
         Self::with_effort(data, self.series, Effort::Full)
     }
@@ -56,7 +56,8 @@ impl Refined {
         Some(Self { series, minimum })
     }
 
-    /// Adds the lines with the largest predicted decrease of χ², as long as one is [`WORTHWHILE`].
+    /// Adds the spectral lines with the largest predicted decrease of χ², as long as one is
+    /// [`WORTHWHILE`].
     pub(super) fn with_further_lines(mut self, data: &ModulusData, options: &FitOptions) -> Self {
         let grid = grid(data);
         for _ in 0..MOST_FURTHER_LINES {
@@ -126,10 +127,10 @@ impl Refined {
         }
     }
 
-    /// Returns the best series with fewer branches. While χ² rises negligibly, up to `most` branches
-    /// are removed at once, and the rest is refined. Otherwise one branch is removed: of all mergers
-    /// and removals the two of least χ² (one above eight branches) are refined, and the better one is
-    /// returned.
+    /// Returns the best series with fewer branches. While χ² rises negligibly, up to `most`
+    /// branches are removed at once, and the rest is refined. Otherwise one branch is removed: of
+    /// all mergers and removals the two of least χ² (only one above eight branches) are refined,
+    /// and the better series is returned.
     pub(super) fn shorter(&self, data: &ModulusData, most: usize) -> Option<Self> {
         let mut series = self.series.clone();
         let start = self.minimum.chi_squared;
@@ -158,8 +159,8 @@ impl Refined {
         refined.min_by(|a, b| a.minimum.chi_squared.total_cmp(&b.minimum.chi_squared))
     }
 
-    /// Returns the series of a fluid with a spring, which initially has half of the modulus of its
-    /// slowest branch.
+    /// Adds a spring to a series without one and refines the series; the spring starts with half of
+    /// the modulus of the slowest branch. `None` if there is a spring already.
     pub(super) fn with_spring(&self, data: &ModulusData) -> Option<Self> {
         if self.series.equilibrium > 0.0 {
             return None;
@@ -171,7 +172,7 @@ impl Refined {
         Self::of(data, solid)
     }
 
-    /// Returns the series without E∞, if that does not cost too much.
+    /// Returns the series without E∞, unless χ² rises too much.
     pub(super) fn without_spring(&self, data: &ModulusData) -> Option<Self> {
         if self.series.equilibrium <= 0.0 || self.series.branches.is_empty() {
             return None;
@@ -196,7 +197,7 @@ impl Refined {
     }
 }
 
-/// Returns all series with one branch less, by merger or removal, with their best moduli and χ²,
+/// Returns all series with one branch fewer, by merger or removal, with their best moduli and χ²,
 /// the best first.
 fn shorter_by_one(series: &Series, data: &ModulusData) -> Vec<(f64, Series)> {
     let branches = &series.branches;

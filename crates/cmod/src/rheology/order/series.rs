@@ -8,7 +8,8 @@ use super::super::prony::{Prony, share_of};
 
 /// Relaxation times per decade of the grid.
 const TIMES_A_DECADE: f64 = 6.0;
-/// Decades of the grid beyond the band: at two decades a flank is a straight line, at any distance.
+/// Decades of the grid beyond the band: two decades beyond, a flank is a straight line, whatever
+/// its distance.
 const DECADES_BEYOND: f64 = 1.5;
 
 /// E∞ and branches in the order of increasing relaxation times.
@@ -66,8 +67,8 @@ impl Series {
         }
     }
 
-    /// Returns series with the same number of parameters from which the law may fit as well: the
-    /// spring as a slow relaxation, and the first and the last branch out of the band.
+    /// Returns starts with the same number of parameters, in other regions where the law may fit as
+    /// well: the spring as a slow relaxation, and the first or the last branch out of the band.
     pub(super) fn elsewhere(&self, data: &ModulusData) -> Vec<Vec<f64>> {
         const FAR: f64 = 30.0;
         let (lowest, highest) = data.band();
@@ -102,7 +103,8 @@ impl Series {
         all
     }
 
-    /// Returns the series with the largest, or the first, branch split into two.
+    /// Returns the series with its largest branch split into two, or with a first branch if it has
+    /// none.
     pub(super) fn split(&self, data: &ModulusData) -> Self {
         let mut longer = self.clone();
         let branches = self.branches.iter().enumerate();
@@ -152,7 +154,7 @@ impl Series {
 }
 
 /// Merges two branches into one: the sum of the moduli, and the mean logarithm of the times with
-/// these as weights.
+/// the moduli as weights.
 pub(super) fn merged(a: &MaxwellBranch, b: &MaxwellBranch) -> MaxwellBranch {
     let modulus = a.modulus + b.modulus;
     let share = b.modulus / modulus;
@@ -162,7 +164,7 @@ pub(super) fn merged(a: &MaxwellBranch, b: &MaxwellBranch) -> MaxwellBranch {
     }
 }
 
-/// Returns the relaxation times of the band and [`DECADES_BEYOND`].
+/// Returns a grid of relaxation times over the band and [`DECADES_BEYOND`] on either side.
 pub(super) fn grid(data: &ModulusData) -> Vec<f64> {
     let (lowest, highest) = data.band();
     let decade = std::f64::consts::LN_10;
@@ -180,7 +182,7 @@ pub(super) fn grid(data: &ModulusData) -> Vec<f64> {
         .collect()
 }
 
-/// Returns whitened values of 1.
+/// Returns the whitened values of a spring of modulus 1.
 pub(super) fn constant(data: &ModulusData) -> Vec<f64> {
     data.whitening
         .iter()
@@ -188,7 +190,7 @@ pub(super) fn constant(data: &ModulusData) -> Vec<f64> {
         .collect()
 }
 
-/// Returns whitened values of a branch of modulus 1.
+/// Returns the whitened values of a branch of modulus 1.
 pub(super) fn column(data: &ModulusData, relaxation_time: f64) -> Vec<f64> {
     data.lines()
         .iter()
@@ -197,7 +199,7 @@ pub(super) fn column(data: &ModulusData, relaxation_time: f64) -> Vec<f64> {
         .collect()
 }
 
-/// Returns the whitened measured moduli, in the form that is linear in those of the branches.
+/// Returns the whitened measured moduli, in the form that is linear in the moduli of the branches.
 pub(super) fn target(data: &ModulusData) -> Vec<f64> {
     data.linear_moduli()
         .iter()

@@ -11,22 +11,22 @@ const COVERAGE: f64 = 4.0;
 /// generation, mass, and delay.
 pub(super) const LEVEL: f64 = 0.01;
 
-/// Degrees of freedom above which Student's distribution is normal to three digits of the relevant
-/// tails.
+/// Degrees of freedom above which the tails of Student's distribution used here are those of the
+/// normal distribution to three digits.
 const MANY: f64 = 1e5;
 
-/// Largest acausal part of the energy without a variance.
+/// Acausal part of the energy that is always allowed.
 const ACAUSAL: f64 = 0.01;
 
 /// Relative mass error of the fitted law on nearly rigid lines: the neglected terms for rods of
 /// constant loss factor and for two masses with a spring are up to 8e-4.
 const MASS_TOLERANCE: f64 = 1e-3;
 
-/// Standard errors in addition to such a tolerance.
+/// Number of standard errors allowed in addition to a tolerance.
 const BESIDE_TOLERANCE: f64 = 2.0;
 
 /// Relative deviation of the front impedance that is never flagged: the impedance of a polymer
-/// increases by as much over the lines.
+/// increases by as much within the measured band.
 const FRONT_TOLERANCE: f64 = 0.1;
 
 /// Energy before the impulse.
@@ -44,16 +44,16 @@ pub struct Causality {
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct Passivity {
-    /// Number of lines that are negative beyond chance, individually or in the mean with 7 or 63
-    /// neighbours: one faultless body in a hundred has one (without variances: negative beyond
-    /// rounding).
+    /// Number of lines whose real part is negative beyond chance, individually or in the mean with
+    /// 7 or 63 neighbours: one faultless body in a hundred has such a line (without variances:
+    /// negative beyond rounding).
     pub active_lines: usize,
-    /// The most negative line: its index, and its distance from zero in standard errors, or in its
-    /// magnitude without variances.
+    /// The most negative line: its index, and the distance of its real part from zero in standard
+    /// errors or, without variances, relative to its magnitude.
     pub worst: Option<(usize, f64)>,
-    /// Least delays \[s\] of the motion relative to the force, before or after, for which an
-    /// inactive line would become active; `None` if no delay below half the period of the
-    /// highest line is detectable.
+    /// Least advance and least delay \[s\] of the motion relative to the force at which an inactive
+    /// line would become active; `None` if none below half the period of the highest line is
+    /// detectable.
     pub seen_delays: [Option<f64>; 2],
 }
 
@@ -91,7 +91,8 @@ pub struct MassCheck {
     pub standard_error: f64,
     /// Degrees of freedom of the standard error.
     pub degrees_of_freedom: f64,
-    /// The weighed mass \[kg\] and its standard error, including that of the scale of the lines.
+    /// The weighed mass \[kg\] and its standard error, including the error of the scale of the
+    /// lines.
     pub weighed: (f64, f64),
     /// Number of lines used.
     pub n_lines: usize,
@@ -218,14 +219,15 @@ pub enum ScreeningFlag {
         /// The part allowed.
         allowed: f64,
     },
-    /// Lines that generate energy: a wrong sign, a phase error, or not the driving point.
+    /// Lines that generate energy, due to a wrong sign, a phase error, or a response that was not
+    /// measured at the driving point.
     Active {
         /// Number of lines.
         lines: usize,
         /// Index of the worst line.
         worst_line: usize,
-        /// Distance of the worst line from zero, in standard errors (in its magnitude without
-        /// variances).
+        /// Distance of the real part of the worst line from zero in standard errors or, without
+        /// variances, relative to its magnitude.
         worst: f64,
     },
     /// The nearly rigid lines have the phase of a delay between the channels.
@@ -235,8 +237,8 @@ pub enum ScreeningFlag {
         /// Standard error of the delay \[s\].
         standard_error: f64,
     },
-    /// The mass of the low lines differs from the weighed one: a wrong sensitivity, a body that is
-    /// not free, or a mass between gauge and face.
+    /// The mass of the low lines differs from the weighed one, due to a wrong sensitivity, a body
+    /// that is not free, or a mass between gauge and face.
     MassContradicted {
         /// Mass from the mobility \[kg\].
         apparent: f64,
@@ -245,10 +247,11 @@ pub enum ScreeningFlag {
         /// Weighed mass \[kg\].
         weighed: f64,
     },
-    /// No line of a free body is below its first antiresonance, so that its mass cannot be checked.
+    /// No line lies below the first antiresonance of a free body, so that its mass cannot be
+    /// checked.
     MassNotSeen,
-    /// The mean impedance of the lines differs from that of the material: a wrong sensitivity, or
-    /// another section at the face.
+    /// The mean impedance of the lines differs from that of the material, due to a wrong
+    /// sensitivity or another section at the face.
     FrontContradicted {
         /// Impedance from the mobility [kg/s].
         apparent: f64,
@@ -316,8 +319,9 @@ impl fmt::Display for ScreeningFlag {
     }
 }
 
-/// Distance that chance exceeds with the probability of the level, or a tolerance with some
-/// standard errors if that is greater.
+/// Returns the least deviation that is flagged: the deviation that chance exceeds with the
+/// probability [`LEVEL`], or the tolerance plus [`BESIDE_TOLERANCE`] standard errors if that is
+/// greater.
 fn least_doubted(standard_error: f64, freedom: f64, tolerance: f64) -> f64 {
     let by_chance = standard_error * quantile(1.0 - 0.5 * LEVEL, freedom);
     by_chance.max(tolerance + BESIDE_TOLERANCE * standard_error)

@@ -1,4 +1,4 @@
-//! Error of an impact by the lines of measured bodies that are not known.
+//! Error of an impact due to the unknown lines of measured bodies.
 //!
 //! Theory: `docs/theory/force-uncertainty.md#above-the-lines`.
 
@@ -6,20 +6,20 @@ use super::{ImpactDraws, ImpactNumbers, Run, UncertainImpact, resampled, run};
 use crate::impact::discrete::{DiscreteImpact, Less};
 use crate::{BandLimit, ForceHistory, ImpulseError, PredictionFlag};
 
-/// Half width of a rectangular distribution over its standard deviation.
+/// Half width of a rectangular distribution, divided by its standard deviation.
 const EQUALLY: f64 = 1.732_050_807_568_877_2;
 
-/// Half width of the 95 % interval of a normal distribution over its standard deviation.
+/// Half width of the 95 % interval of a normal distribution, divided by its standard deviation.
 const TWO_SIDED: f64 = 1.96;
 
 impl<D: ImpactDraws> UncertainImpact<'_, D> {
-    /// Errors of the force in the band, at its times, and of the numbers: the changes without the
-    /// echoes above the lines, with the upper third of the lines taken from the others, and, where a
-    /// body rings for longer than half of its period, with every second line. `None` if no body is
-    /// measured.
+    /// Returns the errors of the force in the band, at its times, and of the numbers. They combine
+    /// the changes without the echoes above the lines, with the upper third of the lines replaced
+    /// by a continuation of the others, and, if a body rings for longer than half of its period,
+    /// with every second line alone. `None` if no body is measured.
     ///
-    /// Ringing is flagged only where half of the period has no half that holds a history, or is no
-    /// whole number of steps.
+    /// If half of the period is shorter than two histories or is not a whole number of steps,
+    /// ringing does not enter the errors and is only flagged.
     pub(super) fn errors_by_lines(
         &self,
         discrete: &DiscreteImpact,
@@ -59,8 +59,8 @@ impl<D: ImpactDraws> UncertainImpact<'_, D> {
         Ok(errors)
     }
 
-    /// Standard error of the force in the band by its change to `other` \[N\], which rings: the root
-    /// mean square over a period of the last line.
+    /// Returns the standard error of the force in the band \[N\] from its difference to `other`,
+    /// which rings: the root mean square of the difference over a period of the last line.
     #[expect(
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,
@@ -91,11 +91,12 @@ impl<D: ImpactDraws> UncertainImpact<'_, D> {
     }
 }
 
-/// Errors of the numbers by their changes. A number is anywhere between both marches or as far on the
-/// other side, with equal probability, if it is a peak; others, which may change little by accident,
-/// have their change as standard error. The peak in the band and the end of the contact have no less than that of
-/// the `force` there. The interval of the peak without a limit, of which the lines tell little,
-/// reaches that in the band at least.
+/// Returns the errors of the numbers from their changes. The peak in the band is distributed
+/// uniformly within plus and minus its change; for the other numbers, which may change little by
+/// accident, the change is the standard error. The errors of the peak in the band and of the end of
+/// the contact are at least those that the error of the `force` causes there. The 95 % interval of
+/// the peak without a band limit, which the lines hardly determine, reaches at least to the peak in
+/// the band.
 fn numbers_of(stated: &Run, other: &Run, force: &[f64]) -> ImpactNumbers {
     let numbers = stated.numbers();
     let mut changes = numbers.with(&other.numbers(), |a, b| (a - b).abs());

@@ -13,7 +13,7 @@ use crate::{ContactLaw, ImpactBody, MobilityLaw};
 const MASS: f64 = 0.5;
 const IMPEDANCE: f64 = 1000.0;
 const VELOCITY: f64 = 2.0;
-/// 60 draws, whose standard deviation is known to 9 %: 3 of them.
+/// Three times 9 %, the relative error of a standard deviation from 60 draws.
 const OF_DRAWS: f64 = 0.28;
 
 fn mass() -> impl ImpactBody + Send + Sync {
@@ -79,7 +79,7 @@ fn an_error_of_the_velocity_scales_the_force() {
         (numbers.limited_peak, errors.limited_peak),
         (numbers.impulse, errors.impulse),
     ] {
-        // 5 % of a standard deviation, three of them
+        // three times 5 %, the relative error of a standard deviation
         close(error.unwrap() / value.unwrap(), 0.03, 0.15);
     }
     let spread = found.spread.as_ref().unwrap();
@@ -91,8 +91,9 @@ fn an_error_of_the_velocity_scales_the_force() {
     close(half / found.limited.force()[at], 0.0588, 0.25);
 }
 
-/// F = Z V exp(-Zt/M): an error of the velocity scales it, one of the impedance changes it by
-/// 1 - Zt/M of itself. The sources add up to the whole, as squares.
+/// F = Z V exp(-Zt/M): an error of the velocity scales it, and an error of the impedance changes it
+/// by the relative amount 1 - Zt/M. The squares of the errors from the sources add up to that of
+/// the whole error.
 #[test]
 fn the_sources_of_a_band_are_those_of_the_closed_form() {
     let (mass, long) = (mass(), rod(IMPEDANCE));
@@ -113,7 +114,8 @@ fn the_sources_of_a_band_are_those_of_the_closed_form() {
         let force = IMPEDANCE * VELOCITY * (-IMPEDANCE * time / MASS).exp();
         let exact = [0.03 * (1.0 - IMPEDANCE * time / MASS).abs(), 0.02];
         for ((_, part), exact) in spread.parts.iter().zip(exact) {
-            // 48 draws know a standard deviation to 10 %: three of them; near M/Z the second order
+            // three times 10 %, the relative error of a standard deviation from 48 draws; near M/Z
+            // the second order
             assert!(
                 (part[at] / force - exact).abs() < 0.3 * exact + 1e-3,
                 "{time}: {exact}"
@@ -208,7 +210,7 @@ fn the_interval_of_the_peak_covers() {
     assert!((89..=100).contains(&inside), "{inside} of {cases}");
 }
 
-/// Draws that end after the first march, as of a job that is interrupted.
+/// Draws that end after the first march, like those of an interrupted job.
 struct Interrupted;
 
 impl ImpactDraws for Interrupted {

@@ -1,20 +1,19 @@
-//! Forces of hammers by measured paths: peak, impulse and samples within their errors.
+//! Forces of hammers from measured paths: peak, impulse and samples within their errors.
 
 use super::*;
 
-/// A hammer test in physical order: blows of powers of raised cosines, each of its own duration and
-/// shape, an anti-alias filter, the recursion of the resonator, white noise; five blows
-/// for the path and one whose force is reconstructed.
+/// A hammer test in physical order: blows (powers of raised cosines, each of its own duration and
+/// shape), an anti-alias filter, the recursion of the resonator, white noise. Five blows give the
+/// path; the force of one more is reconstructed.
 struct HammerTest {
     n_samples: usize,
     /// Length of the blows in samples.
     length: u32,
-    /// Standard deviation of the logarithms of the durations; twice as much of those of the
-    /// powers.
+    /// Standard deviation of the logarithms of the durations; that of the powers is twice as large.
     scatter: f64,
-    /// Duration of the reconstructed blow over that of the others.
+    /// Duration of the reconstructed blow, divided by that of the others.
     stretch: f64,
-    /// Noise of the response over the largest response to the reconstructed blow.
+    /// Noise of the response, divided by the largest response to the reconstructed blow.
     level: f64,
     n_blows: usize,
     /// Radius of the resonator.
@@ -39,20 +38,20 @@ impl Default for HammerTest {
     }
 }
 
-/// Deviation of a reconstruction in its own standard errors: peak, impulse, root mean square over
-/// the samples, and the peak in N.
+/// Deviations of a reconstruction in its own standard errors, of peak, impulse and samples, and the
+/// deviation of the peak in N.
 struct Off {
     peak: f64,
     impulse: f64,
     samples: Vec<f64>,
-    /// Those of them with a force of more than a hundredth of the peak.
+    /// Deviations of the samples with a force of more than a hundredth of the peak.
     with_force: Vec<f64>,
     newton: f64,
 }
 
 impl HammerTest {
-    /// A blow of a peak, a relative duration and a power of the cosine, through a Gaussian
-    /// anti-alias filter, whose gain is 0.04 at half of the sampling rate: it has no overshoots.
+    /// A blow of a peak, a relative duration and a power of the cosine, after a Gaussian anti-alias
+    /// filter with a gain of 0.04 at half of the sampling rate: it has no overshoots.
     fn blow(&self, peak: f64, duration: f64, power: f64) -> Vec<f64> {
         const FINE: usize = 16;
         let n_samples = self.n_samples;
@@ -81,8 +80,8 @@ impl HammerTest {
         }
     }
 
-    /// The reconstructed force after `change` of the problem, and the true one; `is_old` for the
-    /// plain normal equations.
+    /// The force reconstructed after `change` of the problem, and the true one; with `is_old` the
+    /// plain normal equations are used.
     fn solve(
         &self,
         seed: u64,
@@ -202,13 +201,13 @@ fn seeds() -> u64 {
     testbed::noise::draws(40)
 }
 
-/// Hammer tests of a blow of ten samples at three levels of noise, with a path from five blows
-/// whose durations scatter by 5 %, and shapes by 10 % of the power of the cosine, as its own does.
+/// Hammer tests of a blow of ten samples at three levels of noise, with a path from five blows. The
+/// durations of all blows scatter by 5 %, and the powers of the cosine by 10 %.
 ///
-/// Of 400 tests each, without regularisation and with that of the generalised cross validation:
-/// peaks within 71-73 and 93-96 %, impulses within 64-67 and 94-97 %, samples with force within
-/// 69-73 and 94-96 %. Those without force, which the blow supposed has not either, are known better
-/// than stated: 94-98 and 100 %.
+/// Results of 400 tests each, without regularisation and with that of the generalised cross
+/// validation: peaks within 71-73 and 93-96 %, impulses within 64-67 and 94-97 %, samples with
+/// force within 69-73 and 94-96 %. Samples without force, where the assumed blow has no force
+/// either, have smaller deviations than stated: 94-98 and 100 %.
 #[test]
 fn f1_peak_and_impulse_are_within_their_errors() {
     let smooth = Regularisation::Tikhonov {
@@ -234,8 +233,8 @@ fn f1_peak_and_impulse_are_within_their_errors() {
             let impulses = within(all.iter().map(|off| off.impulse));
             let samples = within(all.iter().flat_map(|off| off.with_force.iter().copied()));
             println!("{level} {peaks:.3?} {impulses:.3?} {samples:.3?}");
-            // a share of 68 % is known to 7 % from forty tests, one of 95 % to 3.5 %: three times
-            // that
+            // from forty tests a share of 68 % is known to 7 %, and one of 95 % to 3.5 %: three
+            // times that
             for [one, two] in [peaks, impulses, samples] {
                 assert!(
                     (0.46..0.90).contains(&one) && two > 0.84,
@@ -246,8 +245,8 @@ fn f1_peak_and_impulse_are_within_their_errors() {
     }
 }
 
-/// The peak is not rounded: the plain normal equations reduce it by 17 N of 300 N, and noise of 1 %
-/// hides a blow of ten samples but for its duration.
+/// The peak is not rounded off, although the plain normal equations reduce it by 17 N of 300 N, and
+/// noise of 1 % hides everything of a blow of ten samples but its duration.
 #[test]
 fn f1_noise_of_the_path_does_not_shrink_the_force() {
     let test = HammerTest::default();
@@ -258,7 +257,7 @@ fn f1_noise_of_the_path_does_not_shrink_the_force() {
         found.history.peak().force - truth.iter().fold(0.0_f64, |top, f| top.max(*f))
     }));
     assert!(old < -12.0, "{old} N: there is nothing to correct");
-    // 3.6 and 13 N in the root mean square of 200 others: four times their means'
+    // 3.6 and 13 N in the root mean square of 200 others: four times the error of their mean
     for (level, most) in [(0.003, 2.4), (0.01, 8.5)] {
         let test = HammerTest {
             level,
@@ -273,9 +272,9 @@ fn f1_noise_of_the_path_does_not_shrink_the_force() {
     }
 }
 
-/// Blows that are 7 or 20 % shorter, or 10 % longer, than those of the calibration. With their
-/// spectrum taken for its own, and their durations all alike, a blow 20 % shorter was 16 N too low,
-/// and no peak of fifty within 1.96 standard errors.
+/// Blows that are 7 or 20 % shorter, or 10 % longer, than the calibration blows. If their spectrum
+/// is assumed to be that of the calibration blows, with equal durations, a blow 20 % shorter is 16
+/// N too low, and no peak of fifty is within 1.96 standard errors.
 #[test]
 fn f1_a_blow_of_another_duration_is_found() {
     for stretch in [0.93, 0.8, 1.1] {
@@ -290,13 +289,14 @@ fn f1_a_blow_of_another_duration_is_found() {
             .collect();
         let off = rms(all.iter().map(|off| off.newton));
         let [one, two] = within(all.iter().map(|off| off.peak));
-        // of 200: 3.0 N, 55 and 85 % for the shortest, 2.2 N, 71 and 93 % for that of 0.93
+        // from 200 tests: 3.0 N, 55 and 85 % for the shortest blow, 2.2 N, 71 and 93 % for that of
+        // 0.93
         assert!(off < 5.0, "{stretch}: {off} N");
         assert!(one > 0.35 && two > 0.68, "{stretch}: {one} {two}");
     }
 }
 
-/// A penalty that reduces the peak by 17 N by itself: the error contains it.
+/// A penalty that alone reduces the peak by 17 N: the error contains this bias.
 #[test]
 fn f4_the_error_of_a_regularised_force_holds_its_bias() {
     let test = HammerTest::default();
@@ -345,7 +345,7 @@ fn f4_the_peak_without_tension_has_an_interval_by_profile() {
             0.5 * (interval.standard[1] - interval.standard[0]) / with_tension / f64::from(n);
     }
     println!("{inside:?} of {n}, {narrower}");
-    // 71 and 98 % of 200, 0.91 of the width with tension; forty tell 68 % to 7 %
+    // 71 and 98 % of 200, 0.91 of the width with tension; from forty, 68 % is known to 7 %
     assert!(
         20 * inside[0] > 9 * n && 20 * inside[1] > 17 * n,
         "{inside:?}"
@@ -383,7 +383,7 @@ fn f4_a_choice_can_be_no_regularisation() {
     let force = half_sine();
     let response = noisy(&force, 0.5, 9);
     let h = vec![Complex64::ONE; N / 2 + 1];
-    // all over the record cross validation is flat, and the weakest is taken
+    // over the whole record cross validation is flat, and the weakest regularisation is chosen
     let all_over = Reconstruction::new(&response, RATE, &h).unwrap();
     let on_support = all_over.clone().acting_during(NEAR);
     for (problem, parameter) in [
@@ -400,7 +400,7 @@ fn f4_a_choice_can_be_no_regularisation() {
             .solve()
             .unwrap();
         // noise over signal, 0.5^2 by 30/2 500^2/2000, of 500 N is 0.07 N; a tenth of the strength
-        // were 45 N
+        // would be 45 N
         let off = found.history.force()[54] - response[54];
         assert!(off.abs() < 0.5, "{parameter:?}: {off} N");
     }
@@ -428,8 +428,8 @@ fn f3_an_impulse_is_told_by_what_the_band_holds() {
 }
 
 /// A body that still rings at 0.37 at the end of the record, with a path from five blows under a
-/// window that falls to 1 % there. With the windowed lines of the path taken as they are, the peak
-/// of 300 N becomes 3013 N.
+/// window that falls to 1 % there. If the windowed lines of the path are used without correction,
+/// the peak of 300 N becomes 3013 N.
 #[test]
 fn s4_the_force_comes_by_a_path_under_an_exponential_window() {
     let test = HammerTest {
@@ -445,12 +445,12 @@ fn s4_the_force_comes_by_a_path_under_an_exponential_window() {
         .map(|seed| test.off(seed, |problem| problem.acting_during(support)))
         .collect();
     let mean = all.iter().map(|off| off.newton).sum::<f64>() / seeds as f64;
-    // 0.83 N in the root mean square of forty, and four times their mean's
+    // 0.83 N in the root mean square of forty; four times the error of their mean
     assert!(mean.abs() < 0.53, "{mean} N");
     assert!(rms(all.iter().map(|off| off.newton)) < 1.2);
     let impulse = rms(all.iter().map(|off| off.impulse));
     assert!((0.6..1.3).contains(&impulse), "{impulse}");
-    // 70 and 91 % of 60: the samples of one test hang together
+    // 70 and 91 % of 60: the samples of one test are correlated
     let [one, two] = within(all.iter().flat_map(|off| off.samples.iter().copied()));
     assert!(one > 0.5 && two > 0.84, "{one} {two}");
 }
@@ -460,7 +460,7 @@ fn s4_the_force_comes_by_a_path_under_an_exponential_window() {
 #[test]
 fn s4_white_noise_is_followed_through_the_window() {
     use rand::{RngExt, SeedableRng};
-    // 1e-7 is left at the end: nothing comes round
+    // 1e-7 is left at the end: nothing wraps round
     let (radius, decay_rate, level) = (0.9995, 80.0, 0.4);
     let mut impulse = vec![0.0; N];
     impulse[0] = 1.0;

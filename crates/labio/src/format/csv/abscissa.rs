@@ -11,15 +11,15 @@ use crate::format::rounding::{Written, WrittenValues};
 use crate::format::text::{self, DecimalMark};
 use crate::{Abscissa, Contents, Dimension, LabioError, Place, Series, SeriesAxis, SeriesKind};
 
-/// Largest relative uncertainty of a step due to rounding: a frequency is then off by less than one
-/// line in ten thousand.
+/// Largest relative uncertainty of a step due to rounding: a frequency is then wrong by less than
+/// one line in ten thousand.
 pub const ROUNDED_STEP_TOLERANCE: f64 = 1e-4;
 
 /// The column of the abscissa, before the numbers are read.
 #[derive(Debug)]
 pub(super) struct Choice {
     pub(super) column: Option<usize>,
-    /// True if the column is taken only if it increases evenly.
+    /// True if the column is used only if it increases evenly.
     tentative: bool,
     step: Option<f64>,
     /// Rate used if the column does not determine its own spacing.
@@ -58,7 +58,7 @@ impl Choice {
                 if let CsvAbscissa::Rate(rate_hz) = wish {
                     choice.rate_hz = Some(check_positive("sampling rate [Hz]", rate_hz)?);
                 }
-                // oscilloscopes write the interval beside a column with few digits
+                // oscilloscopes write the interval next to a column with few digits
                 choice.step = header
                     .properties
                     .iter()
@@ -182,7 +182,8 @@ pub(super) fn assemble(
     Ok(())
 }
 
-/// Returns the abscissa that the written values represent, `None` if the column is none.
+/// Returns the abscissa that the written values represent, or `None` if the column is not an
+/// abscissa.
 fn spacing(
     digits: &WrittenValues,
     choice: &Choice,
@@ -257,7 +258,7 @@ fn spacing(
             Some(row) if told.is_some() => {
                 return Err(off_step(digits, row, start.value, step, place));
             }
-            // a column that nothing identifies as time
+            // nothing identifies the column as time
             Some(_) => {}
         }
     }
@@ -290,7 +291,7 @@ fn spacing(
     Ok(Some(Abscissa::Uneven(digits.values.clone())))
 }
 
-/// The error for a column in which `row`, from 0, is not `start + row * step`.
+/// Returns the error for a column whose value in `row`, from 0, is not `start + row * step`.
 fn off_step(digits: &WrittenValues, row: usize, start: f64, step: f64, place: Place) -> LabioError {
     let found = match digits.get(row) {
         Some(found) => format!("{:e} in row {}", found.value, row + 1),
@@ -303,7 +304,7 @@ fn off_step(digits: &WrittenValues, row: usize, start: f64, step: f64, place: Pl
     malformed(place, "abscissa", &found, &expected)
 }
 
-/// Default kind of a column over such an abscissa.
+/// Default kind of a column with the abscissa `abscissa_axis`.
 pub(super) fn default_kind(abscissa_axis: &SeriesAxis) -> SeriesKind {
     if is_time(&abscissa_axis.label, &abscissa_axis.unit_text) {
         SeriesKind::TimeResponse

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-/// Property of an oscilloscope's file with the sampling interval.
+/// Property with the sampling interval in a file of an oscilloscope.
 pub(super) const INTERVAL: &str = "Sample Interval";
 
 const TIME_NAMES: [&str; 9] = [
@@ -22,17 +22,17 @@ const TIME_UNITS: [&str; 9] = [
 const FREQUENCY_NAMES: [&str; 4] = ["frequency", "freq", "frequenz", "frekvens"];
 pub(super) const INDEX_NAMES: [&str; 3] = ["index", "sample", "samples"];
 
-/// A lower-case letter alone is time; upper-case, it is a temperature.
+/// Returns true for a time. The letter `t` alone is a time; `T` is a temperature.
 pub(super) fn is_time(name: &str, unit: &str) -> bool {
     called(name, &TIME_NAMES) || name == "t" || TIME_UNITS.contains(&unit)
 }
 
 pub(super) fn is_frequency(name: &str, unit: &str) -> bool {
-    // the upper-case letter is a force
+    // the letter `F` is a force
     called(name, &FREQUENCY_NAMES) || name == "f" || matches!(unit, "Hz" | "kHz" | "MHz")
 }
 
-/// Returns true if a name without its unit is that of a time or a frequency.
+/// Returns true if a name without its unit is the name of a time or a frequency.
 pub(super) fn names_abscissa(name: &str) -> bool {
     is_time(name, "") || is_frequency(name, "")
 }

@@ -1,15 +1,15 @@
-//! Cells that hold numbers.
+//! Cells that contain numbers.
 
 use std::borrow::Cow;
 
 use crate::format::text::{self, DecimalMark};
 
-/// Returns true if the cell holds a real or a complex number.
+/// Returns true if the cell contains a real or a complex number.
 pub(super) fn is_number(cell: &str, mark: DecimalMark) -> bool {
     text::real(cell, mark).is_some() || text::complex(cell, mark).is_some()
 }
 
-/// Returns true if all of `columns` hold numbers.
+/// Returns true if all of `columns` contain numbers.
 pub(super) fn holds_numbers(cells: &[Cow<'_, str>], columns: &[usize], mark: DecimalMark) -> bool {
     columns
         .iter()

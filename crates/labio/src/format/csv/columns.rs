@@ -1,12 +1,12 @@
-//! Tables whose rows are in no order of an abscissa.
+//! Tables whose rows are not in the order of an abscissa.
 
 use super::{CsvAbscissa, CsvOptions, abscissa, header, opened, table};
 use crate::format::Strictness;
 use crate::format::text;
 use crate::{LabioError, Ordinate, SeriesAxis, Unit};
 
-/// Columns of a text table as they stand, without an abscissa: frequencies that repeat for each
-/// temperature, for example.
+/// Columns of a text table as written, without an abscissa: for example frequencies that repeat for
+/// each temperature.
 #[derive(Debug)]
 #[non_exhaustive]
 pub struct Columns {
@@ -30,7 +30,7 @@ pub struct TableColumn {
     pub name: String,
     /// Unit as written, empty if there is none.
     pub unit_text: String,
-    /// Unit, if the text is a known one.
+    /// Unit, if `unit_text` is a known one.
     pub unit: Option<Unit>,
     /// Values in the unit of the file, one for each row up to the end of the column; NaN where a
     /// tolerant reading found no number.
@@ -46,12 +46,12 @@ impl Columns {
 }
 
 /// Reads a text table as columns: dialect, names, units and numbers are found as by
-/// [`read_with`](super::read_with), and the same is rejected, but no column is taken for an
+/// [`read_with`](super::read_with), and the same faults are rejected, but no column is used as the
 /// abscissa.
 ///
 /// # Errors
 ///
-/// Those of [`read_with`](super::read_with), without those of an abscissa.
+/// Those of [`read_with`](super::read_with), except those of an abscissa.
 ///
 /// # Examples
 ///

@@ -12,10 +12,10 @@ use crate::{LabioError, Place};
 /// Number of lines searched, without comments; no header of a laboratory file is longer.
 pub(super) const LINES_SEARCHED: usize = 1000;
 
-/// Rows after which a block of numbers is large enough to be the table.
+/// Number of rows at which a block of numbers is large enough to be the table.
 const ROWS_ENOUGH: u64 = 256;
 
-/// The dialects that are tried; the first of those with equally many numbers wins.
+/// The dialects that are tried; among dialects with equally many numbers, the first one wins.
 const CANDIDATES: [(CsvSeparator, DecimalMark); 10] = [
     (CsvSeparator::Tab, DecimalMark::Point),
     (CsvSeparator::Tab, DecimalMark::Comma),
@@ -26,7 +26,7 @@ const CANDIDATES: [(CsvSeparator, DecimalMark); 10] = [
     (CsvSeparator::Bar, DecimalMark::Comma),
     (CsvSeparator::Blanks, DecimalMark::Point),
     (CsvSeparator::Blanks, DecimalMark::Comma),
-    // in quotes
+    // numbers in quotes
     (CsvSeparator::Comma, DecimalMark::Comma),
 ];
 
@@ -41,7 +41,7 @@ impl CsvSeparator {
         }
     }
 
-    /// Cuts a line into cells without the blanks around them.
+    /// Cuts a line into cells and removes the blanks around them.
     pub(super) fn cut<'a>(self, line: &'a str, cells: &mut Vec<Cow<'a, str>>) {
         cells.clear();
         match self.sign() {
@@ -65,17 +65,17 @@ impl CsvSeparator {
     }
 }
 
-/// Consecutive lines of equally many cells, all of them numbers or empty.
+/// Consecutive lines with equally many cells, all of them numbers or empty.
 #[derive(Debug, Clone, Copy)]
 struct Run {
     first_line: u64,
     n_rows: u64,
     n_cells: u64,
-    /// Cells that hold a number.
+    /// Number of cells that contain a number.
     n_numbers: u64,
 }
 
-/// The runs of numbers under one dialect, up to the first that is long enough.
+/// Returns the runs of numbers in one dialect, up to the first run that is long enough.
 fn runs(text: &str, separator: CsvSeparator, mark: DecimalMark) -> Vec<Run> {
     let mut runs: Vec<Run> = Vec::new();
     let mut open = false;
@@ -124,7 +124,7 @@ fn runs(text: &str, separator: CsvSeparator, mark: DecimalMark) -> Vec<Run> {
     runs
 }
 
-/// The largest run, under its dialect, with the line at which rows of that many numbers begin.
+/// Returns the largest run and its dialect; the run starts at the first line with as many cells.
 fn largest(text: &str) -> Option<(CsvSeparator, DecimalMark, Run)> {
     let mut best: Option<(CsvSeparator, DecimalMark, Run)> = None;
     for (separator, mark) in CANDIDATES {
@@ -135,7 +135,7 @@ fn largest(text: &str) -> Option<(CsvSeparator, DecimalMark, Run)> {
         if best.is_some_and(|(_, _, run)| run.n_numbers >= largest.n_numbers) {
             continue;
         }
-        // an odd line among the numbers must not turn those above it into a header
+        // an unusual line among the numbers must not turn the rows above it into a header
         let first_line = runs
             .iter()
             .map(|run| (run.n_cells, run.first_line))
@@ -159,10 +159,10 @@ fn largest(text: &str) -> Option<(CsvSeparator, DecimalMark, Run)> {
     best
 }
 
-/// The beginning of a file in which its table must begin.
+/// Returns the beginning of a file, within which its table must begin.
 pub(super) fn searched(bytes: &[u8]) -> &[u8] {
     if bytes.starts_with(b"\xff\xfe") || bytes.starts_with(b"\xfe\xff") {
-        return bytes; // the lines of UTF-16 are not those of its bytes
+        return bytes; // the bytes of UTF-16 do not show where its lines end
     }
     let mut n_lines = 0;
     let mut begin = 0;
@@ -179,9 +179,9 @@ pub(super) fn searched(bytes: &[u8]) -> &[u8] {
     bytes
 }
 
-/// Returns true if every line of `preamble` holds the columns of the line that follows it, which
-/// leaves its first cell empty: an oscilloscope writes its settings there, with empty rows among
-/// them.
+/// Returns true if every line of `preamble` has numbers in the filled columns of the line that
+/// follows `preamble`, whose first cell is empty: an oscilloscope writes its settings next to the
+/// first rows, in some of them nothing.
 fn stands_beside_preamble(
     text: &str,
     separator: CsvSeparator,
@@ -274,7 +274,7 @@ mod tests {
             (Comma, C, 1)
         );
         assert_eq!(found("1.5-2j,3+4j\n"), (Comma, P, 0));
-        // names with a comma make the comma a separator
+        // names separated by a comma make the comma a separator
         assert_eq!(found("a,b\n1,5\n2,5\n"), (Comma, P, 1));
     }
 
@@ -282,7 +282,7 @@ mod tests {
     fn a_number_in_the_header_is_not_the_table() {
         let text = "Samples,1000\n1000\n17\nt,F,a\n0,1,2\n1,2,3\n";
         assert_eq!(found(text), (CsvSeparator::Comma, DecimalMark::Point, 4));
-        // but a strange line among the numbers is not the end of the header
+        // but an unusual line among the numbers does not end the header
         let text = "t,F\n0,1\n1,oops\n2,3\n3,4\n4,5\n";
         assert_eq!(found(text), (CsvSeparator::Comma, DecimalMark::Point, 1));
     }

@@ -10,10 +10,10 @@ use super::{CsvDialect, CsvSeparator, malformed};
 use crate::format::text;
 use crate::{LabioError, Place};
 
-/// Signs that begin a comment.
+/// Characters that begin a comment.
 const COMMENT_SIGNS: [char; 2] = ['#', '%'];
 
-/// Functions of a quantity that are not names of one: `real(accelerance)` is not in the unit
+/// Functions that may precede a quantity in brackets: `real(accelerance)` does not have the unit
 /// `accelerance`.
 const FUNCTIONS: [&str; 14] = [
     "real",
@@ -32,7 +32,7 @@ const FUNCTIONS: [&str; 14] = [
     "db",
 ];
 
-/// Units in headers besides those that [`Unit`](crate::Unit) knows.
+/// Units in headers, in addition to those that [`Unit`](crate::Unit) knows.
 const UNITS_IN_HEADERS: [&str; 34] = [
     "-",
     "1",
@@ -75,15 +75,15 @@ pub(super) fn is_comment(line: &[u8]) -> bool {
     matches!(line.trim_ascii_start().first(), Some(b'#' | b'%'))
 }
 
-/// Information of the header.
+/// Contents of the header.
 #[derive(Debug, Default)]
 pub(super) struct Header {
     /// One name and unit for each column, or none at all.
     pub(super) columns: Vec<(String, String)>,
     pub(super) properties: Vec<(String, String)>,
-    /// Line of our writer that describes the abscissa.
+    /// The text, from a line of our writer, that describes the abscissa.
     pub(super) abscissa: Option<String>,
-    /// Keys and values by the column from 1, as written by our writer.
+    /// Keys and values for each column, counted from 1, as written by our writer.
     pub(super) of_columns: HashMap<usize, Vec<(String, String)>>,
 }
 
@@ -156,8 +156,8 @@ impl Header {
         Ok(header)
     }
 
-    /// Names and units of a table of times and samples beside the settings of an oscilloscope,
-    /// taken from these; none if they do not give the unit of time.
+    /// Returns names and units of a table of times and samples next to the settings of an
+    /// oscilloscope, read from these settings; empty if they do not state the unit of time.
     fn columns_of_preamble(&self, n_columns: usize) -> Vec<(String, String)> {
         let said = |key: &str| {
             let found = self.properties.iter().find(|(known, _)| known == key);
@@ -180,7 +180,8 @@ impl Header {
         }
     }
 
-    /// Takes a line that is neither names nor units; its cells in `table` are numbers of the table.
+    /// Stores a line that is neither names nor units; its cells at the positions `table` are
+    /// numbers of the table.
     fn property(&mut self, number: u64, line: &str, separator: CsvSeparator, table: &[usize]) {
         let bare = line.trim_start().trim_start_matches(COMMENT_SIGNS).trim();
         let comment = bare.len() < line.trim().len();
@@ -227,7 +228,7 @@ impl Header {
     }
 }
 
-/// A line `key = value`.
+/// Splits a line `key = value`.
 pub(super) fn key_and_value(line: &str) -> Option<(&str, &str)> {
     line.split_once(" = ")
         .or_else(|| Some((line.strip_suffix(" =")?, "")))
@@ -241,8 +242,8 @@ fn above<'a>(text: &'a str, dialect: &CsvDialect) -> impl Iterator<Item = (u64, 
     text::lines(text).take_while(move |(number, _)| *number <= last)
 }
 
-/// The cells of a header line, if as many as in the rows of numbers. Names may be separated
-/// otherwise than the numbers.
+/// Returns the cells of a header line if there are as many as in the rows of numbers. Names may be
+/// separated in another way than the numbers.
 fn cells_of(line: &str, separator: CsvSeparator, n: usize) -> Option<Vec<Cow<'_, str>>> {
     let bare = line.trim_start_matches(COMMENT_SIGNS);
     let bare = if separator == CsvSeparator::Tab {
@@ -253,7 +254,7 @@ fn cells_of(line: &str, separator: CsvSeparator, n: usize) -> Option<Vec<Cow<'_,
     let mut cells = Vec::new();
     if separator != CsvSeparator::Blanks {
         separator.cut(bare, &mut cells);
-        // a separator at the end of the rows of numbers may be missing after the names
+        // a separator at the end of the rows of numbers may be missing from the row of names
         if cells.len() + 1 == n {
             cells.push(Cow::Borrowed(""));
         }
@@ -278,7 +279,7 @@ fn cells_of(line: &str, separator: CsvSeparator, n: usize) -> Option<Vec<Cow<'_,
         .find(|cells| cells.len() == n)
 }
 
-/// Names or units between blanks; none if they are mixed.
+/// Names or units separated by blanks; empty if names and units are mixed.
 fn words(line: &str) -> Vec<Cow<'_, str>> {
     let words: Vec<&str> = line.split_ascii_whitespace().collect();
     let n_units = words.iter().filter(|word| is_bracketed(word)).count();
@@ -300,7 +301,7 @@ fn words_with_units(line: &str) -> Vec<Cow<'_, str>> {
     cells
 }
 
-/// Names of any number of words, each with its unit in brackets: `time [s] end A [m/s^2]`.
+/// Names of any number of words, each followed by its unit in brackets: `time [s] end A [m/s^2]`.
 fn cut_behind_units(line: &str) -> Vec<Cow<'_, str>> {
     line.split_inclusive([']', ')'])
         .map(|cell| Cow::Borrowed(cell.trim()))
@@ -363,7 +364,7 @@ fn is_unit(text: &str) -> bool {
     UNITS_IN_HEADERS.contains(&text) || text::known_unit(text).is_some()
 }
 
-/// Name and unit of `Time [s]`, `Time (s)`, `Time/s` or, of an abscissa only, `time_s`.
+/// Splits name and unit in `Time [s]`, `Time (s)`, `Time/s` or, for an abscissa only, `time_s`.
 fn split_unit(name: &str) -> (String, String) {
     let split = |head: &str, unit: &str| (head.trim().to_owned(), unit.trim().to_owned());
     if let Some((head, unit)) = name.strip_suffix(']').and_then(|n| n.rsplit_once('[')) {

@@ -25,9 +25,9 @@ pub(super) struct Shape {
 }
 
 impl Shape {
-    /// Finds the columns by the first row of numbers. Cells that are empty there and have no name
-    /// are no columns. Rows right above that hold the same columns, and text beside them,
-    /// belong to the table.
+    /// Finds the columns from the first row of numbers. Cells that are empty there and have no name
+    /// are not columns. Rows right above that have numbers in the same columns, with text next to
+    /// them, belong to the table.
     pub(super) fn of(text: &str, dialect: &CsvDialect) -> Result<Self, LabioError> {
         let mut cells = Vec::new();
         let first = text::lines(text)
@@ -59,7 +59,7 @@ impl Shape {
             .map(|(at, _)| at)
             .collect();
         if columns.first().is_some_and(|&at| at > 0) && dialect.name_line.is_none() {
-            // the rows before `first_line`, backwards, as long as all columns hold numbers in them
+            // the rows before `first_line`, backwards, as long as they have numbers in all columns
             let above: Vec<(u64, &str)> = text::lines(text)
                 .take_while(|(number, _)| *number < first_line)
                 .collect();
@@ -133,8 +133,8 @@ impl Defects<'_> {
     }
 }
 
-/// Reads the rows. `abscissa` is the column whose digits are kept; it is not a column of the
-/// returned table.
+/// Reads the rows. `abscissa` is the column whose digits are kept; the returned table does not list
+/// it among its columns.
 #[allow(
     clippy::indexing_slicing,
     reason = "the columns of a shape are among its cells, and a row of another number of cells is refused before they are looked at"
@@ -205,7 +205,7 @@ pub(super) fn read(
         {
             let text = cell(at);
             if text.is_empty() {
-                continue; // the column has ended, or a gap is found at its next number
+                continue; // the column has ended; if not, the gap is found at its next number
             }
             let place = Place::Cell {
                 line,
@@ -289,7 +289,7 @@ fn value(text: &str, mark: DecimalMark) -> Option<Value> {
     }
 }
 
-/// Appends a value; a column becomes complex with its first complex number.
+/// Appends a value; a column becomes complex at its first complex number.
 fn push(values: &mut Ordinate, value: Value) {
     match (&mut *values, value) {
         (Ordinate::Real(values), Value::Real(value)) => values.push(value),

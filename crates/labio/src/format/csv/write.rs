@@ -10,7 +10,7 @@ use crate::format::kind::{kind_name, kind_of_name};
 use crate::format::text::{self, DecimalMark};
 use crate::{Abscissa, Contents, LabioError, Ordinate, Series};
 
-/// Size in bytes at which the collected output is written.
+/// Number of bytes of collected output at which they are written.
 const BUFFER_BYTES: usize = 1 << 16;
 
 fn cannot_hold(what: impl Into<String>) -> LabioError {
@@ -128,7 +128,7 @@ fn check_series(series: &Series, longest: &Series) -> Result<(), LabioError> {
     Ok(())
 }
 
-/// Properties, names and units.
+/// Returns the header: properties, names and units.
 fn head(contents: &Contents, longest: &Series) -> Result<Vec<u8>, LabioError> {
     let mut lines = Vec::new();
     let mut comment = |key: &str, value: &str| {
@@ -151,7 +151,7 @@ fn head(contents: &Contents, longest: &Series) -> Result<Vec<u8>, LabioError> {
         comment(key, value)?;
     }
     for (at, series) in contents.series.iter().enumerate() {
-        let column = at + 2; // behind the abscissa, from 1
+        let column = at + 2; // after the abscissa, counted from 1
         if series.kind != default_kind(&series.abscissa_axis) {
             comment(&format!("column {column}: kind"), &kind_name(series.kind))?;
         }
@@ -210,7 +210,8 @@ fn head(contents: &Contents, longest: &Series) -> Result<Vec<u8>, LabioError> {
     Ok(head)
 }
 
-/// Writes one row of texts, in quotes where needed; text that does not read back is an error.
+/// Writes one row of texts, in quotes where needed; a text that would not read back unchanged is an
+/// error.
 fn row(texts: &[&str], to: &mut Vec<u8>) -> Result<(), LabioError> {
     let failed = |source: ::csv::Error| LabioError::Write {
         source: std::io::Error::other(source),

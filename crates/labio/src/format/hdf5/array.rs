@@ -9,7 +9,7 @@ use crate::format::matlab_array::single;
 use crate::series::every;
 use crate::{Abscissa, LabioError, Ordinate, Place, Series, SeriesKind};
 
-/// Attributes that are something else than a property of a series.
+/// Attributes that do not become properties of a series because they have another meaning.
 const MEANT: [&str; 12] = [
     "units",
     "unit",
@@ -112,7 +112,7 @@ fn properties(dataset: &Dataset) -> Vec<(String, String)> {
         .collect()
 }
 
-/// Subscripts of series `index`, from 0; the last varies fastest.
+/// Returns the subscripts of series `index`, from 0; the last subscript varies fastest.
 fn subscripts(mut index: usize, shape: &[usize]) -> String {
     let mut texts: Vec<String> = shape
         .iter()

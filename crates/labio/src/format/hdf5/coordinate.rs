@@ -10,18 +10,18 @@ use super::{Hierarchy, attribute, malformed, refused};
 use crate::format::rounding::WrittenValues;
 use crate::{Abscissa, LabioError, Ordinate, SeriesAxis};
 
-/// Beginning of the name of a dimension of netCDF that has no coordinates.
+/// Beginning of the name of a netCDF dimension without coordinates.
 const WITHOUT_VARIABLE: &str = "This is a netCDF dimension but not a netCDF variable";
 
-/// Bytes of the address of an object in the list of the scales of an axis.
+/// Size in bytes of an object's address in the list of the scales of an axis.
 const ADDRESS_BYTES: u8 = 8;
 
-/// Coordinates that were read, by the addresses of their data sets. A group of netCDF uses those of
-/// the groups around it.
+/// Coordinates that were read, by the addresses of their data sets. A netCDF group also uses the
+/// coordinates of the groups around it.
 pub(super) type Scales = HashMap<u64, (Abscissa, SeriesAxis)>;
 
-/// Returns true for coordinates of the axes of other data sets, and for dimensions without
-/// coordinates: they are no series.
+/// Returns true for a data set that is not a series: coordinates of the axes of other data sets, or
+/// a dimension without coordinates.
 pub(super) fn is_scale(dataset: &Dataset) -> bool {
     let is_scale = attribute(dataset, "CLASS").is_some_and(|class| class == "DIMENSION_SCALE");
     is_scale && (is_bare(dataset) || dataset.attribute("REFERENCE_LIST").is_ok())
@@ -63,7 +63,8 @@ pub(super) fn collect(
     Ok(())
 }
 
-/// The coordinates as an abscissa: evenly spaced if they are within the rounding of their type.
+/// Returns the coordinates as an abscissa: evenly spaced if they are even within the rounding of
+/// their type.
 fn abscissa(dataset: &Dataset, values: Ordinate) -> Option<Abscissa> {
     let Ordinate::Real(values) = values else {
         return None;
@@ -85,8 +86,8 @@ fn abscissa(dataset: &Dataset, values: Ordinate) -> Option<Abscissa> {
     })
 }
 
-/// Abscissa of the series of `dataset` along `axis`: the coordinates that are attached to it, or the
-/// index.
+/// Returns the abscissa of the series of `dataset` along `axis`: the coordinates that are attached
+/// to the axis, or the index.
 pub(super) fn along(
     dataset: &Dataset,
     axis: usize,

@@ -12,17 +12,17 @@ use super::{DEEPEST, Hierarchy, attribute, malformed, refused};
 use crate::format::matlab_array::{Array, single, text_rows};
 use crate::{LabioError, Ordinate};
 
-/// Group of the cells and of the fields of arrays of structures.
+/// Group of the cells, and of the fields of structure arrays.
 const REFERENCED: &str = "#refs#";
 
-/// Objects of the group [`REFERENCED`] by their addresses.
+/// Objects in the group [`REFERENCED`], by their addresses.
 #[derive(Default)]
 pub(super) struct Referenced {
     groups: HashMap<u64, Group>,
     datasets: HashMap<u64, Dataset>,
 }
 
-/// Classes of numbers.
+/// Classes that contain numbers.
 const NUMBERS: [&str; 11] = [
     "double", "single", "int8", "uint8", "int16", "uint16", "int32", "uint32", "int64", "uint64",
     "logical",
@@ -60,7 +60,7 @@ fn fields(
         );
         read.or_else(|error| hierarchy.reading.pass_over(error, dataset.address()))?;
     }
-    // of the file itself `#refs#` and `#subsystem#`
+    // `#refs#` and `#subsystem#` belong to the file itself
     for inner in groups.iter().filter(|one| !one.name().starts_with('#')) {
         let read = structure(inner, &full(inner.name()), depth, hierarchy);
         read.or_else(|error| hierarchy.reading.pass_over(error, inner.address()))?;
@@ -96,7 +96,7 @@ fn structure(
     }
 }
 
-/// Adds a variable. `within` is true for a field of a structure, which may be an array of them.
+/// Adds a variable. `within` is true for a field of a structure, which may be a structure array.
 fn variable(
     dataset: &Dataset,
     name: &str,

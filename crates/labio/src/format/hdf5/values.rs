@@ -6,7 +6,7 @@ use num_complex::Complex64;
 use super::{Hierarchy, attribute, malformed, refused};
 use crate::{LabioError, Ordinate, Place, SeriesAxis};
 
-/// Integers of a greater amount are not all exact as a number of 64 bits.
+/// Integers of greater magnitude are not all exact as `f64`.
 const EXACT_TO: f64 = 9_007_199_254_740_992.0;
 
 /// Label and unit of the numbers of a data set.
@@ -30,7 +30,7 @@ pub(super) fn is_text(kind: &Datatype) -> bool {
     )
 }
 
-/// Lengths of the axes; none of a single number.
+/// Returns the lengths of the axes; empty for a single number.
 pub(super) fn shape_of(dataset: &Dataset, name: &str) -> Result<Vec<usize>, LabioError> {
     let uncountable = || {
         let found = format!("the shape {:?}", dataset.shape());
@@ -55,7 +55,7 @@ pub(super) fn shape_of(dataset: &Dataset, name: &str) -> Result<Vec<usize>, Labi
     Ok(lengths)
 }
 
-/// The numbers of a data set in the order of the file.
+/// Returns the numbers of a data set in the order of the file.
 pub(super) fn numbers(
     dataset: &Dataset,
     name: &str,
@@ -152,7 +152,7 @@ fn widened<T: hdf5_reader::H5Type + Into<f64> + Copy>(
     Ok(read.iter().map(|&value| value.into()).collect())
 }
 
-/// A number within a compound.
+/// A number within a compound type.
 #[derive(Clone, Copy)]
 struct Field {
     offset: usize,
@@ -173,7 +173,7 @@ impl Field {
     }
 }
 
-/// Real and imaginary part of a compound that is a complex number.
+/// Returns the real and imaginary part of a compound type that is a complex number.
 fn complex_fields(kind: &Datatype) -> Option<[Field; 2]> {
     let Datatype::Compound { fields, .. } = kind else {
         return None;
@@ -199,14 +199,14 @@ fn complex_fields(kind: &Datatype) -> Option<[Field; 2]> {
     Some([field(real)?, field(imaginary)?])
 }
 
-/// Value that a file of netCDF has for samples that were never written; none for bytes, of which
-/// all values are in use.
+/// Returns the value that marks samples never written in a netCDF file; `None` for bytes, all
+/// values of which are in use.
 fn unwritten(kind: &Datatype) -> Option<f64> {
     match kind {
         Datatype::FloatingPoint { .. } => Some(15.0 * 2.0_f64.powi(119)),
         Datatype::FixedPoint { size, signed, .. } if *size > 1 => {
             let bits = 8 * i32::from(*size);
-            // of 8 bytes they are beyond what a series can hold
+            // those of 8-byte integers are beyond what a series can represent
             Some(match signed {
                 true => 1.0 - 2.0_f64.powi(bits - 1),
                 false => 2.0_f64.powi(bits) - 1.0,
@@ -216,7 +216,7 @@ fn unwritten(kind: &Datatype) -> Option<f64> {
     }
 }
 
-/// Physical numbers of a packed variable of netCDF.
+/// Returns the physical numbers of a packed netCDF variable.
 pub(super) fn unpacked(
     dataset: &Dataset,
     name: &str,
@@ -245,7 +245,7 @@ pub(super) fn unpacked(
     Ok(Ordinate::Real(values))
 }
 
-/// The class of a type in words.
+/// Name of the class of a data type.
 pub(super) fn kind_of(kind: &Datatype) -> &'static str {
     match kind {
         Datatype::FixedPoint { .. } => "integer",

@@ -14,19 +14,19 @@ pub(super) struct Tag<'a> {
     pub(super) values: Vec<&'a str>,
 }
 
-/// Relative rounding of `Delta_X` above which a customary rate is proposed: below it, the error of
-/// a frequency is less than a hundredth of a line in ten thousand lines.
+/// Relative rounding of `Delta_X` above which a customary rate is proposed. Below it, a frequency
+/// is wrong by less than a hundredth of a line in ten thousand lines.
 const NOTICEABLE_ROUNDING: f64 = 1e-6;
 
 /// Header entries and samples of one channel.
 pub(super) struct Channel {
     pub(super) label: String,
-    /// Column of the table.
+    /// Column of the table, from 0.
     pub(super) column: usize,
     pub(super) samples: Option<usize>,
     pub(super) start: Written,
     pub(super) step: Option<Written>,
-    /// True if the column of abscissae belongs to this channel.
+    /// True if the column of abscissae also applies to this channel.
     pub(super) owns_x: bool,
     pub(super) x: WrittenValues,
     pub(super) values: Vec<f64>,
@@ -36,7 +36,7 @@ pub(super) struct Channel {
     pub(super) properties: Vec<(String, String)>,
 }
 
-/// The header of a segment with the information needed to interpret it.
+/// The header of a segment and the data needed to interpret it.
 pub(super) struct Header<'a> {
     pub(super) tags: HashMap<&'a str, &'a Tag<'a>>,
     pub(super) labels: &'a [&'a str],
@@ -147,8 +147,8 @@ impl Header<'_> {
 }
 
 impl Channel {
-    /// Returns one series, or one per block. `x` is the column of abscissae, if it belongs to this
-    /// channel.
+    /// Returns one series, or one per block. `x` is the shared column of abscissae, if it applies
+    /// to this channel.
     pub(super) fn into_series(
         self,
         first_line: u64,
@@ -198,7 +198,7 @@ impl Channel {
         if x.first_off(self.start, step).is_none() {
             return whole(even(self.start.value, step.value));
         }
-        // the packets of a file with one header: each starts at its own time
+        // the packets of a file with one header: each has its own start time
         let starts: Option<Vec<Written>> = (block > 1)
             .then(|| {
                 (0..n)
@@ -261,8 +261,8 @@ impl Channel {
         }
     }
 
-    /// The customary rate that `Delta_X` was rounded from, if it differs from that of `Delta_X` as
-    /// written.
+    /// Returns the customary rate that was probably rounded to give `Delta_X`, if it differs from
+    /// the rate of `Delta_X` as written.
     fn rate_behind_rounding(&self) -> Option<CustomaryRate> {
         let step = self.step?;
         let noticeable =

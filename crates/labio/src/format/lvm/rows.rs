@@ -13,7 +13,7 @@ pub(super) struct Rows {
     /// Number of columns before the comment.
     pub(super) width: usize,
     pub(super) x_columns: XColumns,
-    /// Number of rows of a packet, if it is announced.
+    /// Number of rows of a packet, if the header announces it.
     pub(super) block: Option<usize>,
     pub(super) n_rows: usize,
 }
@@ -70,8 +70,8 @@ impl Rows {
         text::cells(row, u8::try_from(self.separator).unwrap_or(b'\t'))
     }
 
-    /// Reads one row; a cell that is empty where a sample is expected, or full where none is, is a
-    /// defect.
+    /// Reads one row; a cell that is empty where a sample is expected, or filled where none is
+    /// expected, is a defect.
     fn row(
         &self,
         line: u64,
@@ -191,7 +191,7 @@ fn begins_header(first: &str) -> bool {
     first.starts_with(|c: char| c.is_ascii_uppercase() || c == '*') && TAGS.contains(&first)
 }
 
-/// Skips a block whose meaning only its writer knows.
+/// Skips a special block, whose meaning is known only to the program that wrote it.
 pub(super) fn skip_special(source: &mut Source<'_>) -> Result<(), LabioError> {
     loop {
         if source.header_line()?.1.starts_with(END_SPECIAL) {

@@ -109,7 +109,7 @@ impl Segment {
         })
     }
 
-    /// Returns the series of the segment, those of the first block first.
+    /// Returns the series of the segment, block by block.
     pub(super) fn into_series(self, number: usize) -> Result<Vec<Series>, LabioError> {
         let mut blocks: Vec<Vec<Series>> = Vec::new();
         let first = self.channels.first().map(|channel| channel.x.clone());
@@ -182,7 +182,7 @@ fn n_channels(tags: &[Tag<'_>], first_line: u64) -> Result<usize, LabioError> {
     })
 }
 
-/// Decimal mark of a file that does not name it, from the numbers of its header.
+/// Returns the decimal mark of a file that does not state it, found from the numbers of its header.
 fn mark_by_content(tags: &[Tag<'_>], separator: char) -> DecimalMark {
     let comma = tags
         .iter()

@@ -1,12 +1,12 @@
-//! Elements: a type, a length and bytes.
+//! Elements of a MATLAB file: type, length and bytes.
 
 use super::{FORMAT, malformed};
 use crate::{LabioError, Place};
 
-/// Largest magnitude up to which every integer is exact in floating point.
+/// Largest magnitude up to which every integer is exact as `f64`.
 const LARGEST_EXACT: f64 = 9_007_199_254_740_992.0;
 
-/// Origin of the bytes, for messages.
+/// Origin of the bytes, for error messages.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Origin {
     /// The file, from this byte on.
@@ -44,7 +44,7 @@ impl<'a> Cursor<'a> {
         }
     }
 
-    /// A cursor over the elements within `element`.
+    /// Returns a cursor over the elements within `element`.
     pub(super) fn within(&self, element: &Element<'a>) -> Self {
         let origin = match self.origin {
             Origin::File(_) => Origin::File(element.at + super::TAG_BYTES),
@@ -53,8 +53,8 @@ impl<'a> Cursor<'a> {
         Self::new(element.data, origin, self.big_endian)
     }
 
-    /// Byte of the file at which the next element begins, or of the element from which it was
-    /// inflated.
+    /// Returns the offset in the file at which the next element begins, or the offset of the
+    /// element from which it was inflated.
     pub(super) fn offset(&self) -> u64 {
         match self.origin {
             Origin::File(start) => start + self.at as u64,
@@ -70,7 +70,7 @@ impl<'a> Cursor<'a> {
         })
     }
 
-    /// The next element, `None` at the end.
+    /// Returns the next element, or `None` at the end.
     pub(super) fn element(&mut self) -> Result<Option<Element<'a>>, LabioError> {
         let at = self.offset();
         if self.at >= self.bytes.len() {
@@ -84,7 +84,7 @@ impl<'a> Cursor<'a> {
         let (Some(first), Some(second)) = (self.word(self.at), self.word(self.at + 4)) else {
             return Err(truncated(8 - left.min(8)));
         };
-        // a small element holds its length and its bytes within the tag
+        // a small element has its length and its bytes within the tag
         let (kind, start, length, padded) = match first >> 16 {
             0 => {
                 let length = usize::try_from(second).unwrap_or(usize::MAX);
@@ -117,7 +117,7 @@ impl<'a> Cursor<'a> {
         }))
     }
 
-    /// Reads the next element, which must be `what`.
+    /// Reads the next element, which must exist; `what` names it in the error.
     pub(super) fn expect(&mut self, what: &str) -> Result<Element<'a>, LabioError> {
         let at = self.offset();
         self.element()?.ok_or_else(|| {
@@ -136,7 +136,7 @@ impl Element<'_> {
         malformed(Place::Byte(self.at), field, found, expected)
     }
 
-    /// The numbers, whatever their stored type.
+    /// Returns the numbers, whatever their stored type.
     pub(super) fn numbers(&self, field: &str) -> Result<Vec<f64>, LabioError> {
         fn each<const N: usize>(
             element: &Element<'_>,
@@ -182,7 +182,7 @@ impl Element<'_> {
         }
     }
 
-    /// The characters, whatever their stored type.
+    /// Returns the characters, whatever their stored type.
     pub(super) fn characters(&self, field: &str) -> Result<Vec<char>, LabioError> {
         let wrong = || self.malformed(field, format!("of type {}", self.kind), "characters");
         match self.kind {

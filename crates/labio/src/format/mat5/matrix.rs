@@ -8,12 +8,12 @@ use crate::format::matlab_array::{self, Array, single, text_rows};
 use crate::format::reading::{DEEPEST, LONGEST_NAME, Reading};
 use crate::{LabioError, Ordinate, Place};
 
-/// Names of the classes of numbers, from class 6 on.
+/// Names of the numeric classes, from class number 6 on.
 const NUMBERS: [&str; 10] = [
     "double", "single", "int8", "uint8", "int16", "uint16", "int32", "uint32", "int64", "uint64",
 ];
 
-/// Kinds of an array by their number in the file.
+/// Kinds of arrays and their numbers in the file.
 const CELL: u32 = 1;
 const STRUCTURE: u32 = 2;
 const TEXT: u32 = 4;
@@ -55,7 +55,8 @@ impl Head {
     }
 }
 
-/// Adds the array in `cursor` to `contents`, under `name` or, if there is none, its own name.
+/// Adds the array in `cursor` to `contents`, under `name` or, if `name` is empty, under the name
+/// stored in the array.
 pub(super) fn read(
     mut cursor: Cursor<'_>,
     name: &str,
@@ -100,7 +101,7 @@ pub(super) fn read(
         ));
     }
     if name.is_empty() {
-        // parts of objects and function handles, which are rejected at their own place
+        // parts of objects and function handles, which are rejected where they occur
         let key = format!("array without a name at byte {at}");
         return reading.property(at, key, format!("{}, passed over", head.class_name()));
     }
@@ -145,8 +146,8 @@ pub(super) fn read(
     }
 }
 
-/// Reads an array within another. Its errors are defects of a tolerant reading; its neighbours are
-/// read.
+/// Reads an array within another one. In a tolerant reading, an error in it is a defect, and the
+/// arrays next to it are still read.
 fn inner<'a>(
     outer: &Cursor<'a>,
     element: &Element<'a>,
@@ -179,7 +180,7 @@ fn inner<'a>(
     result.or_else(|error| reading.pass_over(error, element.at))
 }
 
-/// Reads the head; `None` if what follows has no shape.
+/// Reads the head of an array; `None` for an opaque object, which has no shape.
 fn head(cursor: &mut Cursor<'_>, at: u64) -> Result<Option<Head>, LabioError> {
     let flags = cursor.expect("flags of an array")?;
     let words = flags.numbers("flags of an array")?;
@@ -227,7 +228,7 @@ fn head(cursor: &mut Cursor<'_>, at: u64) -> Result<Option<Head>, LabioError> {
             "at least 2",
         ));
     }
-    // a zero would hide an overflow of the others
+    // a length of zero would hide an overflow of the other lengths
     shape
         .iter()
         .filter(|&&length| length > 0)

@@ -1,4 +1,4 @@
-//! Writing variables of numbers and of text.
+//! Writing of variables with numbers or text.
 
 use std::collections::HashSet;
 use std::io::Write;
@@ -7,7 +7,7 @@ use super::{FORMAT, HEADER_BYTES, MATRIX, Mat5};
 use crate::format::Writer;
 use crate::{Abscissa, Contents, LabioError, Ordinate, Series};
 
-/// Types of the data of an element.
+/// Types of the data in an element.
 const INT8: u32 = 1;
 const UINT16: u32 = 4;
 const INT32: u32 = 5;
@@ -18,10 +18,10 @@ const DOUBLE: u32 = 9;
 const OF_TEXT: u32 = 4;
 const OF_DOUBLES: u32 = 6;
 
-/// Flag of complex numbers beside the class.
+/// Flag of complex numbers, in the same word as the class.
 const COMPLEX: u32 = 0x0800;
 
-/// Longest name of a variable.
+/// Greatest length of the name of a variable.
 const LONGEST_NAME: usize = 63;
 
 impl Writer for Mat5 {
@@ -30,9 +30,9 @@ impl Writer for Mat5 {
     }
 
     /// Writes each series as a column of doubles under its name, in which every character that
-    /// MATLAB does not allow becomes `_`; behind them the abscissae (`NAME_start` and `NAME_step`, or
-    /// `NAME_x` of an uneven one), the units of values and abscissae (`NAME_unit`, `NAME_x_unit`), and
-    /// the properties of the contents as text. Labels, kinds and properties of series are not
+    /// MATLAB does not allow becomes `_`. The abscissae follow (`NAME_start` and `NAME_step`, or
+    /// `NAME_x` if uneven), then the units of values and abscissae (`NAME_unit`, `NAME_x_unit`),
+    /// and the properties of the contents as text. Labels, kinds and properties of series are not
     /// written.
     fn write(&self, contents: &Contents, output: &mut dyn Write) -> Result<(), LabioError> {
         let mut file = b"MATLAB 5.0 MAT-file, written by labio".to_vec();
@@ -88,12 +88,12 @@ impl Writer for Mat5 {
     }
 }
 
-/// Names of variables, each used once.
+/// Names of variables, each of which is used once.
 #[derive(Default)]
 struct Names(HashSet<String>);
 
 impl Names {
-    /// The name of a variable for `wanted`: a letter, then letters, digits and `_`.
+    /// Returns an unused variable name similar to `wanted`: a letter, then letters, digits and `_`.
     fn of(&mut self, wanted: &str) -> String {
         let allowed = |c: char| if c.is_ascii_alphanumeric() { c } else { '_' };
         let mut name: String = wanted.trim().chars().map(allowed).collect();
@@ -113,7 +113,7 @@ impl Names {
     }
 }
 
-/// A column of numbers.
+/// Returns a column of numbers as an array.
 fn doubles(name: &str, real: &[f64], imaginary: Option<&[f64]>) -> Result<Vec<u8>, LabioError> {
     let flag = if imaginary.is_some() { COMPLEX } else { 0 };
     let parts = [Some(real), imaginary].into_iter().flatten();
@@ -124,7 +124,7 @@ fn doubles(name: &str, real: &[f64], imaginary: Option<&[f64]>) -> Result<Vec<u8
     array(name, OF_DOUBLES | flag, [real.len(), 1], data)
 }
 
-/// A row of characters.
+/// Returns a row of characters as an array.
 fn text(name: &str, value: &str) -> Result<Vec<u8>, LabioError> {
     let units: Vec<u8> = value.encode_utf16().flat_map(u16::to_le_bytes).collect();
     let n_units = units.len() / 2;
@@ -159,7 +159,8 @@ fn array(
     Ok([&MATRIX.to_le_bytes()[..], &length.to_le_bytes(), &body].concat())
 }
 
-/// An element of data, filled up to eight bytes; one of up to four bytes is within its tag.
+/// Returns a data element, padded to a multiple of eight bytes; up to four bytes are stored within
+/// the tag.
 fn element(kind: u32, bytes: &[u8]) -> Option<Vec<u8>> {
     let length = u32::try_from(bytes.len()).ok()?;
     let mut found = if (1..=4).contains(&length) {

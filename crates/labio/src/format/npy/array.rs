@@ -6,7 +6,7 @@ use super::header::{Element, Header, Kind, shape_text};
 use crate::series::every;
 use crate::{Abscissa, LabioError, Ordinate, Place, Series, SeriesAxis, SeriesKind};
 
-/// Largest magnitude up to which every integer is exact in floating point.
+/// Largest magnitude up to which every integer is exact as `f64`.
 const LARGEST_EXACT: f64 = 9_007_199_254_740_992.0;
 
 /// An array of numbers or of texts.
@@ -25,7 +25,7 @@ pub(in crate::format) enum Values {
 }
 
 impl Array {
-    /// Reads an array that ends with the bytes. `part` names it in errors.
+    /// Reads an array that extends to the end of `bytes`. `part` names the array in errors.
     pub(in crate::format) fn read(
         bytes: &[u8],
         format: &'static str,
@@ -76,8 +76,8 @@ impl Array {
         Ok(Self { header, values })
     }
 
-    /// Returns the series of an array of one or two axes called `name`; none if it holds texts, no
-    /// element or another number of axes.
+    /// Returns the series of an array of one or two axes called `name`; empty if the array contains
+    /// texts, has no element or has another number of axes.
     pub(in crate::format) fn into_series(self, name: &str) -> Vec<Series> {
         let shape = &self.header.shape;
         let descr = self.header.element.to_string();
@@ -114,8 +114,8 @@ impl Array {
                 let rows_are_series = n_rows <= n_columns;
                 let n_series = n_rows.min(n_columns);
                 let length = n_rows.max(n_columns);
-                // distance of consecutive samples, and of consecutive series, in the order of the
-                // file
+                // distance between consecutive samples, and between consecutive series, in the
+                // order of the file
                 let (sample, one) = match (rows_are_series, self.header.fortran_order) {
                     (true, false) | (false, true) => (1, length),
                     (true, true) | (false, false) => (n_series, 1),
@@ -163,7 +163,7 @@ pub(in crate::format) fn index_axis() -> SeriesAxis {
     }
 }
 
-/// Name of one series of an array of two axes.
+/// Returns the name of one series of an array of two axes.
 pub(in crate::format) fn member_name(name: &str, shape: &[usize], index: usize) -> String {
     match shape {
         [n_rows, n_columns] if n_rows > n_columns => format!("{name}[:, {index}]"),
@@ -171,7 +171,7 @@ pub(in crate::format) fn member_name(name: &str, shape: &[usize], index: usize) 
     }
 }
 
-/// Default element type of such numbers.
+/// Returns the default element type for such numbers.
 pub(in crate::format) fn usual_element(ordinate: &Ordinate) -> Element {
     match ordinate {
         Ordinate::Real(_) => Element::F64,
@@ -179,7 +179,8 @@ pub(in crate::format) fn usual_element(ordinate: &Ordinate) -> Element {
     }
 }
 
-/// The numbers, complex ones as pairs, and the index of the first that is no floating-point number.
+/// Returns the numbers, complex ones as pairs, and the index of the first integer that may not be
+/// exact as `f64`.
 fn numbers(data: &[u8], element: Element) -> (Vec<f64>, Option<usize>) {
     fn each<const N: usize>(
         data: &[u8],
@@ -240,8 +241,8 @@ fn characters(bytes: &[u8], element: Element) -> Option<String> {
     Some(text.trim_end_matches('\0').to_owned())
 }
 
-/// Writes `series` as one array: several of them are its rows, or its columns if that makes the
-/// samples the longer axis of `shape`. `None` if a number does not fit into the element.
+/// Writes `series` as one array: several series are its rows, or its columns if the samples are
+/// then along the longer axis of `shape`. `None` if a number does not fit into the element.
 pub(in crate::format) fn write(series: &[&Series], header: &Header) -> Option<Vec<u8>> {
     let mut bytes = header.write();
     let element = header.element;
@@ -274,7 +275,8 @@ pub(in crate::format) fn write(series: &[&Series], header: &Header) -> Option<Ve
     Some(bytes)
 }
 
-/// One number, or one part of a complex number; `None` if the element cannot hold it exactly.
+/// Writes one number, or one part of a complex number; `None` if the element cannot represent the
+/// number exactly.
 #[expect(
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,

@@ -14,13 +14,14 @@ use crate::{BlockSource, Channel, LabioError};
 /// Number of bytes read at once.
 const BUFFER_BYTES: usize = 1 << 16;
 
-/// Longest header accepted; one of two axes has less than 200 bytes.
+/// Greatest length of a header that is accepted; the header of an array of two axes has less than
+/// 200 bytes.
 const HEADER_BYTES: u64 = 1 << 16;
 
 /// The rows of an array of `f64` from beginning to end, in memory that does not grow with the file.
 ///
 /// The array is little-endian, in C order and of shape `(n_rows, n_samples)`, so that each row is
-/// contiguous in the file; rows are read alternately.
+/// contiguous in the file; a block is read from each of the rows in turn.
 ///
 /// # Examples
 ///
@@ -47,7 +48,7 @@ pub struct Blocks<R> {
     source: R,
     channels: Vec<Channel>,
     clock: Clock,
-    /// First byte of the numbers.
+    /// Offset of the first byte of the numbers.
     data_start: u64,
     n_samples: u64,
     next: u64,
@@ -57,14 +58,14 @@ pub struct Blocks<R> {
 /// Source of the sampling rate.
 #[derive(Debug)]
 enum Clock {
-    /// The first row, whose steps are checked as they are read.
+    /// The first row, whose time steps are checked as they are read.
     Times { step: f64, previous: Option<f64> },
     /// The caller: every row is a channel.
     Given { sampling_rate_hz: f64 },
 }
 
 impl Clock {
-    /// Rows before those of the channels.
+    /// Number of rows before those of the channels.
     fn rows(&self) -> u64 {
         match self {
             Self::Times { .. } => 1,
@@ -74,7 +75,8 @@ impl Clock {
 }
 
 impl Blocks<File> {
-    /// Opens the array in the file at `path`, whose first row holds times; see [`Blocks::new`].
+    /// Opens the array in the file at `path`, whose first row contains the times; see
+    /// [`Blocks::new`].
     ///
     /// # Errors
     ///
@@ -115,17 +117,17 @@ fn in_file<T>(
 }
 
 impl<R: Read + Seek> Blocks<R> {
-    /// Opens `source`, whose first row holds the times \[s\] and whose other rows are named by
+    /// Opens `source`, whose first row contains the times \[s\] and whose other rows are named by
     /// `channels`.
     ///
-    /// The rate is the number of steps over the time between first and last sample, and every step
-    /// is compared with it when its block is read.
+    /// The sampling rate is the number of steps divided by the time between first and last sample;
+    /// every step is compared with the mean step when its block is read.
     ///
     /// # Errors
     ///
-    /// [`LabioError`] if the array is of another kind, its file is longer or shorter than the
-    /// header says, the number of channels is not that of the rows after the first, or the
-    /// times do not increase.
+    /// [`LabioError`] if the array is of another kind, if its file is longer or shorter than the
+    /// header states, if the number of channels differs from the number of rows after the first, or
+    /// if the times do not increase.
     pub fn new(source: R, channels: &[Channel]) -> Result<Self, LabioError> {
         let clock = Clock::Times {
             step: f64::NAN,
@@ -231,7 +233,7 @@ impl<R: Read + Seek> Blocks<R> {
         })
     }
 
-    /// The number at `index` of the array.
+    /// Reads the number at `index` of the array.
     fn number(&mut self, index: u64) -> Result<f64, LabioError> {
         let mut value = 0.0;
         self.run(index, 1, |_, number| {

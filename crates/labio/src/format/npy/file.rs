@@ -8,7 +8,7 @@ use super::header::{Element, Header, MAGIC};
 use crate::format::{Reader, Strictness, Writer};
 use crate::{Abscissa, Contents, LabioError, Ordinate, Series, SeriesAxis, SeriesKind};
 
-/// Arrays of `NumPy`, one in a file; see the [module](super).
+/// `NumPy` array files with one array each; see the [module](super).
 ///
 /// # Examples
 ///
@@ -75,16 +75,16 @@ impl Reader for Npy {
     }
 }
 
-/// Returns the readable part of an array that is cut short or too long: whole samples of one axis,
-/// without bytes that follow.
+/// Returns the readable part of an array whose file is cut short or too long: the whole samples of
+/// an array of one axis, or the array without the bytes that follow it.
 fn whole_samples(bytes: &[u8]) -> Option<Vec<u8>> {
     let mut header = Header::read(bytes, FORMAT, "").ok()?;
     let data = bytes.get(header.data_start..)?;
     let there = match header.data_length() {
         Some(length) if length <= data.len() => length,
         _ => {
-            // the first axis varies slowest, so that its leading part is whole; a single axis may
-            // end anywhere
+            // the first axis varies slowest, so that its leading part is complete; an array of one
+            // axis may end after any sample
             let [n] = header.shape.as_mut_slice() else {
                 return None;
             };
@@ -142,7 +142,7 @@ impl Writer for Npy {
     }
 }
 
-/// Returns true if a series is nothing but numbers.
+/// Returns true if a series consists of numbers only.
 pub(in crate::format) fn is_bare(series: &Series) -> bool {
     series.kind == SeriesKind::General
         && matches!(series.abscissa, Abscissa::Even { start, step }
@@ -151,7 +151,8 @@ pub(in crate::format) fn is_bare(series: &Series) -> bool {
         && series.ordinate_axis == SeriesAxis::default()
 }
 
-/// Header for writing `series` as the array called `name`, from their properties.
+/// Creates the header for writing `series` as the array called `name`, from the properties of the
+/// series.
 pub(in crate::format) fn header_of(
     series: &[&Series],
     name: &str,

@@ -1,4 +1,4 @@
-//! The header of an array: element, order of memory and shape.
+//! The header of an array: element type, memory order and shape.
 
 use std::fmt;
 
@@ -92,13 +92,13 @@ impl fmt::Display for Element {
     }
 }
 
-/// The header before the numbers.
+/// The header before the numbers of an array.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(in crate::format) struct Header {
     pub(in crate::format) element: Element,
     pub(in crate::format) fortran_order: bool,
     pub(in crate::format) shape: Vec<usize>,
-    /// First byte of the numbers.
+    /// Offset of the first byte of the numbers.
     pub(in crate::format) data_start: usize,
 }
 
@@ -177,25 +177,25 @@ impl Header {
         }
     }
 
-    /// Bytes of all numbers, `None` on overflow.
+    /// Number of bytes of all numbers, `None` on overflow.
     pub(in crate::format) fn data_length(&self) -> Option<usize> {
         self.shape
             .iter()
             .try_fold(self.element.bytes, |product, &n| product.checked_mul(n))
     }
 
-    /// Number of elements, and the memory that each takes after reading.
+    /// Returns the number of elements, and the memory that each takes after reading.
     pub(in crate::format) fn memory(&self) -> (usize, usize) {
         let count = self
             .shape
             .iter()
             .try_fold(1_usize, |product, &n| product.checked_mul(n));
-        // its place in a list and the smallest allocation
+        // an entry in a list and the smallest allocation
         let text = size_of::<String>() + 16;
         let bytes = self.element.bytes;
         let each = match self.element.kind {
             Kind::Wide => bytes.saturating_add(text),
-            // of Latin-1
+            // a Latin-1 character may take two bytes
             Kind::Narrow => bytes.saturating_mul(2).saturating_add(text),
             Kind::Complex => 16,
             Kind::Float | Kind::Signed | Kind::Unsigned | Kind::Boolean => 8,
@@ -225,7 +225,7 @@ impl Header {
         text.push('\n');
         let mut bytes = MAGIC.to_vec();
         bytes.extend([1, 0]);
-        // two axes and an element are far below the largest length of the field
+        // the header of two axes and an element is far shorter than the field for its length allows
         bytes.extend(u16::try_from(text.len()).unwrap_or(u16::MAX).to_le_bytes());
         bytes.extend(text.bytes());
         bytes
@@ -243,7 +243,7 @@ pub(in crate::format) fn shape_text(shape: &[usize]) -> String {
     }
 }
 
-/// Reads the literal of a dictionary; an error says what was expected at `at`.
+/// Reads the literal of a dictionary; an error states what was expected at `at`.
 struct Scanner<'a> {
     bytes: &'a [u8],
     at: usize,

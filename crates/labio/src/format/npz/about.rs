@@ -1,4 +1,4 @@
-//! Information of a series besides its numbers, in separate members.
+//! Information about a series other than its numbers, in separate members.
 
 use std::collections::{HashMap, HashSet};
 
@@ -21,7 +21,7 @@ pub(super) fn belongs_to_another(name: &str, names: &HashSet<String>) -> bool {
         })
 }
 
-/// Rows of key and value with the information of a series besides its numbers.
+/// Returns rows of key and value with the information about a series other than its numbers.
 pub(super) fn rows(series: &Series) -> Vec<(String, String)> {
     let mut rows = Vec::new();
     let mut row = |key: &str, value: &str, usual: &str| {

@@ -1,4 +1,4 @@
-//! Writing an archive of arrays.
+//! Writing of an archive of arrays.
 
 use std::collections::HashSet;
 use std::io::{Cursor, Write};
@@ -33,7 +33,7 @@ impl Writer for Npz {
             source: std::io::Error::other(error),
         };
         for (name, bytes) in members {
-            // members have the earliest possible date, so that equal contents make equal files
+            // members have the earliest possible date, so that equal contents give equal files
             let options = SimpleFileOptions::default()
                 .compression_method(CompressionMethod::Stored)
                 .last_modified_time(zip::DateTime::default())
@@ -52,7 +52,7 @@ impl Writer for Npz {
     }
 }
 
-/// Names and bytes of all arrays.
+/// Returns names and bytes of all arrays.
 fn members(contents: &Contents) -> Result<Vec<(String, Vec<u8>)>, LabioError> {
     let mut members: Vec<(String, Vec<u8>)> = Vec::new();
     if !contents.properties.is_empty() {
@@ -169,7 +169,7 @@ fn of_one_axis(series: &Series, members: &mut Vec<(String, Vec<u8>)>) -> Result<
     Ok(())
 }
 
-/// Rejects names under which a reader would expect something else.
+/// Rejects names that have a special meaning to the reader.
 fn check_name(name: &str, one_axis: bool) -> Result<(), LabioError> {
     let reserved = name == ABOUT || SUFFIXES.iter().any(|suffix| name.ends_with(suffix));
     if reserved || (one_axis && name.is_empty()) {
@@ -178,7 +178,7 @@ fn check_name(name: &str, one_axis: bool) -> Result<(), LabioError> {
     Ok(())
 }
 
-/// An array of texts of shape `(n, 2)`.
+/// Returns an array of texts of shape `(n, 2)`.
 fn texts(name: &str, rows: &[(String, String)]) -> Result<Vec<u8>, LabioError> {
     let all = || rows.iter().flat_map(|(key, value)| [key, value]);
     let widest = all()

@@ -4,7 +4,7 @@ use num_complex::Complex64;
 
 use crate::format::text::{self, DecimalMark};
 
-/// Kind of the numbers of a variable.
+/// Numeric type of a variable.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Numbers {
     pub(super) class: &'static str,
@@ -13,8 +13,8 @@ pub(super) struct Numbers {
 }
 
 impl Numbers {
-    /// Returns the kind by the words of a type, such as `float complex matrix`; `None` if it is
-    /// another one.
+    /// Returns the numeric type described by the words of `kind`, such as `float complex matrix`;
+    /// `None` for any other type.
     pub(super) fn of(kind: &str) -> Option<Self> {
         const INTEGERS: [&str; 8] = [
             "int8", "uint8", "int16", "uint16", "int32", "uint32", "int64", "uint64",
@@ -51,7 +51,8 @@ pub(super) fn real(text: &str) -> Option<f64> {
     }
 }
 
-/// Parses the first number of a line, complex ones as `(1,2)`, and returns it with what is behind it.
+/// Parses the first number of a line, complex ones as `(1,2)`, and returns it with the rest of the
+/// line.
 pub(super) fn next_number(line: &str, is_complex: bool) -> Option<(Complex64, &str)> {
     if is_complex {
         let (inside, behind) = line.strip_prefix('(')?.split_once(')')?;
@@ -64,7 +65,7 @@ pub(super) fn next_number(line: &str, is_complex: bool) -> Option<(Complex64, &s
     Some((Complex64::from(real(number)?), behind.trim_start()))
 }
 
-/// The values of a matrix, given row by row, column by column.
+/// Returns the values of a matrix column by column; `by_rows` contains them row by row.
 pub(super) fn transposed<T: Copy>(by_rows: &[T], n_rows: usize, n_columns: usize) -> Vec<T> {
     (0..n_columns)
         .flat_map(|column| by_rows.iter().skip(column).step_by(n_columns).take(n_rows))

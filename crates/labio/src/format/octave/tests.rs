@@ -186,7 +186,7 @@ fn damage_is_named_and_passed_over_by_a_tolerant_reading() {
         assert_eq!(contents.defects.len(), 1, "{said}: {:?}", contents.defects);
         assert_eq!(properties(&contents)[1..], [("b", "1")], "{said}");
     }
-    // fields that are announced and not there end a tolerant reading, too
+    // fields that are announced but missing must also end a tolerant reading
     let text = "# name: s\n# type: scalar struct\n# length: 18446744073709551615\n# name: b\n# type: scalar\n1\n";
     let contents = OctaveText
         .read(format!("{HEADER}{text}").as_bytes(), Strictness::Tolerant)

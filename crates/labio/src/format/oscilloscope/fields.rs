@@ -1,14 +1,14 @@
-//! Fields of a header at fixed places.
+//! Header fields at fixed offsets.
 
 use crate::error::malformed;
 use crate::{LabioError, Place};
 
-/// A part of a file whose fields have fixed places.
+/// A part of a file whose fields have fixed offsets.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Fields<'a> {
     pub(super) format: &'static str,
     pub(super) bytes: &'a [u8],
-    /// Offset in the file of the first byte.
+    /// Offset of the first byte in the file.
     pub(super) offset: usize,
     pub(super) big_endian: bool,
 }
@@ -43,14 +43,14 @@ impl<'a> Fields<'a> {
         })
     }
 
-    /// A length or a count, which is not negative.
+    /// Reads a length or a count, which must not be negative.
     pub(super) fn count(&self, at: usize, field: &str) -> Result<usize, LabioError> {
         let found = self.i32(at, field)?;
         usize::try_from(found)
             .map_err(|_| self.wrong(at, field, found.to_string(), "a number not below 0"))
     }
 
-    /// A finite number that is not 0.
+    /// Accepts a finite number other than 0.
     pub(super) fn step(&self, value: f64, at: usize, field: &str) -> Result<f64, LabioError> {
         if value.is_finite() && value != 0.0 {
             return Ok(value);
@@ -58,7 +58,7 @@ impl<'a> Fields<'a> {
         Err(self.wrong(at, field, value.to_string(), "a finite number other than 0"))
     }
 
-    /// A text of `n` bytes that ends with a zero or before.
+    /// Reads a text of at most `n` bytes, which ends earlier at a zero byte.
     pub(super) fn text(&self, at: usize, n: usize) -> String {
         let bytes = self.bytes.get(at..at + n).unwrap_or(&[]);
         let text: String = bytes
@@ -69,7 +69,8 @@ impl<'a> Fields<'a> {
         text.trim().to_owned()
     }
 
-    /// Samples of `n` bytes each from `at` on, and how many bytes are missing.
+    /// Returns the bytes of `count` samples of `each` bytes, starting at `at`, and the number of
+    /// missing bytes.
     pub(super) fn samples(&self, at: usize, count: usize, each: usize) -> (&'a [u8], usize) {
         let rest = self.bytes.get(at..).unwrap_or(&[]);
         let wanted = count.saturating_mul(each);
@@ -92,7 +93,7 @@ impl<'a> Fields<'a> {
     }
 }
 
-/// Integers of one or two bytes.
+/// Returns integers of one or two bytes.
 pub(super) fn integers(bytes: &[u8], each: usize, big_endian: bool, signed: bool) -> Vec<f64> {
     if each == 1 {
         let of = |&byte: &u8| match signed {

@@ -1,7 +1,7 @@
-//! Traces of Tektronix with a preamble in text (`.isf`).
+//! Tektronix traces with a text preamble (`.isf`).
 //!
-//! A sample n is (n - `YOFF`) `YMULT` + `YZERO`; the time of sample i is `XZERO` + (i - `PT_OFF`)
-//! `XINCR`.
+//! A recorded number n represents the sample (n - `YOFF`) `YMULT` + `YZERO`; the time of sample i
+//! is `XZERO` + (i - `PT_OFF`) `XINCR`.
 
 use super::fields::integers;
 use super::{Trace, contents};
@@ -12,10 +12,10 @@ use crate::{Contents, LabioError, Place};
 
 const FORMAT: &str = "isf";
 
-/// Bytes in which the preamble begins.
+/// Number of bytes at the start of a file within which the preamble begins.
 const LEAD: usize = 64;
 
-/// Traces of Tektronix with a preamble in text (`.isf`); see the [module](super).
+/// Tektronix traces with a text preamble (`.isf`); see the [module](super).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct TektronixIsf;
 
@@ -94,7 +94,7 @@ impl Reader for TektronixIsf {
     }
 }
 
-/// Preamble, curve, and where the curve begins.
+/// Returns the preamble, the curve, and the offset at which the curve begins.
 fn parts(bytes: &[u8]) -> Result<(String, &[u8], usize), LabioError> {
     let at = bytes
         .windows(5)
@@ -112,7 +112,7 @@ fn parts(bytes: &[u8]) -> Result<(String, &[u8], usize), LabioError> {
     Ok((preamble, curve, at + keyword))
 }
 
-/// Samples in binary, and how many bytes are missing.
+/// Returns the samples of a binary curve, and the number of missing bytes.
 fn block(
     preamble: &Preamble<'_>,
     curve: &[u8],
@@ -154,7 +154,7 @@ fn block(
     Ok((values, (missing > 0).then_some(missing)))
 }
 
-/// Samples in text, with commas between them.
+/// Reads samples written as text, separated by commas.
 fn read_text(curve: &[u8], at: usize) -> Result<Vec<f64>, LabioError> {
     let text = String::from_utf8_lossy(curve);
     let texts = text.trim().trim_end_matches(';').split(',');
@@ -170,13 +170,13 @@ fn read_text(curve: &[u8], at: usize) -> Result<Vec<f64>, LabioError> {
         .collect()
 }
 
-/// Fields `KEY value` with semicolons between them; keys may be abbreviated and follow a path.
+/// Fields `KEY value` separated by semicolons; keys may be abbreviated and follow a path.
 struct Preamble<'a> {
     text: &'a str,
 }
 
 impl Preamble<'_> {
-    /// The value of the key that begins with `key`.
+    /// Returns the value of the first key that begins with `key`.
     fn value(&self, key: &str) -> Option<&str> {
         let mut quoted = false;
         let fields = self.text.split(move |c: char| {
@@ -196,7 +196,7 @@ impl Preamble<'_> {
         value.trim_matches('"').to_owned()
     }
 
-    /// A finite number; `default` where the key is missing.
+    /// Returns a finite number; `default` if the key is missing.
     fn number(&self, key: &str, default: Option<f64>) -> Result<f64, LabioError> {
         let Some(text) = self.value(key) else {
             return default

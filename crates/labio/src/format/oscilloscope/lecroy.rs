@@ -1,7 +1,8 @@
-//! Traces of LeCroy, template `LECROY_2_3` and its neighbours.
+//! LeCroy traces, template `LECROY_2_3` and similar ones.
 //!
-//! The descriptor `WAVEDESC` has 346 bytes; user text, times of triggers and the samples follow it.
-//! A sample n is gain n - offset. The time of sample i is offset + i interval from the trigger.
+//! The descriptor `WAVEDESC` has 346 bytes; user text, trigger times and the samples follow it. A
+//! recorded number n represents the sample gain·n - offset. Sample i is at the time offset +
+//! i·interval from the trigger.
 
 use super::fields::{Fields, integers};
 use super::{Trace, contents, decimal};
@@ -13,10 +14,10 @@ const FORMAT: &str = "lecroy";
 /// Beginning of the descriptor, after a block header such as `#9000120346`.
 const DESCRIPTOR: &[u8] = b"WAVEDESC";
 
-/// Bytes in which the descriptor begins.
+/// Number of bytes at the start of a file within which the descriptor begins.
 const LEAD: usize = 32;
 
-/// Kinds of records that are samples over time, by their number.
+/// Names of the record types, indexed by their code.
 const RECORD_TYPES: [&str; 10] = [
     "single sweep",
     "interleaved",
@@ -30,10 +31,10 @@ const RECORD_TYPES: [&str; 10] = [
     "peak detect",
 ];
 
-/// Those of [`RECORD_TYPES`] that are read.
+/// Codes of the [`RECORD_TYPES`] that are read: samples over time.
 const OVER_TIME: [u16; 4] = [0, 1, 7, 8];
 
-/// Traces of LeCroy and Teledyne LeCroy (`.trc`); see the [module](super).
+/// LeCroy and Teledyne LeCroy traces (`.trc`); see the [module](super).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct LeCroy;
 
@@ -63,7 +64,7 @@ impl Reader for LeCroy {
             offset,
             big_endian: false,
         };
-        // the order of bytes is 0 or 1 in either order of bytes
+        // as little-endian, the byte-order field reads 0 only in a big-endian file
         let order = fields.u16(34, "order of bytes")?;
         fields.big_endian = order == 0;
         let each = match fields.u16(32, "size of a sample")? {
@@ -117,7 +118,7 @@ impl Reader for LeCroy {
         let name = name(&fields);
         let mut traces = Vec::new();
         for (index, part) in values.chunks(length.max(1)).take(n_segments).enumerate() {
-            // pairs of the time from the first trigger and the offset of the first sample
+            // pairs: the time from the first trigger, and the offset of the first sample
             let own = trigger_times + 16 * index;
             let (since_first, start) = if n_segments > 1 && 16 * (index + 1) <= n_trigger_bytes {
                 let time = fields.f64(own, "time of a trigger")?;
@@ -153,7 +154,7 @@ impl Reader for LeCroy {
     }
 }
 
-/// Label of the trace, or the channel.
+/// Returns the label of the trace or, without a label, its channel.
 fn name(fields: &Fields<'_>) -> String {
     let label = fields.text(96, 16);
     match (label.is_empty(), fields.u16(344, "source")) {
@@ -162,7 +163,7 @@ fn name(fields: &Fields<'_>) -> String {
     }
 }
 
-/// Date and time of the trigger.
+/// Returns date and time of the trigger.
 fn trigger(fields: &Fields<'_>) -> Result<String, LabioError> {
     let seconds = fields.f64(296, "time of the trigger")?;
     let year = fields.u16(308, "year of the trigger")?;

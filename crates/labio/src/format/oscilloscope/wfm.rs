@@ -1,7 +1,8 @@
-//! Traces of Tektronix in binary (`.wfm`), versions 1 to 3.
+//! Binary Tektronix traces (`.wfm`), versions 1 to 3.
 //!
-//! A sample n is scale n + offset of the first explicit dimension; the time of sample i is scale i +
-//! offset of the first implicit one, in a fast frame less the time of its trigger between samples.
+//! A recorded number n represents the sample scale·n + offset, with scale and offset of the first
+//! explicit dimension. Sample i is at the time scale·i + offset, with scale and offset of the first
+//! implicit dimension; in a fast frame, the time of its trigger between samples is subtracted.
 
 use super::fields::Fields;
 use super::{Trace, contents};
@@ -10,22 +11,22 @@ use crate::{Contents, LabioError};
 
 const FORMAT: &str = "wfm";
 
-/// Traces of Tektronix in binary (`.wfm`); see the [module](super).
+/// Binary Tektronix traces (`.wfm`); see the [module](super).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct TektronixWfm;
 
-/// Places that differ between versions.
+/// Offsets that differ between versions.
 struct Layout {
-    /// Place of the first explicit dimension.
+    /// Offset of the first explicit dimension.
     explicit: usize,
-    /// Place of the first implicit dimension.
+    /// Offset of the first implicit dimension.
     implicit: usize,
-    /// Place of the object that tells where the samples are.
+    /// Offset of the object that states where the samples are.
     curve: usize,
 }
 
-/// Kinds of numbers in version 3, by their number; earlier versions begin alike and have no
-/// integers of 8 bits.
+/// Types of numbers in version 3, indexed by their code; earlier versions use the same codes but
+/// have no 8-bit integers.
 const KINDS: [(&str, usize); 8] = [
     ("i16", 2),
     ("i32", 4),
@@ -73,7 +74,7 @@ impl Reader for TektronixWfm {
         };
         let storage = fields.count(layout.explicit + 76, "storage of samples")?;
         if storage > 1 {
-            // 0 one sample after the other, 1 the same in pages; 2 and 3 are pairs of extremes
+            // 0: one sample after the other; 1: the same in pages; 2 and 3: pairs of extreme values
             let found = format!("{storage}, extremes of an envelope");
             let expected = "one sample for each time (0 or 1)";
             return Err(fields.wrong(layout.explicit + 76, "storage of samples", found, expected));
@@ -90,7 +91,7 @@ impl Reader for TektronixWfm {
         let mut cut = None;
         let mut at = buffer;
         for frame in 0..n_frames {
-            // the other frames have their objects after those of the first and all updates
+            // the objects of the other frames follow the objects of the first frame and all updates
             let (update, own) = match frame {
                 0 => (layout.curve - 24, layout.curve),
                 frame => {
@@ -147,7 +148,7 @@ impl Reader for TektronixWfm {
 
 impl Layout {
     fn of(version: u8) -> Self {
-        // a word more from version 2 on; the density of points has 8 bytes instead of 4 in version 3
+        // one word more from version 2 on; the point density has 8 bytes instead of 4 in version 3
         let explicit = 0xa6 + if version > 1 { 2 } else { 0 };
         let density = if version > 2 { 8 } else { 4 };
         let implicit = explicit + 2 * (152 + density);
@@ -163,7 +164,7 @@ impl Layout {
 fn decoded(bytes: &[u8], kind: &str, each: usize, big_endian: bool) -> Vec<f64> {
     let of = |sample: &[u8]| {
         let mut wide = [0_u8; 8];
-        // little-endian, filled up with zeros
+        // little-endian, padded with zeros
         for (to, from) in wide.iter_mut().zip(sample.iter().rev()) {
             *to = *from;
         }

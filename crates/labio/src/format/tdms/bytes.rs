@@ -1,4 +1,4 @@
-//! Reading of bytes in either byte order from the front, with the place of each.
+//! Reading of bytes from front to back in either byte order, with the offset of each.
 
 use super::malformed;
 use crate::{LabioError, Place};
@@ -7,7 +7,7 @@ use crate::{LabioError, Place};
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Bytes<'a> {
     rest: &'a [u8],
-    /// Offset in the file of the first byte of `rest`.
+    /// Offset of the first byte of `rest` in the file.
     offset: usize,
     big_endian: bool,
 }

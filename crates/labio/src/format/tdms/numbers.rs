@@ -2,15 +2,15 @@
 
 use super::value::Timestamp;
 
-/// The numbers of one channel, over all segments.
+/// The numbers of one channel from all segments.
 #[derive(Debug, Default)]
 pub(super) struct Numbers {
     /// The numbers; two per complex number.
     pub(super) values: Vec<f64>,
     pub(super) complex: bool,
-    /// The first time, from which the others are counted.
+    /// The first time, to which the others are relative.
     pub(super) first_time: Option<Timestamp>,
-    /// Numbers of DAQmx scalers, by the scale whose input they are.
+    /// Numbers of DAQmx scalers, each with the scale that uses them as input.
     pub(super) scalers: Vec<(u32, Vec<f64>)>,
     pub(super) has_text: bool,
     pub(super) has_opaque: bool,

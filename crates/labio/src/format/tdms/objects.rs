@@ -12,22 +12,22 @@ use crate::{LabioError, Place};
 const NO_RAW_DATA: u32 = u32::MAX;
 const SAME_AS_BEFORE: u32 = 0;
 const FORMAT_CHANGING_SCALER: u32 = 0x1269;
-/// The code found in files; the published description gives 0x1369 instead, which no known file
-/// has.
+/// The code found in files; the published description states 0x1369 instead, which occurs in no
+/// known file.
 const DIGITAL_LINE_SCALER: u32 = 0x126a;
 const TEXT: u32 = 0x20;
 const DAQMX_RAW_DATA: u32 = u32::MAX;
 
-/// A number in a row of a DAQmx buffer.
+/// A number within a row of a DAQmx buffer.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Scaler {
     pub(super) sample: Sample,
     pub(super) buffer: usize,
     /// Offset in the row.
     pub(super) byte: usize,
-    /// Bit of that byte, if the scaler is a digital line.
+    /// Bit within that byte, if the scaler is a digital line.
     pub(super) bit: Option<u32>,
-    /// The scale whose input the number is.
+    /// The scale that uses the number as input.
     pub(super) scale: u32,
 }
 
@@ -59,7 +59,7 @@ pub(super) struct Property {
 /// File, group or channel.
 #[derive(Debug)]
 pub(super) struct Object {
-    /// Names of the group and the channel: none for the file, one for a group.
+    /// Names of the group and the channel: empty for the file, one name for a group.
     pub(super) path: Vec<String>,
     properties: Vec<Property>,
     by_name: HashMap<String, usize>,
@@ -209,8 +209,8 @@ impl Objects {
     }
 }
 
-/// Splits a path into names between slashes and quotation marks (doubled within a name). More than
-/// two are no path.
+/// Splits a path into names, each after a slash and in quotation marks (doubled within a name). A
+/// path has at most two names.
 fn names(path: &str) -> Option<Vec<String>> {
     let mut names = Vec::new();
     let mut rest = path;
@@ -304,7 +304,7 @@ fn daqmx_index(digital: bool, n: u64, bytes: &mut Bytes<'_>) -> Result<RawIndex,
         })?;
         let buffer = index(bytes.u32(FIELD)?);
         let offset = bytes.u32(FIELD)?;
-        // the sample format is always 0 and its meaning is unknown
+        // the sample format is always 0, and its meaning is unknown
         if digital {
             bytes.u8(FIELD)?;
         } else {
@@ -344,7 +344,8 @@ fn daqmx_index(digital: bool, n: u64, bytes: &mut Bytes<'_>) -> Result<RawIndex,
     Ok(RawIndex::Daqmx { n, scalers, widths })
 }
 
-/// Converts a 32-bit number to an index; one too large for the machine is beyond every end.
+/// Converts a 32-bit number to an index; a number too large for the machine becomes an index beyond
+/// every end.
 fn index(number: u32) -> usize {
     usize::try_from(number).unwrap_or(usize::MAX)
 }

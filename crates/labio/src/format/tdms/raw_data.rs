@@ -1,5 +1,5 @@
-//! Raw data of a segment: numbers one channel after the other, in rows of all channels, or in the
-//! buffers of a DAQmx device.
+//! Raw data of a segment: numbers channel by channel, in rows with all channels, or in the buffers
+//! of a DAQmx device.
 
 use super::bytes::Bytes;
 use super::malformed;
@@ -8,7 +8,7 @@ use super::segment::Segment;
 use super::value::{Sample, Timestamp};
 use crate::LabioError;
 
-/// A run of numbers in a chunk.
+/// A run of numbers of one channel in a chunk.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Run {
     object: usize,
@@ -43,7 +43,7 @@ impl Default for Layout {
 }
 
 impl Layout {
-    /// Layout of `segment` with the objects that have data in it.
+    /// Returns the layout of `segment` for the objects that have data in it.
     pub(super) fn of(segment: &Segment<'_>, objects: &Objects) -> Result<Self, LabioError> {
         let indexed: Vec<(usize, &RawIndex)> = objects
             .with_data
@@ -152,7 +152,7 @@ impl Layout {
             let n_rows = usize::try_from(*n).unwrap_or(usize::MAX);
             for scaler in scalers {
                 let Some(buffer) = buffers.get_mut(scaler.buffer) else {
-                    continue; // was looked at when the index was read
+                    continue; // was checked when the index was read
                 };
                 if !buffer.scalers.is_empty() && buffer.n_rows != n_rows {
                     return Err(refused(
@@ -175,7 +175,7 @@ impl Layout {
         Ok(Self::Buffers(buffers))
     }
 
-    /// Number of bytes of a chunk.
+    /// Number of bytes per chunk.
     fn chunk(&self) -> Option<usize> {
         let sum = |mut sizes: Box<dyn Iterator<Item = Option<usize>> + '_>| {
             sizes.try_fold(0_usize, |sum, size| sum.checked_add(size?))
@@ -196,7 +196,7 @@ impl Layout {
     /// # Errors
     ///
     /// [`LabioError::Malformed`] if the last chunk is partial, or if there are data that belong to
-    /// no object; the data read so far are in the objects.
+    /// no object; the objects then contain the data read so far.
     pub(super) fn read(
         &self,
         segment: &Segment<'_>,
@@ -377,8 +377,8 @@ fn each<const N: usize>(rows: &[u8], offset: usize, width: usize, mut take: impl
     }
 }
 
-/// Appends the numbers at `offset` of each whole row as doubles: exactly, except for integers of 64
-/// bits, which are rounded to 53.
+/// Appends the numbers at `offset` of each whole row as doubles: exactly, except for 64-bit
+/// integers, which are rounded to 53 bits.
 fn decode(
     sample: Sample,
     rows: &[u8],

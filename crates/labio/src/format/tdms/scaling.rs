@@ -1,8 +1,8 @@
 //! Scales, which convert recorded numbers to the measured quantity.
 //!
-//! A channel, or its group, or the file, has the properties `NI_Number_Of_Scales` and
-//! `NI_Scale[i]_..`. The last scale gives the result; each takes the raw numbers or another scale
-//! as its input.
+//! The properties `NI_Number_Of_Scales` and `NI_Scale[i]_..` belong to a channel, its group or the
+//! file. The last scale gives the result; the input of each scale is the raw numbers or another
+//! scale.
 
 use super::malformed;
 use super::numbers::Numbers;
@@ -13,10 +13,10 @@ use crate::{BridgeLayout, LabioError, Place};
 
 /// Largest number of scales in a sequence, which bounds the work that a file can cause.
 const MOST_SCALES: usize = 256;
-/// Index of the raw numbers as an input.
+/// Input index that stands for the raw numbers.
 const RAW: u32 = u32::MAX;
 
-/// Source of a step's input.
+/// Source of the input of a step.
 #[derive(Debug, Clone, Copy)]
 enum Input {
     Raw,
@@ -37,7 +37,7 @@ enum Step {
         input: Input,
         coefficients: Vec<f64>,
     },
-    /// Points by ascending abscissa.
+    /// Points in the order of ascending abscissa.
     Table {
         input: Input,
         points: Vec<(f64, f64)>,
@@ -89,7 +89,7 @@ impl Scales<'_> {
             })
     }
 
-    /// Reads the index of an input; if it is missing, the input is the raw numbers.
+    /// Reads the index of an input; without the property, the input is the raw numbers.
     fn source(&self, scale: u32, name: &str) -> Result<u32, LabioError> {
         let name = &format!("NI_Scale[{scale}]_{name}");
         match self.owner.property(name) {
@@ -108,7 +108,8 @@ impl Scales<'_> {
         }
     }
 
-    /// Reads the numbers `name[0]`, `name[1]`, ...: as many as `name_Size` says, or else as exist.
+    /// Reads the numbers `name[0]`, `name[1]`, ...: as many as `name_Size` states or, without it,
+    /// as many as exist.
     fn list(&self, scale: u32, name: &str) -> Result<Vec<f64>, LabioError> {
         let size = format!("NI_Scale[{scale}]_{name}_Size");
         let element = |index: u32| format!("NI_Scale[{scale}]_{name}[{index}]");
@@ -134,7 +135,7 @@ impl Scales<'_> {
         Ok(numbers)
     }
 
-    /// Kind of a scale; `None` if there is none of that index, as for indices of DAQmx scalers.
+    /// Kind of a scale; `None` if no scale has that index, as with the indices of DAQmx scalers.
     fn kind(&self, scale: u32) -> Option<&str> {
         let property = self
             .owner
@@ -221,7 +222,7 @@ impl Scales<'_> {
         }
     }
 
-    /// Reads a number that names one of several things.
+    /// Reads a number that selects one of several options.
     fn choice<T>(
         &self,
         name: &str,
@@ -263,7 +264,8 @@ impl Scales<'_> {
 
     fn resistance(&self, scale: u32) -> Result<Sensor, LabioError> {
         let name = |name: &str| format!("NI_Scale[{scale}]_RTD_{name}");
-        // leads in the circuit of the voltage: two, one that a third compensates, none
+        // number of leads within the measured voltage: two, one if a third wire compensates the
+        // other, none
         let n_leads = self.choice(
             &name("Resistance_Configuration"),
             |wires| {
@@ -313,8 +315,9 @@ impl Scales<'_> {
         })
     }
 
-    /// The table: the values called scaled are the inputs and the pre-scaled ones the outputs. The
-    /// names say otherwise, but the software of the format's vendor does so.
+    /// Returns the points of a table: the values called scaled are the inputs, and those called
+    /// pre-scaled the outputs. The names suggest the opposite, but the vendor's software works in
+    /// this way.
     fn points(&self, scale: u32) -> Result<Vec<(f64, f64)>, LabioError> {
         let from = self.list(scale, "Table_Scaled_Values")?;
         let to = self.list(scale, "Table_Pre_Scaled_Values")?;
@@ -352,8 +355,8 @@ impl Scales<'_> {
 ///
 /// # Errors
 ///
-/// [`LabioError::Malformed`] for an unknown scale, with its name, or an incomplete one; and for
-/// DAQmx data whose scalers do not give one result.
+/// [`LabioError::Malformed`] for an unknown scale, with its name, for an incomplete one, and for
+/// DAQmx data whose scalers do not lead to one result.
 pub(super) fn scaled(owners: &[&Object], numbers: &Numbers) -> Result<Vec<f64>, LabioError> {
     let Some(&channel) = owners.first() else {
         return Ok(Vec::new());
@@ -398,7 +401,7 @@ pub(super) fn scaled(owners: &[&Object], numbers: &Numbers) -> Result<Vec<f64>, 
         ));
     }
     let (result, steps) = steps;
-    // those of one sample, in the order of the scales
+    // the outcomes for one sample, in the order of the scales
     let mut outcomes = Vec::with_capacity(steps.len());
     let mut output = Vec::with_capacity(n);
     for sample in 0..n {
@@ -453,7 +456,7 @@ pub(super) fn scaled(owners: &[&Object], numbers: &Numbers) -> Result<Vec<f64>, 
     Ok(output)
 }
 
-/// Returns the numbers as recorded; DAQmx data only if there is one number per sample.
+/// Returns the numbers as recorded; an error for DAQmx data with several numbers per sample.
 fn unscaled(channel: &Object, numbers: &Numbers) -> Result<Vec<f64>, LabioError> {
     match numbers.scalers.as_slice() {
         [] => Ok(numbers.values.clone()),
@@ -471,14 +474,14 @@ fn unscaled(channel: &Object, numbers: &Numbers) -> Result<Vec<f64>, LabioError>
     }
 }
 
-/// Returns the steps that lead to the scale `last`, each after those it needs, and the index of the
-/// result.
+/// Returns the source of the result, and the steps that lead to the scale `last`, each after the
+/// steps that it needs.
 fn steps(
     scales: &Scales<'_>,
     last: u32,
     numbers: &Numbers,
 ) -> Result<(Input, Vec<Step>), LabioError> {
-    // sources have smaller indices, so that ascending order is a valid order of computation
+    // sources have smaller indices, so that the steps can be computed in ascending order
     let mut needed = std::collections::BTreeSet::from([last]);
     let mut open = vec![last];
     while let Some(scale) = open.pop() {

@@ -1,4 +1,4 @@
-//! The lead-in of a segment: its content and its extent.
+//! The lead-in of a segment: its contents and its extent.
 
 use super::bytes::Bytes;
 use super::malformed;
@@ -49,14 +49,14 @@ pub(super) struct Segment<'a> {
     /// True if the segment extends to the end of the file: its length was never written, because
     /// the recording was cut off.
     pub(super) open: bool,
-    /// The error if the file ends before the segment does; the segment is then cut there.
+    /// The error if the file ends before the segment does; the segment is then cut off there.
     pub(super) overrun: Option<LabioError>,
     /// Offset of the next segment.
     pub(super) end: usize,
 }
 
 impl<'a> Segment<'a> {
-    /// Cuts out the segment at `offset` of `file`.
+    /// Returns the segment at `offset` of `file`.
     ///
     /// # Errors
     ///
@@ -71,7 +71,7 @@ impl<'a> Segment<'a> {
             let found = format!("\"{}\"", tag.escape_ascii());
             return Err(malformed(place, "tag of the lead-in", found, "\"TDSm\""));
         }
-        // this byte order does not depend on that of the rest
+        // this byte order does not depend on the byte order of the rest
         let contains = Contains(lead_in.u32("table of contents")?);
         let big_endian = contains.has(Contains::BIG_ENDIAN);
         let mut lead_in = lead_in.in_order(big_endian);

@@ -6,7 +6,8 @@
 use super::thermocouples::Thermocouple;
 use crate::BridgeLayout;
 
-/// Iterations of Newton's method for temperatures below 0 degC; from 10 K off it takes four.
+/// Largest number of Newton iterations for temperatures below 0 degC; from a start 10 K off, four
+/// are needed.
 const ITERATIONS: u32 = 20;
 
 /// A sensor whose voltage was recorded.
@@ -16,31 +17,31 @@ pub(super) enum Sensor {
     Bridge {
         layout: BridgeLayout,
         gauge_factor: f64,
-        /// \[V\].
+        /// Excitation \[V\].
         excitation: f64,
         /// Voltage at rest \[V\].
         at_rest: f64,
-        /// Factor of the shunt calibration and of leads in series with gauges.
+        /// Factor for the shunt calibration and for leads in series with gauges.
         factor: f64,
     },
-    /// Temperature \[degC\] from the voltage \[V\] of a resistance in a known current.
+    /// Temperature \[degC\] from the voltage \[V\] of a resistance that carries a known current.
     Resistance {
-        /// \[A\].
+        /// Current \[A\].
         current: f64,
         /// R₀ at 0 degC \[Ω\].
         at_zero: f64,
         /// A, B and C of R/R₀ = 1 + At + Bt² + C(t - 100)t³.
         coefficients: [f64; 3],
-        /// Resistance of the leads in the circuit \[Ω\].
+        /// Resistance of the leads within the measured voltage \[Ω\].
         leads: f64,
     },
     /// Temperature \[degC\] from a voltage \[µV\].
     Thermocouple(&'static Thermocouple),
-    /// Voltage \[µV\] from the temperature \[degC\], such as that of a cold junction.
+    /// Voltage \[µV\] from a temperature \[degC\], such as that of a cold junction.
     ColdJunction(&'static Thermocouple),
 }
 
-/// Layout of a number of the vendor's; `None` if it is none.
+/// Returns the bridge layout with the vendor's code `number`; `None` for an unknown code.
 pub(super) fn layout(number: u32, poisson_ratio: f64) -> Option<BridgeLayout> {
     Some(match number {
         10_183 => BridgeLayout::FullBending,
@@ -54,7 +55,7 @@ pub(super) fn layout(number: u32, poisson_ratio: f64) -> Option<BridgeLayout> {
 }
 
 impl Sensor {
-    /// Returns the measured quantity of a recorded number.
+    /// Returns the measured quantity for a recorded number.
     pub(super) fn value(&self, x: f64) -> f64 {
         match self {
             Self::Bridge {
@@ -76,9 +77,10 @@ impl Sensor {
     }
 }
 
-/// Temperature \[degC\] at which a resistance is this multiple of that at 0 degC.
+/// Returns the temperature \[degC\] at which the resistance is `ratio` times the resistance at 0
+/// degC.
 fn celsius(ratio: f64, [a, b, c]: [f64; 3]) -> f64 {
-    // the quadratic, which holds above 0 degC
+    // the quadratic equation, which is valid above 0 degC
     let warm = 2.0 * (ratio - 1.0) / (a + (a * a + 4.0 * b * (ratio - 1.0)).sqrt());
     if ratio >= 1.0 {
         return warm;
@@ -100,7 +102,7 @@ fn celsius(ratio: f64, [a, b, c]: [f64; 3]) -> f64 {
 mod tests {
     use super::*;
 
-    /// Pt100 of IEC 60751: table of resistances.
+    /// Table of resistances of the Pt100 in IEC 60751.
     #[test]
     fn a_platinum_thermometer_has_the_table_of_its_standard() {
         let coefficients = [3.9083e-3, -5.775e-7, -4.183e-12];
@@ -111,13 +113,13 @@ mod tests {
             (138.51, 100.0),
             (247.09, 400.0),
         ] {
-            // the table has hundredths of an ohm, 0.0125 K
+            // the table is rounded to 0.01 ohm, an error of up to 0.0125 K
             let found = celsius(ohms / 100.0, coefficients);
             assert!((found - t).abs() < 0.013, "{ohms}: {found}");
         }
     }
 
-    /// Table of type K, in µV at 10 K from one another.
+    /// Values from the table of type K, in µV.
     #[test]
     fn a_thermocouple_has_the_table_of_its_standard() {
         let kind = Thermocouple::of_code(10_073).unwrap();
@@ -130,7 +132,7 @@ mod tests {
         ] {
             let found = Sensor::ColdJunction(kind).value(celsius);
             assert!((found - microvolts).abs() < 0.51, "{celsius}: {found}");
-            // the inverse is stated to 0.05 K
+            // the inverse has a stated error of 0.05 K
             let back = Sensor::Thermocouple(kind).value(microvolts);
             assert!((back - celsius).abs() < 0.06, "{microvolts}: {back}");
         }

@@ -1,30 +1,31 @@
 //! Reference functions of thermocouples and their approximate inverses (NIST Monograph 175, ITS-90).
 
-/// A polynomial from a lower end on, up to that of the next.
+/// Lower end of a range and the polynomial that is valid from there up to the next range.
 type Part = (f64, &'static [f64]);
 
-/// A kind of thermocouple.
+/// A type of thermocouple.
 #[derive(Debug)]
 pub(super) struct Thermocouple {
-    /// Number of the kind in files.
+    /// Code of the type in files.
     pub(super) code: u32,
-    /// Voltage \[mV\] over the temperature \[degC\] of the junction, the other at 0 degC.
+    /// Voltage \[mV\] as a function of the temperature \[degC\] of one junction, with the other at
+    /// 0 degC.
     voltage: &'static [Part],
-    /// Temperature over the voltage.
+    /// Temperature as a function of the voltage.
     temperature: &'static [Part],
 }
 
-/// a₀ exp(a₁ (t - a₂)²), which kind K has besides above 0 degC.
+/// Coefficients of the term a₀ exp(a₁ (t - a₂)²), which is added for type K above 0 degC.
 const OF_K: [f64; 3] = [0.1185976, -0.0001183432, 126.9686];
 const CODE_OF_K: u32 = 10_073;
 
 impl Thermocouple {
-    /// Returns the kind of a number; `None` if it is none.
+    /// Returns the type with this code; `None` for an unknown code.
     pub(super) fn of_code(code: u32) -> Option<&'static Self> {
         KINDS.iter().find(|kind| kind.code == code)
     }
 
-    /// Returns the voltage \[mV\] of a temperature \[degC\].
+    /// Returns the voltage \[mV\] at a temperature \[degC\].
     pub(super) fn voltage(&self, celsius: f64) -> f64 {
         let voltage = at(self.voltage, celsius);
         if self.code == CODE_OF_K && celsius >= 0.0 {
@@ -35,13 +36,13 @@ impl Thermocouple {
         }
     }
 
-    /// Returns the temperature \[degC\] of a voltage \[mV\].
+    /// Returns the temperature \[degC\] for a voltage \[mV\].
     pub(super) fn temperature(&self, millivolts: f64) -> f64 {
         at(self.temperature, millivolts)
     }
 }
 
-/// Value of the polynomial in whose range `x` lies.
+/// Returns the value at `x` of the polynomial whose range contains `x`.
 fn at(parts: &[Part], x: f64) -> f64 {
     let reaches = |part: &&Part| x >= part.0;
     let own = parts.iter().rev().find(reaches).or(parts.first());

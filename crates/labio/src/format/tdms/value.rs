@@ -21,13 +21,12 @@ pub(super) enum Sample {
     Timestamp,
     Complex32,
     Complex64,
-    /// Numbers that are skipped: their size is known, but not their meaning.
+    /// Numbers of known size but unknown meaning, which are skipped.
     Opaque(usize),
 }
 
 impl Sample {
-    /// Returns the raw data type of a code of the file; `None` for text and for types without a
-    /// size.
+    /// Returns the raw data type with this code; `None` for text and for types without a size.
     pub(super) fn of_code(code: u32) -> Option<Self> {
         Some(match code {
             1 => Self::I8,
@@ -49,7 +48,7 @@ impl Sample {
         })
     }
 
-    /// Returns the type of a code of a DAQmx scaler, which has its own numbering.
+    /// Returns the type with this code of a DAQmx scaler; these codes have a separate numbering.
     pub(super) fn of_daqmx_code(code: u32) -> Option<Self> {
         Some(match code {
             0 => Self::U8,
@@ -79,7 +78,7 @@ impl Sample {
         }
     }
 
-    /// Number of values that one sample becomes.
+    /// Number of values per sample.
     pub(super) fn n_numbers(self) -> usize {
         match self {
             Self::Complex32 | Self::Complex64 => 2,
@@ -89,7 +88,7 @@ impl Sample {
     }
 }
 
-/// A point in time: seconds since the beginning of 1904, UTC, and 2^-64 of a second.
+/// A point in time: seconds since the beginning of 1904, UTC, and a fraction in units of 2^-64 s.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Timestamp {
     pub(super) seconds: i64,
@@ -114,14 +113,14 @@ impl Timestamp {
     /// Seconds from `earlier` to this time.
     pub(super) fn since(self, earlier: Self) -> f64 {
         const PER_FRACTION: f64 = 1.0 / (1_u128 << 64) as f64;
-        // whole seconds and fractions separately: their differences are small where the times
-        // themselves are not
+        // whole seconds and fractions separately: their differences may be small where the times
+        // themselves are large
         let seconds = i128::from(self.seconds) - i128::from(earlier.seconds);
         let fractions = i128::from(self.fraction) - i128::from(earlier.fraction);
         seconds as f64 + fractions as f64 * PER_FRACTION
     }
 
-    /// ISO 8601 in UTC, to the nanosecond (digits beyond are cut off).
+    /// Returns the time in ISO 8601, in UTC, to the nanosecond (further digits are cut off).
     pub(super) fn iso(self) -> String {
         const DAYS_1904_TO_1970: i64 = 24_107;
         let days = self.seconds.div_euclid(86_400);
@@ -137,9 +136,9 @@ impl Timestamp {
     }
 }
 
-/// Year, month and day of the Gregorian calendar, from days since 1970-01-01.
+/// Returns year, month and day of the Gregorian calendar from the days since 1970-01-01.
 fn civil(days: i64) -> (i64, i64, i64) {
-    // years that begin with March, so that the leap day is their last
+    // years are counted from March, so that the leap day is their last day
     const DAYS_IN_400_YEARS: i64 = 146_097;
     const MARCH_0000_TO_1970: i64 = 719_468;
     let days = days + MARCH_0000_TO_1970;
@@ -193,7 +192,7 @@ impl Value {
             0x08_000c => Self::Complex(bytes.f32(field)?.into(), bytes.f32(field)?.into()),
             0x10_000d => Self::Complex(bytes.f64(field)?, bytes.f64(field)?),
             code => {
-                // its size is unknown, and so is the start of the next property
+                // the size of the value is unknown, and hence the start of the next property
                 let expected =
                     "an integer, a real or complex number, a truth value, a text or a time";
                 return Err(malformed(
@@ -228,8 +227,8 @@ impl Value {
         }
     }
 
-    /// Text form among the properties of a series: numbers in the shortest form that reads back to
-    /// the same bits.
+    /// Returns the text of the value for the properties of a series: numbers in the shortest form
+    /// that reads back to the same bits.
     pub(super) fn to_text(&self) -> String {
         match self {
             Self::Integer(value) => value.to_string(),
@@ -248,8 +247,8 @@ mod tests {
 
     #[test]
     fn days_become_dates() {
-        // 1970 itself, leap days of a century year that has one and of one that has none, and the
-        // ends of a year
+        // the day 1970-01-01 itself, century years with and without a leap day, and the ends of a
+        // year
         let cases = [
             (0, (1970, 1, 1)),
             (-1, (1969, 12, 31)),
@@ -275,7 +274,7 @@ mod tests {
             seconds: 3_669_315_044,
             fraction: 1,
         };
-        // half a second and 2^-64: the latter is less than a unit of the last place
+        // half a second and 2^-64 s: the latter is less than a unit in the last place
         assert_eq!(later.since(first).to_bits(), 0.5_f64.to_bits());
         assert_eq!(first.since(later).to_bits(), (-0.5_f64).to_bits());
     }

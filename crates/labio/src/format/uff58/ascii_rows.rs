@@ -5,7 +5,7 @@ use super::header::{Header, malformed};
 use super::lines::{Line, Lines, decode};
 use crate::LabioError;
 
-/// Columns of `E13.5` and `E20.12`.
+/// Widths of the columns of `E13.5` and `E20.12`.
 const SINGLE: usize = 13;
 const DOUBLE: usize = 20;
 
@@ -19,7 +19,7 @@ pub(super) fn layout(header: &Header) -> &'static [usize] {
     }
 }
 
-/// Reads the `n` numbers after the header. On an error, `values` holds those read so far.
+/// Reads the `n` numbers after the header. After an error, `values` contains those read so far.
 pub(super) fn read(
     lines: &mut Lines<'_>,
     header: &Header,
@@ -28,7 +28,7 @@ pub(super) fn read(
 ) -> Result<(), LabioError> {
     let widths = layout(header);
     let row_width: usize = widths.iter().sum();
-    // a number takes at least two bytes, including its neighbour's blank
+    // a number takes at least two bytes, including the blank next to it
     values.reserve(n.min(lines.rest().len() / 2 + 1));
     while values.len() < n {
         if n - values.len() >= widths.len() {
@@ -82,8 +82,8 @@ fn full_row(row: &[u8], widths: &[usize], values: &mut Vec<f64>) -> bool {
     true
 }
 
-/// Returns true if the border between `field` and `tail` may run through a number: neither side has
-/// a blank there, and they are not both whole numbers that touch because the writer fills its
+/// Returns true if the border between `field` and `tail` may cut a number: neither side has a blank
+/// there, and the two sides are not complete numbers that touch because the writer fills its
 /// columns.
 fn cuts_a_number(field: &[u8], tail: &[u8]) -> bool {
     let (Some(last), Some(first)) = (field.last(), tail.first()) else {
@@ -98,7 +98,7 @@ fn cuts_a_number(field: &[u8], tail: &[u8]) -> bool {
     !(has_exponent(field) && matches!(tail, [b'0'..=b'9', b'.', ..] | [b'.', b'0'..=b'9', ..]))
 }
 
-/// Returns true if the field ends like a word for a non-finite value.
+/// Returns true if the field ends like the word for a non-finite value.
 fn is_word(field: &[u8]) -> bool {
     matches!(field.last(), Some(b'n' | b'N' | b'f' | b'F' | b'y' | b'Y'))
 }
@@ -118,8 +118,8 @@ fn has_exponent(field: &[u8]) -> bool {
     marked && (2..=3).contains(&digits)
 }
 
-/// Reads a row of any kind: a last one that is partial or filled with zeros, one with trailing
-/// blanks, or one separated by blanks instead of columns.
+/// Reads a row of any kind: a last row that is partial or filled with zeros, a row with trailing
+/// blanks, or a row separated by blanks instead of columns.
 fn any_row(
     line: Line<'_>,
     widths: &[usize],
@@ -164,7 +164,7 @@ fn any_row(
     Ok(())
 }
 
-/// Reads the columns up to the first blank one; the error is a column that holds no number.
+/// Reads the columns up to the end of the row; the error is a column that is not a number.
 fn columns<'a>(row: &'a [u8], widths: &[usize], values: &mut Vec<f64>) -> Result<(), &'a [u8]> {
     let mut rest = row.trim_ascii_end();
     for &width in widths {

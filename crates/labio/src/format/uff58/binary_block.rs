@@ -19,9 +19,9 @@ impl Packing {
     }
 }
 
-/// The packings that a header allows. An uneven abscissa beside double ordinates is single by the
-/// letter of the format (`E13.5`, `E20.12`), but double in files of the common writers; the length
-/// shows which.
+/// Returns the packings that a header allows. According to the format (`E13.5`, `E20.12`), an
+/// uneven abscissa is in single precision even with double ordinates, but the common writers store
+/// it in double precision; the length shows which one was used.
 fn packings(header: &Header) -> impl Iterator<Item = Packing> + use<> {
     let ordinate = if header.double { 8 } else { 4 };
     let ordinates_per_point = if header.complex { 2 } else { 1 };
@@ -42,7 +42,7 @@ fn packings(header: &Header) -> impl Iterator<Item = Packing> + use<> {
 /// programs, whereas the number of points is right. A CR LF before the separator, which the format
 /// forbids and some programs write, is skipped.
 ///
-/// On an error, `values` holds the numbers read so far, and `lines` is at their end.
+/// After an error, `values` contains the numbers read so far, and `lines` is at their end.
 pub(super) fn read(
     lines: &mut Lines<'_>,
     form: BinaryForm,
@@ -85,7 +85,7 @@ pub(super) fn read(
     ))
 }
 
-/// Takes the line `    -1` and a line end before it, if they come next.
+/// Consumes the line `    -1`, and a line end before it, if they come next.
 fn take_separator(lines: &mut Lines<'_>) -> bool {
     let mut ahead = *lines;
     let Some(mut line) = ahead.next_line() else {
@@ -104,9 +104,9 @@ fn take_separator(lines: &mut Lines<'_>) -> bool {
     found
 }
 
-/// Decodes the available part of a block whose end is misplaced: all points if there are enough
-/// bytes, else the whole points before the end of the file or before the separator that the stated
-/// number of bytes leads to.
+/// Decodes the available part of a block whose end is misplaced: the whole points before the
+/// separator, if the stated number of bytes leads to one; otherwise all points if there are enough
+/// bytes, else the whole points before the end of the file.
 fn salvage(
     lines: &mut Lines<'_>,
     form: BinaryForm,
@@ -135,7 +135,7 @@ fn salvage(
     }
 }
 
-/// Appends the numbers of `block`, whole points only.
+/// Appends the numbers of `block`, from whole points only.
 fn decode(block: &[u8], packing: Packing, order: ByteOrder, values: &mut Vec<f64>) {
     let point = packing.point();
     values.reserve(block.len() / packing.ordinate);
@@ -168,13 +168,14 @@ fn decode_run(bytes: &[u8], width: usize, order: ByteOrder, values: &mut Vec<f64
     }
 }
 
-/// Number of bytes of a block as written: every number in the precision of the ordinates.
+/// Returns the number of bytes of a block as written: every number in the precision of the
+/// ordinates.
 pub(super) fn n_bytes(header: &Header) -> Option<u64> {
     let packing = packings(header).next()?;
     u64::try_from(header.n_points.checked_mul(packing.point())?).ok()
 }
 
-/// Writes numbers of a block.
+/// Writes the numbers of a block.
 pub(super) struct BlockWriter<'a> {
     double: bool,
     order: ByteOrder,

@@ -9,7 +9,7 @@ use crate::{LabioError, Place};
 /// Number of records before the data.
 pub(super) const N_RECORDS: usize = 11;
 
-/// Information of the identifier line of a 58b about the bytes that follow its header.
+/// Information in the identifier line of a 58b about the bytes that follow its header.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct BinaryForm {
     pub(super) byte_order: ByteOrder,
@@ -62,7 +62,7 @@ pub(super) struct Header {
 /// Names of the four axes, for messages and properties.
 pub(super) const AXES: [&str; 4] = ["abscissa", "ordinate", "denominator", "z"];
 
-/// An error at a field of a data set 58.
+/// Creates an error at a field of a data set 58.
 pub(super) fn malformed(
     place: Place,
     field: impl Into<String>,
@@ -88,7 +88,7 @@ pub(super) struct Columns<'a> {
 }
 
 impl<'a> Columns<'a> {
-    /// The columns of `text`, which is the line of a record at `place`.
+    /// Returns the columns of `text`, the line of a record at `place`.
     pub(super) fn of(record: usize, place: Place, text: &'a str) -> Self {
         Self {
             record,
@@ -98,7 +98,7 @@ impl<'a> Columns<'a> {
     }
 
     /// Returns characters `first` to `first + width`, without the blanks around them; columns
-    /// beyond the line are blank.
+    /// beyond the end of the line count as blank.
     pub(super) fn text(&self, first: usize, width: usize) -> &str {
         let mut starts = self.text.char_indices().map(|(byte, _)| byte).skip(first);
         let Some(from) = starts.next() else {
@@ -116,7 +116,7 @@ impl<'a> Columns<'a> {
         named(self.text(first, width))
     }
 
-    /// An integer; blank columns are 0, as in Fortran.
+    /// Returns an integer; blank columns are 0, as in Fortran.
     pub(super) fn integer(
         &self,
         first: usize,
@@ -131,7 +131,7 @@ impl<'a> Columns<'a> {
             .map_err(|_| self.refused(field, text, "an integer"))
     }
 
-    /// A real number; blank columns are 0, as in Fortran.
+    /// Returns a real number; blank columns are 0, as in Fortran.
     pub(super) fn real(&self, first: usize, width: usize, field: &str) -> Result<f64, LabioError> {
         let text = self.text(first, width);
         if text.is_empty() {
@@ -208,7 +208,7 @@ pub(super) fn binary_form(line: Line<'_>) -> Result<BinaryForm, LabioError> {
 }
 
 impl Header {
-    /// Reads the eleven records at `lines`.
+    /// Reads the eleven records from `lines`.
     pub(super) fn read(lines: &mut Lines<'_>) -> Result<Self, LabioError> {
         let mut records: [Line<'_>; N_RECORDS] = [Line {
             bytes: b"",
@@ -413,14 +413,14 @@ fn integer(value: &str, width: usize, what: &str) -> Result<String, LabioError> 
     Ok(format!("{value:>width$}"))
 }
 
-/// Formats `value` in 13 columns, the first of which stays blank so that fields do not touch.
+/// Formats `value` in 13 columns; the first column stays blank so that fields do not touch.
 fn real(value: f64, half_unit: f64, what: &str) -> Result<String, LabioError> {
     let text = fortran_real::compact(value, half_unit, 12)
         .ok_or_else(|| cannot(format!("{what} {value}")))?;
     Ok(format!("{text:>13}"))
 }
 
-/// Formats `value` left-aligned; an empty text is `NONE`.
+/// Formats `value` left-aligned; an empty text becomes `NONE`.
 fn text(value: &str, width: usize, what: &str) -> Result<String, LabioError> {
     let value = value.trim();
     if value.chars().any(char::is_control) {

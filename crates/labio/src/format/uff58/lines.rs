@@ -32,7 +32,7 @@ pub(super) struct Lines<'a> {
     bytes: &'a [u8],
     position: usize,
     number: u64,
-    /// True if lines can no longer be counted, because bytes without lines came between.
+    /// True if lines can no longer be counted because a block of bytes without lines came before.
     after_bytes: bool,
 }
 
@@ -46,12 +46,13 @@ impl<'a> Lines<'a> {
         }
     }
 
-    /// The place of the next byte.
+    /// Returns the place of the next byte.
     pub(super) fn byte(&self) -> Place {
         Place::Byte(self.position as u64)
     }
 
-    /// The place of the next line: its number, or its first byte behind a block that has no lines.
+    /// Returns the place of the next line: its line number or, after a block without lines, the
+    /// offset of its first byte.
     pub(super) fn place(&self) -> Place {
         if self.after_bytes {
             self.byte()
@@ -60,7 +61,7 @@ impl<'a> Lines<'a> {
         }
     }
 
-    /// All bytes that have not been read.
+    /// Returns all bytes that have not been read.
     pub(super) fn rest(&self) -> &'a [u8] {
         self.bytes.get(self.position..).unwrap_or_default()
     }
@@ -108,7 +109,7 @@ impl<'a> Lines<'a> {
         Some(line)
     }
 
-    /// Takes `n` bytes that are no lines.
+    /// Reads `n` bytes that are not divided into lines.
     pub(super) fn take_bytes(&mut self, n: usize) -> Option<&'a [u8]> {
         let taken = self.rest().get(..n)?;
         self.position += n;

@@ -1,5 +1,5 @@
-//! Conversion between a data set 58 and a [`Series`]: fields without a place in a series are kept
-//! among its properties.
+//! Conversion between a data set 58 and a [`Series`]: fields without a place in a series become
+//! properties of the series.
 
 use std::str::FromStr;
 
@@ -16,7 +16,7 @@ const BIG_ENDIAN: &str = "binary, big-endian";
 const SINGLE: &str = "single";
 const DOUBLE: &str = "double";
 
-/// Specific data types that follow from units.
+/// Codes of specific data types that follow from units.
 const TIME: i64 = 17;
 const FREQUENCY: i64 = 18;
 const BY_DIMENSION: [(i64, Dimension); 6] = [
@@ -74,12 +74,12 @@ pub(super) fn function_type(kind: SeriesKind) -> u8 {
     }
 }
 
-/// Number of numbers at each point.
+/// Number of numbers per point.
 pub(super) fn numbers_per_point(header: &Header) -> usize {
     usize::from(!header.even) + if header.complex { 2 } else { 1 }
 }
 
-/// Creates the series of a header and the numbers after it, with as many whole points as there are.
+/// Creates the series from a header and the numbers after it, with as many points as are complete.
 pub(super) fn series(header: Header, binary: Option<BinaryForm>, values: Vec<f64>) -> Series {
     let properties = properties(&header, binary);
     let [abscissa, ordinate, denominator, _] = header.axes;
@@ -145,8 +145,8 @@ pub(super) fn series(header: Header, binary: Option<BinaryForm>, values: Vec<f64
     }
 }
 
-/// The unit of an axis. Times and frequencies need no text: they are in seconds and hertz in every
-/// system of units that universal files know.
+/// Returns the unit of an axis. Times and frequencies need no text: they are in seconds and hertz
+/// in every unit system of universal files.
 fn unit_of(axis: &AxisRecord) -> Option<Unit> {
     let text = match (axis.unit.as_str(), axis.data_type) {
         ("", TIME) => "s",
@@ -159,8 +159,8 @@ fn unit_of(axis: &AxisRecord) -> Option<Unit> {
     Unit::parse(text).ok()
 }
 
-/// Returns the degree of freedom of the response of a series that was read, for example `rig:1+X`;
-/// `None` if the file gives none.
+/// Returns the degree of freedom of the response of a series read from a file, for example
+/// `rig:1+X`; `None` if the file does not state it.
 #[must_use]
 pub fn response(series: &Series) -> Option<String> {
     const DIRECTIONS: [&str; 7] = ["", "X", "Y", "Z", "RX", "RY", "RZ"];
@@ -181,8 +181,9 @@ pub fn response(series: &Series) -> Option<String> {
     Some(format!("{}{separator}{}{direction}", dof.entity, dof.node))
 }
 
-/// Header fields without a place in a series. Empty fields (0 or no text) are left out, but not the
-/// specific data types: a missing one would be derived from the unit when the series is written.
+/// Returns the header fields without a place in a series. Empty fields (0 or no text) are left out,
+/// except the specific data types: a missing one would be derived from the unit when the series is
+/// written.
 fn properties(header: &Header, binary: Option<BinaryForm>) -> Vec<(String, String)> {
     let exponents =
         |[length, force, temperature]: [i64; 3]| format!("{length} {force} {temperature}");
@@ -209,7 +210,7 @@ fn properties(header: &Header, binary: Option<BinaryForm>) -> Vec<(String, Strin
     let z_value = (header.z_value.to_bits() != 0).then(|| format!("{:?}", header.z_value));
     fields.push(("z_value".to_owned(), z_value));
     for (index, (axis, name)) in header.axes.iter().zip(AXES).enumerate() {
-        // the first two are the axes of the series
+        // the first two axes are those of the series
         let of_series = index < 2;
         let data_type = if of_series {
             Some(axis.data_type.to_string())
@@ -241,7 +242,7 @@ fn properties(header: &Header, binary: Option<BinaryForm>) -> Vec<(String, Strin
     said.collect()
 }
 
-/// The properties that were read or set.
+/// The properties of a series, read from a file or set by the caller.
 struct Properties<'a>(&'a [(String, String)]);
 
 impl Properties<'_> {
@@ -304,8 +305,8 @@ fn cannot(key: &str, value: &str) -> LabioError {
 ///
 /// # Errors
 ///
-/// [`LabioError::CountMismatch`] if the numbers of abscissae and ordinates differ;
-/// [`LabioError::NotRepresentable`] for a property that would not read back.
+/// [`LabioError::CountMismatch`] if there are not as many abscissae as ordinates;
+/// [`LabioError::NotRepresentable`] for a property that would not read back unchanged.
 pub(super) fn header(
     series: &Series,
     encoding: Encoding,

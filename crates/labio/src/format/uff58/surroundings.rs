@@ -1,8 +1,10 @@
-//! Data sets of a universal file that say more about its functions: units (164) and nodes (15).
+//! Data sets of a universal file that contain more information about its functions: units (164) and
+//! nodes (15).
 //!
-//! Data set 164 names a system of units and the factors by which a length and a force in them are
-//! divided to be in m and N. A function without texts of units has those of its specific data types
-//! in this system, provided that name and factors agree. Data set 15 has the coordinates of nodes.
+//! Data set 164 names a unit system and the factors by which a length and a force in that system
+//! are divided to convert them to m and N. A function without unit texts has the units of its
+//! specific data types in this system, provided that name and factors agree. Data set 15 contains
+//! the coordinates of nodes.
 
 use std::collections::BTreeMap;
 
@@ -10,14 +12,15 @@ use super::header::Columns;
 use super::lines::{Lines, decode};
 use crate::{Contents, Series, Unit};
 
-/// Property of the file: code and name of its system of units.
+/// Property of the file: code and name of its unit system.
 pub const UNITS: &str = "uff58.units";
-/// Property of a series: coordinates of the node of its response, in m if the file has units.
+/// Property of a series: coordinates of the node of its response, in m if the file states its
+/// units.
 pub const POSITION: &str = "uff58.response_position";
 /// Property of a series: coordinates of the node of its reference.
 pub const REFERENCE_POSITION: &str = "uff58.reference_position";
 
-/// Units of length and force of each code.
+/// Units of length and force for each code.
 const SYSTEMS: [(i64, &str, &str); 7] = [
     (1, "m", "N"),
     (2, "ft", "lbf"),
@@ -28,22 +31,23 @@ const SYSTEMS: [(i64, &str, &str); 7] = [
     (10, "mm", "N"),
 ];
 
-/// Relative difference up to which a factor is that of a unit: factors are written with ten digits
-/// and more, and programs differ in those of a pound.
+/// Relative difference up to which a factor belongs to a unit: factors are written with ten or more
+/// digits, and programs differ in the factors of a pound.
 const SAME: f64 = 1e-5;
 
-/// Units and nodes of a file, from its other data sets.
+/// Units and nodes of a file, from data sets other than 58.
 #[derive(Debug, Default)]
 pub(super) struct Surroundings {
-    /// Length and force.
+    /// Units of length and force.
     units: Option<[Unit; 2]>,
-    /// Factor by which a length is divided to be in m.
+    /// Factor by which a length is divided to convert it to m.
     length: Option<f64>,
     nodes: BTreeMap<i64, [f64; 3]>,
 }
 
 impl Surroundings {
-    /// Reads a data set 164 with its closing separator; `None` if it is none.
+    /// Reads a data set 164 with its closing separator; `None` if the lines are not such a data
+    /// set.
     pub(super) fn read_units(
         &mut self,
         lines: &mut Lines<'_>,
@@ -81,7 +85,7 @@ impl Surroundings {
         Some(())
     }
 
-    /// Reads a data set 15 with its closing separator; `None` if it is none.
+    /// Reads a data set 15 with its closing separator; `None` if the lines are not such a data set.
     pub(super) fn read_nodes(&mut self, lines: &mut Lines<'_>) -> Option<()> {
         let mut nodes = BTreeMap::new();
         for record in 1.. {
@@ -99,7 +103,7 @@ impl Surroundings {
         Some(())
     }
 
-    /// Adds to the series of `contents` the units and positions that they do not state.
+    /// Adds units and positions to the series of `contents` that do not state them.
     pub(super) fn complete(&self, contents: &mut Contents) {
         for series in &mut contents.series {
             if let Some([length, force]) = &self.units
@@ -135,8 +139,8 @@ fn number(series: &Series, property: &str) -> Option<i64> {
     value.parse().ok()
 }
 
-/// The unit of the ordinate by its specific data type, and by that of its denominator if the file
-/// has one.
+/// Returns the unit of the ordinate from its specific data type, divided by that of its denominator
+/// if the file has one.
 fn of_types(series: &Series, length: &Unit, force: &Unit) -> Option<Unit> {
     let of = |data_type: i64| -> Option<Unit> {
         let second = Unit::parse("s").ok()?;

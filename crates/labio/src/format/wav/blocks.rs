@@ -12,12 +12,12 @@ use crate::error::check_positive;
 use crate::format::Strictness;
 use crate::{BlockSource, Channel, LabioError};
 
-/// Number of bytes read at once: large enough that system calls cost little, small enough for the
-/// cache.
+/// Number of bytes read at once: large enough to make the cost of system calls negligible, small
+/// enough for the cache.
 const BUFFER_BYTES: usize = 1 << 16;
 
-/// The samples of a WAVE file from beginning to end, in SI, in memory that does not grow with the
-/// file.
+/// The samples of a WAVE file from beginning to end, in SI units, in memory that does not grow with
+/// the file.
 ///
 /// # Examples
 ///
@@ -76,13 +76,13 @@ impl Blocks<File> {
 }
 
 impl<R: Read + Seek> Blocks<R> {
-    /// Opens `source`, whose channels are named by `channels`; `full_scale` is the value of a
-    /// sample of 1 in the SI unit of each channel.
+    /// Opens `source`, whose channels are named by `channels`; for each channel, `full_scale` is
+    /// the value of a sample of 1 in the SI unit.
     ///
     /// # Errors
     ///
-    /// [`LabioError`] if a strict reading rejects the file, or unless there are one channel and one
-    /// positive full scale for every channel of the file.
+    /// [`LabioError`] if a strict reading rejects the file, or if there is not exactly one channel
+    /// and one positive full scale for every channel of the file.
     pub fn new(
         mut source: R,
         channels: &[Channel],

@@ -6,7 +6,7 @@ use super::{FORMAT, WavEncoding};
 use crate::format::{Strictness, text};
 use crate::{LabioError, Place};
 
-/// Largest text chunk that is read.
+/// Greatest length of a text chunk that is read.
 const LONGEST_TEXT: u64 = 1 << 20;
 
 /// End of the sub-format identifier of plain waves, after the two bytes of the format tag.
@@ -14,7 +14,7 @@ const SUBFORMAT: [u8; 14] = [
     0x00, 0x00, 0x00, 0x00, 0x10, 0x00, 0x80, 0x00, 0x00, 0xaa, 0x00, 0x38, 0x9b, 0x71,
 ];
 
-/// Length of a chunk whose writer did not set it.
+/// Length stated for a chunk whose writer did not set it.
 const OPEN: u32 = u32::MAX;
 
 /// Layout of the file and format of its samples.
@@ -23,9 +23,9 @@ pub(super) struct Layout {
     pub(super) encoding: WavEncoding,
     pub(super) n_channels: u16,
     pub(super) sampling_rate_hz: u32,
-    /// First byte of the samples.
+    /// Offset of the first byte of the samples.
     pub(super) data_start: u64,
-    /// Number of existing sample bytes, a multiple of the bytes of a frame.
+    /// Number of existing sample bytes, a multiple of the bytes per frame.
     pub(super) data_length: u64,
     pub(super) properties: Vec<(String, String)>,
 }
@@ -38,7 +38,7 @@ struct Sound {
 }
 
 impl Layout {
-    /// Bytes of one sample of every channel.
+    /// Returns the number of bytes of a frame: one sample of every channel.
     pub(super) fn frame_bytes(&self) -> usize {
         usize::from(self.n_channels) * usize::from(self.encoding.bytes())
     }
@@ -143,7 +143,7 @@ fn io(source: std::io::Error) -> LabioError {
 
 struct Chunk {
     id: [u8; 4],
-    /// First byte of the body.
+    /// Offset of the first byte of the body.
     start: u64,
     /// Announced length of the body in bytes.
     length: u64,
@@ -153,11 +153,11 @@ struct Chunk {
 struct Chunks<'a, R> {
     source: &'a mut R,
     next: u64,
-    /// The end of the file, or of the part that the first header announces if that is shorter.
+    /// The end of the file, or the end announced by the first header if that comes earlier.
     end: u64,
     file_length: u64,
     announced_end: Option<u64>,
-    /// Length of the samples that a file beyond 4 GiB gives before all chunks.
+    /// Length of the samples as stated before all chunks, in a file beyond 4 GiB.
     long_data: Option<u64>,
     torn_header: bool,
 }
@@ -207,7 +207,7 @@ impl<'a, R: Read + Seek> Chunks<'a, R> {
         Ok(chunks)
     }
 
-    /// Compares the length of the file with the announced one.
+    /// Compares the length of the file with the length announced.
     fn check_end(
         &mut self,
         defect: &mut dyn FnMut(LabioError) -> Result<(), LabioError>,
@@ -363,7 +363,7 @@ fn read_fmt<R: Read + Seek>(
     })
 }
 
-/// The texts of a list of type `INFO`, by their four letters.
+/// Reads the texts of a list of type `INFO`, each named by four letters.
 fn info(body: &[u8], properties: &mut Vec<(String, String)>) {
     let Some(mut rest) = body.strip_prefix(b"INFO") else {
         return;
@@ -379,7 +379,7 @@ fn info(body: &[u8], properties: &mut Vec<(String, String)>) {
     }
 }
 
-/// The texts of the broadcast extension, at fixed places.
+/// Reads the texts of the broadcast extension, which are at fixed offsets.
 fn bext(body: &[u8], properties: &mut Vec<(String, String)>) {
     let fields = [
         ("description", 0..256),

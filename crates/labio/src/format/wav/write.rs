@@ -1,4 +1,4 @@
-//! Writing WAVE files.
+//! Writing of WAVE files.
 
 use std::io::Write;
 
@@ -8,9 +8,9 @@ use crate::{Abscissa, Contents, LabioError, Ordinate, Series, SeriesKind};
 
 /// A writer of WAVE files with a chosen encoding.
 ///
-/// The series must be histories of one length and one whole rate in Hz, starting at 0 s, and in
-/// fractions of full scale if the encoding is PCM. A sample beyond full scale is an error: nothing
-/// is clipped. Files beyond 4 GiB become RF64. Labels of axes are not kept.
+/// The series must be time histories of the same length and rate, a whole number of Hz, that start
+/// at 0 s, and in fractions of full scale if the encoding is PCM. A sample beyond full scale is an
+/// error: nothing is clipped. Files beyond 4 GiB become RF64. Labels of axes are not kept.
 ///
 /// # Examples
 ///
@@ -75,7 +75,7 @@ fn cannot_hold(what: impl Into<String>) -> LabioError {
     }
 }
 
-/// Contents that the format is known to hold.
+/// Contents that have been checked to be representable in the format.
 struct Checked<'a> {
     samples: Vec<&'a [f64]>,
     n_frames: usize,
@@ -96,7 +96,7 @@ fn write(
             .map_err(|source| LabioError::Write { source })
     };
     put(&header)?;
-    // a few thousand frames at a time, so that a slow output is not called per sample
+    // a few thousand frames at a time, so that a slow output is not called for every sample
     let mut buffer = Vec::new();
     let mut written = 0;
     for frame in 0..checked.n_frames {
@@ -204,7 +204,7 @@ fn check_series<'a>(
     Ok(samples)
 }
 
-/// Returns the rate, if it is whole and gives exactly the step.
+/// Returns the rate if it is a whole number of Hz and gives exactly the step.
 fn rate(series: &Series) -> Result<u32, LabioError> {
     let Abscissa::Even { start, step } = series.abscissa else {
         return Err(cannot_hold("uneven times"));
@@ -226,7 +226,7 @@ fn rate(series: &Series) -> Result<u32, LabioError> {
     Ok(rate as u32)
 }
 
-/// Largest magnitude of an integer encoding.
+/// Largest magnitude that an integer encoding can represent.
 fn full_scale(encoding: WavEncoding) -> f64 {
     2.0_f64.powi(8 * i32::from(encoding.bytes()) - 1)
 }
@@ -267,7 +267,7 @@ fn encode(encoding: WavEncoding, sample: f64, to: &mut Vec<u8>) {
     }
 }
 
-/// A list of texts, or nothing.
+/// Returns a list of texts, or nothing if there are none.
 fn info(texts: &[(&str, String)]) -> Result<Vec<u8>, LabioError> {
     if texts.is_empty() {
         return Ok(Vec::new());
@@ -293,7 +293,7 @@ fn info(texts: &[(&str, String)]) -> Result<Vec<u8>, LabioError> {
     Ok(list)
 }
 
-/// The bytes before the samples.
+/// Returns the bytes before the samples.
 fn header(encoding: WavEncoding, checked: &Checked<'_>) -> Result<Vec<u8>, LabioError> {
     let n_channels = u16::try_from(checked.samples.len())
         .map_err(|_| cannot_hold(format!("{} channels", checked.samples.len())))?;
@@ -306,7 +306,7 @@ fn header(encoding: WavEncoding, checked: &Checked<'_>) -> Result<Vec<u8>, Labio
     format.extend(u16::to_le_bytes(if float { 3 } else { 1 }));
     format.extend(n_channels.to_le_bytes());
     format.extend(checked.sampling_rate_hz.to_le_bytes());
-    // bytes per second, for players; the largest value if it does not fit
+    // bytes per second, for players; the largest value if the true one does not fit
     let bytes_a_second = u64::from(checked.sampling_rate_hz) * u64::from(frame_bytes);
     format.extend(
         u32::try_from(bytes_a_second)
@@ -349,7 +349,7 @@ fn header(encoding: WavEncoding, checked: &Checked<'_>) -> Result<Vec<u8>, Labio
             header.extend((riff_length + 36).to_le_bytes());
             header.extend(data_length.to_le_bytes());
             header.extend((checked.n_frames as u64).to_le_bytes());
-            header.extend(0_u32.to_le_bytes()); // no other long chunk
+            header.extend(0_u32.to_le_bytes()); // no other chunks beyond 4 GiB
             header.extend(chunks);
             header.extend(b"data");
             header.extend(u32::MAX.to_le_bytes());
@@ -364,7 +364,8 @@ mod tests {
 
     #[test]
     fn beyond_four_gib_the_lengths_stand_in_their_own_chunk() {
-        // the samples of one channel stand in for all of them: the header needs their count only
+        // the samples of one channel stand in for those of all channels: the header needs only
+        // their number
         let one = [0.0; 1];
         let checked = Checked {
             samples: vec![&one; 100],

@@ -49,7 +49,7 @@ fn cut_off() -> LabioError {
     refused("cut off or broken")
 }
 
-/// The worksheets as text tables.
+/// Returns the worksheets as text tables.
 pub(super) fn worksheets(file: &[u8]) -> Result<Vec<Worksheet>, LabioError> {
     let stream = compound::workbook(file)?;
     let mut budget = Budget::new(FORMAT, MemoryLimit::of_file(file.len()));
@@ -88,7 +88,7 @@ pub(super) fn worksheets(file: &[u8]) -> Result<Vec<Worksheet>, LabioError> {
     Ok(worksheets)
 }
 
-/// Cells of the worksheet that begins at a place of the stream.
+/// Reads the cells of the worksheet that begins at offset `begin` of the stream.
 fn worksheet(
     stream: &[u8],
     begin: usize,
@@ -97,7 +97,7 @@ fn worksheet(
     budget: &mut Budget,
 ) -> Result<super::Filled, LabioError> {
     let mut filled = super::Filled::default();
-    // rows that hold nothing are lines too, and cells before others are signs
+    // empty rows become lines too, and the cells before others become tabs
     let mut count = |n: usize, each: usize| budget.take(n, each, crate::Place::Byte(0), "cells");
     count(usize::from(u16::MAX), 1)?;
     let mut depth = 0_u32;
@@ -171,7 +171,7 @@ fn worksheet(
                 let cell = Cell::of(data)?;
                 let value: [u8; 8] = bytes(data, 6)?;
                 match value {
-                    // the text is in a record of its own
+                    // the text is in a separate record
                     [0, .., 0xff, 0xff] => of_formula = Some(cell),
                     [kind @ (1 | 2), _, value, .., 0xff, 0xff] => {
                         add(cell, of_byte(value, kind == 2))?;
@@ -192,7 +192,7 @@ fn worksheet(
     Ok(filled)
 }
 
-/// A truth, or the error of a cell.
+/// Returns the text of a truth value, or of the error of a cell.
 fn of_byte(value: u8, is_error: bool) -> String {
     if is_error {
         return format!("#ERROR {value}");
@@ -200,8 +200,8 @@ fn of_byte(value: u8, is_error: bool) -> String {
     (value != 0).to_string()
 }
 
-/// A number in four bytes: an integer of 30 bits or the upper half of a double, possibly divided by
-/// 100.
+/// Returns a number stored in four bytes: an integer of 30 bits or the upper half of a double,
+/// possibly divided by 100.
 fn short_number(bytes: [u8; 4]) -> f64 {
     let all = u32::from_le_bytes(bytes);
     let value = if all & 2 == 0 {
@@ -212,7 +212,7 @@ fn short_number(bytes: [u8; 4]) -> f64 {
     if all & 1 == 0 { value } else { value / 100.0 }
 }
 
-/// Returns true if a cell of this display shows a date or a time of day.
+/// Returns true if a cell with this number format shows a date or a time of day.
 fn shows_date(display: &str) -> bool {
     let (mut quoted, mut bracketed, mut escaped) = (false, false, false);
     display.chars().any(|sign| {

@@ -6,14 +6,14 @@ use rand_distr::{Distribution, StandardNormal};
 
 const LINES: usize = 300;
 
-/// |Ψ| of a rod of low loss: between 0.15 and 1.2, a resonance every 60 lines.
+/// Returns Ψ of a rod of low loss: |Ψ| is between 0.15 and 1.2, with a resonance every 60 lines.
 fn ratio_of(line: usize) -> Complex64 {
     let x = Complex64::new(0.15 + 1e-3 * line as f64, 0.052 * line as f64);
     x.cosh()
 }
 
-/// Ψ, its variance from the coherence, and G₂₂, of hits that are drawn directly: spectra of unit
-/// power, and noise of a given power in both on every line.
+/// Ψ, its variance from the coherence, and G₂₂, for hits whose spectra are drawn directly: spectra
+/// of given power, and noise of a given power in both channels on every line.
 struct Hits {
     ratio: Vec<Complex64>,
     variance: Vec<f64>,
@@ -69,15 +69,15 @@ impl Hits {
         .unwrap()
     }
 
-    /// Ratio of the stated to the true variance of a line.
+    /// Returns the ratio of the stated to the true variance of a line.
     fn quotient(&self, pooled: &PooledVariance, line: usize, noise: [f64; 2]) -> f64 {
         let power = noise[0] + ratio_of(line).norm_sqr() * noise[1];
         pooled.variance[line] * self.averages * self.power[line] / power
     }
 }
 
-/// Means over lines and records: a ratio of 1, with the scatter 2/ν of the stated degrees of
-/// freedom.
+/// Checks means over lines and records: the mean ratio of stated to true variance is 1, with the
+/// scatter 2/ν of the stated degrees of freedom.
 #[test]
 fn r14_pooled_variances_scatter_as_their_degrees_of_freedom_say() {
     for (count, records) in [(2, 40), (3, 40), (4, 30), (10, 20)] {
@@ -88,7 +88,7 @@ fn r14_pooled_variances_scatter_as_their_degrees_of_freedom_say() {
             let pooled = hits.pooled();
             for line in 0..LINES {
                 let quotient = hits.quotient(&pooled, line, noise);
-                // few lines keep their own
+                // few lines keep their own variance
                 if pooled.freedom[line].line > 2.5 * hits.averages {
                     mean += quotient;
                     scatter += (quotient - 1.0).powi(2);
@@ -106,10 +106,10 @@ fn r14_pooled_variances_scatter_as_their_degrees_of_freedom_say() {
             (scatter / said - 1.0).abs() < 0.25,
             "{count}: {scatter} {said}"
         );
-        // ceil(80/ν) lines of ν = 2(n - 1) degrees of freedom each: all of them go to one
-        // coefficient where the other is 0, whose leverage is one by the number of lines,
-        // 80 of three hits and 90 of ten; half of them, in the mean, to each of two, with 20 % for
-        // the ends
+        // ceil(80/ν) lines with ν = 2(n - 1) degrees of freedom each. All of these belong to one
+        // coefficient where the other is 0, with a leverage of one divided by the number of lines:
+        // 80 for three hits and 90 for ten. If both coefficients are fitted, each gets half of them
+        // on average, with 20 % allowed for the ends
         let freedom = 2.0 * n / said;
         let alone = 2.0 * (count as f64 - 1.0);
         let most = alone * (80.0 / alone).ceil();
@@ -120,8 +120,8 @@ fn r14_pooled_variances_scatter_as_their_degrees_of_freedom_say() {
     }
 }
 
-/// Mains noise: one line with a hundred times the noise keeps its own variance, and its neighbours
-/// keep theirs.
+/// Mains noise: one line with a hundred times the noise keeps its own variance and does not affect
+/// its neighbours.
 #[test]
 fn r14_a_line_with_noise_of_its_own_is_not_pooled() {
     let noise = |line: usize| {
@@ -135,13 +135,13 @@ fn r14_a_line_with_noise_of_its_own_is_not_pooled() {
         let hits = Hits::drawn(seed, 4, noise);
         let pooled = hits.pooled();
         if hits.variance[100] * hits.power[100] < 20.0 * 1e-5 / 4.0 {
-            continue; // by chance no larger than that of others
+            continue; // by chance no larger than on other lines
         }
         assert!((pooled.variance[100] / hits.variance[100] - 1.0).abs() < 1e-12);
         assert!((pooled.freedom[100].line - 6.0).abs() < 1e-12);
         let beside = hits.quotient(&pooled, 102, noise(102));
         assert!((0.3..2.5).contains(&beside), "{beside}");
-        // the contribution of a line remains its own
+        // the contribution of a line is unchanged
         assert!(
             pooled
                 .freedom
@@ -161,7 +161,7 @@ fn r14_lines_with_rough_noise_keep_their_own() {
     // many averages need no neighbours
     let many = Hits::drawn(2, 30, |_| [1e-5, 0.0]);
     assert_eq!(many.pooled().variance, many.variance);
-    // correlated lines add up to less
+    // correlated lines have fewer degrees of freedom together
     let few = Hits::drawn(3, 3, |_| [1e-5, 0.0]);
     assert!((few.by_lines(4.0).freedom[50].own - 1.0).abs() < 1e-12);
 }

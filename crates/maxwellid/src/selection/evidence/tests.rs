@@ -46,7 +46,7 @@ fn ln_sum(integrand: &Integrand<'_>) -> f64 {
                     continue;
                 }
                 let share = (at(&next) - top).exp();
-                // what is beyond is a ten-thousandth of the sum
+                // the rest outside is a ten-thousandth of the sum
                 if share > 1e-5 {
                     sum += share;
                     edge.push(next);
@@ -57,8 +57,8 @@ fn ln_sum(integrand: &Integrand<'_>) -> f64 {
     top + f64::ln(sum) + axes as f64 * width.ln()
 }
 
-/// Calls `with` with the problem of a candidate about its most probable parameters, the mean of ln E
-/// in its prior moved by so many of its standard deviations.
+/// Calls `with` with the problem of a candidate about its most probable parameters; the mean of ln
+/// E in its prior is moved by `by` of its standard deviations.
 fn about_the_peak<R>(
     candidate: &Candidate,
     tests: &[RodTest],
@@ -82,7 +82,7 @@ fn each(candidate: &Candidate, tests: &[RodTest]) -> [f64; 3] {
     with_prior_moved(candidate, tests, 0.0)
 }
 
-/// [`each`] with the mean of ln E in the prior moved by so many of its standard deviations.
+/// [`each`] with the mean of ln E in the prior moved by `by` of its standard deviations.
 fn with_prior_moved(candidate: &Candidate, tests: &[RodTest], by: f64) -> [f64; 3] {
     about_the_peak(candidate, tests, by, |problem, probable, factor| {
         let likelihood = |chi_square: f64| -0.5 * chi_square;
@@ -105,8 +105,8 @@ fn with_prior_moved(candidate: &Candidate, tests: &[RodTest], by: f64) -> [f64; 
     })
 }
 
-/// One parameter that the data determine has a normal posterior: Laplace's method is exact but for
-/// the curvature of χ² over a standard error, a ten-thousandth of ln E.
+/// One parameter that the data determine has a normal posterior: Laplace's method is exact except
+/// for the curvature of χ² over a standard error, a ten-thousandth of ln E.
 #[test]
 fn laplace_has_the_evidence_of_a_normal_posterior() {
     for seed in 3..6 {
@@ -117,8 +117,8 @@ fn laplace_has_the_evidence_of_a_normal_posterior() {
     }
 }
 
-/// Data that determine E: a prior two standard deviations off costs half of its square, by all three
-/// ways.
+/// Data that determine E: a prior two standard deviations off costs half of its square, in all
+/// three computations.
 #[test]
 fn a_prior_that_is_off_costs_half_its_square() {
     let test = [test_of(&Elastic, 0.005, 3)];
@@ -133,15 +133,14 @@ fn a_prior_that_is_off_costs_half_its_square() {
     }
 }
 
-/// Candidates of so many parameters, where the data determine them and where they do not.
+/// Candidates with so many parameters, where the data determine them and where they do not.
 fn assert_as_by_a_grid(parameters: usize) {
     let maxwell = Maxwell::new(1.5e6).unwrap();
     let norton = MaxwellNorton::from_reference_rate(2.0, 12.0, 10e6).unwrap();
     let data = [
         test_of(&maxwell, 0.01, 1),
         test_of(&norton, 0.01, 2),
-        // nothing to be seen of a damping: what is left of a relaxation time is the prior beyond a
-        // bound
+        // no damping is visible: of a relaxation time only the prior beyond a bound remains
         test_of(&Elastic, 0.02, 3),
     ];
     let mut off = Vec::new();
@@ -170,7 +169,7 @@ fn r01_the_evidence_of_three_parameters_is_that_of_a_grid() {
     assert_as_by_a_grid(3);
 }
 
-/// Student's t of four degrees of freedom by another implementation.
+/// Student's t with four degrees of freedom by another implementation.
 #[test]
 fn quantiles_are_those_of_students_t() {
     use statrs::distribution::{ContinuousCDF, StudentsT};
@@ -238,8 +237,8 @@ fn skewed() -> Proposal {
     }
 }
 
-/// The density of a proposal integrates to one, and its points are distributed by it: below the
-/// centre along the first axis lies a third of them, the share of the scale on that side.
+/// The density of a proposal integrates to one, and its points are distributed accordingly: a third
+/// of them is below the centre along the first axis, the share of the scale on that side.
 #[test]
 fn points_of_a_proposal_are_distributed_by_its_density() {
     let proposal = skewed();
@@ -253,7 +252,7 @@ fn points_of_a_proposal_are_distributed_by_its_density() {
             below += if z[0] < 0.5 { share } else { 0.0 };
         }
     }
-    // what lies beyond ±60: some 1e-5 of t with four degrees of freedom
+    // the part beyond ±60 is some 1e-5 of t with four degrees of freedom
     assert!((all - 1.0).abs() < 1e-3, "{all}");
     assert!((below - 1.0 / 3.0).abs() < 1e-3, "{below}");
     let steps = recurrence_steps(2);
@@ -263,13 +262,13 @@ fn points_of_a_proposal_are_distributed_by_its_density() {
     let share = |is_in: &dyn Fn(&[f64]) -> bool| {
         points.iter().filter(|z| is_in(z)).count() as f64 / points.len() as f64
     };
-    // evenly spread points: some in a thousand
+    // evenly spread points: an error of some thousandths
     assert!((share(&|z| z[0] < 0.5) - 1.0 / 3.0).abs() < 2e-3);
-    // half of a half-distribution lies within the quartile of t, 0.741, of its scale
+    // half of a half-distribution is within the quartile of t, 0.741, times its scale
     let quartile = t4_quantile(0.75);
     let within = share(&|z| z[0] > 0.5 - 1.5 * quartile && z[0] < 0.5 + 3.0 * quartile);
     assert!((within - 0.5).abs() < 2e-3, "{within}");
-    // along the second axis a third below the line of the first
+    // along the second axis a third of the points is below the line of the first axis
     let along = |z: &[f64]| solved(&proposal.factor, &[z[0] - 0.5, z[1] + 1.0])[1];
     assert!((share(&|z| along(z) < 0.0) - 1.0 / 3.0).abs() < 2e-3);
     let row = proposal.covariances(1).unwrap();
@@ -302,7 +301,7 @@ fn weights_are_ratios_to_the_mixture_of_proposals() {
 }
 
 /// A normal posterior has the scale of its standard deviation on either side and no ridge; beyond a
-/// bound of a relaxation time, where only the prior remains, there is one.
+/// bound of a relaxation time, where only the prior remains, there is a ridge.
 #[test]
 fn proposals_follow_a_posterior_where_it_is_wider_than_its_normal() {
     let likelihood = |chi_square: f64| -0.5 * chi_square;
@@ -316,12 +315,13 @@ fn proposals_follow_a_posterior_where_it_is_wider_than_its_normal() {
             factor,
         };
         for scale in integrand.scales().iter().flatten() {
-            // a relaxation time known to some per cent: its logarithm is normal to as much
+            // a relaxation time known to some per cent: its logarithm is normal to the same
+            // accuracy
             assert!((0.9..1.2).contains(scale), "{scale}");
         }
         assert!(integrand.ridges().is_empty());
     });
-    // of two branches where there is one, the share of the second is not told
+    // two branches for data of one branch: the data do not determine the share of the second
     let test = [test_of(&Maxwell::new(1.5e6).unwrap(), 0.01, 1)];
     let two = Candidate::of(Law::TwoMaxwellBranches);
     about_the_peak(&two, &test, 0.0, |problem, probable, factor| {
@@ -344,7 +344,8 @@ fn proposals_follow_a_posterior_where_it_is_wider_than_its_normal() {
             let Some(next) = integrand.next_on_ridge(&first, axis, sign) else {
                 continue;
             };
-            // three standard deviations along the axis, which has one of one at the start
+            // three standard deviations along the axis, whose standard deviation is one at the
+            // start
             let along = next.centre[axis];
             assert!((along - 3.0 * sign).abs() < 1e-9, "{along}");
             let Some(after) = integrand.next_on_ridge(&next, axis, sign) else {
@@ -360,7 +361,7 @@ fn proposals_follow_a_posterior_where_it_is_wider_than_its_normal() {
         let found = evidence(problem, probable, (&likelihood, 0.1)).unwrap();
         assert!(found.error < 0.1, "{found:?}");
     });
-    // of a damping that is not seen a rate above that of the prior is excluded, one below is not
+    // without visible damping, a rate above that of the prior is excluded, a rate below is not
     let test = [test_of(&Elastic, 0.02, 3)];
     let gurevich = Candidate::of(Law::GurevichRabinovich);
     about_the_peak(&gurevich, &test, 0.0, |problem, probable, factor| {
@@ -374,7 +375,7 @@ fn proposals_follow_a_posterior_where_it_is_wider_than_its_normal() {
         let [below, above] = integrand.scales()[2];
         let [down, up] = [-1.0, 1.0].map(|z| integrand.at(&[0.0, 0.0, z]));
         assert!(up < down - 1.0 && above < 0.5 * below, "{below} {above}");
-        // no model beyond its bounds, on either side
+        // the model does not exist beyond its bounds, on either side
         for bound in [problem.bounds()[0].0 - 0.1, problem.bounds()[0].1 + 0.1] {
             let z = (bound - centre[0]) / integrand.factor[0][0];
             assert!(integrand.at(&[z, 0.0, 0.0]) == f64::NEG_INFINITY);
@@ -382,8 +383,8 @@ fn proposals_follow_a_posterior_where_it_is_wider_than_its_normal() {
     });
 }
 
-/// An integrand a hundred times as narrow as every proposal ends with its points, and says how
-/// little they tell.
+/// An integrand a hundred times as narrow as every proposal ends at the largest number of points,
+/// with a large error.
 #[test]
 fn an_integrand_that_no_proposal_meets_ends_with_a_large_error() {
     let test = [test_of(&Maxwell::new(1.5e6).unwrap(), 0.01, 1)];

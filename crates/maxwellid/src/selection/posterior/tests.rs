@@ -14,8 +14,8 @@ fn a_misfit_is_settled_by_a_hundredth_of_evidence_or_a_ten_thousandth_of_itself(
     assert!(is_settled(10_000.0, 10_000.9) && !is_settled(10_000.0, 10_001.1));
 }
 
-/// Of a record whose noise hides the response, the misfit of a start is that of its prior: four at
-/// two standard deviations. The rest of it goes with the inverse square of the noise.
+/// For a record whose noise hides the response, the misfit of a start is that of its prior: four at
+/// two standard deviations. The rest of the misfit varies with the inverse square of the noise.
 #[test]
 fn a_start_is_judged_by_the_records_and_by_the_prior() {
     let test = test_of(&Elastic, 0.005, 3);
@@ -33,14 +33,14 @@ fn a_start_is_judged_by_the_records_and_by_the_prior() {
     assert!((misfit(1e9) - 4.0).abs() < 1e-9);
     let ratio = (misfit(0.1) - 4.0) / (misfit(0.2) - 4.0);
     assert!((ratio - 4.0).abs() < 1e-9, "{ratio}");
-    // a pulse of 8 m/s that arrives a fraction of its length away: not a record of the right rod
+    // a pulse of 8 m/s arrives late by a fraction of its length, unlike that of the right rod
     let at_truth = contest.rough_misfit(&[3e9_f64.ln()], &[0.1]).unwrap();
     let at_start = misfit(0.1);
     assert!(at_truth < 0.1 * at_start, "{at_truth} {at_start}");
 }
 
-/// A special case that leads to no better minimum is not taken, whatever χ² it promised; one that
-/// the prior kept the fit from is.
+/// A special case that leads to no better minimum is not taken, whatever χ² it promised; a case
+/// that promises no better χ² is not even followed.
 #[test]
 fn the_likeliest_parameters_are_those_of_the_least_misfit() {
     let tests = [test_of(&Maxwell::new(1.5e6).unwrap(), 0.005, 20)];
@@ -64,7 +64,7 @@ fn the_likeliest_parameters_are_those_of_the_least_misfit() {
     for (a, b) in found.parameters.iter().zip(&alone.parameters) {
         assert!((a - b).abs() < 1e-4, "{a} {b}");
     }
-    // one that promises no less than the fit is not even followed
+    // a case that promises no better χ² than the fit is not even followed
     let worse = [limiting(vec![0.0, 0.0], alone.chi_square)];
     let found = contest.likeliest(&probable, &worse).unwrap().unwrap();
     assert_eq!(found.parameters, alone.parameters);

@@ -15,8 +15,8 @@ use crate::{Outcome, RodlabError};
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct AssemblySheet {
-    /// The struck point: the name of a member, such as `"rod"`, for its impact face, or of a member
-    /// and its point, such as `"rod, end"`.
+    /// The struck point: the name of a member, such as `"rod"`, for its impact face, or the names
+    /// of a member and its point, such as `"rod, end"`.
     pub face: String,
     /// The members.
     pub members: Vec<MemberSheet>,
@@ -30,7 +30,7 @@ pub struct AssemblySheet {
 pub struct MemberSheet {
     /// Name of the member, without a comma.
     pub name: String,
-    /// The body. A `Chain` has two points, `face` and `end`; other bodies have their `face` alone.
+    /// The body. A `Chain` has two points, `face` and `end`; other bodies have only a `face`.
     #[serde(default)]
     pub body: Option<BodySheet>,
     /// Measured mobilities of several points.
@@ -44,37 +44,38 @@ pub struct MemberSheet {
 pub struct MeasuredPointsSheet {
     /// Names of the points.
     pub points: Vec<String>,
-    /// The mobility of each point, and of each pair of points once, or once in either direction: both
-    /// are compared, and their mean is taken.
+    /// The mobility of each point, and of each pair of points in one direction or in both: two
+    /// directions are compared, and their mean is used.
     pub mobilities: Vec<PairSheet>,
     /// Upper frequency of the lines used; by default all lines.
     #[serde(default)]
     pub up_to: Option<Exact<Frequency>>,
-    /// Support of the body, as of a measured body.
+    /// Support of the body, stated like that of a measured body.
     #[serde(default)]
     pub support: SupportSheet,
-    /// Replacement of low-frequency lines of a free body by its weighed mass; by default they stay
-    /// as measured.
+    /// Replacement of low-frequency lines of a free body by its weighed mass; by default the lines
+    /// stay as measured.
     #[serde(default)]
     pub complete: Option<CompletionSheet>,
     /// Standard uncertainty of the scale, common to all mobilities, such as `"1 %"`.
     #[serde(default)]
     pub scale_uncertainty: Option<Exact<Ratio>>,
-    /// Standard uncertainty of the delay of the response behind the force, common to all mobilities.
+    /// Standard uncertainty of the delay of the response relative to the force, common to all
+    /// mobilities.
     #[serde(default)]
     pub delay_uncertainty: Option<Exact<Duration>>,
 }
 
-/// A measured mobility between two points, or of one.
+/// A measured mobility at one point, or between two points.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PairSheet {
-    /// The two points, that of the response first, such as `("shank", "edge")`; twice the same for
-    /// the mobility of one.
+    /// The two points, the point of the response first, such as `("shank", "edge")`; for a mobility
+    /// at one point, that point twice.
     pub between: (String, String),
     /// The file.
     pub response: ResponseFile,
-    /// Characteristic impedance of the material at the point, of the mobility of one, such as
+    /// Characteristic impedance of the material at the point, for a mobility at one point, such as
     /// `"2250 kg/s ± 2 %"`.
     #[serde(default)]
     pub front_impedance: Option<Stated<SpecificImpedance>>,
@@ -89,7 +90,8 @@ pub(crate) struct BothDirections {
 }
 
 impl BothDirections {
-    /// Part of the lines that may contradict by faults of single lines, such as those of the mains.
+    /// Fraction of the lines that may contradict because of faults on single lines, such as mains
+    /// hum.
     const FEW: f64 = 0.01;
 
     /// States the comparison; more than a few contradicting lines put the answer in doubt.
@@ -123,29 +125,29 @@ impl BothDirections {
     }
 }
 
-/// A joint between two points: rigid, unless stiffness or resistance are stated.
+/// A joint between two points: rigid, unless a stiffness or a resistance is stated.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct JointSheet {
-    /// The two points, such as `("rod, end", "bit")`; `"ground"` does not move.
+    /// The two points, such as `("rod, end", "bit")`; the point `"ground"` does not move.
     pub between: (String, String),
     /// Stiffness of a spring.
     #[serde(default)]
     pub stiffness: Option<Stated<Stiffness>>,
-    /// Resistance of a dashpot beside the spring.
+    /// Resistance of a dashpot in parallel with the spring.
     #[serde(default)]
     pub resistance: Option<Stated<SpecificImpedance>>,
 }
 
-/// Name of what does not move.
+/// Name of the point that does not move.
 const GROUND: &str = "ground";
 
 /// Names of the points of a computed body.
 const FACES: [&str; 2] = ["face", "end"];
 
 impl MeasuredPointsSheet {
-    /// The measurements of the pair of points with these indices, as of a body at its face: one, or
-    /// one in either direction.
+    /// Returns the measurements of the pair of points with these indices, each in the form of a
+    /// measured body: one, or one per direction.
     fn of_pair(
         &self,
         row: usize,
@@ -203,8 +205,8 @@ impl MeasuredPointsSheet {
         }
     }
 
-    /// The measured mobilities, read one after the other by `read`, which is told whether a pair is
-    /// one point, and the comparisons of pairs measured in both directions.
+    /// Returns the measured mobilities, and the comparisons of pairs measured in both directions.
+    /// `read` reads one mobility; its second argument is true for a mobility at one point.
     pub(crate) fn read(
         &self,
         field: &str,
@@ -261,7 +263,7 @@ impl MemberSheet {
 }
 
 impl AssemblySheet {
-    /// Joins the members that `member` makes by their index.
+    /// Joins the members, which `member` creates from their indices.
     ///
     /// # Errors
     ///
@@ -324,7 +326,7 @@ impl AssemblySheet {
         })
     }
 
-    /// The member of this index, which must be computed.
+    /// Returns the member with this index, which must be a computed body.
     pub(crate) fn computed_member(
         &self,
         at: usize,
@@ -342,7 +344,8 @@ impl AssemblySheet {
         }
     }
 
-    /// The point of a text such as `"rod"` or `"rod, end"`; the ground follows the members.
+    /// Returns the point named in a text such as `"rod"` or `"rod, end"`; the ground has the index
+    /// after the last member.
     fn point(&self, text: &str, place: &str) -> Result<Point, RodlabError> {
         if text.trim() == GROUND {
             return Ok(Point::of(self.members.len(), 0));

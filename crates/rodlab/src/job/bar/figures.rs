@@ -1,5 +1,5 @@
-//! Figures: attenuation and phase velocity, the waves at the gauge and at the ends, what the model
-//! leaves.
+//! Figures: attenuation and phase velocity, the waves at the gauge and at the ends, and the
+//! residual of the model.
 
 use rodfigure::{Figure, Mark, Panel, Role};
 
@@ -40,7 +40,7 @@ pub(super) fn propagation(lines: &[Line]) -> Result<Figure, RodlabError> {
     })
 }
 
-/// The first shot: its passages, its waves, and what the model leaves.
+/// The first shot: its passages, its waves, and the residual of the model.
 pub(super) fn waves(waves: &Waves, passages: &Passages) -> Vec<Figure> {
     let step = 1e3 / waves.rate_hz;
     let times = |n: usize| -> Vec<f64> { (0..n).map(|at| step * at as f64).collect() };

@@ -8,30 +8,31 @@ use crate::RodlabError;
 use crate::job::JobContext;
 use crate::sheet::{Exact, Time};
 
-/// Part of the peak above which a sample is of the pulse.
+/// Fraction of the peak above which a sample belongs to the pulse.
 const OF_PULSE: f64 = 0.02;
-/// Part of the peak beyond which a sample of the other sign is of the reflected pulse.
+/// Fraction of the peak beyond which a sample of the other sign belongs to the reflected pulse.
 const OF_REFLECTED: f64 = 0.05;
-/// Standard deviations of the noise above which a sample is none.
+/// Number of standard deviations of the noise above which a sample is not noise.
 const NO_NOISE: f64 = 8.0;
-/// Part of the way from the incident to the reflected front in which the gauge must be at rest.
+/// Fraction of the time from the incident to the reflected front in which the gauge must be at
+/// rest.
 const QUIET: f64 = 0.03;
-/// Part by which the guess of the wave speed may be off.
+/// Relative error that the guess of the wave speed may have.
 const GUESS: f64 = 0.25;
 
-/// From and to, measured from the beginning of a record.
+/// Start and end, measured from the beginning of a record.
 pub(super) type Window = (Exact<Time>, Exact<Time>);
 
 /// The first shot, and the pulse in it.
 pub(super) struct Passages {
     pub(super) rate_hz: f64,
-    /// History of each gauge less its level at rest.
+    /// History of each gauge minus its level at rest.
     pub(super) histories: Vec<Vec<f64>>,
     /// First sample of the pulse at each gauge.
     pub(super) first: Vec<usize>,
-    /// Samples of the incident and of the reflected pulse, of one gauge.
+    /// Samples of the incident and of the reflected pulse, for a single gauge.
     pub(super) windows: Option<[Range<usize>; 2]>,
-    /// Size above which a sample of the first gauge is of the pulse.
+    /// Absolute value above which a sample of the first gauge belongs to the pulse.
     threshold: f64,
 }
 
@@ -90,7 +91,7 @@ impl Passages {
         Ok(found)
     }
 
-    /// The windows of one gauge as a sheet states them.
+    /// Returns the windows of a single gauge in the form of a sheet.
     pub(super) fn stated_windows(&self) -> Result<Option<[Window; 2]>, RodlabError> {
         let stated = |window: &Range<usize>| -> Result<Window, RodlabError> {
             Ok((self.time(window.start)?, self.time(window.end)?))
@@ -101,7 +102,7 @@ impl Passages {
         }
     }
 
-    /// Time of a sample as a sheet states it.
+    /// Time of a sample in the form of a sheet.
     fn time(&self, sample: usize) -> Result<Exact<Time>, RodlabError> {
         let text = format!("{} us", 1e6 * sample as f64 / self.rate_hz);
         text.parse()
@@ -171,7 +172,7 @@ impl Passages {
                 ms(apart)
             )));
         }
-        // the wave from the struck end comes next
+        // the next wave is that from the struck end
         let behind = sheet.bar.length.si() - gauge.distance();
         let until_next = 0.9 * apart as f64 * behind / gauge.distance();
         let margin = quiet / 4;
@@ -191,8 +192,8 @@ impl Passages {
         Ok([from..from + length, back..back + length])
     }
 
-    /// The end of the pulse that begins at sample `first`, and the front of the one that comes back
-    /// with the other sign.
+    /// Returns the end of the pulse that begins at sample `first`, and the front of the pulse that
+    /// returns with the other sign.
     fn reflection(&self, history: &[f64], first: usize) -> Reflection {
         let sign = history.get(first).map_or(1.0, |x| x.signum());
         let behind = history.get(first..).unwrap_or_default();
@@ -226,15 +227,16 @@ fn samples(time: f64, rate_hz: f64) -> Option<usize> {
     labio::hits::Extent::Seconds(time).samples(rate_hz).ok()
 }
 
-/// The incident pulse and what comes back.
+/// The incident pulse and its reflection.
 struct Reflection {
-    /// Sample behind the last one of the incident pulse.
+    /// First sample after the incident pulse.
     end: usize,
     /// First sample of the reflected pulse.
     front: Option<usize>,
 }
 
-/// A history less its level in the silence, the size of a sample of the pulse, and the first one.
+/// Returns the history minus its level in the silence, the size from which a sample belongs to the
+/// pulse, and the first such sample.
 fn at_rest(
     history: &[f64],
     rate_hz: f64,
@@ -242,7 +244,7 @@ fn at_rest(
     at: usize,
 ) -> Result<(Vec<f64>, f64, usize), RodlabError> {
     let silence = samples(sheet.silent.si(), rate_hz).unwrap_or(usize::MAX);
-    // the pulse may begin in a silence that is stated too long
+    // the pulse may begin in a silence that is stated too long: only its first half is used
     let rest = history.get(..silence / 2).unwrap_or_default();
     if rest.len() < 8 || silence >= history.len() {
         return Err(RodlabError::request(

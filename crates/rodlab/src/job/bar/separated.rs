@@ -1,5 +1,5 @@
-//! Waves along and against the bar at its gauge and its ends, from the first gauge and the free
-//! end, and what the model leaves of the record.
+//! Waves towards the free end and from it, at the gauge and at the ends of the bar, found from the
+//! first gauge and the free end; and the residual of the model.
 
 use num_complex::Complex64;
 use rodwave::fourier::RealFourier;
@@ -9,23 +9,23 @@ use super::passages::Passages;
 use super::table::Line;
 use crate::outcome::{CHECK, Quantity};
 
-/// Parts of the last valid frequency between which the waves are faded out.
+/// Frequencies between which the waves are faded out, as fractions of the last valid frequency.
 const FALLS: [f64; 2] = [0.75, 1.25];
-/// Most passages by the gauge that are summed.
+/// Maximum number of passages of the gauge that are summed.
 const MOST_PASSAGES: usize = 400;
 
-/// Most rounds through the bar that are marked.
+/// Maximum number of round trips through the bar that are marked.
 const MOST_DRAWN: u32 = 4;
 
 /// Histories of the waves of the first shot.
 pub(super) struct Waves {
     /// Times \[s\] at which the front of the first passage comes back to each gauge.
     pub(super) returns: Vec<Vec<f64>>,
-    /// Place, wave towards the free end, wave from it.
+    /// Place, wave towards the free end, wave from the free end.
     pub(super) at: Vec<(String, Vec<f64>, Vec<f64>)>,
     /// Gauge whose history the model predicts.
     pub(super) gauge: String,
-    /// Its history in the band, in the scale of the first gauge.
+    /// History of that gauge in the band, in the scale of the first gauge.
     pub(super) measured: Vec<f64>,
     /// The prediction.
     pub(super) predicted: Vec<f64>,
@@ -33,7 +33,7 @@ pub(super) struct Waves {
 }
 
 impl Waves {
-    /// Root mean square of what the model leaves, over that of the history.
+    /// Root mean square of the residual of the model, relative to that of the history.
     pub(super) fn misfit(&self) -> Quantity {
         let pairs = self.measured.iter().zip(&self.predicted);
         let left: f64 = pairs.map(|(a, b)| (a - b).powi(2)).sum();
@@ -49,7 +49,8 @@ impl Waves {
     }
 }
 
-/// Lines of a transform with the propagation coefficient between the valid lines.
+/// Lines of a Fourier transform, with the propagation coefficient interpolated between the valid
+/// lines.
 struct Band {
     transform: RealFourier,
     n_samples: usize,
@@ -67,7 +68,7 @@ impl Band {
         let gamma = |line: usize| {
             let f = frequency(line);
             let after = valid.partition_point(|line| line.frequency_hz < f);
-            // beyond the lines speed and loss stay as they are there
+            // outside the valid lines, gamma/f is that of the nearest one
             let (below, above) = match (after.checked_sub(1), valid.get(after)) {
                 (Some(below), Some(above)) => (valid.get(below).copied().unwrap_or(first), *above),
                 (None, _) => (*first, *first),
@@ -112,7 +113,8 @@ impl Band {
         weighted.map(|(line, weight)| line * weight).collect()
     }
 
-    /// A history from its lines, each times a function of the propagation coefficient.
+    /// Returns a history from its lines, each multiplied by a function of the propagation
+    /// coefficient.
     fn history(&mut self, lines: &[Complex64], of: impl Fn(Complex64) -> Complex64) -> Vec<f64> {
         let factors = self.gamma.iter().map(|gamma| of(*gamma));
         for ((to, from), factor) in self.transform.lines().iter_mut().zip(lines).zip(factors) {
@@ -142,7 +144,8 @@ pub(super) fn of(lines: &[Line], sheet: &BarSheet, passages: &Passages) -> Optio
         (0..passes).fold(Complex64::ONE, |sum, _| 1.0 + once * sum)
     };
     let along = band.history(&strain, sum);
-    // the end of the record is a step, whose lines above the band would grow on the way back
+    // the end of the record is a step, whose lines above the band would grow as the wave is traced
+    // back
     let in_band = band.spectrum(&along);
     let along = band.transformed(&along);
     let carried = |way: f64| move |gamma: Complex64| (-gamma * way).exp();
@@ -154,8 +157,8 @@ pub(super) fn of(lines: &[Line], sheet: &BarSheet, passages: &Passages) -> Optio
         ("at the struck end".to_owned(), length),
     ] {
         let mut towards = band.history(&in_band, carried(to_end - from_end));
-        // what passes the struck end last comes to the gauge after the record, and the step at its
-        // end is spread over two periods
+        // the last waves that pass the struck end reach the gauge after the record, and the step at
+        // the end of the record is spread over two periods
         let periods = 2.0 / valid.last()?.frequency_hz;
         let known = duration - (from_end - to_end).max(0.0) / slowest - periods;
         for (at, sample) in towards.iter_mut().enumerate() {
@@ -186,7 +189,7 @@ pub(super) fn of(lines: &[Line], sheet: &BarSheet, passages: &Passages) -> Optio
             let both = band.history(&along, |gamma| {
                 (-gamma * (to_end - from_end)).exp() - (-gamma * (to_end + from_end)).exp()
             });
-            // the estimate finds the ratio of the calibrations as well
+            // the estimate also finds the ratio of the calibrations
             let products = measured.iter().zip(&both);
             let (product, square) =
                 products.fold((0.0, 0.0), |(p, s), (a, b)| (p + a * b, s + a * a));

@@ -13,8 +13,8 @@ use crate::outcome::{Column, Table};
 /// Probability of the bands.
 const LEVEL: f64 = 0.95;
 
-/// Waves of the bar on a line, as they are: with the lateral inertia that the modulus is corrected
-/// for.
+/// Waves of the bar on a line as measured, that is with the lateral inertia for which the modulus
+/// is corrected.
 pub(super) struct Line {
     pub(super) frequency_hz: f64,
     /// $`\gamma = \alpha + ik`$ [1/m].
@@ -51,7 +51,7 @@ pub(super) fn lines(found: &Found<'_>, sheet: &BarSheet) -> Vec<Line> {
     let of = |(at, line): (usize, &ModulusLine)| {
         let gamma = line.propagation_coefficient;
         let correction = corrections.and_then(|all| all.get(at));
-        // the wave that was measured: gamma^2 = -rho omega^2/E with the modulus as it appears
+        // the wave that was measured: gamma^2 = -rho omega^2/E with the apparent modulus
         let measured = correction.map_or(gamma, |correction| {
             let omega = std::f64::consts::TAU * line.frequency_hz;
             Complex64::new(0.0, omega) * (density / correction.apparent_modulus).sqrt()
@@ -112,7 +112,7 @@ pub(super) fn of(lines: &[Line]) -> Result<Table, RodlabError> {
     })
 }
 
-/// A sentence on the valid line in the middle.
+/// A sentence about the valid line in the middle.
 pub(super) fn in_words(lines: &[Line]) -> Result<Option<String>, RodlabError> {
     let valid: Vec<&Line> = lines.iter().filter(|line| line.is_valid).collect();
     let Some(line) = valid.get(valid.len() / 2) else {

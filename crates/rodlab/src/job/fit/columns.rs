@@ -20,7 +20,7 @@ use crate::sheet::{Duration, Exact, Temperature};
 use cmod::estimate::ComplexCovariance;
 use cmod::rheology::TransientTest;
 
-/// Files of one layout, each a table with one row for each frequency or time, and temperature.
+/// Files of the same layout, each a table with one row for each frequency or time and temperature.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct TableSheet {
@@ -30,17 +30,17 @@ pub struct TableSheet {
     /// Column of the frequency, by name or by number from 1.
     #[serde(default)]
     pub frequency: Option<Selector>,
-    /// Column of the angular frequency instead.
+    /// Column of the angular frequency, instead of the frequency.
     #[serde(default)]
     pub angular_frequency: Option<Selector>,
-    /// Column of the time since the load began to grow, of relaxation and creep.
+    /// Column of the time since the beginning of the loading, for relaxation and creep.
     #[serde(default)]
     pub time: Option<Selector>,
-    /// Time in which the load grew, in proportion to time, before it was held, such as `"0.5 s"`; 0, a
-    /// step, by default. Rows up to its end are left out.
+    /// Time in which the load grew, in proportion to time, before it was held, such as `"0.5 s"`;
+    /// by default 0, a step. Rows up to the end of this ramp are left out.
     #[serde(default)]
     pub ramp: Option<Exact<Duration>>,
-    /// Times used, such as `(from: "1 s", to: "1000 s")`; all behind the ramp by default.
+    /// Times used, such as `(from: "1 s", to: "1000 s")`; by default all after the ramp.
     #[serde(default)]
     pub times: Option<TimesSheet>,
     /// Columns of the modulus.
@@ -91,17 +91,17 @@ pub enum ModulusColumns {
         /// Column of δ.
         phase: Selector,
     },
-    /// Stress over the held strain, over time.
+    /// Stress divided by the held strain, over time.
     Relaxation {
         /// Column of E(t).
         modulus: Selector,
     },
-    /// Strain over the held stress, over time.
+    /// Strain divided by the held stress, over time.
     Creep {
         /// Column of J(t).
         compliance: Selector,
     },
-    /// The held stress over strain, over time.
+    /// The held stress divided by the strain, over time.
     CreepModulus {
         /// Column of 1/J(t).
         modulus: Selector,
@@ -109,7 +109,7 @@ pub enum ModulusColumns {
 }
 
 impl ModulusColumns {
-    /// Test of moduli over time; `None` for those over frequency.
+    /// Kind of test for moduli over time; `None` for moduli over frequency.
     pub(super) fn test(&self) -> Option<TransientTest> {
         match self {
             Self::Parts { .. }
@@ -126,7 +126,7 @@ impl ModulusColumns {
 pub enum TemperatureSheet {
     /// A column of measured temperatures.
     Column(Selector),
-    /// One temperature of all rows, such as `"23 degC"`.
+    /// One temperature for all rows, such as `"23 degC"`.
     Stated(Exact<Temperature>),
 }
 
@@ -136,9 +136,9 @@ pub(super) struct Row {
     /// Index of the file among the inputs, and its path with the line.
     pub(super) file: usize,
     pub(super) place: String,
-    /// Frequency, or 1/(2πt) of a row over time.
+    /// Frequency, or 1/(2πt) for a row over time.
     pub(super) frequency_hz: f64,
-    /// Test of a row over time, and the time of its ramp \[s\].
+    /// Test of a row over time, and the duration of its ramp \[s\].
     pub(super) over_time: Option<(TransientTest, f64)>,
     /// Complex modulus, or E(t) or 1/J(t) \[Pa\].
     pub(super) modulus: Complex64,
@@ -154,7 +154,7 @@ impl Row {
         self.over_time.map(|_| (TAU * self.frequency_hz).recip())
     }
 
-    /// Its frequency or time.
+    /// Frequency or time of the row.
     pub(super) fn abscissa(&self) -> String {
         let seconds = |time| format!("{} s", short(time));
         self.time()
@@ -270,7 +270,7 @@ fn rows(
             ))
         };
         if over_time.is_some() {
-            // times at 0 or before it are no frequencies
+            // times of 0 or below have no frequency
             let time = (TAU * frequency_hz).recip();
             let within = |times: &TimesSheet| times.from.si() <= time && time <= times.to.si();
             let is_held = time > ramp && time.is_finite();

@@ -16,23 +16,25 @@ use crate::outcome::LogEntry;
 use crate::sheet::{Exact, Ratio};
 use crate::{Outcome, RodlabError};
 
-/// Relative standard error of the weights where none is stated, of E' and E'' alike as a part of
-/// |E|: the error of an instrument that measures absolute value and phase. The scatter gives the
-/// errors of the results, and the ratio of the two; the size matters only for which temperatures
-/// agree where they overlap.
+/// Relative standard error assumed for the weights of rows without stated errors: the same fraction
+/// of |E| for E' and for E'', as for an instrument that measures absolute value and phase. The
+/// scatter gives the errors of the results, and the ratio of the errors of |E| and of the phase;
+/// the assumed size only decides which temperatures agree where they overlap.
 const ASSUMED: f64 = 0.01;
 /// Multiples of [`ASSUMED`] that are tried until all temperatures are joined.
 const MULTIPLES: [f64; 4] = [1.0, 2.0, 4.0, 8.0];
-/// Ratio of the scatter of |E| to that of the phase, or its inverse, below which they count as
-/// equal: from 169 rows it is known to 8 %.
+/// Factor between the ratio of the scatters of |E| and of the phase and the same ratio of the
+/// weights, below which the two ratios count as equal: from 169 rows the ratio of the scatters is
+/// known to 8 %.
 const EQUAL: f64 = 1.2;
-/// Maximum number of fits with weights from the scatter about the fit before.
+/// Maximum number of fits; each after the first has weights from the scatter about the previous
+/// fit.
 const MOST_FITS: u32 = 4;
-/// Greatest such ratio of the weights.
+/// Largest ratio of the assumed errors of |E| and of the phase, or its inverse.
 const MOST_UNEQUAL: f64 = 10.0;
-/// Standard errors below 0 at which a loss modulus counts as negative, not as noise.
+/// Number of standard errors below 0 from which a loss modulus counts as negative, not as noise.
 const NEGATIVE: f64 = 3.0;
-/// Standard errors of the slope from which a modulus rises with time.
+/// Number of standard errors of the slope from which a modulus counts as rising with time.
 const RISING: f64 = 4.0;
 
 /// Standard errors of the moduli.
@@ -66,7 +68,7 @@ pub enum ErrorsSheet {
     OverTime(Exact<Ratio>),
 }
 
-/// Basis of the errors of a sheet, of which all tables or none state them.
+/// Returns the basis of the errors of a sheet, in which either all tables or none state them.
 pub(super) fn scale(sheet: &FitSheet) -> ErrorScale {
     if sheet.tables.iter().all(|table| table.errors.is_some()) {
         ErrorScale::Stated
@@ -210,7 +212,7 @@ fn independent(storage: f64, loss: f64) -> ComplexCovariance {
     covariance
 }
 
-/// Covariance for the error of E' and an independent one of tan δ: E'' = E' tan δ.
+/// Covariance from independent errors of E' and of tan δ: E'' = E' tan δ.
 fn with_loss_factor(modulus: Complex64, storage: f64, loss_factor: f64) -> ComplexCovariance {
     let tan = modulus.im / modulus.re;
     let mut covariance = ComplexCovariance::circular(0.0);
@@ -220,7 +222,7 @@ fn with_loss_factor(modulus: Complex64, storage: f64, loss_factor: f64) -> Compl
     covariance
 }
 
-/// Covariance for a relative error of |E| and an independent one of the phase.
+/// Covariance from independent errors: a relative one of |E|, and one of the phase.
 fn polar(modulus: Complex64, magnitude: f64, phase: f64) -> ComplexCovariance {
     let (along, across) = (
         (magnitude * modulus.norm()).powi(2),
@@ -251,8 +253,8 @@ impl Scatter {
         phase: ASSUMED,
     };
 
-    /// Takes the scatter of measured moduli about fitted ones; `None` without moduli over frequency,
-    /// the only ones with a phase.
+    /// Returns the scatter of measured moduli about fitted ones; `None` without moduli over
+    /// frequency, since only these have a phase.
     pub(super) fn about(
         rows: impl Iterator<Item = (Complex64, Complex64, Option<f64>)>,
     ) -> Option<Self> {
@@ -271,8 +273,8 @@ impl Scatter {
         })
     }
 
-    /// Returns errors of the size that is assumed in the ratio of the two; `None` where that of the
-    /// weights `used` counts as equal.
+    /// Returns errors of the assumed size in the ratio of the two scatters; `None` if this ratio
+    /// counts as equal to that of the weights `used`.
     fn unlike(self, used: Self) -> Option<Self> {
         let ratio = |of: Self| (of.magnitude / of.phase).clamp(MOST_UNEQUAL.recip(), MOST_UNEQUAL);
         let (own, before) = (ratio(self), ratio(used));
@@ -284,9 +286,9 @@ impl Scatter {
     }
 }
 
-/// Returns what `fit` makes of the rows. Where their errors are not stated, and |E| and the phase
-/// scatter about the result in another ratio than they were weighed, they are weighed in that ratio
-/// and fitted again.
+/// Returns the result of `fit` for the rows. If their errors are not stated, and |E| and the phase
+/// scatter about the result in another ratio than that of their weights, the rows are weighted in
+/// the new ratio and fitted again.
 pub(super) fn weighted<T>(
     scale: ErrorScale,
     mut fit: impl FnMut(Scatter) -> Result<T, RodlabError>,
@@ -307,9 +309,9 @@ pub(super) fn weighted<T>(
     Ok(fitted)
 }
 
-/// Data of all steps with their temperatures, and the relative error that was assumed where none is
-/// stated, of which the `weights` give the parts of |E| and phase: the least that joins as many
-/// temperatures as any.
+/// Returns the data of all steps with their temperatures, and the relative error that was assumed
+/// if none is stated: the smallest with which the largest number of temperatures is joined.
+/// `weights` are the errors of |E| and of the phase before their multiplication.
 pub(super) fn data_of_all(
     sheet: &FitSheet,
     steps: &[Step],
@@ -330,7 +332,7 @@ pub(super) fn data_of_all(
         }))?;
         let joined = match super::master::joined(sheet, &data)? {
             Some(joined) => joined,
-            // one temperature
+            // only one temperature
             None => return Ok((data, Some(multiple * ASSUMED))),
         };
         if best.as_ref().is_none_or(|(most, ..)| joined > *most) {
@@ -345,9 +347,9 @@ pub(super) fn data_of_all(
     }))
 }
 
-/// Adds a draw of the errors of every row, and of the scale of all. The covariances are then twice as
-/// large, as the rows have their own errors and the drawn ones: the weights of the rows and what
-/// their agreement decides stay those of the result.
+/// Adds a draw of the error of every row, and of the common scale. The covariances are doubled,
+/// because the rows then have their own errors and the drawn ones: their weights, and every
+/// decision from their agreement, stay as in the result.
 pub(super) fn draw(sheet: &FitSheet, steps: &mut [Step], draw: &Draw) {
     let error = sheet.scale_uncertainty.as_ref().map_or(0.0, Exact::si);
     let scale = 1.0 + error * draw.standard();
@@ -409,8 +411,8 @@ fn data(
     .map_err(refused)
 }
 
-/// Puts the result in doubt for losses below 0 by more than their errors; where no errors are
-/// stated, for any.
+/// Puts the result in doubt for loss moduli below 0 by more than their errors; if no errors are
+/// stated, for any loss modulus below 0.
 pub(super) fn judge_losses(outcome: &mut Outcome, steps: &[Step]) {
     let mut negative = Vec::new();
     for step in steps {
@@ -440,7 +442,7 @@ pub(super) fn judge_losses(outcome: &mut Outcome, steps: &[Step]) {
     }
 }
 
-/// Puts the result in doubt for moduli over time that rise with time by more than their scatter.
+/// Puts the result in doubt for moduli that rise with time by more than their scatter.
 pub(super) fn judge_rises(outcome: &mut Outcome, steps: &[Step]) {
     let mut rising = Vec::new();
     for step in steps {
@@ -462,7 +464,7 @@ pub(super) fn judge_rises(outcome: &mut Outcome, steps: &[Step]) {
     }
 }
 
-/// Slope of the straight line through points, in its standard errors by their scatter.
+/// Slope of the straight line through points, divided by its standard error from their scatter.
 fn slope_in_errors(points: &[(f64, f64)]) -> f64 {
     let n = points.len() as f64;
     let mean = |of: fn(&(f64, f64)) -> f64| points.iter().map(of).sum::<f64>() / n;

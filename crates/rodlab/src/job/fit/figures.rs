@@ -13,9 +13,9 @@ use super::steps::{Step, to_celsius};
 use super::{Found, Sweep};
 use crate::RodlabError;
 
-/// Points of a curve.
+/// Number of points of a curve.
 const POINTS: u32 = 161;
-/// Most temperatures that are all named in the legend.
+/// Maximum number of temperatures that are all named in the legend.
 const MOST_NAMED: usize = 8;
 
 pub(super) fn figures(found: &Found<'_>) -> Result<Vec<Figure>, RodlabError> {
@@ -45,7 +45,7 @@ pub(super) fn measured(found: &Found<'_>) -> Vec<Figure> {
     figures
 }
 
-/// Rows of a step that are over time, or those that are not.
+/// Rows of a step over time, or those over frequency.
 fn rows(step: &Step, over_time: bool) -> impl Iterator<Item = &Row> {
     let rows = step.rows.iter();
     rows.filter(move |row| row.over_time.is_some() == over_time)
@@ -75,7 +75,8 @@ fn over_time(found: &Found<'_>) -> Figure {
     }
 }
 
-/// Name of a step in the legend: of many, the first, the middle and the last are named.
+/// Name of a step in the legend: if there are many, only the first, the middle and the last are
+/// named.
 fn name(found: &Found<'_>, index: usize) -> String {
     let count = found.steps.len();
     let is_named = count <= MOST_NAMED || [0, count / 2, count - 1].contains(&index);
@@ -138,8 +139,8 @@ fn moduli(found: &Found<'_>) -> Figure {
     }
 }
 
-/// Loss angle over |E|, loss factor over E' and E'' over E', without frequency: temperatures of one
-/// curve lie on one line, as far as no factor is needed.
+/// Loss angle over |E|, loss factor over E' and E'' over E', without frequency: the temperatures of
+/// a master curve coincide, as far as no factor is needed.
 fn black_diagram(found: &Found<'_>) -> Figure {
     let (unit, pascal) = found.pascal;
     let symbol = found.symbol();

@@ -14,8 +14,8 @@ use crate::sheet::{Exact, Temperature};
 
 use super::steps::celsius;
 
-/// Probability of χ² below which the temperatures make no single curve, and a law is not that of
-/// the shifts.
+/// Probability of χ² below which the temperatures do not form a single curve, and below which a law
+/// does not fit the shifts.
 pub(super) const CHANCE: f64 = 0.01;
 /// Largest distance of a stated shift from the temperature of its step \[K\].
 const NEAR: f64 = 1.0;
@@ -41,7 +41,7 @@ pub enum StatedShiftsSheet {
     },
     /// log a_T at temperatures, up to a constant.
     Table(
-        /// One for each step.
+        /// One shift for each step.
         Vec<StatedShift>,
     ),
 }
@@ -50,7 +50,7 @@ pub enum StatedShiftsSheet {
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct StatedShift {
-    /// Temperature, within 1 K of that of a step.
+    /// Temperature, within 1 K of the temperature of a step.
     pub at: Exact<Temperature>,
     /// log₁₀ a_T.
     pub log10_shift: f64,
@@ -81,8 +81,8 @@ pub(super) fn options(sheet: &FitSheet, error_scale: ErrorScale) -> FitOptions {
     options.with_series_profiles(false)
 }
 
-/// Number of temperatures that overlaps or stated shifts join with the reference; `None` for fewer
-/// than two.
+/// Returns the number of temperatures that overlaps or stated shifts join with the reference;
+/// `None` for fewer than two temperatures.
 pub(super) fn joined(
     sheet: &FitSheet,
     data: &[(f64, ModulusData)],
@@ -97,7 +97,7 @@ pub(super) fn joined(
     Ok(Some(joined.len()))
 }
 
-/// Fits the master curve; the inner error is one of the data.
+/// Fits the master curve; the inner error is due to the data.
 pub(super) fn of(
     sheet: &FitSheet,
     sweep: TemperatureSweep,
@@ -121,7 +121,7 @@ pub(super) fn of(
     )
 }
 
-/// Adds the statements of the sheet to a sweep; returns the index of its reference as well.
+/// Adds the statements of the sheet to a sweep; also returns the index of its reference.
 fn stated(
     sheet: &FitSheet,
     mut sweep: TemperatureSweep,

@@ -6,10 +6,10 @@ use rodfigure::{Axis, Figure, Mark, Panel, Role};
 use super::Found;
 use super::steps::celsius;
 
-/// Most lines of temperature: the curves of a figure that are told apart.
+/// Maximum number of temperature lines: more curves in a figure are hard to distinguish.
 const MOST_LINES: usize = 5;
-/// Decades of frequency shown below and above the measured ones: a master curve is asked for
-/// frequencies at which nothing was measured, higher ones as a rule.
+/// Decades of frequency shown below and above the measured ones: a master curve is used at
+/// frequencies at which nothing was measured, usually higher ones.
 const DECADES_BELOW: i32 = 2;
 const DECADES_ABOVE: i32 = 4;
 
@@ -93,7 +93,7 @@ fn reduced_frequency() -> Axis {
     Axis::logarithmic("reduced frequency", "Hz")
 }
 
-/// Up to [`MOST_LINES`] places among `count`, the first and the last included.
+/// Returns up to [`MOST_LINES`] of `count` places, including the first and the last.
 fn evenly(count: usize) -> impl Iterator<Item = usize> {
     let lines = count.min(MOST_LINES);
     (0..lines).map(move |line| line * (count - 1) / (lines - 1).max(1))

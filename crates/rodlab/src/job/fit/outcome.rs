@@ -14,12 +14,13 @@ use crate::digits::{hertz, percent, short, significant};
 use crate::laws::WHITE;
 use crate::outcome::{CHECK, LogEntry, Quantity, Verdict};
 
-/// Standard errors by which a shift must rise with temperature to be wrong.
+/// Number of standard errors by which a shift must rise with temperature to be wrong.
 const RISES: f64 = 2.0;
-/// Largest distance of the reference from the temperature in the sheet without a warning \[K\].
+/// Largest difference between the reference and the temperature in the sheet without a warning
+/// \[K\].
 const NEAR_REFERENCE: f64 = 1.0;
 
-/// The sentence on unstated errors.
+/// Adds the warning that no errors are stated.
 pub(super) fn errors_in_words(outcome: &mut Outcome, shifted: &Shifted) {
     if let Some(assumed) = shifted.assumed {
         let ratio = shifted.weights.magnitude / shifted.weights.phase;
@@ -51,7 +52,7 @@ pub(super) fn state(outcome: &mut Outcome, found: &Found<'_>) {
     }
 }
 
-/// Sentences about laws that could not be fitted.
+/// Adds sentences about laws that could not be fitted.
 pub(super) fn of_laws(outcome: &mut Outcome, found: &Found<'_>, comparison: Option<&Comparison>) {
     let Some(best) = comparison.and_then(Comparison::best) else {
         let reasons: Vec<String> = outcome
@@ -81,7 +82,7 @@ pub(super) fn of_laws(outcome: &mut Outcome, found: &Found<'_>, comparison: Opti
     }
 }
 
-/// Sentence on one temperature.
+/// Adds the sentence about a single temperature.
 fn of_step(outcome: &mut Outcome, found: &Found<'_>, step: &Step) {
     let (unit, pascal) = found.pascal;
     let symbol = found.symbol();
@@ -176,7 +177,7 @@ fn of_sweep(outcome: &mut Outcome, found: &Found<'_>, sweep: &Sweep) {
     }
 }
 
-/// Root mean square of what the series leaves, as a part of |E|.
+/// Root mean square of the residuals of the series, as a fraction of |E|.
 fn residual(curve: &MasterCurve) -> f64 {
     let squares = curve.points.iter().filter_map(|point| {
         let relative = (point.modulus - point.fitted).norm() / point.modulus.norm();
@@ -396,7 +397,7 @@ fn of_shift_laws(outcome: &mut Outcome, own: &ShiftLaws, by_scatter: Option<&Shi
             )
         },
     });
-    // log a falls by this much per K at the reference, whichever law holds
+    // log a falls by this much per K at the reference, whichever law applies
     let slope = wlf.slope / LN_10;
     outcome.summary.push(if is_arrhenius && is_wlf {
         format!(

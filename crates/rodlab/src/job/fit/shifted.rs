@@ -11,11 +11,11 @@ use super::steps::Step;
 use super::{FitSheet, Sweep};
 use crate::RodlabError;
 
-/// Data of the steps with their weights, several temperatures as one curve.
+/// Data of the steps with their weights; several temperatures form one curve.
 pub(super) struct Shifted {
     pub(super) curve: Curve,
     error_scale: ErrorScale,
-    /// Relative error that was assumed to join temperatures, where none is stated.
+    /// Relative error that was assumed to join temperatures, if none is stated.
     pub(super) assumed: Option<f64>,
     pub(super) weights: Scatter,
 }
@@ -50,7 +50,7 @@ impl Shifted {
         })
     }
 
-    /// Returns the scatter of the rows about a Prony series; `None` where there is none.
+    /// Returns the scatter of the rows about a Prony series; `None` without a series.
     pub(super) fn scatter(&self) -> Option<Scatter> {
         match &self.curve {
             Curve::Single(data) => {

@@ -11,13 +11,13 @@ use crate::records::Selector;
 use crate::sheet::{Exact, Temperature};
 use crate::{Outcome, RodlabError};
 
-/// Default of the largest distance of neighbouring temperatures within a step \[K\].
+/// Default of the largest difference between neighbouring temperatures within a step \[K\].
 const WITHIN: f64 = 1.0;
-/// Largest range of the temperatures of a step found by distances, in these distances.
+/// Largest temperature range of a step found by differences, as a multiple of that difference.
 const MOST_SPREAD: f64 = 3.0;
-/// Fewest frequencies of a step.
+/// Minimum number of frequencies of a step.
 const FEWEST: usize = 3;
-/// Relative distance up to which two frequencies are one.
+/// Relative difference up to which two frequencies are the same.
 const SAME_FREQUENCY: f64 = 1e-9;
 
 /// Rows that belong to one step of temperature.
@@ -25,8 +25,8 @@ const SAME_FREQUENCY: f64 = 1e-9;
 pub enum StepsSheet {
     /// Rows whose temperatures follow each other within this difference, such as `"1 K"`.
     Within(Exact<Temperature>),
-    /// Rows with equal numbers in this column, such as that of a set temperature or of the number
-    /// of the step.
+    /// Rows with equal numbers in this column, such as the set temperature or the number of the
+    /// step.
     Column(Selector),
     /// Rows of one file.
     ByFile,
@@ -66,7 +66,8 @@ impl Step {
         }
     }
 
-    /// Its rows by their tests: those over frequency, and those over time with one load and one ramp.
+    /// Returns the rows by test: those over frequency, and those over time of one kind of test with
+    /// one ramp.
     pub(super) fn by_test(&self) -> Vec<Vec<Row>> {
         let mut parts: Vec<Vec<Row>> = Vec::new();
         for row in &self.rows {
@@ -82,12 +83,12 @@ impl Step {
         parts
     }
 
-    /// Its temperature in °C.
+    /// Temperature of the step in °C.
     pub(super) fn in_words(&self) -> String {
         celsius(self.temperature)
     }
 
-    /// Largest absolute value of its moduli \[Pa\].
+    /// Largest absolute value of the moduli \[Pa\].
     pub(super) fn largest(&self) -> f64 {
         self.rows
             .iter()
@@ -101,7 +102,7 @@ pub(super) fn celsius(kelvin: f64) -> String {
     format!("{} \u{b0}C", short(to_celsius(kelvin)))
 }
 
-/// A temperature \[K\] as a number of °C, without digits of rounding.
+/// A temperature \[K\] as a number of °C, without rounding errors.
 pub(super) fn to_celsius(kelvin: f64) -> f64 {
     ((kelvin - 273.15) * 1e9).round() / 1e9
 }
@@ -184,7 +185,7 @@ pub(super) fn of(
 
 /// Order of a number, as bits that are equal for equal numbers.
 fn order_of(key: f64) -> u64 {
-    // 0 and -0 are one number
+    // 0 and -0 are the same number
     (key + 0.0).to_bits()
 }
 
@@ -212,7 +213,7 @@ fn near(mut rows: Vec<Row>, within: f64) -> Vec<Vec<Row>> {
     groups
 }
 
-/// Refuses a frequency that stands in two rows, and a step of too few.
+/// Refuses a step with a frequency that is in two rows, or with too few rows.
 fn check(step: &Step) -> Result<(), RodlabError> {
     for pair in step.rows.windows(2) {
         if let [a, b] = pair
@@ -240,8 +241,9 @@ fn check(step: &Step) -> Result<(), RodlabError> {
     Ok(())
 }
 
-/// Every second, third, … row of each step, and of tests over time as many rows evenly in the
-/// logarithm of time, so that there are no more than `most`.
+/// Keeps every second, third, … row of each step, and for tests over time as many rows at even
+/// intervals of the logarithm of time, so that about `most` rows remain. At least three remain of
+/// each test.
 pub(super) fn thinned(steps: Vec<Step>, most: usize, outcome: &mut Outcome) -> Vec<Step> {
     let all: usize = steps.iter().map(|step| step.rows.len()).sum();
     let stride = all.div_ceil(most.max(1)).max(1);
@@ -279,7 +281,8 @@ pub(super) fn thinned(steps: Vec<Step>, most: usize, outcome: &mut Outcome) -> V
     steps
 }
 
-/// The first row in each of `most` equal intervals of the logarithm of time, and the last.
+/// Returns the first row in each of `most` - 1 equal intervals of the logarithm of time, and the
+/// last row.
 fn evenly_in_logarithm(rows: Vec<Row>, most: usize) -> Vec<Row> {
     if rows.len() <= most {
         return rows;

@@ -15,7 +15,7 @@ pub(super) struct TableFile {
     pub(super) path: String,
     pub(super) input: InputFile,
     pub(super) warnings: Vec<String>,
-    /// The lines behind the table that are no rows, if there are any.
+    /// The first line after the table that is not a row, in words; `None` if there is no such line.
     pub(super) beyond: Option<String>,
     pub(super) log: Vec<LogEntry>,
     columns: Columns,
@@ -23,7 +23,7 @@ pub(super) struct TableFile {
     table: String,
 }
 
-/// Returns the line of a defect that is a whole row.
+/// Returns the line of a defect that affects a whole row.
 fn line_of_row(defect: &LabioError) -> Option<u64> {
     match defect {
         LabioError::Malformed {
@@ -38,9 +38,9 @@ fn line_of_row(defect: &LabioError) -> Option<u64> {
 pub(super) type Values = Vec<f64>;
 
 impl TableFile {
-    /// Reads the table in `bytes`. Rows behind the last one that are no rows of numbers are left
-    /// out and said; such a row between others is refused, because the table would lack a line
-    /// without anybody knowing which.
+    /// Reads the table in `bytes`. Lines after the last row that are not rows of numbers are left
+    /// out and logged. Such a line between rows is refused, because a row would be missing from the
+    /// table without anybody noticing.
     pub(super) fn of(bytes: &[u8], path: String, table: &str) -> Result<Self, RodlabError> {
         let reading = |error| RodlabError::step(format!("{table}: reading {path}"), error);
         let format = format::recognise(bytes).map(format::Reader::name);
@@ -72,7 +72,7 @@ impl TableFile {
                 reasons: vec![defect.to_string()],
             });
         }
-        // a last line that is no row has no number that could be cut
+        // if the last line is not a row, no number of a row can be cut
         if beyond.is_empty() {
             warnings.extend(cut_short::warning(bytes, "csv", &path).map(|text| text + "."));
         }
@@ -109,7 +109,7 @@ impl TableFile {
         format!("{}.{field} ({}, line {line})", self.table, self.path)
     }
 
-    /// The column of `selector`, by its name or its number from 1.
+    /// Returns the column of `selector`, by its name or its number from 1.
     fn column(&self, selector: &Selector, field: &str) -> Result<&TableColumn, RodlabError> {
         let all = &self.columns.columns;
         let mut named = all.iter().filter(|column| match selector {
@@ -159,7 +159,7 @@ impl TableFile {
         Ok(values)
     }
 
-    /// Values of a column whatever its unit, all finite: numbers of steps, for example.
+    /// Values of a column in any unit, all finite: numbers of steps, for example.
     pub(super) fn keys(&self, selector: &Selector, field: &str) -> Result<Values, RodlabError> {
         self.numbers(self.column(selector, field)?, field)
     }

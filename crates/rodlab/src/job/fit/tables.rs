@@ -42,7 +42,7 @@ pub(super) fn data(found: &Found<'_>) -> Table {
     ];
     let is_stated = found.error_scale == ErrorScale::Stated;
     if found.has_times() {
-        // of the other kind a row has nothing
+        // a row has no value in the columns of the other kind
         let of_time = |row: &Row, value: f64| row.time().map_or(f64::NAN, |_| value);
         columns.extend([
             numbers("time".to_owned(), "s", &|row| {

@@ -6,7 +6,7 @@ use serde::Deserialize;
 
 use crate::RodlabError;
 
-/// Units of the columns, where the file does not contain them.
+/// Units of the columns, if the file does not contain them.
 #[derive(Debug, Clone, Default, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct UnitsSheet {
@@ -94,8 +94,8 @@ impl Wanted {
         }
     }
 
-    /// Returns true if a unit with this text is of this quantity. Hz and rad/s have one dimension
-    /// and differ by 2π.
+    /// Returns true if a unit with this text measures this quantity. Hz and rad/s have the same
+    /// dimension and differ by 2π.
     fn takes(self, text: &str, unit: &Unit) -> bool {
         unit.dimension() == self.dimension()
             && match self {
@@ -105,7 +105,8 @@ impl Wanted {
             }
     }
 
-    /// Parses a unit. A `C` alone is the coulomb, but above temperatures it is a degree Celsius.
+    /// Parses a unit. A `C` alone is the coulomb, but in a column of temperatures the degree
+    /// Celsius.
     fn parse(self, text: &str) -> Option<Unit> {
         let text = match (self, text) {
             (Self::Temperature, "C" | "c" | "\u{ba}C" | "deg C") => "degC",
@@ -116,8 +117,8 @@ impl Wanted {
     }
 }
 
-/// Returns the unit of `column`, by the file or by the sheet; `place` is that of the column in the
-/// sheet.
+/// Returns the unit of `column`, from the file or from the sheet; `place` is the place of the
+/// column in the sheet.
 pub(super) fn of(
     column: &TableColumn,
     wanted: Wanted,

@@ -54,8 +54,8 @@ pub(super) struct MeasuredMember {
 }
 
 impl FaceBody {
-    /// The body of the sheet; for a measured one, the file and the result of screening are entered
-    /// in `outcome`.
+    /// Reads the body of the sheet; for a measured body, the file and the result of the screening
+    /// are entered in `outcome`.
     pub(super) fn read(
         sheet: &BodySheet,
         materials: &Materials,
@@ -82,7 +82,7 @@ impl FaceBody {
         }
     }
 
-    /// The body drawn at random within the stated uncertainties; `sheet` is that of this body.
+    /// The body drawn at random within the stated uncertainties; `sheet` describes this body.
     pub(super) fn drawn(
         &self,
         sheet: &BodySheet,
@@ -119,8 +119,8 @@ impl FaceBody {
         }
     }
 
-    /// Returns true if the force can be found by marching: for a measured body, the impedance of
-    /// its face is stated.
+    /// Returns true if the force can be found by marching; a measured body needs a stated front
+    /// impedance for this.
     pub(super) fn can_be_marched(&self) -> bool {
         match self {
             Self::Computed(_) => true,
@@ -227,7 +227,7 @@ impl FaceBody {
 }
 
 impl MeasuredMember {
-    /// The member, within a draw of the whole job drawn itself.
+    /// Creates the member; if the whole job is drawn, the member is drawn too.
     fn of(
         mut points: MeasuredPoints,
         (scale, delay): (f64, f64),
@@ -418,17 +418,19 @@ fn read_measured(
     })
 }
 
-/// Root mean square change by a projection, in standard errors, above which the lines contradict it.
+/// Root mean square change by a projection, in standard errors, above which the lines contradict
+/// the projection.
 const MOVED: f64 = 2.0;
 
-/// States by how much a projection on causal or passive bodies has moved the lines.
+/// States by how much a projection onto causal or passive bodies has changed the lines.
 fn tell_change(change: &LineChange, onto: Projection, field: &str, outcome: &mut Outcome) {
     let lines = format!(
         "{} lines moved, by {:.2} % of the mobility together",
         change.n_lines,
         100.0 * change.relative
     );
-    // the end of the lines smears jumps ahead of the impulse: this part is no fault of the lines
+    // the end of the lines smears jumps ahead of the impulse: this part of the change is no fault
+    // of the lines
     let by_end = onto != Projection::Passive;
     let onto = match onto {
         Projection::Passive => "passive",

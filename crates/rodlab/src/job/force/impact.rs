@@ -111,7 +111,8 @@ fn defaults(
     Ok(())
 }
 
-/// Objections to the prediction; there is no answer for a body that generates energy.
+/// Reports the objections to the prediction; there is no answer if a body generates energy or a
+/// contact is not resolved.
 fn flags(prediction: &Prediction, outcome: &mut Outcome) {
     for flag in &prediction.flags {
         match flag {

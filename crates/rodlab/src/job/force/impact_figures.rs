@@ -10,7 +10,7 @@ use super::impact_tables;
 use super::impact_tables::Found;
 use crate::RodlabError;
 
-/// Lines on which mobilities are drawn.
+/// Number of frequencies at which mobilities are drawn.
 const LINES: usize = 400;
 
 pub(super) fn all(
@@ -198,8 +198,8 @@ fn sources(march: &UncertainPrediction) -> Option<Figure> {
 }
 
 fn mobilities(bodies: [&FaceBody; 2], sheet: &ImpactSheet) -> Result<Figure, RodlabError> {
-    // three decades up to the end of the band, or to the resolution of a step of a thousandth of
-    // the duration
+    // three decades up to the highest of the lines, or up to 100 periods in the duration, as
+    // resolved by steps of a thousandth of the duration
     let highest = sheet
         .lines
         .as_ref()

@@ -24,12 +24,12 @@ use crate::{Outcome, RodlabError};
 /// separation.
 const THRESHOLD: f64 = 0.01;
 
-/// Samples of the history per interval of the lines: straight lines over whole intervals would miss
-/// peaks and zeros.
+/// Samples of the history per time interval of the lines: straight lines over whole intervals would
+/// miss peaks and zeros.
 const INTERPOLATION: usize = 16;
 
 const DRAWS: usize = 400;
-/// Draws for the band of the whole contact: a quantile of the largest deviation.
+/// Number of draws for the band of the whole contact, which is a quantile of the largest deviation.
 const DRAWS_OF_BAND: usize = 1000;
 const SEED: u64 = 1;
 const LEVEL: f64 = 0.95;
@@ -43,11 +43,11 @@ pub(super) struct OnLines {
     roll_off_from_hz: Option<f64>,
     /// The force until the faces part.
     pub(super) impact: ImpactForce,
-    /// Impulse of the first contact \[N s\], extrapolated to a force without limit to the band.
+    /// Impulse of the first contact \[N s\], extrapolated to a force without a band limit.
     impulse: Option<f64>,
     /// Standard error of the extrapolation \[N s\].
     impulse_by_band: Option<f64>,
-    /// The reason why there are no bands, or their contents.
+    /// The reason why there are no bands, or the errors that they contain.
     about_errors: &'static str,
 }
 
@@ -59,7 +59,7 @@ pub(super) struct Bands {
     pub(super) simultaneous: ForceBand,
     pub(super) end: Option<EndError>,
     pub(super) draws: MonteCarlo,
-    /// Band of the impact force, by draws.
+    /// Band of the impact force, from draws.
     pub(super) contact: ForceBand,
 }
 
@@ -316,13 +316,14 @@ impl OnLines {
         (end, linear.map(|end| end.standard_error))
     }
 
-    /// The largest force of the first contact: later forces on lines are those of faces that stick.
+    /// The largest force of the first contact: later forces on lines are those of faces that stick
+    /// together.
     fn peak(&self) -> ForcePeak {
         self.impact.history.smooth_peak()
     }
 
-    /// Standard error of the impulse of the first contact \[N s\], by draws and by its extrapolation to
-    /// a force without limit to the band; `None` if the faces do not part in a draw.
+    /// Standard error of the impulse of the first contact \[N s\], from draws and from the
+    /// extrapolation to a force without a band limit; `None` if the faces do not part in a draw.
     fn impulse_error(&self) -> Option<f64> {
         let draws = &self.bands.as_ref()?.draws;
         if draws.without_end > 0 {
@@ -363,7 +364,7 @@ impl OnLines {
         }
     }
 
-    /// Sentences on the force on lines, if there is no other.
+    /// Sentences on the force on lines, if there is no other force.
     pub(super) fn answer(&self, sheet: &ImpactSheet) -> Vec<String> {
         let peak = self.peak();
         let stated = |error: Option<f64>, unit: &str, digits: usize| {
@@ -402,7 +403,7 @@ impl OnLines {
         ]
     }
 
-    /// The numbers on lines, including the impulse if the force on lines is `alone`.
+    /// The numbers of the force on lines, including the impulse if the force on lines is `alone`.
     pub(super) fn quantities(&self, alone: bool) -> Vec<Quantity> {
         let peak = self.peak();
         let settled = matches!(self.stick.settlement, impulse::Settlement::Settled);
@@ -525,8 +526,8 @@ impl OnLines {
     }
 }
 
-/// Samples from a `period` of the last line before the touch until as much after the faces part, or to
-/// the end of the history: afterwards the stick force is none that acts.
+/// Samples from one `period` of the last line before the touch until one period after the faces
+/// part, or to the end of the history: after that, the stick force does not act.
 fn span_of_contact(stick: &ForceHistory, impact: &ImpactForce, period: f64) -> Range<usize> {
     let end = match impact.end {
         ContactEnd::Separated { time } => stick.index_near(time + period),
@@ -536,9 +537,9 @@ fn span_of_contact(stick: &ForceHistory, impact: &ImpactForce, period: f64) -> R
     stick.index_near(-period).unwrap_or(0)..end + 1
 }
 
-/// Impulse of the first contact \[N s\]: the stick force until it falls to zero, with the part
-/// smeared ahead of the touch by the band limit over `ahead` \[s\]; `None` if the faces do not
-/// part.
+/// Impulse of the first contact \[N s\]: the stick force until it falls to zero, with the part that
+/// the band limit smears ahead of the touch, up to ten times `ahead` \[s\]; `None` if the faces do
+/// not part.
 fn impulse_of_first_contact(stick: &ForceHistory, impact: &ImpactForce, ahead: f64) -> Option<f64> {
     let ContactEnd::Separated { time: end } = impact.end else {
         return None;
@@ -551,10 +552,11 @@ fn impulse_of_first_contact(stick: &ForceHistory, impact: &ImpactForce, ahead: f
     Some(step * inside.map(|(_, force)| force).sum::<f64>())
 }
 
-/// An impulse without limit to the band from that in a band and in half of it, with its standard
-/// error. What a band takes away where the faces part falls with the first power of its width for a
-/// force that jumps there, and with the second for one that comes to zero by itself: the impulse is
-/// anywhere between the two extrapolations, with equal probability.
+/// Returns the impulse without a band limit from the impulses in a band and in half of the band,
+/// with its standard error. The part that a band removes where the faces part decreases with the
+/// first power of the band width for a force that jumps there, and with the second power for a
+/// force that comes to zero continuously: the impulse is anywhere between the two extrapolations,
+/// with equal probability.
 fn without_band_limit(all: f64, half: f64) -> (f64, f64) {
     let change = all - half;
     let [first, second] = [change, change / 3.0].map(|further| all + further);

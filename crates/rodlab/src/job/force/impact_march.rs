@@ -16,15 +16,15 @@ use crate::bodies::replacement::Replacement;
 use crate::job::JobContext;
 use crate::sheet::plausible;
 
-/// Most steps of a march whose step is stated.
+/// Maximum number of steps of a march whose step is stated.
 const MOST_STEPS: f64 = 1e6;
 
 /// Default number of draws of the march: the standard deviation is then known to 5 %.
 pub(super) const DRAWS: usize = 200;
 pub(super) const SEED: u64 = 1;
 
-/// The band of the force: that of the sheet, or 10 kHz as in paper E, or up to half of the highest
-/// frequency of a measured body.
+/// The band of the force: the band stated in the sheet; by default 10 kHz as in paper E, or up to
+/// half of the highest frequency of a measured body.
 pub(super) fn band(sheet: &ImpactSheet, bodies: [&FaceBody; 2]) -> Result<BandLimit, RodlabError> {
     let measured_to = bodies
         .iter()
@@ -103,7 +103,7 @@ impl<'a> SheetDraws<'a> {
     ) -> Result<Self, RodlabError> {
         let chosen = sheet.uncertainty.clone().unwrap_or_default();
         let mut random = ChaCha8Rng::seed_from_u64(chosen.seed.unwrap_or(SEED));
-        // find out which of them are uncertain
+        // find out which quantities are uncertain
         let mut of_bodies = Draws::by(&mut random);
         drawn_bodies(sheet, materials, bodies, &mut of_bodies)?;
         let bodies_differ = of_bodies.n_drawn > 0;
@@ -164,7 +164,7 @@ impl ImpactDraws for SheetDraws<'_> {
     }
 }
 
-/// Both bodies, drawn; `None` for one of which nothing is uncertain.
+/// Returns both bodies, drawn; `None` for a body without uncertain quantities.
 fn drawn_bodies(
     sheet: &ImpactSheet,
     materials: &Materials,

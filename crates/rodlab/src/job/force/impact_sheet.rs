@@ -32,8 +32,8 @@ pub struct ImpactSheet {
     /// Law of the contact.
     #[serde(default)]
     pub contact: ContactSheet,
-    /// The method of paper E in addition: the stick force by the Fourier transform on lines up to
-    /// a frequency. By default used for a measured body, on all its lines.
+    /// The method of paper E in addition: the stick force by the Fourier transform, on lines up to
+    /// a frequency. By default it is used for a measured body, on all its lines.
     #[serde(default)]
     pub lines: Option<Line>,
     /// Propagation of the uncertainties stated with ± to the force.
@@ -56,7 +56,7 @@ pub enum ContactSheet {
         radius: Stated<Length>,
         /// Young's modulus of the wide body.
         modulus: Stated<Pressure>,
-        /// Its Poisson ratio.
+        /// Poisson ratio of the wide body.
         poisson_ratio: Stated<Ratio>,
     },
     /// A spherical face on a plane one.

@@ -148,7 +148,8 @@ fn no_error(march: &UncertainPrediction, name: &str) -> &'static str {
     }
 }
 
-/// The band that holds the whole force in the band of frequencies with 95 %, if there are draws.
+/// The band that contains the whole force in its frequency band with a probability of 95 %, if
+/// there are draws.
 pub(super) fn whole_history(march: &UncertainPrediction) -> Result<Option<ForceBand>, RodlabError> {
     march
         .simultaneous(0.95)

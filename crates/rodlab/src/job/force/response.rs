@@ -15,8 +15,8 @@ use crate::records::expect_quantity;
 use crate::responses::{HitsSource, line_spacing_hz};
 use crate::{Outcome, RodlabError};
 
-/// Relative difference of spacings of equal lines, as left by eight digits and a rounded sampling
-/// rate.
+/// Relative difference of line spacings that count as equal; eight digits and a rounded sampling
+/// rate cause less.
 const SAME_LINES: f64 = 1e-4;
 
 pub(super) fn run(
@@ -250,7 +250,7 @@ fn read_blow(
     outcome.inputs.extend(loaded.inputs);
     outcome.warnings.extend(loaded.warnings);
     outcome.log.extend(loaded.left_out);
-    // a measured force shows its own beginning best
+    // the beginning of the blow is clearest in a measured force
     let reference = sheet.compare_with.as_ref().unwrap_or(&sheet.response);
     let found =
         sheet
@@ -304,8 +304,8 @@ fn expect_motion(record: &Record, name: &str, place: &str) -> Result<(), RodlabE
     }
 }
 
-/// Checks that path and record have the same lines (the path may end lower), and that the force
-/// acts in the record.
+/// Checks that path and record have the same lines (the path may end at a lower frequency), and
+/// that the time in which the force acts is within the record.
 fn check_lines(
     sheet: &ResponseSheet,
     record: &Record,

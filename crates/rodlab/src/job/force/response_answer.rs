@@ -20,28 +20,29 @@ const LEVEL: f64 = 0.95;
 /// Largest weighted residual per degree of freedom attributed to noise alone.
 const CHI_SQUARE: f64 = 1.5;
 
-/// Fraction of the response that may remain unexplained regardless of the noise: sampling and eight
-/// digits.
+/// Fraction of the response that may remain unexplained regardless of the noise, because of
+/// sampling and values with eight digits.
 const LEAST_RESIDUAL: f64 = 2e-3;
 
-/// Largest ratio of the mean square of the errors of calibration hits to the stated one that is due
-/// to chance.
+/// Largest ratio of the mean square of the errors of calibration hits to the stated mean square
+/// that is attributed to chance.
 const BY_CHANCE: f64 = 1.5;
 
-/// Fraction of the peak below which a regularisation has no effect.
+/// Fraction of the peak below which the bias by a regularisation counts as none.
 const AS_NONE: f64 = 1e-4;
 
 /// Error estimates of the force.
 pub(super) struct Bands {
     pub(super) level: f64,
     pub(super) random: Option<Random>,
-    /// Standard error of the impulse by noise [N s].
+    /// Standard error of the impulse due to noise [N s].
     impulse: Option<f64>,
     /// Scatter of calibration hits that were reconstructed from each other.
     scatter: Option<CalibrationScatter>,
 }
 
-/// The random error of the force: by the scatter of calibration hits if noise does not explain it.
+/// The random error of the force: from noise, or from the scatter of calibration hits if noise does
+/// not explain that scatter.
 pub(super) struct Random {
     pub(super) error: ForceError,
     pub(super) pointwise: ForceBand,
@@ -49,7 +50,7 @@ pub(super) struct Random {
 }
 
 impl Bands {
-    /// The scatter of calibration hits, if the random error does not explain it.
+    /// The scatter of calibration hits, if the stated random error does not explain it.
     fn beyond_noise(&self) -> Option<CalibrationScatter> {
         self.scatter.filter(is_beyond_noise)
     }
@@ -138,7 +139,7 @@ pub(super) fn tell(
         .as_ref()
         .and_then(|known| standard(&known.error));
     let beyond_noise = bands.beyond_noise();
-    // differences between blows include those by noise
+    // differences between blows include those due to noise
     let error = match (by_profile, stated) {
         (Some(a), Some(b)) if beyond_noise.is_some() => Some(a.max(b)),
         (a, b) => a.or(b),
@@ -386,7 +387,7 @@ fn quantities(
     }
 }
 
-/// Adds the unused lines to the log, in runs.
+/// Adds the unused lines to the log, one entry for each reason.
 fn log(solved: &ReconstructedForce, outcome: &mut Outcome) {
     for reason in [
         ExclusionReason::LeftOut,

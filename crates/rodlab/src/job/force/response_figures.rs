@@ -44,7 +44,7 @@ fn force(problem: &Problem<'_>, solved: &ReconstructedForce, bands: &Bands) -> F
         let (name, force) = ("measured force", measured.clone());
         marks.push(Mark::curve(name, Role::Reference, &time, force));
     }
-    // the time in which the force acts, with as much again on either side
+    // the time in which the force acts, with half as much on either side
     let inside = window(problem);
     let (from, to) = (
         1e3 * history.time_at(inside.start),

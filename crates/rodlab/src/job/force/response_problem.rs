@@ -10,7 +10,7 @@ use crate::hits::Stretch;
 use crate::responses::completed;
 use crate::{Outcome, RodlabError};
 
-/// Fewest samples at rest: the standard deviation is then known to 16 %.
+/// Minimum number of samples at rest: the standard deviation is then known to 16 %.
 pub(super) const FEWEST_AT_REST: usize = 20;
 
 /// The data of a reconstruction.
@@ -22,8 +22,7 @@ pub(super) struct Problem<'a> {
     pub(super) sampling_rate_hz: f64,
     /// Standard deviation of the first response before the force acts, if the rest is long enough.
     pub(super) rest: Option<f64>,
-    /// Time in which the force acts: as stated in the sheet, or as long as the calibration blows
-    /// act.
+    /// Time in which the force acts: as stated in the sheet, or as long as the calibration blows.
     pub(super) acting: Option<TimeInterval>,
     /// The measured force, if there is one.
     pub(super) measured: Option<Vec<f64>>,
@@ -70,7 +69,7 @@ impl Noise {
     }
 }
 
-/// The responses by their `paths`, and what else is known of the blow.
+/// Returns the responses with their `paths`, and the other data of the blow.
 pub(super) fn problem<'a>(
     sheet: &'a ResponseSheet,
     paths: Vec<FrequencyResponse>,
@@ -123,7 +122,8 @@ pub(super) fn problem<'a>(
     })
 }
 
-/// The response of a channel by its `path`; `place` gives the places of its fields in the sheet.
+/// Returns the response of a channel with its `path`; `place` gives the places of its fields in the
+/// sheet.
 fn seen(
     (name, noise): (&str, &NoiseSheet),
     path: FrequencyResponse,
@@ -208,8 +208,8 @@ pub(super) fn scatter_about_mean(samples: &[f64]) -> (f64, f64) {
     (mean, variance.sqrt())
 }
 
-/// `path` as a response of the quantity of the channel, with as many lines as the record: those
-/// above its last are unknown.
+/// Returns `path` as a response of the quantity of the channel, with as many lines as the record;
+/// lines above the last of `path` are unknown.
 pub(super) fn on_lines_of(
     path: FrequencyResponse,
     record: &Record,

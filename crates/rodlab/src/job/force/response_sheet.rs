@@ -17,8 +17,8 @@ pub struct ResponseSheet {
     /// The files with the response, and their channels.
     pub record: Records,
     /// The blow in the record and its criteria; the first accepted hit is used. By default the
-    /// record is the blow, and objections of the checks of hits are warnings: the checks are
-    /// made for forces.
+    /// whole record is the blow, and objections of the checks of hits are only warnings, because
+    /// these checks are made for forces.
     #[serde(default)]
     pub hit: Option<HitsSheet>,
     /// Channel of the response, such as `"face"`.
@@ -29,8 +29,8 @@ pub struct ResponseSheet {
     /// Channel of a measured force for comparison, if there is one.
     #[serde(default)]
     pub compare_with: Option<String>,
-    /// Noise of the response; by default that of each line from the scatter between three or more
-    /// calibration hits, or else one estimated from the part of the response that the force
+    /// Noise of the response; by default the noise of each line from the scatter between three or
+    /// more calibration hits, or else noise estimated from the part of the response that the force
     /// does not explain.
     #[serde(default)]
     pub noise: NoiseSheet,
@@ -40,8 +40,8 @@ pub struct ResponseSheet {
     /// Lines used; by default all.
     #[serde(default)]
     pub band: Option<BandSheet>,
-    /// Time of the force from the first sample; by default about its peak as long as the
-    /// calibration hits, if any, else any.
+    /// Time in which the force acts, from the first sample; by default a time about the peak, as
+    /// long as the calibration hits; any time if there are no such hits.
     #[serde(default)]
     pub acting: Option<IntervalSheet>,
     /// Excludes tension; needs `acting`.
@@ -58,13 +58,14 @@ pub struct ResponseSheet {
 pub struct FurtherResponse {
     /// Channel of the response in the record.
     pub response: String,
-    /// File of its frequency response, if that of the first is from a file.
+    /// File of the frequency response of this response, if that of the first response is from a
+    /// file.
     #[serde(default)]
     pub path: Option<ResponseFile>,
-    /// Channel of the response in the calibration hits, by default that of the same name.
+    /// Channel of the response in the calibration hits; by default the channel of the same name.
     #[serde(default)]
     pub of_hits: Option<String>,
-    /// Noise of the response, as of the first.
+    /// Noise of the response, stated like that of the first.
     #[serde(default)]
     pub noise: NoiseSheet,
 }

@@ -16,13 +16,14 @@ use crate::job::JobContext;
 use crate::responses::{HitsSource, completed};
 use crate::{Outcome, RodlabError};
 
-/// Fewest calibration hits for reconstruction of each from the others.
+/// Minimum number of calibration hits for the reconstruction of each from the others.
 const FEWEST_HITS: usize = 3;
 
-/// Most samples of a default support: the equations of a support are dense.
+/// Maximum number of samples of a default support: the equations of a support are dense.
 const LONGEST: usize = 512;
 
-/// Fraction of the peak that division may find at other times before it counts as force.
+/// Fraction of the peak that the force by division may reach at other times before it counts as
+/// force there.
 const ELSEWHERE: f64 = 0.1;
 
 impl ParameterSheet {
@@ -58,7 +59,7 @@ impl RegularisationSheet {
     }
 }
 
-/// The response over the force of calibration hits.
+/// Returns the frequency response from the force to the response of calibration hits.
 pub(super) fn path_of<'a>(
     hits: &HitsSource,
     records: impl IntoIterator<Item = &'a Record>,
@@ -187,7 +188,7 @@ pub(super) fn solve(
     let found = problem.blow().force(problem.sheet, None);
     let solved = match found {
         Ok(solved) => solved,
-        // a lack in the data, not in the sheet
+        // a fault of the data, not of the sheet
         Err(
             error @ (ImpulseError::NoUsableLine { .. } | ImpulseError::SpectrumOverflow { .. }),
         ) => {
@@ -230,8 +231,8 @@ pub(super) fn window(problem: &Problem<'_>) -> Range<usize> {
     first..last + 1
 }
 
-/// Results of the scatter between hits for the lines of a response and for their average `path`,
-/// which receives the errors.
+/// Returns the scatter between hits for the lines of a response, and enters the errors of the
+/// average in `path`.
 pub(super) fn lines_of_hits(
     hits: &HitsSource,
     records: &[&Record],
@@ -277,8 +278,8 @@ pub(super) fn span_of(
     Ok(span.filter(|span| span.before + span.after < LONGEST))
 }
 
-/// Time of the force, as long as the calibration hits, about its peak by division; `None` if there
-/// is force elsewhere.
+/// Time in which the force acts: as long as the calibration hits, about the peak of the force by
+/// division; `None` if there is force at other times.
 pub(super) fn acting_like_hits(
     problem: &Problem<'_>,
     span: Option<BlowSpan>,
@@ -294,7 +295,7 @@ pub(super) fn acting_like_hits(
     let Ok(divided) = divided else {
         return Ok(None);
     };
-    // under the window, where its noise is the same at all times
+    // times the exponential window, with which the noise is the same at all times
     let decay = problem
         .first
         .path
@@ -390,7 +391,7 @@ pub(super) fn scatter(
             .iter()
             .enumerate()
             .max_by(|(_, a), (_, b)| a.total_cmp(b));
-        // the support moves along with hits that begin elsewhere in their records
+        // the support moves along with a hit that begins elsewhere in its record
         let (window, acting) = match (span, largest) {
             (Some(span), Some((at, _))) => {
                 let window = span.about(at, measured.len());

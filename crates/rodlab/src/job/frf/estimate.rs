@@ -55,16 +55,17 @@ pub(super) const BY_WIDTH: &str = "by the width of the lines";
 /// Objection to a line that is wider than the feature it shows.
 const TOO_WIDE: &str = "narrower than the lines";
 
-/// Relative error by leakage from which such a line is refused.
+/// Relative error by leakage above which a line is refused.
 const MOST_LEAKAGE: f64 = 0.5;
 
-/// Standard deviations by which the number of valid lines must exceed that expected by chance.
+/// Number of standard deviations by which the number of valid lines must exceed that expected by
+/// chance.
 const BEYOND_CHANCE: f64 = 4.0;
 
 impl Estimated {
-    /// Returns true if more of `n_lines` lines are valid than noise alone would pass: each passes
-    /// independently with the probability that one of the tests reaches the level of chance.
-    /// Always true for a single hit, which does not show it.
+    /// Returns true if more of `n_lines` lines are valid than noise alone would pass: each line
+    /// passes independently, with the probability that one of the tests reaches the level of
+    /// chance. Always true for a single hit, which has no coherence.
     pub(super) fn is_more_than_chance(&self, n_valid: usize, n_lines: usize) -> bool {
         if self.coherences.is_empty() {
             return true;
@@ -81,8 +82,8 @@ impl Estimated {
         objection.is_some_and(|objection| objection.is_none_or(|reason| reason == ONE_HIT))
     }
 
-    /// Errors of the valid lines by leakage, and their random errors of the complex line, relative
-    /// and in the median; `None` if one of them is unknown.
+    /// Median relative error of the valid lines by leakage, and median relative random error of the
+    /// complex lines; `None` if one of them is unknown.
     pub(super) fn median_leakage(&self) -> Option<(f64, f64)> {
         let errors = self.response.random_error()?;
         let lines = self.leakage.as_ref()?.iter().zip(&errors).enumerate();
@@ -218,8 +219,8 @@ pub(super) fn spectra(
     averager.spectra().map_err(averaging)
 }
 
-/// The response from the input to `output` of one or two tests; `hits` are one hit of each, for
-/// their sensor chains.
+/// The response from the input to `output` of one or two tests; `hits` contains one hit of each
+/// test, for its sensor chain.
 pub(super) fn estimate(
     sheet: &FrfSheet,
     tests: &[AveragedSpectra],
@@ -263,7 +264,7 @@ pub(super) fn estimate(
         expect_noise(test, (input, output), &format!("response of `{output}`"))?;
         let coherence = match test.coherence(input, output) {
             Ok(coherence) => Some(coherence),
-            // there is none from a single hit
+            // a single hit has no coherence
             Err(LabioError::TooFewAverages { .. }) => None,
             Err(error) => return Err(refused(error)),
         };
@@ -301,8 +302,8 @@ pub(super) fn estimate(
     )
 }
 
-/// The response from `input` to `output` of segments, with all inputs of the sheet; `halved` is
-/// from segments of half the length.
+/// The response from `input` to `output` averaged over segments, with all inputs of the sheet;
+/// `halved` has the spectra of segments of half the length.
 pub(super) fn of_segments(
     sheet: &FrfSheet,
     [spectra, halved]: [&AveragedSpectra; 2],
@@ -364,8 +365,8 @@ pub(super) fn of_segments(
     )
 }
 
-/// Marks lines invalid by their systematic error, completes them by the weighed mass and converts
-/// them.
+/// Marks lines with a large systematic error as invalid, completes the response by the weighed
+/// mass, and converts it.
 fn finish(sheet: &FrfSheet, estimated: Estimated) -> Result<Estimated, RodlabError> {
     let Estimated {
         response,
@@ -442,7 +443,7 @@ fn sensors(hit: &Record, [first, second]: [&str; 2]) -> Result<f64, LabioError> 
 }
 
 /// The objection to each line: no information, a coherence that noise alone would reach in its
-/// tests, or a bias by noise at rest above the random error.
+/// tests, or a bias by noise at rest that exceeds the random error.
 fn objections(
     response: &FrequencyResponse,
     coherences: &[Coherence],
@@ -474,7 +475,7 @@ fn objections(
             let error = errors.as_ref().and_then(|errors| errors.get(line));
             let biased = bias
                 .zip(error)
-                // NaN belongs to a line of noise
+                // a NaN is the bias of a line of noise
                 .is_some_and(|(bias, error)| bias.is_nan() || bias.abs() > error.magnitude);
             match (coherent, merged) {
                 (true, _) => biased.then_some(BIASED),

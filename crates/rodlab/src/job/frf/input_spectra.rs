@@ -8,10 +8,10 @@ use super::sheet::FrfSheet;
 use super::{estimate, thin};
 use crate::RodlabError;
 
-/// Fraction of its greatest mean at which the spectrum of the input ends: 20 dB.
+/// Fraction of the maximum of the mean spectrum at which the spectrum of the input ends: 20 dB.
 const END: f64 = 0.01;
 const N_BUCKETS: usize = 300;
-/// Number of spectra of single hits in the figure.
+/// Maximum number of spectra of single hits in the figure.
 const MOST_HITS: usize = 10;
 
 const KHZ: f64 = 1e-3;

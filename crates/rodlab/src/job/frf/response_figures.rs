@@ -9,7 +9,7 @@ use super::thin;
 use super::words::{capital, name_of, unit_of};
 
 const N_BUCKETS: usize = 400;
-/// Distance of points on a Nyquist plot, as a fraction of its extent.
+/// Distance between points on a Nyquist plot, as a fraction of its extent.
 const NYQUIST_STEP: f64 = 1e-3;
 const KHZ: f64 = 1e-3;
 const DEGREES: f64 = 180.0 / std::f64::consts::PI;
@@ -164,7 +164,7 @@ fn phase(estimated: &Estimated, drawn: &Drawn) -> (Axis, Vec<Mark>) {
             .filter(|pair| (pair[1] - pair[0]).abs() > 180.0)
             .count()
     };
-    // the first of equals
+    // the first of several with equal counts
     let begin = [-180.0, -270.0, -90.0, 0.0]
         .into_iter()
         .min_by_key(passes)

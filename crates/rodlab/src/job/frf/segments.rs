@@ -154,7 +154,7 @@ fn refuse_hits(sheet: &FrfSheet) -> Result<(), RodlabError> {
     Ok(())
 }
 
-/// Refuses records or channels that are one measurement; a channel that stays at a limit is a
+/// Refuses records or channels that are the same measurement; a channel that stays at a limit is a
 /// reason for doubt.
 fn check_measurements(
     records: &[NamedRecord],
@@ -242,7 +242,7 @@ fn welch(sheet: &FrfSheet, segments: &SegmentsSheet, length: usize) -> Result<We
         .map_err(|error| RodlabError::step("segments.overlap", error))
 }
 
-/// The reason why there are no errors; `None` if there are.
+/// The reason why the segments are too few for errors; `None` if they suffice.
 fn too_few(spectra: &AveragedSpectra, n_inputs: usize) -> Option<String> {
     let effective = spectra.effective_averages();
     (effective < n_inputs as f64 + 1.0).then(|| {

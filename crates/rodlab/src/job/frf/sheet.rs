@@ -49,7 +49,7 @@ pub struct FrfSheet {
     /// out, and `Hann` for segments.
     #[serde(default)]
     pub window: Option<WindowSheet>,
-    /// Window that passes the input during the contact of the hammer only.
+    /// Window that passes the input only during the contact of the hammer.
     #[serde(default)]
     pub force_window: Option<ForceWindowSheet>,
     /// Exponential window on all channels, for bodies that ring longer than the record.
@@ -60,9 +60,9 @@ pub struct FrfSheet {
     #[serde(default)]
     pub detrend: Option<DetrendSheet>,
     /// Time before a blow in which the channels rest, such as `"20 ms"`: it gives the noise for
-    /// `Hs`, and the bias of the others. By default the pre-trigger of hits that are cut by a
-    /// trigger, or else the rest that the records show. For segments, time without excitation
-    /// at the beginning of each record, after which they begin; by default none.
+    /// `Hs`, and the bias of the other estimators. By default the pre-trigger of hits that are cut
+    /// by a trigger, or else the rest that the records show. For segments, the time without
+    /// excitation at the beginning of each record, after which the segments begin; by default none.
     #[serde(default)]
     pub silent: Option<Exact<Duration>>,
     /// Frequency range of the result; by default all lines above 0 Hz.
@@ -72,7 +72,7 @@ pub struct FrfSheet {
     /// `Mobility`.
     #[serde(default)]
     pub kind: Option<KindSheet>,
-    /// An equal test with another hammer, merged with the first line by line.
+    /// The same test with another hammer, merged with the first line by line.
     #[serde(default)]
     pub second_hammer: Option<SecondHammerSheet>,
     /// Weighed mass of a free body, which replaces the low-frequency lines.
@@ -123,7 +123,7 @@ impl FrfSheet {
         })
     }
 
-    /// Defaults of the fields that the sheet leaves open, but of records and hits.
+    /// Defaults of the fields that the sheet leaves open, except those of records and hits.
     pub(super) fn defaults(&self) -> Vec<Setting> {
         let detrend = match self.segments {
             None => "rest before the blow, where there is some",
@@ -255,13 +255,13 @@ impl KindSheet {
     }
 }
 
-/// An equal test with another hammer.
+/// The same test with another hammer.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SecondHammerSheet {
-    /// Its files; the channels have the same names as those of the first.
+    /// Files of the test; the channels have the same names as in the first test.
     pub records: Records,
-    /// The selection of its hits that are averaged.
+    /// The selection of the hits that are averaged.
     #[serde(default)]
     pub hits: HitsSheet,
     /// The method of merging; by default `InverseVariance`.
@@ -273,11 +273,11 @@ pub struct SecondHammerSheet {
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct WeighedMassSheet {
-    /// Its mass, such as `"1.204 kg ± 1 gram"`.
+    /// Mass of the body, such as `"1.204 kg ± 1 gram"`.
     pub mass: Stated<ImpactMass>,
     /// Lines below this frequency are replaced, such as `"30 Hz"`.
     pub below: Exact<Frequency>,
-    /// Lines from there up to this frequency, well below the first resonance, determine the
+    /// Lines from `below` up to this frequency, well below the first resonance, determine the
     /// elastic term, such as `"200 Hz"`.
     pub fitted_to: Exact<Frequency>,
 }

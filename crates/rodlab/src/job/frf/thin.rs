@@ -1,4 +1,4 @@
-//! Fewer points for a figure, with all peaks kept.
+//! Reduction of the points of a figure that keeps all peaks.
 
 /// Indices of a curve reduced to at most about four times `n_buckets` points: first and last,
 /// smallest and largest ordinate of each bucket of equal width in the increasing `x`. A curve of
@@ -7,8 +7,8 @@ pub(super) fn evenly(x: &[f64], curves: &[&[f64]], n_buckets: usize) -> Vec<usiz
     by_bucket(x, curves, n_buckets, |x| x)
 }
 
-/// Indices like [`evenly`] with buckets of equal width on a logarithmic axis; values that are not
-/// positive are in the first.
+/// Indices like [`evenly`], with buckets of equal width on a logarithmic axis; values that are not
+/// positive have a bucket of their own.
 pub(super) fn logarithmically(x: &[f64], curves: &[&[f64]], n_buckets: usize) -> Vec<usize> {
     by_bucket(x, curves, n_buckets, f64::ln)
 }

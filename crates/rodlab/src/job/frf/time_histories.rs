@@ -11,12 +11,12 @@ use crate::RodlabError;
 use crate::hits::{FoundHit, FoundHits};
 use crate::outcome::{Column, Table};
 
-/// Points of all histories of a panel together.
+/// Maximum number of points of all histories of a panel together.
 const POINTS_A_PANEL: usize = 24_000;
-/// Fewest parts of a history of which the smallest and the largest sample are kept.
+/// Minimum number of parts of a history; of each part the smallest and the largest sample are kept.
 const FEWEST_BUCKETS: usize = 50;
-/// Most histories on one panel; if there are more, the first are drawn, rejected ones before all
-/// others.
+/// Maximum number of histories on one panel. If there are more, only the first are drawn; rejected
+/// hits come before all others.
 const MOST_HISTORIES: usize = 40;
 
 /// Fraction of its peak above which the input is drawn enlarged.
@@ -60,8 +60,8 @@ pub(super) fn figure(
     })
 }
 
-/// The time about the blow \[ms\] drawn enlarged: from the trigger, or from the beginning of each
-/// record. `None` if it is not much shorter than the hit.
+/// The time range about the blow \[ms\] that is drawn enlarged: from the trigger, or from the
+/// beginning of each record. `None` if it is not much shorter than the hit.
 fn blow(sheet: &FrfSheet, drawn: &[FoundHit<'_>]) -> Option<Range<f64>> {
     let (mut from, mut to, mut duration) = (f64::INFINITY, f64::NEG_INFINITY, 0.0_f64);
     for found in drawn.iter().filter(|found| found.hit.is_accepted()) {

@@ -16,10 +16,10 @@ pub(super) enum Left {
     One { law: usize, probability: f64 },
     /// Several indistinguishable laws, most probable first.
     Several { laws: Vec<usize>, reason: String },
-    /// Every nonlinear law, after those that the comparison left: the recorder biases them, so that
-    /// none of them can be named or excluded.
+    /// Every nonlinear law, after the laws that the comparison left. The recorder biases the
+    /// nonlinear laws, so that none of them can be named or excluded.
     Biased { laws: Vec<usize> },
-    /// None; the best of the excluded laws.
+    /// None; `best` is the best of the excluded laws.
     None { best: usize, adequacy: f64 },
     /// The laws were not compared.
     Unknown,
@@ -63,9 +63,9 @@ impl SuspectTransducers {
 }
 
 impl Left {
-    /// The laws left by the comparison. Where the recorder biases nonlinear laws, these can be
-    /// neither named nor excluded. With one impact velocity linear laws that the data do not
-    /// tell apart then exclude no nonlinear one.
+    /// The laws left by the comparison. If the recorder biases nonlinear laws, these can be neither
+    /// named nor excluded. With one impact velocity, linear laws that the data cannot distinguish
+    /// then do not exclude a nonlinear one.
     pub(super) fn of(
         comparison: Option<&Comparison>,
         is_biased: bool,
@@ -106,7 +106,7 @@ impl Left {
                 laws: between.clone(),
                 reason: reason.to_string(),
             },
-            // what excludes a biased law may be its bias
+            // a biased law may be excluded only because of its bias
             Decision::NoneOfThese { .. } if is_biased && laws.iter().any(|law| !law.is_linear) => {
                 with_nonlinear(Vec::new())
             }
@@ -130,7 +130,7 @@ impl Left {
         }
     }
 
-    /// Findings of the comparison on a law that it does not leave.
+    /// Findings of the comparison about a law that it excludes.
     pub(super) fn excluded<'a>(
         &self,
         law: Law,
@@ -141,7 +141,7 @@ impl Left {
         (!self.places().contains(&place)).then_some(compared)
     }
 
-    /// Standing of the law with this name.
+    /// Standing of the parameters of this law.
     pub(super) fn standing(
         &self,
         law: &FittedLaw,
@@ -242,7 +242,7 @@ fn tell_comparison(found: &Found, is_biased: bool, outcome: &mut Outcome) {
             names(laws)
         )),
         Left::Biased { laws } => {
-            // what excludes no nonlinear law excludes none with an equilibrium
+            // if no nonlinear law is excluded, neither is one with an equilibrium
             let with_equilibrium = |place: &usize| {
                 let law = comparison.laws.get(*place).and_then(|compared| compared.law);
                 law.is_some_and(|law| Law::WITH_EQUILIBRIUM.contains(&law))
@@ -345,8 +345,7 @@ fn tell_verdict(found: &Found, is_biased: bool, outcome: &mut Outcome) {
         return;
     }
     if let Some(transducers) = &found.transducers {
-        // the law of a linear material does not depend on the scale of the motion, only on the
-        // ratio of its records
+        // a linear law does not depend on the scale of the motion, only on the ratio of its records
         let of_scale = |law: &FittedLaw| stands(law) && !law.law.is_linear();
         if found.laws.iter().any(of_scale) {
             outcome.verdict = Verdict::InDoubt {

@@ -108,7 +108,7 @@ fn profiles(found: &Found) -> Figure {
             let shown = Shown::of(profile);
             let mut curve = profile.smooth_curve();
             if let (Some(lower), Some(upper)) = (profile.lower, profile.upper) {
-                // where the interval is closed, half of its width on either side of it
+                // with a closed interval, half of its width is shown on either side of it
                 let beyond = 0.5 * (upper - lower);
                 curve.retain(|(at, _)| (lower - beyond..=upper + beyond).contains(at));
             }

@@ -26,7 +26,7 @@ pub(super) enum Standing {
     Biased,
 }
 
-/// A law at its minimum.
+/// A law at the minimum of its fit.
 pub(super) struct FittedLaw {
     pub(super) law: Law,
     pub(super) standing: Standing,
@@ -36,7 +36,7 @@ pub(super) struct FittedLaw {
     pub(super) relative_error: f64,
     /// Most likely errors of rods and transducers.
     common_errors: Vec<CommonErrorEstimate>,
-    /// Simulated minus measured response over the impact velocity, one slice per test.
+    /// Simulated minus measured response, divided by the impact velocity, one list per test.
     pub(super) residuals: Vec<Vec<f64>>,
     parameters: Vec<f64>,
     termination: String,
@@ -44,8 +44,8 @@ pub(super) struct FittedLaw {
     skips: usize,
 }
 
-/// The parameters of the fit of a law at which the comparison found the highest likelihood: of the
-/// fit and of the comparison, the same law may be two candidates.
+/// The parameters of the law at which the comparison found the highest likelihood, in the
+/// parametrisation of the fit: fit and comparison may use two candidates for one law.
 fn found_by(comparison: &Comparison, [of_fit, of_comparison]: [&Candidate; 2]) -> Option<Vec<f64>> {
     let mut laws = comparison.laws.iter();
     let compared = laws.find(|compared| compared.law == of_fit.law())?;
@@ -60,7 +60,7 @@ fn found_by(comparison: &Comparison, [of_fit, of_comparison]: [&Candidate; 2]) -
 /// A fitted model.
 pub(super) type Identified = Identification<Arc<dyn RodModel>>;
 
-/// The fit of a law, from the result of the comparison on if there is one.
+/// The fit of a law, which starts from the result of the comparison if there is one.
 pub(super) struct LawFit {
     law: Law,
     candidate: Candidate,
@@ -68,8 +68,8 @@ pub(super) struct LawFit {
 }
 
 impl LawFit {
-    /// `cell` \[m\] is that of the sheet. A rejected law has no errors for which a grid would be
-    /// chosen: it keeps that of the comparison.
+    /// `cell` \[m\] is the cell of the sheet. A rejected law has no errors by which a grid could be
+    /// chosen, so it keeps the grid of the comparison.
     pub(super) fn of(
         (law, sheet): (Law, &IdentifySheet),
         cell: Option<f64>,
@@ -119,7 +119,8 @@ impl LawFit {
             .map_err(self.refused())
     }
 
-    /// The law at the lowest minimum, which may be one found by its profiles, with the profiles.
+    /// The law at the lowest minimum, together with its profiles; the profiles may find that
+    /// minimum.
     pub(super) fn with_profiles(
         &self,
         found: &Identified,
@@ -166,7 +167,8 @@ impl FittedLaw {
         }
     }
 
-    /// Returns true if parameters and excitation still move each other, so that no parameter is stated.
+    /// Returns true if the fit of parameters and excitation has not settled, so that no parameter
+    /// is stated.
     pub(super) fn is_unsettled(&self) -> bool {
         self.flags.contains(&FitFlag::Unsettled)
     }

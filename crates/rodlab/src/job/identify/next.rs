@@ -1,4 +1,4 @@
-//! Choice of the next test: planned tests by what they would tell.
+//! Choice of the next test: planned tests by their expected information.
 
 mod choice;
 mod struck;
@@ -17,26 +17,26 @@ use crate::outcome::{Attachment, Column, Table};
 use crate::sheet::{self, Exact, Language, Length, Velocity, plausible};
 use crate::{Outcome, RodlabError};
 
-/// Most planned tests: each is fitted by every law that is left.
+/// Maximum number of planned tests: each is fitted by every remaining law.
 const MOST_PLANNED: f64 = 60.0;
 
 /// Expected ln of the Bayes factor that decides between two laws: odds of 20.
 const DECISIVE: f64 = 3.0;
 
-/// Tests that may be made next: one for each of the velocities, on each of the rods, as often as
-/// stated.
+/// Tests that may be made next: one for each velocity, on each rod, with each number of repeats.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct NextSheet {
     /// Impact velocities, such as `["3 m/s", "27 m/s"]`.
     pub velocities: Vec<Exact<Velocity>>,
-    /// Numbers of equal tests, such as `[1, 3, 10]`; by default one.
+    /// Numbers of identical tests, such as `[1, 3, 10]`; by default one.
     #[serde(default = "one")]
     pub repeats: Vec<usize>,
-    /// Rods; by default that of the first test, its excitation in proportion to the velocity.
+    /// Rods; by default the rod of the first test, with its excitation in proportion to the
+    /// velocity.
     #[serde(default)]
     pub rods: Option<NextRodsSheet>,
-    /// The parameter whose error is to become small, such as `"exponent"`, whatever laws are left.
+    /// The parameter whose error is to become small, such as `"exponent"`, whichever laws are left.
     #[serde(default)]
     pub sharpen: Option<String>,
 }
@@ -45,7 +45,7 @@ fn one() -> Vec<usize> {
     vec![1]
 }
 
-/// Rods that may be struck: each length with each gap and each striker.
+/// Rods that may be struck: each length is combined with each gap and each striker.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct NextRodsSheet {
@@ -60,7 +60,7 @@ pub struct NextRodsSheet {
 }
 
 impl NextSheet {
-    /// Refuses what is wrong for any data.
+    /// Refuses statements that are wrong for any data.
     pub(super) fn check(&self) -> Result<(), RodlabError> {
         if let Some(rods) = &self.rods {
             let shortest = rods.lengths.iter().map(Exact::si);
@@ -99,12 +99,12 @@ impl NextSheet {
     }
 }
 
-/// Tests that may be made, with what they would tell.
+/// Tests that may be made, with their expected information.
 struct Planned<'a> {
     name: String,
-    /// `None` for the tests made alone.
+    /// `None` for the tests already made, without a further one.
     choice: Option<Choice<'a>>,
-    /// Expected ln of the Bayes factor over each rival.
+    /// Expected ln of the Bayes factor in favour of the leading law, for each rival.
     separations: Vec<f64>,
     /// Standard errors of the parameters.
     deviations: Vec<f64>,
@@ -112,7 +112,7 @@ struct Planned<'a> {
 
 /// Purpose of a planned test.
 enum Aim {
-    /// The least separation from a rival.
+    /// The smallest separation from a rival.
     Separate,
     /// The error of one parameter.
     Sharpen(usize),
@@ -139,8 +139,8 @@ impl Planned<'_> {
         }
     }
 
-    /// Number of tests; the largest for those that do not decide between the laws, of which
-    /// otherwise the fewest are the best.
+    /// Number of tests if they decide between the laws, in which case fewer are better; the largest
+    /// number otherwise.
     fn number_that_decides(&self, aim: &Aim) -> usize {
         let decides = matches!(aim, Aim::Separate) && self.merit(aim) >= DECISIVE;
         let number = self.choice.as_ref().map(|choice| choice.repeats);
@@ -171,7 +171,7 @@ pub(super) fn tell(
     let rivals: Vec<&Candidate> = laws
         .iter()
         .skip(1)
-        // no test tells a law from one that contains it
+        // no test distinguishes a law from one that contains it
         .filter(|rival| {
             let limit = rival.candidate.at_limit(candidate, leading.parameters);
             limit.is_none()
@@ -276,23 +276,23 @@ pub(super) fn tell(
     Ok(())
 }
 
-/// The test made at the velocity nearest to `velocity` [m/s] by their ratio: the ranges of the
-/// instruments, and with them their noise, follow the velocity.
+/// Returns the existing test whose velocity is nearest to `velocity` [m/s] by ratio: the ranges of
+/// the instruments, and with them their noise, follow the velocity.
 fn like(found: &Found, velocity: f64) -> Option<&RodTest> {
     let far = |test: &RodTest| (test.impact_velocity() / velocity).ln().abs();
     let tests = found.tests.iter();
     tests.min_by(|a, b| far(a).total_cmp(&far(b)))
 }
 
-/// A law that is left, with its parameters.
+/// A remaining law, with its parameters.
 struct LeftLaw<'a> {
     law: Law,
     candidate: Candidate,
     parameters: &'a [f64],
 }
 
-/// The laws that the comparison leaves, the most probable first; without a comparison the only one
-/// that was fitted.
+/// The laws that the comparison leaves, the most probable first; without a comparison, the fitted
+/// law if there is only one.
 fn left(found: &Found) -> Vec<LeftLaw<'_>> {
     if let (None, [only]) = (&found.comparison, found.laws.as_slice()) {
         return vec![LeftLaw {
@@ -316,7 +316,7 @@ fn left(found: &Found) -> Vec<LeftLaw<'_>> {
         .collect()
 }
 
-/// Table of the planned tests, the best first, and the best in words.
+/// Adds a table of the planned tests, the best first, and a sentence about the best.
 fn state(
     candidate: &Candidate,
     (rivals, aim): (&[&Candidate], &Aim),

@@ -1,4 +1,4 @@
-//! The filter of a recorder as the sheet states it.
+//! The filter of a recorder as stated in the sheet.
 
 use labio::LabioError;
 use labio::instrument::AntiAlias;

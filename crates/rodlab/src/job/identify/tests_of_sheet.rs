@@ -21,23 +21,23 @@ use crate::{Outcome, RodlabError};
 pub struct TestSheet {
     /// Name of the test.
     pub name: String,
-    /// The rod of this test, if the tests are of several rods. Tests that state the same rod share
-    /// the error of its length.
+    /// The rod of this test, if the tests are made on several rods. Tests that state the same rod
+    /// share the error of its length.
     #[serde(default)]
     pub specimen: Option<SpecimenSheet>,
-    /// Its record: one file with both histories.
+    /// The record of the test: one file with both histories.
     pub records: Records,
     /// Channel of the section of excitation: a velocity or a displacement, positive away from the
     /// striker.
     pub excitation: String,
     /// Channel of the free end, of the same quantity.
     pub response: String,
-    /// Impact velocity, to which errors are referred.
+    /// Impact velocity, to which errors are relative.
     pub impact_velocity: Exact<Velocity>,
-    /// Beginning of the time used; the rod must then be at rest.
+    /// Beginning of the time span used; the rod must then be at rest.
     #[serde(default)]
     pub from: Option<Exact<Time>>,
-    /// End of the time compared.
+    /// End of the time span that is compared.
     #[serde(default)]
     pub to: Option<Exact<Time>>,
     /// Noise of the histories; by default from the time before the arrival of the wave.
@@ -49,7 +49,7 @@ pub struct TestSheet {
     /// Cut-off of the recorder's low-pass filter; assumed from the sampling rate unless stated.
     #[serde(default)]
     pub cutoff: Option<Exact<Frequency>>,
-    /// Temperature of the rod, such as `"40 degC"`; needed in every test where `arrhenius` is stated.
+    /// Temperature of the rod, such as `"40 degC"`; needed in every test if `arrhenius` is stated.
     #[serde(default)]
     pub temperature: Option<NotFollowed<Temperature>>,
     /// Name of the solver that made a virtual test.
@@ -141,7 +141,7 @@ fn seen_through(recorder: &AntiAliasSheet, test: RodTest) -> Result<RodTest, Rod
         .map_err(|error| RodlabError::step("recorder", error))
 }
 
-/// Change of temperature \[K\] that a law without activation ignores in silence.
+/// Temperature difference \[K\] up to which a law without activation gives no warning.
 const SAME_TEMPERATURE: f64 = 2.0;
 
 /// Refuses activated laws without several temperatures, and warns of several temperatures without
@@ -290,8 +290,8 @@ fn of_velocities(data: RodTestData, test: &TestSheet, field: &str) -> Result<Rod
     .map_err(refused)
 }
 
-/// Errors of the transducers of a test, and of the length of its rod where the tests are of several
-/// rods.
+/// Errors of the transducers of a test, and of the length of its rod if the tests are made on
+/// several rods.
 fn common_errors(
     record: &Record,
     test: &TestSheet,

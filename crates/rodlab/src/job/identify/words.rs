@@ -30,7 +30,7 @@ pub(super) fn of_estimate(estimate: &Estimate) -> String {
     format!("{} = {value} {error}{verdict}", estimate.symbol)
 }
 
-/// Name of a profile's parameter and its unit; the logarithm is of the value in that unit.
+/// Name of a profile's parameter, and its unit; a logarithm is that of the value in this unit.
 struct Named {
     name: String,
     unit: &'static str,
@@ -56,7 +56,7 @@ fn named(parameter: &str) -> Named {
     }
 }
 
-/// A profile over the parameter itself, if the fit uses its logarithm.
+/// A profile over the parameter, even if the fit uses its logarithm.
 pub(super) struct Shown {
     pub(super) name: String,
     pub(super) unit: String,
@@ -93,7 +93,8 @@ impl Shown {
         (self.of)(number)
     }
 
-    /// The profile in words, such as `Young's modulus: between 2.59 GPa and 2.61 GPa with 95 %`.
+    /// The profile in words, such as
+    /// `Young's modulus: from 2.59 GPa to 2.61 GPa with 95 % (profile likelihood).`.
     pub(super) fn in_words(&self, profile: &Profile) -> String {
         let text = |number: f64| {
             let value = significant(self.value(number), 4);

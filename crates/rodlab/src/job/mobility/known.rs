@@ -15,10 +15,10 @@ use crate::outcome::{LogEntry, Quantity};
 use crate::responses::{cut, in_words, line_spacing_hz};
 use crate::{Outcome, RodlabError};
 
-/// Probability that chance alone marks any line of a passive body as generating energy.
+/// Probability that chance alone marks any line of a passive body as delivering energy.
 const LEVEL: f64 = 0.01;
 
-/// Most runs of lines listed one by one in a log.
+/// Maximum number of runs of lines that a log lists one by one.
 const LONGEST_LOG: usize = 40;
 
 /// The mobility and the data of every line.
@@ -28,8 +28,8 @@ pub(super) struct Known {
     pub(super) objections: Vec<Option<String>>,
     /// Coherence of every test.
     pub(super) coherences: Vec<Vec<f64>>,
-    /// Share of the second hammer in every line, and the difference of the two in units of their
-    /// errors.
+    /// Share of the second hammer in every line, and the difference between the responses of the
+    /// two hammers in units of its error.
     pub(super) merged: Option<(Vec<f64>, Vec<f64>)>,
     /// Number of the first line that was not replaced.
     pub(super) first_measured: usize,
@@ -138,7 +138,7 @@ pub(super) fn prepare(
     })
 }
 
-/// The response without the mass between gauge and face.
+/// The response without the mass between the gauge and the face.
 #[allow(
     clippy::indexing_slicing,
     reason = "`to_kind` refuses a response whose lists are not of one length; those of the face have the lines of its values"
@@ -175,7 +175,7 @@ fn without_head(response: &FrequencyResponse, mass: f64) -> Result<FrequencyResp
         .map_err(refused)?;
     for line in 0..values.len() {
         if line == 0 {
-            // there is no mobility at 0 Hz; the accelerance there is known again only from the mass
+            // there is no mobility at 0 Hz; only the mass can give the accelerance there
             accelerance.validity[0] = LineValidity::NotDefined;
             accelerance.values[0] = Complex64::new(f64::NAN, f64::NAN);
             if let Some(variance) = &mut accelerance.variance {
@@ -245,7 +245,7 @@ fn judge_coherence(
             *objection = Some("coherence as of chance".to_owned());
         } else if bias
             .zip(error)
-            // NaN belongs to a line of noise
+            // a NaN is the bias of a line of noise
             .is_some_and(|(bias, error)| bias.is_nan() || bias.abs() > error.magnitude)
         {
             *objection = Some("bias by noise at rest above the random error".to_owned());
@@ -272,7 +272,8 @@ fn judge_passivity(
     Ok(())
 }
 
-/// Runs of invalid lines; if they are too many to list, the number of lines for each reason.
+/// Logs the runs of invalid lines; if there are too many of them, the number of lines for each
+/// reason.
 #[allow(
     clippy::indexing_slicing,
     reason = "a run begins and ends with lines of the mobility, each of which has a frequency"

@@ -1,4 +1,4 @@
-//! Check that the mobility can be that of a body, and its response to an impulse.
+//! Check whether the mobility can be that of a body, and its response to an impulse.
 
 use std::sync::Arc;
 
@@ -13,7 +13,7 @@ use crate::responses::{SupportSheet, line_spacing_hz, measured_body, stretch_wit
 use crate::sheet::ValueWithUncertainty;
 use crate::{Outcome, RodlabError};
 
-/// Fewest lines for screening.
+/// Minimum number of lines for screening.
 const FEWEST_SCREENED: usize = 64;
 
 /// The results of screening.
@@ -25,7 +25,8 @@ pub(super) struct Screened {
 /// The velocity after a unit impulse.
 pub(super) struct ImpulseResponse {
     pub(super) time: Vec<f64>,
-    /// Mean over a step \[1/kg\]; the first includes the immediate response, and is left out.
+    /// Mean over a step \[1/kg\]; the first step, which includes the immediate response, is left
+    /// out.
     pub(super) values: Vec<f64>,
     /// Final value for a free body, 1/M \[1/kg\].
     pub(super) rigid: Option<f64>,
@@ -97,9 +98,9 @@ pub(super) fn screen(
     })
 }
 
-/// The lines screened for hits whose sheet states no upper frequency: those with a signal, up to
-/// half the Nyquist frequency, below which no alias is expected. They are entered in `outcome`;
-/// `None` if these are all lines.
+/// The lines that are screened for hits whose sheet states no upper frequency: those with a signal,
+/// up to half the Nyquist frequency, below which no alias is expected. They are entered in
+/// `outcome`; `None` if these are all lines.
 fn with_signal(
     known: &Known,
     sheet: &MobilitySheet,
@@ -129,21 +130,21 @@ fn with_signal(
     Some(lines)
 }
 
-/// The response over half a period, in two steps per period of the highest line.
+/// The impulse response over half a period, with two steps per period of the highest line.
 fn impulse_response(
     body: &dyn ImpactBody,
     known: &Known,
     outcome: &mut Outcome,
 ) -> Option<ImpulseResponse> {
     let n_lines = known.mobility.values.len();
-    let period = 1.0 / line_spacing_hz(&known.mobility).ok()?; // or its body had been refused
+    let period = 1.0 / line_spacing_hz(&known.mobility).ok()?; // else its body was refused
     let grid = TimeGrid {
         time_step: period / (2 * (n_lines - 1)) as f64,
         n_steps: n_lines - 1,
     };
     let kernel = match Kernel::of(body, grid, Quadrature::CellAverages) {
         Ok(kernel) => kernel,
-        // the mobility is kept: a law for real frequencies may have no limit at rest
+        // the mobility is still valid: a law for real frequencies may have no limit at rest
         Err(error) => {
             let why = std::error::Error::source(&error)
                 .map_or_else(String::new, |source| format!(": {source}"));
@@ -155,7 +156,8 @@ fn impulse_response(
     };
     let weights = kernel.weights();
     if known.body.is_none() {
-        // a check: for a body that rings longer than the period, this is the part wrapped around
+        // a check: for a body that rings longer than the period, this level is that of the part
+        // wrapped around
         let level = kernel.acausal() / weights.first().map_or(1.0, |w| w.abs());
         outcome.quantities.push(Quantity {
             name: "level of the impulse response ahead of the impulse".to_owned(),

@@ -25,7 +25,7 @@ use crate::{Outcome, RodlabError};
 pub enum SourceSheet {
     /// Hits with a force and a motion.
     Hits(HitsSource),
-    /// An equal test with a heavy and a light hammer, merged line by line.
+    /// The same test with a heavy and a light hammer, merged line by line.
     TwoHammers {
         /// The heavy hammer, for low frequencies.
         low: HitsSource,
@@ -125,8 +125,8 @@ pub(super) fn read<'a>(
     }
 }
 
-/// The response before processing; `None` if the hits do not allow one, which is then stated in
-/// `outcome`.
+/// The response before processing; `None` if the hits do not allow one: then `outcome` states the
+/// reason.
 pub(super) fn raw(
     read: &Read<'_>,
     sheet: &MobilitySheet,
@@ -270,7 +270,7 @@ fn computed(body: &ComputedBody, source: &SourceSheet) -> Result<Raw, RodlabErro
     }
     let spacing_hz = up_to.si() / *lines as f64;
     let mut values = Vec::with_capacity(lines + 1);
-    // a long rod has a mobility at 0 Hz; a free or fixed body has none, or none that is used
+    // a long rod has a mobility at 0 Hz; a free or fixed body has none, or one that is not used
     values.push(match body.mobility(0.0) {
         Ok(value) if body.free_mass().is_none() && value.is_finite() => value,
         _ => Complex64::new(f64::NAN, f64::NAN),

@@ -24,7 +24,7 @@ pub(super) fn attachment(known: &Known, title: &str) -> Result<Attachment, Rodla
     let spacing = line_spacing_hz(response)?;
     let first = lines.first().copied().unwrap_or(0);
     let in_a_row = lines.iter().zip(first..).all(|(line, n)| *line == n);
-    // few programs read NaN: lines without information are left out
+    // few programs read NaN, so lines without information are left out
     let abscissa = if in_a_row {
         Abscissa::Even {
             start: first as f64 * spacing,

@@ -10,11 +10,11 @@ use crate::Outcome;
 use crate::digits::significant;
 use crate::outcome::Quantity;
 
-/// Discrepancy, in standard deviations, that contradicts a stated value: one in a thousand of
-/// correct records.
+/// Discrepancy, in standard deviations, beyond which a stated value is contradicted: this happens
+/// in one of a thousand correct records.
 const CONTRADICTS: f64 = 3.29;
 
-/// Ratio of the unexplained mean square to that of noise beyond which it is reported.
+/// Ratio of the unexplained mean square to that of noise, beyond which it is reported.
 const UNEXPLAINED: f64 = 1.5;
 
 /// Reports that the errors of the sensors are kept as stated, if the lines do not determine them.
@@ -83,7 +83,7 @@ fn contradicts(source: &CalibratedSource) -> bool {
     source.discrepancy().abs() > CONTRADICTS
 }
 
-/// A source of the sensors with its stated standard uncertainty.
+/// An error source of the sensors with its stated standard uncertainty.
 struct OfSensors {
     name: String,
     unit: &'static str,
@@ -91,7 +91,7 @@ struct OfSensors {
 }
 
 impl OfSensors {
-    /// The source of the sensors; `None` for other sources.
+    /// Returns the entry for `source` if it is one of the sensors; `None` for other sources.
     fn of(source: ErrorSource, sheet: &ModulusSheet, measured: &Measured) -> Option<Self> {
         let of_ratio = measured.of_ratio();
         let gauge = |index: usize| measured.of_gauges().get(index).copied();

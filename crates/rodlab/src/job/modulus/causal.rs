@@ -9,7 +9,7 @@ use crate::laws::Drawn;
 use crate::laws::causal::{self, Shown};
 use crate::{Outcome, RodlabError};
 
-/// States the estimate, or why there is none.
+/// Reports the estimate, or the reason why there is none.
 pub(super) fn state(
     outcome: &mut Outcome,
     found: &Found<'_>,

@@ -10,7 +10,7 @@ use crate::responses::stretch_with_signal;
 use crate::{Outcome, RodlabError};
 
 /// The estimate on the lines used in the checks, which are entered in `outcome`; `None` if these
-/// are all its lines.
+/// are all lines of the estimate.
 ///
 /// # Errors
 ///

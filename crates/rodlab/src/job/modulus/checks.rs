@@ -18,12 +18,12 @@ use crate::outcome::{CHECK, LogEntry, Quantity};
 use crate::sheet::{Exact, Frequency, Ratio};
 use crate::{Outcome, RodlabError};
 
-/// Margin of the speed of the wave front for neglected effects. The front is faster than every
-/// phase velocity of the band by the effect of the loss factor up to the Nyquist frequency, and by
-/// this factor.
+/// Factor on the speed of the wave front, as a margin for neglected effects. The front is faster
+/// than every phase velocity of the band because of the loss factor up to the Nyquist frequency,
+/// and by this factor.
 const FRONT: f64 = 1.02;
 
-/// Most lines used in the check of Kramers and Kronig.
+/// Maximum number of lines used in the check of Kramers and Kronig.
 const MOST_LINES: usize = 1000;
 
 /// Suffix of the name of the quantity of a check.
@@ -58,7 +58,7 @@ pub enum CheckSheet {
 }
 
 impl ChecksSheet {
-    /// Level of the checks where the sheet states none.
+    /// Level of the checks if the sheet states none.
     pub(super) fn usual_level() -> String {
         format!("{} %", 100.0 * USUAL_LEVEL)
     }
@@ -111,8 +111,8 @@ pub(super) fn check(outcome: &mut Outcome, found: &Found<'_>) -> Result<(), Rodl
     Ok(())
 }
 
-/// Number of lines in a check or a law, at most `most`, and no more than are independent (padded
-/// pulses, damped records).
+/// Number of lines in a check or a law: at most `most`, and no more than the number of independent
+/// lines, which is smaller for padded pulses and damped records.
 #[expect(
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,
@@ -142,8 +142,8 @@ fn free_end_null(outcome: &mut Outcome, found: &Found<'_>, level: f64) {
     else {
         return;
     };
-    // two gauges presuppose the end, and a propagation coefficient on the axis is not that of
-    // damped spectra
+    // the method of two gauges presupposes the end, and a propagation coefficient on the axis is
+    // not that of damped spectra
     if gauges.len() == 2 || spectra.added_damping.is_some() {
         return;
     }
@@ -210,8 +210,7 @@ fn arrivals(outcome: &mut Outcome, found: &Found<'_>, level: f64) {
     };
     let causality = arrivals.causality(FRONT * fastest * growth, level);
     say(outcome, found, Check::Causality, causality);
-    // only a trigger gives the time from the silence to the blow, and thereby identifies the first
-    // wave
+    // only a trigger gives the time from the silence to the blow, which identifies the first wave
     if let Some(trigger) = first.trigger {
         let waiting = trigger.saturating_sub(first.silent) as f64 / rate;
         let passage = found.distance / fastest;

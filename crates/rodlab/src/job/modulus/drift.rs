@@ -15,31 +15,32 @@ use crate::report::with_error;
 use crate::sheet::{Exact, PerKelvin, Stated, Temperature};
 use crate::{Outcome, RodlabError};
 
-/// Probability below which a trend is named.
+/// Probability below which a trend is reported.
 const LEVEL: f64 = 0.01;
 
-/// Temperatures of the hits, and the one to which the modulus is referred.
+/// Temperatures of the hits, and the temperature to which the modulus is referred.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct TemperatureSheet {
-    /// Temperature of each hit in the order in which they are found, rejected ones included, such as
-    /// `["23.1 degC", "23.4 degC"]`; or that of all.
+    /// Temperature of each hit in the order in which they are found, including rejected hits, such
+    /// as `["23.1 degC", "23.4 degC"]`; or one temperature for all.
     pub of_hits: Vec<Exact<Temperature>>,
-    /// Temperature to which the modulus is referred, such as `"20 degC"`; by default it is that of the
-    /// test.
+    /// Temperature to which the modulus is referred, such as `"20 degC"`; by default the
+    /// temperature of the test.
     #[serde(default)]
     pub reference: Option<Exact<Temperature>>,
-    /// Relative change of the modulus per kelvin, such as `"-0.004 1/K ± 0.001 1/K"`; by default that
-    /// of the hits themselves.
+    /// Relative change of the modulus per kelvin, such as `"-0.004 1/K ± 0.001 1/K"`; by default
+    /// the change found from the hits.
     #[serde(default)]
     pub slope: Option<Stated<PerKelvin>>,
 }
 
-/// Trend over the numbers or the temperatures of the hits.
+/// Trend over the numbers of the hits, or over their temperatures.
 pub(super) struct Trend {
     trend: HitTrend,
     over_temperature: bool,
-    /// Difference of the last and the first number, or of the highest and the lowest temperature.
+    /// Difference between the last and the first number, or between the highest and the lowest
+    /// temperature.
     range: f64,
 }
 
@@ -68,7 +69,8 @@ fn temperatures(
     }
 }
 
-/// The trend; `None` if the hits are too few, or the method does not give a modulus of each.
+/// The trend; `None` if there are too few hits, or if the method does not give a modulus for each
+/// of them.
 pub(super) fn trend(
     sheet: &ModulusSheet,
     measured: &Measured,
@@ -82,7 +84,7 @@ pub(super) fn trend(
     let each = measured.each.par_iter();
     let deviations: Option<Vec<f64>> = each
         .map(|spectra| {
-            // what all hits give together, a single one need not
+            // a single hit may not give a modulus although all hits together do
             let hit = plain(sheet, measured, spectra).ok()?;
             deviation(&all, &hit)
         })
@@ -119,7 +121,8 @@ pub(super) fn trend(
     }))
 }
 
-/// Names the trend. One that changes E' by more than its error over the hits is a doubt.
+/// Reports the trend. A trend that changes E' over the hits by more than its error puts the result
+/// in doubt.
 pub(super) fn state(
     outcome: &mut Outcome,
     found: &Found<'_>,
@@ -184,7 +187,7 @@ pub(super) fn state(
     Ok(())
 }
 
-/// The modulus at the reference temperature; `None` if the sheet states none.
+/// The modulus at the reference temperature; `None` if the sheet states no reference.
 pub(super) fn referred(
     sheet: &ModulusSheet,
     (found, measured): (&ModulusEstimate, &Measured),

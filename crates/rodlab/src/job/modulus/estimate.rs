@@ -27,7 +27,7 @@ use super::rod::{
 use super::{ModulusSheet, TheorySheet};
 use crate::RodlabError;
 
-/// An estimate, with the results for its common errors if any of the sensors are stated.
+/// An estimate, with the results for its common errors if errors of the sensors are stated.
 pub(super) struct Estimated {
     pub(super) modulus: ModulusEstimate,
     pub(super) calibration: Option<SelfCalibration>,
@@ -45,7 +45,7 @@ pub(super) fn estimate(
     }
 }
 
-/// The modulus with the sensors as they are stated.
+/// The modulus with the sensors as stated.
 pub(super) fn plain(
     sheet: &ModulusSheet,
     measured: &Measured,
@@ -120,8 +120,8 @@ fn with_ratio<T>(
     take(method.as_ref(), &lines).map_err(refused)
 }
 
-/// The causal estimate of all lines; of the moduli at single frequencies where the method has no
-/// others.
+/// The causal estimate of all lines, or of the moduli at single frequencies for methods that have
+/// no other lines.
 pub(super) fn causal(
     sheet: &ModulusSheet,
     measured: &Measured,
@@ -260,7 +260,7 @@ fn ratio_method(
             })
             .map(boxed)
         }
-        // a ratio for these methods is refused before it is read
+        // a ratio is refused for these methods before it is read
         MethodSheet::ThreePoint { .. }
         | MethodSheet::MultiPoint { .. }
         | MethodSheet::FreeVibration { .. } => {
@@ -296,7 +296,7 @@ fn of_gauges(
     with_gauges(sheet, gauges, CalibratedGauges { finds_errors })
 }
 
-/// Result of a method of gauges, whichever it is.
+/// Result of any of the methods with gauges.
 trait OfGauges {
     type Result;
 
@@ -307,7 +307,7 @@ trait OfGauges {
     ) -> Result<Self::Result, CmodError>;
 }
 
-/// The modulus, with errors of the gauges found from the lines themselves, if asked for.
+/// The modulus, with errors of the gauges found from the lines themselves if requested.
 struct CalibratedGauges {
     finds_errors: bool,
 }
@@ -351,7 +351,7 @@ impl OfGauges for CausalGauges<'_> {
     }
 }
 
-/// Takes what is asked from the method of the sheet and the spectra of its gauges.
+/// Computes the requested result from the method of the sheet and the spectra of its gauges.
 fn with_gauges<T: OfGauges>(
     sheet: &ModulusSheet,
     (measured, gauges): (&Measured, &SectionSpectra),
@@ -402,7 +402,8 @@ fn with_gauges<T: OfGauges>(
     .map_err(refused)
 }
 
-/// The method of gauges at any positions: with two before a free end, that end is a condition.
+/// The method with gauges at any positions: for two gauges before a free end, that end is a
+/// condition.
 fn multi_point(sheet: &ModulusSheet, gauges: &[GaugeSheet]) -> Result<MultiPoint, CmodError> {
     let rod = gauged_rod(sheet, gauges);
     match sheet.method.used_free_end() {
@@ -412,8 +413,8 @@ fn multi_point(sheet: &ModulusSheet, gauges: &[GaugeSheet]) -> Result<MultiPoint
     }
 }
 
-/// Calls a function with the spectra in the form used by the methods of several gauges and their
-/// check.
+/// Calls a function with the spectra in the form used by the methods with several gauges and by
+/// their check.
 pub(super) fn with_gauge_spectra<T>(
     gauges: &SectionSpectra,
     take: impl FnOnce(&GaugeSpectra<'_>) -> T,
@@ -479,8 +480,8 @@ pub(super) fn distance(sheet: &ModulusSheet) -> Result<f64, RodlabError> {
     })
 }
 
-/// A section of a rod with a free end; the quantity measured there is stated in the sheet or given
-/// by the channel.
+/// A section of a rod with a free end; the quantity measured there is stated in the sheet or taken
+/// from the channel.
 fn section(
     measured: &Measured,
     section: &SectionSheet,
@@ -502,7 +503,7 @@ fn section(
     })
 }
 
-/// The quantity of all gauges: that of the first.
+/// The quantity of all gauges, which is that of the first.
 pub(super) fn gauge_quantity(measured: &Measured, gauges: &[GaugeSheet]) -> Quantity {
     gauges
         .first()

@@ -12,14 +12,14 @@ use super::reasons::Reasons;
 
 /// Half the width of a band, in standard errors.
 const BAND: f64 = 2.0;
-/// Most lines of a curve.
+/// Maximum number of lines of a curve.
 const MOST_LINES: usize = 1500;
 /// Smallest width of a shaded range, as a fraction of the band.
 const LEAST_WIDTH: f64 = 0.004;
 /// Margin above and below the valid values, as a fraction of their range.
 const MARGIN: f64 = 0.15;
 
-/// Least share of a source that is drawn, in % of the square of the uncertainty.
+/// Smallest share of a source that is drawn, in % of the square of the uncertainty.
 const LEAST_SHARE: f64 = 2.0;
 
 /// Label and unit of the axis of frequency.
@@ -28,7 +28,7 @@ const KILOHERTZ: (&str, &str) = ("frequency", "kHz");
 /// A curve over frequency: quantity, factor from SI to the axis, label and unit.
 type Drawn = (PlottedQuantity, f64, &'static str, &'static str);
 
-/// The figures of the result, that of the answer first.
+/// The figures of the result, beginning with that of the answer.
 pub(super) fn figures(found: &Found<'_>, reasons: &Reasons) -> Vec<Figure> {
     let lines: Vec<&ModulusLine> = found.estimate.lines().iter().collect();
     if lines.is_empty() {
@@ -149,7 +149,8 @@ fn giga(lines: &[&ModulusLine]) -> (f64, &'static str) {
     }
 }
 
-/// Frequency \[kHz\] and `value` of each line; NaN for the lines that are not of this validity.
+/// Frequency \[kHz\] and `value` of each line; NaN for lines that are not valid if `valid` is true,
+/// for valid lines otherwise.
 fn picked(
     lines: &[&ModulusLine],
     valid: bool,
@@ -191,7 +192,7 @@ fn panel(lines: &[&ModulusLine], greyed: &[Greyed], drawn: &Drawn) -> Panel {
     }
 }
 
-/// The range of the valid lines with a margin: lines that are not valid may lie anywhere.
+/// The range of the valid lines with a margin; values of invalid lines may be far outside of it.
 fn range(edges: &[(f64, f64, f64)]) -> Option<[f64; 2]> {
     let lower = edges.iter().map(|edge| edge.1).filter(|y| y.is_finite());
     let upper = edges.iter().map(|edge| edge.2).filter(|y| y.is_finite());
@@ -251,7 +252,7 @@ fn commonest(of_lines: &[Vec<&'static str>]) -> String {
             None => counts.push((reason, 1)),
         }
     }
-    // the first by name of equal counts
+    // the first by name if several have the same count
     counts.sort_by(|a, b| b.1.cmp(&a.1).then(a.0.cmp(b.0)));
     counts
         .first()
@@ -269,7 +270,7 @@ fn cole_cole(lines: &[&ModulusLine], (giga, unit): (f64, &'static str)) -> Figur
     }
 }
 
-/// Half waves between the sections: a curve that is not smooth shows a wrong count.
+/// Half waves between the sections: a curve that is not smooth indicates a wrong count.
 fn waves(found: &Found<'_>, lines: &[&ModulusLine], greyed: &[Greyed]) -> Figure {
     let half_waves = |line: &ModulusLine| line.wave_number() * found.distance / PI;
     let mut marks = Vec::new();

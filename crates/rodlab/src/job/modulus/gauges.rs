@@ -1,4 +1,4 @@
-//! Spectra of gauges, with the damping that the sheet or their ringing asks for.
+//! Spectra of gauges, with the damping that the sheet states or that their ringing requires.
 
 use cmod::CmodError;
 use cmod::estimate::VarianceFreedom;
@@ -17,9 +17,9 @@ pub(super) fn noise_freedom(gauges: &SectionSpectra) -> Result<VarianceFreedom, 
 /// Damping added to hits before their transform.
 pub(super) enum Damping {
     None,
-    /// Stated in the sheet.
+    /// Exponential window stated in the sheet.
     Window(ExponentialWindowSheet),
-    /// Damping needed by hits that end while the rod rings, for lines from this frequency on
+    /// Damping required by hits that end while the rod rings, for lines from this frequency on
     /// \[Hz\].
     OfRinging {
         lowest_hz: f64,

@@ -6,16 +6,17 @@ use crate::hits::FoundHits;
 
 use super::method::Taken;
 
-/// Number of accepted hits drawn.
+/// Maximum number of accepted hits that are drawn.
 const HITS_DRAWN: usize = 3;
-/// Stretches of a history, each drawn by its least and greatest sample: the resolution of a figure.
+/// Number of stretches of a history, the resolution of a figure; each is drawn by its least and its
+/// greatest sample.
 const STRETCHES: usize = 600;
 
 /// Fraction of their peaks to which all channels have decayed at the end of the drawn part of a
 /// hit.
 const DECAYED: f64 = 0.005;
 
-/// One panel per channel: the first accepted hits, and rejected ones faintly.
+/// One panel per channel: the first accepted hits, and the first rejected one faintly.
 pub(super) fn figures(
     found: &FoundHits,
     channels: &[Taken<'_>],
@@ -51,7 +52,7 @@ pub(super) fn figures(
     }]
 }
 
-/// Number of samples until the first accepted hit has decayed in a channel, plus a tenth.
+/// Number of samples until the first accepted hit has decayed in a channel, plus a tenth of it.
 fn alive(found: &FoundHits, channel: &str) -> usize {
     let accepted = found.accepted();
     let Some(history) = accepted.first().and_then(|hit| hit.channel(channel).ok()) else {

@@ -8,7 +8,7 @@ use super::reasons::Reasons;
 use crate::RodlabError;
 use crate::outcome::{Column, Table};
 
-/// The lines with a modulus, valid or not, with the `reasons` against them.
+/// The lines with a modulus, valid or not, with the `reasons` why they are not valid.
 pub(super) fn table(found: &Found<'_>, reasons: &Reasons) -> Table {
     let lines = found.estimate.lines();
     let numbers = |name: &str, unit: &str, value: &dyn Fn(&ModulusLine) -> f64| {

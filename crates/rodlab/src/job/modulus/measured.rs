@@ -39,18 +39,18 @@ pub enum SourceSheet {
         /// criteria.
         #[serde(default)]
         hits: HitsSheet,
-        /// Silence of each record before the blow, such as `"2 ms"`, from which the noise is
-        /// found, as needed for gauges. By default, for hits cut by a trigger, the
-        /// pre-trigger less 0.2 ms or a fifth of it, whichever is smaller.
+        /// Silence of each record before the blow, such as `"2 ms"`: it gives the noise, which
+        /// gauges need. By default, for hits cut by a trigger, the pre-trigger less 0.2 ms or a
+        /// fifth of it, whichever is smaller.
         #[serde(default)]
         silent: Option<Exact<Duration>>,
         /// Exponential window on all gauges from the end of the silence on, for rods that ring
-        /// longer than the record, with `MultiPoint`. By default hits that end while the
-        /// rod rings have as much as they need.
+        /// longer than the record, with `MultiPoint`. By default, hits that end while the rod rings
+        /// get as much damping as they need.
         #[serde(default)]
         exponential_window: Option<ExponentialWindowSheet>,
     },
-    /// A ratio of spectra made by another program.
+    /// A ratio of spectra computed by another program.
     Ratio(RatioSheet),
 }
 
@@ -131,9 +131,9 @@ pub(super) struct Measured {
     pub(super) first_hit: Option<FirstHit>,
     /// Sampling rate of the hits \[Hz\]; unknown for a ratio in a file.
     pub(super) sampling_rate_hz: Option<f64>,
-    /// Hits that may be one measurement.
+    /// Pairs of hits that may be the same measurement.
     pub(super) doubts: Vec<String>,
-    /// Spectra of each accepted hit by itself; empty where the method takes all together.
+    /// Spectra of each accepted hit alone; empty if the method uses all hits together.
     pub(super) each: Vec<Spectra>,
     /// Numbers of the accepted hits among those that were found, from 0.
     pub(super) accepted: Vec<usize>,

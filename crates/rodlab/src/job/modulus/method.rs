@@ -20,7 +20,7 @@ pub enum MethodSheet {
         #[serde(default)]
         solver: Option<SolverSheet>,
     },
-    /// The motions of both ends, at the resonances only.
+    /// The motions of both ends, evaluated at the resonances only.
     Resonances {
         /// Channel of the struck end.
         impacted_end: String,
@@ -32,11 +32,11 @@ pub enum MethodSheet {
     FreeVibration {
         /// Channel of the sensor.
         channel: String,
-        /// Beginning of the free vibration, measured from the beginning of a hit's record, such as
-        /// `"5 ms"`: when the hammer is off.
+        /// Beginning of the free vibration, when the hammer has left the rod, measured from the
+        /// beginning of a hit's record, such as `"5 ms"`.
         from: Exact<Time>,
-        /// A guess of the wave speed, such as `"5100 m/s"`, within a fifth, by which the modes are
-        /// numbered.
+        /// A guess of the wave speed, such as `"5100 m/s"`, within a fifth; the modes are numbered
+        /// with it.
         wave_speed: Exact<Velocity>,
     },
     /// Two sections of a rod with a free end.
@@ -53,9 +53,9 @@ pub enum MethodSheet {
     SeparatePulses {
         /// The section that the pulse passes first.
         first: WindowSheet,
-        /// The section that it passes later.
+        /// The section that the pulse passes second.
         second: WindowSheet,
-        /// Distance between them.
+        /// Distance between the two sections.
         distance: Stated<Length>,
         /// A guess of the wave speed.
         #[serde(default)]
@@ -65,9 +65,9 @@ pub enum MethodSheet {
     OneGauge {
         /// The section.
         section: SectionSheet,
-        /// The incident pulse, from and to, measured from the beginning of a hit's record.
+        /// Start and end of the incident pulse, measured from the beginning of a hit's record.
         incident: (Exact<Time>, Exact<Time>),
-        /// The reflected pulse.
+        /// Start and end of the reflected pulse.
         reflected: (Exact<Time>, Exact<Time>),
         /// A guess of the wave speed.
         #[serde(default)]
@@ -85,9 +85,9 @@ pub enum MethodSheet {
         /// A guess of the wave speed.
         #[serde(default)]
         wave_speed: Option<Exact<Velocity>>,
-        /// Position of a free end beyond the last gauge, if the rod has one. It is the third
-        /// condition for two gauges, with the `accelerometer_mass` of the specimen on it; three or
-        /// more are checked against it.
+        /// Position of a free end beyond the last gauge, if the rod has one. For two gauges it is
+        /// the third condition, with the `accelerometer_mass` of the specimen on it; three or more
+        /// gauges are checked against it.
         #[serde(default)]
         free_end_at: Option<Stated<Coordinate>>,
     },
@@ -112,7 +112,7 @@ pub struct SectionSheet {
     pub channel: String,
     /// Distance from the free end, such as `"350 mm ± 0.5 mm"`, or `"0 mm"` for the end itself.
     pub from_free_end: Stated<Coordinate>,
-    /// Quantity measured there; by default that of the channel. A ratio from a file has no
+    /// Quantity measured there; by default the quantity of the channel. A ratio from a file has no
     /// channels: state the quantity here.
     #[serde(default)]
     pub quantity: Option<QuantitySheet>,
@@ -126,7 +126,7 @@ pub struct WindowSheet {
     pub channel: String,
     /// Beginning of the pulse, measured from the beginning of a hit's record, such as `"1.2 ms"`.
     pub from: Exact<Time>,
-    /// Its end.
+    /// End of the pulse.
     pub to: Exact<Time>,
 }
 
@@ -164,8 +164,8 @@ impl From<QuantitySheet> for Quantity {
     }
 }
 
-/// The quantity of a channel in `cmod`, strain if proportional to it; `None` for quantities that no
-/// gauge on a rod measures.
+/// The quantity of a channel in `cmod`: strain if the quantity is proportional to strain; `None`
+/// for quantities that no gauge on a rod measures.
 pub(super) fn of_channel(quantity: labio::Quantity) -> Option<QuantitySheet> {
     match quantity {
         // in a uniform bar they are proportional to the strain, and the factor cancels
@@ -187,7 +187,7 @@ pub(super) struct Taken<'a> {
     pub(super) motion: bool,
 }
 
-/// Data of the specimen that a method uses; their errors become errors of the modulus.
+/// Data of the specimen that a method uses; the errors of these data become errors of the modulus.
 pub(super) struct UsedOfSpecimen {
     pub(super) length: bool,
     pub(super) end_mass: bool,
@@ -222,7 +222,7 @@ impl MethodSheet {
         }
     }
 
-    /// Data of the specimen that the method uses, with their errors.
+    /// Returns the data of the specimen that the method uses.
     pub(super) fn use_of_specimen(&self) -> UsedOfSpecimen {
         let (length, end_mass) = match self {
             Self::TwoPoint { .. } | Self::Resonances { .. } | Self::FreeVibration { .. } => {
@@ -290,7 +290,7 @@ impl MethodSheet {
         }
     }
 
-    /// Position of the free end that is a condition of the method: with two gauges.
+    /// Position of the free end if it is a condition of the method, that is with two gauges.
     pub(super) fn used_free_end(&self) -> Option<&Stated<Coordinate>> {
         match self {
             Self::MultiPoint {

@@ -8,7 +8,7 @@ use cmod::validity::Violation;
 use crate::digits::hertz;
 use crate::outcome::LogEntry;
 
-/// Most stretches of frequency listed for one reason.
+/// Maximum number of stretches of frequency listed for one reason.
 const STRETCHES_NAMED: usize = 4;
 
 /// The reasons of all lines.
@@ -70,7 +70,7 @@ fn in_few_words(violation: &Violation) -> &'static str {
     }
 }
 
-/// Remedy against a reason of [`in_few_words`].
+/// Remedy for a reason of [`in_few_words`].
 fn advice(reason: &str) -> Option<&'static str> {
     Some(match reason {
         "wavelength below five diameters" => "a thinner rod reaches higher frequencies",
@@ -128,14 +128,14 @@ impl Reasons {
         named.join(", ")
     }
 
-    /// Remedy against the commonest reason; `None` where nothing general can be said.
+    /// Remedy for the most frequent reason; `None` if there is no general one.
     pub(super) fn advice(&self) -> Option<&'static str> {
         let (reason, _) = self.counts.first()?;
         advice(reason)
     }
 
-    /// One entry for the valid lines, one for each reason against the others, and one for each
-    /// refusal.
+    /// Log entries: one for the valid lines, one for each reason against the other lines, and one
+    /// for each refusal.
     pub(super) fn log(&self, estimate: &ModulusEstimate) -> Vec<LogEntry> {
         let all = estimate.lines();
         let frequencies = |keep: &dyn Fn(&[&'static str]) -> bool| -> Vec<Option<f64>> {
@@ -194,8 +194,8 @@ pub(super) fn lines(count: usize) -> String {
     }
 }
 
-/// Neighbouring lines as stretches, the longest first; `None` stands for a line that is not
-/// included.
+/// The longest stretches of neighbouring lines in words, in order of frequency; `None` stands for a
+/// line that is not included.
 fn stretches(lines: &[Option<f64>]) -> String {
     let mut found: Vec<(usize, f64, f64)> = Vec::new();
     let mut open = false;

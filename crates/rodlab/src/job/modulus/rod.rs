@@ -1,5 +1,5 @@
-//! The rod of the sheet, its uncertainties and the limits of its lines, as the methods of `cmod`
-//! take them.
+//! The rod of the sheet, its uncertainties and the limits of its lines, in the form used by the
+//! methods of `cmod`.
 
 use cmod::validity::AcceptanceLimits;
 use cmod::{GaugedRod, RodWithFreeEnd, SectionUncertainty};

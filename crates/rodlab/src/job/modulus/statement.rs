@@ -11,8 +11,8 @@ use crate::digits::{hertz, percent, significant};
 use crate::outcome::{Quantity, Verdict};
 use crate::sheet::{Length, Stated};
 
-/// Largest distance of a line from a requested frequency that it represents, as a fraction of the
-/// frequency.
+/// Largest distance of a line from a requested frequency for which the line is used, as a fraction
+/// of the frequency.
 const NEAR: f64 = 0.02;
 
 pub(super) fn state(outcome: &mut Outcome, found: &Found<'_>, reasons: &Reasons) {

@@ -7,11 +7,11 @@ use cmod::recovery::{LoadHistory, LossFactorReadings, RecoveryTest};
 use super::Found;
 use crate::outcome::{Column, Table};
 
-/// Points of a curve.
+/// Number of points of a curve.
 const POINTS: u32 = 121;
 
-/// Times \[s\] of the curves: evenly on a logarithmic scale, from 2/3 of the first reading to 1.5
-/// times the last.
+/// Times \[s\] of the curves, evenly spaced on a logarithmic scale from 2/3 of the first reading to
+/// 1.5 times the last.
 pub(super) fn times(tests: &[RecoveryTest]) -> Vec<f64> {
     let readings = || tests.iter().flat_map(|test| test.time().iter().copied());
     let latest = 1.5 * readings().fold(0.0, f64::max);
@@ -20,7 +20,7 @@ pub(super) fn times(tests: &[RecoveryTest]) -> Vec<f64> {
         .fold(f64::INFINITY, f64::min)
         / 1.5;
     if !(earliest.is_finite() && latest > earliest) {
-        // a single reading at the moment of unloading
+        // there is only a reading at the moment of unloading
         return vec![0.0, 1.0];
     }
     (0..POINTS)
@@ -54,7 +54,7 @@ impl Found<'_> {
         Ok(predicted)
     }
 
-    /// The model along `times` after the load of `test`.
+    /// Prediction at `times` after the load of `test`.
     pub(super) fn curve(
         &self,
         test: &RecoveryTest,

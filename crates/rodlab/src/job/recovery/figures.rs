@@ -17,7 +17,7 @@ pub(super) fn figures(found: &Found<'_>) -> Result<Vec<Figure>, CmodError> {
     Ok(figures)
 }
 
-/// Factor from a change of the loss factor to the number on the axis, and the axis.
+/// Factor from a change of the loss factor to the number on the axis, together with the axis.
 fn change_axis(found: &Found<'_>) -> (f64, Axis) {
     found.sheet.virgin_loss_factor.as_ref().map_or_else(
         || (1.0, Axis::linear("change of the loss factor", "")),
@@ -88,8 +88,8 @@ fn recovery(found: &Found<'_>) -> Result<Figure, CmodError> {
     })
 }
 
-/// All tests over time divided by their recovery times: the form required by equation 4 for all
-/// values of the parameters.
+/// All tests over time divided by their recovery times; equation 4 requires them to form one curve
+/// for any values of the parameters.
 fn one_curve(found: &Found<'_>) -> Figure {
     let mut marks = Vec::new();
     let mut farthest: f64 = 10.0;

@@ -23,11 +23,11 @@ pub enum ReadingsSheet {
     ),
     /// Readings in a separate file, over a column of times with its unit.
     File {
-        /// Its name, relative to the sheet.
+        /// Name of the file, relative to the sheet.
         path: String,
         /// Column of the readings, by name or by number from 1, without the column of times.
         readings: Selector,
-        /// Column of their standard errors.
+        /// Column of the standard errors of the readings.
         #[serde(default)]
         standard_errors: Option<Selector>,
     },
@@ -41,7 +41,7 @@ pub struct Reading {
     pub at: NotFollowed<Time>,
     /// The loss factor, or its change; a pure number.
     pub value: f64,
-    /// Its standard error, if it differs from that of the sheet.
+    /// Standard error of the reading, if it differs from that of the sheet.
     #[serde(default)]
     pub standard_error: Option<f64>,
 }

@@ -9,8 +9,8 @@ use crate::Outcome;
 use crate::digits::{hertz, percent, significant};
 use crate::outcome::{LogEntry, Quantity, Verdict};
 
-/// Number of standard deviations by which the mean square of the residuals may exceed 1; beyond it,
-/// the model or the stated errors are wrong.
+/// Number of standard deviations by which the mean square of the residuals may exceed 1; if it
+/// exceeds 1 by more, the model or the stated errors are wrong.
 const DEVIATIONS: f64 = 3.0;
 
 /// The verdict if nothing could be fitted, with the results of each test alone.
@@ -122,8 +122,8 @@ fn quantity(estimate: &Estimate) -> Quantity {
     let mut verdict = estimate.verdict.to_string();
     let standard_error = match estimate.scale {
         Scale::Difference => Some(estimate.standard_error),
-        // error of the logarithm; meaningless as an error of the value from a factor of about two
-        // on
+        // this is the error of the logarithm; from a factor of about two on, it is meaningless as
+        // an error of the value
         Scale::Ratio if estimate.standard_error < 0.5 => {
             Some(estimate.value * estimate.standard_error)
         }
@@ -225,7 +225,7 @@ fn warn(outcome: &mut Outcome, found: &Found<'_>) {
     );
 }
 
-/// The predicted loads: the expected readings from a minute after unloading on.
+/// Adds the expected readings after the predicted loads, from a minute after unloading on.
 pub(super) fn predict(outcome: &mut Outcome, found: &Found<'_>) -> Result<(), CmodError> {
     for (name, test) in &found.predictions {
         let times = [60.0, 600.0, 3600.0];

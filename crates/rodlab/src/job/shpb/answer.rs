@@ -8,7 +8,7 @@ use crate::digits::significant;
 use crate::outcome::{CHECK, Quantity, Verdict};
 use crate::{Outcome, RodlabError};
 
-/// Difference of errors by draws from linear ones that is not named.
+/// Relative difference between errors from draws and linear errors up to which nothing is reported.
 const NONLINEAR: f64 = 0.2;
 
 pub(super) fn state(
@@ -127,7 +127,7 @@ pub(super) fn state(
     Ok(())
 }
 
-/// `shot 2: ` where there are several.
+/// Returns `shot 2: ` if there are several shots.
 pub(super) fn shot(at: usize, of: usize) -> String {
     if of > 1 {
         format!("shot {}: ", at + 1)
@@ -157,8 +157,8 @@ pub(super) fn findings(outcome: &mut Outcome, result: &HopkinsonResult, shot: &s
     }
 }
 
-/// Errors by draws beside the linear ones at the largest stress; a difference puts the shot in
-/// doubt.
+/// Compares the errors from draws with the linear ones at the largest stress; a difference puts the
+/// shot in doubt.
 pub(super) fn monte_carlo(
     outcome: &mut Outcome,
     result: &HopkinsonResult,
@@ -189,8 +189,8 @@ pub(super) fn monte_carlo(
     }
 }
 
-/// Mean strain rate from the first load to the largest strain, with its standard error: that of the
-/// strain over the time.
+/// Mean strain rate from the first load to the largest strain. Its standard error is that of the
+/// strain divided by the time.
 fn mean_rate(result: &HopkinsonResult) -> (f64, f64) {
     let strain = result.curves.of(Curve::Strain);
     let loaded = result.loaded.clone();

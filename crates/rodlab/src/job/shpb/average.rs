@@ -9,7 +9,7 @@ use crate::digits::significant;
 use crate::outcome::{Column, Quantity, Table};
 use crate::{Outcome, RodlabError};
 
-/// Probability with which equal specimens are said to differ.
+/// Probability that equal specimens are said to differ.
 const CHANCE: f64 = 0.01;
 
 pub(super) fn state(

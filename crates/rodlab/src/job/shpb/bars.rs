@@ -19,7 +19,8 @@ fn known<K>(stated: &Stated<K>) -> Known {
     Known::within(stated.value, stated.uncertainty())
 }
 
-/// The test of a sheet; what its channels tell of the gauges is missing.
+/// The test of a sheet; the uncertainties of the gauges, which follow from the channels, are not
+/// entered yet.
 pub(super) fn test(sheet: &ShpbSheet) -> Result<HopkinsonTest, RodlabError> {
     for (name, material) in &sheet.materials {
         if material.measured.is_some() && sheet.loading.loading() == Loading::Torsion {
@@ -90,8 +91,8 @@ fn bar(sheet: &BarSheet, materials: &Materials, side: &str) -> Result<HopkinsonB
     })
 }
 
-/// The material of a bar, density and wave speed so many standard uncertainties away if it is known
-/// by them.
+/// The material of a bar. If it is stated by density and wave speed, these are moved by
+/// `of_density` and `of_speed` standard uncertainties.
 fn material(
     sheet: &BarSheet,
     materials: &Materials,
@@ -127,7 +128,8 @@ fn material(
     .map_err(|error| RodlabError::step(field, error))
 }
 
-/// Every uncertain quantity of a material moves all bars of that material together.
+/// Returns the variations of the materials: every uncertain quantity of a material moves all bars
+/// of that material together.
 fn variations(sheet: &ShpbSheet) -> Result<Vec<MaterialVariation>, RodlabError> {
     let mut found = Vec::new();
     let sides = [
@@ -197,7 +199,7 @@ fn variations(sheet: &ShpbSheet) -> Result<Vec<MaterialVariation>, RodlabError> 
     Ok(found)
 }
 
-/// Moves one of the uncertain quantities of materials, counted in their order.
+/// Moves one of the uncertain quantities of the materials, selected by its place in their order.
 struct MovesOne {
     target: usize,
     standard: f64,

@@ -9,7 +9,8 @@ use rand_chacha::ChaCha8Rng;
 use super::tables::{band, band_of_mean, microseconds, scaled};
 use crate::RodlabError;
 
-/// Amplification of a wave on its way to a face from which bars differ visibly from elastic ones.
+/// Amplification of a wave on its way to a face from which the curve with elastic bars is drawn as
+/// well.
 const VISIBLE_AMPLIFICATION: f64 = 1.01;
 
 pub(super) fn all(
@@ -35,8 +36,8 @@ pub(super) fn around(name: &str, role: Role, x: &[f64], y: &[f64], half: &[f64])
     )
 }
 
-/// Strain \[%\] and stress \[MPa\] by the same records if bars that attenuate are taken for
-/// elastic.
+/// Strain \[%\] and stress \[MPa\] from the same records if bars that attenuate are treated as
+/// elastic; `None` if the difference is not visible.
 fn as_elastic(
     result: &HopkinsonResult,
     test: &HopkinsonTest,
@@ -57,7 +58,7 @@ fn as_elastic(
         variations: Vec::new(),
         ..test.clone()
     };
-    // the comparison has no place in the answer: without it the figure has one line less
+    // the comparison is not part of the answer: without it, the figure has one curve less
     let other = elastic
         .evaluate(record, &mut ChaCha8Rng::seed_from_u64(0))
         .ok()?;
@@ -87,7 +88,7 @@ fn stress_strain(
                 &scaled(&band_of_mean(&curve)?, 1e-6),
             ),
         ),
-        // too few samples of rising strain
+        // there are too few samples of rising strain
         Err(_) => (
             "at its time",
             around(
@@ -215,7 +216,7 @@ fn waves(result: &HopkinsonResult, record: &HopkinsonRecord) -> Figure {
     }
 }
 
-/// Place and time of the fronts of the waves, with the gauges: where waves meet.
+/// Place and time of the fronts of the waves, with the gauges; it shows where waves meet.
 fn fronts(
     result: &HopkinsonResult,
     test: &HopkinsonTest,

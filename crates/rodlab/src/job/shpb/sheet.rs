@@ -29,27 +29,26 @@ pub struct ShpbSheet {
     pub specimen: ShpbSpecimenSheet,
     /// Files and channels of the shot, sampled together; several entries for a file per channel.
     pub records: Vec<Records>,
-    /// Further shots with the same bars on specimens of the same kind: their mean over strain is
-    /// the result.
+    /// Further shots with the same bars on specimens of the same kind; the result is the mean of
+    /// all shots over strain.
     #[serde(default)]
     pub further_shots: Vec<FurtherShotSheet>,
-    /// Silence at the beginning of the record, before any pulse, such as `"90 us"`: level at rest
-    /// and noise are found there.
+    /// Silence at the beginning of the record, before any pulse, such as `"90 us"`; it gives the
+    /// level at rest and the noise.
     pub silent: Exact<Duration>,
-    /// Forces from which the stress is taken; both by default.
+    /// Forces from which the stress is computed; both by default.
     #[serde(default)]
     pub stress_from: StressFromSheet,
-    /// End of the band, where the amplitude is a half, such as `"50 kHz"`; by default the lowest
-    /// of a third of the sampling rate, the frequency of waves of two diameters, and that
+    /// End of the band, where the amplitude is one half, such as `"50 kHz"`; by default the lowest
+    /// of a third of the sampling rate, the frequency of waves of two diameters, and the frequency
     /// beyond which a wave grows tenfold on its way back to the specimen.
     #[serde(default)]
     pub band: Option<Exact<Frequency>>,
-    /// Takes the lag between the arrivals at the two faces off the transmitted bar, instead of
-    /// trusting positions and wave speeds.
+    /// Removes the lag between the arrivals at the two faces from the transmitted bar, instead of
+    /// relying on positions and wave speeds.
     #[serde(default)]
     pub align_arrivals: bool,
-    /// Draws of noise and all sources together, such as 1000, by which the linear errors are
-    /// judged.
+    /// Number of draws of noise and all sources together, such as 1000, to check the linear errors.
     #[serde(default)]
     pub monte_carlo: Option<usize>,
 }
@@ -79,19 +78,19 @@ pub struct BarsSheet {
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct BarSheet {
-    /// Its waves.
+    /// Waves of the bar.
     pub waves: WavesSheet,
     /// Diameter, such as `"20 mm ± 0.02 mm"`.
     pub diameter: Stated<Length>,
-    /// Length, such as `"1800 mm"`; its ± is followed where the free end is used.
+    /// Length, such as `"1800 mm"`; a ± is accepted only if the free end is used.
     pub length: Stated<Length>,
     /// Poisson's ratio, such as `"0.29 ± 0.01"`, for lateral inertia by Pochhammer and Chree;
-    /// one-dimensional waves without it.
+    /// without it, the waves are one-dimensional.
     #[serde(default)]
     pub poisson_ratio: Option<Stated<PoissonRatio>>,
     /// One gauge, or two.
     pub gauges: Vec<ShpbGaugeSheet>,
-    /// Separation of its waves: by default `Passages` for one gauge, `TwoGauges` for two.
+    /// Separation of the waves: by default `Passages` for one gauge, `TwoGauges` for two.
     #[serde(default)]
     pub separation: Option<WaveSeparationSheet>,
 }
@@ -115,10 +114,10 @@ pub enum WavesSheet {
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ShpbGaugeSheet {
-    /// Channel with its strain.
+    /// Channel with the strain of the gauge.
     pub channel: String,
     /// Channels of other gauges around the same section, such as the one on the opposite side: the
-    /// mean of all is taken, in which bending cancels.
+    /// mean of all is used, in which bending cancels.
     #[serde(default)]
     pub averaged_with: Vec<String>,
     /// Distance from the specimen, such as `"700 mm ± 1 mm"`.
@@ -134,11 +133,12 @@ pub enum WaveSeparationSheet {
     TwoGauges,
     /// One gauge before the free end of the transmitted bar.
     FreeEnd,
-    /// One gauge on the incident bar, whose force at the specimen is that of the transmitted bar.
+    /// One gauge on the incident bar, whose force at the specimen is set to that of the transmitted
+    /// bar.
     Balanced,
 }
 
-/// Forces from which the stress is taken.
+/// Forces from which the stress is computed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
 pub enum StressFromSheet {
     /// Force of the transmitted bar (one wave).
@@ -156,7 +156,7 @@ pub enum StressFromSheet {
 pub struct ShpbSpecimenSheet {
     /// Length, such as `"6 mm ± 0.02 mm"`.
     pub length: Stated<Length>,
-    /// Diameter; of a tube the outer one.
+    /// Diameter; for a tube the outer diameter.
     pub diameter: Stated<Length>,
     /// Thickness of the wall of a tube in torsion.
     #[serde(default)]
@@ -167,9 +167,9 @@ pub struct ShpbSpecimenSheet {
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct FurtherShotSheet {
-    /// Files and channels, with the same names of channels as the first.
+    /// Files and channels, with the same channel names as in the first shot.
     pub records: Vec<Records>,
-    /// Its specimen; by default the numbers of the first.
+    /// Specimen of this shot; by default the dimensions of the first specimen.
     #[serde(default)]
     pub specimen: Option<ShpbSpecimenSheet>,
 }

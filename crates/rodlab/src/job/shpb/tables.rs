@@ -128,7 +128,7 @@ fn waves(result: &HopkinsonResult) -> Table {
     }
 }
 
-/// Error of each source at the largest stress, and the largest over the time of loading.
+/// Error of each source at the largest stress, and the largest error of each source during loading.
 fn budget(result: &HopkinsonResult) -> Table {
     let peak = peak(result);
     let mut names = vec!["noise".to_owned()];

@@ -13,14 +13,14 @@ use crate::job::JobContext;
 use crate::outcome::{Attachment, LogEntry};
 use crate::sheet::{Duration, Exact, Force, Ratio, plausible};
 
-/// Fraction 1/16 at the end of a record in which the decay is checked.
+/// Inverse of the fraction at the end of a record in which the decay is checked.
 const LATE_PART: usize = 16;
-/// Level over the peak below which the record has decayed.
+/// Level relative to the peak, below which the record has decayed.
 const QUIET: f64 = 5e-4;
 /// Default scatter of the strengths of blows, as a fraction.
 const USUAL_SCATTER: f64 = 0.05;
 
-/// Most samples of all records of a sheet, which are kept in memory.
+/// Maximum number of samples in all records of a sheet, which are kept in memory.
 const MOST_SAMPLES: f64 = 5e7;
 
 /// The blows of a hammer.
@@ -57,8 +57,8 @@ impl BlowsSheet {
         self.scatter.as_ref().map_or(USUAL_SCATTER, Exact::si)
     }
 
-    /// Checks the blows and, before anything is computed, the size of their records of this many
-    /// `channels`.
+    /// Checks the blows and, before anything is computed, the size of their records with this
+    /// number of `channels`.
     pub(super) fn check(
         &self,
         field: &str,
@@ -177,7 +177,7 @@ pub(super) fn peaks(record: &Record) -> Vec<f64> {
         .collect()
 }
 
-/// The warning for a record that ends before everything is at rest; `None` if it does not.
+/// The warning for a record that ends before everything is at rest; `None` otherwise.
 fn cut_off(record: &Record, peaks: &[f64]) -> Option<String> {
     let late = record.n_samples() / LATE_PART;
     let part = record

@@ -20,7 +20,7 @@ use crate::sheet::{Duration, Exact, Frequency, Pressure, Ratio};
 
 const FIELD: &str = "experiment: CreepRecovery";
 /// Method of the simulation: the stress of the dashpot is integrated through the load; the recovery
-/// is its closed form (paper C, eq. 4). The evaluation uses the same crate, so that it tests the
+/// is computed in closed form (paper C, eq. 4). The evaluation uses the same crate, so it tests the
 /// effect of noise, not the validity of the model.
 const GENERATOR: &str = "cmod::recovery, three-element model";
 
@@ -30,7 +30,7 @@ const GENERATOR: &str = "cmod::recovery, three-element model";
 pub struct CreepRecoverySheet {
     /// Modulus E1 of the virgin material, such as `"3.1 GPa"`.
     pub series_modulus: Exact<Pressure>,
-    /// Modulus E2 of the spring beside the dashpot, such as `"13.1 kPa"`.
+    /// Modulus E2 of the spring in parallel with the dashpot, such as `"13.1 kPa"`.
     pub parallel_modulus: Exact<Pressure>,
     /// Exponent m of the dashpot, such as `"1.8"`.
     pub exponent: Exact<Ratio>,
@@ -42,7 +42,7 @@ pub struct CreepRecoverySheet {
     pub frequency: Exact<Frequency>,
     /// Standard deviation of the error of a reading, such as `"0.0004"`.
     pub error: Exact<Ratio>,
-    /// Loads, one test each.
+    /// Loads, one test for each load.
     pub loads: Vec<CreepLoadSheet>,
     /// Times after unloading at which the loss factor is read, such as `["1 min", "5 min"]`.
     pub read_at: Vec<Exact<Duration>>,

@@ -15,7 +15,7 @@ fn shown(quantity: labio::Quantity) -> (f64, &'static str) {
     }
 }
 
-/// Histories of all channels; the first records are drawn as separate lines.
+/// Histories of all channels; at most five records are drawn, as separate lines.
 pub(super) fn histories(records: &[Record], names: &[String]) -> Option<Figure> {
     let first = records.first()?;
     let panels = first
@@ -45,7 +45,8 @@ pub(super) fn histories(records: &[Record], names: &[String]) -> Option<Figure> 
     })
 }
 
-/// Magnitudes of the spectra of the first record: √(G_xx) of each channel over its largest line.
+/// Magnitudes of the spectra of the first record: √(G_xx) of each channel relative to its largest
+/// line.
 pub(super) fn spectra(records: &[Record], cutoff_hz: f64) -> Result<Option<Figure>, RodlabError> {
     let Some(first) = records.first() else {
         return Ok(None);

@@ -42,7 +42,7 @@ impl Extension {
 }
 
 impl Naming {
-    /// The naming from the name of a file, such as `hits.csv`.
+    /// Creates the naming from the name of a file, such as `hits.csv`.
     pub(super) fn of(output: &str) -> Result<Self, RodlabError> {
         let wrong = || {
             let known: Vec<&str> = Extension::ALL.iter().map(|e| e.text()).collect();
@@ -70,7 +70,7 @@ impl Naming {
         })
     }
 
-    /// Name of the record `number` of `of`, from 1: the order of the names is that of the records.
+    /// Name of the record `number` of `of`, from 1; the names sort in the order of the records.
     pub(super) fn file(&self, number: usize, of: usize) -> String {
         let extension = self.extension.text();
         let digits = of.to_string().len();

@@ -30,7 +30,7 @@ pub struct StrainsInFrameSheet {
     pub diameter: Exact<Length>,
     /// Positions of the gauges from the struck end, in order.
     pub gauges: Vec<Exact<Coordinate>>,
-    /// Support of the struck end, besides the hammer; none by default.
+    /// Support of the struck end, in addition to the hammer; none by default.
     #[serde(default)]
     pub struck_end: SupportSheet,
     /// Support of the other end; none by default.

@@ -24,25 +24,25 @@ use crate::outcome::{Column, Table};
 use crate::sheet::{Coordinate, Density, Exact, Length, Pressure, Velocity, plausible};
 
 const FIELD: &str = "experiment: HopkinsonBars";
-/// Largest product of cells and steps, for a computing time of some minutes.
+/// Largest product of the numbers of cells and steps, for a computing time of some minutes.
 const MOST_CELL_STEPS: f64 = 4e9;
 /// Largest rounding of a wave speed by the grid.
 const SPEED_TOLERANCE: f64 = 2e-4;
-/// Distance of the sections that are read for the faces of the specimen from the ends of the bars
-/// \[m\].
+/// Distance from the ends of the bars \[m\] of the sections that represent the faces of the
+/// specimen.
 const INSIDE: f64 = 1e-6;
-/// Places of the bodies of the line.
+/// Indices of the bars among the bodies.
 const INCIDENT: usize = 1;
 const TRANSMITTED: usize = 3;
 
-/// A shot with a striker, and a specimen between two bars; all of them separate where they would
-/// pull.
+/// A shot with a striker, and a specimen between two bars; the bodies separate where they would
+/// pull on each other.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct HopkinsonBarsSheet {
     /// The striker.
     pub striker: StrikerSheet,
-    /// Its velocity, such as `"12 m/s"`.
+    /// Velocity of the striker, such as `"12 m/s"`.
     pub velocity: Exact<Velocity>,
     /// The bar that is struck.
     pub incident: VirtualBarSheet,
@@ -66,7 +66,8 @@ pub struct VirtualBarSheet {
     pub gauges: Vec<Exact<Coordinate>>,
 }
 
-/// A cylindrical specimen: a spring in series with a law, and a spring beside them that hardens.
+/// A cylindrical specimen: a spring in series with a law, and a hardening spring in parallel with
+/// both.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct VirtualSpecimenSheet {
@@ -78,9 +79,9 @@ pub struct VirtualSpecimenSheet {
     pub density: Exact<Density>,
     /// Young's modulus in series with the law.
     pub modulus: Exact<Pressure>,
-    /// Law of the inelastic strain rate; a power of a high exponent is a yield stress.
+    /// Law of the inelastic strain rate; a power law with a high exponent acts like a yield stress.
     pub law: InelasticLawSheet,
-    /// Modulus of the spring beside; none by default.
+    /// Modulus of the parallel spring; none by default.
     #[serde(default)]
     pub hardening: Option<Exact<Pressure>>,
 }
@@ -264,8 +265,8 @@ impl HopkinsonBarsSheet {
         }
     }
 
-    /// Engineering stress and strain of the specimen, without recorder, at the times of its
-    /// samples.
+    /// Engineering stress and strain of the specimen without the effect of the recorder, at the
+    /// times of the samples of the recorder.
     #[expect(
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,

@@ -29,12 +29,12 @@ use crate::sheet::{
 const FIELD: &str = "experiment: ImpactedRod";
 const NEAR: &str = "near end";
 const FREE: &str = "free end";
-/// Default number of cells per shortest wave that the recorder passes: the chain errs by some
-/// thousandths of its front.
+/// Default number of cells per shortest wave that the recorder passes: the error of the chain is
+/// then some thousandths of the wave front.
 const CELLS_PER_WAVE: f64 = 100.0;
 
-/// Largest product of cells and steps of all tests of a sheet, for a computing time of some
-/// minutes.
+/// Largest product of the numbers of cells and steps of all tests of a sheet, for a computing time
+/// of some minutes.
 const MOST_CELL_STEPS: f64 = 4e9;
 
 /// A rod struck by a projectile.
@@ -51,21 +51,21 @@ pub struct ImpactedRodSheet {
     pub modulus: Exact<Pressure>,
     /// Law of the inelastic strain rate.
     pub law: InelasticLawSheet,
-    /// Share of the modulus of a spring in parallel with the branch of the law, such as `"0.5"`: a
-    /// standard solid. None by default.
+    /// Share of the modulus that a spring in parallel with the branch of the law has, such as
+    /// `"0.5"`, as in a standard solid. None by default.
     #[serde(default)]
     pub spring: Option<Exact<Ratio>>,
     /// Distance of the section near the struck end from the free end, such as `"394 mm"`.
     pub section_distance: Exact<Length>,
     /// The projectile.
     pub striker: StrikerSheet,
-    /// Its velocities, one test each, such as `["3 m/s", "10 m/s"]`.
+    /// Velocities of the projectile, one test for each, such as `["3 m/s", "10 m/s"]`.
     pub velocities: Vec<Exact<Velocity>>,
     /// Quantity measured by the sensors: velocities by default.
     #[serde(default)]
     pub sensors: SensorsSheet,
-    /// Longest cell of the chain, such as `"1 mm"`; a hundredth of the shortest wave that the
-    /// recorder passes by default.
+    /// Longest cell of the chain, such as `"1 mm"`; by default a hundredth of the shortest wave
+    /// that the recorder passes.
     #[serde(default)]
     pub cell: Option<Exact<Length>>,
     /// Confirms a wave speed outside the range of solids.
@@ -98,7 +98,7 @@ pub enum InelasticLawSheet {
         /// Activation stress, such as `"8 MPa"`.
         activation_stress: Exact<Pressure>,
     },
-    /// Strain rate as the hyperbolic sine of the stress.
+    /// Strain rate proportional to the hyperbolic sine of the stress.
     Eyring {
         /// Activation stress, such as `"2.5 MPa"`.
         activation_stress: Exact<Pressure>,
@@ -135,7 +135,7 @@ pub enum SensorsSheet {
     },
 }
 
-/// The tests of all velocities with one law.
+/// The tests at all velocities with one law.
 struct Struck<'a, L> {
     sheet: &'a ImpactedRodSheet,
     rod: InelasticRod<L>,
@@ -167,7 +167,7 @@ impl<L: InelasticLaw> Struck<'_, L> {
     }
 }
 
-/// `$use` with the law of the sheet, each law being of a different type.
+/// Evaluates `$use` with the law of the sheet; each law has a different type.
 macro_rules! with_law {
     ($sheet:expr, |$law:ident| $use:expr) => {{
         let refused = |error| RodlabError::step(format!("{FIELD}.law"), error);
@@ -239,7 +239,7 @@ impl ImpactedRodSheet {
         Ok(())
     }
 
-    /// Checks that the tests end within reasonable time: a wave takes at least one step per cell.
+    /// Checks that the tests end in a reasonable time: a wave takes at least one step per cell.
     fn check_extent<L>(&self, struck: &Struck<'_, L>, wave_speed: f64) -> Result<(), RodlabError> {
         for (number, velocity) in self.velocities.iter().enumerate() {
             if velocity.si().abs() >= wave_speed {

@@ -19,14 +19,15 @@ use crate::sheet::{Duration, Exact, Frequency};
 const FINER: usize = 8;
 /// Default ratio of the cut-off of the filter to the sampling rate: 16 kHz for 51.2 kHz.
 const USUAL_CUTOFF: f64 = 0.3125;
-/// Samples by which the linear-phase filter reaches ahead, plus those of rest needed by the
-/// evaluations before them.
+/// Samples by which the linear-phase filter reaches ahead, plus the samples at rest before them
+/// that the evaluations need.
 const LEAST_BEFORE: usize = 24 + 16;
-/// Most samples of a channel: its history is finer, and kept in memory.
+/// Maximum number of samples of a channel: the history of a channel is finer, and is kept in
+/// memory.
 const MOST_SAMPLES: f64 = 2_097_152.0;
 /// Default time of a record before the blow \[s\].
 const USUAL_BEFORE: f64 = 2e-3;
-/// Default full scale of a converter over the largest value of its channel.
+/// Default full scale of a converter, relative to the largest value of its channel.
 const USUAL_FULL_SCALE: Level = Level::OfPeak(1.25);
 
 /// The instruments between the rod and the file.
@@ -141,8 +142,8 @@ impl InstrumentSheet {
         1.0 / (self.rate_hz() * FINER as f64)
     }
 
-    /// Duration of the required histories after the blow \[s\]: to the end of the record, and
-    /// beyond by the reach of the filter.
+    /// Duration of the required histories after the blow \[s\]: to the end of the record, plus the
+    /// reach of the filter.
     pub(super) fn duration(&self) -> f64 {
         self.length.si() - self.before() + 32.0 / self.rate_hz()
     }
@@ -162,7 +163,7 @@ impl InstrumentSheet {
             .map_err(|error| RodlabError::step(field, error))
     }
 
-    /// The filter, as a sheet in RON states it.
+    /// The filter in the form of a sheet in RON.
     pub(super) fn filter_in_ron(&self) -> String {
         match &self.anti_alias {
             None => format!("LinearPhase(cutoff: \"{} Hz\")", self.cutoff_hz()),
@@ -289,8 +290,8 @@ impl InstrumentSheet {
         Ok(taken.map_err(refused)?.record)
     }
 
-    /// `sampled` with its noise, through the converter; `peaks` are the largest values for relative
-    /// levels.
+    /// Returns `sampled` with its noise, after the converter; `peaks` are the largest values for
+    /// relative levels.
     pub(super) fn recorded(
         &self,
         sampled: &Record,

@@ -17,7 +17,7 @@ pub struct LevelText {
 /// A level of a channel.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Level {
-    /// Ratio to its largest value.
+    /// Ratio to the largest value of the channel.
     OfPeak(f64),
     /// Absolute value in SI.
     Absolute(f64, Dimension),

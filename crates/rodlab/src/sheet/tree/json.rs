@@ -12,13 +12,13 @@ use crate::sheet::mistake::{Mistake, lower_case};
 ///
 /// # Errors
 ///
-/// The first mistake against the rules of JSON.
+/// The first syntax error.
 pub(super) fn read(text: &str) -> Result<Node, Mistake> {
     let root: &RawValue = serde_json::from_str(text).map_err(|error| mistake(text, &error))?;
     node(text, root.get())
 }
 
-/// The value of `piece`, a slice of `text`.
+/// Returns the value of `piece`, a slice of `text`.
 fn node(text: &str, piece: &str) -> Result<Node, Mistake> {
     let refused =
         |error: serde_json::Error| Mistake::new(place(text, piece), lower_case(&error.to_string()));
@@ -28,7 +28,7 @@ fn node(text: &str, piece: &str) -> Result<Node, Mistake> {
             let entries = fields.into_iter().map(|(name, value)| {
                 let node = node(text, value.get())?;
                 Ok(Entry {
-                    // the reader of JSON tells the places of values only
+                    // the reader of JSON gives the places of values only, not of names
                     name_place: node.place.clone(),
                     name,
                     node,
@@ -56,7 +56,7 @@ fn node(text: &str, piece: &str) -> Result<Node, Mistake> {
     })
 }
 
-/// The fields of an object in their order, also those that stand twice.
+/// The fields of an object in their order, including repeated ones.
 struct Fields<'a>(Vec<(String, &'a RawValue)>);
 
 impl<'de: 'a, 'a> Deserialize<'de> for Fields<'a> {
@@ -89,7 +89,7 @@ fn place(text: &str, piece: &str) -> Place {
     start..start + piece.len()
 }
 
-/// The mistake at the line and column of `error`, which counts bytes.
+/// Returns the mistake at the line and column of `error`; the column counts bytes.
 fn mistake(text: &str, error: &serde_json::Error) -> Mistake {
     let lines = text.split_inclusive('\n');
     let before: usize = lines

@@ -1,7 +1,7 @@
 //! Sheets in RON as values with their places.
 //!
-//! The reader of the crate `ron` finds where values begin and end; their places follow from the
-//! pieces of the text that it hands out.
+//! The reader of the crate `ron` finds where values begin and end; the places follow from the
+//! slices of the text that it returns.
 
 use ron::Options;
 use ron::error::SpannedError;
@@ -17,7 +17,7 @@ use crate::sheet::mistake::{Mistake, lower_case};
 ///
 /// # Errors
 ///
-/// The first mistake against the rules of RON.
+/// The first syntax error.
 pub(super) fn read(text: &str) -> Result<Node, Mistake> {
     let text = Text(text);
     let mut reader = ron::Deserializer::from_str_with_options(text.0, &options())
@@ -30,7 +30,7 @@ pub(super) fn read(text: &str) -> Result<Node, Mistake> {
     text.node(root.trim().get_ron())
 }
 
-/// Optional fields without `Some(..)`.
+/// Returns the options of the reader: optional fields without `Some(..)`.
 fn options() -> Options {
     Options::default().with_default_extension(Extensions::IMPLICIT_SOME)
 }
@@ -39,7 +39,7 @@ fn options() -> Options {
 #[derive(Clone, Copy)]
 struct Text<'a>(&'a str);
 
-/// Parts of a bracket.
+/// Contents of a pair of brackets.
 enum Parts<'a> {
     /// Fields or entries of a map, with their names as written.
     Named(Vec<(&'a str, &'a RawValue)>),
@@ -53,7 +53,7 @@ impl<'a> Text<'a> {
         start..start + piece.len()
     }
 
-    /// The mistake `error` in the slice `piece`.
+    /// Returns the mistake `error` in the slice `piece`.
     fn mistake(self, piece: &str, error: &SpannedError) -> Mistake {
         let base = self.place(piece).start;
         let start = offset(piece, &error.span.start);
@@ -67,7 +67,7 @@ impl<'a> Text<'a> {
         )
     }
 
-    /// The value of the slice `piece`, which begins and ends with it.
+    /// Reads the value that fills the slice `piece`.
     fn node(self, piece: &'a str) -> Result<Node, Mistake> {
         let value = match piece.chars().next() {
             Some('(' | '{') => self.bracket(piece)?,
@@ -102,8 +102,7 @@ impl<'a> Text<'a> {
             .or_else(|_| self.of(piece).map(Value::Float))
     }
 
-    /// Reads a value that begins with a letter: a word of the language, a text in its raw form, or
-    /// a choice.
+    /// Reads a value that begins with a letter: a keyword, a raw string, or a choice.
     fn word(self, piece: &'a str) -> Result<Value, Mistake> {
         let is_raw_name = piece
             .strip_prefix("r#")
@@ -143,7 +142,7 @@ impl<'a> Text<'a> {
         }))
     }
 
-    /// Fields, a tuple or a map in brackets.
+    /// Reads fields, a tuple or a map in brackets.
     fn bracket(self, piece: &'a str) -> Result<Value, Mistake> {
         let mut reader = ron::Deserializer::from_str_with_options(piece, &options())
             .map_err(|error| self.mistake(piece, &error))?;
@@ -175,7 +174,7 @@ impl<'a> Text<'a> {
         }
     }
 
-    /// A name, in quotes if it is of a map.
+    /// Reads a name; the names in a map may be in quotes.
     fn name(self, written: &'a str) -> Result<String, Mistake> {
         if written.starts_with(['"', 'r']) && written.ends_with(['"', '#']) {
             self.of(written)
@@ -185,7 +184,8 @@ impl<'a> Text<'a> {
     }
 }
 
-/// The content of a choice: `Mass("1 kg")` has the text itself, `Window("1 ms", "2 ms")` a list.
+/// Returns the content of a choice: for `Mass("1 kg")` the text itself, for
+/// `Window("1 ms", "2 ms")` a list.
 fn single(content: Node) -> Node {
     match content.value {
         Value::List(mut nodes) if nodes.len() == 1 => nodes.pop().unwrap_or(Node {
@@ -196,9 +196,9 @@ fn single(content: Node) -> Node {
     }
 }
 
-/// Takes a bracket apart.
+/// Visitor that separates the contents of a pair of brackets.
 struct PartsOf {
-    /// The names are those of fields, without quotes.
+    /// True if the names are those of fields, without quotes.
     are_fields: bool,
 }
 

@@ -10,7 +10,7 @@ use crate::sheet::mistake::Mistake;
 ///
 /// # Errors
 ///
-/// All mistakes against the rules of TOML.
+/// All syntax errors.
 pub(super) fn read(text: &str) -> Result<Node, Vec<Mistake>> {
     let (table, errors) = DeTable::parse_recoverable(text);
     if !errors.is_empty() {
@@ -35,7 +35,7 @@ fn fields(table: DeTable<'_>) -> Result<Value, Vec<Mistake>> {
         })
     });
     let mut entries = entries.collect::<Result<Vec<_>, Vec<Mistake>>>()?;
-    entries.sort_by_key(|entry| entry.name_place.start); // a table of this reader is in the order of names
+    entries.sort_by_key(|entry| entry.name_place.start); // the reader sorts tables by name
     Ok(Value::Table(entries))
 }
 
@@ -49,7 +49,7 @@ fn node(value: Spanned<DeValue<'_>>) -> Result<Node, Vec<Mistake>> {
             Value::Float(found.map_err(|_| beyond(&place))?)
         }
         DeValue::Boolean(value) => Value::Bool(value),
-        // a date without quotes is the text that it is
+        // a date without quotes is read as its text
         DeValue::Datetime(date) => Value::Text(date.to_string()),
         DeValue::Array(values) => {
             let nodes = values.into_iter().map(node);

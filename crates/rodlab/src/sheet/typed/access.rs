@@ -46,8 +46,8 @@ impl<'de> SeqAccess<'de> for Values<'_> {
     }
 }
 
-/// A field: its name in the type, and its name and value in the sheet; without them it is missing
-/// and filled.
+/// A field: its name in the type, and its name and value in the sheet; a missing field that is to
+/// be filled has no name and value in the sheet.
 type Field<'a> = (&'a str, Option<(&'a str, &'a Node)>);
 
 /// The fields of a table.
@@ -75,8 +75,8 @@ impl<'a> Fields<'a> {
         }
     }
 
-    /// The fields of a type with the fields `known`. Unknown ones are noted, and taken for the
-    /// known ones that were probably meant.
+    /// The fields of a type with the fields `known`. Unknown fields are noted as mistakes, and read
+    /// as the known fields that were probably meant.
     pub(super) fn new(
         table: Reading<'a>,
         entries: &'a [Entry],

@@ -1,4 +1,4 @@
-//! A mistake on its way from the value to its place.
+//! The error of the deserializer, which becomes a mistake with its place.
 
 use std::fmt;
 
@@ -19,7 +19,7 @@ pub(super) struct Fault {
 
 #[derive(Debug)]
 enum What {
-    /// A field that must be stated is not.
+    /// A required field is missing.
     Missing(&'static str),
     Other {
         problem: String,
@@ -39,7 +39,7 @@ impl Fault {
         }
     }
 
-    /// `found` is not what is expected.
+    /// Creates the fault that `found` is not the expected value.
     pub(super) fn found(found: &Node, expected: &str) -> Self {
         Self::new(
             format!("found {}, expected {expected}", found.in_words()),
@@ -47,7 +47,7 @@ impl Fault {
         )
     }
 
-    /// The fault at the place of `reading`, unless it has one.
+    /// Gives the fault the place of `reading`, unless it has one.
     pub(super) fn at(mut self, reading: &Reading<'_>) -> Self {
         if self.place.is_none() {
             self.place = Some(match self.what {
@@ -59,7 +59,7 @@ impl Fault {
         self
     }
 
-    /// The fault at `place`, in the field of `reading`.
+    /// Gives the fault the place `place`, in the field of `reading`.
     pub(super) fn at_place(mut self, place: &Place, reading: &Reading<'_>) -> Self {
         self.place = Some(place.clone());
         self.field = reading.at.to_string();
@@ -70,12 +70,12 @@ impl Fault {
         matches!(self.what, What::Missing(_))
     }
 
-    /// The field that holds the mistake.
+    /// The field that contains the mistake.
     pub(super) fn field(&self) -> &str {
         &self.field
     }
 
-    /// The field whose value would remove the mistake.
+    /// The field that has to be stated or corrected to remove the mistake.
     pub(super) fn spot(&self) -> String {
         match self.what {
             What::Missing(name) if self.field.is_empty() => name.to_owned(),
@@ -105,8 +105,8 @@ impl Fault {
     }
 }
 
-/// Returns the place at which a field is to be added: the closing bracket, the header of a table in
-/// TOML, the beginning of its root.
+/// Returns the place at which a field is to be added: the closing bracket in RON and JSON, the
+/// header of a table in TOML, the beginning of the text for the root in TOML.
 fn end_of(reading: &Reading<'_>) -> Place {
     let place = &reading.node.place;
     match (&reading.node.value, reading.pass.language) {
@@ -172,7 +172,7 @@ fn words_of(found: Unexpected<'_>) -> String {
     }
 }
 
-/// The names of types that a sheet can hold, in words.
+/// Describes the types that a sheet can contain in words.
 fn in_words(expected: &str) -> String {
     match expected {
         "usize" | "u8" | "u16" | "u32" | "u64" => "a whole number of 0 or more",

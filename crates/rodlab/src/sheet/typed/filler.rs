@@ -15,7 +15,7 @@ pub(super) struct Filler {
     depth: u8,
 }
 
-/// Deepest filled value, for types that hold themselves.
+/// Maximum depth of nested fillers, for types that contain themselves.
 const DEEPEST: u8 = 20;
 
 impl Filler {
@@ -88,7 +88,7 @@ impl<'de> Deserializer<'de> for Filler {
         visitor: V,
     ) -> Result<V::Value, Fault> {
         if name == QUANTITY {
-            visitor.visit_none() // its example
+            visitor.visit_none() // the quantity returns its example
         } else {
             visitor.visit_newtype_struct(self.inner()?)
         }

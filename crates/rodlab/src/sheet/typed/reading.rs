@@ -11,7 +11,7 @@ use super::super::tree::{Choice, JOB, Node, Value};
 use super::access::{Chosen, Fields, Values};
 use super::{Fault, Filler, Pass, QUANTITY};
 
-/// The way from the root of a sheet to a value; written as `method.two_point.free_end` or
+/// The path from the root of a sheet to a value; written as `method.two_point.free_end` or
 /// `tests[0].name`.
 #[derive(Debug)]
 pub(super) struct At<'a> {
@@ -21,7 +21,8 @@ pub(super) struct At<'a> {
 
 #[derive(Debug)]
 enum Step<'a> {
-    /// The root, and the settings of the job of a sheet in TOML, which are fields of the root.
+    /// The root, or a step that adds nothing to the path, such as the step to the settings of the
+    /// job in TOML and JSON, which are fields of the root.
     Stay,
     Name(&'a str),
     /// The settings of a choice of this name.
@@ -49,7 +50,7 @@ impl<'a> At<'a> {
         }
     }
 
-    /// The way without the names of choices: `method.free_end`.
+    /// Returns the path without the names of choices: `method.free_end`.
     fn of_statement(&self) -> String {
         let mut place = self.outer.map(Self::of_statement).unwrap_or_default();
         match self.step {
@@ -96,7 +97,7 @@ impl fmt::Display for At<'_> {
     }
 }
 
-/// A value with its way from the root.
+/// A value with its path from the root.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Reading<'a> {
     pub(super) node: &'a Node,
@@ -104,7 +105,7 @@ pub(super) struct Reading<'a> {
     pub(super) pass: &'a Pass,
 }
 
-/// Reads the value, or a filler in its place; a fault without a place has that of the value.
+/// Reads the value, or a filler in its place; a fault without a place gets that of the value.
 pub(super) fn read_value<'de, T: DeserializeSeed<'de>>(
     seed: T,
     reading: Reading<'_>,
@@ -126,8 +127,8 @@ struct Name<'a> {
 }
 
 impl<'a> Reading<'a> {
-    /// Notes a value without parts as a statement of the sheet, one of a list with the others of
-    /// the list.
+    /// Notes a value without parts as a statement of the sheet; the values of a list form one
+    /// statement.
     fn note_value(&self) {
         let value = match &self.node.value {
             Value::List(nodes) if nodes.is_empty() => Some("none".to_owned()),
@@ -141,7 +142,7 @@ impl<'a> Reading<'a> {
         }
     }
 
-    /// A text, drawn within its uncertainty if it states one and the sheet is drawn.
+    /// Passes on a text, or a draw of it if it states an uncertainty and the sheet is drawn.
     fn text<'de, V: Visitor<'de>>(&self, text: &str, visitor: V) -> Result<V::Value, Fault> {
         match self.pass.drawn(text) {
             Some(drawn) => visitor.visit_str(&drawn),
@@ -149,23 +150,23 @@ impl<'a> Reading<'a> {
         }
     }
 
-    /// Notes a statement at this place, behind the name of a choice that is noted there already.
+    /// Notes a statement at this place, after the name of a choice that is already noted there.
     fn note_statement(&self, value: &str) {
         self.pass.note(self.at.of_statement(), " ", value);
     }
 
-    /// Returns true if a filler stands for the value.
+    /// Returns true if a filler replaces the value.
     pub(super) fn is_filled(&self) -> bool {
         let filled = &self.pass.filled;
         !filled.is_empty() && filled.contains(&self.at.to_string())
     }
 
-    /// The fault that the value is not what is expected, here.
+    /// Returns the fault, at this place, that the value is not `expected`.
     fn refused(&self, expected: &str) -> Fault {
         Fault::found(self.node, expected).at(self)
     }
 
-    /// The fields of the value, whose type is called `name`.
+    /// Visits the fields of the value, whose type is called `name`.
     fn fields<'de, V: Visitor<'de>>(
         self,
         name: &str,
@@ -179,7 +180,7 @@ impl<'a> Reading<'a> {
                     .visit_map(access)
                     .map_err(|fault: Fault| fault.at(&self))
             }
-            // a choice without settings, in whose place all have a default
+            // a choice without settings: every setting has its default
             Value::Nothing => visitor
                 .visit_map(Fields::new(self, &[], fields))
                 .map_err(|fault: Fault| fault.at(&self)),
@@ -204,7 +205,7 @@ impl<'a> Reading<'a> {
         }
     }
 
-    /// The choice that the value is: its name and its settings.
+    /// Returns the name and the settings of the choice that this value represents.
     fn choice(&self) -> Option<(Name<'a>, Option<&'a Node>)> {
         match &self.node.value {
             Value::Choice(choice) => {
@@ -443,7 +444,7 @@ impl<'de> Deserializer<'de> for Reading<'_> {
                 meant.map(|meant| did_you_mean(meant)),
             )
             .at_place(name.place, &self);
-            // read on as the choice that was meant
+            // continue with the choice that was meant
             let meant = variants
                 .iter()
                 .zip(&names)
@@ -466,7 +467,7 @@ impl<'de> Deserializer<'de> for Reading<'_> {
         if !self.at.is_root() {
             match content {
                 Some(_) => self.note_statement(variant),
-                // the same in every language
+                // the same name in every language
                 None => self.pass.note_again(variant),
             }
         }

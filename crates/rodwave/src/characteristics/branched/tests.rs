@@ -1,5 +1,5 @@
-//! Rods of several branches against the line, whose cells and derivatives are others, and against
-//! differences.
+//! Comparison of rods of several branches with the line, which has other cells and derivatives, and
+//! with differences.
 
 use super::*;
 use crate::DirectProblem;
@@ -32,7 +32,7 @@ fn norton() -> MaxwellNorton {
     MaxwellNorton::from_reference_rate(2.1, 60.0, 10e6).unwrap()
 }
 
-/// A spring of 0.3, linear branches of 0.2 and 0.1, and 0.4 by the law.
+/// A spring with the share 0.3, linear branches with 0.2 and 0.1, and the law's branch with 0.4.
 fn problem<L: InelasticLaw>(law: L, theta: &[f64; 6], cells: usize) -> BranchedProblem<L> {
     let [log_modulus, ratio, second, third, first_time, second_time] = *theta;
     let weights = [1.0, ratio.exp(), second.exp(), third.exp()];
@@ -68,7 +68,8 @@ fn distance(a: &[f64], b: &[f64]) -> f64 {
     norm(&a.iter().zip(b).map(|(a, b)| a - b).collect::<Vec<_>>())
 }
 
-/// The line has cells instead of nodes, excess of the spring too, and ends half a cell away.
+/// The line has cells instead of nodes, stores the excess of the spring too, and has its ends half
+/// a cell away from the nearest centre.
 #[test]
 fn the_response_is_that_of_the_line() {
     let found = problem(norton(), &theta(), 240)
@@ -92,12 +93,12 @@ fn the_response_is_that_of_the_line() {
         .unwrap();
     let run = line.run(step * (1.0 + 1e-9), 1.19e-3, &[]).unwrap();
     let expected = run.ends[1].velocity_at(run.grid.time_step, &times());
-    // both are of second order, with 240 cells to a few 1e-4 of 25 m/s a sample
+    // both are of second order: with 240 cells the error per sample is a few 1e-4 of 25 m/s
     let difference = distance(&found, &expected) / norm(&expected);
     assert!(difference < 2e-4, "{difference}");
 }
 
-/// Without other branches it is the rod of one branch.
+/// Without other branches the rod is that of one branch.
 #[test]
 fn a_single_branch_has_the_response_of_the_direct_problem() {
     let rod = InelasticRod::new(LENGTH, DENSITY, 3e9, norton()).unwrap();

@@ -12,7 +12,7 @@ use super::{Case, PaperE};
 use crate::claim::Fallible;
 
 /// Frequency at which the causal law has the modulus of eq. 7, in Hz: there the printed exponents
-/// obey Kramers and Kronig.
+/// satisfy the relations of Kramers and Kronig.
 const LEVEL_HZ: f64 = 3e3;
 
 /// End of a body that meets the rod.
@@ -136,15 +136,15 @@ impl PaperE {
         self.body(face, before, &self.causal_nylon()?)
     }
 
-    /// Returns the long rod, taken as endless.
+    /// Returns the long rod as a semi-infinite rod.
     pub fn long_rod(&self) -> Fallible<AnalyticChain> {
         let section = Self::circle(self.rod_diameter)?;
         Ok(AnalyticChain::analytic_from_impact_face()
             .end(Termination::semi_infinite(&self.steel()?, section))?)
     }
 
-    /// Returns the long rod with a finite section before the endless rest, long enough to contain
-    /// the gauges.
+    /// Returns the long rod with a finite section before a semi-infinite rest; the finite section
+    /// is long enough to contain the gauges.
     pub fn gauged_rod(&self) -> Fallible<AnalyticChain> {
         let section = Self::circle(self.rod_diameter)?;
         let steel = self.steel()?;
@@ -176,19 +176,19 @@ impl PaperE {
         Ok(CrossSection::from(Self::circle(diameter)?).area() * specific.norm())
     }
 
-    /// Returns the time at which the echo of the far end of the rod is back at the gauges, in s
+    /// Returns the time at which the echo from the far end of the rod arrives at the gauges, in s
     /// after the contact.
     pub fn echo_at_gauges(&self) -> f64 {
         (2.0 * self.rod_length - self.gauge_distance)
             / (self.steel_modulus / self.steel_density).sqrt()
     }
 
-    /// Returns the mass from weighing, in kg.
+    /// Returns the mass of the body, in kg.
     pub fn mass(&self, face: Face) -> Fallible<f64> {
         Ok(self.printed(face)?.free_mass().ok_or("the body is free")?)
     }
 
-    /// Returns eqs. 8 and 9 to the letter, in s/kg.
+    /// Returns eqs. 8 and 9 as printed, in s/kg.
     pub fn closed_form(&self, face: Face, omega: f64) -> Fallible<Complex64> {
         let nylon = self.printed_nylon()?;
         let impedance = |diameter: f64, specific: Complex64| -> Fallible<Complex64> {

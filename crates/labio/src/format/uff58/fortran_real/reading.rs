@@ -2,7 +2,7 @@
 
 use super::digit;
 
-/// The powers of ten that a double holds exactly.
+/// The powers of ten that are exact as `f64`.
 const POWERS_OF_TEN: [f64; 23] = [
     1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15, 1e16,
     1e17, 1e18, 1e19, 1e20, 1e21, 1e22,
@@ -11,8 +11,8 @@ const POWERS_OF_TEN: [f64; 23] = [
 /// Parses the number in `field`, correctly rounded. Blanks around it are ignored; `None` if the
 /// field is blank or not a number.
 ///
-/// The exponent may be written with `E`, `D` or `Q` of either case, or, as Fortran does when it has
-/// three digits, with its sign alone (`1.5-101`).
+/// The exponent may be written with `E`, `D` or `Q` in upper or lower case, or with its sign alone
+/// (`1.5-101`), as Fortran writes exponents of three digits.
 pub(in crate::format::uff58) fn parse(field: &[u8]) -> Option<f64> {
     let text = field.trim_ascii();
     let (negative, digits) = match text.split_first()? {
@@ -29,7 +29,7 @@ pub(in crate::format::uff58) fn parse(field: &[u8]) -> Option<f64> {
         match byte {
             b'0'..=b'9' => {
                 n_digits += 1;
-                // 19 digits fit; numbers with more are left to the standard library below
+                // 19 digits fit; numbers with more digits are left to the standard library below
                 mantissa = mantissa
                     .wrapping_mul(10)
                     .wrapping_add(u64::from(byte - b'0'));
@@ -49,7 +49,7 @@ pub(in crate::format::uff58) fn parse(field: &[u8]) -> Option<f64> {
         .ok()
         .and_then(|p| POWERS_OF_TEN.get(p));
     if let (true, Some(scale)) = (n_digits <= 19 && mantissa < (1 << 53), exact_power) {
-        // both factors are exact doubles, so that one rounding remains
+        // both factors are exact doubles, so that only one rounding occurs
         let mantissa = mantissa as f64;
         let magnitude = if power < 0 {
             mantissa / scale
@@ -62,7 +62,7 @@ pub(in crate::format::uff58) fn parse(field: &[u8]) -> Option<f64> {
     by_standard_library(negative, digits, written_exponent)
 }
 
-/// Half a unit of the last digit of the number in `field`, its largest rounding error.
+/// Returns half a unit of the last digit of the number in `field`, its largest rounding error.
 pub(in crate::format::uff58) fn half_unit(field: &[u8]) -> Option<f64> {
     let text = field.trim_ascii();
     let unsigned = text
@@ -79,7 +79,7 @@ pub(in crate::format::uff58) fn half_unit(field: &[u8]) -> Option<f64> {
     by_standard_library(false, b"0.5", power)
 }
 
-/// Parses the exponent in `rest`; an empty text is 0.
+/// Parses the exponent in `rest`; an empty text means 0.
 fn exponent(rest: &[u8]) -> Option<i32> {
     let (&first, tail) = match rest.split_first() {
         None => return Some(0),
@@ -128,7 +128,7 @@ fn by_standard_library(negative: bool, digits: &[u8], exponent: i32) -> Option<f
     value.is_finite().then_some(value)
 }
 
-/// Fortran's words for non-finite values.
+/// Recognises Fortran's words for non-finite values.
 fn word(text: &[u8]) -> Option<f64> {
     let is = |word: &str| text.eq_ignore_ascii_case(word.as_bytes());
     if is("nan") {

@@ -67,7 +67,7 @@ pub(in crate::format::uff58) fn push<const WIDTH: usize, const DIGITS: u32>(
     output.extend_from_slice(&field);
 }
 
-/// Writes `bytes` to `field` from column `at`, from 0.
+/// Writes `bytes` to `field`, starting at column `at`, counted from 0.
 #[inline]
 fn put<const N: usize>(field: &mut [u8], at: usize, bytes: [u8; N]) {
     if let Some(columns) = field
@@ -78,7 +78,7 @@ fn put<const N: usize>(field: &mut [u8], at: usize, bytes: [u8; N]) {
     }
 }
 
-/// The two digits of a number below 100.
+/// Returns the two digits of a number below 100.
 #[inline]
 #[allow(
     clippy::indexing_slicing,
@@ -101,7 +101,7 @@ fn pair(value: u64) -> [u8; 2] {
         .unwrap_or(*b"00")
 }
 
-/// Exact conversion by the standard library, with the exponent in Fortran's form.
+/// Converts a number exactly by the standard library, with the exponent in Fortran's form.
 fn by_formatter(value: f64, n_digits: u32) -> String {
     let decimals = usize::try_from(n_digits.saturating_sub(1)).unwrap_or(0);
     let text = format!("{value:.decimals$e}");
@@ -138,7 +138,7 @@ impl ScaledPowers {
             significand: [0; Self::N],
             exponent: [0; Self::N],
         };
-        // 128 bits are carried, so that 350 truncations still leave 64 good ones
+        // 128 bits are carried, so that 64 bits are still right after 350 truncations
         let mut upward = (1_u128 << 127, -127);
         let mut p = 0;
         while p <= Self::LAST {
@@ -185,9 +185,9 @@ impl ScaledPowers {
 
 static SCALED_POWERS: ScaledPowers = ScaledPowers::table();
 
-/// Returns `|value|` as `DIGITS` decimal digits and the exponent of the first, correctly rounded;
-/// `None` if 128 bits do not decide the rounding (ties, and about one number in 10^5), for numbers
-/// near the ends of the range and for non-finite ones.
+/// Returns `|value|` as `DIGITS` decimal digits and the exponent of the first digit, correctly
+/// rounded; `None` if 128 bits do not decide the rounding (ties, and about one number in 10^5), for
+/// numbers near the ends of the range and for non-finite ones.
 fn decimal<const DIGITS: u32>(value: f64) -> Option<(u64, i32)> {
     let bits = value.to_bits() & !(1 << 63);
     if bits == 0 {
@@ -200,7 +200,7 @@ fn decimal<const DIGITS: u32>(value: f64) -> Option<(u64, i32)> {
     let mantissa = ((bits & ((1 << 52) - 1)) | (1 << 52)) << 11;
     let binary = biased - 1023 - 63; // value = mantissa * 2^binary
     let limit = const { 10_u64.pow(DIGITS) };
-    // floor of log10(2) times the binary exponent: the first digit's place or one below it
+    // floor of log10(2) times the binary exponent: the place of the first digit or one below it
     let mut place = ((biased - 1023) * 78913) >> 18;
     for _ in 0..2 {
         let (significand, exponent) = SCALED_POWERS.get(DIGITS.cast_signed() - 1 - place)?;
@@ -232,9 +232,10 @@ fn decimal<const DIGITS: u32>(value: f64) -> Option<(u64, i32)> {
     None
 }
 
-/// Writes `value` in at most `width` columns: with the digits whose last one has `known_to` for
-/// half a unit, if they give `value` exactly, else with as many as fit; `None` if not even two fit.
-/// Used in the header, whose readers accept any number of digits as long as the point is written.
+/// Writes `value` in at most `width` columns: with the digits for which half a unit of the last
+/// digit is `known_to`, if they give `value` exactly, else with as many digits as fit; `None` if
+/// not even two fit. Used in the header, whose readers accept any number of digits if the decimal
+/// point is written.
 pub(in crate::format::uff58) fn compact(value: f64, known_to: f64, width: usize) -> Option<String> {
     if !value.is_finite() {
         return None;
@@ -324,7 +325,7 @@ mod tests {
         assert_eq!(text(1.0 / 30_000.0, 0.0).unwrap(), "3.3333333E-5");
         assert_eq!(text(-1.0 / 3e150, 0.0).unwrap(), "-3.3333E-151");
         assert_eq!(text(1.52588e-5, 5e-11).unwrap(), "1.52588E-5");
-        // what was known of another number is not believed
+        // a half unit that belongs to another number is ignored
         assert_eq!(text(1.953125e-5, 5e-11).unwrap(), "1.9531250E-5");
         assert_eq!(text(f64::NAN, 0.0), None);
     }

@@ -4,15 +4,16 @@ use super::records::{bytes, number};
 use super::{cut_off, refused};
 use crate::LabioError;
 
-/// Number of the sector after the last one of a chain, and the first that is none.
+/// Sector number that ends a chain; `NONE` is the lowest of the numbers reserved for special
+/// purposes.
 const END: u32 = 0xffff_fffe;
 const NONE: u32 = 0xffff_fffa;
-/// Length of an entry of the directory.
+/// Length of a directory entry in bytes.
 const ENTRY: usize = 128;
-/// Sectors of small streams.
+/// Sector size of small streams in bytes.
 const SMALL: usize = 64;
 
-/// Sectors of equal length with the table of those that follow them.
+/// Sectors of equal size, with the table of the sector that follows each of them.
 struct Sectors<'a> {
     data: &'a [u8],
     size: usize,
@@ -24,7 +25,7 @@ impl Sectors<'_> {
         let begin = (index as usize)
             .checked_mul(self.size)
             .ok_or_else(cut_off)?;
-        // the last one of a file may be shorter
+        // the last sector of a file may be shorter
         let end = self.data.len().min(begin.saturating_add(self.size));
         self.data
             .get(begin..end)
@@ -32,7 +33,7 @@ impl Sectors<'_> {
             .ok_or_else(cut_off)
     }
 
-    /// The bytes of a chain; it is no longer than the file.
+    /// Returns the bytes of a chain, which is not longer than the file.
     fn chain(&self, first: u32) -> Result<Vec<u8>, LabioError> {
         let (mut at, mut all) = (first, Vec::new());
         while at != END {
@@ -55,7 +56,7 @@ fn longs(data: &[u8]) -> impl Iterator<Item = u32> {
         .filter_map(|four| Some(u32::from_le_bytes(four.try_into().ok()?)))
 }
 
-/// The stream `Workbook`.
+/// Returns the stream `Workbook`.
 pub(super) fn workbook(file: &[u8]) -> Result<Vec<u8>, LabioError> {
     let size = match number(file, 30)? {
         9 => 512,
@@ -68,8 +69,8 @@ pub(super) fn workbook(file: &[u8]) -> Result<Vec<u8>, LabioError> {
         next: Vec::new(),
     };
     let n_sectors = sectors.data.len().div_ceil(size);
-    // the places of the table: in the header, and in a chain of sectors whose last number is the
-    // next of them
+    // sector numbers of the table: in the header, and in a chain of sectors, each of which ends
+    // with the number of the next
     let mut places: Vec<u32> = longs(file.get(76..512).ok_or_else(cut_off)?).collect();
     let mut further = long(file, 68)?;
     while further < NONE && places.len() <= n_sectors + 109 {

@@ -4,7 +4,7 @@ use super::{cut_off, of};
 use crate::format::memory::Budget;
 use crate::{LabioError, Place};
 
-/// The bytes at a place.
+/// Returns the bytes at offset `at`.
 pub(super) fn bytes<const N: usize>(data: &[u8], at: usize) -> Result<[u8; N], LabioError> {
     let found = data.get(at..at.saturating_add(N));
     found
@@ -12,20 +12,20 @@ pub(super) fn bytes<const N: usize>(data: &[u8], at: usize) -> Result<[u8; N], L
         .ok_or_else(cut_off)
 }
 
-/// The number in two bytes at a place.
+/// Returns the two-byte number at offset `at`.
 pub(super) fn number(data: &[u8], at: usize) -> Result<u16, LabioError> {
     Ok(u16::from_le_bytes(bytes(data, at)?))
 }
 
-/// A record.
+/// A record of the stream.
 pub(super) struct Record<'a> {
     pub(super) kind: u16,
     pub(super) data: &'a [u8],
-    /// Place of the next one.
+    /// Offset of the next record.
     end: usize,
 }
 
-/// The records of a substream from `begin` to its end.
+/// Returns the records of a substream from `begin` to its end.
 pub(super) fn records(
     stream: &[u8],
     begin: usize,
@@ -61,7 +61,7 @@ pub(super) struct Cell {
 }
 
 impl Cell {
-    /// Columns of a worksheet.
+    /// Number of columns of a worksheet.
     pub(super) const COLUMNS: u16 = 256;
 
     pub(super) fn of(data: &[u8]) -> Result<Self, LabioError> {
@@ -77,7 +77,7 @@ impl Cell {
     }
 }
 
-/// A text after its length in one byte.
+/// Reads a text preceded by its length in one byte.
 pub(super) fn short_text(data: &[u8]) -> Result<String, LabioError> {
     let [length, flags] = bytes(data, 0)?;
     let mut parts = Parts {
@@ -87,7 +87,7 @@ pub(super) fn short_text(data: &[u8]) -> Result<String, LabioError> {
     parts.signs(usize::from(length), flags & 1 != 0)
 }
 
-/// A text after its length in two bytes.
+/// Reads a text preceded by its length in two bytes.
 pub(super) fn text(data: &[u8]) -> Result<String, LabioError> {
     let mut parts = Parts {
         parts: vec![data],
@@ -96,7 +96,7 @@ pub(super) fn text(data: &[u8]) -> Result<String, LabioError> {
     parts.text()
 }
 
-/// The texts that cells refer to, in one record and those that continue it.
+/// The texts that cells refer to, in one record and the records that continue it.
 #[derive(Default)]
 pub(super) struct SharedTexts<'a> {
     parts: Vec<&'a [u8]>,
@@ -132,7 +132,7 @@ impl<'a> SharedTexts<'a> {
     }
 }
 
-/// Data of records that continue each other, the last one first.
+/// Data of records that continue each other, the last record first.
 struct Parts<'a> {
     parts: Vec<&'a [u8]>,
     at: usize,
@@ -143,7 +143,7 @@ impl<'a> Parts<'a> {
         self.parts.last().copied().unwrap_or(&[])
     }
 
-    /// Goes on to the next record if this one is at its end.
+    /// Advances to the next record if the current one is at its end.
     fn turn(&mut self) -> Result<bool, LabioError> {
         if self.at < self.part().len() {
             return Ok(false);
@@ -192,7 +192,8 @@ impl<'a> Parts<'a> {
         Ok(text)
     }
 
-    /// Signs of one byte, or of two; a record that continues them says anew of how many.
+    /// Reads characters of one or two bytes; each continuation record states again which size it
+    /// uses.
     fn signs(&mut self, length: usize, mut wide: bool) -> Result<String, LabioError> {
         let mut signs = Vec::new();
         for _ in 0..length {

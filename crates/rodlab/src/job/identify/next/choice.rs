@@ -1,14 +1,14 @@
-//! The tests among which the next is sought.
+//! The tests among which the next one is chosen.
 
 use super::NextSheet;
 use crate::job::simulate::StrikerSheet;
 use crate::sheet::{Exact, Length, Velocity};
 
-/// Equal tests that may be made next.
+/// Identical tests that may be made next.
 pub(super) struct Choice<'a> {
     pub(super) velocity: &'a Exact<Velocity>,
     pub(super) repeats: usize,
-    /// The rod; `None` for that of the first test made.
+    /// The rod; `None` for the rod of the first test made.
     pub(super) rod: Option<StruckRod<'a>>,
 }
 
@@ -61,7 +61,7 @@ pub(super) fn all(next: &NextSheet) -> Vec<Choice<'_>> {
 }
 
 impl Choice<'_> {
-    /// The choice in words: what is the same for all of `next` is left out.
+    /// The choice in words, without what is equal for all choices of `next`.
     pub(super) fn name(&self, next: &NextSheet) -> String {
         let mut parts = Vec::new();
         if let (Some(rod), Some(rods)) = (&self.rod, &next.rods) {

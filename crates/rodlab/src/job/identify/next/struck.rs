@@ -1,4 +1,4 @@
-//! Planned blows of a striker on other rods, and the sheets that make them as virtual tests.
+//! Planned blows of a striker on other rods, and the sheets for virtual tests of them.
 
 use maxwellid::design::PlannedTest;
 use maxwellid::{Law, MaxwellidError, RodTest};
@@ -11,13 +11,13 @@ use rodwave::inelastic::{Elastic, Eyring, InelasticLaw, MaxwellGurevichRabinovic
 use super::choice::{Choice, StruckRod};
 use super::{IdentifySheet, LeftLaw};
 
-/// Samples of a planned record before the blow: twice the reach of its filter.
+/// Number of samples of a planned record before the blow: twice the reach of its filter.
 const BEFORE: usize = 48;
 
-/// Cut-off of a planned record over its sampling rate.
+/// Ratio of the cut-off of a planned record to its sampling rate.
 const CUTOFF: f64 = 0.3125;
 
-/// A test by the striker on another rod of the material.
+/// A test with the striker on another rod of the same material.
 pub(super) fn planned(
     rod: &StruckRod<'_>,
     velocity: f64,
@@ -52,17 +52,17 @@ pub(super) fn planned(
             let eyring = Eyring::from_reference_rate(2.0, 1.0, 10e6).map_err(refused)?;
             by.on(eyring.with_parameters(of_law).map_err(refused)?)
         }
-        // between section and struck end any other law damps little of its wave
+        // between section and struck end, any other law damps the wave only little
         _ => by.on(Elastic),
     }
 }
 
-/// A blow on a rod whose law is one of several types.
+/// A blow on a rod whose law may be of several types.
 struct Blow<'a> {
     rod: &'a StruckRod<'a>,
     velocity: f64,
     modulus: f64,
-    /// The test made whose instruments it has.
+    /// The test already made, whose instruments are assumed.
     like: &'a RodTest,
 }
 
@@ -91,7 +91,7 @@ impl Blow<'_> {
             },
             samples_before: BEFORE,
             samples_after: self.like.response().len(),
-            // no displacement of a test comes near
+            // no displacement of a test reaches this range
             transducer_range: 1e3,
         };
         let section = length - self.rod.gap.si();
@@ -101,8 +101,8 @@ impl Blow<'_> {
     }
 }
 
-/// The sheet of virtual tests like `best`; `None` for a law that no virtual rod has, and without a
-/// rod that is struck.
+/// The sheet of virtual tests like `best`; `None` for a law that virtual rods do not have, or
+/// without a struck rod.
 pub(super) fn plan(
     sheet: &IdentifySheet,
     best: &Choice<'_>,

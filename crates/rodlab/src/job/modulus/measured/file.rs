@@ -1,4 +1,4 @@
-//! A ratio of spectra made by another program.
+//! A ratio of spectra computed by another program.
 
 use labio::{Dimension, ResponseRatio, Unit};
 use num_complex::Complex64;

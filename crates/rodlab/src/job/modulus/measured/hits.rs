@@ -15,11 +15,11 @@ use crate::outcome::Setting;
 use crate::records::Records;
 use crate::sheet::{Duration, Exact};
 
-/// Fewest hits for a coherence. The errors of one hit are from the silence before it, as are those
-/// of gauges.
+/// Minimum number of hits for a coherence. The errors of a single hit, and those of gauges, are
+/// found from the silence before it.
 const FEWEST_HITS: usize = 2;
 
-/// Degrees of freedom of a variance below which the factor of its error limits exceeds 11.
+/// Degrees of freedom of a variance below which the coverage factor of its error limits exceeds 11.
 const FEW_DEGREES_OF_FREEDOM: f64 = 10.0;
 
 pub(super) fn of_hits(
@@ -202,8 +202,8 @@ pub(super) fn of_hits(
     Ok(measured)
 }
 
-/// The spectra of each of several hits by itself: ratios with the noise of one hit, gauges with their
-/// own; none of pulses and modes.
+/// The spectra of each of several hits alone: ratios with the noise of one hit, gauges with the
+/// noise of that hit; none for pulses and modes.
 fn by_hit(
     all: &Spectra,
     hits: &[&Record],

@@ -16,7 +16,8 @@ pub(super) fn at_section(
     between(&window.channel, (&window.from, &window.to), hits, field)
 }
 
-/// The samples of `channel` between two times from the start of a hit, which end within all hits.
+/// The samples of `channel` between two times from the start of a hit; the end must be within all
+/// hits.
 pub(super) fn between(
     channel: &str,
     (from, to): (&Exact<Time>, &Exact<Time>),

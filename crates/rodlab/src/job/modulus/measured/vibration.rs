@@ -22,7 +22,8 @@ pub(in crate::job::modulus) struct Modes {
 }
 
 impl Modes {
-    /// Frequencies and decays, with the standard error of either in units of its angular rate.
+    /// Frequencies and decay rates, with the standard error of the decay rate, which is also that
+    /// of the angular frequency.
     pub(super) fn table(&self) -> Table {
         let of = |value: fn(&Pole) -> f64| self.poles.iter().map(value).collect();
         Table {
@@ -42,7 +43,7 @@ impl Modes {
     }
 }
 
-/// The modes; `None` if none stands out, which is then stated in `measured`.
+/// The modes; `None` if no mode stands out: then `measured` states this.
 pub(super) fn modes(
     sheet: &ModulusSheet,
     hits: &[&Record],
