@@ -247,9 +247,9 @@ impl Design<'_> {
     }
 
     /// Returns the expected ln of the Bayes factor of `truth` over `rival`, including the tests
-    /// `planned`; without them, for the tests made.
-    /// Returns the expected ln of the Bayes factor of `truth` over `rival`, including the tests
     /// `planned`; without planned tests, that of the tests made.
+    ///
+    /// # Errors
     /// As [`Self::deviations`].
     pub fn separation(
         &self,
