@@ -21,7 +21,7 @@ pub enum CmodError {
         expected: &'static str,
     },
     /// Arrays that belong together differ in length.
-    #[error("{array} has {found} lines, expected {expected} as the frequencies have")]
+    #[error("{array} has {found} lines, expected {expected}, one per frequency")]
     LengthMismatch {
         /// Name of the wrong array.
         array: &'static str,
@@ -54,7 +54,7 @@ pub enum CmodError {
     /// The frequencies do not increase, as is needed to follow the branch of the wave number from
     /// line to line.
     #[error(
-        "frequency of line {index} is {frequency_hz} Hz, expected more than {previous_hz} Hz of the line before"
+        "frequency of line {index} is {frequency_hz} Hz, expected more than the {previous_hz} Hz of the previous line"
     )]
     FrequencyOrder {
         /// Position of the line, from 0.
@@ -82,7 +82,7 @@ pub enum CmodError {
     },
     /// The positions of the gauges do not increase.
     #[error(
-        "position of gauge {gauge} is {position} m, expected more than {previous} m of the gauge before"
+        "position of gauge {gauge} is {position} m, expected more than the {previous} m of the previous gauge"
     )]
     PositionOrder {
         /// Position in the row of gauges, from 0.
@@ -94,7 +94,7 @@ pub enum CmodError {
     },
     /// Three gauges are not at equal distances, as the closed form requires.
     #[error(
-        "distances of the outer gauges from the middle one are {first} m and {second} m, expected equal ones"
+        "distances of the outer gauges from the middle one are {first} m and {second} m, expected equal distances"
     )]
     NotEquidistant {
         /// Distance from the first to the middle gauge \[m\].
@@ -106,9 +106,7 @@ pub enum CmodError {
     #[error("no test to evaluate")]
     NoTests,
     /// A test has more or fewer gauge spectra than there are positions.
-    #[error(
-        "test {test} has spectra of {found} gauges, expected {expected} as there are positions"
-    )]
+    #[error("test {test} has spectra of {found} gauges, expected {expected}, one per position")]
     SpectraOfTest {
         /// Index of the test, from 0.
         test: usize,
@@ -119,7 +117,7 @@ pub enum CmodError {
     },
     /// A spectrum has more or fewer lines than there are frequencies.
     #[error(
-        "spectrum of gauge {gauge} in test {test} has {found} lines, expected {expected} as the frequencies have"
+        "spectrum of gauge {gauge} in test {test} has {found} lines, expected {expected}, one per frequency"
     )]
     SpectrumLength {
         /// Index of the test, from 0.
@@ -150,7 +148,7 @@ pub enum CmodError {
         variance: f64,
     },
     /// Two spectra of a ratio have different numbers of tests.
-    #[error("numerator has {found} tests, expected {expected} as the denominator has")]
+    #[error("numerator has {found} tests, expected {expected}, as many as the denominator")]
     TestCount {
         /// Tests of the numerator.
         found: usize,
@@ -212,7 +210,7 @@ pub enum CmodError {
     NoLoad,
     /// The response to a load needed too many or too small steps.
     #[error(
-        "response to load segment {segment} could not be integrated beyond {time} s of it, expected rates of the model that are slow beside its duration"
+        "response to load segment {segment} could not be integrated beyond {time} s into it, expected model rates that are low enough for its duration"
     )]
     LoadNotIntegrated {
         /// Position of the segment, from 0.
@@ -221,7 +219,7 @@ pub enum CmodError {
         time: f64,
     },
     /// Arrays of readings that belong together differ in length.
-    #[error("{array} has {found} readings, expected {expected} as the times have")]
+    #[error("{array} has {found} readings, expected {expected}, one per time")]
     ReadingCount {
         /// Name of the wrong array.
         array: &'static str,
@@ -261,13 +259,11 @@ pub enum CmodError {
         count: usize,
     },
     /// No parameters explain the readings: no start for the iteration was found.
-    #[error(
-        "no parameters found to start from, expected a loss factor that is raised after the load"
-    )]
+    #[error("no starting parameters found, expected a loss factor that is raised after the load")]
     NoStart,
     /// No relaxing material could be fitted to the lines.
     #[error(
-        "no relaxing material found, expected moduli with a positive real part and finite errors"
+        "no relaxing material could be fitted, expected moduli with a positive real part and finite errors"
     )]
     NoCausalEstimate,
     /// A modulus, or its error, is impossible.
@@ -296,14 +292,14 @@ pub enum CmodError {
         what: &'static str,
     },
     /// No parameters of a law have a finite sum of squares.
-    #[error("no {law} law found to start from, expected moduli within its range")]
+    #[error("no starting parameters found for the {law} law, expected moduli within its range")]
     NoLaw {
         /// Name of the law.
         law: String,
     },
     /// A temperature of a sweep is not above the previous one, or not above 0 K.
     #[error(
-        "temperature {index} is {kelvin} K, expected a finite value above {previous} K of the one before"
+        "temperature {index} is {kelvin} K, expected a finite value above {previous} K: temperatures must increase"
     )]
     Temperature {
         /// Position in the sweep, from 0.
@@ -315,7 +311,7 @@ pub enum CmodError {
     },
     /// The shift factors of a master curve have no covariance.
     #[error(
-        "the data leave a combination of the shift factors open, expected temperatures whose curves overlap"
+        "the data do not determine a combination of the shift factors, expected temperatures whose curves overlap"
     )]
     ShiftsUndetermined,
     /// The programs that read cards do not accept the name of a material.
@@ -336,7 +332,7 @@ pub enum CmodError {
     },
     /// A theory of lateral inertia for round rods was requested for a rod that is not round.
     #[error(
-        "{theory} was asked for a rod that is not round, expected Love's theory, which takes any section"
+        "{theory} was requested for a rod that is not round, expected Love's theory, which applies to any section"
     )]
     TheoryOfRoundRods {
         /// Name of the theory.
@@ -353,7 +349,7 @@ pub enum CmodError {
         expected: &'static str,
     },
     /// A Prony series is too long for a program.
-    #[error("{found} terms, expected at most {most} as {program} takes")]
+    #[error("{found} terms, expected at most {most}, the limit of {program}")]
     CardTerms {
         /// Name of the program.
         program: &'static str,

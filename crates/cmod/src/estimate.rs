@@ -358,7 +358,7 @@ pub enum Refusal {
     SpectrumNotFinite,
     /// The noise of some gauges is 0 and that of others is not: the former would have infinite
     /// weight.
-    #[error("the noise of some gauges is 0, expected of all or of none")]
+    #[error("the noise of some gauges is 0, expected that of all gauges or of none")]
     NoiseOfSomeGauges,
     /// Any wave number explains the line: there is no signal, a node at the middle gauge, or gauges
     /// that cannot separate the two waves.
@@ -366,11 +366,13 @@ pub enum Refusal {
     Undetermined,
     /// The wave is not on the first branch of the theory with which lateral inertia was to be
     /// removed.
-    #[error("lateral inertia: the wave lies beyond the first branch of the theory")]
+    #[error("lateral inertia: the wave is beyond the first branch of the theory")]
     LateralInertia,
     /// Damping was added to the records, and the lines are too few to continue the modulus to the
     /// real frequency.
-    #[error("too few lines determine how the modulus varies, which takes the added damping off")]
+    #[error(
+        "too few lines to determine how the modulus varies, which is needed to remove the added damping"
+    )]
     NotContinued,
     /// The iteration diverged to infinity, or to γ = 0, where there is no modulus.
     #[error("no root with a finite modulus was found")]

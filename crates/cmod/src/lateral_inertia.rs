@@ -192,7 +192,7 @@ impl LateralInertia {
         check_positive("density [kg/m^3]", density)?;
         if !(0.0..=0.5).contains(&poisson_ratio) {
             return Err(CmodError::NonPhysical {
-                quantity: "poisson's ratio",
+                quantity: "Poisson's ratio",
                 value: poisson_ratio,
                 expected: "a value from 0 to 0.5",
             });
@@ -212,7 +212,7 @@ impl LateralInertia {
     /// [`CmodError::NonPhysical`] unless the uncertainty is finite and not negative.
     pub fn with_poisson_ratio_uncertainty(mut self, uncertainty: f64) -> Result<Self, CmodError> {
         self.poisson_ratio_uncertainty =
-            check_not_negative("uncertainty of poisson's ratio", uncertainty)?;
+            check_not_negative("uncertainty of Poisson's ratio", uncertainty)?;
         Ok(self)
     }
 
@@ -442,7 +442,7 @@ mod tests {
             LateralInertia::new(0.01, 900.0, 0.6)
                 .unwrap_err()
                 .to_string(),
-            "poisson's ratio is 0.6, expected a value from 0 to 0.5"
+            "Poisson's ratio is 0.6, expected a value from 0 to 0.5"
         );
         assert_eq!(
             LateralInertia::rectangular(0.01, f64::NAN, 900.0, 0.4)
@@ -461,7 +461,7 @@ mod tests {
             rod.with_poisson_ratio_uncertainty(f64::NAN)
                 .unwrap_err()
                 .to_string(),
-            "uncertainty of poisson's ratio is NaN, expected a finite value, 0 or above"
+            "uncertainty of Poisson's ratio is NaN, expected a finite value, 0 or above"
         );
     }
 }

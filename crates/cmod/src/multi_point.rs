@@ -149,7 +149,7 @@ impl MultiPoint {
             return Err(CmodError::NonPhysical {
                 quantity: "position of the free end [m]",
                 value: free_end,
-                expected: "one beyond the last gauge: count positions towards the free end",
+                expected: "one beyond the last gauge: positions increase towards the free end",
             });
         }
         rod.positions.push(free_end);

@@ -504,15 +504,15 @@ mod tests {
         assert_eq!(text(&[], &[], &[]), "no line to evaluate");
         assert_eq!(
             text(&[1.0, 2.0, 3.0], &ratio, &[0.0; 3]),
-            "acceleration ratio has 2 lines, expected 3 as the frequencies have"
+            "acceleration ratio has 2 lines, expected 3, one per frequency"
         );
         assert_eq!(
             text(&[1.0, 2.0], &ratio, &[0.0]),
-            "variance has 1 lines, expected 2 as the frequencies have"
+            "variance has 1 lines, expected 2, one per frequency"
         );
         assert_eq!(
             text(&[1.0, 1.0], &ratio, &[0.0; 2]),
-            "frequency of line 1 is 1 Hz, expected more than 1 Hz of the line before"
+            "frequency of line 1 is 1 Hz, expected more than the 1 Hz of the previous line"
         );
         assert_eq!(
             text(&[-1.0, 1.0], &ratio, &[0.0; 2]),

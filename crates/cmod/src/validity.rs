@@ -159,7 +159,7 @@ pub enum Violation {
     },
     /// The random error, together with the bound on lateral inertia, exceeds the accepted limit,
     /// see [`AcceptanceLimits`].
-    #[error("{quantity} may be off by {}, accepted are {}", percent(*.error), percent(*.limit))]
+    #[error("{quantity} may be off by {}, expected at most {}", percent(*.error), percent(*.limit))]
     ErrorTooLarge {
         /// `E'` or `the loss factor`.
         quantity: &'static str,
@@ -172,7 +172,7 @@ pub enum Violation {
     /// The theory of the waves leaves more lateral inertia in the modulus than accepted, see
     /// [`AcceptanceLimits`].
     #[error(
-        "lateral inertia that was not taken out may be {} of {quantity}, accepted are {}",
+        "uncorrected lateral inertia may be {} of {quantity}, expected at most {}",
         percent(*.error), percent(*.limit)
     )]
     LateralInertiaTooLarge {
@@ -185,7 +185,7 @@ pub enum Violation {
     },
     /// The common errors exceed the limit set, see [`AcceptanceLimits::common_storage_modulus`].
     #[error(
-        "E' may be off by {} by common errors, accepted are {}; most of it by: {largest}",
+        "E' may be off by {} due to common errors, expected at most {}; largest contribution: {largest}",
         percent(*.error), percent(*.limit)
     )]
     CommonErrorTooLarge {
@@ -233,7 +233,7 @@ pub enum Violation {
     },
     /// Two waves do not explain the signals of the gauges within their noise.
     #[error(
-        "misfit of two waves: chi-square {chi_square:.1} of {degrees_of_freedom} degrees of freedom, expected at most {limit:.1}"
+        "misfit of two waves: chi-square {chi_square:.1} with {degrees_of_freedom} degrees of freedom, expected at most {limit:.1}"
     )]
     Misfit {
         /// Twice the sum of squares of the residuals, each divided by the standard deviation of
@@ -381,12 +381,12 @@ mod tests {
             "second-order error is 0.25 of the standard error, expected at most 0.1; \
              0.99 half waves between neighbouring sensors; \
              noise is 0.30 of the signal of the middle gauge, expected at most 0.1; \
-             E' may be off by 2.3 %, accepted are 1.0 %; \
-             lateral inertia that was not taken out may be 1.9 % of E', accepted are 1.0 %; \
-             E' may be off by 2.0 % by common errors, accepted are 1.0 %; most of it by: density; \
+             E' may be off by 2.3 %, expected at most 1.0 %; \
+             uncorrected lateral inertia may be 1.9 % of E', expected at most 1.0 %; \
+             E' may be off by 2.0 % due to common errors, expected at most 1.0 %; largest contribution: density; \
              relative errors are amplified 23.4 times, expected at most 10; \
              coherence 0.9300, expected at least 0.9900; \
-             misfit of two waves: chi-square 31.4 of 4 degrees of freedom, expected at most 18.5"
+             misfit of two waves: chi-square 31.4 with 4 degrees of freedom, expected at most 18.5"
         );
     }
 }

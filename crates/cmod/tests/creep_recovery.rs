@@ -605,7 +605,7 @@ fn tests_that_say_nothing_are_refused() {
         .to_string();
     assert_eq!(
         text,
-        "no parameters found to start from, expected a loss factor that is raised after the load"
+        "no starting parameters found, expected a loss factor that is raised after the load"
     );
     assert_eq!(
         RecoveryFit::new(&[], GIVEN, ErrorScale::Stated)

@@ -382,7 +382,7 @@ fn r03_other_sections_have_one_theory_with_its_error() {
             .correct(&estimate)
             .unwrap_err()
             .to_string(),
-        "the theory of Pochhammer and Chree was asked for a rod that is not round, expected Love's theory, which takes any section"
+        "the theory of Pochhammer and Chree was requested for a rod that is not round, expected Love's theory, which applies to any section"
     );
 }
 

@@ -482,7 +482,7 @@ fn errors_that_are_none_are_refused() {
     };
     assert_eq!(
         method.estimate_ratio(&lines).unwrap_err().to_string(),
-        "common error of the ratio has 2 lines, expected 3 as the frequencies have"
+        "common error of the ratio has 2 lines, expected 3, one per frequency"
     );
     // nothing uncertain, nothing to find
     let exact = RatioLines {

@@ -101,9 +101,9 @@ impl BandLimit {
         let step = history.time_step();
         if step * self.upper_hz * FEWEST_STEPS > 1.0 + 1e-9 {
             return Err(ImpulseError::NonPhysical {
-                quantity: "time step of a force in a band, over the inverse of the upper end of the band,",
+                quantity: "product of the time step of a force in a band and the upper end of the band",
                 value: step * self.upper_hz,
-                expected: "at most 1/8: a shorter step or a lower band",
+                expected: "at most 1/8: use a shorter step or a lower band",
             });
         }
         let deviation = self.standard_deviation();

@@ -77,7 +77,7 @@ pub enum ImpulseError {
         to: f64,
     },
     /// The support of the force lies outside the record.
-    #[error("the support from {from} s to {to} s holds no sample of the response")]
+    #[error("the support from {from} s to {to} s contains no sample of the response")]
     SupportOutsideRecord {
         /// Start of the support \[s\].
         from: f64,
@@ -85,7 +85,7 @@ pub enum ImpulseError {
         to: f64,
     },
     /// The support of the force is too long for its dense equations.
-    #[error("the support holds {found} samples, expected at most {expected}")]
+    #[error("the support contains {found} samples, expected at most {expected}")]
     SupportTooLong {
         /// Length found.
         found: usize,
@@ -94,16 +94,18 @@ pub enum ImpulseError {
     },
     /// The noise of this sensor is known and that of sensor 0 is not, or the reverse: they cannot
     /// be weighted.
-    #[error("the noise of sensor {index} is known and that of sensor 0 is not, or the reverse")]
+    #[error(
+        "the noise is known for only one of sensor {index} and sensor 0, expected both or neither"
+    )]
     MixedNoise {
         /// Index of the sensor.
         index: usize,
     },
     /// The discrepancy principle requires the noise of the response, which is not known.
-    #[error("the discrepancy principle needs the noise of the response, and it is not known")]
+    #[error("the discrepancy principle needs the noise of the response, which is not known")]
     NoiseNotKnown,
     /// A method requires a support, but the force is sought over the whole record.
-    #[error("{what} needs a support, and there is none")]
+    #[error("{what} needs a support, but none is given")]
     NoSupport {
         /// The method.
         what: &'static str,
@@ -111,7 +113,7 @@ pub enum ImpulseError {
     /// Truncation may not be used for a force without tension: it removes components that such a
     /// force requires.
     #[error(
-        "a force without tension cannot be regularised by truncation, expected none or Tikhonov's"
+        "a force without tension cannot be regularised by truncation, expected no or Tikhonov regularisation"
     )]
     TruncatedWithoutTension,
     /// The eigenvalue iteration did not converge.
@@ -129,7 +131,7 @@ pub enum ImpulseError {
         source: RodwaveError,
     },
     /// A mobility is requested outside its domain.
-    #[error("the mobility is asked for at s = {s} 1/s, expected {expected}")]
+    #[error("the mobility was requested at s = {s} 1/s, expected {expected}")]
     OutsideDomain {
         /// The Laplace variable [1/s].
         s: Complex64,
@@ -138,8 +140,8 @@ pub enum ImpulseError {
     },
     /// Time marching needs the unknown behaviour of a measured body above its lines.
     #[error(
-        "a measured body has no front impedance, expected the impedance A sqrt(E rho) [kg/s] of its face for a force by marching in time; \
-         without it the stick force on lines can be had"
+        "a measured body has no front impedance, expected the impedance A sqrt(E rho) [kg/s] of its face for a force by time marching; \
+         without it the stick force on lines is available"
     )]
     NoFrontImpedance,
     /// A mobility has no finite value.
@@ -152,7 +154,7 @@ pub enum ImpulseError {
     },
     /// Two bodies are known on different lines.
     #[error(
-        "the lines of the {what} are {found_hz} Hz apart, expected {expected_hz} Hz as those of the other body"
+        "the lines of the {what} are {found_hz} Hz apart, expected {expected_hz} Hz as for the other body"
     )]
     GridMismatch {
         /// The spectrum.
@@ -172,7 +174,7 @@ pub enum ImpulseError {
     },
     /// The stated mass of a body differs from the mass that its mobility shows at low frequency.
     #[error(
-        "the mobility of the {body} body begins as that of {found} kg, expected its mass of {expected} kg"
+        "the mobility of the {body} body at low frequency is that of {found} kg, expected its stated mass of {expected} kg"
     )]
     MassContradictsMobility {
         /// The body.
@@ -184,7 +186,7 @@ pub enum ImpulseError {
     },
     /// The faces have no instantaneous response to a force, which time marching requires.
     #[error(
-        "the faces answer a force step within {time_step} s with {weight} m/(N s), expected a velocity above 0"
+        "the faces respond to a force step within {time_step} s with {weight} m/(N s), expected a velocity above 0"
     )]
     ActiveFaces {
         /// Velocity after the first step, divided by the force [m/(N s)].
@@ -194,7 +196,7 @@ pub enum ImpulseError {
     },
     /// Both faces have a mass, without compliance between them.
     #[error(
-        "the mobility of the faces falls to {ratio} over a decade at the end of the band, as that of two rigid masses, \
+        "the mobility of the faces falls to {ratio} over a decade at the end of the band, as for two rigid masses, \
          expected a contact law between them: the force of a rigid contact is infinite"
     )]
     RigidFaces {
@@ -235,20 +237,22 @@ pub enum ImpulseError {
         expected: &'static str,
     },
     /// A member of an assembly is not joined to the struck one.
-    #[error("member {member} is joined to no other that the struck one reaches, expected a joint")]
+    #[error(
+        "member {member} is not joined to the struck member, directly or through others, expected a joint"
+    )]
     NotJoined {
         /// Index of the member.
         member: usize,
     },
     /// A result, or an intermediate square, overflows or underflows.
-    #[error("the {what} leaves the range of numbers")]
+    #[error("the {what} is outside the range of floating-point numbers")]
     OutOfRange {
         /// The quantity computed.
         what: &'static str,
     },
     /// A gauge of a bar has no pulse.
     #[error(
-        "the record of the {bar} comes to {largest} at most with a noise of {noise}, expected a pulse of ten times the noise"
+        "the record of the {bar} has a peak of {largest} with a noise of {noise}, expected a pulse of ten times the noise"
     )]
     NoPulse {
         /// The bar.
@@ -260,7 +264,7 @@ pub enum ImpulseError {
     },
     /// The transmitted bar answers before the incident bar.
     #[error(
-        "the transmitted bar answers at {transmitted} s, before the incident bar at {incident} s, expected the reverse: are the two exchanged?"
+        "the transmitted bar responds at {transmitted} s, before the incident bar at {incident} s, expected the reverse: are the two exchanged?"
     )]
     TransmittedFirst {
         /// First sample of the pulse on the incident bar \[s\].
@@ -270,7 +274,7 @@ pub enum ImpulseError {
     },
     /// A record is disturbed before the stated end of its silence.
     #[error(
-        "the record of the {bar} leaves its silence at {found} s, expected silence up to {stated} s: state a shorter one"
+        "the silence in the record of the {bar} ends at {found} s, expected silence up to {stated} s: state a shorter silence"
     )]
     SilenceEnds {
         /// The bar.

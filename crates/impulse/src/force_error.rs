@@ -407,7 +407,7 @@ pub(crate) fn check_draws(n_draws: usize, numbers_each: usize) -> Result<(), Imp
         Err(ImpulseError::NonPhysical {
             quantity: "number of draws, each with its history,",
             value: n_draws as f64,
-            expected: "draws with at most 2^28 numbers together",
+            expected: "at most 2^28 numbers in all draws together",
         })
     }
 }

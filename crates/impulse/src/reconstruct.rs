@@ -389,7 +389,7 @@ impl<'a> Reconstruction<'a> {
             && self.regularisation != Regularisation::None
         {
             return Err(ImpulseError::NoSupport {
-                what: "a regularised force by a path under an exponential window",
+                what: "a regularised force from a response under an exponential window",
             });
         }
         if self.is_non_negative {

@@ -311,7 +311,7 @@ impl StickProblem<'_> {
         let highest_hz = (n_lines - 1) as f64 * self.frequency_step_hz;
         let from_hz = match self.roll_off_from_hz {
             None => highest_hz,
-            Some(from_hz) => check_not_negative("begin of the roll-off [Hz]", from_hz)?,
+            Some(from_hz) => check_not_negative("start of the roll-off [Hz]", from_hz)?,
         };
         Ok(RollOff {
             from_hz,

@@ -229,7 +229,7 @@ fn measured_bodies_on_other_grids() {
     };
     assert_eq!(
         pair.stick_force_on_lines(band).unwrap_err().to_string(),
-        "the lines of the measured body are 12.5 Hz apart, expected 10 Hz as those of the other body"
+        "the lines of the measured body are 12.5 Hz apart, expected 10 Hz as for the other body"
     );
     // the march needs no common lines, but whole steps in either period
     assert!(pair.clone().in_steps_of(1e-5).predict(10e-3).is_ok());

@@ -312,7 +312,7 @@ fn what_cannot_be_is_refused() {
     assert!(body.completed_below(100.0, 105.0).is_err());
     assert_eq!(
         lines_of(&body, 20.0, 100).unwrap_err().to_string(),
-        "the lines of the measured body are 10 Hz apart, expected 20 Hz as those of the other body"
+        "the lines of the measured body are 10 Hz apart, expected 20 Hz as for the other body"
     );
     assert!(lines_of(&body, STEP_HZ, 2 * N_LINES).is_err());
     // between the lines and off the axis nothing is known

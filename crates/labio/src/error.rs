@@ -60,7 +60,7 @@ pub enum LabioError {
     },
     /// A channel still moves at the end of a hit after which rest is assumed.
     #[error(
-        "`{channel}` is {remainder:.3e} off its level in the last tenth of the record, with a peak of {peak:.3e}: expected at most a thousandth of the peak, or the noise"
+        "`{channel}` deviates from its rest level by {remainder:.3e} rms in the last tenth of the record, with a peak of {peak:.3e}: expected at most a thousandth of the peak, or the noise"
     )]
     NotAtRest {
         /// The channel.
@@ -73,7 +73,7 @@ pub enum LabioError {
     },
     /// Several hits have no noise: they are copies of one hit, or were computed.
     #[error(
-        "the coherence of `{output}` with `{input}` over {hits} hits is 1 to rounding, expected noise: hits that are copies of one, or computed, have no error"
+        "the coherence of `{output}` with `{input}` over {hits} hits is 1 to within rounding, expected noise: hits that are copies of one hit, or were computed, have no random error"
     )]
     NoNoise {
         /// The channel used as the input.
@@ -94,7 +94,9 @@ pub enum LabioError {
         expected: usize,
     },
     /// An estimate needs the noise of a channel at rest.
-    #[error("errors in variables need the noise of `{channel}` at rest, which is not known")]
+    #[error(
+        "the errors-in-variables estimator needs the noise of `{channel}` at rest, which is not known"
+    )]
     UnknownRestNoise {
         /// The channel.
         channel: String,
@@ -108,7 +110,7 @@ pub enum LabioError {
         found: usize,
     },
     /// Two windows would both weight the same samples.
-    #[error("{asked} cannot stand beside {present}")]
+    #[error("{asked} cannot be combined with {present}")]
     WindowConflict {
         /// The window asked for.
         asked: &'static str,
@@ -172,7 +174,7 @@ pub enum LabioError {
         known: Vec<String>,
     },
     /// The channels of a hit differ from those of the hits before it.
-    #[error("channel {index} is {found}, expected {expected} as in the hits before")]
+    #[error("channel {index} is {found}, expected {expected} as in the previous hits")]
     ChannelMismatch {
         /// Index of the channel, from 0.
         index: usize,
@@ -182,7 +184,9 @@ pub enum LabioError {
         expected: String,
     },
     /// A hit was sampled at another rate than the hits before it.
-    #[error("the sampling rate is {found_hz} Hz, expected {expected_hz} Hz as in the hits before")]
+    #[error(
+        "the sampling rate is {found_hz} Hz, expected {expected_hz} Hz as in the previous hits"
+    )]
     SamplingRateMismatch {
         /// The rate found.
         found_hz: f64,
@@ -222,7 +226,7 @@ pub enum LabioError {
         expected: usize,
     },
     /// The numbers in the file are of an unexpected type.
-    #[error("the {format} array holds {found}, expected {expected}")]
+    #[error("the {format} array contains {found}, expected {expected}")]
     WrongElement {
         /// Name of the format.
         format: &'static str,
@@ -240,7 +244,7 @@ pub enum LabioError {
         missing_bytes: usize,
     },
     /// The file contains no data.
-    #[error("the {format} file holds no data")]
+    #[error("the {format} file contains no data")]
     NoData {
         /// Name of the format.
         format: &'static str,
@@ -269,7 +273,7 @@ pub enum LabioError {
     },
     /// The unpacked contents of a file take more memory than allowed.
     #[error(
-        "{format}, {place}: {what} takes the contents to {needed} bytes of memory, expected at most {limit}; a caller who trusts the file may raise the limit"
+        "{format}, {place}: with {what} the contents need {needed} bytes of memory, expected at most {limit}; a caller who trusts the file may raise the limit"
     )]
     MemoryLimit {
         /// Name of the format.
@@ -284,7 +288,7 @@ pub enum LabioError {
         limit: u64,
     },
     /// The bytes are in no known format.
-    #[error("the {n_bytes} bytes that begin with \"{}\" are of no known format ({}){}", head.escape_default(), known.join(", "), way_out(head))]
+    #[error("the {n_bytes} bytes that begin with \"{}\" are not in a known format ({}){}", head.escape_default(), known.join(", "), way_out(head))]
     UnknownFormat {
         /// The first bytes, each as a Latin-1 character.
         head: String,
@@ -295,7 +299,7 @@ pub enum LabioError {
     },
     /// A series of a file cannot be a channel of a record.
     #[error(
-        "series {index} (`{name}`) is no channel of a record: its {part} is {found}, expected {expected}"
+        "series {index} (`{name}`) is not a channel of a record: its {part} is {found}, expected {expected}"
     )]
     NoChannel {
         /// Position of the series among those of the file, from 0.
@@ -318,7 +322,7 @@ pub enum LabioError {
         what: String,
     },
     /// A text is not a known unit.
-    #[error("`{found}` is no known unit: `{token}` {reason}")]
+    #[error("`{found}` is not a known unit: `{token}` {reason}")]
     UnknownUnit {
         /// The text.
         found: String,
@@ -346,7 +350,7 @@ pub enum LabioError {
         reason: &'static str,
     },
     /// A text is not a day of the calendar.
-    #[error("`{found}` is no date, expected a day as 2026-11-21")]
+    #[error("`{found}` is not a date, expected a day such as 2026-11-21")]
     NoDate {
         /// The text.
         found: String,
@@ -399,19 +403,16 @@ fn way_out(head: &str) -> &'static str {
         ("7z\u{bc}\u{af}", "; a 7-Zip archive: unpack it"),
         (
             "CDF",
-            "; netCDF-3: `nccopy -k nc4 old.nc new.nc` makes a netCDF-4, which is read",
+            "; netCDF-3: `nccopy -k nc4 old.nc new.nc` converts it to netCDF-4, which can be read",
         ),
         (
             "MDF     ",
-            "; a measurement data format of ASAM: export it as HDF5, MATLAB or CSV",
+            "; an ASAM measurement data file: export it as HDF5, MATLAB or CSV",
         ),
-        ("|CF,", "; a file of imc: export it as CSV or MATLAB"),
+        ("|CF,", "; an imc file: export it as CSV or MATLAB"),
         ("SQLite format 3", "; a database: export its table as CSV"),
         ("%PDF", "; a document: export its table as CSV"),
-        (
-            "\u{89}PNG",
-            "; a picture: export the numbers behind it as CSV",
-        ),
+        ("\u{89}PNG", "; an image: export its numbers as CSV"),
     ];
     let found = KNOWN.iter().find(|(begin, _)| head.starts_with(begin));
     found.map_or("", |(_, words)| words)

@@ -341,7 +341,7 @@ mod tests {
             (&b"\x1f\x8b\x08\0"[..], "; gzip: unpack it"),
             (
                 b"CDF\x01\0\0\0\0",
-                "; netCDF-3: `nccopy -k nc4 old.nc new.nc` makes a netCDF-4, which is read",
+                "; netCDF-3: `nccopy -k nc4 old.nc new.nc` converts it to netCDF-4, which can be read",
             ),
             (b"\x7fELF", ")"),
         ] {
@@ -355,7 +355,7 @@ mod tests {
         let error = read_bytes(b"\x7fELF\x02\x01\x01\x00 and so on, and on")
             .unwrap_err()
             .to_string();
-        let expected = r#"the 26 bytes that begin with "\u{7f}ELF\u{2}\u{1}\u{1}\u{0} and so " are of no known format ("#;
+        let expected = r#"the 26 bytes that begin with "\u{7f}ELF\u{2}\u{1}\u{1}\u{0} and so " are not in a known format ("#;
         assert!(error.starts_with(expected), "{error}");
         assert!(matches!(
             read_bytes(b""),

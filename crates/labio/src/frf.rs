@@ -240,7 +240,7 @@ impl FrequencyResponse {
                 "lines of the degrees of freedom",
                 length(&self.degrees_of_freedom),
             ),
-            ("lines of the bias by noise", length(&self.noise_bias)),
+            ("lines of the noise bias", length(&self.noise_bias)),
             ("lines of the possible bias", length(&self.possible_bias)),
             ("lines of the common error", length(&self.common_error)),
             ("lines of the validity", self.validity.len()),

@@ -250,7 +250,7 @@ impl ResponseRatio {
         let response = spectra.h1(denominator, numerator)?;
         let Some(coherence) = response.coherence else {
             return Err(LabioError::TooFewAverages {
-                estimate: "the error of a ratio by its coherence",
+                estimate: "the error of a ratio from its coherence",
                 found: response.n_averages,
                 expected: 2,
             });

@@ -62,7 +62,7 @@ impl Record {
         check_finite("start time [s]", start_time)?;
         if channels.len() != samples.nrows() {
             return Err(LabioError::CountMismatch {
-                what: "channels named for the rows of samples",
+                what: "channels for the rows of samples",
                 found: channels.len(),
                 expected: samples.nrows(),
             });
@@ -470,7 +470,7 @@ mod tests {
         sample 1 of channel `response` is NaN, expected a finite value
         sample 1 of channel `force` is inf, expected a finite value
         sampling rate [Hz] is 0, expected a finite value above 0
-        channels named for the rows of samples: found 2, expected 1
+        channels for the rows of samples: found 2, expected 1
         the record has 2 samples, expected at least 2
         ");
     }

@@ -105,14 +105,14 @@ impl RigidBody {
         band: RigidBand,
     ) -> Result<CompletedResponse, LabioError> {
         check_positive(
-            "begin of the band of a nearly rigid body [Hz]",
+            "start of the band of a nearly rigid body [Hz]",
             band.from_hz,
         )?;
         if !(band.to_hz.is_finite() && band.to_hz > band.from_hz) {
             return Err(LabioError::NonPhysical {
                 quantity: "end of the band of a nearly rigid body [Hz]",
                 value: band.to_hz,
-                expected: "a finite frequency above its begin",
+                expected: "a finite frequency above its start",
             });
         }
         let kind = response.kind()?;

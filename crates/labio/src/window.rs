@@ -250,7 +250,7 @@ fn tukey(taper: f64, n_samples: usize, period: usize) -> Result<Vec<f64>, LabioE
         return Err(LabioError::NonPhysical {
             quantity: "taper of the Tukey window [-]",
             value: taper,
-            expected: "a part from 0 to 1",
+            expected: "a fraction from 0 to 1",
         });
     }
     let edge = taper / 2.0 * period as f64;

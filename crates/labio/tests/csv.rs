@@ -123,12 +123,12 @@ fn the_measured_tables_read() {
     }
     insta::assert_snapshot!(said, @r"
     shpb/impact_compression_epoxy_resin_sample_01_raw_voltage.csv, recognised
-      strictly: csv, line 2, column 1: abscissa is values that repeat; their digits give a step of 7.990399519976e-8 within 2.8e-10, expected a step known to 0.0001 of itself, or one given beforehand
+      strictly: csv, line 2, column 1: abscissa is repeated values; their digits give the step 7.990399519976e-8 to within 2.8e-10, expected a step known to within a relative 0.0001, or a stated step
       2 series of 20000, over Time [s]: -0.000198 + i * 7.990400e-8; TimeResponse incident_bar_signal/voltage [] .. transmission_bar_signal/voltage []
     shpb/impact_compression_epoxy_resin_experiment_details_en-US.txt, not recognised
       strictly: csv, line 1: table is not found, expected rows of numbers within the first 1000 lines
     shpb/epoxy/raw_strain.csv, recognised
-      strictly: csv, line 2, column 1: abscissa is values that repeat; their digits give a step of 7.990399519976e-8 within 2.8e-10, expected a step known to 0.0001 of itself, or one given beforehand
+      strictly: csv, line 2, column 1: abscissa is repeated values; their digits give the step 7.990399519976e-8 to within 2.8e-10, expected a step known to within a relative 0.0001, or a stated step
       2 series of 20000, over Time [s]: -0.000198 + i * 7.990400e-8; TimeResponse incident_bar_signal/¦Å [] .. transmission_bar_signal/¦Å []
     shpb/pmma-13/180303_171828_Ch1.csv, recognised
       strictly: reads

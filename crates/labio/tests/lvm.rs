@@ -225,21 +225,21 @@ fn what_is_wrong_is_said_with_its_place() {
     lvm, line 1: first line is `LabVIEW`, expected `LabVIEW Measurement`
     lvm, line 4: tag is `Separ`, expected a tag, a separator and a value
     lvm, line 16: header is the end of the file, expected ***End_of_Header***
-    lvm, line 4: Separator is `Comma`, expected the name of the sign behind the tag, '\t'
+    lvm, line 4: Separator is `Comma`, expected the name of the character after the tag, '\t'
     lvm, line 7: X_Columns is `None`, expected `No`, `One` or `Multi`
-    lvm, line 5: Decimal_Separator is `'`, expected `.` or, where it separates no columns, `,`
+    lvm, line 5: Decimal_Separator is `'`, expected `.` or, unless it separates columns, `,`
     lvm, line 4: X_Columns is absent, expected the tag before the end of the header
     lvm, line 12: Channels is `-2`, expected a count above 0
-    lvm, line 20: row of labels is 4 columns, expected those of the 18446744073709551615 channels announced
-    lvm, line 20: row of labels is 4 columns, expected those of the 4000000000 channels announced
+    lvm, line 20: row of labels is 4 columns, expected those of the 18446744073709551615 channels stated in the header
+    lvm, line 20: row of labels is 4 columns, expected those of the 4000000000 channels stated in the header
     lvm, line 13, column 2: Samples is `2.5`, expected a count
-    lvm, line 12: Delta_X is absent, expected the tag for every channel where there is no column of X values
+    lvm, line 12: Delta_X is absent, expected the tag for every channel, since there is no column of X values
     lvm, line 18, column 2: Delta_X is `inf`, expected a finite number
     lvm, line 20: row of labels is `hammer`, expected `X_Value`
     lvm, line 22, column 3: end A is `3..`, expected a number
-    lvm, line 22: row is `not awaited`, expected no column after that of the comments
+    lvm, line 22: row is `not awaited`, expected no column after the comments
     lvm, line 22, column 1: X_Value is `2.5`, expected an empty cell, as `X_Columns` is `No`
-    lvm, line 24: Samples is 3 rows, expected 2 rows or a multiple, as announced
+    lvm, line 24: Samples is 3 rows, expected 2 rows or a multiple, as stated in the header
     lvm, line 24, column 3: end A is ``, expected a number
     lvm, line 14, column 3: slow is `8`, expected an empty cell after 1 samples
     lvm, line 14, column 1: X_Value is `one third`, expected a finite number
@@ -259,7 +259,7 @@ fn a_tolerant_reading_lists_what_it_passed_over() {
     assert_eq!(real(&contents, 2), [3.5]);
     insta::assert_snapshot!(defects(&contents), @r"
     lvm, line 22, column 3: end A is `3..`, expected a number
-    lvm, line 23: Samples is 3 rows, expected 2 rows or a multiple, as announced
+    lvm, line 23: Samples is 3 rows, expected 2 rows or a multiple, as stated in the header
     ");
 }
 

@@ -369,22 +369,22 @@ fn what_is_wrong_is_said_with_its_place() {
     mat5, byte 136: flags of an array is the end of the array, expected an element
     mat5, byte 136: flags of an array is 1 numbers of type 9, expected two of type 6
     mat5, byte 128: compressed element is `incomplete deflate stream`, expected deflated bytes
-    mat5, byte 184: `x` is 2 numbers, expected 3, as its shape says
+    mat5, byte 184: `x` is 2 numbers, expected 3, according to its shape
     mat5, byte 184: `x` is the end of the array, expected an element
     mat5, byte 152: shape of an array is 1 lengths, expected at least 2
-    mat5, byte 152: shape of an array is 2147483647, expected lengths whose product can be counted
-    mat5, byte 152: shape of an array is [0, 2147483647, 2147483647, 2147483647], expected lengths whose product can be counted
-    mat5, byte 184: `x` is 1 numbers, expected 2147483647, as its shape says
+    mat5, byte 152: shape of an array is 2147483647, expected lengths whose product does not overflow
+    mat5, byte 152: shape of an array is [0, 2147483647, 2147483647, 2147483647], expected lengths whose product does not overflow
+    mat5, byte 184: `x` is 1 numbers, expected 2147483647, according to its shape
     mat5, byte 152: shape of an array is -1, expected a length
     mat5, byte 184: `x` is of type 8, expected numbers
-    mat5, byte 184: `x` is 12 bytes, expected whole numbers of its type
-    mat5, byte 184: `x` is 9223372036854776000, expected integers that floating point holds
+    mat5, byte 184: `x` is 12 bytes, expected a multiple of the size of its type
+    mat5, byte 184: `x` is 9223372036854776000, expected integers that a double represents exactly
     mat5, byte 208: imaginary part of `x` is the end of the array, expected an element
     mat5, byte 184: x is 3 characters in shape [2, 2], expected rows of characters
     mat5, byte 184: x is of type 4, expected characters
     mat5, byte 184: x is the end of the array, expected an element
-    mat5, byte 184: fields of `x` is 2 characters, expected names of the length that is announced
-    mat5, byte 184: fields of `x` is 2 characters, expected names of the length that is announced
+    mat5, byte 184: fields of `x` is 2 characters, expected names of the stated length
+    mat5, byte 184: fields of `x` is 2 characters, expected names of the stated length
     mat5, byte 800: name of a field is 602 bytes, expected at most 512
     mat5, byte 136: class of `x` is object, expected numbers, text, struct or cell
     mat5, byte 136: class of `x` is unknown, expected numbers, text, struct or cell

@@ -152,8 +152,8 @@ fn what_is_wrong_is_said_with_its_place() {
     ]
     .map(|bytes| read(&bytes));
     insta::assert_snapshot!(refusals(wrong), @r"
-    npy, byte 0: first six bytes is ``, expected those of an array of NumPy
-    npy, byte 0: first six bytes is `�NUMPX`, expected those of an array of NumPy
+    npy, byte 0: first six bytes is ``, expected those of a NumPy array
+    npy, byte 0: first six bytes is `�NUMPX`, expected those of a NumPy array
     the npy data end 5 bytes too early
     the npy data end 68 bytes too early
     npy, byte 6: version is 9, expected 1, 2 or 3
@@ -162,18 +162,18 @@ fn what_is_wrong_is_said_with_its_place() {
     2 bytes follow the npy data
     npy, byte 10: descr is `<f2`, expected integers, floating-point or complex numbers, or characters
     npy, byte 10: descr is `|O`, expected integers, floating-point or complex numbers, or characters
-    the npy array holds <U2, expected numbers
+    the npy array contains <U2, expected numbers
     npy, byte 44: header is `Maybe, 'shape': (2,), }`, expected `True` or `False`
     npy, byte 63: header is `3), }`, expected `,` or `)`
     npy, byte 61: header is `-2,), }`, expected a length of an axis
     the npy array has 0 axes, expected 2
     the npy array has 3 axes, expected 2
-    the npy file holds no data
-    the npy file holds no data
+    the npy file contains no data
+    the npy file contains no data
     the npy data end 18446744073709551607 bytes too early
     the npy data end 7999999999992 bytes too early
-    npy, byte 136: element 1 is an integer beyond 2^53, expected one that floating point holds
-    npy, byte 20: header is `[('t', '<f8')], 'fortran_order': False, ...`, expected one element, no structure
+    npy, byte 136: element 1 is an integer beyond 2^53, expected one that a double represents exactly
+    npy, byte 20: header is `[('t', '<f8')], 'fortran_order': False, ...`, expected a single element type, not a structured one
     npy, byte 44: header is ``, expected `fortran_order` in the dictionary
     npy, byte 27: header is `'colour': 1}`, expected `descr`, `fortran_order` or `shape`
     npy, byte 20: header is `'<f8`, expected the end of a text in quotes
@@ -245,11 +245,11 @@ fn an_array_holds_numbers_and_nothing_else() {
     ]
     .join("\n");
     insta::assert_snapshot!(refusals, @r"
-    npy cannot hold the property `Operator`; npz holds properties
+    npy cannot hold the property `Operator`; npz can hold properties
     npy cannot hold contents without a series
-    npy cannot hold the name `F`, only ``; npz holds names
-    npy cannot hold an abscissa, a kind or units of ``; npz holds them
-    npy cannot hold an abscissa, a kind or units of ``; npz holds them
+    npy cannot hold the name `F`, only ``; npz can hold names
+    npy cannot hold an abscissa, a kind or units of ``; npz can hold them
+    npy cannot hold an abscissa, a kind or units of ``; npz can hold them
     npy cannot hold the numbers as <i2
     npy cannot hold the numbers of `` as <c16
     npy cannot hold the element `<U3`
@@ -320,7 +320,7 @@ fn an_archive_holds_all_that_belongs_to_a_series() {
     npz cannot hold a series called ``
     npz cannot hold the numbers of `counts` as <i2
     npz cannot hold `H(ω)`, which has 1 abscissae for 2 samples
-    npz cannot hold the text "zero\0" in `about`, which ends with a zero
+    npz cannot hold the text "zero\0" in `about`, which ends with a NUL character
     npz cannot hold the property `block` of `F` in an array
     npz cannot hold contents without a series
     "#);
@@ -374,13 +374,13 @@ fn members_that_are_no_series_are_refused() {
     let wrong = cases.map(|bytes| Npz.read(&bytes, Strictness::Strict));
     insta::assert_snapshot!(refusals(wrong), @r"
     npz, byte 0: archive is `invalid Zip archive: Could not find EOCD`, expected a ZIP archive with stored or deflated members
-    the npz file holds no data
+    the npz file contains no data
     npz, byte 171: member 1 is `notes.txt`, expected an array, `.npy`
     npz, byte 0: `cube` is of shape (1, 1, 1) and element <f8, expected numbers with at most two axes, or a text
     the npz data end 3 bytes too early
     the npz data end 8000000000000 bytes too early
     npz, byte 0: `F.start_step` is 1 numbers, expected first value and step
-    npz, byte 0: `F.abscissa` is of shape [2] and element <f8, expected 1 real numbers, one a sample
+    npz, byte 0: `F.abscissa` is of shape [2] and element <f8, expected 1 real numbers, one per sample
     npz, byte 0: `F.about` is of shape [1], expected texts of shape (n, 2)
     ");
     let tolerant = Npz
@@ -482,10 +482,10 @@ fn a_stream_of_something_else_is_refused() {
     insta::assert_snapshot!(refusals, @r"
     the npy data end 4 bytes too early
     8 bytes follow the npy data
-    the npy array holds '<f8' in Fortran order, expected '<f8' in C order
-    the npy array holds '<f4' in C order, expected '<f8' in C order
+    the npy array contains '<f8' in Fortran order, expected '<f8' in C order
+    the npy array contains '<f4' in C order, expected '<f8' in C order
     the npy array has 1 axes, expected 2
-    rows of the array, one a channel and, if there are times, one of them: found 4, expected 3
+    rows of the array, one per channel and, if there are times, one for them: found 4, expected 3
     the row of times has 1 samples, expected at least 2
     the npy data end 18446744073709551295 bytes too early
     time step 2 is 0.008046875 s, expected 0.0009765625 s within a relative deviation of 0.000001

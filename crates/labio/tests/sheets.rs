@@ -145,10 +145,10 @@ fn a_sheet_with_an_impossible_value_is_refused_as_the_constructor_would() {
     ]
     .join("\n");
     insta::assert_snapshot!(refusals, @r"
-    `mV/ge` is no known unit: `ge` is not among the known symbols
+    `mV/ge` is not a known unit: `ge` is not among the known symbols
     sensitivity is -10, expected a finite value above 0
     standard uncertainty is -1, expected a finite value of at least 0
-    `2025-02-30` is no date, expected a day as 2026-11-21
+    `2025-02-30` is not a date, expected a day such as 2026-11-21
     amplifier gain is 0, expected a finite value above 0
     unknown field `polarty`, expected one of `transducer`, `gain`, `polarity`, `offset`, `time_skew`, `time_skew_uncertainty`, `position`, `direction`, `serial`, `calibrated_on`
     trigger hysteresis is -1, expected a finite value of at least 0

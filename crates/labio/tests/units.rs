@@ -110,28 +110,28 @@ fn what_is_no_unit_is_refused_with_the_part_that_is_not_understood() {
     .map(|text| Unit::parse(text).unwrap_err().to_string())
     .join("\n");
     insta::assert_snapshot!(refusals, @r"
-    `` is no known unit: `` ends where a symbol is missing
-    `Volt/parsec` is no known unit: `parsec` is not among the known symbols
-    `lb` is no known unit: `lb` is a mass to some and a force to others, expected lbm or lbf
-    `dB` is no known unit: `dB` is a logarithm, not a unit
-    `m/s^` is no known unit: `` stands where an exponent is expected
-    `m/s^x` is no known unit: `x` stands where an exponent is expected
-    `m^2.5` is no known unit: `.` makes an exponent that is not a whole number of one digit
-    `m^22` is no known unit: `2` makes an exponent that is not a whole number of one digit
-    `(m/s` is no known unit: `(` is not closed
-    `m/s)` is no known unit: `)` does not belong there
-    `m//s` is no known unit: `/` stands where a symbol is expected
-    `m/N s` is no known unit: `/` needs brackets around the product after it
-    `10 mV` is no known unit: `0` makes a factor other than 1, which no unit has
-    `1.5` is no known unit: `.` makes a factor other than 1, which no unit has
-    `mV/degC` is no known unit: `degC` counts from another zero and cannot be part of a compound
-    `degF^2` is no known unit: `degF` counts from another zero and cannot be part of a compound
-    `N,m` is no known unit: `,` does not belong there
-    `m s°C` is no known unit: `s°C` is not among the known symbols
-    `((((((((((m))))))))))` is no known unit: `(` is nested too deep
-    `(fs^9)^9` is no known unit: `(fs^9)^9` has a scale beyond the range of numbers
-    `(m^9)^9 m^9 (m^9)^9` is no known unit: `(...)` brings the exponents out of range
-    `measured at the end of the rod with the small hammer and the whi` is no known unit: `measured at the ` begins a text that is longer than any unit
+    `` is not a known unit: `` ends where a symbol is expected
+    `Volt/parsec` is not a known unit: `parsec` is not among the known symbols
+    `lb` is not a known unit: `lb` may be a mass or a force, expected lbm or lbf
+    `dB` is not a known unit: `dB` is a logarithm, not a unit
+    `m/s^` is not a known unit: `` occurs where an exponent is expected
+    `m/s^x` is not a known unit: `x` occurs where an exponent is expected
+    `m^2.5` is not a known unit: `.` makes an exponent that is not a whole number of one digit
+    `m^22` is not a known unit: `2` makes an exponent that is not a whole number of one digit
+    `(m/s` is not a known unit: `(` is not closed
+    `m/s)` is not a known unit: `)` does not belong there
+    `m//s` is not a known unit: `/` occurs where a symbol is expected
+    `m/N s` is not a known unit: `/` needs brackets around the product after it
+    `10 mV` is not a known unit: `0` makes a factor other than 1, which a unit cannot have
+    `1.5` is not a known unit: `.` makes a factor other than 1, which a unit cannot have
+    `mV/degC` is not a known unit: `degC` has a shifted zero and cannot be part of a compound unit
+    `degF^2` is not a known unit: `degF` has a shifted zero and cannot be part of a compound unit
+    `N,m` is not a known unit: `,` does not belong there
+    `m s°C` is not a known unit: `s°C` is not among the known symbols
+    `((((((((((m))))))))))` is not a known unit: `(` is nested too deeply
+    `(fs^9)^9` is not a known unit: `(fs^9)^9` has a scale beyond the range of numbers
+    `(m^9)^9 m^9 (m^9)^9` is not a known unit: `(...)` brings the exponents out of range
+    `measured at the end of the rod with the small hammer and the whi` is not a known unit: `measured at the ` begins a text that is longer than any unit
     ");
 }
 

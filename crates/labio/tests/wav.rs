@@ -84,7 +84,7 @@ fn integers_become_fractions_of_full_scale() {
     assert_eq!(real(&contents, 0), [1.0 - last, -1.0, last]);
     assert_eq!(
         contents.properties[1],
-        ("chunk cue ".to_owned(), "5 bytes, passed over".to_owned())
+        ("chunk cue ".to_owned(), "5 bytes, skipped".to_owned())
     );
     assert_eq!(
         contents.properties[2],
@@ -232,12 +232,12 @@ fn what_does_not_fit_is_refused_before_the_first_byte() {
     wav cannot hold contents without a series
     wav cannot hold the property `Operator`; remove it to write the samples alone
     wav cannot hold names or units with `; `, ` [`, `]` or a zero byte in them
-    wav cannot hold `a`, which has other times than `a`
-    wav cannot hold `a`, which has other times than `a`
-    wav cannot hold `a`, which is no history
+    wav cannot hold `a`, whose times differ from those of `a`
+    wav cannot hold `a`, whose times differ from those of `a`
+    wav cannot hold `a`, which is not a history
     wav cannot hold `a`, whose abscissa is not in s
     wav cannot hold the property `block` of `a`; remove it to write the samples alone
-    wav cannot hold a time step of 0.3 s; only one over a whole number of Hz
+    wav cannot hold a time step of 0.3 s; only the reciprocal of a whole number of Hz
     wav cannot hold a start at 1 s; only at 0
     ");
 }
@@ -294,7 +294,7 @@ fn what_is_wrong_is_said_with_its_place() {
     wav, byte 16: length of `fmt ` is 16 bytes, expected 40 for an extensible format
     wav, byte 22: number of channels is 0, expected at least 1
     wav, byte 24: sampling rate [Hz] is 0, expected at least 1
-    wav, byte 32: bytes of a frame is 5, expected 4, those of 2 samples
+    wav, byte 32: bytes of a frame is 5, expected 4, the size of 2 samples
     wav, byte 20: format is tag 1 with 12 bits, expected PCM (1) of 8, 16, 24 or 32 bits or floating point (3) of 32 or 64
     wav, byte 56: chunk is the end of the file, expected `data`
     wav, byte 40: length of the samples is 11 bytes, expected a multiple of the 4 bytes of a frame
@@ -359,7 +359,7 @@ fn a_stream_delivers_the_same_samples_in_si() {
         let error = blocks.read_block(&mut Array2::zeros((1, 5))).unwrap_err();
         assert_eq!(
             error.to_string(),
-            "rows of the block, one a channel: found 1, expected 2"
+            "rows of the block, one per channel: found 1, expected 2"
         );
     }
     let mut spoiled = given;
@@ -380,7 +380,7 @@ fn a_stream_delivers_the_same_samples_in_si() {
     let error = Blocks::new(bytes.clone(), &channels[..1], &[1.0]).unwrap_err();
     assert_eq!(
         error.to_string(),
-        "channels named for those of the file: found 1, expected 2"
+        "channels for those of the file: found 1, expected 2"
     );
     let error = Blocks::new(bytes, &channels, &[1.0, -1.0]).unwrap_err();
     assert_eq!(

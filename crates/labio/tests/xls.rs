@@ -274,7 +274,7 @@ fn what_is_older_or_encrypted_is_refused_with_the_remedy() {
         ("Book", vec![0; 10], "Excel 95"),
         ("Workbook", encrypted, "encrypted"),
         ("EncryptedPackage", vec![0; 10], "encrypted"),
-        ("WordDocument", vec![0; 10], "no workbook"),
+        ("WordDocument", vec![0; 10], "not a workbook"),
     ] {
         let error = format::read_bytes(&compound(name, &stream))
             .unwrap_err()

@@ -278,7 +278,7 @@ pub(crate) fn n_classes(class_of: &[usize]) -> Result<usize, MaxwellidError> {
         Some(&top) if top >= class_of.len() => Err(MaxwellidError::Setting {
             setting: "class of a standard sample",
             value: top as f64,
-            expected: "a number below that of the samples",
+            expected: "a number below the number of samples",
         }),
         top => Ok(top.map_or(0, |top| top + 1)),
     }

@@ -78,11 +78,11 @@ impl fmt::Display for FitFlag {
                 )
             }
             Self::Unsettled => f.write_str(
-                "the minimum is not settled: parameters and excitation still move each other",
+                "the minimum has not settled: the parameters and the excitation still change each other",
             ),
             Self::Curved { parameter } => write!(
                 f,
-                "the data bound {parameter} otherwise than its standard error says: its profile is curved"
+                "the limits of {parameter} from the data differ from those implied by its standard error"
             ),
             Self::GridTooCoarse {
                 difference,

@@ -91,8 +91,8 @@ pub struct CommonErrorEstimate {
     pub standard_error: f64,
 }
 
-/// Formats the error in one sentence, such as `length of rod A: 1.00070 ± 0.00040 times as stated
-/// (± 0.00130 before)`.
+/// Formats the error in one sentence, such as `length of rod A: 1.00070 ± 0.00040 times the
+/// stated value (± 0.00130 before)`.
 impl fmt::Display for CommonErrorEstimate {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let CommonError {
@@ -109,7 +109,7 @@ impl fmt::Display for CommonErrorEstimate {
         let value = 1.0 + value;
         write!(
             f,
-            "{value:.5} ± {error:.5} times as stated (± {standard_uncertainty:.5} before)"
+            "{value:.5} ± {error:.5} times the stated value (± {standard_uncertainty:.5} before)"
         )
     }
 }

@@ -102,7 +102,7 @@ mod tests {
         assert!(
             error
                 .to_string()
-                .ends_with("expected a number below that of the samples"),
+                .ends_with("expected a number below the number of samples"),
             "{error}"
         );
     }

@@ -259,7 +259,7 @@ impl<M: RodModel> Fit<M> {
                 because: if noise_is_known {
                     "are not combined with unknown transducers: state one or the other"
                 } else {
-                    "need a stated noise to be weighed against"
+                    "need a stated noise of the test, which sets their weight"
                 },
             });
         }

@@ -83,10 +83,10 @@ impl Termination {
 impl std::fmt::Display for Termination {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.write_str(match self {
-            Self::NoReductionLeft => "converged: no reduction of the sum of squares left",
+            Self::NoReductionLeft => "converged: the sum of squares cannot be reduced further",
             Self::StepNegligible => "converged: the step is negligible",
             Self::ResidualIsRounding => "converged: the residual is at the level of rounding",
-            Self::NoDescent => "converged: no shorter step descends",
+            Self::NoDescent => "converged: no shorter step reduces the sum of squares",
             Self::ImprovementBelowTolerance => "converged: the improvement is below the tolerance",
             Self::AtBound => "stopped at a bound: the sum of squares still falls beyond it",
             Self::OutOfIterations => "not converged: out of iterations",

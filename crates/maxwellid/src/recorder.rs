@@ -126,7 +126,7 @@ impl std::fmt::Display for RecorderCheck {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let cutoff = 1e-3 * self.cutoff_hz;
         let origin = if self.is_assumed {
-            format!("cut-off not stated: {cutoff:.1} kHz, the sampling rate over {USUAL_RATIO}")
+            format!("cut-off not stated, assumed {cutoff:.1} kHz, the sampling rate divided by {USUAL_RATIO}")
         } else {
             format!("cut-off {cutoff:.1} kHz")
         };
@@ -134,14 +134,14 @@ impl std::fmt::Display for RecorderCheck {
         if self.is_biased() {
             write!(
                 f,
-                "test `{test}`: beyond {FROM} of the cut-off of its recorder the excitation has {:.1} times the power of its noise ({origin}). \
+                "test `{test}`: above {FROM} of the cut-off of its recorder the excitation has {:.1} times the power of its noise ({origin}). \
                  The filter biases all parameters of nonlinear laws: state it, or use a softer blow or a faster recorder",
                 self.signal_to_noise
             )
         } else {
             write!(
                 f,
-                "test `{test}`: beyond {FROM} of the cut-off of its recorder the excitation is below its noise ({origin})"
+                "test `{test}`: above {FROM} of the cut-off of its recorder the excitation is below its noise ({origin})"
             )
         }
     }

@@ -72,7 +72,7 @@ impl fmt::Display for Report {
             }
         }
         for flag in &self.flags {
-            writeln!(f, "  attention: {flag}")?;
+            writeln!(f, "  warning: {flag}")?;
         }
         Ok(())
     }

@@ -71,7 +71,7 @@ impl StandardSamples {
     ) -> Result<Self, MaxwellidError> {
         if count > MOST_SAMPLES {
             return Err(MaxwellidError::Setting {
-                setting: "number of standard samples a law",
+                setting: "number of standard samples per law",
                 value: count as f64,
                 expected: "at most a million",
             });
@@ -308,7 +308,7 @@ mod tests {
         let error = KarhunenLoeve::of(&patterns, 3).unwrap_err();
         assert_eq!(
             error.to_string(),
-            "3 principal components were asked for, the samples have 2"
+            "3 principal components were requested, the samples have 2"
         );
     }
 }

@@ -136,6 +136,6 @@ fn requests_without_sense_are_refused() {
         .unwrap_err();
     assert_eq!(
         error.to_string(),
-        "test `10 m/s` states no noise of its histories, against which laws could be told apart"
+        "test `10 m/s` does not state the noise of its histories, without which laws cannot be distinguished"
     );
 }

@@ -265,7 +265,7 @@ fn calibrations_that_mean_nothing_are_refused() {
     );
     assert_eq!(
         refused(Freedom::Within(1e-6)),
-        "the calibration of the delay [s] needs tests with stated noise to be weighed against"
+        "the calibration of the delay [s] needs tests with stated noise, which sets its weight"
     );
 }
 
@@ -298,7 +298,7 @@ fn tests_that_contradict_each_other_are_refused_or_flagged() {
     assert!(
         error
             .to_string()
-            .contains("a length, a density or a sampling rate is wrong, or the material")
+            .contains("a length, a density or a sampling rate is wrong, or the materials differ")
     );
     // two per cent of the length are less than the time of flight can tell, but not less than the
     // fit

@@ -58,7 +58,7 @@ print(elastic.verdict)
 
 # %% The figure
 ax = curve.plot()
-ax.plot(elastic.strain, 1e-6 * elastic.stress, "--", linewidth=1, label="bars taken for elastic")
+ax.plot(elastic.strain, 1e-6 * elastic.stress, "--", linewidth=1, label="bars assumed elastic")
 ax.legend()
 
 # %% Forces on both faces, and the sources of the error

@@ -61,7 +61,7 @@ pub(crate) fn frequency_response<'py>(
     let (input, output) = (input.as_array(), output.as_array());
     if input.dim() != output.dim() {
         let words = format!(
-            "input and output have the shapes {:?} and {:?}, expected the same, (n_hits, n_samples)",
+            "input and output have the shapes {:?} and {:?}, expected the same shape, (n_hits, n_samples)",
             input.dim(),
             output.dim()
         );

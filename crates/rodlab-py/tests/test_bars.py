@@ -170,7 +170,7 @@ def test_moduli_over_time_in_memory_are_fitted(test: str) -> None:
 
 
 def test_arrays_of_other_lengths_are_refused() -> None:
-    with pytest.raises(rodlab.SheetError, match="as many of each"):
+    with pytest.raises(rodlab.SheetError, match="the same number of each"):
         rodlab.rheology.of_arrays([1.0, 2.0], [1e9 + 1e8j], temperature="23 degC")
-    with pytest.raises(rodlab.SheetError, match="modulus is no vector of finite numbers"):
+    with pytest.raises(rodlab.SheetError, match="modulus is not a vector of finite numbers"):
         rodlab.rheology.of_arrays([1.0, 2.0], [1e9 + 1e8j, np.nan], temperature="23 degC")

@@ -93,7 +93,7 @@ def test_files_that_are_missing_or_in_the_way_are_errors_of_the_system(polypropy
         rodlab.inspect(polypropylene)
     with pytest.raises(rodlab.ReadError, match="no file matches"):
         rodlab.read("absent-*.npy", channels={"a": "m/s2"}, folder=polypropylene)
-    with pytest.raises(rodlab.WriteError, match="it is there"):
+    with pytest.raises(rodlab.WriteError, match="it exists"):
         rodlab.init("modulus", polypropylene / "modulus.ron")
     with pytest.raises(rodlab.Error, match="expected one of `frf`, `modulus`"):
         rodlab.init("moduli", polypropylene / "new.ron")

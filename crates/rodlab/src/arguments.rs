@@ -28,7 +28,7 @@ use crate::templates::{JobName, Rig};
   rodlab modulus rod.toml                 the result in rod-result/, its page in rod-result/report.html
   rodlab batch campaign/ --out results    all sheets of a folder, with one summary
 
-Exit status: 0 answered; 1 not allowed: the data do not allow the result; 2 wrong input: a sheet, a file or a folder is wrong; 3 in doubt: there is an answer, but a check fails; 130 interrupted. A campaign has that of its worst test: 2 before 1 before 3 before 0."
+Exit status: 0 answered; 1 not allowed: the data do not allow the result; 2 wrong input: a sheet, a file or a folder is wrong; 3 in doubt: there is an answer, but a check fails; 130 interrupted. A campaign has that of its worst test, from worst to best: 2, 1, 3, 0."
 )]
 pub struct Arguments {
     /// Command.
@@ -54,7 +54,7 @@ pub enum Command {
     /// Convert a recording to another format, which follows from the name of the new file.
     #[command(after_help = "Examples:
   rodlab convert hits.tdms hits.csv
-  rodlab convert hits.tdms hits.csv --force     replaces a file that is there")]
+  rodlab convert hits.tdms hits.csv --force     replaces an existing file")]
     Convert {
         /// The file to read.
         input: PathBuf,
@@ -144,7 +144,7 @@ pub enum Command {
     #[command(after_help = "Examples:
   rodlab batch campaign --out results
   rodlab batch campaign --out results --resume          only what is not done or has changed
-  rodlab batch campaign --out results --shard 3/8       the third part of eight; `rodlab merge results` at the end")]
+  rodlab batch campaign --out results --shard 3/8       the third of eight parts; `rodlab merge results` at the end")]
     Batch {
         /// Sheets, folders of sheets, or patterns in quotes.
         #[arg(required = true)]

@@ -41,7 +41,7 @@ impl FromStr for Shard {
     /// Reads a part such as `3/8`.
     fn from_str(text: &str) -> Result<Self, String> {
         let wrong =
-            || format!("`{text}` is no part of a campaign, expected as 3/8: from 1/8 to 8/8");
+            || format!("`{text}` is not a part, expected one such as 3/8, between 1/8 and 8/8");
         let (number, of) = text.split_once('/').ok_or_else(wrong)?;
         let number = number.parse().map_err(|_| wrong())?;
         let of = of.parse().map_err(|_| wrong())?;
@@ -187,7 +187,7 @@ mod tests {
         assert_eq!("3/8".parse(), Ok(Shard { number: 3, of: 8 }));
         for wrong in ["0/8", "9/8", "3", "a/8", "3/", "-1/8", "1/0"] {
             let error = wrong.parse::<Shard>().unwrap_err();
-            assert!(error.contains("expected as 3/8"), "{wrong}: {error}");
+            assert!(error.contains("one such as 3/8"), "{wrong}: {error}");
         }
     }
 }

@@ -148,7 +148,7 @@ pub fn convert(
         return Err(RodlabError::request(
             format!("the conversion of {} to {format}", input.display()),
             format!("not without loss ({})", lost.join("; ")),
-            "another format, or the loss",
+            "another format, or no --lossless",
         ));
     }
     if options.force {
@@ -176,7 +176,7 @@ pub fn convert(
 fn is_there(output: &Path) -> RodlabError {
     RodlabError::request(
         "the output",
-        format!("{}, which is there", output.display()),
+        format!("{}, which exists already", output.display()),
         "a new file, or --force to replace it",
     )
 }
@@ -193,7 +193,7 @@ fn format_of(output: &Path) -> Result<&'static str, RodlabError> {
         .ok_or_else(|| {
             let known: Vec<&str> = ENDINGS.iter().map(|(ending, _)| *ending).collect();
             RodlabError::request(
-                "the ending of the output",
+                "the extension of the output",
                 format!("`{ending}`"),
                 format!("one of {}", known.join(", ")),
             )

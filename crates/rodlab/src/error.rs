@@ -82,7 +82,7 @@ pub enum RodlabError {
         found: &'static str,
     },
     /// Another run has written to the folder for too long.
-    #[error("{} is being written by {owner}, expected that it ends within half a minute", folder.display())]
+    #[error("{} is being written by {owner}, expected this to end within half a minute", folder.display())]
     Busy {
         /// The folder.
         folder: PathBuf,
@@ -90,19 +90,19 @@ pub enum RodlabError {
         owner: String,
     },
     /// A file of the result would replace one that belongs to no result.
-    #[error("cannot write {}: it is there and no earlier result lists it, expected another folder (--out), or that it is moved away", path.display())]
+    #[error("cannot write {}: it exists and no earlier result lists it: choose another folder (--out), or move it away", path.display())]
     Taken {
         /// The existing file.
         path: PathBuf,
     },
     /// A new file would replace an existing one.
-    #[error("cannot write {}: it is there, expected another name, or that it is moved away", path.display())]
+    #[error("cannot write {}: it exists already: choose another name, or move it away", path.display())]
     Exists {
         /// The existing file.
         path: PathBuf,
     },
     /// The result would replace or remove a file that the run has read.
-    #[error("cannot write {}: this run has read it, expected another folder (--out)", path.display())]
+    #[error("cannot write {}: this run has read it: choose another folder (--out)", path.display())]
     OverInput {
         /// The file that was read.
         path: PathBuf,
@@ -121,7 +121,7 @@ pub enum RodlabError {
     /// Two files, hits or channels contain the same measurement. Counted twice, it would make the
     /// errors too small.
     #[error(
-        "{first} and {second} {how}: they are one measurement, expected independent ones: take one of the two out of the sheet"
+        "{first} and {second} {how}: they are one measurement, expected independent ones: remove one of the two from the sheet"
     )]
     OneMeasurement {
         /// The first of them.
@@ -133,7 +133,7 @@ pub enum RodlabError {
     },
     /// The coherence of several hits is 1 to rounding, which no measurement reaches.
     #[error(
-        "{place}: the coherence of `{input}` and `{output}` is 1 to rounding over {hits} hits, expected hits with noise of their own: these are copies of one hit, or computed without noise"
+        "{place}: the coherence of `{input}` and `{output}` is 1 to rounding over {hits} hits, expected hits with independent noise: these are copies of one hit, or computed without noise"
     )]
     NoNoise {
         /// Part of the sheet, such as `source`.

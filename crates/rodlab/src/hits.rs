@@ -233,15 +233,15 @@ impl HitsSheet {
                 if let Some((_, before)) = ruled.iter().find(|(hit, _)| *hit == ruling.hit) {
                     return Err(RodlabError::request(
                         format!("{place}.hit"),
-                        format!("{}, on which {before} decides already", ruling.hit),
-                        "one decision on each hit",
+                        format!("{}, already decided by {before}", ruling.hit),
+                        "one decision per hit",
                     ));
                 }
                 let Some((log, number)) = within(logs, ruling.hit) else {
                     return Err(RodlabError::request(
                         format!("{place}.hit"),
                         ruling.hit.to_string(),
-                        format!("the number of one of the {n_hits} hits that were found, from 1"),
+                        format!("the number of one of the {n_hits} hits found, from 1"),
                     ));
                 };
                 let decided = if list == "reject" {
@@ -252,8 +252,8 @@ impl HitsSheet {
                 decided.map_err(|_| {
                     RodlabError::request(
                         format!("{place}.hit"),
-                        format!("{}, of which not all samples are there", ruling.hit),
-                        "a hit that is whole",
+                        format!("{}, which is not complete", ruling.hit),
+                        "a complete hit",
                     )
                 })?;
                 ruled.push((ruling.hit, place));

@@ -54,7 +54,7 @@ fn name_of(kind: FileType) -> &'static str {
             return "a device";
         }
     }
-    "no regular file"
+    "not a regular file"
 }
 
 #[cfg(test)]

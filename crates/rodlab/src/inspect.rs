@@ -136,7 +136,7 @@ pub fn inspect_bytes(bytes: &[u8], path: &str) -> Result<Inspection, RodlabError
         advice.insert(
             0,
             format!(
-                "column 1 grows evenly, as times do, and channels are counted behind it: if it is in s, `sampling_rate` is {} Hz",
+                "column 1 increases evenly, like times, and channels are counted after it: if it is in s, `sampling_rate` is {} Hz",
                 rate(1.0 / step)
             ),
         );
@@ -278,7 +278,7 @@ fn advice(contents: &Contents, inspected: &[InspectedSeries]) -> Vec<String> {
     let without_time = numbers(&|series| series.abscissa_axis.unit.is_none());
     if !without_time.is_empty() {
         advice.push(format!(
-            "the file does not tell the sampling rate of channel {}: a sheet states `sampling_rate`",
+            "the file does not state the sampling rate of channel {}: state `sampling_rate` in the sheet",
             without_time.join(", ")
         ));
     }
@@ -291,7 +291,7 @@ fn advice(contents: &Contents, inspected: &[InspectedSeries]) -> Vec<String> {
     for (series, number) in contents.series.iter().zip(1_usize..) {
         if let Some(step) = time_like::step_of(series) {
             advice.push(format!(
-                "channel {number} grows evenly, as times do: if they are in s, `sampling_rate` is {} Hz",
+                "channel {number} increases evenly, like times: if they are in s, `sampling_rate` is {} Hz",
                 rate(1.0 / step)
             ));
         }
@@ -301,13 +301,13 @@ fn advice(contents: &Contents, inspected: &[InspectedSeries]) -> Vec<String> {
     });
     if !without_unit.is_empty() {
         advice.push(format!(
-            "the file does not tell a known unit of channel {}: a sheet states `unit`",
+            "the file does not state a known unit of channel {}: state `unit` in the sheet",
             without_unit.join(", ")
         ));
     }
     if is_table_of_moduli(contents) {
         advice.push(
-            "moduli beside frequencies: `rodlab fit` reads such a table by the names of its columns (`rodlab init fit`)".to_owned(),
+            "moduli next to frequencies: `rodlab fit` reads such a table by the names of its columns (`rodlab init fit`)".to_owned(),
         );
     }
     let mut rates: Vec<String> = inspected

@@ -162,8 +162,8 @@ impl LawsSheet {
         if self.cards.is_some() && !self.laws.contains(&LawSheet::GeneralisedMaxwell) {
             return Err(RodlabError::request(
                 "laws.cards",
-                "asked for",
-                "`GeneralisedMaxwell` among `laws.laws`, of which cards are made",
+                "requested",
+                "`GeneralisedMaxwell` among `laws.laws`, from which cards are made",
             ));
         }
         let draws = self.cards.as_ref().and_then(|cards| cards.draws);
@@ -214,8 +214,8 @@ impl LawsSheet {
                     density: density.ok_or_else(|| {
                         RodlabError::request(
                             "laws.laws",
-                            "`PowerLaw`, which is one of waves in a rod",
-                            "the density of the material beside it",
+                            "`PowerLaw`, a law of waves in a rod",
+                            "the density of the material as well",
                         )
                     })?,
                 },

@@ -168,7 +168,7 @@ impl MaterialFile {
                     "density {} kg/m3, band from {from} Hz to {to} Hz",
                     entries.density
                 ),
-                "a density above 0 with finite errors, and a rising band above 0 Hz",
+                "a density above 0 with finite errors, and an increasing band above 0 Hz",
             ));
         }
         let law = entries.law(what)?;

@@ -101,7 +101,7 @@ impl Column<'_> {
             } else {
                 format!("over `{}` [{}]", axis.label, axis.unit_text)
             };
-            return Err(self.refused(&found, &format!("a column of {quantity} with its unit")));
+            return Err(self.refused(&found, &format!("a column over {quantity}, with a unit")));
         };
         let count = self.series.ordinate.len();
         Ok(match &self.series.abscissa {
@@ -132,7 +132,7 @@ impl Column<'_> {
             Ordinate::Complex(values) => Ok(values.clone()),
             Ordinate::Real(_) => Err(self.refused(
                 "of real numbers",
-                "complex numbers, or `real` and `imaginary` apart",
+                "complex numbers, or `real` and `imaginary` separately",
             )),
         }
     }

@@ -24,7 +24,7 @@ use crate::view::View;
 use crate::{RodlabError, Standing, output};
 
 /// Message after an interruption.
-pub const INTERRUPTED: &str = "interrupted: files that are there are whole";
+pub const INTERRUPTED: &str = "interrupted: all files that exist are complete";
 
 /// The end of the program.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -137,7 +137,7 @@ fn dispatch(
                 let path = path.display();
                 say(
                     out,
-                    &format!("{path} is there: fill it in, then `rodlab check {path}`"),
+                    &format!("{path} is written: fill it in, then run `rodlab check {path}`"),
                 )?;
             }
             Ok(Ending::DONE)
@@ -299,11 +299,11 @@ fn retract(sheet: &Path, folder: &Path, error: &RodlabError, err: &mut dyn Write
     let _ = match batch::remember_failure(&row, folder) {
         Ok(()) => writeln!(
             err,
-            "{place} is of an earlier run; its result.json has gone, failure.json says why"
+            "{place} is from an earlier run; its result.json is removed, failure.json states the reason"
         ),
         Err(error) => writeln!(
             err,
-            "warning: {place} is of an earlier run, and this cannot be noted there: {}",
+            "warning: {place} is from an earlier run, which cannot be noted there: {}",
             in_one_line(&error)
         ),
     };
@@ -438,7 +438,7 @@ fn conclude(
 
 /// The manual pages, as file names and contents.
 fn manual() -> Result<Vec<(String, Vec<u8>)>, RodlabError> {
-    let refused = |error| RodlabError::step("making the manual pages", error);
+    let refused = |error| RodlabError::step("writing the manual pages", error);
     let mut program = Arguments::command();
     program.build();
     let mut pages = Vec::new();

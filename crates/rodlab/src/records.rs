@@ -33,7 +33,7 @@ use crate::{RodlabError, cut_short, input};
 
 /// The reason why jobs with frequency responses refuse a `±` of a time skew.
 pub(crate) const SKEW_NOT_FOLLOWED: &str =
-    "the error of a frequency response by a delay between its channels is not followed";
+    "the error of a frequency response due to a delay between its channels is not propagated";
 
 /// Files and channels of the records.
 #[derive(Debug, Clone, Deserialize)]
@@ -226,7 +226,7 @@ impl Records {
                     return Err(RodlabError::request(
                         format!("{place}.from"),
                         self.channels[channel].from.to_string(),
-                        format!("a history of {file}"),
+                        format!("a time history in {file}"),
                     ));
                 };
                 // without a series, a file of several hits would be assembled wrongly
@@ -234,7 +234,7 @@ impl Records {
                 if of_one_hit && is_lost_sample(&error) {
                     loaded
                         .warnings
-                        .push(format!("{file} is passed over: {error}."));
+                        .push(format!("{file} is left out: {error}."));
                     loaded.left_out.push(LogEntry {
                         what: file.clone(),
                         accepted: false,
@@ -260,7 +260,7 @@ impl Records {
                     return Err(RodlabError::request(
                         format!("{field}.channels[{at}].from"),
                         format!(
-                            "{}, which stands for several points",
+                            "{}, which belongs to several points",
                             self.channels[at].from
                         ),
                         format!("one of {} ({file})", quoted.join(", ")),
@@ -320,7 +320,7 @@ impl Records {
                 return Err(RodlabError::request(
                     format!("{field}.channels[{at}].name"),
                     format!("`{}`", channel.name),
-                    format!("another name than that of channels[{before}]"),
+                    format!("a name other than that of channels[{before}]"),
                 ));
             }
         }

@@ -186,7 +186,7 @@ fn thinning(whole: &Figure, drawn: &Figure) -> Option<String> {
         .max()
         .map(|(all, drawn)| {
             format!(
-                "Curves of many samples are drawn by their extremes, the longest by {drawn} of {all} samples; zoomed far in, samples are missing."
+                "Long curves are drawn with their extreme values, the longest with {drawn} of {all} samples; at high zoom, samples are missing."
             )
         })
 }

@@ -48,7 +48,7 @@ pub fn line_spacing_hz(response: &FrequencyResponse) -> Result<f64, RodlabError>
             found: response.frequency_hz.len(),
             expected: 2,
         };
-        RodlabError::step("distance of the lines", too_few)
+        RodlabError::step("line spacing", too_few)
     })
 }
 
@@ -81,7 +81,7 @@ pub fn expect_undamped(response: &FrequencyResponse, field: &str) -> Result<(), 
                 "a response under an exponential window of {} 1/s",
                 short(window.decay_rate())
             ),
-            "a response without one: of records in which the body comes to rest",
+            "a response without one, from records in which the body comes to rest",
         )),
     }
 }
@@ -151,7 +151,7 @@ pub fn cut(
     if n_lines < FEWEST_LINES {
         return Err(RodlabError::request(
             field,
-            format!("{up_to}, up to which there are {n_lines} lines"),
+            format!("{up_to}, with {n_lines} lines up to it"),
             format!("a frequency with at least {FEWEST_LINES} lines below it"),
         ));
     }

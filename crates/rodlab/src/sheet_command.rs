@@ -208,8 +208,8 @@ impl Recordings {
         if let Some((option, _)) = stray.iter().find(|(_, is_stated)| *is_stated) {
             return Err(RodlabError::request(
                 *option,
-                "stated beside a sheet",
-                "recordings and their channels: a sheet states it itself",
+                "stated together with a sheet",
+                "recordings and their channels: a sheet states this itself",
             ));
         }
         let [sheet] = files else {

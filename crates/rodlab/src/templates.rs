@@ -180,8 +180,8 @@ pub fn init(job: JobName, rig: Option<Rig>, path: &Path) -> Result<(), RodlabErr
             let of_rig = rig.job().name();
             return Err(RodlabError::request(
                 "--rig",
-                format!("one of the job `{of_rig}`"),
-                format!("one of `{}`, or `rodlab init {of_rig}`", job.name()),
+                format!("a rig of the job `{of_rig}`"),
+                format!("a rig of `{}`, or `rodlab init {of_rig}`", job.name()),
             ));
         }
     };

@@ -37,7 +37,7 @@ impl Verified {
     pub fn in_words(&self) -> Vec<String> {
         let folder = self.result.display();
         let own = if self.changed.is_empty() {
-            format!("{folder}: as it was, {} files", self.compared)
+            format!("{folder}: unchanged, {} files", self.compared)
         } else {
             format!("{folder}: {}", self.changed.join("; "))
         };

@@ -64,7 +64,7 @@ impl View {
         let host = listener.local_addr().map_err(no_port)?.to_string();
         let mut random = [0_u8; TOKEN];
         getrandom::fill(&mut random)
-            .map_err(|error| RodlabError::step("drawing a token", error))?;
+            .map_err(|error| RodlabError::step("generating a token", error))?;
         let token = random.iter().fold(String::new(), |mut token, byte| {
             let _ = write!(token, "{byte:02x}");
             token

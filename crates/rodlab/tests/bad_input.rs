@@ -52,7 +52,7 @@ fn a_wrong_unit() {
     insta::assert_snapshot!(said_of(|sheet| sheet.replace("799 mm ± 0.3 mm", "799 kg")), @r#"
     status 2
       × modulus.ron:7:17: Modulus.specimen.length: `799 kg` has the dimension kg,
-      │ expected a length, as "800 mm", with or without ±
+      │ expected a length, such as "800 mm", with or without ±
        ╭─[modulus.ron:7:17]
      6 │     specimen: (
      7 │         length: "799 kg",
@@ -67,7 +67,7 @@ fn a_wrong_unit() {
 fn a_unit_that_is_no_unit() {
     insta::assert_snapshot!(said_of(|sheet| sheet.replacen("m/s2", "m/sec^", 1)), @r"
     status 2
-    error: source.records.channels[0].unit: `m/sec^` is no known unit: `` stands where an exponent is expected
+    error: source.records.channels[0].unit: `m/sec^` is not a known unit: `` occurs where an exponent is expected
     ");
 }
 
@@ -99,7 +99,7 @@ fn a_role_for_a_channel_that_is_not_there() {
 fn a_sampling_rate_that_nobody_tells() {
     insta::assert_snapshot!(said_of(|sheet| sheet.replace("sampling_rate: \"65.536 kHz\",", "")), @r#"
     status 2
-    error: source.records.sampling_rate is not stated, expected the rate of the samples, as "51.2 kHz": hits-1.npy does not tell it
+    error: source.records.sampling_rate is not stated, expected the sampling rate, such as "51.2 kHz": hits-1.npy does not state it
     "#);
 }
 
@@ -195,13 +195,13 @@ fn r20_what_is_absurd_is_refused_with_its_numbers() {
         said_at_once("force", &of_bodies(1, "1 ns")),
     ];
     insta::assert_snapshot!(said.concat(), @r"
-    error: materials: m is a material of modulus and density with a wave speed of 1.054e-3 m/s, expected 20 to 20000 m/s, or `unusual: true` beside the density if it is meant
-    error: materials: m is a material of modulus and density with a wave speed of 1.054e13 m/s, expected 20 to 20000 m/s, or `unusual: true` beside the density if it is meant
+    error: materials: m is a material whose modulus and density give a wave speed of 1.054e-3 m/s, expected 20 to 20000 m/s, or `unusual: true` next to the density if it is intended
+    error: materials: m is a material whose modulus and density give a wave speed of 1.054e13 m/s, expected 20 to 20000 m/s, or `unusual: true` next to the density if it is intended
     error: instrument.length is 719280000 samples of all hits, expected at most 50000000 samples of all hits
     error: instrument.length is 40000000 samples, expected 40 to 2097152
     error: experiment: ImpactedRod.velocities[1] is 1e9 m/s, expected less than the wave speed of the rod, 1414.2136 m/s
     error: experiment: ImpactedRod is 9390378054157 cells times steps of all velocities, expected at most 4000000000 cells times steps of all velocities
-    error: experiment: ImpactedRod is a material of modulus and density with a wave speed of 1.414e-3 m/s, expected 20 to 20000 m/s, or `unusual: true` beside the density if it is meant
+    error: experiment: ImpactedRod is a material whose modulus and density give a wave speed of 1.414e-3 m/s, expected 20 to 20000 m/s, or `unusual: true` next to the density if it is intended
     error: problem.first.elements is 3000 elements, expected at most 200 elements
     error: problem.time_step is 4000000 steps, expected at most 1000000 steps
     ");

@@ -133,7 +133,7 @@ fn waves_of_a_bar_are_found_by_two_gauges_or_one() {
             if seed == 0 {
                 assert_eq!(outcome.verdict, Verdict::Answered, "{:?}", outcome.summary);
                 assert!(
-                    outcome.summary[1].starts_with("Waves of "),
+                    outcome.summary[1].starts_with("Waves at "),
                     "{:?}",
                     outcome.summary
                 );
@@ -220,7 +220,7 @@ fn mistakes_on_a_bar_are_named() {
             "gauges exchanged",
             &vec![two[1].clone(), two[0].clone()],
             two_gauges(),
-            "are two channels exchanged",
+            "are two channels interchanged",
         ),
         (
             "order in the sheet",
@@ -238,7 +238,7 @@ fn mistakes_on_a_bar_are_named() {
             "pulse too long for one gauge",
             &vec![two[0].clone()],
             one_gauge(),
-            "a second gauge separates waves that overlap",
+            "add a second gauge to separate overlapping waves",
         ),
         (
             "one gauge without a guess",
@@ -256,13 +256,13 @@ fn mistakes_on_a_bar_are_named() {
             "record too short",
             &vec![one[0][..700].to_vec()],
             one_gauge(),
-            "one to the end of the reflected pulse",
+            "one up to the end of the reflected pulse",
         ),
         (
             "record cut in the reflection",
             &vec![one[0][..900].to_vec()],
             one_gauge(),
-            "one to the end of the reflected pulse",
+            "one up to the end of the reflected pulse",
         ),
         (
             "another channel",

@@ -107,7 +107,7 @@ fn one_bad_test_stops_no_other() {
     );
     lines.sort_unstable();
     assert!(
-        lines[0].starts_with("answered     fast/1: In the band up to 10 kHz the force comes to "),
+        lines[0].starts_with("answered     fast/1: In the band up to 10 kHz the peak force is "),
         "{}",
         lines[0]
     );
@@ -216,7 +216,7 @@ fn what_is_no_campaign_is_named() {
     ");
     let shard = said(&["batch", "campaign", "--out", "results", "--shard", "4/3"]);
     assert!(
-        shard.contains("expected as 3/8: from 1/8 to 8/8"),
+        shard.contains("expected one such as 3/8, between 1/8 and 8/8"),
         "{shard}"
     );
 }

@@ -105,7 +105,7 @@ fn a_plan_that_does_not_fit_its_template_writes_nothing() {
         plan(
             "count: 3",
             "count: 0",
-            "seeds is 0 from 7 on, expected at least one",
+            "seeds is 0 seeds from 7, expected at least one",
         ),
         plan(
             "count: 3",
@@ -115,7 +115,7 @@ fn a_plan_that_does_not_fit_its_template_writes_nothing() {
         plan(
             "first: 7",
             "first: 4294967295",
-            "expected at least one, below 4294967295",
+            "expected at least one, all below 4294967295",
         ),
         plan("seeds", "seed", "there is no field `seed`"),
         plan("hit.template", "absent", "cannot read absent"),

@@ -315,7 +315,7 @@ fn chain_names_what_is_wrong() {
         ("Zener", "Zenner", "one of `elastic`"),
         ("2.6e9", "-2.6e9", "-2600000000"),
         ("1150.0", "-1150.0", "density -1150"),
-        ("[500.0, 9000.0]", "[9000.0, 500.0]", "a rising band"),
+        ("[500.0, 9000.0]", "[9000.0, 500.0]", "an increasing band"),
         ("[1e-3, 0.0, 0.0]", "[1e-3, 0.0]", "2"),
         ("\"title\": \"bar\",", "", "missing field `title`"),
         ("2e-5}", "2e-5", "line 3"),
@@ -346,7 +346,7 @@ fn chain_names_what_is_wrong() {
         .unwrap_err()
         .to_string();
     assert!(
-        refused.contains("does not follow the errors of a result"),
+        refused.contains("does not propagate the errors of a result"),
         "{refused}"
     );
 }
@@ -387,7 +387,7 @@ fn chain_material_in_a_virtual_test_is_its_law() {
         let stated = made(
             r#"(density: "1150 kg/m3", law: Zener(relaxed: "2.6 GPa", unrelaxed: "3 GPa", relaxation_time: "20 us"))"#,
         );
-        let said = "measured from 500 Hz to 9 kHz: the virtual test does not have its errors";
+        let said = "measured from 500 Hz to 9 kHz: the virtual test does not include its errors";
         assert!(
             measured.summary.iter().any(|s| s.contains(said)),
             "{:?}",

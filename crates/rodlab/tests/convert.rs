@@ -138,13 +138,13 @@ fn what_a_format_has_no_place_for_is_listed() {
       the label of the abscissa of `hammer`, `Time`
       the unit of the abscissa of `hammer`, `s`
       the unit of the values of `hammer`, `N`
-      the abscissa of `hammer`: from 0 in steps of 0.00001953125 became from 0 in steps of 1
+      the abscissa of `hammer`: start 0 and step 0.00001953125 became start 0 and step 1
       the name of `end A`
       the kind of `end A`: TimeResponse became General
       the label of the abscissa of `end A`, `Time`
       the unit of the abscissa of `end A`, `s`
       the unit of the values of `end A`, `m/s^2`
-      the abscissa of `end A`: from 0 in steps of 0.00001953125 became from 0 in steps of 1
+      the abscissa of `end A`: start 0 and step 0.00001953125 became start 0 and step 1
       the property `serial` of `end A`, `12345`
     source.npz (npz) -> table.csv (csv): 2 data sets, 193 bytes
     source.npz (npz) -> text.uff (uff58): 2 data sets, 1820 bytes
@@ -228,10 +228,10 @@ fn what_cannot_be_held_is_refused_and_nothing_is_written() {
     ];
     insta::assert_snapshot!(said.join("\n"), @r"
     converting to csv: csv cannot hold `hammer` and `end A` in one table: they have different abscissae
-    converting to wav: wav cannot hold a time step of 0.000977 s; only one over a whole number of Hz
-    the conversion of FOLDER/source.npz to npy is not without loss (the name of `hammer`; the kind of `hammer`: TimeResponse became General; the label of the abscissa of `hammer`, `Time`; the unit of the abscissa of `hammer`, `s`; the unit of the values of `hammer`, `N`; the abscissa of `hammer`: from 0 in steps of 0.00001953125 became from 0 in steps of 1; the name of `end A`; the kind of `end A`: TimeResponse became General; the label of the abscissa of `end A`, `Time`; the unit of the abscissa of `end A`, `s`; the unit of the values of `end A`, `m/s^2`; the abscissa of `end A`: from 0 in steps of 0.00001953125 became from 0 in steps of 1), expected another format, or the loss
-    the ending of the output is `xlsx`, expected one of csv, mat, npy, npz, txt, uff, unv, uf, wav
-    the ending of the output is ``, expected one of csv, mat, npy, npz, txt, uff, unv, uf, wav
+    converting to wav: wav cannot hold a time step of 0.000977 s; only the reciprocal of a whole number of Hz
+    the conversion of FOLDER/source.npz to npy is not without loss (the name of `hammer`; the kind of `hammer`: TimeResponse became General; the label of the abscissa of `hammer`, `Time`; the unit of the abscissa of `hammer`, `s`; the unit of the values of `hammer`, `N`; the abscissa of `hammer`: start 0 and step 0.00001953125 became start 0 and step 1; the name of `end A`; the kind of `end A`: TimeResponse became General; the label of the abscissa of `end A`, `Time`; the unit of the abscissa of `end A`, `s`; the unit of the values of `end A`, `m/s^2`; the abscissa of `end A`: start 0 and step 0.00001953125 became start 0 and step 1), expected another format, or no --lossless
+    the extension of the output is `xlsx`, expected one of csv, mat, npy, npz, txt, uff, unv, uf, wav
+    the extension of the output is ``, expected one of csv, mat, npy, npz, txt, uff, unv, uf, wav
     ");
     let onto_itself = convert(&path, &path, ConvertOptions::default())
         .unwrap_err()

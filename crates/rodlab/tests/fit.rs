@@ -387,7 +387,7 @@ fn shifts_of_arrhenius_are_told_from_those_of_wlf() {
         outcome
             .summary
             .iter()
-            .any(|s| s.starts_with("The shifts are those of Arrhenius: "))
+            .any(|s| s.starts_with("The shifts follow Arrhenius: "))
     );
 }
 
@@ -544,7 +544,7 @@ fn temperatures_that_overlap_nowhere_are_named_and_joined_by_a_stated_law() {
     let outcome = run(folder.path(), &text).unwrap();
     let said = reasons(&outcome);
     assert!(
-        said.contains("of 3 temperatures do not join the curve, because neighbours overlap nowhere within their errors: 40 °C"),
+        said.contains("of 3 temperatures do not join the curve, because they do not overlap their neighbours within the errors: 40 °C"),
         "{said}"
     );
     let known = format!(
@@ -601,7 +601,9 @@ fn a_material_that_is_not_simple_is_in_doubt() {
     let outcome = run(folder.path(), &sweep.sheet("")).unwrap();
     let said = reasons(&outcome);
     assert!(
-        said.contains("the temperatures make no single curve within the stated errors: chi-square"),
+        said.contains(
+            "the temperatures do not form a single curve within the stated errors: chi-square"
+        ),
         "{said}"
     );
 }

@@ -185,7 +185,7 @@ fn what_contradicts_the_noise_is_said() {
         unreachable!("{:?}", outcome.summary)
     };
     assert!(
-        reasons[0].contains("the noise is underrated"),
+        reasons[0].contains("the noise is underestimated"),
         "{reasons:?}"
     );
     // another body
@@ -220,7 +220,7 @@ fn noise_alone_is_no_force() {
     assert_eq!(
         outcome.verdict,
         Verdict::NotAllowed {
-            reason: "none of 1 hits of the record is accepted: the log says why".to_owned()
+            reason: "none of 1 hits of the record is accepted: the log states why".to_owned()
         }
     );
     assert!(!outcome.log[0].accepted && !outcome.log[0].reasons.is_empty());
@@ -236,7 +236,7 @@ fn noise_alone_is_no_force() {
     assert_eq!(
         outcome.verdict,
         Verdict::NotAllowed {
-            reason: "the response is no larger than its noise, and any force or none explains it"
+            reason: "the response is no larger than its noise: any force, or none, explains it"
                 .to_owned()
         }
     );
@@ -293,9 +293,9 @@ fn what_cannot_be_is_refused_where_it_stands() {
     insta::assert_snapshot!(refusals, @r"
     problem.path.file is wide.csv with 513 lines 50.000000 Hz apart, expected up to 1025 lines 25.000000 Hz apart, those of the record
     problem.path.imaginary is not stated, expected the column of the imaginary part: the data set is real
-    problem.path.kind is mobility, expected accelerance, as accelerance.csv has it in 1/kg
-    problem: a force without tension needs a support, and there is none
-    problem: the discrepancy principle needs the noise of the response, and it is not known
+    problem.path.kind is mobility, expected accelerance, as accelerance.csv is in 1/kg
+    problem: a force without tension needs a support, but none is given
+    problem: the discrepancy principle needs the noise of the response, which is not known
     problem.noise.White is `2 N`, expected a level of `face`, which is acceleration [m/s^2]
     problem.noise.FromRest is 10 samples, expected from 20 to 2048 samples
     problem.acting is 30 ms to 60 ms, expected a time span from 0 s to 0.040000 s, the end of the record

@@ -176,9 +176,9 @@ fn what_is_no_level_or_stretch_says_why() {
     .collect();
     insta::assert_snapshot!(said.join("\n"), @r#"
     1:21-1:22: Expected string
-    1:23-1:33: `20 stones` has no unit that is known: `stones` is no known unit: `stones` is not among the known symbols, expected a level, as "20 N"
-    1:39-1:45: `0.5 N` has the dimension m kg s^-2, expected a duration, as "4 ms", or "4096 samples"
-    1:39-1:51: `4.5 samples` is no whole number of samples, as "4096 samples"
+    1:23-1:33: `20 stones` has no known unit: `stones` is not a known unit: `stones` is not among the known symbols, expected a level, such as "20 N"
+    1:39-1:45: `0.5 N` has the dimension m kg s^-2, expected a duration, such as "4 ms", or "4096 samples"
+    1:39-1:51: `4.5 samples` is not a whole number of samples, such as "4096 samples"
     1:45: Unexpected missing field named `pre_trigger` in `Trigger`
     1:7-1:18: Unexpected variant named `EveryRecord` in enum `Cut`, expected either `EachRecord` or `Trigger` instead
     1:13-1:23: Unexpected field named `doubel_hit` in `CriteriaSheet`, expected one of `kind`, `force_channel`, `full_scales`, `peak_over_noise`, `double_hit`, `clipped_run`, `drop_out_run`, `static_offset`, `level_shift`, or `remainder` instead

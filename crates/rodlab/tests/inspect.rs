@@ -57,8 +57,8 @@ fn a_sound_table_is_described_in_columns() {
 fn clipping_and_an_offset_are_suspicious() {
     let inspection = inspect_bytes(table(60.0, 3.0).as_bytes(), "hit.csv").unwrap();
     insta::assert_snapshot!(inspection.suspicions.join("\n"), @r"
-    clipped: `hammer` stays at its extreme 60.00 for 9 samples from 206 on
-    static offset: `end A` rests at 29.42, more than 0.250 of its peak 45.70
+    clipped: `hammer` stays at its extreme 60.00 for 9 samples from sample 206 on
+    static offset: `end A` rests at 29.42, more than 0.250 times its peak of 45.70
     ");
 }
 
@@ -89,8 +89,8 @@ fn what_a_file_does_not_tell_is_advised() {
         .join("\n");
     insta::assert_snapshot!(said, @r"
     1 of 16 values of channel 2 (`[1, :]`) are NaN or infinite
-    the file does not tell the sampling rate of channel 1, 2: a sheet states `sampling_rate`
-    the file does not tell a known unit of channel 1, 2: a sheet states `unit`
+    the file does not state the sampling rate of channel 1, 2: state `sampling_rate` in the sheet
+    the file does not state a known unit of channel 1, 2: state `unit` in the sheet
     ");
 }
 
@@ -105,9 +105,9 @@ fn a_row_of_times_is_no_channel() {
     let inspection = inspect_bytes(&npy, "hit.npy").unwrap();
     assert_eq!(inspection.records[0].channels.len(), 1);
     insta::assert_snapshot!(inspection.advice.join("\n"), @r"
-    the file does not tell the sampling rate of channel 1, 2: a sheet states `sampling_rate`
-    channel 1 grows evenly, as times do: if they are in s, `sampling_rate` is 25600 Hz
-    the file does not tell a known unit of channel 2: a sheet states `unit`
+    the file does not state the sampling rate of channel 1, 2: state `sampling_rate` in the sheet
+    channel 1 increases evenly, like times: if they are in s, `sampling_rate` is 25600 Hz
+    the file does not state a known unit of channel 2: state `unit` in the sheet
     ");
 }
 
@@ -118,7 +118,7 @@ fn a_column_of_times_without_a_head_is_counted_by_no_one() {
     for (first, said) in [
         (
             "0",
-            "column 1 grows evenly, as times do, and channels are counted behind it: if it is in s, `sampling_rate` is 65536 Hz",
+            "column 1 increases evenly, like times, and channels are counted after it: if it is in s, `sampling_rate` is 65536 Hz",
         ),
         (
             "0.00000000e0",
@@ -183,7 +183,7 @@ fn what_is_no_file_of_data_is_refused() {
         "{missing}"
     );
     let error = inspect_bytes(b"\x7fELF\x02\x01\x01\x00", "program").unwrap_err();
-    insta::assert_snapshot!(error, @r#"reading program: the 8 bytes that begin with "\u{7f}ELF\u{2}\u{1}\u{1}\u{0}" are of no known format (tdms, wav, npy, npz, hdf5, mat5, xlsx, xls, lecroy, wfm, isf, uff58, lvm, octave, csv)"#);
+    insta::assert_snapshot!(error, @r#"reading program: the 8 bytes that begin with "\u{7f}ELF\u{2}\u{1}\u{1}\u{0}" are not in a known format (tdms, wav, npy, npz, hdf5, mat5, xlsx, xls, lecroy, wfm, isf, uff58, lvm, octave, csv)"#);
 }
 
 #[test]

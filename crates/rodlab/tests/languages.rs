@@ -210,15 +210,15 @@ channels = [{ name = "struck end", from = true }, { from = 2, unit = "m/s2" }]
 "#;
     insta::assert_snapshot!(mistakes("rod.toml", toml), @r#"
     2:1 titel: there is no field `titel` | did you mean `title`?
-    3:23 report_at[1]: `2 mm` has the dimension m, expected a frequency, as "51.2 kHz"
-    6:10 specimen.length: `799` has no unit, expected a length, as "800 mm", with or without ±
-    7:12 specimen.diameter: `15.8 kg` has the dimension kg, expected a length, as "800 mm", with or without ±
+    3:23 report_at[1]: `2 mm` has the dimension m, expected a frequency, such as "51.2 kHz"
+    6:10 specimen.length: `799` has no unit, expected a length, such as "800 mm", with or without ±
+    7:12 specimen.diameter: `15.8 kg` has the dimension kg, expected a length, such as "800 mm", with or without ±
     8:1 specimen.denisty: there is no field `denisty` | did you mean `density`?
-    8:11 specimen.denisty: `912 furlong` has no unit that is known: `furlong` is no known unit: `furlong` is not among the known symbols, expected a density, as "1150 kg/m3", with or without ±
+    8:11 specimen.denisty: `912 furlong` has no known unit: `furlong` is not a known unit: `furlong` is not among the known symbols, expected a density, such as "1150 kg/m3", with or without ±
     10:1 method.two_pint: the field `free_end` is missing | add a line `free_end = ...`
     10:9 method: found `two_pint`, expected one of `two_point`, `resonances`, `free_vibration`, `free_end`, `separate_pulses`, `one_gauge`, `three_point`, `multi_point` | did you mean `two_point`?
-    15:17 source.hits.records.sampling_rate: found the number `65536`, expected a frequency with its unit in quotes, as "51.2 kHz"
-    16:43 source.hits.records.channels[0].from: found no channel or column, expected its number from 1 or its name in quotes
+    15:17 source.hits.records.sampling_rate: found the number `65536`, expected a frequency with its unit in quotes, such as "51.2 kHz"
+    16:43 source.hits.records.channels[0].from: found neither a channel nor a column, expected its number from 1 or its name in quotes
     16:51 source.hits.records.channels[1]: the field `name` is missing | add a line `name = ...`
     "#);
     let ron = r#"Modulus(
@@ -272,11 +272,11 @@ fn a_sheet_of_no_language_is_told_what_one_is() {
         ("{\"job\": \"frf\"", "1:13 : EOF while parsing an object"),
         (
             "{\"job\": \"frf\", \"title\": \"a\", \"title\": \"b\"}",
-            "title: the field `title` stands twice",
+            "title: the field `title` is stated twice",
         ),
         (
             "Frf(title: \"a\", title: \"b\")",
-            "1:17 Frf.title: the field `title` stands twice",
+            "1:17 Frf.title: the field `title` is stated twice",
         ),
     ] {
         let found = mistakes("sheet", text);

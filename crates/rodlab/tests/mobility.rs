@@ -180,7 +180,7 @@ fn r11_a_sensor_the_wrong_way_round_and_a_wrong_mass_put_a_mobility_in_doubt() {
     assert!(
         words(&outcome, "mobility", "validity")
             .iter()
-            .any(|w| w == "makes energy")
+            .any(|w| w == "generates energy")
     );
     // weighed with the wrong body on the balance
     let outcome = attempt(
@@ -202,7 +202,7 @@ fn r11_a_sensor_the_wrong_way_round_and_a_wrong_mass_put_a_mobility_in_doubt() {
     assert_eq!(
         outcome.warnings,
         [
-            "What holds the body is not stated (`support`), and no line at 0 Hz says it: the mobility is not screened, and has no impulse response."
+            "The support of the body is not stated (`support`), and there is no line at 0 Hz to show it: the mobility is not screened, and has no impulse response."
         ]
     );
 }
@@ -233,7 +233,7 @@ fn s5_a_wrong_mass_is_named_though_it_made_the_low_lines() {
     assert!(
         reasons
             .iter()
-            .any(|reason| reason.contains("weighed are 2.25 kg")),
+            .any(|reason| reason.contains("expected the weighed 2.25 kg")),
         "{reasons:?}"
     );
 }
@@ -338,7 +338,7 @@ fn r10_one_hit_in_two_files_is_refused_in_one_hammer_and_in_two() {
     fs::write(folder.path().join("hit9.csv"), hit.clone() + "\n").unwrap();
     let one = sheet(&format!("Hits{}", hits("hit*.csv")), WEIGHED);
     let said = attempt(folder.path(), &one).unwrap_err().to_string();
-    insta::assert_snapshot!(said, @"hit 3, hit3.csv and hit 9, hit9.csv have the same samples: they are one measurement, expected independent ones: take one of the two out of the sheet");
+    insta::assert_snapshot!(said, @"hit 3, hit3.csv and hit 9, hit9.csv have the same samples: they are one measurement, expected independent ones: remove one of the two from the sheet");
     fs::remove_file(folder.path().join("hit9.csv")).unwrap();
     fs::copy(
         folder.path().join("hit4.csv"),
@@ -359,7 +359,7 @@ fn r10_one_hit_in_two_files_is_refused_in_one_hammer_and_in_two() {
     let said = attempt(folder.path(), &sheet(&two, WEIGHED))
         .unwrap_err()
         .to_string();
-    insta::assert_snapshot!(said, @"hit 1, hit1.csv and hit 1, hit1.csv have the same samples: they are one measurement, expected independent ones: take one of the two out of the sheet");
+    insta::assert_snapshot!(said, @"hit 1, hit1.csv and hit 1, hit1.csv have the same samples: they are one measurement, expected independent ones: remove one of the two from the sheet");
 }
 
 #[test]
@@ -416,7 +416,7 @@ fn too_few_hits_are_no_mobility() {
     assert_eq!(
         outcome.verdict,
         Verdict::NotAllowed {
-            reason: "1 hit of 2 accepted in `source`, and a mobility with errors needs at least 2: the log says what is wrong with the others".to_owned()
+            reason: "1 hit of 2 accepted in `source`, and a mobility with errors needs at least 2: the log states what is wrong with the others".to_owned()
         }
     );
     assert_eq!(outcome.log[1].reasons, ["rejected by hand: slipped"]);
@@ -526,12 +526,12 @@ fn what_cannot_be_is_refused_where_it_stands() {
     source.force is `face`, a channel of acceleration, expected a channel of force [N]
     source.response is `fase`, expected one of the channels `hammer`, `face`
     source.response is `hammer`, a channel of force, expected a channel of acceleration, velocity or displacement
-    complete is stated, expected a free body, whose weighed mass the low lines are replaced by
-    up_to is 50 Hz, up to which there are 3 lines, expected a frequency with at least 8 lines below it
-    test.ron:1:206: Mobility.head_mass: `4 mm` has the dimension m, expected a mass, as "2.9 gram" or "0 kg", with or without ±
+    complete is stated, expected a free body, whose weighed mass replaces the low-frequency lines
+    up_to is 50 Hz, with 3 lines up to it, expected a frequency with at least 8 lines below it
+    test.ron:1:206: Mobility.head_mass: `4 mm` has the dimension m, expected a mass, such as "2.9 gram" or "0 kg", with or without ±
     test.ron:1:205: Mobility.source.TwoHammers: the field `high` is missing
     source.data_set is not stated, and odd.csv has 0 complex data sets, expected one of the data sets 1 `response`, 2 `other`
-    source.file is odd.csv, whose data set is in m/s, expected a response between a force and a motion, as in m/s/N
+    source.file is odd.csv, whose data set is in m/s, expected a response between a force and a motion, such as one in m/s/N
     source.data_set is data set 3, expected one of the data sets 1 `response`, 2 `other` (odd.csv)
     source.lines is 2, expected a number from 8 to 4194304
     head_mass is stated, expected no statement: a computed body has no impedance head

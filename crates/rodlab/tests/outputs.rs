@@ -89,7 +89,7 @@ fn a_file_of_somebody_else_is_not_replaced() {
         .to_string();
     assert!(
         error.ends_with(
-            "report.html: it is there and no earlier result lists it, expected another folder (--out), or that it is moved away"
+            "report.html: it exists and no earlier result lists it: choose another folder (--out), or move it away"
         ),
         "{error}"
     );

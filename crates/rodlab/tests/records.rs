@@ -133,14 +133,14 @@ fn what_an_array_does_not_tell_is_asked_for() {
         ],
     );
     insta::assert_snapshot!(said, @r#"
-    records.sampling_rate is not stated, expected the rate of the samples, as "51.2 kHz": hit.npy does not tell it
-    records.channels[0].unit is not stated, expected the unit of the samples, as "V": hit.npy does not tell it
+    records.sampling_rate is not stated, expected the sampling rate, such as "51.2 kHz": hit.npy does not state it
+    records.channels[0].unit is not stated, expected the unit of the samples, such as "V": hit.npy does not state it
     records.channels[0].from is channel 3, expected a number from 1 to 2 (hit.npy)
     records.channels[0].from is channel 0, expected a number from 1 to 2 (hit.npy)
-    records.channels[0].unit: `furlong` is no known unit: `furlong` is not among the known symbols
-    records.channels[0], hit.npy: series 1 (`[1, :]`) is no channel of a record: its ordinate is NaN at sample 2, expected finite
-    records.channels[0], hit.npy: a channel recorded in V is in V over 1 and pC/N, expected a quotient that is a quantity of a channel
-    records.channels[1].name is `a`, expected another name than that of channels[0]
+    records.channels[0].unit: `furlong` is not a known unit: `furlong` is not among the known symbols
+    records.channels[0], hit.npy: series 1 (`[1, :]`) is not a channel of a record: its ordinate is NaN at sample 2, expected finite
+    records.channels[0], hit.npy: a channel recorded in V is in V divided by 1 and pC/N, expected the unit of a channel quantity
+    records.channels[1].name is `a`, expected a name other than that of channels[0]
     records.channels is empty, expected at least one channel
     records.files is empty, expected the name of at least one file
     "#);
@@ -163,7 +163,7 @@ fn a_hit_with_a_lost_sample_is_left_out_and_said_so() {
     assert_eq!(loaded.inputs.len(), 3);
     assert_eq!(loaded.left_out.len(), 1);
     assert!(!loaded.left_out[0].accepted && loaded.left_out[0].what == "b.npy");
-    insta::assert_snapshot!(loaded.warnings.join("\n"), @r"b.npy is passed over: series 1 (`[1, :]`) is no channel of a record: its ordinate is inf at sample 1, expected finite.");
+    insta::assert_snapshot!(loaded.warnings.join("\n"), @r"b.npy is left out: series 1 (`[1, :]`) is not a channel of a record: its ordinate is inf at sample 1, expected finite.");
 }
 
 #[test]
@@ -187,7 +187,7 @@ fn a_file_that_is_missing_or_of_no_known_format_is_named() {
     );
     insta::assert_snapshot!(said, @r#"
     no file matches `hits/*.csv` in FOLDER
-    reading notes.bin: the 16 bytes that begin with "\u{7f}ELF\u{2}\u{1} and so on" are of no known format (tdms, wav, npy, npz, hdf5, mat5, xlsx, xls, lecroy, wfm, isf, uff58, lvm, octave, csv)
+    reading notes.bin: the 16 bytes that begin with "\u{7f}ELF\u{2}\u{1} and so on" are not in a known format (tdms, wav, npy, npz, hdf5, mat5, xlsx, xls, lecroy, wfm, isf, uff58, lvm, octave, csv)
     records.files is `[a.csv`: invalid range pattern, expected a name or a pattern
     "#);
 }
@@ -211,7 +211,7 @@ fn what_a_file_tells_is_believed_and_contradictions_are_said() {
     let record = &loaded.records[0].record;
     assert!((record.sampling_rate_hz() - 1024.0).abs() < 1e-9);
     assert!((record.channel("a").unwrap()[2] - 2.0).abs() < 1e-15);
-    insta::assert_snapshot!(loaded.warnings.join("\n"), @"hit.csv has `end A` in g; as the sheet says, it is taken as m/s^2.");
+    insta::assert_snapshot!(loaded.warnings.join("\n"), @"hit.csv states `end A` in g; the unit of the sheet is used instead, m/s^2.");
     let said = refusals(
         folder.path(),
         &[
@@ -220,7 +220,7 @@ fn what_a_file_tells_is_believed_and_contradictions_are_said() {
         ],
     );
     insta::assert_snapshot!(said, @r"
-    records.sampling_rate is 2048 Hz, expected 1023.5414534288639 Hz, as hit.csv tells it, or no statement
+    records.sampling_rate is 2048 Hz, expected 1023.5414534288639 Hz, as stated in hit.csv, or no statement
     records.channels[0].from is `hamer`, expected one of `hammer`, `end A` (hit.csv)
     ");
 }
@@ -277,7 +277,7 @@ fn a_universal_file_holds_many_hits_and_a_lost_channel_does_not_shift_them() {
         ],
     );
     insta::assert_snapshot!(said, @r"
-    records.channels[1], lost.uff: series 4 (`end A`) is no channel of a record: its ordinate is NaN at sample 1, expected finite
+    records.channels[1], lost.uff: series 4 (`end A`) is not a channel of a record: its ordinate is NaN at sample 1, expected finite
     records.channels[1].from is `end A`, expected a channel on the time axis of `hammer` (short.uff, record 2)
     records.channels[1].from is `temperature`, expected a channel on the time axis of `hammer` (hits.uff, record 1)
     ");
@@ -308,7 +308,7 @@ fn a_name_of_several_points_is_asked_to_be_exact() {
         assert_eq!(load(folder.path(), &sheet(exact)).unwrap().records.len(), 2);
     }
     let said = refusals(folder.path(), &[&sheet("\"acceleration\"")]);
-    insta::assert_snapshot!(said, @r"records.channels[0].from is `acceleration`, which stands for several points, expected one of `acceleration 1+X`, `acceleration 2+X` (h.uff)");
+    insta::assert_snapshot!(said, @r"records.channels[0].from is `acceleration`, which belongs to several points, expected one of `acceleration 1+X`, `acceleration 2+X` (h.uff)");
 }
 
 /// A table that says itself which column is which and how its samples follow each other.

@@ -296,12 +296,12 @@ fn what_is_wrong_is_said() {
     tests is empty, expected at least one test
     virgin_loss_factor is missing, expected the loss factor before any load, or `readings_are: Changes`
     tests[0].readings[0] is without a standard error, expected one there, or `standard_error` of the sheet for all
-    tests[0]: recovery time [s] of reading 1 of a is 60, expected more than that of the reading before
+    tests[0]: recovery time [s] of reading 1 of a is 60, expected more than that of the previous reading
     no file matches `none.csv` in FOLDER
-    tests[0].readings.readings (bare.csv) is `a`, a column over `index`, without a unit, expected a column of times with its unit
+    tests[0].readings.readings (bare.csv) is `a`, a column over `index`, without a unit, expected a column over times, with a unit
     tests[0].readings.readings (times.csv) is `tan d`, expected one of the columns `tan delta`
     paper_procedure.reference is `b`, expected one of the tests `a`
-    FOLDER/test.ron:1:117: Recovery.tests[0].load[0].Constant.stress: `45 mm` has the dimension m, expected a stress, as "45 MPa" or "0 MPa"
+    FOLDER/test.ron:1:117: Recovery.tests[0].load[0].Constant.stress: `45 mm` has the dimension m, expected a stress, such as "45 MPa" or "0 MPa"
     "#);
 }
 

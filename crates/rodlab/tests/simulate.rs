@@ -386,7 +386,7 @@ fn a_planned_test_tells_as_much_as_was_foretold() {
         planned
             .summary
             .iter()
-            .any(|line| line.starts_with(&format!("Of the 4 planned tests that of {best} ")))
+            .any(|line| line.starts_with(&format!("Of the 4 planned tests, that of {best} ")))
     );
 
     let plan = planned.attachments.iter().find(|a| a.name == "next.ron");
@@ -633,7 +633,7 @@ fn what_is_wrong_with_a_plan_is_said() {
     insta::assert_snapshot!(errors.join("\n"), @r#"
     instrument is missing, expected at least `(sampling_rate: .., length: ..)`: this experiment is recorded
     experiment: EndAccelerations.material is `nylon`, expected one of the materials `polypropylene`, `steel`
-    experiment: EndAccelerations.material is `polypropylene`, whose law is known for real frequencies only, expected a material with a causal law: a history is wanted
+    experiment: EndAccelerations.material is `polypropylene`, whose law is known for real frequencies only, expected a material with a causal law: a history is computed
     instrument.length is 2 ms, expected more than `before`, 0.002 s, and 40 samples
     instrument.before is 7 samples, expected 40 to 2097152
     instrument.anti_alias.cutoff is 40000 Hz, expected below half the sampling rate, 32768 Hz
@@ -644,7 +644,7 @@ fn what_is_wrong_with_a_plan_is_said() {
     output is `hits.xlsx`, expected the name of a file in the folder of the result with one of the extensions csv, npy, npz, uff, wav
     experiment: ImpactedRod.velocities is empty, expected at least one velocity
     experiment: ImpactedRod.section_distance is 500 mm, expected at most the length of the rod, 402 mm
-    ./test.ron:3:29: Simulate.experiment.ImpactedRod.law.Maxwell.viscosity: `4 MPa` has the dimension m^-1 kg s^-2, expected a viscosity, as "20 kPa s"
+    ./test.ron:3:29: Simulate.experiment.ImpactedRod.law.Maxwell.viscosity: `4 MPa` has the dimension m^-1 kg s^-2, expected a viscosity, such as "20 kPa s"
     "#);
 }
 

@@ -96,7 +96,7 @@ impl<L: InelasticLaw> DirectProblem<L> {
             return Err(RodwaveError::NonPhysical {
                 quantity: "share of a spring in the modulus",
                 value: rod.spring(),
-                expected: "0: this solver has one branch, `BranchedProblem` has several",
+                expected: "0: this solver has one branch; use `BranchedProblem` for several",
             });
         }
         let problem = Self { rod, cells };

@@ -280,7 +280,7 @@ impl Segment {
     /// [`RodwaveError::NonPhysical`] unless the distance is above 0 and below the length.
     pub fn cut(&self, distance: f64) -> Result<Cut, RodwaveError> {
         let distance = check_positive("distance of the section [m]", distance)?;
-        let rest = check_positive("length behind the section [m]", self.length - distance)?;
+        let rest = check_positive("length beyond the section [m]", self.length - distance)?;
         let here = self.relative_radius(distance / self.length);
         Ok(Cut {
             near: Self::between(self.profile, self.near_area, here, distance),

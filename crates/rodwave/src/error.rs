@@ -57,7 +57,7 @@ pub enum RodwaveError {
     },
     /// A value is requested outside a table.
     #[error(
-        "{quantity} is {value}, expected a value from {lower} to {upper}, where the table ends"
+        "{quantity} is {value}, expected a value from {lower} to {upper}, the range of the table"
     )]
     OutsideTable {
         /// Name and unit of the argument, for example `angular frequency [rad/s]`.
@@ -99,7 +99,7 @@ pub enum RodwaveError {
         s: Complex64,
     },
     /// The response is requested beyond the end of the excitation.
-    #[error("the response is asked for until {needed} s, but the excitation ends at {found} s")]
+    #[error("the response is requested until {needed} s, but the excitation ends at {found} s")]
     ExcitationTooShort {
         /// End of the requested window, in seconds from the first sample.
         needed: f64,

@@ -193,7 +193,7 @@ impl<L: InelasticLaw> ImpactTest<L> {
             return Err(RodwaveError::NonPhysical {
                 quantity: "energy after the impact over that before",
                 value: growth,
-                expected: "at most 1: shorter cells, for a material that relaxes within a time step",
+                expected: "at most 1; use shorter cells for a material that relaxes within a time step",
             });
         }
         let momentum_residual = check_finite(

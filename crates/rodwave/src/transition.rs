@@ -111,7 +111,7 @@ impl TransitionMatrix {
             return Err(RodwaveError::NonPhysical {
                 quantity: "damping over the rod alpha L",
                 value: gamma_length.re,
-                expected: "at most 700, lest the matrix overflow",
+                expected: "at most 700, otherwise the matrix overflows",
             });
         }
         check_positive(
@@ -168,7 +168,7 @@ impl TransitionMatrix {
             return Err(RodwaveError::NonPhysical {
                 quantity: "damping over the element",
                 value: scaled.exponent,
-                expected: "at most 700, lest the matrix overflow",
+                expected: "at most 700, otherwise the matrix overflows",
             });
         }
         let growth = scaled.exponent.exp();

@@ -269,16 +269,16 @@ impl SectionWaves {
             }
         };
         check(
-            "the rows of values at the sections",
+            "the list of rows of values at the sections",
             values.len(),
             self.weights.len(),
         )?;
-        check("the lines of the waves", along.len(), self.n_lines)?;
-        check("the lines of the waves", against.len(), self.n_lines)?;
+        check("the list of lines of the waves", along.len(), self.n_lines)?;
+        check("the list of lines of the waves", against.len(), self.n_lines)?;
         along.fill(Complex64::ZERO);
         against.fill(Complex64::ZERO);
         for (weights, values) in self.weights.iter().zip(values) {
-            check("the lines of a section", values.len(), self.n_lines)?;
+            check("the list of lines of a section", values.len(), self.n_lines)?;
             let sums = along.iter_mut().zip(against.iter_mut());
             for (([p, n], value), (along, against)) in weights.iter().zip(*values).zip(sums) {
                 *along += p * value;
@@ -422,23 +422,23 @@ fn check_coefficient(gamma: Complex64, reach: f64) -> Result<(), RodwaveError> {
 fn check_sections(positions: &[f64], values: &[Complex64]) -> Result<(), RodwaveError> {
     if positions.len() < 2 {
         return Err(RodwaveError::TooFewSamples {
-            history: "the row of sections",
+            history: "the list of sections",
             found: positions.len(),
             expected: 2,
         });
     }
     if values.len() != positions.len() {
         return Err(RodwaveError::LengthMismatch {
-            what: "the row of values at the sections",
+            what: "the list of values at the sections",
             found: values.len(),
             expected: positions.len(),
         });
     }
-    crate::error::check_samples("the row of positions", positions)?;
+    crate::error::check_samples("the list of positions", positions)?;
     match values.iter().enumerate().find(|(_, v)| !v.is_finite()) {
         None => Ok(()),
         Some((index, value)) => Err(RodwaveError::NonFiniteSample {
-            history: "the row of values at the sections",
+            history: "the list of values at the sections",
             index,
             value: value.norm(),
         }),
@@ -588,15 +588,15 @@ mod tests {
         };
         assert_eq!(
             text(GAMMA, &[0.0], &[one]),
-            "the row of sections has 1 samples, expected at least 2"
+            "the list of sections has 1 samples, expected at least 2"
         );
         assert_eq!(
             text(GAMMA, &[0.0, 1.0], &[one]),
-            "the row of values at the sections has 1 entries, expected 2"
+            "the list of values at the sections has 1 entries, expected 2"
         );
         assert_eq!(
             text(GAMMA, &[0.0, f64::NAN], &[one, one]),
-            "sample 1 of the row of positions is NaN, expected a finite value"
+            "sample 1 of the list of positions is NaN, expected a finite value"
         );
         assert_eq!(
             text(
@@ -604,7 +604,7 @@ mod tests {
                 &[0.0, 1.0],
                 &[one, Complex64::new(0.0, f64::NEG_INFINITY)]
             ),
-            "sample 1 of the row of values at the sections is inf, expected a finite value"
+            "sample 1 of the list of values at the sections is inf, expected a finite value"
         );
         assert_eq!(
             text(-GAMMA, &[0.0, 1.0], &[one, one]),

@@ -222,7 +222,7 @@ fn elements_without_a_chain() {
     area: distance of the section [m] is -0.1, expected between 0 and the length of the element
     cut: distance of the section [m] is -0.1, expected a finite value above 0
     area: distance of the section [m] is 0.31, expected between 0 and the length of the element
-    cut: length behind the section [m] is -0.010000000000000009, expected a finite value above 0
+    cut: length beyond the section [m] is -0.010000000000000009, expected a finite value above 0
     area: distance of the section [m] is NaN, expected between 0 and the length of the element
     cut: distance of the section [m] is NaN, expected a finite value above 0
     ");
@@ -253,11 +253,11 @@ fn laws_outside_their_table() {
     refusals.add("matrix", body.transition_matrix(2e4));
     refusals.add("section", body.section(0, 0.05).unwrap().state(2e4));
     assert_snapshot!(refusals, @r"
-    at 0: magnitude of the angular frequency [rad/s] is 0, expected a value from 1000 to 10000, where the table ends
-    at 999: magnitude of the angular frequency [rad/s] is 999, expected a value from 1000 to 10000, where the table ends
-    at 11000: magnitude of the angular frequency [rad/s] is 11000, expected a value from 1000 to 10000, where the table ends
-    at -20000: magnitude of the angular frequency [rad/s] is 20000, expected a value from 1000 to 10000, where the table ends
-    at NaN: magnitude of the angular frequency [rad/s] is NaN, expected a value from 1000 to 10000, where the table ends
+    at 0: magnitude of the angular frequency [rad/s] is 0, expected a value from 1000 to 10000, the range of the table
+    at 999: magnitude of the angular frequency [rad/s] is 999, expected a value from 1000 to 10000, the range of the table
+    at 11000: magnitude of the angular frequency [rad/s] is 11000, expected a value from 1000 to 10000, the range of the table
+    at -20000: magnitude of the angular frequency [rad/s] is 20000, expected a value from 1000 to 10000, the range of the table
+    at NaN: magnitude of the angular frequency [rad/s] is NaN, expected a value from 1000 to 10000, the range of the table
     body: element 2: the law has no finite propagation coefficient at s = 0+20000i 1/s
     endless rod: the law has no finite propagation coefficient at s = 0+20000i 1/s
     medium: the law has no finite propagation coefficient at s = 0+20000i 1/s
@@ -441,7 +441,7 @@ fn sections_outside_the_rod() {
     0.11 m into element 0: element 0: distance of the section [m] is 0.11, expected between 0 and the length of the element
     NaN m into element 0: element 0: distance of the section [m] is NaN, expected between 0 and the length of the element
     0.01 m into element 1: element 1: distance of the section [m] is 0.01, expected 0 in an element without length
-    0 m into element 2: the row of elements up to the section has 3 entries, expected 2
+    0 m into element 2: the list of elements up to the section has 3 entries, expected 2
     gauge: element 0: distance of the section [m] is -0.1, expected between 0 and the length of the element
     gauge: element 0: distance of the section [m] is 0.9, expected between 0 and the length of the element
     gauge: element 0: distance of the section [m] is NaN, expected between 0 and the length of the element
@@ -484,7 +484,7 @@ fn inelastic_laws_and_their_solvers() {
     chain: Courant number is 1.1, expected above 0 and at most 0.95
     response: time of the response [s] is -0.000001, expected a finite value not below 0
     response: time of the response [s] is NaN, expected a finite value not below 0
-    response: the response is asked for until 0.002 s, but the excitation ends at 0.00099609375 s
+    response: the response is requested until 0.002 s, but the excitation ends at 0.00099609375 s
     ");
 }
 

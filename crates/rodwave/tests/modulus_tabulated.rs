@@ -61,7 +61,7 @@ fn outside_the_table_nothing_is_known_unless_asked_for() {
     }
     assert_eq!(
         table.lookup(2e5).unwrap_err().to_string(),
-        "magnitude of the angular frequency [rad/s] is 200000, expected a value from 1000 to 100000, where the table ends"
+        "magnitude of the angular frequency [rad/s] is 200000, expected a value from 1000 to 100000, the range of the table"
     );
     let held = table.held();
     assert_eq!(held.at(1.0), modulus[0]);
@@ -105,7 +105,7 @@ fn impossible_tables_are_refused() {
         Tabulated::new(&[1.0, 2.0, 2.0], &modulus)
             .unwrap_err()
             .to_string(),
-        "angular frequency of a line [rad/s] is 2, expected more than that of the line before"
+        "angular frequency of a line [rad/s] is 2, expected more than that of the previous line"
     );
     assert!(Tabulated::new(&[0.0, 2.0, 3.0], &modulus).is_err());
 }

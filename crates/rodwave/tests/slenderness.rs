@@ -260,7 +260,7 @@ fn unphysical_input_is_refused() {
         assert!(matches!(
             error,
             RodwaveError::NonPhysical {
-                quantity: "poisson's ratio",
+                quantity: "Poisson's ratio",
                 ..
             }
         ));

@@ -18,7 +18,7 @@ pub fn folder() -> Option<PathBuf> {
         let named = PathBuf::from(named);
         assert!(
             named.is_dir(),
-            "RODLAB_DATA names {}, which is no folder",
+            "RODLAB_DATA names {}, which is not a folder",
             named.display()
         );
         return Some(named);
@@ -29,7 +29,7 @@ pub fn folder() -> Option<PathBuf> {
     }
     let thread = std::thread::current();
     eprintln!(
-        "skipped: {} needs measured records; RODLAB_DATA is not set, and {} is no folder",
+        "skipped: {} needs measured records; RODLAB_DATA is not set, and {} is not a folder",
         thread.name().unwrap_or("a test"),
         beside.display()
     );

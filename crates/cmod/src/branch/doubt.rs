@@ -42,7 +42,7 @@ pub enum BranchDoubt {
     /// The damping is negative beyond its error: the count of waves is wrong, Ψ is the complex
     /// conjugate, or the two ends are interchanged.
     #[error(
-        "the lines around give alpha L = {damping_length:.1e}, {deviations:.1} standard errors below 0"
+        "this line and its neighbours give alpha L = {damping_length:.1e}, {deviations:.1} standard errors below 0"
     )]
     Turned {
         /// αL from this line and the lines around it.
@@ -51,7 +51,7 @@ pub enum BranchDoubt {
         deviations: f64,
     },
     /// No line of the record determines its roots.
-    #[error("noise leaves no line of the record from which waves could be counted")]
+    #[error("the record is too noisy to count waves on any line")]
     Undetermined,
     /// The root of the line is farther from the value expected from the other lines than the noise
     /// allows.
@@ -64,7 +64,7 @@ pub enum BranchDoubt {
     },
     /// The gap to the previous line is too long to count the waves by proportion.
     #[error(
-        "kL is expected to advance by {advance:.2} from the line before, more than half a wave"
+        "kL is expected to advance by {advance:.2} from the previous line, more than half a wave"
     )]
     Gap {
         /// Expected advance of kL, in rad.

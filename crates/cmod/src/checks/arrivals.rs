@@ -227,7 +227,7 @@ impl<'a> Arrivals<'a> {
             let z = product / scatter;
             if !z.is_finite() {
                 return Err(CmodError::NoNoise {
-                    what: "the first wave, against the noise of channel",
+                    what: "the first wave or the noise of channel",
                     index,
                 });
             }

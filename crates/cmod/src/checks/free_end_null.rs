@@ -111,7 +111,7 @@ impl FreeEndNull {
             return Err(CmodError::NonPhysical {
                 quantity: "degrees of freedom of the noise of a line",
                 value: freedom.line,
-                expected: "more than 4: a longer silence, or more hits",
+                expected: "more than 4: use a longer silence or more hits",
             });
         }
         self.noise_freedom = Some(freedom);
@@ -348,7 +348,7 @@ mod tests {
         let too_few = VarianceFreedom::new(4.0, 1.0).unwrap();
         assert_eq!(
             check.with_noise_freedom(too_few).unwrap_err().to_string(),
-            "degrees of freedom of the noise of a line is 4, expected more than 4: a longer silence, or more hits"
+            "degrees of freedom of the noise of a line is 4, expected more than 4: use a longer silence or more hits"
         );
     }
 }

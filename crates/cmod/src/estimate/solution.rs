@@ -131,7 +131,7 @@ impl ModulusEstimate {
     /// negative.
     pub fn changed_by(&self, change: f64, standard_error: f64) -> Result<Self, CmodError> {
         check_positive(
-            "modulus at the reference over that of the test",
+            "ratio of the modulus at the reference to that of the test",
             1.0 + change,
         )?;
         check_not_negative(

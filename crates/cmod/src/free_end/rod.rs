@@ -65,7 +65,7 @@ impl RodWithFreeEnd {
         check_positive("density [kg/m^3]", self.density)?;
         check_not_negative("mass on the free end [kg]", self.end_mass)?;
         check_not_negative(
-            "length of rod that weighs as the mass on its end [m]",
+            "length of rod as heavy as the mass on its end [m]",
             self.length_of_end_mass(),
         )?;
         Ok(())

@@ -53,7 +53,7 @@ pub fn predict<L: PropagationLaw>(
 ) -> Result<Vec<Prediction>, CmodError> {
     check_positions(positions)?;
     check_frequencies(frequency_hz)?;
-    check_not_negative("noise by the incident wave", noise)?;
+    check_not_negative("noise relative to the incident wave", noise)?;
     for value in [
         waves.incident_at,
         waves.reflector_at,

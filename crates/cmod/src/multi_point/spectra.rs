@@ -138,7 +138,7 @@ impl GaugeSpectra<'_> {
         crate::error::check_length("row of gauges of the noise", self.noise.len(), n_gauges)
             .map_err(|_| CmodError::GaugeCount {
                 found: self.noise.len(),
-                expected: "noise of as many as there are positions",
+                expected: "noise of one gauge per position",
             })?;
         for (gauge, noise) in self.noise.iter().enumerate() {
             crate::error::check_length("noise of a gauge", noise.len(), expected)?;

@@ -93,7 +93,7 @@ impl RecoveryTest {
                 return Err(wrong("recovery time [s]", index, t, expected));
             }
             if previous.is_some_and(|previous| t <= previous) {
-                let expected = "more than that of the reading before";
+                let expected = "more than that of the previous reading";
                 return Err(wrong("recovery time [s]", index, t, expected));
             }
             if !change.is_finite() {
@@ -237,7 +237,7 @@ mod tests {
         let one = [1e-3; 2];
         assert_eq!(
             text(readings(&[1.0, 2.0], &[0.1], &one)),
-            "change of the loss factor has 1 readings, expected 2 as the times have"
+            "change of the loss factor has 1 readings, expected 2, one per time"
         );
         assert_eq!(
             text(readings(&[], &[], &[])),
@@ -245,7 +245,7 @@ mod tests {
         );
         assert_eq!(
             text(readings(&[1.0, 1.0], &one, &one)),
-            "recovery time [s] of reading 1 of Test 2 is 1, expected more than that of the reading before"
+            "recovery time [s] of reading 1 of Test 2 is 1, expected more than that of the previous reading"
         );
         assert_eq!(
             text(readings(&[-1.0, 1.0], &one, &one)),

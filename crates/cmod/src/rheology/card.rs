@@ -150,12 +150,12 @@ impl<'a> MaterialCard<'a> {
             card.comments.push(size_at(fit, omega)?);
         }
         card.comments.push(format!(
-            "E(0) = {:.4e} Pa, E(inf) = {:.4e} Pa if nothing relaxes out of the band",
+            "E(0) = {:.4e} Pa, E(inf) = {:.4e} Pa if nothing relaxes outside the band",
             law.equilibrium_modulus(),
             law.unrelaxed_modulus()
         ));
         card.comments.push(format!(
-            "{:.0} % intervals; all are identified",
+            "{:.0} % intervals; all parameters are identified",
             100.0 * options.confidence
         ));
         for parameter in &own.parameters {
@@ -166,7 +166,7 @@ impl<'a> MaterialCard<'a> {
         }
         if own.parameters.len() < 1 + 2 * law.branches().len() {
             card.comments
-                .push("a relaxation time without an interval is an end of the band".to_owned());
+                .push("a relaxation time without an interval is at an end of the band".to_owned());
         }
         Ok(card)
     }

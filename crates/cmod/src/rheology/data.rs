@@ -95,7 +95,7 @@ impl VarianceScatter {
             return Err(CmodError::NonPhysical {
                 quantity: "degrees of freedom of the variance of a line",
                 value: freedom,
-                expected: "more than 4, as four hits or more give: a fit weighs lines by their variances",
+                expected: "more than 4, from four hits or more: a fit weights lines by their variances",
             });
         }
         Ok(Self {
@@ -539,7 +539,7 @@ fn check_point(index: usize, point: &ModulusPoint) -> Result<(), CmodError> {
         return refused(
             "frequency [Hz]",
             point.frequency_hz,
-            "a value whose angular frequency is finite, and its inverse too",
+            "a value whose angular frequency and its inverse are finite",
         );
     }
     for (quantity, value) in [

@@ -480,7 +480,7 @@ impl fmt::Display for RheologicalFit {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         writeln!(
             f,
-            "{}: chi-squared {:.1} of {} degrees of freedom, BIC {:.1}",
+            "{}: chi-squared {:.1} with {} degrees of freedom, BIC {:.1}",
             self.law.law(),
             self.chi_squared,
             self.degrees_of_freedom,

@@ -160,7 +160,7 @@ impl MeasuredLaw {
                 return Err(CmodError::CardUndetermined {
                     what: "the effect of a common error on the law",
                     value: held.lost / held.effect,
-                    expected: "at most half of it beyond a change of the parameters by 3",
+                    expected: "at most 0.5, the part that a change of the parameters by up to 3 does not reproduce",
                 });
             }
             let mut shift = vec![0.0; error.shift.len()];

@@ -106,7 +106,7 @@ impl ModulusData {
                 let expected = if index == 0 {
                     "a finite value above the duration of the ramp"
                 } else {
-                    "a finite value above that of the point before"
+                    "a finite value above that of the previous point"
                 };
                 return refused(quantity, time, expected);
             }

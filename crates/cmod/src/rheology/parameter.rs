@@ -194,10 +194,10 @@ impl fmt::Display for Reason {
                 longest,
             } => write!(
                 f,
-                "relaxation time {relaxation_time:.2e} s lies outside of the band, {shortest:.2e} to {longest:.2e} s"
+                "relaxation time {relaxation_time:.2e} s is outside the band, {shortest:.2e} to {longest:.2e} s"
             ),
             Self::Correlated { with, correlation } => {
-                write!(f, "made up for by {with}, correlation {correlation:.3}")
+                write!(f, "compensated by {with}, correlation {correlation:.3}")
             }
             Self::NoInfluence => f.write_str("the law does not depend on it here"),
             Self::Noise { standard_error } => write!(

@@ -156,7 +156,7 @@ impl fmt::Display for ShiftLaws {
         let (wlf, arrhenius) = (&self.wlf, &self.arrhenius);
         writeln!(
             f,
-            "WLF: C1 = {:.2} +- {:.2}, C2 = {:.1} +- {:.1} K, chi-squared {:.1} of {}",
+            "WLF: C1 = {:.2} +- {:.2}, C2 = {:.1} +- {:.1} K, chi-squared {:.1} with {} degrees of freedom",
             wlf.c1,
             wlf.c1_standard_error,
             wlf.c2,
@@ -166,7 +166,7 @@ impl fmt::Display for ShiftLaws {
         )?;
         write!(
             f,
-            "Arrhenius: {:.1} +- {:.1} kJ/mol, chi-squared {:.1} of {}; p = {:.2e} against WLF",
+            "Arrhenius: {:.1} +- {:.1} kJ/mol, chi-squared {:.1} with {} degrees of freedom; p = {:.2e} against WLF",
             1e-3 * arrhenius.activation_energy,
             1e-3 * arrhenius.standard_error,
             arrhenius.chi_squared,

@@ -107,7 +107,7 @@ impl fmt::Display for Whiteness {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(
             f,
-            "{} runs of {:.0} expected (p = {:.2e}), correlation of neighbours {:.2} (p = {:.2e})",
+            "{} runs, {:.0} expected (p = {:.2e}), correlation of neighbours {:.2} (p = {:.2e})",
             self.runs,
             self.expected_runs,
             self.runs_p_value,

@@ -132,7 +132,7 @@ impl<M: RatioMethod + ?Sized> Experiment for RatioExperiment<'_, M> {
                 None => Err(CmodError::NonPhysical {
                     quantity: "error of the mass on the free end in standard uncertainties",
                     value: size,
-                    expected: "no more than the mass",
+                    expected: "an error no larger than the mass",
                 }),
             },
         }

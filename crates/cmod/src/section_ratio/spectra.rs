@@ -189,11 +189,11 @@ mod tests {
         assert_eq!(text(&[], &[], &[]), "no test to evaluate");
         assert_eq!(
             text(&[&one], &[&one, &one], &[0.1; 2]),
-            "numerator has 1 tests, expected 2 as the denominator has"
+            "numerator has 1 tests, expected 2, as many as the denominator"
         );
         assert_eq!(
             text(&[&one[..1]], &[&one], &[0.1; 2]),
-            "spectrum of gauge 0 in test 0 has 1 lines, expected 2 as the frequencies have"
+            "spectrum of gauge 0 in test 0 has 1 lines, expected 2, one per frequency"
         );
         assert_eq!(
             text(&[&one], &[&one], &[0.1, -0.1]),

@@ -116,7 +116,7 @@ mod tests {
         );
         assert_eq!(
             text(&[0.9], 10.0),
-            "coherence has 1 lines, expected 2 as the frequencies have"
+            "coherence has 1 lines, expected 2, one per frequency"
         );
         // a line without coherence is no error
         let variance = variance_from_coherence(&ratio, &[f64::NAN, 0.0], 10.0).unwrap();

@@ -79,7 +79,7 @@ fn directly(probability: f64, degrees_of_freedom: Option<f64>) -> Result<f64, Cm
         Err(CmodError::NonPhysical {
             quantity: "probability of coverage",
             value: probability,
-            expected: "one whose quantile is a number: less close to 1, or more degrees of freedom",
+            expected: "a value with a finite quantile: less close to 1, or with more degrees of freedom",
         })
     }
 }

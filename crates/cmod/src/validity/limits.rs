@@ -119,7 +119,7 @@ impl AcceptanceLimits {
                 return Err(CmodError::NonPhysical {
                     quantity,
                     value,
-                    expected: "a value above 0, infinite if it is not asked",
+                    expected: "a value above 0, infinite for no limit",
                 });
             }
         }
@@ -132,7 +132,7 @@ impl AcceptanceLimits {
         }
         if !(0.0..=0.5).contains(&self.greatest_poisson_ratio) {
             return Err(CmodError::NonPhysical {
-                quantity: "greatest poisson's ratio",
+                quantity: "greatest Poisson's ratio",
                 value: self.greatest_poisson_ratio,
                 expected: "a value from 0 to 0.5",
             });
@@ -154,7 +154,7 @@ mod tests {
                 storage_modulus: 0.0,
                 ..default
             }),
-            "greatest error of E' is 0, expected a value above 0, infinite if it is not asked"
+            "greatest error of E' is 0, expected a value above 0, infinite for no limit"
         );
         assert_eq!(
             text(AcceptanceLimits {
@@ -168,7 +168,7 @@ mod tests {
                 greatest_poisson_ratio: 0.6,
                 ..default
             }),
-            "greatest poisson's ratio is 0.6, expected a value from 0 to 0.5"
+            "greatest Poisson's ratio is 0.6, expected a value from 0 to 0.5"
         );
         let nan = AcceptanceLimits {
             error_amplification: f64::NAN,

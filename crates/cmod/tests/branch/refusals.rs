@@ -30,11 +30,11 @@ fn records_that_do_not_fit() {
         ),
         (
             refusal(1.0, &f, 3, None),
-            "observed ratio has 3 lines, expected 2 as the frequencies have",
+            "observed ratio has 3 lines, expected 2, one per frequency",
         ),
         (
             refusal(1.0, &f, 2, Some(&[1.0])),
-            "variance has 1 lines, expected 2 as the frequencies have",
+            "variance has 1 lines, expected 2, one per frequency",
         ),
         (
             refusal(1.0, &f, 2, Some(&[1.0, -1.0])),
@@ -42,11 +42,11 @@ fn records_that_do_not_fit() {
         ),
         (
             refusal(1.0, &[20.0, 10.0], 2, None),
-            "frequency of line 1 is 10 Hz, expected more than 20 Hz of the line before",
+            "frequency of line 1 is 10 Hz, expected more than the 20 Hz of the previous line",
         ),
         (
             refusal(1.0, &[20.0, 20.0], 2, None),
-            "frequency of line 1 is 20 Hz, expected more than 20 Hz of the line before",
+            "frequency of line 1 is 20 Hz, expected more than the 20 Hz of the previous line",
         ),
         (
             refusal(1.0, &[f64::NAN, 20.0], 2, None),

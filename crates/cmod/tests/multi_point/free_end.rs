@@ -402,7 +402,7 @@ fn bars_that_cannot_be_evaluated_are_refused() {
     );
     assert_eq!(
         text(&[1.6, 2.0], 1.8),
-        "position of the free end [m] is 1.8, expected one beyond the last gauge: count positions towards the free end"
+        "position of the free end [m] is 1.8, expected one beyond the last gauge: positions increase towards the free end"
     );
     assert!(matches!(
         MultiPoint::before_free_end(rod(&[1.6, 2.0]), 2.5)

@@ -13,7 +13,7 @@ fn impossible_rods_are_refused() {
     assert_eq!(text(&[0.0, 0.1]), "2 gauges, expected 3 or more");
     assert_eq!(
         text(&[0.0, 0.2, 0.1]),
-        "position of gauge 2 is 0.1 m, expected more than 0.2 m of the gauge before"
+        "position of gauge 2 is 0.1 m, expected more than the 0.2 m of the previous gauge"
     );
     assert_eq!(
         text(&[0.0, 0.1, f64::NAN]),
@@ -28,7 +28,7 @@ fn impossible_rods_are_refused() {
         ThreePoint::new(rod(&[0.0, 0.1, 0.25]))
             .unwrap_err()
             .to_string(),
-        "distances of the outer gauges from the middle one are 0.1 m and 0.15 m, expected equal ones"
+        "distances of the outer gauges from the middle one are 0.1 m and 0.15 m, expected equal distances"
     );
     assert!(matches!(
         ThreePoint::new(rod(&[0.0, 0.1, 0.2, 0.3])),
@@ -55,25 +55,25 @@ fn spectra_that_do_not_fit_are_refused() {
     assert_eq!(text(&clean(&f, &[], &noise)), "no test to evaluate");
     assert_eq!(
         text(&clean(&[2.0, 2.0], &[&good], &noise)),
-        "frequency of line 1 is 2 Hz, expected more than 2 Hz of the line before"
+        "frequency of line 1 is 2 Hz, expected more than the 2 Hz of the previous line"
     );
     assert_eq!(
         text(&clean(&f, &[&good, &good[..2]], &noise)),
-        "test 1 has spectra of 2 gauges, expected 3 as there are positions"
+        "test 1 has spectra of 2 gauges, expected 3, one per position"
     );
     let mut short = good.clone();
     short[2].pop();
     assert_eq!(
         text(&clean(&f, &[&short], &noise)),
-        "spectrum of gauge 2 in test 0 has 1 lines, expected 2 as the frequencies have"
+        "spectrum of gauge 2 in test 0 has 1 lines, expected 2, one per frequency"
     );
     assert_eq!(
         text(&clean(&f, &[&good], &noise[..2])),
-        "2 gauges, expected noise of as many as there are positions"
+        "2 gauges, expected noise of one gauge per position"
     );
     assert_eq!(
         text(&clean(&f, &[&good], &flat(&[0.0; 3], 1))),
-        "noise of a gauge has 1 lines, expected 2 as the frequencies have"
+        "noise of a gauge has 1 lines, expected 2, one per frequency"
     );
     assert_eq!(
         text(&clean(&f, &[&good], &flat(&[0.0, 0.0, -0.5], 2))),

@@ -291,7 +291,7 @@ fn common_errors_of_another_length_are_refused() {
     };
     assert_eq!(
         refused(vec![Complex64::ONE; 2]),
-        "common error has 2 lines, expected 3 as the frequencies have"
+        "common error has 2 lines, expected 3, one per frequency"
     );
     assert!(
         refused(vec![

@@ -35,7 +35,7 @@ fn points_that_cannot_be() {
             "frequency [Hz] of point 1 is NaN, expected a finite value above 0",
             "frequency [Hz] of point 1 is -200, expected a finite value above 0",
             "frequency [Hz] of point 1 is 0, expected a finite value above 0",
-            "frequency of line 1 is 100 Hz, expected more than 100 Hz of the line before",
+            "frequency of line 1 is 100 Hz, expected more than the 100 Hz of the previous line",
             "storage modulus [Pa] of point 1 is inf, expected a finite value",
             "loss modulus [Pa] of point 1 is NaN, expected a finite value",
             "variance of the storage modulus [Pa^2] of point 1 is -1, expected a finite value above 0",
@@ -48,7 +48,7 @@ fn points_that_cannot_be() {
         assert_eq!(
             refused(&|p| p.frequency_hz = frequency_hz),
             format!(
-                "frequency [Hz] of point 1 is {frequency_hz}, expected a value whose angular frequency is finite, and its inverse too"
+                "frequency [Hz] of point 1 is {frequency_hz}, expected a value whose angular frequency and its inverse are finite"
             )
         );
     }

@@ -463,7 +463,7 @@ fn r15_common_errors_stand_beside_and_judge_no_line() {
         let by_density = |violation: &Violation| {
             violation
                 .to_string()
-                .ends_with("accepted are 1.0 %; most of it by: density")
+                .ends_with("expected at most 1.0 %; largest contribution: density")
         };
         assert!(line.validity.violations().iter().any(by_density));
     }

@@ -158,7 +158,7 @@ impl MeasuredBody {
     ) -> Result<Self, ImpulseError> {
         if low == LowFrequency::Measured {
             return Err(ImpulseError::MissingZeroLine {
-                what: "measured accelerance, a mobility at 0 Hz,",
+                what: "mobility from a measured accelerance",
             });
         }
         check_positive("frequency step [Hz]", frequency_step_hz)?;
@@ -473,7 +473,7 @@ impl MeasuredBody {
                 what: "body to be completed by its mass",
             });
         };
-        check_positive("begin of the band of a nearly rigid body [Hz]", from_hz)?;
+        check_positive("start of the band of a nearly rigid body [Hz]", from_hz)?;
         crate::error::check_interval("band of a nearly rigid body [Hz]", from_hz, to_hz)?;
         // least squares for (Re(iωGM) - 1) = -e ω²
         let (mut moment, mut square, mut found) = (0.0, 0.0, 0);

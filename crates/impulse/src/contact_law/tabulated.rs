@@ -58,7 +58,7 @@ impl TabulatedContact {
                 return wrong(
                     index,
                     point,
-                    "approach and force above those of the point before",
+                    "approach and force above those of the previous point",
                 );
             }
             let so_far = energy.last().copied().unwrap_or(0.0);
@@ -68,7 +68,7 @@ impl TabulatedContact {
                 return wrong(
                     index,
                     point,
-                    "a piece whose slope and energy are within the range of numbers",
+                    "a piece whose slope and energy are within the range of floating-point numbers",
                 );
             }
             energy.push(up_to_here);
@@ -98,7 +98,7 @@ impl TabulatedContact {
             Err(ImpulseError::NonPhysical {
                 quantity: "unloading stiffness [N/m]",
                 value: stiffness,
-                expected: "a finite value not below the steepest piece of the loading curve",
+                expected: "a finite value not below the steepest slope of the loading curve",
             })
         }
     }
@@ -196,7 +196,7 @@ mod tests {
         let text = |points: &[(f64, f64)]| TabulatedContact::new(points).unwrap_err().to_string();
         assert_eq!(
             text(&[(0.0, 0.0), (1.0, 2.0), (2.0, 1.0)]),
-            "point 2 of the contact law is (2 m, 1 N), expected approach and force above those of the point before"
+            "point 2 of the contact law is (2 m, 1 N), expected approach and force above those of the previous point"
         );
         assert_eq!(
             text(&[(0.0, 1.0), (1.0, 2.0)]),

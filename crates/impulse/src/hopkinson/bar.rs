@@ -232,7 +232,7 @@ impl HopkinsonBar {
             return Err(ImpulseError::NonPhysical {
                 quantity: "distance between the two gauges of a bar [m]",
                 value: 0.0,
-                expected: "a distance: two gauges at one section tell the same",
+                expected: "a value above 0: two gauges at one section measure the same strain",
             });
         }
         Ok(())

@@ -154,30 +154,30 @@ impl fmt::Display for Finding {
             ),
             Self::Overlap { alone } => write!(
                 f,
-                "the incident pulse lasts longer than the {:.1} us until its reflection comes to the gauge, which cannot tell the two apart: expected a shorter pulse, a second gauge, or `Balanced` waves",
+                "the incident pulse lasts longer than the {:.1} us until its reflection reaches the gauge, which cannot separate the two: expected a shorter pulse, a second gauge, or `Balanced` waves",
                 1e6 * alone
             ),
             Self::Tail { part } => write!(
                 f,
-                "the gauge of the incident bar is still at {:.1} % of the peak when the reflected wave comes: as a tail of the incident wave or as a level, it is in the band of forces and strain; a second gauge or a shorter pulse would tell",
+                "the gauge of the incident bar is still at {:.1} % of the peak when the reflected wave arrives: the band of forces and strain includes it as a tail of the incident wave or as a level; a second gauge or a shorter pulse would show which",
                 100.0 * part
             ),
             Self::RecordEnds { part } => write!(
                 f,
-                "the record ends while the specimen bears {:.0} % of its largest force",
+                "the record ends while the specimen carries {:.0} % of its largest force",
                 100.0 * part
             ),
             Self::WaveSpeed { stated, found } => write!(
                 f,
-                "the reflected wave comes as with a wave speed of {found:.0} m/s, expected {stated:.0} m/s: check wave speed, modulus and position of the gauge"
+                "the arrival of the reflected wave gives a wave speed of {found:.0} m/s, expected {stated:.0} m/s: check wave speed, modulus and position of the gauge"
             ),
             Self::BeyondLaw { band_hz, known_to_hz } => write!(
                 f,
-                "the band ends at {band_hz:.0} Hz and the law of a bar was measured up to {known_to_hz:.0} Hz: above, it has no error that is known"
+                "the band ends at {band_hz:.0} Hz, but the law of a bar was measured only up to {known_to_hz:.0} Hz: above that its error is unknown"
             ),
             Self::TransmittedEarly { by } => write!(
                 f,
-                "the force of the transmitted face comes {:.1} us before that of the incident face: check positions, wave speeds and delays of channels",
+                "the force of the transmitted face begins {:.1} us before that of the incident face: check positions, wave speeds and delays of channels",
                 1e6 * by
             ),
             Self::FacePulls {
@@ -187,30 +187,30 @@ impl fmt::Display for Finding {
                 largest,
             } => write!(
                 f,
-                "the face of the {side} pulls at the specimen with up to {pull:.3e} N ± {standard_error:.1e} N where {largest:.3e} N push, which it only touches: check wave speed and position of the gauge"
+                "the face of the {side} pulls on the specimen, which it only touches, with up to {pull:.3e} N ± {standard_error:.1e} N (largest push {largest:.3e} N): check wave speed and position of the gauge"
             ),
             Self::ForcesDiffer {
                 ratio,
                 standard_error,
             } => write!(
                 f,
-                "the force of the incident bar is {ratio:.3} ± {standard_error:.3} of that of the transmitted bar throughout: check gauge factors, diameters and moduli of the bars"
+                "the force of the incident bar is {ratio:.3} ± {standard_error:.3} times that of the transmitted bar throughout: check gauge factors, diameters and moduli of the bars"
             ),
             Self::NoEquilibrium { index } => write!(
                 f,
                 "the forces of the two faces are nowhere equal: half of the equilibrium indices exceed {index:.2}, expected at most 0.05"
             ),
             Self::EquilibriumSupposed => f.write_str(
-                "the force of the incident face was taken from the transmitted bar: equilibrium is supposed, not seen",
+                "the force of the incident face was taken from the transmitted bar: equilibrium is assumed, not verified",
             ),
             Self::StrongerThanBars { reflected } => write!(
                 f,
-                "the reflected wave is {:.1} % of the incident one: the specimen hardly deforms against the bars, and its strain is a difference of nearly equal waves",
+                "the reflected wave is {:.1} % of the incident one: the specimen hardly deforms, and its strain is a difference of nearly equal waves",
                 100.0 * reflected
             ),
             Self::Amplified { by } => write!(
                 f,
-                "waves are amplified up to {by:.0}-fold on their way back to the specimen, expected at most {MOST_AMPLIFICATION:.0}: end the band lower"
+                "waves are amplified up to {by:.0}-fold on their way back to the specimen, expected at most {MOST_AMPLIFICATION:.0}: lower the end of the band"
             ),
         }
     }

@@ -173,7 +173,7 @@ impl Plan {
         let result = range(at_face, at_face + duration);
         if result.len() < FEWEST {
             return Err(ImpulseError::TooShort {
-                what: "part of the record after the pulse has come to the specimen",
+                what: "part of the record after the pulse has reached the specimen",
                 found: result.len(),
                 expected: FEWEST,
             });
@@ -195,7 +195,7 @@ impl Plan {
                 Err(ImpulseError::NonPhysical {
                     quantity: "number of passages between two sections within the record",
                     value: terms,
-                    expected: "at most 500: gauges further apart, or a shorter record",
+                    expected: "at most 500: place the gauges further apart or use a shorter record",
                 })
             }
         };

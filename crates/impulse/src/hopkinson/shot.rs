@@ -66,7 +66,7 @@ impl HopkinsonTest {
             return Err(ImpulseError::NonPhysical {
                 quantity: "Poisson's ratio of a bar in torsion",
                 value: ratio.value,
-                expected: "none: the first mode of torsion has no dispersion by the section",
+                expected: "none: the first torsional mode has no dispersion",
             });
         }
         for (separation, bar) in self.separation.iter().zip(&self.bars) {
@@ -87,12 +87,12 @@ impl HopkinsonTest {
             [WaveSeparation::FreeEnd, _] => Err(ImpulseError::NonPhysical {
                 quantity: "separation of the waves of the incident bar by a free end",
                 value: f64::NAN,
-                expected: "another one: the striker touches that end",
+                expected: "another separation: the striker touches that end",
             }),
             [_, WaveSeparation::Balanced] => Err(ImpulseError::NonPhysical {
                 quantity: "separation of the waves of the transmitted bar by the other force",
                 value: f64::NAN,
-                expected: "another one: it gives the force itself",
+                expected: "another separation: this bar itself provides the force",
             }),
             _ => Ok(()),
         }

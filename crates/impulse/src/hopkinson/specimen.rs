@@ -52,7 +52,7 @@ impl TestSpecimen {
             (Loading::Torsion, None) => Err(ImpulseError::NonPhysical {
                 quantity: "thickness of the wall of the specimen [m]",
                 value: f64::NAN,
-                expected: "that of a thin tube, for torsion",
+                expected: "a value: torsion requires a thin tube",
             }),
             (Loading::Torsion, Some(wall)) => {
                 wall.check_positive("thickness of the wall of the specimen [m]")?;
@@ -69,7 +69,7 @@ impl TestSpecimen {
             (_, Some(wall)) => Err(ImpulseError::NonPhysical {
                 quantity: "thickness of the wall of the specimen [m]",
                 value: wall.value,
-                expected: "none but for torsion",
+                expected: "none, except for torsion",
             }),
             (_, None) => Ok(()),
         }

@@ -103,19 +103,19 @@ pub enum PredictionFlag {
 impl fmt::Display for PredictionFlag {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::StillInContact => write!(formatter, "the faces still press at the end"),
+            Self::StillInContact => write!(formatter, "the faces are still in contact at the end"),
             Self::Acausal { body, level } => write!(
                 formatter,
-                "body {body} answers ahead of the impulse, or rings longer than its period: {level:.1e} of the first answer"
+                "body {body} responds before the impulse, or rings longer than its period: {level:.1e} of the first response"
             ),
             Self::Rings { body, level } => write!(
                 formatter,
-                "body {body} still rings after half of its period, by {level:.1e} of the first answer, and what is left has come round: measure longer records, \
+                "body {body} still rings after half of its period, with {level:.1e} of the first response, and the rest wraps around: measure longer records, \
                  for lines closer together"
             ),
             Self::Active { body, activity } => write!(
                 formatter,
-                "body {body} generates energy: the real part of its mobility comes down to {:.2e} of the magnitude",
+                "body {body} generates energy: the real part of its mobility falls to {:.2e} of the magnitude",
                 -activity
             ),
             Self::UnresolvedContact { number } => write!(
@@ -126,7 +126,7 @@ impl fmt::Display for PredictionFlag {
                 write!(formatter, "the approach did not converge in {steps} steps")
             }
             Self::MakesEnergy { body, inner } => {
-                write!(formatter, "body {body} has made {:.2e} J", -inner)
+                write!(formatter, "body {body} has generated {:.2e} J", -inner)
             }
         }
     }

@@ -148,14 +148,14 @@ fn measured_points(frequency_step_hz: f64, grid: TimeGrid) -> Result<usize, Impu
     let whole = points.round();
     if whole > MOST_POINTS {
         return Err(ImpulseError::NonPhysical {
-            quantity: "period of the measured lines over the time step",
+            quantity: "ratio of the period of the measured lines to the time step",
             value: points,
             expected: "at most 2^27",
         });
     }
     if (points / whole - 1.0).abs() > 1e-9 {
         return Err(ImpulseError::NonPhysical {
-            quantity: "period of the measured lines over the time step",
+            quantity: "ratio of the period of the measured lines to the time step",
             value: points,
             expected: "a whole number",
         });

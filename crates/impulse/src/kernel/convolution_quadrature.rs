@@ -31,7 +31,7 @@ pub(super) fn weights<B: ImpactBody + ?Sized>(
         if body.domain() != Domain::RightHalfPlane {
             return Err(ImpulseError::OutsideDomain {
                 s,
-                expected: "a body whose laws are analytic, for convolution quadrature",
+                expected: "a body whose laws are analytic, as convolution quadrature requires",
             });
         }
         let mobility = body.mobility_at(s)?;

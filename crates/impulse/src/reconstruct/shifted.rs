@@ -24,7 +24,7 @@ impl Shift {
             return Err(ImpulseError::NonPhysical {
                 quantity: "decay rate of the exponential window [1/s]",
                 value: decay_rate,
-                expected: "above 0, and so low that the window leaves more than 2e-16 at the end of the record",
+                expected: "above 0, and low enough that the window exceeds 2e-16 at the end of the record",
             });
         }
         Ok(Self {

@@ -243,7 +243,7 @@ fn bad_requests_are_refused_with_the_place() {
             "none of the 1001 lines can be used",
             "line 1001 is to be left out, but there are only 1001 lines",
             "regularisation parameter [unit of w |H|^2] is -1, expected a finite value above 0",
-            "the support from 1 s to 2 s holds no sample of the response",
+            "the support from 1 s to 2 s contains no sample of the response",
         ]
     );
     h[5] = f64::NAN.into();
@@ -552,11 +552,11 @@ fn impossible_requests_are_refused() {
     assert_eq!(
         refusals.map(|error| error.to_string()),
         [
-            "a force without tension needs a support, and there is none",
-            "a force without tension cannot be regularised by truncation, expected none or Tikhonov's",
-            "the discrepancy principle needs the noise of the response, and it is not known",
-            "the support holds 5000 samples, expected at most 2048",
-            "the noise of sensor 1 is known and that of sensor 0 is not, or the reverse",
+            "a force without tension needs a support, but none is given",
+            "a force without tension cannot be regularised by truncation, expected no or Tikhonov regularisation",
+            "the discrepancy principle needs the noise of the response, which is not known",
+            "the support contains 5000 samples, expected at most 2048",
+            "the noise is known for only one of sensor 1 and sensor 0, expected both or neither",
         ]
     );
 }

@@ -232,7 +232,7 @@ fn hopkinson_a_band_in_which_waves_have_died_out_is_named() {
         _ => None,
     });
     let (by, said) = amplified.unwrap_or_else(|| panic!("{findings:?}"));
-    assert!(by > 10.0 && said.contains("end the band lower"), "{said}");
+    assert!(by > 10.0 && said.contains("lower the end of the band"), "{said}");
 }
 
 /// The incident gauge 0.04 m nearer than stated: the reflected wave is carried to the face too early,
@@ -363,7 +363,7 @@ fn hopkinson_sheets_and_records_that_cannot_be_are_refused() {
         ),
         (
             |test, _| test.separation[1] = WaveSeparation::Balanced,
-            "it gives the force itself",
+            "this bar itself provides the force",
         ),
         (
             |test, _| {
@@ -375,7 +375,7 @@ fn hopkinson_sheets_and_records_that_cannot_be_are_refused() {
         ),
         (
             |test, _| test.loading = Loading::Torsion,
-            "that of a thin tube",
+            "torsion requires a thin tube",
         ),
         (
             |test, _| {
@@ -386,7 +386,7 @@ fn hopkinson_sheets_and_records_that_cannot_be_are_refused() {
         ),
         (
             |test, _| test.specimen.wall = Some(Known::exactly(1e-3)),
-            "none but for torsion",
+            "none, except for torsion",
         ),
         (
             |test, _| test.band_hz = Some(0.5 * RATE),

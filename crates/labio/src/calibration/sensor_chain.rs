@@ -332,18 +332,18 @@ impl SensorChain {
             what: format!("a channel recorded in {}", recorded.unit()),
             found: match &self.transducer {
                 Transducer::Sensitivity(sensitivity) => format!(
-                    "{} over {} and {}",
+                    "{} divided by {} and {}",
                     recorded.unit(),
                     self.gain.unit(),
                     sensitivity.unit()
                 ),
-                Transducer::Bridge(_) => format!("{} over {}", recorded.unit(), self.gain.unit()),
+                Transducer::Bridge(_) => {
+                    format!("{} divided by {}", recorded.unit(), self.gain.unit())
+                }
             },
             expected: match &self.transducer {
-                Transducer::Sensitivity(_) => {
-                    "a quotient that is a quantity of a channel".to_owned()
-                }
-                Transducer::Bridge(_) => "the voltage of a bridge".to_owned(),
+                Transducer::Sensitivity(_) => "the unit of a channel quantity".to_owned(),
+                Transducer::Bridge(_) => "a bridge voltage".to_owned(),
             },
         })
     }
@@ -536,9 +536,9 @@ mod tests {
         .map(|result| result.unwrap_err().to_string())
         .join("\n");
         insta::assert_snapshot!(refusals, @r"
-        a channel recorded in C is in C over 1 and mV/g, expected a quotient that is a quantity of a channel
-        a channel recorded in C is in C over 1, expected the voltage of a bridge
-        a channel recorded in V is in V over 1 and V/s, expected a quotient that is a quantity of a channel
+        a channel recorded in C is in C divided by 1 and mV/g, expected the unit of a channel quantity
+        a channel recorded in C is in C divided by 1, expected a bridge voltage
+        a channel recorded in V is in V divided by 1 and V/s, expected the unit of a channel quantity
         ");
         assert!(SensorChain::of_sensitivity(rating(-10.0, "mV/g")).is_err());
         assert!(accelerometer.with_gain(rating(0.0, "1")).is_err());

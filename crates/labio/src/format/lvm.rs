@@ -220,7 +220,7 @@ impl Preamble {
                     Place::Line(number),
                     tag,
                     format!("the separator {found:?}"),
-                    &format!("{sign:?} as in the lines before"),
+                    &format!("{sign:?} as in the previous lines"),
                 ));
             }
             let value = match rest.get(1..) {
@@ -241,12 +241,12 @@ impl Preamble {
                 ("Separator", "Comma") if sign == ',' => {}
                 ("Separator", "Semicolon") if sign == ';' => {}
                 ("Separator", _) => {
-                    return wrong(&format!("the name of the sign behind the tag, {sign:?}"));
+                    return wrong(&format!("the name of the character after the tag, {sign:?}"));
                 }
                 ("Decimal_Separator", ".") => mark = Some(DecimalMark::Point),
                 ("Decimal_Separator", ",") if sign != ',' => mark = Some(DecimalMark::Comma),
                 ("Decimal_Separator", _) => {
-                    return wrong("`.` or, where it separates no columns, `,`");
+                    return wrong("`.` or, unless it separates columns, `,`");
                 }
                 ("X_Columns", "No") => x_columns = Some(XColumns::No),
                 ("X_Columns", "One") => x_columns = Some(XColumns::One),

@@ -178,7 +178,7 @@ mod tests {
         let error = budget.take(26, 8, Place::Byte(900), "b").unwrap_err();
         assert_eq!(
             error.to_string(),
-            "mat5, byte 900: `b` takes the contents to 1008 bytes of memory, expected at most 1000; a caller who trusts the file may raise the limit"
+            "mat5, byte 900: with `b` the contents need 1008 bytes of memory, expected at most 1000; a caller who trusts the file may raise the limit"
         );
         budget.give_back(800);
         budget.take(125, 8, Place::Byte(900), "b").unwrap();

@@ -99,7 +99,7 @@ pub fn read_from(mut reader: impl Read, channels: &[Channel]) -> Result<Record, 
     let array = parse(&bytes)?;
     if array.nrows() != channels.len() + 1 {
         return Err(LabioError::CountMismatch {
-            what: "rows of the array, one of times and one a channel",
+            what: "rows of the array, one for the times and one per channel",
             found: array.nrows(),
             expected: channels.len() + 1,
         });
@@ -346,13 +346,13 @@ mod tests {
         the npy header cannot be read: the file ends inside it
         the npy header cannot be read: start does not match magic string
         the npy array has 1 axes, expected 2
-        rows of the array, one of times and one a channel: found 4, expected 3
+        rows of the array, one for the times and one per channel: found 4, expected 3
         the row of times has 1 samples, expected at least 2
-        the npy file holds no data
+        the npy file contains no data
         the npy data end 799999999999999904 bytes too early
         the npy header cannot be read: overflow computing length from shape
-        the npy array holds '<f4', expected '<f8'
-        the npy array holds f8 of the other byte order, expected '<f8'
+        the npy array contains '<f4', expected '<f8'
+        the npy array contains f8 of the other byte order, expected '<f8'
         time step 1 is 0.135 s, expected 0.125 s within a relative deviation of 0.000001
         mean time step [s] is -0.08333333333333333, expected a finite value above 0
         sample 1 of channel `time` is NaN, expected a finite value

@@ -118,7 +118,7 @@ impl<'a, I: Iterator<Item = (u64, &'a str)>> File<'a, I> {
                 self.line = number;
                 Ok(line)
             }
-            None => Err(self.malformed("file", "its end", expected)),
+            None => Err(self.malformed("line", "the end of the file", expected)),
         }
     }
 
@@ -272,7 +272,7 @@ impl<'a, I: Iterator<Item = (u64, &'a str)>> File<'a, I> {
         let count = axes.copied().try_fold(1_usize, usize::checked_mul);
         count.map(|_| shape.clone()).ok_or_else(|| {
             let found = format!("{shape:?}");
-            self.malformed("shape", &found, "lengths whose product can be counted")
+            self.malformed("shape", &found, "lengths whose product does not overflow")
         })
     }
 
@@ -338,10 +338,12 @@ impl<'a, I: Iterator<Item = (u64, &'a str)>> File<'a, I> {
         let (mut real, mut complex) = (Vec::new(), Vec::new());
         let mut read = 0;
         while read < count {
-            let expected = || format!("{count} numbers, of which {read} are there");
+            let expected = || format!("{count} numbers, of which {read} were read");
             let key = self.coming();
             let Some((number, line)) = self.lines.next_if(|_| key.is_none()) else {
-                let found = key.map_or("the end".to_owned(), |key| format!("the comment `{key}`"));
+                let found = key.map_or("the end of the file".to_owned(), |key| {
+                    format!("the comment `{key}`")
+                });
                 return Err(self.malformed(&format!("values of `{name}`"), &found, &expected()));
             };
             self.line = number;
@@ -476,8 +478,8 @@ impl<'a, I: Iterator<Item = (u64, &'a str)>> File<'a, I> {
     ) -> Result<(), LabioError> {
         for index in 1..=count {
             if self.coming() != Some("name") {
-                let (found, expected) = (format!("{} of them", index - 1), count.to_string());
-                return Err(self.malformed("elements or fields", &found, &expected));
+                let (found, expected) = ((index - 1).to_string(), count.to_string());
+                return Err(self.malformed("number of elements or fields", &found, &expected));
             }
             self.element(|file, name| read(file, index, name))?;
         }

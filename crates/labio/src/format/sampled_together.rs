@@ -186,7 +186,7 @@ impl<'a> Candidate<'a> {
         };
         let told = |text: &str| {
             if text.is_empty() {
-                "not told".to_owned()
+                "not stated".to_owned()
             } else {
                 format!("`{text}`")
             }
@@ -221,7 +221,7 @@ impl<'a> Candidate<'a> {
         let known = series.ordinate_axis.unit.as_ref();
         let Some((unit, quantity)) = known.and_then(|unit| Some((unit, unit.quantity()?))) else {
             let found = told(&series.ordinate_axis.unit_text);
-            return Err(refused("unit", found, "that of a quantity of a channel"));
+            return Err(refused("unit", found, "the unit of a channel quantity"));
         };
         if let Some((sample, value)) = values
             .iter()
@@ -402,16 +402,16 @@ mod tests {
             .map(|reason| format!("{reason}\n"))
             .collect();
         insta::assert_snapshot!(reasons, @r"
-        series 0 (`x`) is no channel of a record: its kind is Coherence, expected a history
-        series 1 (`x`) is no channel of a record: its ordinate is complex, expected real
-        series 2 (`x`) is no channel of a record: its abscissa is uneven, expected even
-        series 3 (`x`) is no channel of a record: its abscissa is from 0 s in steps of 0 s, expected a finite start and a step above 0
-        series 4 (`x`) is no channel of a record: its unit of the abscissa is `Hz`, expected a unit of time
-        series 5 (`x`) is no channel of a record: its unit of the abscissa is not told, expected a unit of time
-        series 6 (`x`) is no channel of a record: its unit is `furlong`, expected that of a quantity of a channel
-        series 7 (`x`) is no channel of a record: its unit is `m^3`, expected that of a quantity of a channel
-        series 8 (`x`) is no channel of a record: its number of samples is 1, expected at least 2
-        series 9 (`x`) is no channel of a record: its ordinate is NaN at sample 1, expected finite
+        series 0 (`x`) is not a channel of a record: its kind is Coherence, expected a history
+        series 1 (`x`) is not a channel of a record: its ordinate is complex, expected real
+        series 2 (`x`) is not a channel of a record: its abscissa is uneven, expected even
+        series 3 (`x`) is not a channel of a record: its abscissa is from 0 s in steps of 0 s, expected a finite start and a step above 0
+        series 4 (`x`) is not a channel of a record: its unit of the abscissa is `Hz`, expected a unit of time
+        series 5 (`x`) is not a channel of a record: its unit of the abscissa is not stated, expected a unit of time
+        series 6 (`x`) is not a channel of a record: its unit is `furlong`, expected the unit of a channel quantity
+        series 7 (`x`) is not a channel of a record: its unit is `m^3`, expected the unit of a channel quantity
+        series 8 (`x`) is not a channel of a record: its number of samples is 1, expected at least 2
+        series 9 (`x`) is not a channel of a record: its ordinate is NaN at sample 1, expected finite
         ");
     }
 }

@@ -48,7 +48,7 @@ pub(crate) fn decode<'a>(
             format,
             place: Place::Byte(0),
             field: "text".to_owned(),
-            found: "unpaired bytes after a mark of UTF-16".to_owned(),
+            found: "unpaired bytes after a UTF-16 byte-order mark".to_owned(),
             expected: "UTF-16".to_owned(),
         };
         let (pairs, rest) = body.as_chunks::<2>();

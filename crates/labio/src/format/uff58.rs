@@ -347,7 +347,7 @@ fn text_data(
                 lines.place(),
                 "record 7, field 2 (number of values)",
                 header.n_points.to_string(),
-                "a number that can be",
+                "a smaller number",
             )
         })?;
     ascii_rows::read(lines, header, n_values, values)?;

@@ -104,7 +104,7 @@ impl FrequencyResponse {
         self.check_lines("lines of the coherence", coherence.len())?;
         if n_averages < 2 {
             return Err(LabioError::TooFewAverages {
-                estimate: "a variance by the coherence",
+                estimate: "a variance from the coherence",
                 found: n_averages,
                 expected: 2,
             });
@@ -410,7 +410,7 @@ mod tests {
                 "lines of the variance: found 4, expected 5",
                 "variance of a line is -1, expected a finite value, not negative",
                 "coherence [-] is 1.1, expected a number above 0 and at most 1",
-                "a variance by the coherence needs at least 2 averages, found 1",
+                "a variance from the coherence needs at least 2 averages, found 1",
             ]
         );
     }

@@ -405,7 +405,7 @@ fn s13_bias_by_noise_at_rest_is_told_and_can_be_removed() {
     let noise = [0.2, 0.1];
     let (spectra, [on_input, on_output]) = blows(7, 60, noise);
     let unknown = spectra.response(Estimator::Hs, "x", "y").unwrap_err();
-    insta::assert_snapshot!(unknown, @"errors in variables need the noise of `x` at rest, which is not known");
+    insta::assert_snapshot!(unknown, @"the errors-in-variables estimator needs the noise of `x` at rest, which is not known");
     assert!(spectra.h1("x", "y").unwrap().noise_bias.is_none());
     let spectra = spectra
         .with_rest_noise("x", &on_input)

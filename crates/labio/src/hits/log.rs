@@ -239,7 +239,7 @@ impl fmt::Display for HitLog {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(
             f,
-            "hits by `{}`: {} found, {} accepted",
+            "hits in `{}`: {} found, {} accepted",
             self.channel,
             self.hits.len(),
             self.accepted().count()

@@ -213,10 +213,10 @@ impl fmt::Display for Reason {
                 if least < level && level < greatest {
                     write!(
                         f,
-                        "`{channel}` is never on the other side of {level_in_words} by the hysteresis of {hysteresis} before it passes, it lies",
+                        "`{channel}` is never on the other side of {level_in_words} by the hysteresis of {hysteresis} before it passes this level; its values are",
                     )?;
                 } else {
-                    write!(f, "`{channel}` never passes {level_in_words}, it lies")?;
+                    write!(f, "`{channel}` never passes {level_in_words}; its values are")?;
                 }
                 write!(f, " between {} and {}", Short(*least), Short(*greatest))
             }
@@ -249,7 +249,7 @@ impl fmt::Display for Reason {
                 index,
             } => write!(
                 f,
-                "{n_samples} samples of `{channel}` from {index} on at the range of {}",
+                "{n_samples} samples of `{channel}` from sample {index} on reach the full scale of {}",
                 Short(*full_scale)
             ),
             Self::Clipped {
@@ -259,7 +259,7 @@ impl fmt::Display for Reason {
                 index,
             } => write!(
                 f,
-                "`{channel}` stays at its extreme {} for {run} samples from {index} on",
+                "`{channel}` stays at its extreme {} for {run} samples from sample {index} on",
                 Short(*value)
             ),
             Self::DropOut {
@@ -269,7 +269,7 @@ impl fmt::Display for Reason {
                 index,
             } => write!(
                 f,
-                "`{channel}` stays at {} for {run} samples from {index} on",
+                "`{channel}` stays at {} for {run} samples from sample {index} on",
                 Short(*value)
             ),
             Self::StaticOffset {
@@ -279,7 +279,7 @@ impl fmt::Display for Reason {
                 limit,
             } => write!(
                 f,
-                "`{channel}` rests at {}, more than {} of its peak {}",
+                "`{channel}` rests at {}, more than {} times its peak of {}",
                 Short(*level),
                 Short(*limit),
                 Short(*peak)
@@ -292,7 +292,7 @@ impl fmt::Display for Reason {
                 limit,
             } => write!(
                 f,
-                "`{channel}` rests at {} before and {} after, more than {} of its peak {} apart",
+                "`{channel}` rests at {} before and at {} after, a difference of more than {} times its peak of {}",
                 Short(*before),
                 Short(*after),
                 Short(*limit),
@@ -305,7 +305,7 @@ impl fmt::Display for Reason {
                 limit,
             } => write!(
                 f,
-                "`{channel}` ends at {} rms, more than {} of its peak {}",
+                "`{channel}` ends at {} rms, more than {} times its peak of {}",
                 Short(*remainder),
                 Short(*limit),
                 Short(*peak)
@@ -320,7 +320,7 @@ impl fmt::Display for Reason {
             } => {
                 write!(
                     f,
-                    "`{channel}` departs by {} of what the other hits say of it, these by {} at most; it is {} times as large and {} ms later",
+                    "`{channel}` departs by a relative {} from the prediction by the other hits, the others by at most {}; it is {} times as large and {} ms later",
                     Short(*departure),
                     Short(*others),
                     Short(*scale),
@@ -435,21 +435,21 @@ mod tests {
         let said: Vec<String> = said.iter().map(ToString::to_string).collect();
         insta::assert_snapshot!(said.join("\n"), @r"
         no hit: the largest excursion of `force` is 0.500, its noise 0.123
-        not triggered: `force` never passes 10.00, it lies between -0.250 and 9.500
-        not triggered: `force` is never on the other side of 10.00 by the hysteresis of 1.000 before it passes, it lies between 9.500 and 300.0
+        not triggered: `force` never passes 10.00; its values are between -0.250 and 9.500
+        not triggered: `force` is never on the other side of 10.00 by the hysteresis of 1.000 before it passes this level; its values are between 9.500 and 300.0
         cut at the start: 12 samples are missing before it
         cut at the end: 7 samples are missing after it
         lost samples: `force` has no number at sample 9
         dead channel: `force` is 0.000 throughout
         double hit: two contacts in `force`, peaks in the ratio 0.250, 2.500 ms apart
-        overload: 3 samples of `force` from 81 on at the range of 10.00
-        clipped: `force` stays at its extreme -9.990 for 4 samples from 80 on
-        drop-out: `force` stays at 1.500e-5 for 30 samples from 40 on
-        static offset: `force` rests at 25.00, more than 0.100 of its peak 100.0
-        level shift: `force` rests at 0.000 before and 1.235e5 after, more than 0.050 of its peak 1000 apart
-        not decayed: `force` ends at 2.000 rms, more than 0.010 of its peak 100.0
-        departs from the others: `force` departs by 0.400 of what the other hits say of it, these by 0.020 at most; it is 1.300 times as large and 1.000 ms later, and departs most at sample 77
-        departs from the others: `force` departs by 0.400 of what the other hits say of it, these by 0.020 at most; it is 1.300 times as large and -2.000 ms later
+        overload: 3 samples of `force` from sample 81 on reach the full scale of 10.00
+        clipped: `force` stays at its extreme -9.990 for 4 samples from sample 80 on
+        drop-out: `force` stays at 1.500e-5 for 30 samples from sample 40 on
+        static offset: `force` rests at 25.00, more than 0.100 times its peak of 100.0
+        level shift: `force` rests at 0.000 before and at 1.235e5 after, a difference of more than 0.050 times its peak of 1000
+        not decayed: `force` ends at 2.000 rms, more than 0.010 times its peak of 100.0
+        departs from the others: `force` departs by a relative 0.400 from the prediction by the other hits, the others by at most 0.020; it is 1.300 times as large and 1.000 ms later, and departs most at sample 77
+        departs from the others: `force` departs by a relative 0.400 from the prediction by the other hits, the others by at most 0.020; it is 1.300 times as large and -2.000 ms later
         ");
     }
 }

@@ -93,7 +93,7 @@ impl NoiseSpectrum {
                 return Err(LabioError::NonPhysical {
                     quantity: "tabulated frequency of noise [Hz]",
                     value: *frequency_hz,
-                    expected: "a value above the one before",
+                    expected: "a value above the previous one",
                 });
             }
             last = *frequency_hz;

@@ -141,8 +141,8 @@ impl Signals {
             .and_then(Quantity::of_dimension)
             .ok_or_else(|| LabioError::UnitMismatch {
                 what: format!("the sensor of `{name}`"),
-                found: "a unit that gives no quantity of a channel".to_owned(),
-                expected: format!("one that feels {}", felt.quantity().unit()),
+                found: "a unit that yields no channel quantity".to_owned(),
+                expected: format!("one that senses {}", felt.quantity().unit()),
             })?;
         let sensed = Channel::new(name, recorded)?;
         self.row(name)?
@@ -213,7 +213,7 @@ impl Stage {
             Self::Sense { channel, .. } => format!("the sensor of `{channel}`"),
             Self::Gain { channel, factor } => format!("gain {factor} of `{channel}`"),
             Self::Offset { channel, value } => format!("offset {value} of `{channel}`"),
-            Self::Delay { channel, time } => format!("`{channel}` late by {time} s"),
+            Self::Delay { channel, time } => format!("`{channel}` delayed by {time} s"),
             Self::Resolution { channel, step } => format!("`{channel}` in steps of {step}"),
             Self::Noise { channel, spectrum } => format!("{} in `{channel}`", spectrum.name()),
             Self::CrossTalk { .. } => "cross-talk".to_owned(),

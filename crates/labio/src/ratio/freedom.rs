@@ -53,7 +53,7 @@ pub(super) fn check_averages(averages: f64) -> Result<f64, LabioError> {
         Err(LabioError::NonPhysical {
             quantity: "number of averages",
             value: averages,
-            expected: "at least 2: the coherence of one is 1 whatever was measured",
+            expected: "at least 2: the coherence of a single average is always 1",
         })
     }
 }

@@ -211,7 +211,7 @@ fn ratios_of_other_programs_are_checked() {
     let freedom = given.freedom.unwrap();
     assert!(freedom.iter().all(|of| (of.line - 18.0).abs() <= 0.0));
     let text = |result: Result<ResponseRatio, LabioError>| result.unwrap_err().to_string();
-    let few = "number of averages is 1, expected at least 2: the coherence of one is 1 whatever was measured";
+    let few = "number of averages is 1, expected at least 2: the coherence of a single average is always 1";
     assert_eq!(text(of(vec![0.9; 3], 1.0)), few);
     assert_eq!(
         text(of(vec![1.1; 3], 5.0)),

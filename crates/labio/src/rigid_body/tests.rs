@@ -136,6 +136,6 @@ fn a_band_without_lines_and_a_body_without_mass_are_refused() {
     mass [kg] is 0, expected a finite value above 0
     standard error of the mass [kg] is NaN, expected a finite value, not negative
     the band of a nearly rigid body has 2 samples, expected at least 3
-    end of the band of a nearly rigid body [Hz] is 60, expected a finite frequency above its begin
+    end of the band of a nearly rigid body [Hz] is 60, expected a finite frequency above its start
     ");
 }

@@ -143,8 +143,8 @@ fn a_hit_unlike_the_others_is_refused_and_leaves_the_sums_alone() {
     insta::assert_snapshot!(refusals, @r"
     samples of a hit: found 2, expected 3
     channels of a hit: found 1, expected 2
-    the sampling rate is 10.001 Hz, expected 10 Hz as in the hits before
-    channel 1 is `b` [N], expected `b` [m/s] as in the hits before
+    the sampling rate is 10.001 Hz, expected 10 Hz as in the previous hits
+    channel 1 is `b` [N], expected `b` [m/s] as in the previous hits
     ");
     assert_eq!(averager.spectra().unwrap().auto, before.auto);
     assert_eq!(averager.n_averages(), 1);
@@ -229,9 +229,9 @@ fn windows_that_would_weigh_twice_or_too_late_are_refused() {
     .map(|result| result.unwrap_err().to_string())
     .join("\n");
     insta::assert_snapshot!(refusals, @r"
-    a force window cannot stand beside HannPeriodic
-    an exponential window cannot stand beside HannPeriodic
-    an exponential window cannot stand beside an exponential window
+    a force window cannot be combined with HannPeriodic
+    an exponential window cannot be combined with HannPeriodic
+    an exponential window cannot be combined with an exponential window
     there is no channel `hammer`, only `a`
     a force window must be chosen before the first hit, but 1 have been added
     ");

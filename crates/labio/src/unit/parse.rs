@@ -112,7 +112,7 @@ struct Scanner<'a> {
 impl Scanner<'_> {
     fn product(&mut self, depth: usize) -> Result<Parsed, Fault> {
         if depth > DEEPEST {
-            return fault("(", "is nested too deep");
+            return fault("(", "is nested too deeply");
         }
         let mut product = Parsed::NUMBER;
         let mut operator = Operator::Times;
@@ -144,7 +144,7 @@ impl Scanner<'_> {
     fn factor(&mut self, depth: usize) -> Result<(Parsed, i8, String), Fault> {
         self.skip_blanks();
         let (base, token) = match self.chars.peek().copied() {
-            None => return fault("", "ends where a symbol is missing"),
+            None => return fault("", "ends where a symbol is expected"),
             Some('(') => {
                 self.chars.next();
                 let inner = self.product(depth + 1)?;
@@ -159,7 +159,7 @@ impl Scanner<'_> {
                 if let Some(&digit) = self.chars.peek()
                     && (digit.is_ascii_digit() || digit == '.')
                 {
-                    return fault(digit, "makes a factor other than 1, which no unit has");
+                    return fault(digit, "makes a factor other than 1, which a unit cannot have");
                 }
                 (Parsed::NUMBER, "1".to_owned())
             }
@@ -179,7 +179,7 @@ impl Scanner<'_> {
         }
         if token.is_empty() {
             let found: String = self.chars.next().into_iter().collect();
-            return fault(found, "stands where a symbol is expected");
+            return fault(found, "occurs where a symbol is expected");
         }
         match symbol::find(&token, self.g) {
             Some(found) if found.offset == 0.0 => {
@@ -192,12 +192,12 @@ impl Scanner<'_> {
             }
             Some(_) => fault(
                 token,
-                "counts from another zero and cannot be part of a compound",
+                "has a shifted zero and cannot be part of a compound unit",
             ),
             None => match token.as_str() {
                 "lb" | "lbs" | "Pounds" => fault(
                     token,
-                    "is a mass to some and a force to others, expected lbm or lbf",
+                    "may be a mass or a force, expected lbm or lbf",
                 ),
                 "dB" => fault(token, "is a logarithm, not a unit"),
                 _ => fault(token, "is not among the known symbols"),
@@ -234,7 +234,7 @@ impl Scanner<'_> {
             }
             None if marked || sign != 0 => fault(
                 self.chars.peek().map(char::to_string).unwrap_or_default(),
-                "stands where an exponent is expected",
+                "occurs where an exponent is expected",
             ),
             None => Ok(1),
         }

@@ -129,7 +129,7 @@ fn times_in_few_digits_are_no_clock() {
     assert!((step * 51200.0 - 1.0).abs() < 5e-5);
     // three digits do not tell it, and say so
     let rough = column(1.0 / 51200.0, 2, 10_000);
-    insta::assert_snapshot!(read(&rough).unwrap_err(), @"csv, line 2, column 1: abscissa is values that repeat; their digits give a step of 1.9501950195019504e-5 within 5.0e-8, expected a step known to 0.0001 of itself, or one given beforehand");
+    insta::assert_snapshot!(read(&rough).unwrap_err(), @"csv, line 2, column 1: abscissa is repeated values; their digits give the step 1.9501950195019504e-5 to within 5.0e-8, expected a step known to within a relative 0.0001, or a stated step");
     let tolerant = Csv.read(rough.as_bytes(), Strictness::Tolerant).unwrap();
     assert_eq!(tolerant.defects.len(), 1);
     let given = |step| {
@@ -143,7 +143,7 @@ fn times_in_few_digits_are_no_clock() {
     let options = CsvOptions::default().with_abscissa(CsvAbscissa::Step(0.78125));
     let contents = read_with(twice, Strictness::Strict, &options).unwrap();
     assert_eq!(contents.series[0].abscissa, even(0.0, 0.78125));
-    insta::assert_snapshot!(given(2e-5).unwrap_err(), @"csv, line 2, column 1: abscissa is 4.49e-4 in row 24, expected 4.6e-4 within half a step, by the step of 2e-5");
+    insta::assert_snapshot!(given(2e-5).unwrap_err(), @"csv, line 2, column 1: abscissa is 4.49e-4 in row 24, expected 4.6e-4 to within half a step of 2e-5");
 }
 
 #[test]
@@ -197,9 +197,9 @@ fn what_is_known_beforehand_overrides_what_is_found() {
     .map(|options| read_with(text.as_bytes(), Strictness::Strict, &options));
     insta::assert_snapshot!(refusals(wrong), @r"
     column of the abscissa, from 1 to the number of columns: found 4, expected 3
-    csv, line 1: row of names or units is `1 2`, expected 3 cells, as the rows of numbers have
+    csv, line 1: row of names or units is `1 2`, expected 3 cells, as in the rows of numbers
     csv, line 9: row of names or units is not in the header, expected one of its 1 lines
     csv, line 2: row is `10;5;0,914`, expected a row of 1 numbers
-    the csv file holds no data
+    the csv file contains no data
     ");
 }

@@ -73,7 +73,7 @@ fn what_a_table_cannot_hold_is_refused() {
     csv cannot hold the property `a = b` with `S. Ödeen`
     csv cannot hold the property `Operator` with `two\nlines`
     csv cannot hold a property called `abscissa`
-    csv cannot hold an abscissa called `#`, as a comment begins like that
+    csv cannot hold an abscissa called `#`, because a comment begins the same way
     csv cannot hold names that are all empty or numbers
     csv cannot hold the abscissa of `F, "left"`, which is not finite
     "#);

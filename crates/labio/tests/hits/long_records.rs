@@ -46,7 +46,7 @@ fn a_long_record_is_cut_into_hits_with_their_reasons() {
     let log = find_hits(&long_record(), &trigger(), &Criteria::default()).unwrap();
     // a contact passes 20 N in its second sample; the time axis of the record begins at 2 s
     insta::assert_snapshot!(log.to_string(), @r"
-    hits by `force`: 5 found, 2 accepted
+    hits in `force`: 5 found, 2 accepted
         1      2.0052 s  rejected
                           cut at the start: 348 samples are missing before it
         2      3.0002 s  accepted

@@ -138,7 +138,7 @@ fn two_scalers_of_a_channel_are_added_or_subtracted() {
     assert!(
         scaled(&raw_index, &[], &raw)
             .unwrap_err()
-            .contains("2 of them and no scale")
+            .contains("2 of them without a scale")
     );
 }
 

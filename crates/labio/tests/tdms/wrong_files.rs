@@ -90,21 +90,21 @@ fn what_is_wrong_is_named_with_its_byte() {
     tdms, byte 44: data type of raw data is 0x4f, expected a type whose size is known
     tdms, byte 68: raw data is 4 bytes, expected whole chunks of 6 bytes
     tdms, byte 68: raw data is 4 bytes, expected none, since no channel has values here
-    tdms, byte 44: raw data index is more bytes than can be counted, expected a number of values that can be
-    tdms, byte 44: raw data index is the same as before, expected an index in this segment or before, for `/'g'/'a'`
+    tdms, byte 44: raw data index is more bytes than can be counted, expected a smaller number of values
+    tdms, byte 44: raw data index is the same as before, expected an index in this segment or an earlier one, for `/'g'/'a'`
     tdms, byte 44: raw data index is 0x1369, expected its length (20, or 28 for texts), 0, 0x1269, 0x126a or 0xffffffff
     tdms, byte 52: array dimension is 2, expected 1
-    tdms, byte 73: property `x` is of type 0x1b, expected an integer, a real or complex number, a truth value, a text or a time
+    tdms, byte 73: property `x` is of type 0x1b, expected an integer, a real or complex number, a Boolean value, a text or a time
     tdms, byte 99: property `NI_Scale[0]_Scale_Type` for g/a is Thermistor, expected Linear, Polynomial, Table, Add, Subtract, Strain, RTD or Thermocouple, the scales that are known
     tdms, byte 68: property `NI_Scale[0]_Linear_Slope` for g/a is missing, expected a number
     tdms, byte 68: property `NI_Scale[4294967294]_Scale_Type` for g/a is missing, expected a kind of scale, or a DAQmx scaler of that number
-    tdms, byte 139: property `NI_Scale[0]_Linear_Input_Source` for g/a is 0, expected a scale before, or 0xffffffff for the raw numbers
-    tdms, byte 68: DAQmx scaler is byte 3 of buffer 0, 2 bytes long, expected to be within one of the buffers, whose rows are [4] bytes wide
-    tdms, byte 68: DAQmx scaler is byte 0 of buffer 1, 2 bytes long, expected to be within one of the buffers, whose rows are [4] bytes wide
+    tdms, byte 139: property `NI_Scale[0]_Linear_Input_Source` for g/a is 0, expected an earlier scale, or 0xffffffff for the raw numbers
+    tdms, byte 68: DAQmx scaler is byte 3 of buffer 0, 2 bytes long, expected a position within one of the buffers, whose rows are [4] bytes wide
+    tdms, byte 68: DAQmx scaler is byte 0 of buffer 1, 2 bytes long, expected a position within one of the buffers, whose rows are [4] bytes wide
     tdms, byte 68: data type of a DAQmx scaler is 77, expected 0 to 9
     tdms, byte 44: raw data index is 9 numbers in a row, expected at most one for each bit of the row
-    tdms, byte 80: raw data index is 2 values, expected as many as of the channel before, interleaved with it
-    tdms, byte 133: data type of raw data is Complex64, expected real, complex or times, as in the segments before
+    tdms, byte 80: raw data index is 2 values, expected as many as for the previous channel, interleaved with it
+    tdms, byte 133: data type of raw data is Complex64, expected real, complex or times, as in the previous segments
     "#);
 }
 

@@ -64,7 +64,7 @@ fn what_is_wrong_is_named_with_its_place() {
         ),
     ];
     insta::assert_snapshot!(refusals(cases.iter().map(|bytes| strict(bytes))), @r"
-    the uff58 file holds no data
+    the uff58 file contains no data
     uff58, line 9: record 7 is the end of the file, expected a line
     uff58, line 2: identifier line is `  five`, expected the number of a data set
     uff58, line 8: record 6, field 1 (function type) is `300`, expected 0 to 255
@@ -75,9 +75,9 @@ fn what_is_wrong_is_named_with_its_place() {
     uff58, line 9: record 7, field 4 (abscissa minimum) is `two point`, expected a finite number
     uff58, line 14: record 12, value 4 is `4.0000oE+00`, expected a number
     uff58, line 14: record 12, value 3 is `3.00000E+00`, expected a number
-    uff58, line 16: record 12, value 8 is the end of the data set, expected 8 values, as record 7 says
+    uff58, line 16: record 12, value 8 is the end of the data set, expected 8 values, as record 7 states
     uff58, line 15: record 12, after value 6, the last is `  7.00000E+00`, expected a line `    -1` that closes the data set
-    uff58, line 16: record 12, value 8 is the end of the data set, expected 9999999999 values, as record 7 says
+    uff58, line 16: record 12, value 8 is the end of the data set, expected 9999999999 values, as record 7 states
     uff58, line 16: record 12, after value 7, the last is the end of the file, expected a line `    -1` that closes the data set
     uff58, line 16: record 12, after value 7, the last is `something`, expected a line `    -1` that closes the data set
     uff58, line 17: line between data sets is `remark`, expected a line `    -1`
@@ -85,7 +85,7 @@ fn what_is_wrong_is_named_with_its_place() {
     uff58, byte 549: record 12 (24 bytes stated) is 21 bytes to the end of the file, expected 24 bytes for the 3 values of record 7, and a line `    -1` after them
     uff58, byte 549: record 12 (24 bytes stated) is 24 bytes to the end of the file, expected 24 bytes for the 3 values of record 7, and a line `    -1` after them
     uff58, line 2: identifier line, byte order is 3, expected 1 (little-endian) or 2 (big-endian)
-    uff58, line 2: identifier line, floating-point format is 1, expected 2 (IEEE 754), the only one that is read
+    uff58, line 2: identifier line, floating-point format is 1, expected 2 (IEEE 754), the only supported format
     uff58, byte 548: record 12 (24 bytes stated) is 31 bytes to the end of the file, expected 7999999992 bytes for the 999999999 values of record 7, and a line `    -1` after them
     ");
 }
@@ -106,7 +106,7 @@ fn tolerantly_read_points_that_are_there_remain() {
         [vec![1.0, 2.0, 3.0], vec![7.0]]
     );
     insta::assert_snapshot!(defects(&contents), @r"
-    uff58, line 15: record 12, value 4 is the end of the data set, expected 9 values, as record 7 says
+    uff58, line 15: record 12, value 4 is the end of the data set, expected 9 values, as record 7 states
     uff58, line 24: record 7, field 1 (ordinate data type) is `3`, expected 2, 4 (real, single or double) or 5, 6 (complex)
     uff58, line 31: line between data sets is `remark`, expected a line `    -1`
     ");

@@ -235,11 +235,14 @@ impl LinearLaw for MaxwellBranches {
         };
         let limit = match (takes_the_spring, missing, no_spring) {
             _ if series.branches.is_empty() => "without relaxation".to_owned(),
-            (true, 0, _) => "of which one is unbounded".to_owned(),
-            (true, n, _) => format!("of which one is unbounded and {} no share", have(n)),
+            (true, 0, _) => "of which one has an unbounded relaxation time".to_owned(),
+            (true, n, _) => format!(
+                "of which one has an unbounded relaxation time and {} no share",
+                have(n)
+            ),
             (false, 0, true) => "whose spring has no share".to_owned(),
             (false, n, true) => format!(
-                "whose spring has no share and of which {} none either",
+                "whose spring has no share and of which {} no share either",
                 have(n)
             ),
             (false, n, false) => format!("of which {} no share", have(n)),

@@ -301,6 +301,6 @@ fn more_starts_and_samples_than_memory_are_refused() {
     assert!(
         error
             .to_string()
-            .starts_with("number of standard samples a law is")
+            .starts_with("number of standard samples per law is")
     );
 }

@@ -85,7 +85,7 @@ impl RecorderFilter {
             return Err(MaxwellidError::Setting {
                 setting: "gain of the recorder's filter at four times its cut-off",
                 value: beyond,
-                expected: "at most 0.25, as a low-pass filter of second order has",
+                expected: "at most 0.25, as for a low-pass filter of second order",
             });
         }
         Ok(Self {

@@ -118,7 +118,7 @@ impl std::fmt::Display for NarrowedBand {
         };
         write!(
             f,
-            "{}: with both histories low-passed at {:.1} kHz, {KEPT} of the cut-off of the recorder, {} moves by {:.1} of its standard errors, which is {:.1} of those of \
+            "{}: with both histories low-passed at {:.1} kHz, {KEPT} of the cut-off of the recorder, {} changes by {:.1} of its standard errors, which is {:.1} standard errors of \
              such a difference (probability {:.1e} for the largest of all)",
             self.model,
             1e-3 * self.cutoff_hz,

@@ -267,8 +267,8 @@ impl fmt::Display for UnfilteredExcitation {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(
             f,
-            "the recorder is part of the model: {}. Of the excitation {:.1} % (root mean square) lies above its cut-off; the model of the contact supplies \
-             it, from {:.3} ms on",
+            "the recorder is part of the model: {}. Of the excitation, {:.1} % (root mean square) is above its cut-off; the model of the contact supplies \
+             this part, from {:.3} ms on",
             self.filter.name(),
             100.0 * self.share_above_cutoff(),
             1e3 * self.begin()

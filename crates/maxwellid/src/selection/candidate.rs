@@ -289,7 +289,7 @@ impl Candidate {
         if found != expected {
             return Err(MaxwellidError::InconsistentModel {
                 model: self.name().to_owned(),
-                what: "ranges with that of ln E",
+                what: "ranges including that of ln E",
                 found,
                 expected,
             });

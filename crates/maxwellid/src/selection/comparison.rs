@@ -69,7 +69,7 @@ impl fmt::Display for Comparison {
                 names(std::slice::from_ref(candidate))
             )?,
             Decision::CannotTell { between, reason } => {
-                writeln!(f, "cannot tell between {}: {reason}", names(between))?;
+                writeln!(f, "cannot distinguish between {}: {reason}", names(between))?;
             }
             Decision::NoneOfThese { best, adequacy } => writeln!(
                 f,
@@ -83,12 +83,12 @@ impl fmt::Display for Comparison {
         for law in &self.laws {
             write!(
                 f,
-                "  {:<28} probability {:.3}, chi-square {:.0} of {:.0}",
+                "  {:<28} probability {:.3}, chi-square {:.0} with {:.0} effective samples",
                 law.name, law.probability, law.chi_square, self.effective_samples
             )?;
             match law.adequacy {
                 Some(adequacy) => writeln!(f, ", adequacy {adequacy:.3}")?,
-                None => writeln!(f, ", adequacy unknown as the noise is")?,
+                None => writeln!(f, ", adequacy unknown because the noise is unknown")?,
             }
         }
         Ok(())
@@ -137,7 +137,7 @@ pub struct ComparedLaw {
 
 impl ComparedLaw {
     /// Name of the law, with its simplest non-excluded limit, such as `two Maxwell branches, of
-    /// which one is unbounded: Zener`.
+    /// which one has an unbounded relaxation time: Zener`.
     #[must_use]
     pub fn with_limit(&self) -> String {
         match self.limits.first() {

@@ -85,13 +85,13 @@ impl fmt::Display for Doubt {
             ),
             Self::OneVelocity { adequacy, .. } => write!(
                 f,
-                "a nonlinear law leads, but from one impact velocity a linear law of flat loss explains the data as well (adequacy {adequacy:.3})"
+                "a nonlinear law is the most probable, but a linear law of flat loss also explains the data, which are from one impact velocity (adequacy {adequacy:.3})"
             ),
             Self::Unsettled { .. } => f.write_str(
                 "the misfit of one of them still changes when the excitation is estimated again",
             ),
             Self::NoFlatLossCompetitor => f.write_str(
-                "a nonlinear law leads, but from one impact velocity and without a linear law of flat loss among the candidates",
+                "a nonlinear law is the most probable, but the data are from one impact velocity and no linear law of flat loss is among the candidates",
             ),
         }
     }
@@ -102,11 +102,11 @@ impl fmt::Display for Advice {
         match self {
             Self::SecondVelocity { present } => write!(
                 f,
-                "repeat the test at another impact velocity than {present} m/s: only the response of a linear rod is proportional to it"
+                "repeat the test at an impact velocity other than {present} m/s: only the response of a linear rod is proportional to the velocity"
             ),
             Self::CorrelatedResidual { inflation } => write!(
                 f,
-                "the residual of the best law is correlated (one independent sample in {inflation:.1}): something is missing in the law or in the instruments"
+                "the residual of the best law is correlated (one independent sample in {inflation:.1}): the law or the description of the instruments is incomplete"
             ),
         }
     }

@@ -61,7 +61,7 @@ class Hits:
     units : mapping of str to str
         SI unit of each channel by its name, in the order of the rows of `samples`.
     warnings : tuple of str
-        Contradictions between the arguments and a file, and data that were passed over.
+        Contradictions between the arguments and a file, and data that were left out.
     """
 
     hits: tuple[Hit, ...] = field(repr=False)
@@ -87,7 +87,7 @@ class Hits:
             There are no hits.
         """
         if not self.hits:
-            raise Error("there are no hits, and no sampling rate of them")
+            raise Error("there are no hits, so there is no sampling rate")
         return self.hits[0].sampling_rate_hz
 
     def accepted(self, channel: str) -> NDArray[np.float64]:
@@ -165,7 +165,7 @@ def read(
         An argument is wrong, or does not suit the files.
     """
     if not channels:
-        raise Error("channels is empty, expected a name and a unit of at least one")
+        raise Error("channels is empty, expected a name and a unit of at least one channel")
     if isinstance(files, (str, os.PathLike)):
         files = [files]
     records = {
@@ -229,7 +229,7 @@ def of_arrays(
     kept = TemporaryDirectory(prefix="rodlab-")
     records = list(arrays) if isinstance(arrays, (Sequence, np.ndarray)) else [arrays]
     if not records:
-        raise SheetError("arrays is empty, expected one of each hit", field="arrays")
+        raise SheetError("arrays is empty, expected one per hit", field="arrays")
     digits = len(str(len(records)))
     for number, record in enumerate(records, 1):
         samples = np.asarray(record)

@@ -60,10 +60,10 @@ def of_sep005(records: Sequence[Series] | Sequence[Sequence[Series]], **options:
             if name in found:
                 raise SheetError(f"{here}['name'] is `{name}` a second time, expected each name once", field=here)
             if rows and len(samples) != len(rows[0]):
-                raise SheetError(f"{here} has {len(samples)} samples, expected {len(rows[0])} as the first channel", field=here)
+                raise SheetError(f"{here} has {len(samples)} samples, expected {len(rows[0])} as in the first channel", field=here)
             rate = of_series if rate is None else rate
             if abs(of_series - rate) > _OTHER_RATE * rate:
-                raise SheetError(f"{here} has the rate {of_series} Hz, expected {rate} Hz as the first channel", field=here)
+                raise SheetError(f"{here} has the rate {of_series} Hz, expected {rate} Hz as in the first channel", field=here)
             found[name] = unit
             rows.append(samples)
         units = found if units is None else units
@@ -113,7 +113,7 @@ def _series(series: object, place: str) -> tuple[str, str, NDArray[np.float64], 
     if time is not None:
         of_times = _rate(_row(time, f"{place}['time']"), len(samples), f"{place}['time']")
         if rate is not None and abs(of_times - rate) > _OTHER_RATE * rate:
-            raise SheetError(f"{place}['fs'] is {rate} Hz, expected {of_times} Hz by its `time`", field=place)
+            raise SheetError(f"{place}['fs'] is {rate} Hz, expected {of_times} Hz from its `time`", field=place)
         rate = of_times if rate is None else rate
     assert rate is not None
     return series["name"], series["unit_str"], samples, rate

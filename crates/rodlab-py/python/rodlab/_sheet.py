@@ -42,7 +42,7 @@ def quantity(value: object, unit: str, argument: str) -> str:
 def number(value: object, unit: str, argument: str) -> float:
     """Returns a finite number in the unit `unit`."""
     if isinstance(value, bool) or not isinstance(value, (int, float, np.integer, np.floating)):
-        expected = f'a number in {unit}, or a text as "1.5 {unit}"' if unit else 'a number, or a text as "0.4 ± 0.02"'
+        expected = f'a number in {unit}, or a text such as "1.5 {unit}"' if unit else 'a number, or a text such as "0.4 ± 0.02"'
         raise SheetError(f"{argument} is {value!r}, expected {expected}", field=argument)
     try:
         found = float(value)

@@ -285,7 +285,7 @@ def sweep(
     ----------
     tables : list of mapping
         Each as in a sheet: ``files``, ``frequency``, ``modulus`` such as ``sheet.Parts(storage="E'", loss="E''")``, ``temperature`` such as
-        ``sheet.Column("T")``, ``units``, ``errors``. For moduli over time: ``time`` and ``ramp`` instead of ``frequency``, ``modulus`` as
+        ``sheet.Column("T")``, ``units``, ``errors``. For moduli over time: ``time`` and ``ramp`` instead of ``frequency``, ``modulus`` such as
         ``sheet.Relaxation(modulus="E")``, ``sheet.Creep(compliance="J")`` or ``sheet.CreepModulus(modulus="E")``.
     folder : path
         Start of relative paths.
@@ -404,7 +404,7 @@ def _of_columns(
         table["temperature"] = Part("Column", ("temperature",))
     lengths = {name: len(column) for name, column in columns.items()}
     if len(set(lengths.values())) != 1:
-        raise SheetError(f"found {lengths} rows, expected as many of each", field="modulus")
+        raise SheetError(f"found {lengths} rows, expected the same number of each", field="modulus")
     kept = TemporaryDirectory(prefix="rodlab-")
     lines = [",".join(columns), *(",".join(repr(float(one)) for one in row) for row in zip(*columns.values(), strict=True))]
     (Path(kept.name) / "moduli.csv").write_text("\n".join(lines) + "\n", encoding="utf-8")
@@ -419,7 +419,7 @@ def _array(name: str, values: ArrayLike, kind: type[N]) -> NDArray[N]:
     except (TypeError, ValueError, OverflowError):
         vector = None
     if vector is None or vector.ndim != 1 or vector.size == 0 or not np.all(np.isfinite(vector)):
-        raise SheetError(f"{name} is no vector of finite numbers, expected one of the shape (n_rows,)", field=name)
+        raise SheetError(f"{name} is not a vector of finite numbers, expected one of the shape (n_rows,)", field=name)
     return vector
 
 
@@ -467,7 +467,7 @@ def _stated_laws(
 def _with_laws(of: Result, more: Mapping[str, Any], progress: Progress | None, kind: type[L]) -> L:
     """Does the sheet of `of` again, with `more` in its laws."""
     if of._sheet is None:
-        raise Error("the modulus is the result of a file, expected one of this package: add `laws` to the sheet instead")
+        raise Error("the modulus is the result of a sheet in a file, expected one of this package: add `laws` to the sheet instead")
     fields = dict(of._sheet.fields)
     fields["laws"] = dict(fields.get("laws") or {}) | dict(more)
     sheet = Part(of._sheet.name, (), tuple(fields.items()))

@@ -53,7 +53,7 @@ def transition_matrix(body: Part, frequency_hz: ArrayLike, *, materials: Materia
     Parameters
     ----------
     body : Part
-        ``sheet.Chain``; the end behind its last element is not part of the matrix.
+        ``sheet.Chain``; the end after its last element is not part of the matrix.
     frequency_hz : array_like, shape (n,)
 
     Returns

@@ -18,7 +18,7 @@ __all__ = ["Part", "text_of"]
 
 def __getattr__(name: str) -> Callable[..., Part]:
     if not (name.isidentifier() and name[0].isupper()):
-        raise AttributeError(f"module {__name__!r} has no attribute {name!r}, expected the name of a part, as `Cone`")
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}, expected the name of a part, such as `Cone`")
 
     def part(*values: Any, **fields: Any) -> Part:
         return Part(name, values, tuple(fields.items()))

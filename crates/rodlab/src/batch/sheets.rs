@@ -214,14 +214,14 @@ fn named(sheets: BTreeMap<PathBuf, PathBuf>) -> Result<Vec<Test>, RodlabError> {
             RodlabError::request(
                 "sheets",
                 shown.display().to_string(),
-                "a sheet whose name without the extension is that of a folder: its result has this name",
+                "a sheet whose name without the extension can name a folder, that of its result",
             )
         })?;
         if let Some(other) = tests.insert(name, shown.clone()) {
             return Err(RodlabError::request(
                 "sheets",
                 format!("{} and {}", other.display(), shown.display()),
-                "names that differ without the extension: a result has the name of its sheet",
+                "names that differ in more than the extension: a result has the name of its sheet",
             ));
         }
     }

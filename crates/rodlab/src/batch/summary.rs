@@ -251,7 +251,7 @@ fn results_below(
         let short = folder.strip_prefix(root).unwrap_or(folder);
         let name = format!("{prefix}{}", short.to_string_lossy().replace('\\', "/"));
         let row = Row::read(&name, folder).unwrap_or_else(|| {
-            Row::wrong_input(&name, "its result cannot be read: do the test again")
+            Row::wrong_input(&name, "its result cannot be read: run the test again")
         });
         rows.push(row);
     }

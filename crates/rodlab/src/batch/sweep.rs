@@ -189,8 +189,8 @@ fn axes_of(plan: Plan) -> Result<Vec<Axis>, RodlabError> {
         let Some(end) = end.filter(|_| seeds.count > 0) else {
             return Err(RodlabError::request(
                 "seeds",
-                format!("{} from {} on", seeds.count, seeds.first),
-                format!("at least one, below {}", u32::MAX),
+                format!("{} seeds from {}", seeds.count, seeds.first),
+                format!("at least one, all below {}", u32::MAX),
             ));
         };
         plausible::at_most(
@@ -245,7 +245,7 @@ fn parts_of<'a>(
                 template,
                 behind,
                 "`{{`",
-                "a name and `}}` behind it",
+                "a name that is followed by `}}`",
             ));
         };
         let Some(axis) = axes.iter().position(|axis| axis.name == name) else {
@@ -268,7 +268,7 @@ fn parts_of<'a>(
         Some((_, axis)) => Err(RodlabError::request(
             path.display().to_string(),
             format!("a template without `{{{{{}}}}}`", axis.name),
-            "a place for every value of the plan: without it sheets would be equal",
+            "every placeholder of the plan: otherwise sheets would be equal",
         )),
     }
 }

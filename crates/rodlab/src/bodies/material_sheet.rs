@@ -244,7 +244,7 @@ impl MaterialSheet {
             return Err(RodlabError::request(
                 field,
                 format!("the law of the result {path}"),
-                "a law with its numbers: this job does not follow the errors of a result",
+                "a law with its numbers: this job does not propagate the errors of a result",
             ));
         }
         let density = self.stated_density(field)?.nominal();
@@ -335,7 +335,7 @@ pub fn material_called(
             field,
             format!("`{name}`"),
             if known.is_empty() {
-                "a material, and `materials` has none".to_owned()
+                "a material, but `materials` has none".to_owned()
             } else {
                 format!("one of the materials {}", known.join(", "))
             },
@@ -366,7 +366,7 @@ pub(crate) fn read(
                 return Err(RodlabError::request(
                     format!("{field}.density"),
                     density.to_string(),
-                    format!("no density: that of {path} belongs to its law"),
+                    format!("no density: {path} contains the density of its law"),
                 ));
             }
             let file = Arc::new(of_file(path, &field, folder, outcome)?);

@@ -66,7 +66,7 @@ impl MeasuredMaterial {
                 return Err(RodlabError::request(
                     field,
                     format!("the law of {}", self.file.title()),
-                    "a law of this version of rodlab",
+                    "a law known to this version of rodlab",
                 ));
             }
         };

@@ -92,7 +92,7 @@ fn abscissa(of: &str, one: &Series, other: &Series, lost: &mut Vec<String>) {
         ) => {
             if !(same(*start, *other_start) && same(*step, *other_step)) {
                 lost.push(format!(
-                    "the abscissa {of}: from {start} in steps of {step} became from {other_start} in steps of {other_step}"
+                    "the abscissa {of}: start {start} and step {step} became start {other_start} and step {other_step}"
                 ));
             }
         }

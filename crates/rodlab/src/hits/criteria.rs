@@ -99,7 +99,7 @@ impl<'de, T: Deserialize<'de>> Deserialize<'de> for Limit<T> {
             type Value = Limit<T>;
 
             fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-                f.write_str("a number, or none for no check")
+                f.write_str("a number, or none to disable the check")
             }
 
             fn visit_none<E: de::Error>(self) -> Result<Limit<T>, E> {

@@ -238,7 +238,7 @@ impl FoundHits {
                     RodlabError::request(
                         format!("{field}: {name}"),
                         format!("{length} samples, and {error}"),
-                        format!("{longest} samples as the longest hit, or a hit that has come to rest and is continued so"),
+                        format!("{longest} samples as in the longest hit, or a hit that ends at rest and can be continued at rest"),
                     )
                 })?;
                 padded.push(number);
@@ -246,7 +246,7 @@ impl FoundHits {
         }
         if !padded.is_empty() {
             self.settings.push(Setting::by_default(
-                format!("{field}: hits continued by rest to {longest} samples"),
+                format!("{field}: hits continued at rest to {longest} samples"),
                 ranges(&padded),
             ));
         }
@@ -270,7 +270,7 @@ impl FoundHits {
                 return Err(RodlabError::request(
                     format!("{field}: {}", found.name()),
                     sampling(record),
-                    format!("{} as {}", sampling(expected), first.name()),
+                    format!("{} as in {}", sampling(expected), first.name()),
                 ));
             }
         }

@@ -23,7 +23,7 @@ impl TryFrom<String> for Reading {
 
     fn try_from(text: String) -> Result<Self, String> {
         let (number, unit) = sheet::number_and_unit(&text)
-            .map_err(|why| format!("`{text}` {why}, expected a level, as \"20 N\""))?;
+            .map_err(|why| format!("`{text}` {why}, expected a level, such as \"20 N\""))?;
         Ok(Self {
             si: unit.to_si(number),
             dimension: unit.dimension(),
@@ -81,7 +81,7 @@ impl TryFrom<String> for Stretch {
             .or_else(|| trimmed.strip_suffix("sample"));
         let extent = match number {
             Some(number) => Extent::Samples(number.trim().parse().map_err(|_| {
-                format!("`{text}` is no whole number of samples, as \"4096 samples\"")
+                format!("`{text}` is not a whole number of samples, such as \"4096 samples\"")
             })?),
             None => {
                 let duration: Exact<Duration> = trimmed

@@ -39,7 +39,7 @@ pub(crate) fn silent_samples(
         settings.push(Setting::by_default(
             name,
             format!(
-                "{:.4} ms, the pre-trigger but for the rise of the blow",
+                "{:.4} ms, the pre-trigger less the rise of the blow",
                 1e3 * silent
             ),
         ));
@@ -54,7 +54,7 @@ pub(crate) fn silent_samples(
         || "not known".to_owned(),
         |n| {
             format!(
-                "{:.4} ms, in which the channels rest",
+                "{:.4} ms, in which the channels are at rest",
                 1e3 * n as f64 / rate
             )
         },

@@ -9,7 +9,7 @@ use crate::RodlabError;
 /// was recorded in the file.
 pub(super) fn complete(contents: &mut Contents) -> Result<bool, RodlabError> {
     let unit =
-        |text| Unit::parse(text).map_err(|error| RodlabError::step("looking at levels", error));
+        |text| Unit::parse(text).map_err(|error| RodlabError::step("checking levels", error));
     let (one, second) = (unit("1")?, unit("s")?);
     let mut told = true;
     for series in &mut contents.series {
@@ -34,7 +34,7 @@ pub(super) fn of_records(
     records: &[Record],
     rate_is_told: bool,
 ) -> Result<(Vec<String>, Vec<String>), RodlabError> {
-    let judging = |error| RodlabError::step("looking at levels", error);
+    let judging = |error| RodlabError::step("checking levels", error);
     let (mut wrong, mut as_hits) = (Vec::new(), Vec::new());
     for (number, record) in records.iter().enumerate() {
         let of_which = if records.len() > 1 {

@@ -52,7 +52,7 @@ impl Inspection {
         }
         for (record, number) in self.records.iter().zip(1..).take(MOST_RECORDS) {
             let duration = record.duration.map_or_else(
-                || "rate not told".to_owned(),
+                || "rate not stated".to_owned(),
                 |duration| format!("{} s", short(duration)),
             );
             writeln!(
@@ -104,7 +104,7 @@ fn row(series: &InspectedSeries) -> [String; 11] {
         series.number.to_string(),
         unless_empty(&series.name),
         if series.complex {
-            format!("{} (moduli)", series.kind)
+            format!("{} (magnitudes)", series.kind)
         } else {
             series.kind.clone()
         },

@@ -119,7 +119,7 @@ impl BarSheet {
                     if at == 0 {
                         format!("less than the length of the bar, {}", self.bar.length)
                     } else {
-                        "less than that of the gauge before it: state gauges in the order in which the pulse passes them".to_owned()
+                        "less than that of the previous gauge: state the gauges in the order in which the pulse passes them".to_owned()
                     },
                 ));
             }

@@ -275,18 +275,21 @@ impl FitSheet {
         let errors = |at: usize| {
             Setting::by_default(
                 format!("tables[{at}].errors"),
-                "not stated: by the scatter about the fit of |E| and of the phase, equal at all rows as a part of |E|",
+                "not stated: from the scatter of |E| and of the phase about the fit, the same fraction of |E| in all rows",
             )
         };
         let mut defaults: Vec<Setting> = (0..self.tables.len()).map(errors).collect();
         for (name, value) in [
             ("kind", LoadingSheet::Tension.modulus()),
-            ("steps", "temperatures that follow each other within 1 K"),
+            ("steps", "consecutive temperatures within 1 K of each other"),
             (
                 "stated_shifts",
                 "none: temperatures are connected by their overlap alone",
             ),
-            ("vertical_shifts", "estimated where the curves contradict 1"),
+            (
+                "vertical_shifts",
+                "estimated where the curves contradict a factor of 1",
+            ),
             ("band", "all frequencies"),
             ("scale_uncertainty", "not stated"),
         ] {
@@ -315,28 +318,28 @@ fn check(sheet: &FitSheet) -> Result<(), RodlabError> {
         return Err(RodlabError::request(
             "tables.errors",
             format!("stated for {stated} of {} tables", sheet.tables.len()),
-            "errors of all tables, or of none: a fit weighs all lines by them",
+            "errors for all tables or for none: the fit weights all lines by them",
         ));
     }
     let over_time = || sheet.tables.iter().map(|table| table.modulus.test());
     if sheet.band.is_some() && over_time().all(|test| test.is_some()) {
         return Err(RodlabError::request(
             "band",
-            "stated, with moduli over time alone",
+            "stated, with moduli over time only",
             "`times` of the tables",
         ));
     }
     if sheet.causal && over_time().any(|test| test.is_some()) {
         return Err(RodlabError::request(
             "causal",
-            "asked for, with moduli over time",
-            "moduli over frequency alone",
+            "requested, with moduli over time",
+            "moduli over frequency only",
         ));
     }
     if sheet.monte_carlo.is_some() && stated == 0 {
         return Err(RodlabError::request(
             "monte_carlo",
-            "asked for, with errors by the scatter about the fit",
+            "requested, with errors from the scatter about the fit",
             NEEDS_ERRORS,
         ));
     }
@@ -357,8 +360,8 @@ fn check(sheet: &FitSheet) -> Result<(), RodlabError> {
         if matches!(kind, LoadingSheet::Shear | LoadingSheet::Bulk) {
             return Err(RodlabError::request(
                 "laws.cards",
-                format!("asked for, of the {}", kind.modulus()),
-                "`kind: Tension` or `kind: Bending`: cards are made of Young's modulus and Poisson's ratio",
+                format!("requested, for the {}", kind.modulus()),
+                "`kind: Tension` or `kind: Bending`: cards are built from Young's modulus and Poisson's ratio",
             ));
         }
     }
@@ -428,7 +431,7 @@ fn lines<'a>(found: &Found<'_>, data: &'a ModulusData) -> Lines<'a> {
                 Axis::logarithmic(format!("{symbol}'"), unit),
                 pascal.recip(),
             ),
-            caption: format!("Drawn are the {} lines that were fitted.", points.len()),
+            caption: format!("The {} lines that were fitted are drawn.", points.len()),
         },
         points,
     }

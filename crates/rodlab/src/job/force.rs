@@ -91,7 +91,7 @@ pub(crate) fn run(sheet: &ForceSheet, context: &JobContext<'_>) -> Result<Outcom
                 return Err(RodlabError::request(
                     "monte_carlo",
                     n_draws.to_string(),
-                    "none for a force from a response, whose bands are those of `problem.uncertainty.draws` draws",
+                    "none: the bands of a force from a response are from `problem.uncertainty.draws` draws",
                 ));
             }
             response::run(problem, context, &mut outcome)?;

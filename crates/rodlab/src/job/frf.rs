@@ -219,7 +219,7 @@ fn too_few(sheet: &FrfSheet, sets: &[FoundHits]) -> Option<String> {
             let first = found.log().into_iter().find(|entry| !entry.accepted);
             let because = first
                 .and_then(|entry| Some((entry.what, entry.reasons.first()?.clone())))
-                .map(|(what, reason)| format!(", as {what}: {reason}"))
+                .map(|(what, reason)| format!(" ({what}: {reason})"))
                 .unwrap_or_default();
             if found.hits().all(|hit| !hit.is_found()) {
                 return Some(format!("no hit{hammer} is found{because}"));
@@ -235,7 +235,7 @@ fn too_few(sheet: &FrfSheet, sets: &[FoundHits]) -> Option<String> {
             .is_some_and(|second| second.merge.unwrap_or_default() == MergeSheet::InverseVariance);
         if by_variance && found.n_accepted() < 2 {
             return Some(format!(
-                "1 of {n_found} hits{hammer} is accepted, and a merge by inverse variance needs two of each hammer"
+                "1 of {n_found} hits{hammer} is accepted, and merging by inverse variance needs two of each hammer"
             ));
         }
     }
@@ -278,7 +278,7 @@ fn of_the_test(
             &match sheet.segments {
                 None => "accepted hits".to_owned(),
                 Some(_) => format!(
-                    "segments, worth {} independent ones",
+                    "segments, equivalent to {} independent ones",
                     short(spectra.effective_averages())
                 ),
             },
@@ -287,7 +287,7 @@ fn of_the_test(
             &format!("end of the spectrum of the input{hammer}"),
             "Hz",
             input_spectra::end_of(spectra, &sheet.input)?,
-            "there the mean falls 20 dB below its greatest, or the lines end",
+            "where the mean falls 20 dB below its maximum, or the lines end",
         ));
     }
     let first = spectra.first();
@@ -350,11 +350,11 @@ fn report(
         outcome.summary.push(merit.sentence);
         if !holds {
             outcome.warnings.push(format!(
-                "`{output}` has no response: no more of its lines are coherent with `{input}` than noise alone would be."
+                "`{output}` has no response: no more of its lines are coherent with `{input}` than noise alone would give."
             ));
         } else if merit.n_valid < merit.n_lines && !one.coherences.is_empty() {
             outcome.warnings.push(format!(
-                "{} of {} lines of `{output}` in the band do not hold: without a signal, or with a coherence that chance alone reaches once in twenty.",
+                "{} of {} lines of `{output}` in the band are not valid: they have no signal, or a coherence that chance alone reaches once in twenty.",
                 merit.n_lines - merit.n_valid,
                 merit.n_lines
             ));
@@ -364,7 +364,7 @@ fn report(
     outcome.figures.splice(0..0, figures);
     if only_chance {
         let reason = format!(
-            "no more lines between {} and {} are coherent with `{}` than noise alone would be",
+            "no more lines between {} and {} are coherent with `{}` than noise alone would give",
             hertz(band.from_hz),
             hertz(band.to_hz),
             sheet.inputs().join("` or `")
@@ -391,26 +391,26 @@ fn warn_of_windows(
 ) {
     let trend = match sheet.detrend {
         Some(DetrendSheet::Mean) => Some("mean"),
-        Some(DetrendSheet::Line) => Some("line of least squares"),
+        Some(DetrendSheet::Line) => Some("least-squares line"),
         _ => None,
     };
     if let Some(trend) = trend {
         outcome.warnings.push(format!(
-            "The {trend} of a hit holds part of its motion: taken off, it biases the response of `{output}`. Take off the level at rest (`detrend: Rest`)."
+            "The {trend} of a hit contains part of its motion: removing it biases the response of `{output}`. Remove the level at rest (`detrend: Rest`)."
         ));
     }
     let Some(departure) = departure else {
         return;
     };
     let said = format!(
-        "windows and trend change the response of `{output}` by {} % in the median and by {} % or more on a tenth of the lines, and {} % are stated",
+        "windows and trend change the response of `{output}` by {} % in the median and by {} % or more on a tenth of the lines, compared with a stated error of {} %",
         short(100.0 * departure.median),
         short(100.0 * departure.of_a_tenth),
         short(100.0 * departure.own)
     );
     if departure.is_beyond_errors() {
         outcome.doubt(format!(
-            "{said}: they cut off part of the hits, or an offset is in them"
+            "{said}: they cut off part of the hits, or the hits have an offset"
         ));
     }
 }
@@ -426,7 +426,7 @@ fn warn(sheet: &FrfSheet, spectra: &[AveragedSpectra], estimated: &[Named], outc
     }
     if let Some(damping) = spectra.first().and_then(AveragedSpectra::added_damping) {
         outcome.warnings.push(format!(
-            "The exponential window adds a decay rate of {} 1/s: the responses are those on the line s = {0} 1/s + i omega, and every mode looks more damped by it.",
+            "The exponential window adds a decay rate of {} 1/s: the responses are those on the line s = {0} 1/s + i omega, and every mode appears more strongly damped by this rate.",
             short(damping.decay_rate())
         ));
     }
@@ -444,10 +444,10 @@ fn warn(sheet: &FrfSheet, spectra: &[AveragedSpectra], estimated: &[Named], outc
             let (leakage, random) = (short(100.0 * leakage), short(100.0 * random));
             outcome.warnings.push(match sheet.segments {
                 None => format!(
-                    "`{output}` still moves at the end of the records: what they cut off is {leakage} % of a line in the median, beside a random error of {random} %. Record longer, or state an exponential window."
+                    "`{output}` still moves at the end of the records: the part cut off is {leakage} % of a line in the median, compared with a random error of {random} %. Record longer, or state an exponential window."
                 ),
                 Some(_) => format!(
-                    "The lines are too wide for `{output}`: their width changes a line by {leakage} % in the median, beside a random error of {random} %. State longer segments."
+                    "The lines are too wide for `{output}`: their width changes a line by {leakage} % in the median, compared with a random error of {random} %. State longer segments."
                 ),
             });
         }
@@ -463,7 +463,7 @@ fn warn(sheet: &FrfSheet, spectra: &[AveragedSpectra], estimated: &[Named], outc
             .hypot(mass.value * one.calibration);
         if apart.abs() > 3.0 * spread {
             outcome.doubt(format!(
-                "the lines of `{output}` say a mass of {} kg, the balance {}: more apart than their errors explain, by a wrong sensitivity or a body that is not free",
+                "the lines of `{output}` give a mass of {} kg, the balance {}: the difference is larger than their errors explain; a sensitivity is wrong or the body is not free",
                 short(completed.apparent_mass),
                 weighed.mass
             ));

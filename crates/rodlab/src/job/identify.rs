@@ -219,9 +219,8 @@ impl Found {
 
     /// The evidence that the recorder biases nonlinear laws.
     fn why_biased(&self) -> String {
-        let of_excitation = || {
-            "the excitation stands above its noise beyond 0.6 of the recorder's cut-off".to_owned()
-        };
+        let of_excitation =
+            || "the excitation exceeds its noise above 0.6 of the recorder's cut-off".to_owned();
         self.sensitive()
             .next()
             .map_or_else(of_excitation, NarrowedBand::to_string)
@@ -324,8 +323,8 @@ pub(crate) fn run(sheet: &IdentifySheet, context: &JobContext<'_>) -> Result<Out
         if sheet.arrhenius.is_some() {
             return Err(RodlabError::request(
                 "next",
-                "asked for, beside `arrhenius`",
-                "one of them: tests are planned at one temperature",
+                "requested together with `arrhenius`",
+                "only one of them: tests are planned at one temperature",
             ));
         }
         next.check()?;
@@ -338,7 +337,7 @@ pub(crate) fn run(sheet: &IdentifySheet, context: &JobContext<'_>) -> Result<Out
         plausible::at_most(cells, MOST_CELLS, "cells", "cell")?;
         if sheet.fixed_cell().is_none() {
             outcome.warnings.push(format!(
-                "A cell of {stated} is too long to judge laws and their parameters: cells of {} mm are taken, or shorter ones where the accuracy needs them.",
+                "A cell of {stated} is too long to judge laws and their parameters: cells of {} mm are used, or shorter ones where the accuracy requires them.",
                 1e3 * DEFAULT_CELL
             ));
         }
@@ -582,17 +581,17 @@ fn specimen_in_words(sheet: &IdentifySheet, found: &Found, outcome: &mut Outcome
     .collect();
     if !missing.is_empty() {
         outcome.warnings.push(format!(
-            "no uncertainty is stated of the {} of the specimen: the errors do not contain it; a relative error of the length is doubled in \
+            "no uncertainty is stated for the {} of the specimen: the errors do not contain it; a relative error of the length is doubled in \
              E, one of the density is the same in E",
-            missing.join(" and of the ")
+            missing.join(" and the ")
         ));
     }
     let of_transducers = |error: &CommonError| error.of != ErrorOf::Length;
     let mut errors = found.tests.iter().flat_map(RodTest::common_errors);
     if !errors.any(of_transducers) {
         outcome.warnings.push(
-            "no uncertainty is stated of gain and delay of the transducers: neither the errors nor the choice of a law contain it; a response \
-             that reads some per cent too little passes for relaxation"
+            "no uncertainty is stated for gain and delay of the transducers: neither the errors nor the choice of a law include it; a response \
+             that reads a few per cent too low looks like relaxation"
                 .to_owned(),
         );
     }
@@ -600,11 +599,11 @@ fn specimen_in_words(sheet: &IdentifySheet, found: &Found, outcome: &mut Outcome
     if let Some(modulus) = modulus.filter(|modulus| modulus.specimen_error > 0.0) {
         let source = match sheet.single_specimen() {
             Some(_) => "Length and density of the specimen contribute",
-            None => "The density, of one error for all rods, contributes",
+            None => "The density, with one error for all rods, contributes",
         };
         outcome.summary.push(format!(
-            "{source} {:.2} % to the standard error of E, and to those of the other parameters as they \
-             go with E; that part is the same for all tests, and more tests do not lessen it.",
+            "{source} {:.2} % to the standard error of E, and to those of the other parameters as far as they \
+             depend on E; that part is the same for all tests, and more tests do not reduce it.",
             100.0 * modulus.specimen_error
         ));
     }

@@ -106,13 +106,13 @@ fn answer(known: &Known, outcome: &mut Outcome) {
         let reason = known.objections.iter().skip(1).flatten().next();
         outcome.verdict = Verdict::NotAllowed {
             reason: format!(
-                "none of the {n_lines} lines of the mobility can be believed: {}",
+                "none of the {n_lines} lines of the mobility is reliable: {}",
                 reason.map_or("no line above 0 Hz", String::as_str)
             ),
         };
         outcome
             .summary
-            .push("No line of the mobility can be believed.".to_owned());
+            .push("No line of the mobility is reliable.".to_owned());
         return;
     };
     let frequency = &known.mobility.frequency_hz;
@@ -128,12 +128,9 @@ fn answer(known: &Known, outcome: &mut Outcome) {
     errors.sort_by(f64::total_cmp);
     let median = errors.get(errors.len() / 2).copied();
     let error = match median {
-        Some(median) => format!(
-            ", with a standard error of {:.2} % in the median",
-            100.0 * median
-        ),
+        Some(median) => format!(", with a median standard error of {:.2} %", 100.0 * median),
         None if known.is_computed => String::new(),
-        None => ", with errors that are not known".to_owned(),
+        None => ", with unknown errors".to_owned(),
     };
     outcome.summary.push(format!(
         "The mobility is known on {n_valid} of {n_lines} lines from {:.4} kHz to {:.4} kHz{error}{}.",
@@ -157,7 +154,7 @@ fn answer(known: &Known, outcome: &mut Outcome) {
         "%",
         median.map(|median| 100.0 * median),
         if median.is_some() {
-            "random error of the lines, by the scatter of the hits"
+            "random error of the lines, from the scatter of the hits"
         } else {
             "no scatter is known"
         },
@@ -167,10 +164,10 @@ fn answer(known: &Known, outcome: &mut Outcome) {
             "standard uncertainty of the scale",
             "%",
             Some(100.0 * known.calibration),
-            "by the sensors, the same on all lines and not in their errors",
+            "due to the sensors, the same on all lines and not included in their errors",
         );
         outcome.summary.push(format!(
-            "All lines share besides a standard uncertainty of {:.2} % by the sensors.",
+            "In addition, all lines share a standard uncertainty of {:.2} % due to the sensors.",
             100.0 * known.calibration
         ));
     }
@@ -179,10 +176,10 @@ fn answer(known: &Known, outcome: &mut Outcome) {
             "standard uncertainty of the delay",
             "us",
             Some(1e6 * known.delay),
-            "by the channels, the same on all lines and not in their errors",
+            "due to the channels, the same on all lines and not included in their errors",
         );
         outcome.summary.push(format!(
-            "All lines share besides a standard uncertainty of {} us of the delay between the channels, {} deg at {:.4} kHz: state it as `delay_uncertainty` of the measured body.",
+            "In addition, all lines share a standard uncertainty of {} us of the delay between the channels, {} deg at {:.4} kHz: state it as `delay_uncertainty` of the measured body.",
             short(1e6 * known.delay),
             short(360.0 * known.delay * frequency[last]),
             1e-3 * frequency[last],

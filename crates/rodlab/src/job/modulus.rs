@@ -150,16 +150,16 @@ impl ModulusSheet {
         let percent = |value: f64| format!("{} %", short(100.0 * value));
         open("limits.storage_modulus", &percent(limits.storage_modulus));
         open("limits.loss_factor", &percent(limits.loss_factor));
-        open("limits.common_storage_modulus", "not asked");
+        open("limits.common_storage_modulus", "not required");
         open(
             "limits.error_amplification",
             &limits.error_amplification.to_string(),
         );
-        open("limits.coherence", "not asked");
+        open("limits.coherence", "not required");
         match &self.lateral_inertia {
             None => open(
                 "lateral_inertia",
-                "not taken out: an error by Poisson's ratio up to 0.5",
+                "not taken out: an error for Poisson's ratios up to 0.5",
             ),
             Some(_) => open(
                 "lateral_inertia.theory",

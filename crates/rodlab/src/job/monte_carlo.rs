@@ -112,7 +112,7 @@ pub(super) fn judge(
         return Err(RodlabError::request(
             "monte_carlo",
             n_draws.to_string(),
-            format!("{LEAST} draws or more: the scatter of fewer says nothing"),
+            format!("at least {LEAST} draws: the scatter of fewer is not meaningful"),
         ));
     }
     context.progress.begins("Monte Carlo", n_draws);
@@ -426,7 +426,7 @@ impl<'a> Judged<'a> {
         });
         if let Some((number, scatter)) = worst {
             warnings.push(format!(
-                "The linear errors do not hold everywhere: {} of {total} differ from the scatter of the draws by more than {} %, the most that of {}: {}.",
+                "The linear errors are not valid everywhere: {} of {total} differ from the scatter of the draws by more than {} %, the most being that of {}: {}.",
                 different.len(),
                 short(100.0 * DIFFERENCE),
                 number.in_words(),
@@ -469,9 +469,12 @@ impl Number<'_> {
 fn standing(number: &Number<'_>, scatter: &Scatter) -> String {
     match scatter.ratio(number) {
         None if (scatter.draws as usize) < LEAST => {
-            format!("not compared: {} draws have the number", scatter.draws)
+            format!(
+                "not compared: only {} draws have this number",
+                scatter.draws
+            )
         }
-        None => "not compared: its error is of nothing that is drawn".to_owned(),
+        None => "not compared: its error depends on nothing that is drawn".to_owned(),
         Some(ratio) => format!(
             "the draws scatter by {} standard errors",
             significant(ratio, 3)

@@ -155,7 +155,7 @@ pub(crate) fn run(sheet: &RecoverySheet, context: &JobContext<'_>) -> Result<Out
     if sheet.monte_carlo.is_some() && sheet.error_scale == Some(ErrorScaleSheet::FromResidual) {
         return Err(RodlabError::request(
             "monte_carlo",
-            "asked for beside `error_scale: FromResidual`",
+            "requested together with `error_scale: FromResidual`",
             NEEDS_ERRORS,
         ));
     }

@@ -209,7 +209,7 @@ fn mean(
             return Err(RodlabError::request(
                 field,
                 format!("`{name}` twice"),
-                "different channels: the mean of one with itself is that one",
+                "different channels: the mean of a channel with itself is that channel",
             ));
         }
         let has = |record: &&Record| {

@@ -226,7 +226,7 @@ struct Evaluation {
 impl Evaluation {
     fn new(job: &'static str, file: &'static str, sheet: String, generator: &str) -> Self {
         let text = format!(
-            "// Evaluates virtual records by `rodlab {job}`. What is true stands in truth.csv beside this sheet.\n\
+            "// Evaluates virtual records with `rodlab {job}`. The true values are in truth.csv next to this sheet.\n\
              // They were made by: {generator}.\n{sheet}"
         );
         Self {
@@ -249,7 +249,7 @@ fn analytic(
         Material::OnAxis(_) => Err(RodlabError::request(
             field,
             format!("`{name}`, whose law is known for real frequencies only"),
-            "a material with a causal law: a history is wanted",
+            "a material with a causal law: a history is computed",
         )),
     }
 }
@@ -298,14 +298,14 @@ pub(crate) fn run(sheet: &SimulateSheet, context: &JobContext<'_>) -> Result<Out
     let mut outcome = Outcome::of("simulate", sheet.title.as_str());
     outcome.settings = sheet.defaults();
     let mut exact = WithoutUncertainty {
-        why: "a virtual test has one truth",
+        why: "a virtual test has exact values",
     };
     exact.materials(&sheet.materials)?;
     let materials = material_sheet::read(&sheet.materials, context.folder, &mut outcome)?;
     let measured = materials.iter().filter_map(|(name, material)| {
         let [from, to] = material.measured_band_hz()?;
         Some(format!(
-            "The material `{name}` is the law of a result as it was found, measured from {} to {}: the virtual test does not have its errors.",
+            "The material `{name}` is the law of a result as it was found, measured from {} to {}: the virtual test does not include its errors.",
             hertz(from),
             hertz(to)
         ))

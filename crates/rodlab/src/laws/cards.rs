@@ -35,8 +35,8 @@ pub(super) fn attach(
     let Some(density) = lines.density else {
         return Err(RodlabError::request(
             "laws.cards",
-            "asked for, without a density",
-            "the density of the material beside it",
+            "requested without a density",
+            "the density of the material as well",
         ));
     };
     let card =
@@ -58,7 +58,7 @@ pub(super) fn attach(
         // differs
         Err(error @ CmodError::NonPhysical { .. }) if asked.poisson_ratio_at.is_none() => {
             outcome.warnings.push(format!(
-                "No card is written: {error}. The ratio is taken at {}; state `poisson_ratio_at` if it is another frequency's.",
+                "No card is written: {error}. The ratio is assumed to apply at {}; state `poisson_ratio_at` if it applies at another frequency.",
                 hertz(at)
             ));
             return Ok(());
@@ -101,7 +101,7 @@ pub(super) fn attach(
         });
         let Some(moved) = tries.take(MOST_TRIES).find_map(Result::ok) else {
             outcome.warnings.push(format!(
-                "Only {} cards of draws are written: no further one of {MOST_TRIES} is a material.",
+                "Only {} cards of draws are written: none of the next {MOST_TRIES} draws is a valid material.",
                 draw - 1
             ));
             return Ok(());

@@ -99,7 +99,7 @@ pub(crate) fn state(
     }
     if !estimate.is_at_rest() {
         outcome.warnings.push(format!(
-            "The causal estimate was not at rest after {} rounds; its errors are not those of a minimum.",
+            "The causal estimate had not converged after {} iterations; its errors are not those of a minimum.",
             estimate.rounds()
         ));
     }
@@ -143,7 +143,7 @@ fn in_words(estimate: &CausalEstimate, lines: &[Line], shown: &Shown<'_>) -> Str
         String::new()
     } else {
         format!(
-            " The lines find, in stated standard uncertainties: {}.",
+            " Found from the lines, in stated standard uncertainties: {}.",
             told.join(", ")
         )
     };
@@ -153,7 +153,7 @@ fn in_words(estimate: &CausalEstimate, lines: &[Line], shown: &Shown<'_>) -> Str
         String::new()
     };
     format!(
-        "Causal estimate of {} lines from {} to {}{of_middle}. The lines lie {} of their standard errors from it{probability}.{told}",
+        "Causal estimate of {} lines from {} to {}{of_middle}. The lines deviate from it by {} of their standard errors{probability}.{told}",
         lines.len(),
         hertz(lowest),
         hertz(highest),
@@ -231,7 +231,7 @@ fn figure(lines: &[Line], shown: &Shown<'_>) -> Figure {
     ];
     Figure {
         caption: format!(
-            "The relaxing material nearest to all lines together, with a band of two standard errors that its frequencies share. {}",
+            "The relaxing material nearest to all lines together, with a band of two standard errors, which are correlated between frequencies. {}",
             shown.drawn.caption
         )
         .trim_end()

@@ -51,7 +51,7 @@ pub(crate) fn fit(
         return Ok(None);
     };
     outcome.summary.push(format!(
-        "Of {} the data prefer: {}, with chi-square {} for {} degrees of freedom on {} lines.",
+        "Of {} the data prefer: {}, with chi-square {} and {} degrees of freedom, on {} lines.",
         if laws.len() == 1 {
             "1 law".to_owned()
         } else {
@@ -64,8 +64,8 @@ pub(crate) fn fit(
     ));
     if !best.whiteness.is_white(WHITE) {
         outcome.warnings.push(format!(
-            "What the preferred law ({}) leaves over is no noise: it is not the law of this material over the whole band, and the \
-             errors of its parameters mean little.",
+            "The residuals of the preferred law ({}) are not noise: it is not the law of this material over the whole band, and the \
+             errors of its parameters are not reliable.",
             best.law.law()
         ));
     }
@@ -92,7 +92,7 @@ fn attach_material(outcome: &mut Outcome, lines: &Lines<'_>, best: &RheologicalF
     };
     let mut doubts = Vec::new();
     if !best.whiteness.is_white(WHITE) {
-        doubts.push("what the law leaves over is no noise".to_owned());
+        doubts.push("the residuals of the law are not noise".to_owned());
     }
     if let Verdict::InDoubt { reasons } = &outcome.verdict {
         doubts.extend(reasons.iter().cloned());
@@ -106,7 +106,7 @@ fn attach_material(outcome: &mut Outcome, lines: &Lines<'_>, best: &RheologicalF
             bytes,
         }),
         Err(error) => {
-            let said = format!("Not written: {error}.");
+            let said = format!("The material file is not written: {error}.");
             outcome.warnings.push(said);
         }
     }
@@ -185,7 +185,7 @@ fn parameters(outcome: &mut Outcome, fit: &RheologicalFit) {
                 if white {
                     ""
                 } else {
-                    "; the law leaves more than noise"
+                    "; the residuals are not noise"
                 }
             ),
         });
@@ -299,7 +299,7 @@ fn figures(lines: &Lines<'_>, comparison: &Comparison, best: &RheologicalFit) ->
         let own = figure("laws_over_time", title, of_tests);
         figures.push(Figure {
             caption: format!(
-                "{} The laws are drawn for a step of the load; points right behind a ramp lie beside them.",
+                "{} The laws are drawn for a step of the load; points just after a ramp deviate from them.",
                 own.caption
             ),
             ..own

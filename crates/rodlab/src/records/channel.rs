@@ -74,7 +74,7 @@ impl BridgeSheet {
 #[derive(Debug, Clone, Deserialize)]
 #[serde(
     untagged,
-    expecting = "found no channel or column, expected its number from 1 or its name in quotes"
+    expecting = "found neither a channel nor a column, expected its number from 1 or its name in quotes"
 )]
 pub enum Selector {
     /// Its number, from 1.
@@ -103,7 +103,7 @@ impl TryFrom<String> for Sensitivity {
     fn try_from(text: String) -> Result<Self, String> {
         let refused = |why: String| {
             format!(
-                "`{text}` {why}, expected a sensitivity or a gain, as \"10.2 mV/g ± 1 %\" or \"100\""
+                "`{text}` {why}, expected a sensitivity or a gain, such as \"10.2 mV/g ± 1 %\" or \"100\""
             )
         };
         let (rating, uncertainty) = sheet::value_and_uncertainty(&text);
@@ -132,7 +132,7 @@ impl ChannelSheet {
             (Some(_), Some(_)) => {
                 return Err(RodlabError::request(
                     format!("{field}.bridge"),
-                    "beside a sensitivity",
+                    "stated in addition to a sensitivity",
                     "one of the two",
                 ));
             }

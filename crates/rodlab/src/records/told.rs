@@ -101,16 +101,16 @@ impl Records {
                     format!("{field}.sampling_rate"),
                     "not stated",
                     format!(
-                        "the rate of the samples, as \"51.2 kHz\", that gives all times within half a step: those of {file} are not evenly spaced"
+                        "the sampling rate, such as \"51.2 kHz\", that gives all times within half a step: those of {file} are not evenly spaced"
                     ),
                 ));
             }
             return if told.is_none() && series.abscissa_axis.unit_text.is_empty() {
                 let told = step_without_unit(series).map_or_else(
-                    || "does not tell it".to_owned(),
+                    || "does not state it".to_owned(),
                     |step| {
                         format!(
-                            "has times without a unit; in s they make {} Hz",
+                            "has times without a unit; in s they give {} Hz",
                             digits::rate(1.0 / step)
                         )
                     },
@@ -118,7 +118,7 @@ impl Records {
                 Err(RodlabError::request(
                     format!("{field}.sampling_rate"),
                     "not stated",
-                    format!("the rate of the samples, as \"51.2 kHz\": {file} {told}"),
+                    format!("the sampling rate, such as \"51.2 kHz\": {file} {told}"),
                 ))
             } else {
                 Ok(())
@@ -131,7 +131,7 @@ impl Records {
                     return Err(RodlabError::request(
                         format!("{field}.sampling_rate"),
                         rate.to_string(),
-                        format!("{told} Hz, as {file} tells it, or no statement"),
+                        format!("{told} Hz, as stated in {file}, or no statement"),
                     ));
                 }
                 unit.to_si(*start)
@@ -148,7 +148,7 @@ impl Records {
                         format!("{field}.sampling_rate"),
                         rate.to_string(),
                         format!(
-                            "{} Hz, as the times of {file} make it if they are in s",
+                            "{} Hz, which the times of {file} give if they are in s",
                             digits::rate(rate.si() / periods)
                         ),
                     ));
@@ -189,14 +189,14 @@ impl Records {
                 return Ok(());
             }
             let told = if axis.unit_text.is_empty() {
-                format!("{file} does not tell it")
+                format!("{file} does not state it")
             } else {
-                format!("`{}`, as {file} has it, is no known unit", axis.unit_text)
+                format!("`{}`, found in {file}, is not a known unit", axis.unit_text)
             };
             return Err(RodlabError::request(
                 place,
                 "not stated",
-                format!("the unit of the samples, as \"V\": {told}"),
+                format!("the unit of the samples, such as \"V\": {told}"),
             ));
         };
         let unit = Unit::parse(text).map_err(|error| RodlabError::step(place, error))?;
@@ -205,7 +205,7 @@ impl Records {
                 && (told.scale() / unit.scale() - 1.0).abs() < 1e-12;
             if !alike {
                 warnings.push(format!(
-                    "{file} has {} in {}; as the sheet says, it is taken as {}.",
+                    "{file} states {} in {}; the unit of the sheet is used instead, {}.",
                     channel.from,
                     told.symbol(),
                     unit.symbol()

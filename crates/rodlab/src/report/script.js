@@ -355,7 +355,7 @@ ${lines.map((l) => `<path class="axis" d="M${l.v} ${top}v${-3 - 14 * l.row}"/><t
     const pdfFile = () => {
       const { text, lost } = pdf(file(), title(p.y), COLUMN_MM);
       download(new Blob([text], { type: "application/pdf" }), `${name}.pdf`);
-      if (lost.length) out.textContent = `PDF has no letters for ${lost.join(" ")} without fonts: the SVG has.`;
+      if (lost.length) out.textContent = `The PDF has no letters for ${lost.join(" ")}; the SVG has them.`;
     };
     const scale = (state) => { state.log = state.log ? 0 : 1; state.zoom = null; redraw(); };
     [() => zoom(0.8), () => zoom(1.25), reset, () => scale(view), () => scale(own), svgFile, pngFile, pdfFile].forEach((act, i) => (tools[i].onclick = act));

@@ -196,14 +196,14 @@ impl ResponseFile {
                 return Err(RodlabError::request(
                     format!("{field}.averages"),
                     "not stated",
-                    "the number of hits, which with the coherence tells the errors",
+                    "the number of hits, which gives the errors together with the coherence",
                 ));
             }
             (None, None, Some(_)) => {
                 return Err(RodlabError::request(
                     format!("{field}.coherence"),
                     "not stated",
-                    "the data set of the coherence, which with the averages tells the errors",
+                    "the data set of the coherence, which gives the errors together with the averages",
                 ));
             }
             (None, None, None) => response,
@@ -268,7 +268,7 @@ impl ResponseFile {
                         return Err(RodlabError::request(
                             place,
                             format!(
-                                "`{name}`, which several data sets of {} are called",
+                                "`{name}`, which is the name of several data sets of {}",
                                 self.file
                             ),
                             format!("its number: {}", listed(contents)),
@@ -303,7 +303,7 @@ impl ResponseFile {
         let unit = match &axis.unit {
             Some(unit) if Some(unit.dimension()) == Dimension::NONE.quotient(TIME) => unit,
             Some(unit) => return Err(off(format!("over {}", unit.symbol()))),
-            None => return Err(off(format!("over an axis without unit, `{}`", axis.label))),
+            None => return Err(off(format!("over an axis without a unit, `{}`", axis.label))),
         };
         let (start, step) = match &series.abscissa {
             Abscissa::Even { start, step } => (unit.to_si(*start), unit.to_si(*step)),
@@ -325,7 +325,7 @@ impl ResponseFile {
         };
         let before = (start / step).round();
         if !(step > 0.0 && before >= 0.0 && (start / step - before).abs() < OFF_GRID) {
-            return Err(off(format!("lines {step} Hz apart from {start} Hz on")));
+            return Err(off(format!("lines {step} Hz apart, from {start} Hz")));
         }
         // memory is allocated for the lines below the first one, too
         let before = (0..MOST_BEFORE).find(|n| *n as f64 >= before);
@@ -354,18 +354,18 @@ impl ResponseFile {
                     (Some(found), Some(kind)) => Err(RodlabError::request(
                         place,
                         kind.to_string(),
-                        format!("{found}, as {} has it in {}", self.file, unit.symbol()),
+                        format!("{found}, as {} is in {}", self.file, unit.symbol()),
                     )),
                     (None, _) => Err(RodlabError::request(
                         format!("{field}.file"),
                         format!("{}, whose data set is in {}", self.file, unit.symbol()),
-                        "a response between a force and a motion, as in m/s/N",
+                        "a response between a force and a motion, such as one in m/s/N",
                     )),
                 }
             }
             (None, Some(kind)) => {
                 outcome.warnings.push(format!(
-                    "{} tells no unit that is known: its numbers are taken as {kind} in SI units.",
+                    "{} states no known unit: its numbers are treated as {kind} in SI units.",
                     self.file
                 ));
                 Ok((kind, 1.0))
@@ -374,7 +374,7 @@ impl ResponseFile {
                 place,
                 "not stated",
                 format!(
-                    "what the response is, as Mobility: {} tells no unit that is known",
+                    "the kind of the response, such as Mobility: {} states no known unit",
                     self.file
                 ),
             )),

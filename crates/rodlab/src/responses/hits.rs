@@ -134,7 +134,7 @@ pub fn disagreements(merged: &MergedResponse, second: &str, output: &str) -> Vec
     for agreement in merged.agreement.iter().flatten() {
         if !agreement.explains_gain() {
             said.push(format!(
-                "`{output}`: {second} gives {:.4} times the response of the other, ± {} %, on {} lines that both have: the sensors explain ± {} %, and the half of the power of the difference is in the error that all lines share",
+                "`{output}`: {second} gives {:.4} times the response of the other, ± {} %, on {} common lines: the sensors explain ± {} %, and half of the power of the difference is included in the error that all lines share",
                 agreement.gain,
                 short(100.0 * agreement.relative_error),
                 agreement.n_lines,
@@ -143,7 +143,7 @@ pub fn disagreements(merged: &MergedResponse, second: &str, output: &str) -> Vec
         }
         if !agreement.explains_delay() {
             said.push(format!(
-                "`{output}`: {second} answers {} us {} than the other, ± {} us",
+                "`{output}`: the response of {second} is {} us {} than that of the other, ± {} us",
                 short(1e6 * agreement.delay.abs()),
                 if agreement.delay > 0.0 {
                     "later"
@@ -158,7 +158,7 @@ pub fn disagreements(merged: &MergedResponse, second: &str, output: &str) -> Vec
     let (count, most) = inflated.fold((0, 1.0_f64), |(n, most), f| (n + 1, most.max(*f)));
     if count > 0 {
         said.push(format!(
-            "`{output}`: the hammers differ by more than their errors on {count} lines, whose errors are larger for it by a factor of up to {}",
+            "`{output}`: the hammers differ by more than their errors on {count} lines, whose errors are therefore increased by a factor of up to {}",
             short(most.sqrt())
         ));
     }
@@ -377,7 +377,7 @@ impl HitsSource {
             .map_err(place)?;
         if let Some(departure) = departure.filter(labio::Departure::is_beyond_errors) {
             outcome.doubt(format!(
-                "{field}: the force window changes the response by {} % in the median and by {} % or more on a tenth of the lines, and {} % are stated: it cuts off part of the hits",
+                "{field}: the force window changes the response by {} % in the median and by {} % or more on a tenth of the lines, but its stated error is {} %: it cuts off part of the hits",
                 short(100.0 * departure.median),
                 short(100.0 * departure.of_a_tenth),
                 short(100.0 * departure.own)
@@ -429,7 +429,7 @@ impl HitsSource {
             && leak > random
         {
             outcome.warnings.push(format!(
-                "{field}: the body still moves at the end of the records. What they cut off is {} % of a line in the median, beside a random error of {} %; the stated errors hold both. Record longer.",
+                "{field}: the body still moves at the end of the records. The error of the truncation is {} % of a line in the median, compared with a random error of {} %; the stated errors include both. Record longer.",
                 short(100.0 * leak),
                 short(100.0 * random)
             ));

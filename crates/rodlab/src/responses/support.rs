@@ -37,10 +37,10 @@ impl SupportSheet {
     #[must_use]
     pub fn in_words(&self) -> String {
         match self {
-            Self::Free { mass } => format!("free, of {mass}"),
+            Self::Free { mass } => format!("free, mass {mass}"),
             Self::Fixed => "fixed".to_owned(),
-            Self::LongRod { impedance } => format!("a long rod of {impedance}"),
-            Self::AsMeasured => "as the line at 0 Hz says".to_owned(),
+            Self::LongRod { impedance } => format!("a long rod, impedance {impedance}"),
+            Self::AsMeasured => "as indicated by the line at 0 Hz".to_owned(),
         }
     }
 
@@ -88,7 +88,7 @@ impl CompletionSheet {
             return Err(RodlabError::request(
                 field,
                 "stated",
-                "a free body, whose weighed mass the low lines are replaced by",
+                "a free body, whose weighed mass replaces the low-frequency lines",
             ));
         };
         let refused = |error| RodlabError::step(field, error);

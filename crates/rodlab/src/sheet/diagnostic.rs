@@ -92,8 +92,8 @@ impl SheetError {
         };
         let more = match self.others.len() {
             0 => "",
-            1 => " (and 1 mistake more)",
-            more => &format!(" (and {more} mistakes more)"),
+            1 => " (and 1 more mistake)",
+            more => &format!(" (and {more} more mistakes)"),
         };
         format!("{place}{}{more}", self.problem())
     }

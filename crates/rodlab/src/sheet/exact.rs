@@ -12,7 +12,7 @@ use super::stated::{Written, from_text, parsed};
 
 /// Advice for a sheet that states an uncertainty which its job cannot propagate, appended to
 /// another sentence.
-pub(crate) const ADVICE: &str = ". To see what the uncertainty does, run a second sheet with the value larger by one standard \
+pub(crate) const ADVICE: &str = ". To see the effect of the uncertainty, run a second sheet with the value increased by one standard \
                                  uncertainty: the results differ by the error that it causes";
 
 /// The reason why a field takes no uncertainty.
@@ -40,7 +40,7 @@ pub enum NoWay {}
 
 impl Reason for NoWay {
     const PROBLEM: &'static str =
-        "has an uncertainty, which this job cannot follow to its result yet";
+        "has an uncertainty, which this job cannot propagate to its result yet";
     const ADVICE: &'static str = ADVICE;
 }
 
@@ -57,7 +57,7 @@ impl Reason for NoWay {
 /// let error = "10 kHz ± 1 %".parse::<Exact<Frequency>>().unwrap_err();
 /// assert!(error.to_string().contains("exact by definition"), "{error}");
 /// let error = "2.6 GPa ± 1 %".parse::<NotFollowed<Pressure>>().unwrap_err();
-/// assert!(error.to_string().contains("cannot follow"), "{error}");
+/// assert!(error.to_string().contains("cannot propagate"), "{error}");
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub struct Exact<K, R = ByDefinition> {
@@ -108,7 +108,7 @@ impl<K: Kind, R: Reason> FromStr for Exact<K, R> {
         let wrong = |problem: String, without: &str| Written {
             text: text.to_owned(),
             problem,
-            expected: format!("{}, as {}{without}", K::NAME, K::EXAMPLE),
+            expected: format!("{}, such as {}{without}", K::NAME, K::EXAMPLE),
         };
         let (quantity, uncertainty) = value_and_uncertainty(text);
         let si = parsed::<K>(quantity)

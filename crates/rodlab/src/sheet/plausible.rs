@@ -19,8 +19,8 @@ pub(crate) fn wave_speed(speed: f64, unusual: bool, field: &str) -> Result<(), R
     }
     Err(RodlabError::request(
         field,
-        format!("a material of modulus and density with a wave speed of {speed:.3e} m/s"),
-        format!("{least} to {most} m/s, or `unusual: true` beside the density if it is meant"),
+        format!("a material whose modulus and density give a wave speed of {speed:.3e} m/s"),
+        format!("{least} to {most} m/s, or `unusual: true` next to the density if it is intended"),
     ))
 }
 

@@ -55,7 +55,7 @@ pub(super) fn number_and_unit_of(text: &str, expected: Dimension) -> Result<(f64
     // a pure number needs no unit
     let unit = if unit.trim().is_empty() { "1" } else { unit };
     let unit = Unit::parse_as(unit, expected)
-        .map_err(|error| format!("has no unit that is known: {error}"))?;
+        .map_err(|error| format!("has no known unit: {error}"))?;
     Ok((number, unit))
 }
 

@@ -38,7 +38,7 @@ use crate::RodlabError;
 /// let error = "799 kg".parse::<Stated<Length>>().unwrap_err();
 /// assert_eq!(
 ///     error.to_string(),
-///     "`799 kg` has the dimension kg, expected a length, as \"800 mm\", with or without ±"
+///     "`799 kg` has the dimension kg, expected a length, such as \"800 mm\", with or without ±"
 /// );
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
@@ -142,7 +142,7 @@ impl<K: Kind> FromStr for Stated<K> {
         let stated = parsed::<K>(text).map_err(|problem| Written {
             text: text.to_owned(),
             problem,
-            expected: format!("{}, as {}, with or without ±", K::NAME, K::EXAMPLE),
+            expected: format!("{}, such as {}, with or without ±", K::NAME, K::EXAMPLE),
         })?;
         Ok(Self {
             stated,
@@ -186,20 +186,20 @@ fn uncertainty_of<K: Kind>(value: f64, unit: &Unit, text: &str) -> Result<f64, S
     let in_percent = in_unit.symbol() == "%";
     if unit.symbol() == "%" {
         return Err(
-            "is in % and has an uncertainty, which may be a part of it or percentage points: write a pure number, as \"0.025 ± 1 %\" \
+            "is in % and has an uncertainty, which may be relative or in percentage points: write a pure number, such as \"0.025 ± 1 %\" \
              (1 % of it) or \"0.025 ± 0.001\""
                 .to_owned(),
         );
     }
     if in_percent && unit.to_si(0.0) != 0.0 {
         return Err(format!(
-            "has a relative uncertainty on a scale with a zero of its own: state it in {}",
+            "has a relative uncertainty on a scale with an arbitrary zero: state it in {}",
             unit.symbol()
         ));
     }
     if in_percent && value == 0.0 && number != 0.0 {
         return Err(
-            "has a relative uncertainty, and a part of 0 is 0: state it with a unit".to_owned(),
+            "has a relative uncertainty, but the value is 0: state it with a unit".to_owned(),
         );
     }
     let uncertainty = if in_percent {
@@ -255,7 +255,12 @@ where
         type Value = T;
 
         fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-            write!(f, "{} with its unit in quotes, as {}", K::NAME, K::EXAMPLE)
+            write!(
+                f,
+                "{} with its unit in quotes, such as {}",
+                K::NAME,
+                K::EXAMPLE
+            )
         }
 
         fn visit_str<E: de::Error>(self, text: &str) -> Result<T, E> {
@@ -357,7 +362,7 @@ mod tests {
     fn what_is_beyond_the_range_of_numbers_is_said_to_be() {
         assert_eq!(
             written::<Coordinate>("-1e999 m"),
-            "`-1e999 m` is beyond the range of numbers, expected a coordinate, as \"0 mm\" or \"-12 mm\", with or without ±"
+            "`-1e999 m` is beyond the range of numbers, expected a coordinate, such as \"0 mm\" or \"-12 mm\", with or without ±"
         );
         let uncertain = written::<Coordinate>("1 m ± 1e999 m");
         assert!(

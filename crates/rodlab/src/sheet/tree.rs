@@ -66,7 +66,7 @@ pub(super) fn of(text: &str) -> Result<(Language, Node), Vec<Mistake>> {
         let end = start + first.map_or(0, str::len);
         return Err(vec![Mistake::new(
             start..end,
-            "no test sheet begins so: one in TOML has a first line as `job = \"modulus\"`, one in RON begins as `Modulus(`",
+            "not the beginning of a test sheet, which in TOML is a line such as `job = \"modulus\"`, in RON a name such as `Modulus(`",
         )]);
     };
     let node = match language {

@@ -55,7 +55,7 @@ const evaluate = async () => {
     }
     if (found.isPart) rest = setTimeout(evaluateWhole, 700);
   } catch (error) {
-    complain(["The program does not answer (" + error.message + "). Is it still running?"]);
+    complain(["The program does not respond (" + error.message + "). Is it still running?"]);
   } finally {
     asking = false;
   }
@@ -68,13 +68,13 @@ const evaluateWhole = async () => {
     const found = await ask("evaluate", { text, quick: false });
     if (!found.overtaken && text === words.value) show(found, true);
   } catch (error) {
-    complain(["The program does not answer (" + error.message + ")."]);
+    complain(["The program does not respond (" + error.message + ")."]);
   }
 };
 
 const show = (found, isCurrent) => {
   if (found.overtaken) return;
-  id("time").textContent = found.milliseconds + " ms" + (found.isPart ? ", laws and draws to come" : "");
+  id("time").textContent = found.milliseconds + " ms" + (found.isPart ? ", laws and draws pending" : "");
   if (isCurrent) showValues(found.values);
   if (found.report === undefined) {
     stand("wrong input", "");
@@ -200,7 +200,7 @@ const showHits = (hits) => {
         if (answer.wrong) complain([answer.wrong]);
         else change(answer.text);
       } catch (error) {
-        complain(["The program does not answer (" + error.message + ")."]);
+        complain(["The program does not respond (" + error.message + ")."]);
       }
     });
     const sentence = make("p", { className: hit.accepted ? "" : "out" }, (hit.accepted ? "✓ " : "✗ ") + [hit.what, ...hit.reasons].join("; "));
@@ -222,7 +222,7 @@ const load = async () => {
     mark();
     await evaluate();
   } catch (error) {
-    complain(["The program does not answer (" + error.message + "). Is it still running?"]);
+    complain(["The program does not respond (" + error.message + "). Is it still running?"]);
   }
 };
 
@@ -235,7 +235,7 @@ const save = async () => {
     complain([]);
     mark();
   } catch (error) {
-    complain(["The sheet is not saved: the program does not answer (" + error.message + ")."]);
+    complain(["The sheet is not saved: the program does not respond (" + error.message + ")."]);
   }
 };
 

@@ -104,7 +104,7 @@ fn files_of_an_instrument_are_read_as_they_are() {
         return;
     };
     assert_eq!(outcome.inputs.len(), 22);
-    let beyond = "Behind the rows of 22 files, such as dma/glassy-polymer/T0.txt, there is more that is no row of numbers";
+    let beyond = "The rows of 22 files, such as dma/glassy-polymer/T0.txt, are followed by text that is not a row of numbers";
     assert!(
         outcome.warnings.iter().any(|w| w.starts_with(beyond)),
         "{:?}",

@@ -132,7 +132,7 @@ fn a_last_line_that_is_none_is_left_out_and_said() {
     )
     .unwrap();
     let outcome = run(folder.path(), SHEET).unwrap();
-    let warning = "Behind the rows of t.csv there is more that is no row of numbers, left out: csv, line 9: row is `]22[Freq0.1-100_`, \
+    let warning = "The rows of t.csv are followed by text that is not a row of numbers and was ignored: csv, line 9: row is `]22[Freq0.1-100_`, \
                    expected a row of 5 numbers.";
     assert!(
         outcome.warnings.iter().any(|w| w == warning),

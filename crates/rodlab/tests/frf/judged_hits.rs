@@ -120,7 +120,7 @@ fn a_long_record_is_cut_by_a_trigger() {
     let Verdict::NotAllowed { reason } = &silent.verdict else {
         panic!("{:?}", silent.verdict);
     };
-    insta::assert_snapshot!(reason, @r"no hit is found, as hit 1, long.npy: not triggered: `hammer` never passes 2000, it lies between -0.376 and 189.7");
+    insta::assert_snapshot!(reason, @r"no hit is found, as hit 1, long.npy: not triggered: `hammer` never passes 2000; its values are between -0.376 and 189.7");
     let wrong = run(
         folder.path(),
         &sheet_of("long.npy", &cut("").replace("20 N", "20 g")),
@@ -180,7 +180,7 @@ fn r24_a_single_hit_has_no_valid_line_and_no_hit_has_no_response() {
     assert!(!valid.valid && valid.value == Some(0.0), "{valid:?}");
     insta::assert_snapshot!([single.summary, single.warnings].concat().join("\n"), @r"
     Do not use this result until the failed checks are explained: only one hit is accepted: there is no coherence, and the error of its lines is not known.
-    Accelerance of `struck end` over `hammer` between 20 Hz and 1.2 kHz: a single hit has no coherence and gives no random error; the calibration adds 2.236 % to all lines together.
+    Accelerance of `struck end` over `hammer` between 20 Hz and 1.2 kHz: a single hit has no coherence and gives no random error; the calibration adds 2.236 %, common to all lines.
     The only hit is accepted.
     ");
     let figure = single
@@ -239,7 +239,7 @@ fn noise_alone_has_no_response() {
     let Verdict::NotAllowed { reason } = &outcome.verdict else {
         panic!("{:?}", outcome.verdict);
     };
-    insta::assert_snapshot!(reason, @r"no more lines between 20 Hz and 1.2 kHz are coherent with `hammer` than noise alone would be");
+    insta::assert_snapshot!(reason, @r"no more lines between 20 Hz and 1.2 kHz are coherent with `hammer` than noise alone would give");
     assert!(outcome.summary[0].contains(reason));
 }
 
@@ -292,22 +292,22 @@ fn what_is_wrong_with_a_sheet_is_said_with_its_field() {
     said.push(run(folder.path(), &text).unwrap_err());
     insta::assert_snapshot!(said.join("\n"), @r"
     outputs[0] is `struck ent`, expected one of records.channels: `hammer`, `struck end`
-    outputs[0] is `hammer`, expected another channel than the input
+    outputs[0] is `hammer`, expected a channel other than the input
     outputs[1] is `struck end`, expected every output once
     outputs is empty, expected at least one channel besides the input
     band is from 2 kHz to 1 kHz, expected a band of lines between 2 Hz and 4.096 kHz
     band is from 2 kHz to 5 kHz, expected a band of lines between 2 Hz and 4.096 kHz
-    band is from 20.5 Hz to 21.5 Hz, where no line is, expected a band of lines between 2 Hz and 4.096 kHz, 2 Hz apart
+    band is from 20.5 Hz to 21.5 Hz, which contains no line, expected a band of lines between 2 Hz and 4.096 kHz, 2 Hz apart
     exponential_window: end weight of the exponential window [-] is 1.2, expected a weight between 0 and 1
-    hits.reject[0].hit is 7, expected the number of one of the 2 hits that were found, from 1
+    hits.reject[0].hit is 7, expected the number of one of the 2 hits found, from 1
     hits.reject[0].because is empty, expected the reason of the decision, in a few words
-    hits.accept[0].hit is 1, on which hits.reject[0] decides already, expected one decision on each hit
+    hits.accept[0].hit is 1, already decided by hits.reject[0], expected one decision per hit
     hits.channel is `hamer`, expected one of the channels `hammer`, `struck end`
     hits.criteria: ratio of two contacts is -1, expected a finite value above 0
     hits.criteria.full_scales.hammer is `10 N`, expected a level of `hammer`, which is voltage [V]
     FOLDER/test.ron:4:41: Frf.estimator: found `H3`, expected one of `H1`, `H2`, `Hv`, `Hs`
     FOLDER/test.ron:4:38: Frf.window: found `Hanning`, expected one of `Rectangular`, `Hann`, `Hamming`, `BlackmanHarris`, `FlatTop`, `Tukey`
-    weighed_mass: end of the band of a nearly rigid body [Hz] is 10, expected a finite frequency above its begin
+    weighed_mass: end of the band of a nearly rigid body [Hz] is 10, expected a finite frequency above its start
     FOLDER/test.ron:4:30: Frf.colour: there is no field `colour`, only `title`, `about`, `records`, `hits`, `segments`, `input`, `further_inputs`, `outputs`, `estimator`, `window`, `force_window`, `exponential_window`, `detrend`, `silent`, `band`, `kind`, `second_hammer`, `weighed_mass`
     input is `force`, expected one of records.channels: `hammer`, `struck end`
     kind is mobility, expected a response between a force and a motion, which `struck end` [Pa] over `hammer` [N] is not

@@ -219,7 +219,7 @@ fn motions_are_converted_and_a_weighed_mass_carries_the_low_lines() {
         panic!("{:?}", outcome.summary)
     };
     assert!(
-        reasons[0].contains("more apart than their errors explain"),
+        reasons[0].contains("the difference is larger than their errors explain"),
         "{reasons:?}"
     );
 }
@@ -273,7 +273,7 @@ fn a_force_window_takes_the_noise_off_the_input() {
         &sheet_of("hit_*.npy", &format!("{force_window} window: Hann,")),
     )
     .unwrap_err();
-    insta::assert_snapshot!(error, @"force_window: a force window cannot stand beside HannPeriodic");
+    insta::assert_snapshot!(error, @"force_window: a force window cannot be combined with HannPeriodic");
 }
 
 #[test]

@@ -242,7 +242,7 @@ fn s14_inputs_that_act_together_have_a_response_each() {
         ),
         (
             r#"segments: (length: "1 s"), hits: (odd: LeaveOut),"#,
-            "hits is stated beside `segments`",
+            "hits is stated together with `segments`",
         ),
         (
             r#"segments: (length: "21 s"),"#,
@@ -268,12 +268,12 @@ fn s14_hits_of_unequal_length_are_continued_by_rest() {
     let said: Vec<_> = outcome
         .settings
         .iter()
-        .filter(|s| s.name.contains("continued by rest"))
+        .filter(|s| s.name.contains("continued at rest"))
         .collect();
     assert_eq!(said.len(), 1);
     assert_eq!(
         (said[0].name.as_str(), said[0].value.as_str()),
-        ("hits: hits continued by rest to 4096 samples", "5")
+        ("hits: hits continued at rest to 4096 samples", "5")
     );
     let (mean, _) = spread(&outcome, "accelerance", |f| accelerance(on_axis(f)));
     // five hits: F(2, 8), mean 4/3
@@ -284,7 +284,7 @@ fn s14_hits_of_unequal_length_are_continued_by_rest() {
     let moving = run(folder.path(), &sheet_of("*.npy", BAND)).unwrap_err();
     assert!(
         moving.contains("hits: hit 6, hit_9.npy is 1100 samples, and `struck end` is")
-            && moving.contains("expected 4096 samples as the longest hit, or a hit that has come to rest and is continued so"),
+            && moving.contains("expected 4096 samples as in the longest hit, or a hit that ends at rest and can be continued at rest"),
         "{moving}"
     );
 }
@@ -300,5 +300,5 @@ fn s14_a_hysteresis_beyond_the_signal_is_told() {
     let Verdict::NotAllowed { reason } = run(folder.path(), &sheet).unwrap().verdict else {
         panic!("a hit without a trigger");
     };
-    insta::assert_snapshot!(reason, @"no hit is found, as hit 1, hit_0.npy: not triggered: `hammer` is never on the other side of 20.00 by the hysteresis of 300.0 before it passes, it lies between -0.334 and 147.9");
+    insta::assert_snapshot!(reason, @"no hit is found, as hit 1, hit_0.npy: not triggered: `hammer` is never on the other side of 20.00 by the hysteresis of 300.0 before it passes this level; its values are between -0.334 and 147.9");
 }

@@ -16,7 +16,7 @@ fn one_hit_without_a_known_silence_is_not_allowed() {
     let Verdict::NotAllowed { reason } = &outcome.verdict else {
         panic!("{:?}", outcome.summary)
     };
-    insta::assert_snapshot!(reason, @"1 hit is accepted of 1 found, expected at least 2: the coherence of one is 1 whatever was measured. State in `source.hits.silent` how long the record is silent before the blow, and the errors of one hit are read there");
+    insta::assert_snapshot!(reason, @"1 hit is accepted of 1 found, expected at least 2: the coherence of a single hit is always 1. State in `source.hits.silent` how long the record is silent before the blow; the errors of one hit are then determined there");
     assert_eq!(outcome.figures.len(), 1);
 }
 
@@ -92,13 +92,13 @@ fn r10_hits_that_are_one_measurement_are_refused_or_in_doubt() {
         sheet(TWO_POINT, BAND).replace("[\"hits.npy\"]", "[\"hits.npy\", \"more.npy\"]");
     let said = || run(folder.path(), &two_files).unwrap_err().to_string();
     again(folder.path(), "more.npy", |volts| volts);
-    insta::assert_snapshot!(said(), @"hits.npy and more.npy have the same content: they are one measurement, expected independent ones: take one of the two out of the sheet");
+    insta::assert_snapshot!(said(), @"hits.npy and more.npy have the same content: they are one measurement, expected independent ones: remove one of the two from the sheet");
     again(folder.path(), "more.npy", |volts| {
         f64::from(1.3_f32 * volts as f32)
     });
-    insta::assert_snapshot!(said(), @"hit 1, hits.npy at 0.0020 s and hit 3, more.npy at 0.0020 s have the same samples: they are one measurement, expected independent ones: take one of the two out of the sheet");
+    insta::assert_snapshot!(said(), @"hit 1, hits.npy at 0.0020 s and hit 3, more.npy at 0.0020 s have the same samples: they are one measurement, expected independent ones: remove one of the two from the sheet");
     let one_channel = sheet(TWO_POINT, BAND).replace("from: 2", "from: 1");
-    insta::assert_snapshot!(run(folder.path(), &one_channel).unwrap_err(), @"channel `struck end` and channel `free end` of hit 1, hits.npy at 0.0020 s have the same samples: they are one measurement, expected independent ones: take one of the two out of the sheet");
+    insta::assert_snapshot!(run(folder.path(), &one_channel).unwrap_err(), @"channel `struck end` and channel `free end` of hit 1, hits.npy at 0.0020 s have the same samples: they are one measurement, expected independent ones: remove one of the two from the sheet");
 
     // the same hits, stored with a fifth of the bits of noise less
     let step = 2e-7;
@@ -144,7 +144,7 @@ fn r10_hits_without_any_noise_are_refused() {
     let text = sheet(TWO_POINT, BAND)
         .replace("[\"hits.npy\"]", "[\"hits.npy\", \"more.npy\"]")
         .replace("cut: Trigger(level: \"2000 m/s2\", length: \"4096 samples\", pre_trigger: \"1 ms\"),", "criteria: (double_hit: None, remainder: None, static_offset: None, level_shift: None),");
-    insta::assert_snapshot!(run(folder.path(), &text).unwrap_err(), @"source: the coherence of `free end` and `struck end` is 1 to rounding over 2 hits, expected hits with noise of their own: these are copies of one hit, or computed without noise");
+    insta::assert_snapshot!(run(folder.path(), &text).unwrap_err(), @"source: the coherence of `free end` and `struck end` is 1 to rounding over 2 hits, expected hits with independent noise: these are copies of one hit, or computed without noise");
 }
 
 #[test]
@@ -163,17 +163,20 @@ fn r24_without_a_band_the_checks_look_at_lines_with_signal_below_the_aliases() {
     let (band, warnings) = checked("");
     let band = band.unwrap();
     assert!(
-        band.contains(" to 16.38 kHz: the coherence is above that of chance, no alias is to be expected below 16.38 kHz, half the Nyquist frequency"),
+        band.contains(" to 16.38 kHz: the coherence is above that of chance, no alias is expected below 16.38 kHz, half the Nyquist frequency"),
         "{band}"
     );
     assert!(
         warnings
             .iter()
-            .any(|w| w.starts_with("No `band` is stated: the checks look at the lines from ")),
+            .any(|w| w.starts_with("No `band` is stated: the checks use the lines from ")),
         "{warnings:?}"
     );
     let (band, _) = checked(r#"checks: (alias_free_to: "14 kHz"),"#);
-    assert!(band.unwrap().contains("aliases are kept away up to 14 kHz"));
+    assert!(
+        band.unwrap()
+            .contains("aliases are suppressed up to 14 kHz")
+    );
     assert_eq!(checked(BAND).0, None);
     let wrong = sheet(TWO_POINT, r#"checks: (alias_free_to: "40 kHz"),"#);
     insta::assert_snapshot!(run(folder.path(), &wrong).unwrap_err(), @"checks.alias_free_to is 40 kHz, expected at most 32.77 kHz, the Nyquist frequency");
@@ -262,18 +265,18 @@ fn what_is_wrong_is_said() {
         })
         .collect();
     insta::assert_snapshot!(messages.join("\n"), @r#"
-    band is 40 kHz to 50 kHz, expected a band with lines, which lie between 0 and 32768 Hz
+    band is 40 kHz to 50 kHz, expected a band with lines, which are between 0 and 32768 Hz
     method.free_end is `end B`, expected one of the channels `struck end`, `free end`
     specimen.length is missing, expected the length, which TwoPoint needs
-    source.silent is missing, expected how long each hit's record is silent before the blow: the weights of the gauges are from their noise there
+    source.silent is missing, expected how long each hit's record is silent before the blow: the weights of the gauges are determined from their noise there
     checks.level is 2, expected a probability between 0 and 1
-    laws.cards is asked for, expected `GeneralisedMaxwell` among `laws.laws`, of which cards are made
+    laws.cards is requested, expected `GeneralisedMaxwell` among `laws.laws`, from which cards are made
     finding the modulus: least coherence is 1.2, expected a value from 0 to 1
     source is a ratio, expected hits: MultiPoint needs the spectra of all gauges
     source.errors.column (psi.csv) is `gamma`, expected one of the columns `real`, `imaginary`
-    FOLDER/test.ron:1:253: Modulus.source.Ratio.errors.Relative.of_value: `1 mm` has the dimension m, expected a pure number, as "0.094" or "9.4 %"
-    source.values (psi.csv) is `real`, a column of real numbers, expected complex numbers, or `real` and `imaginary` apart
-    method.first.quantity is missing, expected Strain, Displacement, Velocity or Acceleration: a ratio in a file does not tell
+    FOLDER/test.ron:1:253: Modulus.source.Ratio.errors.Relative.of_value: `1 mm` has the dimension m, expected a pure number, such as "0.094" or "9.4 %"
+    source.values (psi.csv) is `real`, a column of real numbers, expected complex numbers, or `real` and `imaginary` separately
+    method.first.quantity is missing, expected Strain, Displacement, Velocity or Acceleration: a ratio in a file does not state it
     source.errors.column, line 2 is -0.1, expected a standard error of 0 or more
     method.gauges is empty, expected at least three gauges
     laws.most_lines is 0, expected at least 1

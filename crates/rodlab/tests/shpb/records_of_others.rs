@@ -251,7 +251,7 @@ fn hopkinson_measured_pmma_is_evaluated() {
     assert!(
         standing(&wrong)
             .1
-            .contains("of that of the transmitted bar throughout"),
+            .contains("times that of the transmitted bar throughout"),
         "{:?}",
         standing(&wrong)
     );
@@ -335,31 +335,31 @@ fn hopkinson_each_record_is_read_or_refused_with_its_reason() {
         }
     }
     insta::assert_snapshot!(said, @r##"
-    shpb/impact_compression_epoxy_resin_experiment_details_en-US.txt: refused: the 2293 bytes that begin with "# Experiment Det" are of no known format (tdms, wav, npy, npz, hdf5, mat5, xlsx, xls, lecroy, wfm, isf, uff58, lvm, octave, csv)
-    shpb/impact_compression_epoxy_resin_sample_01_raw_voltage.csv: read at 12.5 MHz, 2 series; without it: csv, line 2, column 1: abscissa is values that repeat; their digits give a step of 7.990399519976e-8 within 2.8e-10, expected a step known to 0.0001 of itself, or one given beforehand
+    shpb/impact_compression_epoxy_resin_experiment_details_en-US.txt: refused: the 2293 bytes that begin with "# Experiment Det" are not in a known format (tdms, wav, npy, npz, hdf5, mat5, xlsx, xls, lecroy, wfm, isf, uff58, lvm, octave, csv)
+    shpb/impact_compression_epoxy_resin_sample_01_raw_voltage.csv: read at 12.5 MHz, 2 series; without it: csv, line 2, column 1: abscissa is repeated values; their digits give the step 7.990399519976e-8 to within 2.8e-10, expected a step known to within a relative 0.0001, or a stated step
     shpb/epoxy/manual_processing_result.xlsx: refused: xlsx, line 3: worksheet `电压调零`: row is `-0.00911200022583202\t-0.0091120002258320...`, expected a row of 3 numbers
-    shpb/epoxy/raw_strain.csv: read at 12.5 MHz, 2 series; without it: csv, line 2, column 1: abscissa is values that repeat; their digits give a step of 7.990399519976e-8 within 2.8e-10, expected a step known to 0.0001 of itself, or one given beforehand
-    shpb/steel-945/experiment_details.txt: refused: the 2487 bytes that begin with "# Experiment Det" are of no known format (tdms, wav, npy, npz, hdf5, mat5, xlsx, xls, lecroy, wfm, isf, uff58, lvm, octave, csv)
+    shpb/epoxy/raw_strain.csv: read at 12.5 MHz, 2 series; without it: csv, line 2, column 1: abscissa is repeated values; their digits give the step 7.990399519976e-8 to within 2.8e-10, expected a step known to within a relative 0.0001, or a stated step
+    shpb/steel-945/experiment_details.txt: refused: the 2487 bytes that begin with "# Experiment Det" are not in a known format (tdms, wav, npy, npz, hdf5, mat5, xlsx, xls, lecroy, wfm, isf, uff58, lvm, octave, csv)
     shpb/steel-945/manual_processing_result.xlsx: refused: xlsx, line 4715: worksheet `电压转应变`: row is `-3.2033333819967196e-5\t1.756666692403281...`, expected a row of 7 numbers
     shpb/steel-945/raw_microstrain.xls: read, 2 series
-    shpb/copper/experiment_details.txt: refused: the 2093 bytes that begin with "# Experiment Det" are of no known format (tdms, wav, npy, npz, hdf5, mat5, xlsx, xls, lecroy, wfm, isf, uff58, lvm, octave, csv)
+    shpb/copper/experiment_details.txt: refused: the 2093 bytes that begin with "# Experiment Det" are not in a known format (tdms, wav, npy, npz, hdf5, mat5, xlsx, xls, lecroy, wfm, isf, uff58, lvm, octave, csv)
     shpb/copper/gauge_strain_records.csv: read, 11 series
-    shpb/copper/stress_strain_rate.csv: refused: csv, line 80, column 9: cell is a number under 78 empty, expected no gap in the column
+    shpb/copper/stress_strain_rate.csv: refused: csv, line 80, column 9: cell is a number after a gap of 78, expected no gap in the column
     shpb/copper/wave_separation.csv: read, 12 series
     shpb/pmma-13/180303_171828_Ch1.csv: read, 1 series
     shpb/pmma-13/180303_171828_Ch2.csv: read, 1 series
     shpb/pmma-13/180303_171828_Ch3.csv: read, 1 series
     shpb/pmma-13/180303_171828_Ch4.csv: read, 1 series
-    shpb/pmma-13/PMMA_13_Input.dat: refused: the 2641 bytes that begin with "Test Date\t3/2/18" are of no known format (tdms, wav, npy, npz, hdf5, mat5, xlsx, xls, lecroy, wfm, isf, uff58, lvm, octave, csv)
+    shpb/pmma-13/PMMA_13_Input.dat: refused: the 2641 bytes that begin with "Test Date\t3/2/18" are not in a known format (tdms, wav, npy, npz, hdf5, mat5, xlsx, xls, lecroy, wfm, isf, uff58, lvm, octave, csv)
     shock/Test_001.lvm: read, 6 series
     shock/Test_002.lvm: read, 6 series
     shock/Test_003.lvm: read, 6 series
     shock/Test_017.lvm: read, 6 series
-    lvm/multi_time_column.lvm: refused: lvm, line 27: Samples is 3 rows, expected 51200 rows or a multiple, as announced
+    lvm/multi_time_column.lvm: refused: lvm, line 27: Samples is 3 rows, expected 51200 rows or a multiple, as stated in the header
     lvm/no_decimal_separator.lvm: read, 3 series
     lvm/short.lvm: read, 2 series
     lvm/short_new_line_end.lvm: read, 2 series
     lvm/with_comments.lvm: read, 3 series
-    lvm/with_empty_fields.lvm: refused: lvm, line 30: Samples is 7 rows, expected 100 rows or a multiple, as announced
+    lvm/with_empty_fields.lvm: refused: lvm, line 30: Samples is 7 rows, expected 100 rows or a multiple, as stated in the header
     "##);
 }

@@ -29,7 +29,7 @@ impl<'a, V: Argument> Section<'a, V> {
     ) -> Result<Self, RodwaveError> {
         let Some(element) = chain.elements.get(index) else {
             return Err(RodwaveError::LengthMismatch {
-                what: "the row of elements up to the section",
+                what: "the list of elements up to the section",
                 found: index.saturating_add(1),
                 expected: chain.elements.len(),
             });

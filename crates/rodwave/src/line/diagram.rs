@@ -79,7 +79,7 @@ impl Diagram {
             return Err(RodwaveError::NonPhysical {
                 quantity: "number of values in a diagram",
                 value: values as f64,
-                expected: "at most 2^27: a longer stride or step",
+                expected: "at most 2^27; use a longer stride or step",
             });
         }
         let (bodies, positions) = places.into_iter().unzip();

@@ -67,7 +67,7 @@ impl Grid {
             return Err(RodwaveError::NonPhysical {
                 quantity: "number of cells of the longest segment",
                 value: fewest,
-                expected: "at most 1e9/64: a longer time step or no very short segment",
+                expected: "at most 1e9/64; use a longer time step or avoid very short segments",
             });
         }
         let misfit = |count: f64| -> f64 {
@@ -92,9 +92,9 @@ impl Grid {
         let (count, error) = best;
         if error > tolerance {
             return Err(RodwaveError::NonPhysical {
-                quantity: "relative change of a wave speed that makes whole numbers of cells",
+                quantity: "relative change of a wave speed needed for whole numbers of cells",
                 value: error,
-                expected: "at most the tolerance: a shorter time step",
+                expected: "at most the tolerance; use a shorter time step",
             });
         }
         let time_step = longest / count;

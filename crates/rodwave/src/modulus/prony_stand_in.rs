@@ -104,7 +104,7 @@ impl PronyStandIn {
         }
         if !(branches_a_decade.is_finite() && branches_a_decade >= 0.5) {
             return Err(RodwaveError::NonPhysical {
-                quantity: "branches a decade",
+                quantity: "branches per decade",
                 value: branches_a_decade,
                 expected: "a finite value of 0.5 or more",
             });
@@ -164,9 +164,9 @@ impl PronyStandIn {
         let spring = wanted - of_branches;
         if spring.is_nan() || spring < 0.0 {
             return Err(RodwaveError::NonPhysical {
-                quantity: "spring that the branches leave in the middle of the band [Pa]",
+                quantity: "spring modulus left by the branches in the middle of the band [Pa]",
                 value: spring,
-                expected: "0 or more: more branches a decade",
+                expected: "0 or more; use more branches per decade",
             });
         }
         let stand_in = GeneralisedMaxwell::new(spring, branches)?;
@@ -285,7 +285,7 @@ mod tests {
         );
         assert_eq!(
             refused(1.0, 2.0, f64::NAN),
-            "branches a decade is NaN, expected a finite value of 0.5 or more"
+            "branches per decade is NaN, expected a finite value of 0.5 or more"
         );
     }
 }

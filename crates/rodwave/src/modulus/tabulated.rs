@@ -94,7 +94,7 @@ impl Tabulated {
                 return Err(RodwaveError::NonPhysical {
                     quantity: "angular frequency of a line [rad/s]",
                     value: omega,
-                    expected: "more than that of the line before",
+                    expected: "more than that of the previous line",
                 });
             }
             below = omega;

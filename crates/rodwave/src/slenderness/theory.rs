@@ -72,7 +72,7 @@ pub(super) fn check_poisson_ratio(poisson_ratio: f64) -> Result<f64, RodwaveErro
         Ok(poisson_ratio)
     } else {
         Err(RodwaveError::NonPhysical {
-            quantity: "poisson's ratio",
+            quantity: "Poisson's ratio",
             value: poisson_ratio,
             expected: "a value above -1 and at most 0.5",
         })
@@ -164,7 +164,7 @@ impl CorrectedModulus {
     pub fn standard_error(&self, poisson_ratio_error: f64) -> Result<ModulusError, RodwaveError> {
         if !(poisson_ratio_error.is_finite() && poisson_ratio_error >= 0.0) {
             return Err(RodwaveError::NonPhysical {
-                quantity: "standard error of poisson's ratio",
+                quantity: "standard error of Poisson's ratio",
                 value: poisson_ratio_error,
                 expected: "a finite value, at least 0",
             });
@@ -177,7 +177,7 @@ impl CorrectedModulus {
             loss_factor: poisson_ratio_error * loss_factor_slope.abs(),
         };
         check_all_finite(
-            "standard error by that of poisson's ratio",
+            "standard error due to that of Poisson's ratio",
             [error.storage_modulus, error.loss_modulus, error.loss_factor],
         )?;
         Ok(error)

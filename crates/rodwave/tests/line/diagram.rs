@@ -129,6 +129,6 @@ fn diagrams_that_cannot_be_are_refused() {
         said(0, 1e-3),
         "stride of the diagram [steps] is 0, expected at least 1"
     );
-    assert!(said(1, 100.0).contains("expected at most 2^27: a longer stride or step"));
+    assert!(said(1, 100.0).contains("expected at most 2^27; use a longer stride or step"));
     assert!(line.diagram(1e-6, f64::NAN, 1).is_err());
 }

@@ -64,7 +64,7 @@ fn a_spring_is_refused_by_the_direct_problem() {
     let solid = norton_rod().with_spring(0.5).unwrap();
     assert_eq!(
         DirectProblem::new(solid, 100).unwrap_err().to_string(),
-        "share of a spring in the modulus is 0.5, expected 0: this solver has one branch, `BranchedProblem` has several"
+        "share of a spring in the modulus is 0.5, expected 0: this solver has one branch; use `BranchedProblem` for several"
     );
 }
 

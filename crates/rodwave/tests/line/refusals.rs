@@ -74,6 +74,6 @@ fn impossible_lines_are_refused() {
     duration [s] is inf, expected a finite value above 0
     segment 0, branch 1 has no parameter `ln_modulus`
     velocity prescribed at the right end [m/s] is NaN, expected a finite value
-    the response is asked for until 0.0000592977947728372 s, but the excitation ends at 0.00005859375 s
+    the response is requested until 0.0000592977947728372 s, but the excitation ends at 0.00005859375 s
     ");
 }

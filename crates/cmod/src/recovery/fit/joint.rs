@@ -346,7 +346,7 @@ impl fmt::Display for RecoveryFit {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         writeln!(
             f,
-            "three-element model, chi-squared {:.1} of {} degrees of freedom, reference stress {:.2} MPa",
+            "three-element model, chi-squared {:.1} with {} degrees of freedom, reference stress {:.2} MPa",
             self.chi_squared,
             self.degrees_of_freedom,
             1e-6 * self.reference_stress

@@ -118,7 +118,7 @@ fn not_solid(value: f64) -> CmodError {
     CmodError::CardUndetermined {
         what: "long-term modulus of the card [Pa]",
         value,
-        expected: "a loss below the storage modulus at the lowest lines, as a solid has it there",
+        expected: "a loss modulus below the storage modulus at the lowest lines, as in a solid",
     }
 }
 
@@ -161,7 +161,7 @@ fn refined(data: &ModulusData, mut times: Vec<f64>, ends: (f64, f64)) -> Result<
             return Err(CmodError::CardUndetermined {
                 what: "number of relaxations of the card",
                 value: 0.0,
-                expected: "a loss above its error, of one branch at least",
+                expected: "a loss above its error for at least one branch",
             });
         }
         let model = Prony::new(true, start.branches.len());

@@ -133,7 +133,7 @@ fn shear_terms(law: &GeneralisedMaxwell, bulk: f64) -> Result<Vec<Term>, CmodErr
             return Err(CmodError::NonPhysical {
                 quantity: "shear modulus of a branch [Pa]",
                 value: shear,
-                expected: "a finite value above 0, of relaxation times that differ",
+                expected: "a finite value above 0: relaxation times must differ",
             });
         }
         terms.push(Term {

@@ -272,7 +272,7 @@ impl fmt::Display for ScreeningFlag {
         match self {
             Self::Acausal { part, allowed } => write!(
                 formatter,
-                "{part:.2e} of the energy stands ahead of the impulse, {allowed:.2e} are allowed"
+                "{part:.2e} of the energy is before the impulse, expected at most {allowed:.2e}"
             ),
             Self::Active {
                 lines,
@@ -287,9 +287,9 @@ impl fmt::Display for ScreeningFlag {
                 standard_error,
             } => write!(
                 formatter,
-                "the motion is {:.3} us {} the force, ± {:.2} us, by the phase of the nearly rigid lines",
+                "the motion is {:.3} us {} the force, ± {:.2} us, according to the phase of the nearly rigid lines",
                 1e6 * delay.abs(),
-                if *delay < 0.0 { "ahead of" } else { "behind" },
+                if *delay < 0.0 { "before" } else { "after" },
                 1e6 * standard_error
             ),
             Self::MassContradicted {
@@ -298,10 +298,10 @@ impl fmt::Display for ScreeningFlag {
                 weighed,
             } => write!(
                 formatter,
-                "the low lines are those of {apparent:.4} kg ± {standard_error:.1e} kg, weighed are {weighed} kg"
+                "the low lines give a mass of {apparent:.4} kg ± {standard_error:.1e} kg, expected the weighed {weighed} kg"
             ),
             Self::MassNotSeen => {
-                write!(formatter, "no line is low enough to tell the mass")
+                write!(formatter, "no line is low enough to determine the mass")
             }
             Self::FrontContradicted {
                 apparent,
@@ -309,11 +309,11 @@ impl fmt::Display for ScreeningFlag {
                 given,
             } => write!(
                 formatter,
-                "the lines have a front impedance of {apparent:.4e} kg/s ± {standard_error:.1e} kg/s on the average, given are {given:.4e} kg/s"
+                "the lines have a mean front impedance of {apparent:.4e} kg/s ± {standard_error:.1e} kg/s, expected the given {given:.4e} kg/s"
             ),
             Self::FrontNotPositive { mean } => write!(
                 formatter,
-                "the real part of the lines is {mean:.2e} m/(N s) on the average"
+                "the mean real part of the lines is {mean:.2e} m/(N s), expected a value above 0"
             ),
         }
     }

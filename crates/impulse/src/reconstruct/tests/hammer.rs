@@ -535,6 +535,6 @@ fn s4_white_noise_is_followed_through_the_window() {
         .with_regularisation(tikhonov(1.0));
     assert_eq!(
         regularised.solve().unwrap_err().to_string(),
-        "a regularised force by a path under an exponential window needs a support, and there is none"
+        "a regularised force from a response under an exponential window needs a support, but none is given"
     );
 }

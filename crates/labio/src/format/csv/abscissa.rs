@@ -202,8 +202,8 @@ fn spacing(
             return match digits.first_not_exactly(start, step) {
                 None => Ok(Some(Abscissa::Even { start, step })),
                 Some(row) => off(
-                    format!("another value than start and step give in row {}", row + 1),
-                    "the abscissa that the header announces",
+                    format!("a value other than that of start and step in row {}", row + 1),
+                    "the abscissa stated in the header",
                 ),
             };
         }
@@ -274,10 +274,10 @@ fn spacing(
             place,
             "abscissa",
             &format!(
-                "values that repeat; their digits give a step of {:e} within {:.1e}",
+                "repeated values; their digits give the step {:e} to within {:.1e}",
                 step.value, step.half_unit
             ),
-            &format!("a step known to {ROUNDED_STEP_TOLERANCE} of itself, or one given beforehand"),
+            &format!("a step known to within a relative {ROUNDED_STEP_TOLERANCE}, or a stated step"),
         );
         if strictness == Strictness::Strict {
             return Err(error);
@@ -298,7 +298,7 @@ fn off_step(digits: &WrittenValues, row: usize, start: f64, step: f64, place: Pl
         None => format!("no number in row {}", row + 1),
     };
     let expected = format!(
-        "{:e} within half a step, by the step of {step:e}",
+        "{:e} to within half a step of {step:e}",
         start + row as f64 * step
     );
     malformed(place, "abscissa", &found, &expected)

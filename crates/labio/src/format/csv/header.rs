@@ -116,7 +116,7 @@ impl Header {
                     Place::Line(number),
                     "row of names or units",
                     &text::quoted(line),
-                    &format!("{all} cells, as the rows of numbers have"),
+                    &format!("{all} cells, as in the rows of numbers"),
                 )
             })?;
             *field = Some(cells);

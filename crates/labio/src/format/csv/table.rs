@@ -213,7 +213,7 @@ pub(super) fn read(
             };
             if values.len() < n_rows {
                 let gap = n_rows - values.len();
-                let found = format!("a number under {gap} empty");
+                let found = format!("a number after a gap of {gap}");
                 defects.add(
                     line,
                     malformed(place, "cell", &found, "no gap in the column"),

@@ -122,7 +122,7 @@ fn check_series(series: &Series, longest: &Series) -> Result<(), LabioError> {
     }
     if matches!(&series.ordinate, Ordinate::Complex(values) if values.is_empty()) {
         return Err(cannot_hold(format!(
-            "`{name}`, complex numbers without a sample"
+            "`{name}`, which is complex and has no samples"
         )));
     }
     Ok(())
@@ -198,7 +198,7 @@ fn head(contents: &Contents, longest: &Series) -> Result<Vec<u8>, LabioError> {
     }
     if axis.label.starts_with(['#', '%']) {
         return Err(cannot_hold(format!(
-            "an abscissa called `{}`, as a comment begins like that",
+            "an abscissa called `{}`, because a comment begins the same way",
             axis.label
         )));
     }
@@ -237,7 +237,7 @@ fn row(texts: &[&str], to: &mut Vec<u8>) -> Result<(), LabioError> {
         }
     }
     if cells.len() != texts.len() {
-        return Err(cannot_hold("names or units that are no cells of a row"));
+        return Err(cannot_hold("names or units that do not form the cells of a row"));
     }
     to.extend(bytes);
     Ok(())

@@ -38,7 +38,7 @@ pub(super) fn shape_of(dataset: &Dataset, name: &str) -> Result<Vec<usize>, Labi
             name,
             dataset.address(),
             found,
-            "lengths whose product can be counted",
+            "lengths whose product does not overflow",
         )
     };
     let lengths: Option<Vec<usize>> = dataset
@@ -140,7 +140,7 @@ pub(super) fn numbers(
         && let Some(large) = values.iter().find(|value| value.abs() > EXACT_TO)
     {
         let found = format!("the integer {large}");
-        return Err(malformed(name, at, found, "at most 2^53 in amount"));
+        return Err(malformed(name, at, found, "at most 2^53 in magnitude"));
     }
     Ok(Ordinate::Real(values))
 }
@@ -233,7 +233,7 @@ pub(super) fn unpacked(
             .iter()
             .position(|value| value.to_bits() == missing.to_bits())
     {
-        let found = format!("sample {} is {missing}: it is missing", index + 1);
+        let found = format!("sample {} is {missing}, the value of missing samples", index + 1);
         return Err(malformed(name, dataset.address(), found, "all samples"));
     }
     let (factor, offset) = (number("scale_factor"), number("add_offset"));

@@ -93,7 +93,7 @@ impl Header<'_> {
                 Place::Line(self.first_line),
                 "Delta_X",
                 "absent".to_owned(),
-                "the tag for every channel where there is no column of X values",
+                "the tag for every channel, since there is no column of X values",
             ));
         }
         let same_x = |tag| {

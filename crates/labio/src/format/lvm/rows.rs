@@ -59,7 +59,7 @@ impl Rows {
                 Place::Line(source.last_line),
                 "Samples",
                 format!("{} rows", self.n_rows),
-                &format!("{block} rows or a multiple, as announced"),
+                &format!("{block} rows or a multiple, as stated in the header"),
             ))?;
         }
         Ok(())
@@ -153,7 +153,7 @@ impl Rows {
         }
         let comment = cells.next().unwrap_or("");
         if let Some(extra) = cells.find(|cell| !cell.is_empty()) {
-            let expected = "no column after that of the comments";
+            let expected = "no column after the comments";
             defect(malformed(
                 Place::Line(line),
                 "row",

@@ -58,7 +58,7 @@ impl Segment {
                 Place::Line(label_line),
                 "row of labels",
                 format!("{} columns", labels.len()),
-                &format!("those of the {n_channels} channels announced"),
+                &format!("those of the {n_channels} channels stated in the header"),
             ));
         };
         let mark = preamble
@@ -76,8 +76,8 @@ impl Segment {
                 return Err(malformed(
                     Place::Line(tag.line),
                     tag.name,
-                    "there a second time".to_owned(),
-                    "one line of it in the header of the segment",
+                    "present a second time".to_owned(),
+                    "one line with this tag in the header of the segment",
                 ));
             }
         }

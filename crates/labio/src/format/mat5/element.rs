@@ -169,14 +169,14 @@ impl Element<'_> {
         };
         if rest > 0 {
             let found = format!("{} bytes", self.data.len());
-            return Err(self.malformed(field, found, "whole numbers of its type"));
+            return Err(self.malformed(field, found, "a multiple of the size of its type"));
         }
         let inexact = values.iter().find(|value| value.abs() >= LARGEST_EXACT);
         match inexact.filter(|_| matches!(self.kind, 12 | 13)) {
             Some(value) => Err(self.malformed(
                 field,
                 format!("{value}"),
-                "integers that floating point holds",
+                "integers that a double represents exactly",
             )),
             None => Ok(values),
         }

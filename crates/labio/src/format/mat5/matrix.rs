@@ -103,7 +103,7 @@ pub(super) fn read(
     if name.is_empty() {
         // parts of objects and function handles, which are rejected where they occur
         let key = format!("array without a name at byte {at}");
-        return reading.property(at, key, format!("{}, passed over", head.class_name()));
+        return reading.property(at, key, format!("{}, skipped", head.class_name()));
     }
     if head.n() == 0 {
         let text = matlab_array::empty(&head.shape, head.class_name());
@@ -216,7 +216,7 @@ fn head(cursor: &mut Cursor<'_>, at: u64) -> Result<Option<Head>, LabioError> {
         let whole = whole(length).ok_or_else(|| wrong("a length"))?;
         n = n
             .checked_mul(whole)
-            .ok_or_else(|| wrong("lengths whose product can be counted"))?;
+            .ok_or_else(|| wrong("lengths whose product does not overflow"))?;
         shape.push(whole);
     }
     if shape.len() < 2 {
@@ -238,7 +238,7 @@ fn head(cursor: &mut Cursor<'_>, at: u64) -> Result<Option<Head>, LabioError> {
                 Place::Byte(dimensions.at),
                 "shape of an array",
                 format!("{shape:?}"),
-                "lengths whose product can be counted",
+                "lengths whose product does not overflow",
             )
         })?;
     let name = cursor.expect("name of an array")?;
@@ -287,7 +287,7 @@ fn fields(
             Place::Byte(length.at),
             &what,
             found,
-            "names of the length that is announced",
+            "names of the stated length",
         ));
     };
     let n_fields = characters.len() / width;
@@ -329,7 +329,7 @@ fn numbers(
         let values = element.numbers(&what)?;
         if values.len() != head.n() {
             let found = format!("{} numbers", values.len());
-            let expected = format!("{}, as its shape says", head.n());
+            let expected = format!("{}, according to its shape", head.n());
             return Err(malformed(Place::Byte(element.at), &what, found, &expected));
         }
         Ok(values)

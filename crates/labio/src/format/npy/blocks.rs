@@ -216,7 +216,7 @@ impl<R: Read + Seek> Blocks<R> {
         let rows = count(clock.rows());
         if n_rows != channels.len() + rows {
             return Err(LabioError::CountMismatch {
-                what: "rows of the array, one a channel and, if there are times, one of them",
+                what: "rows of the array, one per channel and, if there are times, one for them",
                 found: n_rows,
                 expected: channels.len() + rows,
             });
@@ -318,7 +318,7 @@ impl<R: Read + Seek> BlockSource for Blocks<R> {
     fn read_block(&mut self, block: &mut Array2<f64>) -> Result<usize, LabioError> {
         if block.nrows() != self.channels.len() {
             return Err(LabioError::CountMismatch {
-                what: "rows of the block, one a channel",
+                what: "rows of the block, one per channel",
                 found: block.nrows(),
                 expected: self.channels.len(),
             });

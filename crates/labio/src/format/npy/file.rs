@@ -112,7 +112,7 @@ impl Writer for Npy {
     fn write(&self, contents: &Contents, output: &mut dyn Write) -> Result<(), LabioError> {
         if let Some((key, _)) = contents.properties.first() {
             return Err(cannot_hold(format!(
-                "the property `{key}`; npz holds properties"
+                "the property `{key}`; npz can hold properties"
             )));
         }
         let series: Vec<&Series> = contents.series.iter().collect();
@@ -124,13 +124,13 @@ impl Writer for Npy {
             };
             if one.name != name {
                 return Err(cannot_hold(format!(
-                    "the name `{}`, only `{name}`; npz holds names",
+                    "the name `{}`, only `{name}`; npz can hold names",
                     one.name
                 )));
             }
             if !is_bare(one) {
                 return Err(cannot_hold(format!(
-                    "an abscissa, a kind or units of `{name}`; npz holds them"
+                    "an abscissa, a kind or units of `{name}`; npz can hold them"
                 )));
             }
         }
@@ -203,7 +203,7 @@ pub(in crate::format) fn header_of(
         let alike = one.ordinate.len() == length && complex(one) == complex(first);
         if !alike || one.properties != first.properties {
             return cannot_hold(format!(
-                "`{}` and `{}` in the array `{name}`: they are not alike",
+                "`{}` and `{}` in the array `{name}`: they differ in length, type or properties",
                 first.name, one.name
             ));
         }

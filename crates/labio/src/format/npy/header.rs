@@ -121,7 +121,7 @@ impl Header {
         let Some(rest) = bytes.strip_prefix(MAGIC) else {
             let start = bytes.get(..MAGIC.len().min(bytes.len())).unwrap_or(&[]);
             let found = text::quoted(&String::from_utf8_lossy(start));
-            return malformed(0, "first six bytes", found, "those of an array of NumPy");
+            return malformed(0, "first six bytes", found, "those of a NumPy array");
         };
         let (text_start, length) = match rest {
             [1, _, a, b, ..] => (10, usize::from(u16::from_le_bytes([*a, *b]))),
@@ -327,7 +327,9 @@ impl Scanner<'_> {
             let key = self.string()?;
             self.sign(b':', "`:`")?;
             match key.as_str() {
-                "descr" if self.peek() == Some(b'[') => return Err("one element, no structure"),
+                "descr" if self.peek() == Some(b'[') => {
+                    return Err("a single element type, not a structured one");
+                }
                 "descr" => descr = Some(self.string()?),
                 "fortran_order" => {
                     fortran_order = Some(match (self.word("True"), self.word("False")) {

@@ -105,7 +105,7 @@ pub(super) fn attach(
                         return Err(malformed(
                             &uneven,
                             found,
-                            &format!("{n} real numbers, one a sample"),
+                            &format!("{n} real numbers, one per sample"),
                         ));
                     }
                 }
@@ -117,8 +117,8 @@ pub(super) fn attach(
     match beside.keys().min() {
         Some(name) => Err(malformed(
             name,
-            "beside an array of two axes or a text".to_owned(),
-            "beside a series",
+            "next to an array of two axes or a text".to_owned(),
+            "next to a series",
         )),
         None => Ok(()),
     }

@@ -106,7 +106,7 @@ fn of_two_axes(name: &str, group: &[Series]) -> Result<Vec<u8>, LabioError> {
             header.shape.len() == 2 && one.name == member_name(name, &header.shape, index);
         if !as_read || !is_bare(one) {
             return Err(cannot_hold(format!(
-                "`{}` in the array `{name}` with a name, an abscissa or units of its own; without its properties it is an array by itself",
+                "`{}` in the array `{name}` with a name, an abscissa or units of its own; remove its properties to write it as a separate array",
                 one.name
             )));
         }
@@ -188,7 +188,7 @@ fn texts(name: &str, rows: &[(String, String)]) -> Result<Vec<u8>, LabioError> {
         .max(1);
     if let Some(text) = all().find(|text| text.ends_with('\0')) {
         return Err(cannot_hold(format!(
-            "the text {text:?} in `{name}`, which ends with a zero"
+            "the text {text:?} in `{name}`, which ends with a NUL character"
         )));
     }
     let header = Header {

@@ -154,7 +154,7 @@ fn damage_is_named_and_passed_over_by_a_tolerant_reading() {
     for (text, said) in [
         (
             whole.replace(" 3 4", " 3 x"),
-            "line 7: values of `a` is `x`, expected 4 numbers, of which 2 are there",
+            "line 7: values of `a` is `x`, expected 4 numbers, of which 2 were read",
         ),
         (
             whole.replace(" 3 4", " 3 4 5"),
@@ -162,7 +162,7 @@ fn damage_is_named_and_passed_over_by_a_tolerant_reading() {
         ),
         (
             whole.replace("\n 3 4", ""),
-            "expected 4 numbers, of which 2 are there",
+            "expected 4 numbers, of which 2 were read",
         ),
         (
             whole.replace("columns: 2", "columns: two"),
@@ -174,7 +174,7 @@ fn damage_is_named_and_passed_over_by_a_tolerant_reading() {
         ),
         (
             whole.replace("# rows: 2", "# rows: 18446744073709551615"),
-            "lengths whose product can be counted",
+            "lengths whose product does not overflow",
         ),
     ] {
         let found = refused(&text);

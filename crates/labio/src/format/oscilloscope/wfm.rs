@@ -70,7 +70,12 @@ impl Reader for TektronixWfm {
         let kind = fields.count(layout.explicit + 72, "kind of samples")?;
         let Some(&(kind, each)) = KINDS.get(kind) else {
             let found = kind.to_string();
-            return Err(fields.wrong(layout.explicit + 72, "kind of samples", found, "a number"));
+            return Err(fields.wrong(
+                layout.explicit + 72,
+                "kind of samples",
+                found,
+                "a known kind of number",
+            ));
         };
         let storage = fields.count(layout.explicit + 76, "storage of samples")?;
         if storage > 1 {
@@ -109,7 +114,7 @@ impl Reader for TektronixWfm {
             let (first, end, last) = (first?, end?, last?);
             if end < first || last < end {
                 let found = format!("from {first} to {end} of {last}");
-                return Err(fields.wrong(own, "place of the samples", found, "in this order"));
+                return Err(fields.wrong(own, "place of the samples", found, "ascending offsets"));
             }
             let (samples, missing) = fields.samples(at + first, (end - first) / each, each);
             at += last;

@@ -75,7 +75,7 @@ impl Layout {
                         return Err(refused(
                             object,
                             format!("{n} values"),
-                            "as many as of the channel before, interleaved with it",
+                            "as many as for the previous channel, interleaved with it",
                         ));
                     }
                     rows.push((object, width, *sample));
@@ -91,7 +91,7 @@ impl Layout {
                     refused(
                         object,
                         "more bytes than can be counted".to_owned(),
-                        "a number of values that can be",
+                        "a smaller number of values",
                     )
                 })?;
             if sample.is_none() && segment.contains.interleaved() {
@@ -128,7 +128,7 @@ impl Layout {
                 return Err(refused(
                     object,
                     "plain numbers".to_owned(),
-                    "DAQmx data, as the other channels of the segment",
+                    "DAQmx data, like the other channels of the segment",
                 ));
             };
             if buffers.is_empty() {
@@ -146,7 +146,7 @@ impl Layout {
                 return Err(refused(
                     object,
                     format!("buffers with rows of {widths:?} bytes"),
-                    "those of the channel before",
+                    "those of the previous channel",
                 ));
             }
             let n_rows = usize::try_from(*n).unwrap_or(usize::MAX);
@@ -158,7 +158,7 @@ impl Layout {
                     return Err(refused(
                         object,
                         format!("{n} values"),
-                        "as many as of the channel before from the same buffer",
+                        "as many as for the previous channel from the same buffer",
                     ));
                 }
                 buffer.n_rows = n_rows;
@@ -241,7 +241,7 @@ impl Layout {
             Some(chunk) if n_bytes.is_multiple_of(chunk) => Ok(()),
             Some(chunk) => {
                 let why = if segment.open {
-                    ", the recording was cut off"
+                    "; the recording was cut off"
                 } else {
                     ""
                 };
@@ -311,7 +311,7 @@ fn append(
     if !numbers.values.is_empty()
         && (complex != numbers.complex || time != numbers.first_time.is_some())
     {
-        let expected = "real, complex or times, as in the segments before";
+        let expected = "real, complex or times, as in the previous segments";
         return Err(malformed(
             object.index_place,
             "data type of raw data",

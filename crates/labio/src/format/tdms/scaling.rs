@@ -102,7 +102,7 @@ impl Scales<'_> {
                     self.refused(
                         name,
                         property.value.to_text(),
-                        "a scale before, or 0xffffffff for the raw numbers",
+                        "an earlier scale, or 0xffffffff for the raw numbers",
                     )
                 }),
         }
@@ -117,7 +117,7 @@ impl Scales<'_> {
         match self.owner.property(&size) {
             Some(property) => {
                 let n = property.value.as_index().ok_or_else(|| {
-                    self.refused(&size, property.value.to_text(), "a number of numbers")
+                    self.refused(&size, property.value.to_text(), "a count")
                 })?;
                 for index in 0..n {
                     numbers.push(self.real(&element(index))?);
@@ -327,7 +327,7 @@ impl Scales<'_> {
             return Err(self.refused(
                 &name,
                 found,
-                "as many scaled as pre-scaled values, and one at least",
+                "as many scaled as pre-scaled values, at least one",
             ));
         }
         let mut points: Vec<(f64, f64)> = from.into_iter().zip(to).collect();
@@ -342,8 +342,8 @@ impl Scales<'_> {
         } else {
             Err(self.refused(
                 &name,
-                "values that turn back",
-                "values that rise or fall throughout",
+                "values that are not strictly monotonic",
+                "strictly rising or falling values",
             ))
         }
     }
@@ -397,7 +397,7 @@ pub(super) fn scaled(owners: &[&Object], numbers: &Numbers) -> Result<Vec<f64>, 
             channel.index_place,
             "DAQmx scalers",
             found,
-            "as many values of each",
+            "as many values for each",
         ));
     }
     let (result, steps) = steps;
@@ -422,7 +422,7 @@ pub(super) fn scaled(owners: &[&Object], numbers: &Numbers) -> Result<Vec<f64>, 
                     channel.index_place,
                     "input of a scale",
                     format!("{input:?} without a number for sample {sample}"),
-                    "numbers of the channel or the outcome of a scale before it",
+                    "numbers of the channel or the result of an earlier scale",
                 )
             })
         };
@@ -462,8 +462,8 @@ fn unscaled(channel: &Object, numbers: &Numbers) -> Result<Vec<f64>, LabioError>
         [] => Ok(numbers.values.clone()),
         [(_, values)] => Ok(values.clone()),
         several => {
-            let found = format!("{} of them and no scale", several.len());
-            let expected = "a property `NI_Number_Of_Scales` that says what they make";
+            let found = format!("{} of them without a scale", several.len());
+            let expected = "a property `NI_Number_Of_Scales` that states how they are combined";
             Err(malformed(
                 channel.index_place,
                 "DAQmx scalers",
@@ -491,7 +491,7 @@ fn steps(
             }
         }
         if needed.len() > MOST_SCALES {
-            let found = format!("more than {MOST_SCALES} scales that need each other");
+            let found = format!("more than {MOST_SCALES} scales that depend on each other");
             return Err(scales.refused("NI_Number_Of_Scales", found, "fewer"));
         }
     }

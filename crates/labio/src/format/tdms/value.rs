@@ -194,7 +194,7 @@ impl Value {
             code => {
                 // the size of the value is unknown, and hence the start of the next property
                 let expected =
-                    "an integer, a real or complex number, a truth value, a text or a time";
+                    "an integer, a real or complex number, a Boolean value, a text or a time";
                 return Err(malformed(
                     place,
                     field,

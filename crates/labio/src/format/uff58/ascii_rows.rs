@@ -46,7 +46,7 @@ pub(super) fn read(
                 place,
                 format!("record 12, value {}", values.len() + 1),
                 found,
-                format!("{n} values, as record 7 says"),
+                format!("{n} values, as record 7 states"),
             )
         };
         let line = lines

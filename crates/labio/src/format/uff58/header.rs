@@ -194,7 +194,7 @@ pub(super) fn binary_form(line: Line<'_>) -> Result<BinaryForm, LabioError> {
             return Err(refused(
                 "floating-point format",
                 other,
-                "2 (IEEE 754), the only one that is read",
+                "2 (IEEE 754), the only supported format",
             ));
         }
     }

@@ -91,7 +91,7 @@ impl<R: Read + Seek> Blocks<R> {
         let layout = Layout::read(&mut source, Strictness::Strict, &mut Vec::new())?;
         let n_channels = usize::from(layout.n_channels);
         for (what, found) in [
-            ("channels named for those of the file", channels.len()),
+            ("channels for those of the file", channels.len()),
             ("full scales for the channels of the file", full_scale.len()),
         ] {
             if found != n_channels {
@@ -138,7 +138,7 @@ impl<R: Read + Seek> BlockSource for Blocks<R> {
         let n_channels = self.channels.len();
         if block.nrows() != n_channels {
             return Err(LabioError::CountMismatch {
-                what: "rows of the block, one a channel",
+                what: "rows of the block, one per channel",
                 found: block.nrows(),
                 expected: n_channels,
             });

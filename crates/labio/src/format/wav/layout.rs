@@ -101,7 +101,7 @@ impl Layout {
                 b"fact" | b"ds64" | b"JUNK" | b"PAD " | b"FLLR" => {}
                 other => {
                     let key = format!("chunk {}", String::from_utf8_lossy(other));
-                    properties.push((key, format!("{} bytes, passed over", chunk.length)));
+                    properties.push((key, format!("{} bytes, skipped", chunk.length)));
                 }
             }
         }
@@ -353,7 +353,7 @@ fn read_fmt<R: Read + Seek>(
             chunk.start + 12,
             "bytes of a frame",
             &frame_bytes.to_string(),
-            &format!("{expected}, those of {n_channels} samples"),
+            &format!("{expected}, the size of {n_channels} samples"),
         ));
     }
     Ok(Sound {

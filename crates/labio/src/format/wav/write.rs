@@ -172,14 +172,14 @@ fn check_series<'a>(
 ) -> Result<&'a [f64], LabioError> {
     let name = &series.name;
     if series.kind != SeriesKind::TimeResponse {
-        return Err(cannot_hold(format!("`{name}`, which is no history")));
+        return Err(cannot_hold(format!("`{name}`, which is not a history")));
     }
     if series.abscissa_axis.unit_text != "s" {
         return Err(cannot_hold(format!("`{name}`, whose abscissa is not in s")));
     }
     if series.abscissa != first.abscissa || series.ordinate.len() != first.ordinate.len() {
         return Err(cannot_hold(format!(
-            "`{name}`, which has other times than `{}`",
+            "`{name}`, whose times differ from those of `{}`",
             first.name
         )));
     }
@@ -215,7 +215,7 @@ fn rate(series: &Series) -> Result<u32, LabioError> {
     let rate = (1.0 / step).round();
     if !(rate >= 1.0 && rate <= f64::from(u32::MAX) && (1.0 / rate).to_bits() == step.to_bits()) {
         return Err(cannot_hold(format!(
-            "a time step of {step} s; only one over a whole number of Hz"
+            "a time step of {step} s; only the reciprocal of a whole number of Hz"
         )));
     }
     #[expect(

@@ -60,7 +60,7 @@ pub(super) fn worksheets(file: &[u8]) -> Result<Vec<Worksheet>, LabioError> {
         let Record { kind, data, .. } = record?;
         match kind {
             of::BEGIN if number(data, 0)? != 0x0600 => {
-                return Err(refused("of Excel 95 or earlier"));
+                return Err(refused("from Excel 95 or earlier"));
             }
             of::ENCRYPTED => return Err(refused("encrypted")),
             // worksheets only, not charts

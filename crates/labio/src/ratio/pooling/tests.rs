@@ -183,7 +183,7 @@ fn lines_without_noise_and_wrong_arrays_are_told() {
             averages: 1.0,
             ..given
         }),
-        "number of averages is 1, expected at least 2: the coherence of one is 1 whatever was measured"
+        "number of averages is 1, expected at least 2: the coherence of a single average is always 1"
     );
     assert_eq!(
         text(AveragedVariance {

@@ -101,9 +101,9 @@ impl BothDirections {
         let count = found.contradicting_lines;
         let holds = count as f64 <= Self::FEW * self.n_lines as f64;
         let verdict = match found.worst {
-            None => "no errors of the lines to judge it by".to_owned(),
+            None => "the lines have no errors to judge it by".to_owned(),
             Some((line, errors)) => format!(
-                "{count} of {} lines differ by more than four standard errors, the most at {} Hz by {errors:.1}",
+                "{count} of {} lines differ by more than four standard errors, the largest difference, at {} Hz, is {errors:.1}",
                 self.n_lines,
                 line as f64 * self.frequency_step_hz
             ),
@@ -111,7 +111,7 @@ impl BothDirections {
         let name = format!("difference of the directions between \"{one}\" and \"{other}\"");
         if !holds {
             outcome.doubt(format!(
-                "{field}: \"{one}\" and \"{other}\" answer each other differently: {verdict}; check points, directions and gains"
+                "{field}: the responses between \"{one}\" and \"{other}\" differ with the direction: {verdict}; check points, directions and gains"
             ));
         }
         outcome.quantities.push(Quantity {
@@ -178,7 +178,7 @@ impl MeasuredPointsSheet {
             return Err(RodlabError::request(
                 format!("{field}.mobilities"),
                 format!("{times} between \"{}\" and \"{}\"", wanted[0], wanted[1]),
-                "one for each point, and one for each pair of points or one in either direction",
+                "one for each point, and one for each pair of points or one in each direction",
             ));
         }
         Ok(found.into_iter().map(|pair| self.at_face(pair)).collect())
@@ -282,7 +282,7 @@ impl AssemblySheet {
                 return Err(RodlabError::request(place, sheet.name.clone(), expected));
             }
             if earlier.into_iter().any(|other| other.name == sheet.name) {
-                let found = format!("the name \"{}\" again", sheet.name);
+                let found = format!("the name \"{}\" a second time", sheet.name);
                 return Err(RodlabError::request(place, found, "another name"));
             }
             if sheet.body.is_some() == sheet.measured.is_some() {
@@ -319,7 +319,7 @@ impl AssemblySheet {
                 RodlabError::request(
                     format!("{field}.joints"),
                     format!("no joint that leads from \"{}\" to \"{name}\"", self.face),
-                    "every member joined to the struck one, over others or at once",
+                    "every member joined to the struck one, directly or through others",
                 )
             }
             error => RodlabError::step(field, error),

@@ -35,7 +35,7 @@ pub(super) fn propagation(lines: &[Line]) -> Result<Figure, RodlabError> {
         panel(speed, "phase velocity", "m/s"),
     ];
     Ok(Figure {
-        caption: "Valid lines with their bands of 95 %, with the lateral inertia that the modulus is corrected for.".to_owned(),
+        caption: "Valid lines with their 95 % bands; they include the lateral inertia for which the modulus is corrected.".to_owned(),
         ..Figure::new("propagation", "Propagation of waves in the bar", panels)
     })
 }
@@ -77,11 +77,11 @@ pub(super) fn waves(waves: &Waves, passages: &Passages) -> Vec<Figure> {
                 });
             }
         }
-        panels.push(panel("record less its level", marks));
+        panels.push(panel("record minus its level at rest", marks));
     }
     let passed = Figure {
-        caption: "The first shot. Passages by a gauge are numbered: its front, then what comes back from the free and from the struck end with the speed in the middle \
-                  of the band; of one gauge the windows are marked.".to_owned(),
+        caption: "The first shot. The passages of the pulse past a gauge are numbered: its front, then its returns from the free and from the struck end at the wave speed in the middle \
+                  of the band; with one gauge, the windows are marked.".to_owned(),
         ..Figure::new("passages", "Passages of the pulse", panels)
     };
     let separated = waves.at.iter().map(|(place, along, against)| {
@@ -94,7 +94,7 @@ pub(super) fn waves(waves: &Waves, passages: &Passages) -> Vec<Figure> {
     });
     let (name, title) = ("separated_waves", "Waves at the gauge and at the ends");
     let separated = Figure {
-        caption: "By the first gauge and the free end, in the band of the valid lines. A wave that is carried back to the struck end grows, and ends as much earlier."
+        caption: "From the first gauge and the free end, in the band of the valid lines. A wave that is traced back to the struck end grows, and ends correspondingly earlier."
             .to_owned(),
         ..Figure::new(name, title, separated.collect())
     };
@@ -109,14 +109,14 @@ pub(super) fn waves(waves: &Waves, passages: &Passages) -> Vec<Figure> {
         Mark::curve("record", Role::First, &x, scaled(&waves.measured)),
         Mark::curve("model", Role::Reference, &x, scaled(&waves.predicted)),
     ];
-    let left = Mark::curve("left", Role::First, &x, scaled(&left));
+    let left = Mark::curve("residual", Role::First, &x, scaled(&left));
     let panels = vec![
         panel("history", both),
-        panel("record less model", vec![left]),
+        panel("record minus model", vec![left]),
     ];
     let model = Figure {
         caption: format!(
-            "What the waves of the first gauge ask for at {}, and what was recorded there, in the band of the valid lines; below what is left.",
+            "The history at {} as predicted by the waves of the first gauge, and as recorded, in the band of the valid lines; below, the residual.",
             waves.gauge
         ),
         ..Figure::new("model", "Model and record", panels)

@@ -75,11 +75,11 @@ impl Passages {
                 return Err(RodlabError::request(
                     format!("gauges[{at}]"),
                     format!(
-                        "`{}`, which the pulse reaches after {:.4} ms, before the gauge stated ahead of it",
+                        "`{}`, which the pulse reaches after {:.4} ms, earlier than the gauge stated before it",
                         gauge.channel,
                         1e3 * first as f64 / rate_hz
                     ),
-                    "gauges in the order in which the pulse passes them: are two channels exchanged, or is this the struck end?",
+                    "gauges in the order in which the pulse passes them: are two channels interchanged, or are the distances measured from the struck end?",
                 ));
             }
             found.histories.push(history);
@@ -123,7 +123,7 @@ impl Passages {
                 "wave_speed",
                 "missing",
                 format!(
-                    "a guess within {} %: with one gauge the reflection is known by the time that it takes",
+                    "a guess within {} %: with one gauge, the reflection is recognised by its travel time",
                     100.0 * GUESS
                 ),
             ));
@@ -139,8 +139,8 @@ impl Passages {
                     gauge.from_free_end
                 ),
                 format!(
-                    "a pulse that has passed before it comes back from the end after about {:.3} ms: a second gauge separates waves that overlap; \
-                     a shorter striker, or a gauge farther from the end, does without",
+                    "a pulse that has passed before it returns from the end after about {:.3} ms: add a second gauge to separate overlapping waves, \
+                     or use a shorter striker or a gauge farther from the end",
                     1e3 * way
                 ),
             )
@@ -149,16 +149,16 @@ impl Passages {
             RodlabError::request(
                 "records",
                 format!("a record of {:.3} ms", ms(history.len())),
-                format!("one to the end of the reflected pulse, {needed} ms"),
+                format!("one up to the end of the reflected pulse, {needed} ms"),
             )
         };
         let Some(front) = front else {
             let due = first as f64 / self.rate_hz + (1.0 + GUESS) * way;
             if history.len() as f64 / self.rate_hz < due {
-                return Err(short(format!("after some {:.3}", 1e3 * due)));
+                return Err(short(format!("about {:.3}", 1e3 * due)));
             }
             return Err(overlap(
-                "at which no pulse of the other sign comes back".to_owned(),
+                "at which no pulse of the opposite sign returns".to_owned(),
             ));
         };
         let apart = front - first;
@@ -167,7 +167,7 @@ impl Passages {
             || (apart as f64 / self.rate_hz / way - 1.0).abs() > GUESS
         {
             return Err(overlap(format!(
-                "at which the pulse lasts {:.3} ms and turns its sign {:.3} ms after its front",
+                "at which the pulse lasts {:.3} ms and changes sign {:.3} ms after its front",
                 ms(end - first),
                 ms(apart)
             )));
@@ -181,7 +181,7 @@ impl Passages {
         let (from, back) = (first.saturating_sub(margin), front.saturating_sub(margin));
         if end + margin >= from + length {
             return Err(overlap(format!(
-                "at which the wave from the struck end comes {:.3} ms after the reflected front, in a pulse of {:.3} ms",
+                "at which the wave from the struck end arrives {:.3} ms after the reflected front, within a pulse of {:.3} ms",
                 1e3 * until_next / self.rate_hz,
                 ms(end - first)
             )));
@@ -267,11 +267,11 @@ fn at_rest(
         Some(first) if noise <= OF_PULSE * peak => Err(RodlabError::request(
             "silent",
             format!(
-                "`{}`, which gauges[{at}] leaves after {:.4} ms",
+                "`{}`, but the pulse begins at gauges[{at}] after {:.4} ms",
                 sheet.silent,
                 1e3 * first as f64 / rate_hz
             ),
-            "a silence that ends before the pulse: noise and level at rest are found there; record with a longer pre-trigger if there is none",
+            "a silence that ends before the pulse: noise and level at rest are determined there; if there is none, record with a longer pre-trigger",
         )),
         _ => Err(RodlabError::request(
             "silent",

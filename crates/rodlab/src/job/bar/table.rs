@@ -120,7 +120,7 @@ pub(super) fn in_words(lines: &[Line]) -> Result<Option<String>, RodlabError> {
     };
     let [damping, _, speed] = line.half_widths()?;
     Ok(Some(format!(
-        "Waves of {} run at {} m/s ± {} m/s and have the damping coefficient {} 1/m ± {} 1/m (95 %).",
+        "Waves at {} travel at {} m/s ± {} m/s and have a damping coefficient of {} 1/m ± {} 1/m (95 %).",
         hertz(line.frequency_hz),
         significant(line.phase_velocity(), 5),
         significant(speed, 2),

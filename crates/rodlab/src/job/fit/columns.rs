@@ -191,7 +191,7 @@ pub(super) fn read(sheet: &FitSheet, context: &JobContext<'_>) -> Result<Read, R
                     what: file.path.clone(),
                     accepted: false,
                     reasons: vec![format!(
-                        "{growing} row(s) before the load was held, or beyond `times`"
+                        "{growing} row(s) before the load was held, or outside `times`"
                     )],
                 });
             }
@@ -206,7 +206,7 @@ pub(super) fn read(sheet: &FitSheet, context: &JobContext<'_>) -> Result<Read, R
         }
         if let Some((path, line)) = beyond.first() {
             read.warnings.push(format!(
-                "Behind the rows of {} there is more that is no row of numbers, left out: {line}.",
+                "The rows of {} are followed by text that is not a row of numbers and was ignored: {line}.",
                 if beyond.len() == 1 {
                     path.clone()
                 } else {
@@ -347,7 +347,7 @@ fn abscissae(
         return refused(
             field,
             "stated for a modulus over frequency",
-            "a modulus over time beside it: `Relaxation`, `Creep` or `CreepModulus`",
+            "a modulus over time: `Relaxation`, `Creep` or `CreepModulus`",
         );
     }
     match (&table.frequency, &table.angular_frequency, &table.time) {
@@ -370,7 +370,7 @@ fn abscissae(
         }
         (frequency, omega, _) if is_over_time => {
             let found = if frequency.is_some() || omega.is_some() {
-                "a frequency, beside a modulus over time"
+                "a frequency, for a modulus over time"
             } else {
                 "missing"
             };
@@ -382,7 +382,7 @@ fn abscissae(
         }
         (both, ..) => {
             let found = if both.is_some() {
-                "beside `angular_frequency`"
+                "stated together with `angular_frequency`"
             } else {
                 "missing"
             };

@@ -110,8 +110,8 @@ pub(super) fn covariances(
         if ratio.to_string().contains('%') {
             return Err(RodlabError::request(
                 file.place(&format!("errors.{field}")),
-                format!("`{ratio}`, which may be a part of it or an amount"),
-                format!("an amount, such as {example}"),
+                format!("`{ratio}`, which may be relative or absolute"),
+                format!("an absolute value, such as {example}"),
             ));
         }
         Ok(ratio.si())
@@ -163,7 +163,7 @@ fn of_columns(
             Some(row) => Err(RodlabError::request(
                 file.place_of(&field, row),
                 "a standard error that is not above 0",
-                "one above 0: a fit weighs by it",
+                "one above 0: the fit weights by it",
             )),
         }
     };
@@ -436,7 +436,7 @@ pub(super) fn judge_losses(outcome: &mut Outcome, steps: &[Step]) {
     }
     if let Some(first) = negative.first() {
         outcome.doubt(format!(
-            "the loss modulus is negative in {} row(s), first in {first}, as that of no passive material is",
+            "the loss modulus is negative in {} row(s), first in {first}, which is impossible for a passive material",
             negative.len()
         ));
     }
@@ -458,7 +458,7 @@ pub(super) fn judge_rises(outcome: &mut Outcome, steps: &[Step]) {
     }
     if let Some(first) = rising.first() {
         outcome.doubt(format!(
-            "the modulus rises with time in {} test(s), first at {first}, as that of no relaxing material does",
+            "the modulus rises with time in {} test(s), first at {first}, which is impossible for a relaxing material",
             rising.len()
         ));
     }

@@ -70,7 +70,7 @@ fn over_time(found: &Found<'_>) -> Figure {
     let modulus = Axis::logarithmic(format!("{} over time", found.symbol()), unit);
     let panel = Panel::new(Axis::logarithmic("time", "s"), modulus, marks);
     Figure {
-        caption: "As they stand in the tables: E(t) of relaxation, 1/J(t) of creep, from the start of the load.".to_owned(),
+        caption: "As given in the tables: E(t) of relaxation, 1/J(t) of creep, from the start of the load.".to_owned(),
         ..Figure::new("over_time", "Moduli over time as measured", vec![panel])
     }
 }
@@ -131,9 +131,9 @@ fn moduli(found: &Found<'_>) -> Figure {
     let panels = vec![panel("'", storage), panel("''", loss)];
     Figure {
         caption: if found.sweep.is_some() {
-            "Lines: the series of the master curve at the shift of each temperature.".to_owned()
+            "Lines: the series of the master curve, shifted to each temperature.".to_owned()
         } else {
-            "As they stand in the tables.".to_owned()
+            "As given in the tables.".to_owned()
         },
         ..Figure::new("moduli", "Moduli as measured", panels)
     }
@@ -172,8 +172,8 @@ fn black_diagram(found: &Found<'_>) -> Figure {
     ];
     Figure {
         caption: format!(
-            "Loss angle over |{symbol}| (Black), loss factor over {symbol}' (wicket) and {symbol}'' over {symbol}' (Cole and Cole): shifts in \
-             frequency do not move a point here. Temperatures that do not lie on one line make no single curve by shifts in frequency alone."
+            "Loss angle over |{symbol}| (Black), loss factor over {symbol}' (wicket) and {symbol}'' over {symbol}' (Cole and Cole): a shift in \
+             frequency does not move a point here. Temperatures whose points do not fall on one line do not form a single curve by shifts in frequency alone."
         ),
         ..Figure::new(
             "black_diagram",
@@ -277,8 +277,8 @@ fn master_curve(found: &Found<'_>, sweep: &Sweep, series: &[(f64, PredictedModul
     let reference = super::steps::celsius(curve.reference_temperature);
     Figure {
         caption: if found.has_times() {
-            "Rows of all temperatures at their reduced times, each temperature with the series and its own ramp, and over frequency what the \
-             series says there."
+            "Rows of all temperatures at their reduced times, each temperature with the series for its own ramp, and over frequency the \
+             prediction of the series."
         } else {
             "Lines of all temperatures at their reduced frequencies, with the series that is fitted to all together."
         }

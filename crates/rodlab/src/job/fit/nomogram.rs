@@ -75,7 +75,7 @@ pub(super) fn nomogram(
             if is_one {
                 ""
             } else {
-                " The modulus is that at the reference temperature: at another it is multiplied by the factor of that temperature."
+                " The modulus is that at the reference temperature: at another one, multiply it by the factor of that temperature."
             }
         ),
         ..Figure::new(

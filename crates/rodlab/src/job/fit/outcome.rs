@@ -33,9 +33,9 @@ pub(super) fn errors_in_words(outcome: &mut Outcome, shifted: &Shifted) {
             )
         };
         outcome.warnings.push(format!(
-            "No errors of the moduli are stated: all rows are weighed by |E|{unequal}, temperatures are joined where they agree within {} of it, and \
+            "No errors of the moduli are stated: all rows are weighted by |E|{unequal}, temperatures are joined where they agree within {} of it, and \
              the errors of the results are from the scatter about the fit. State `errors` of the tables if they are known: without them \
-             chi-square cannot say whether a law or one curve holds.",
+             chi-square cannot test a law or the single curve.",
             percent(assumed)
         ));
     }
@@ -74,7 +74,7 @@ pub(super) fn of_laws(outcome: &mut Outcome, found: &Found<'_>, comparison: Opti
         .extend(comparison.map(super::tables::parameters));
     if found.error_scale == ErrorScale::Stated && best.p_value() < CHANCE {
         outcome.warnings.push(format!(
-            "No law explains the moduli within their stated errors: chi-square of the preferred one ({}) is {} for {} degrees of freedom.",
+            "No law explains the moduli within their stated errors: chi-square of the preferred one ({}) is {} with {} degrees of freedom.",
             best.law.law(),
             significant(best.chi_squared, 3),
             best.degrees_of_freedom
@@ -134,7 +134,7 @@ fn of_sweep(outcome: &mut Outcome, found: &Found<'_>, sweep: &Sweep) {
     outcome.summary.insert(
         0,
         format!(
-            "One curve at {} from {} of {} temperatures ({} to {}), over {} decades of reduced {}, leaves {} of |{}|.",
+            "One curve at {} from {} of {} temperatures ({} to {}), over {} decades of reduced {}, with a residual of {} of |{}|.",
             celsius(reference),
             curve.shifts.len(),
             found.steps.len(),
@@ -150,7 +150,7 @@ fn of_sweep(outcome: &mut Outcome, found: &Found<'_>, sweep: &Sweep) {
         && (wanted.si() - reference).abs() > NEAR_REFERENCE
     {
         outcome.warnings.push(format!(
-            "No step is at {wanted}: the reference is the nearest, at {}.",
+            "No step is at {wanted}: the nearest one, at {}, is the reference.",
             celsius(reference)
         ));
     }
@@ -168,7 +168,7 @@ fn of_sweep(outcome: &mut Outcome, found: &Found<'_>, sweep: &Sweep) {
     if !curve.unconnected.is_empty() {
         let all: Vec<String> = curve.unconnected.iter().map(|t| celsius(*t)).collect();
         outcome.doubt(format!(
-            "{} of {} temperatures do not join the curve, because neighbours overlap nowhere within their errors: {}; state \
+            "{} of {} temperatures do not join the curve, because they do not overlap their neighbours within the errors: {}; state \
              `stated_shifts`, larger errors or a narrower band",
             all.len(),
             found.steps.len(),
@@ -212,7 +212,10 @@ fn quantities(outcome: &mut Outcome, found: &Found<'_>, sweep: &Sweep) {
         "residual of the master curve",
         "%",
         100.0 * residual(curve),
-        format!("root mean square over {} lines, of |E|", curve.points.len()),
+        format!(
+            "root mean square over {} lines, relative to |E|",
+            curve.points.len()
+        ),
     );
     let middle = found
         .steps
@@ -252,7 +255,7 @@ fn quantities(outcome: &mut Outcome, found: &Found<'_>, sweep: &Sweep) {
             value: Some(value),
             standard_error: error,
             valid: error.is_some(),
-            verdict: "by the master curve, within its band".to_owned(),
+            verdict: "from the master curve, within its band".to_owned(),
         });
     }
 }
@@ -261,7 +264,7 @@ fn quantities(outcome: &mut Outcome, found: &Found<'_>, sweep: &Sweep) {
 fn one_curve(outcome: &mut Outcome, found: &Found<'_>, curve: &MasterCurve) {
     let fit = &curve.fit;
     let chi = format!(
-        "chi-square {} for {} degrees of freedom",
+        "chi-square {} with {} degrees of freedom",
         significant(fit.chi_squared, 4),
         fit.degrees_of_freedom
     );
@@ -278,14 +281,14 @@ fn one_curve(outcome: &mut Outcome, found: &Found<'_>, curve: &MasterCurve) {
         });
         if p < CHANCE {
             outcome.doubt(format!(
-                "the temperatures make no single curve within the stated errors: {chi}"
+                "the temperatures do not form a single curve within the stated errors: {chi}"
             ));
         }
     }
     if !white {
         outcome.warnings.push(format!(
-            "What the master curve leaves over is no noise ({}): the curves of the temperatures differ in form, or the instrument has an \
-             error that depends on frequency. The errors of shifts and parameters are too small then.",
+            "The residual of the master curve is not noise ({}): the curves of the temperatures differ in shape, or the instrument has an \
+             error that depends on frequency. The errors of shifts and parameters are then too small.",
             fit.whiteness
         ));
     }
@@ -296,7 +299,7 @@ fn one_curve(outcome: &mut Outcome, found: &Found<'_>, curve: &MasterCurve) {
         .count();
     if scaled > 0 {
         outcome.warnings.push(format!(
-            "Without factors of the modulus the temperatures make no single curve: {scaled} were estimated beside the shifts."
+            "Without factors of the modulus the temperatures do not form a single curve: {scaled} were estimated in addition to the shifts."
         ));
     }
     let open: Vec<String> = curve
@@ -307,7 +310,7 @@ fn one_curve(outcome: &mut Outcome, found: &Found<'_>, curve: &MasterCurve) {
         .collect();
     if !open.is_empty() {
         outcome.warnings.push(format!(
-            "The shifts at {} are not identified: their curves are too flat. They have no part in the laws of the shifts.",
+            "The shifts at {} are not identified: their curves are too flat. They are not used for the laws of the shifts.",
             open.join(", ")
         ));
     }
@@ -343,7 +346,7 @@ fn falling(outcome: &mut Outcome, curve: &MasterCurve) {
     });
     if !rises.is_empty() {
         outcome.doubt(format!(
-            "the shifts do not fall with temperature from {}: relaxation would be slower at the higher one",
+            "the shifts do not fall with temperature from {}: relaxation would be slower at the higher temperature",
             rises.join(", ")
         ));
     }
@@ -357,7 +360,7 @@ fn of_shift_laws(outcome: &mut Outcome, own: &ShiftLaws, by_scatter: Option<&Shi
     let constants = wlf.constants_are_identified();
     let verdict = match (is_wlf, constants) {
         (false, _) => format!(
-            "the shifts differ from the law by more than their errors, chi-square {} for {} degrees of freedom; fitted with equal errors \
+            "the shifts differ from the law by more than their errors, chi-square {} with {} degrees of freedom; fitted with equal errors \
              of all shifts",
             significant(own.wlf.chi_squared, 3),
             own.wlf.degrees_of_freedom
@@ -392,7 +395,7 @@ fn of_shift_laws(outcome: &mut Outcome, own: &ShiftLaws, by_scatter: Option<&Shi
             verdict
         } else {
             format!(
-                "refused against WLF, probability {}",
+                "rejected in favour of WLF, probability {}",
                 significant(laws.arrhenius_p_value, 2)
             )
         },
@@ -401,19 +404,19 @@ fn of_shift_laws(outcome: &mut Outcome, own: &ShiftLaws, by_scatter: Option<&Shi
     let slope = wlf.slope / LN_10;
     outcome.summary.push(if is_arrhenius && is_wlf {
         format!(
-            "The shifts are those of Arrhenius: {} kJ/mol ± {}.",
+            "The shifts follow Arrhenius: {} kJ/mol ± {}.",
             significant(1e-3 * arrhenius.activation_energy, 4),
             significant(1e-3 * arrhenius.standard_error, 2)
         )
     } else {
         format!(
             "The shifts follow WLF with C1 = {} ± {} and C2 = {} K ± {} K{}; log a falls by {} per K at the reference. The \
-             probability of Arrhenius against it is {}.",
+             probability of Arrhenius compared with it is {}.",
             significant(wlf.c1, 4),
             significant(wlf.c1_standard_error, 2),
             significant(wlf.c2, 4),
             significant(wlf.c2_standard_error, 2),
-            if is_wlf { "" } else { ", with equal errors of all shifts and not within their own" },
+            if is_wlf { "" } else { ", with equal errors of all shifts, not within their own errors" },
             short(slope),
             significant(laws.arrhenius_p_value, 2),
         )

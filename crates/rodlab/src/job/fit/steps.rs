@@ -161,7 +161,7 @@ pub(super) fn of(
             return Err(RodlabError::request(
                 "steps",
                 format!(
-                    "two steps at {}, as of {} and {}",
+                    "two steps at {}, from {} and {}",
                     a.in_words(),
                     a.rows.first().map_or("", |row| &row.place),
                     b.rows.first().map_or("", |row| &row.place)
@@ -172,8 +172,8 @@ pub(super) fn of(
     }
     if let Some(step) = widest {
         outcome.warnings.push(format!(
-            "The temperatures of a step differ by up to {} K, from {} to {} context {}: a step counts at its mean, and the drift is in no \
-             error.",
+            "The temperatures of a step differ by up to {} K, from {} to {} around {}: the mean of a step is used, and no error \
+             includes the drift.",
             short(step.range.1 - step.range.0),
             celsius(step.range.0),
             celsius(step.range.1),
@@ -223,7 +223,7 @@ fn check(step: &Step) -> Result<(), RodlabError> {
             return Err(RodlabError::request(
                 format!("tables, at {}", step.in_words()),
                 format!("two rows at {} ({} and {})", a.abscissa(), a.place, b.place),
-                "each frequency, or time, once in a step: tests that were repeated are sheets of their own",
+                "each frequency or time once per step: evaluate repeated tests in separate sheets",
             ));
         }
     }
@@ -235,7 +235,7 @@ fn check(step: &Step) -> Result<(), RodlabError> {
                 step.rows.len(),
                 step.rows.first().map_or("", |row| &row.place)
             ),
-            format!("at least {FEWEST} frequencies, or times, of each temperature"),
+            format!("at least {FEWEST} frequencies or times for each temperature"),
         ));
     }
     Ok(())
@@ -271,7 +271,7 @@ pub(super) fn thinned(steps: Vec<Step>, most: usize, outcome: &mut Outcome) -> V
     let steps: Vec<Step> = steps.into_iter().map(thinned).collect();
     let used: usize = steps.iter().map(|step| step.rows.len()).sum();
     let evenly = if has_times {
-        "those over time evenly in its logarithm"
+        "those over time evenly spaced in its logarithm"
     } else {
         "evenly chosen at each temperature"
     };

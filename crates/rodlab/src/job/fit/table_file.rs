@@ -51,7 +51,7 @@ impl TableFile {
                     "{path}, a file in the format {}",
                     format.unwrap_or_default()
                 ),
-                "a table in text, such as one that is saved as CSV",
+                "a text table, such as one saved as CSV",
             ));
         }
         let options = CsvOptions::default();
@@ -175,7 +175,7 @@ impl TableFile {
         if let Some(row) = values.iter().position(|value| !value.is_finite()) {
             return Err(RodlabError::request(
                 self.place_of(field, row),
-                format!("no finite number in the column `{}`", column.name),
+                format!("not a finite number in the column `{}`", column.name),
                 "a finite number in every row",
             ));
         }

@@ -406,7 +406,7 @@ fn series(sweep: &Sweep) -> Option<Table> {
                         if determined {
                             "identified"
                         } else {
-                            "not by itself"
+                            "not identified by itself"
                         }
                         .to_owned()
                     })

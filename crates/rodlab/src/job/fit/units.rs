@@ -168,7 +168,7 @@ pub(super) fn of(
             let found = if written.is_empty() {
                 format!("`{name}`, a column without a unit")
             } else {
-                format!("`{name}`, a column in [{written}], which is no known unit")
+                format!("`{name}`, a column in [{written}], which is not a known unit")
             };
             Err(RodlabError::request(
                 place,

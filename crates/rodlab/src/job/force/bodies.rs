@@ -295,8 +295,8 @@ fn read_assembly(
     if body.front_impedance().is_none() {
         return Err(RodlabError::request(
             field,
-            format!("no impedance of the front of \"{}\"", sheet.face),
-            "a struck member that is computed, or its `front_impedance` stated",
+            format!("without the front impedance of \"{}\"", sheet.face),
+            "a computed struck member, or a statement of its `front_impedance`",
         ));
     }
     Ok(FaceBody::Assembly {
@@ -374,9 +374,9 @@ fn read_measured(
     outcome.by_default(format!("{field}.delay_uncertainty"), "none");
     outcome.by_default(
         format!("{field}.causal"),
-        "what stands ahead of the impulse is left",
+        "what precedes the impulse is kept",
     );
-    outcome.by_default(format!("{field}.passive"), "real parts below 0 are left");
+    outcome.by_default(format!("{field}.passive"), "real parts below 0 are kept");
     if place != Place::Transfer {
         let before = outcome.summary.len();
         let (quantities, warnings) = (outcome.quantities.len(), outcome.warnings.len());
@@ -425,7 +425,7 @@ const MOVED: f64 = 2.0;
 /// States by how much a projection onto causal or passive bodies has changed the lines.
 fn tell_change(change: &LineChange, onto: Projection, field: &str, outcome: &mut Outcome) {
     let lines = format!(
-        "{} lines moved, by {:.2} % of the mobility together",
+        "{} lines changed, by {:.2} % of the mobility in total",
         change.n_lines,
         100.0 * change.relative
     );
@@ -439,11 +439,11 @@ fn tell_change(change: &LineChange, onto: Projection, field: &str, outcome: &mut
     };
     let holds = by_end || change.in_errors.is_none_or(|moved| moved <= MOVED);
     let mut verdict = match change.largest {
-        None => format!("{lines}; no errors of the lines to judge it by"),
-        Some((_, most)) => format!("{lines}; one line by {most:.1} of its standard errors"),
+        None => format!("{lines}; the lines have no errors to judge it by"),
+        Some((_, most)) => format!("{lines}; one line by as much as {most:.1} standard errors"),
     };
     if by_end {
-        verdict.push_str(", with what the end of the lines smears ahead of the impulse");
+        verdict.push_str(", including what the end of the lines smears ahead of the impulse");
     }
     if !holds {
         outcome.doubt(format!(

@@ -87,7 +87,7 @@ impl Replacement for Draws<'_> {
                 RodlabError::request(
                     field,
                     format!("{stated}, of which a draw is out of range: {error}"),
-                    "an uncertainty that is small against the value",
+                    "an uncertainty that is small compared with the value",
                 )
             })
     }

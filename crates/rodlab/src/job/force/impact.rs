@@ -26,7 +26,7 @@ pub(super) fn run(
         return Err(RodlabError::request(
             "problem.contact",
             sheet.contact.in_words(),
-            "`Rigid`, or the `front_impedance` of the measured bodies: a contact that gives way is marched in time",
+            "`Rigid`, or the `front_impedance` of the measured bodies: a compliant contact is marched in time",
         ));
     }
     if let (false, Some(step)) = (marched, &sheet.time_step) {
@@ -64,9 +64,9 @@ pub(super) fn run(
             outcome.tables.push(lines.until_the_faces_part());
             outcome.summary.extend(lines.answer(sheet));
             outcome.warnings.push(
-                "No `front_impedance` is stated of a measured body, and its lines do not tell what it does above them: there is no force by marching in time, no \
-                 force without a limit to the band, and nothing after the first contact. It is the area of the face times the square root of modulus and density \
-                 at high frequency, stated with its ±."
+                "No `front_impedance` is stated for a measured body, and its lines do not show its behaviour above them: there is no force by marching in time, no \
+                 force without a limit to the band, and nothing after the first contact. The front impedance is the area of the face times the square root of \
+                 modulus times density at high frequency; state it with its ±."
                     .to_owned(),
             );
         }
@@ -82,7 +82,7 @@ pub(super) fn run(
         .is_none()
     {
         outcome.warnings.push(
-            "No uncertainty of the velocity is stated: it is in no error of the force, and the relative error of the force is at least that of the velocity."
+            "No uncertainty of the velocity is stated: no error of the force includes it, and the relative error of the force is at least that of the velocity."
                 .to_owned(),
         );
     }
@@ -139,7 +139,7 @@ fn answer(sheet: &ImpactSheet, march: &UncertainPrediction, outcome: &mut Outcom
     let in_band = march.limited.smooth_peak();
     let band_khz = impact_march::khz(march.band.upper_hz());
     outcome.summary.push(format!(
-        "In the band up to {band_khz} kHz the force comes to {:.1} N{} at {:.4} ms, at an impact velocity of {}.",
+        "In the band up to {band_khz} kHz the peak force is {:.1} N{} at {:.4} ms, at an impact velocity of {}.",
         in_band.force,
         stated(error(&|e| e.limited_peak), "N", 1.0, 2),
         1e3 * in_band.time,
@@ -147,12 +147,12 @@ fn answer(sheet: &ImpactSheet, march: &UncertainPrediction, outcome: &mut Outcom
     ));
     outcome.summary.push(match march.first_force {
         FirstForce::Unbounded => {
-            "Without a limit to the band the first force has no bound: the impedance of a face grows with frequency without end, and the force of the first \
+            "Without a limit to the band the first force is unbounded: the impedance of a face grows without limit with frequency, and the force of the first \
              step depends on the step."
                 .to_owned()
         }
         _ => format!(
-            "Without a limit to the band it comes to {:.1} N{} at {:.4} ms.",
+            "Without a limit to the band it is {:.1} N{} at {:.4} ms.",
             numbers.peak.unwrap_or(f64::NAN),
             stated(error(&|e| e.peak), "N", 1.0, 2),
             1e3 * numbers.time_of_peak.unwrap_or(f64::NAN),
@@ -163,7 +163,7 @@ fn answer(sheet: &ImpactSheet, march: &UncertainPrediction, outcome: &mut Outcom
     let plural = if counting == 1 { "" } else { "s" };
     let pressing = prediction.flags.contains(&PredictionFlag::StillInContact);
     outcome.summary.push(if pressing {
-        format!("The last of {counting} contact{plural} with more than a thousandth of the impulse lasts at the end: the faces still press.")
+        format!("The last of {counting} contact{plural} with more than a thousandth of the impulse has not ended: the faces are still in contact.")
     } else {
         format!(
             "The last of {counting} contact{plural} with more than a thousandth of the impulse ends at {:.4} ms{}.",
@@ -174,9 +174,9 @@ fn answer(sheet: &ImpactSheet, march: &UncertainPrediction, outcome: &mut Outcom
     let balance = prediction.balance();
     let restitution = match balance.restitution {
         _ if pressing => {
-            "the faces still press, so that there is no coefficient of restitution".to_owned()
+            "the faces are still in contact, so there is no coefficient of restitution".to_owned()
         }
-        None => "neither body is free, so that there is no coefficient of restitution".to_owned(),
+        None => "neither body is free, so there is no coefficient of restitution".to_owned(),
         Some(e) => format!("the coefficient of restitution is {e:.4}"),
     };
     outcome.summary.push(format!(

@@ -95,7 +95,7 @@ fn force(march: &UncertainPrediction, on_lines: Option<&OnLines>) -> Result<Figu
         ..Panel::new(("time", "ms"), ("force", "N"), marks)
     };
     Ok(Figure {
-        caption: "Positive in compression. Where it is grey the faces are apart. The band ends where its Gaussian low-pass is 3 dB down.".to_owned(),
+        caption: "Positive in compression. The faces are apart in the grey intervals. The band ends where its Gaussian low-pass is 3 dB down.".to_owned(),
         ..Figure::new("force", "Impact force", vec![panel])
     })
 }
@@ -154,13 +154,13 @@ fn energies(march: &UncertainPrediction) -> Figure {
     }
     let momentum = Mark::curve("", Role::First, &time, found.impulse);
     Figure {
-        caption: "In the frame in which the second body is at rest before. The energies of a free first body add up to what it had.".to_owned(),
+        caption: "In the frame in which the second body is at rest before the impact. If the first body is free, all energies add up to its energy before the impact.".to_owned(),
         ..Figure::new(
             "energies",
-            "Where energy and momentum are",
+            "Energy and momentum over time",
             vec![
                 panel(("energy", "J"), marks),
-                panel(("momentum given", "N s"), vec![momentum]),
+                panel(("momentum transferred", "N s"), vec![momentum]),
             ],
         )
     }
@@ -185,10 +185,10 @@ fn sources(march: &UncertainPrediction) -> Option<Figure> {
     let all = march.limited_errors()?;
     marks.push(Mark::curve("all", Role::Reference, &time, all));
     Some(Figure {
-        caption: "Standard errors of the force in the band by each source alone; they add up as squares. The numerical error has the step and, of measured bodies, what their lines do not tell.".to_owned(),
+        caption: "Standard errors of the force in the band by each source alone; their squares add up. The numerical error includes that of the step and, for measured bodies, that of what their lines do not determine.".to_owned(),
         ..Figure::new(
             "sources",
-            "What the band of the force is made of",
+            "Contributions to the band of the force",
             vec![Panel {
                 greyed: apart(march),
                 ..Panel::new(("time", "ms"), ("standard error", "N"), marks)
@@ -246,7 +246,7 @@ fn stick(lines: &OnLines, until: f64) -> Figure {
     let of = |values: &[f64]| -> Vec<f64> { shown.iter().map(|n| values[*n]).collect() };
     let mut marks = Vec::new();
     let mut caption =
-        "By the Fourier transform on lines. Where it is negative the faces would have to pull."
+        "From the Fourier transform on lines. Where the force is negative, the faces would have to pull on each other."
             .to_owned();
     if let Some(bands) = &lines.bands {
         let percent = 100.0 * bands.level;

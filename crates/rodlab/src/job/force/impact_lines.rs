@@ -105,7 +105,7 @@ pub(super) fn on_lines(
     let stick = problem.solve().map_err(refused)?;
     if let impulse::Settlement::Unsettled { relative_level } = stick.settlement {
         outcome.warnings.push(format!(
-            "The stick force on lines has not died out within its period: {relative_level:.2e} of the peak is left, and has come round."
+            "The stick force on lines has not died out within its period: {relative_level:.2e} of the peak remains and has wrapped around."
         ));
     }
     let uncertainty = StickUncertainty {
@@ -151,9 +151,9 @@ pub(super) fn on_lines(
         }
     }
     let about_errors = if !matches!(sheet.contact, ContactSheet::Rigid) {
-        "no error: the contact gives way, and the stick force is that of faces that do not"
+        "no error: the contact is compliant, and the stick force is that of a rigid contact"
     } else if draws.n_drawn > 0 {
-        "no error: the ± of a computed body is not followed to the force on lines"
+        "no error: the ± of a computed body is not propagated to the force on lines"
     } else if !anything {
         "no error: nothing is stated with ±"
     } else {
@@ -219,7 +219,7 @@ fn grid(sheet: &ImpactSheet, bodies: [&FaceBody; 2]) -> Result<Option<(f64, usiz
                 return Err(RodlabError::request(
                     field,
                     other.map_or("not stated".to_owned(), |n| n.to_string()),
-                    "an even number from 4 on, as 2048",
+                    "an even number of at least 4, such as 2048",
                 ));
             }
         };
@@ -371,7 +371,7 @@ impl OnLines {
             error.map_or_else(String::new, |error| format!(" ± {error:.digits$} {unit}"))
         };
         let roll_off = self.roll_off_from_hz.map_or_else(String::new, |from| {
-            format!(", rolled off from {} kHz on", khz(from))
+            format!(", rolled off from {} kHz", khz(from))
         });
         let (end, end_error) = self.end();
         let parted = end.map_or_else(
@@ -392,7 +392,7 @@ impl OnLines {
         });
         vec![
             format!(
-                "On lines up to {} kHz{roll_off} the force comes to {:.1} N{} at {:.4} ms, at an impact velocity of {}.",
+                "On lines up to {} kHz{roll_off} the peak force is {:.1} N{} at {:.4} ms, at an impact velocity of {}.",
                 khz(self.highest_hz),
                 peak.force,
                 stated(self.error_at(peak.time), "N", 2),
@@ -432,7 +432,7 @@ impl OnLines {
                 standard_error: self.impulse_error(),
                 valid: settled && self.impulse.is_some(),
                 verdict: in_words(
-                    "of the first contact, by the force on lines, extrapolated from half the band and all of it to no limit",
+                    "of the first contact, from the force on lines, extrapolated from half the band and the whole band to one without a limit",
                 ),
             });
         }
@@ -442,11 +442,11 @@ impl OnLines {
             (_, None) => self.about_errors.to_owned(),
             (_, Some(end)) => match end.verdict {
                 EndVerdict::Linear => {
-                    "zero of the force on lines, which is straight within two standard errors of it"
+                    "zero of the force on lines, which is a straight line within two standard errors of the zero"
                         .to_owned()
                 }
                 EndVerdict::Curved { deviation } => format!(
-                    "the force bends by {deviation:.1} standard errors near its zero: see the limits by draws"
+                    "the force deviates from a straight line by {deviation:.1} standard errors near its zero: see the limits by draws"
                 ),
                 EndVerdict::MayEndEarlier { time, probability } => format!(
                     "the faces may have parted at {:.4} ms already, with a probability of {probability:.3}",
@@ -482,7 +482,7 @@ impl OnLines {
                 standard_error: None,
                 valid: below.is_some() && bands.draws.without_end == 0,
                 verdict: format!(
-                    "of {} draws, {} of which do not part",
+                    "from {} draws, in {} of which the faces do not part",
                     ends.len() + bands.draws.without_end,
                     bands.draws.without_end
                 ),

@@ -190,7 +190,7 @@ fn drawn_bodies(
 pub(super) fn in_words(spread: Option<&Spread>) -> String {
     match spread {
         Some(spread) => format!(
-            "by {} marches with everything drawn that is stated with ±, and with half the step",
+            "from {} marches with draws of everything stated with ±, and from half the step",
             spread.n_draws
         ),
         None => "nothing is stated with ±".to_owned(),

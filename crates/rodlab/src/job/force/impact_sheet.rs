@@ -108,10 +108,10 @@ impl ContactSheet {
 
     pub(super) fn in_words(&self) -> &'static str {
         match self {
-            Self::Rigid => "faces that do not give way",
+            Self::Rigid => "a rigid contact",
             Self::Linear(_) => "a spring",
             Self::FlatPunch { .. } => "the face of a thin rod on a wide body",
-            Self::Sphere { .. } => "a spherical face on a plane one",
+            Self::Sphere { .. } => "a spherical face on a plane face",
             Self::Table(_) => "a measured law",
         }
     }

@@ -34,11 +34,11 @@ pub(super) fn quantities(march: &UncertainPrediction, outcome: &mut Outcome) {
     let band = format!("in the band up to {} kHz", khz(march.band.upper_hz()));
     let peak = match march.first_force {
         FirstForce::Unbounded => {
-            format!("{band}: without a limit to it the first force has no bound")
+            format!("{band}: without a limit to it the first force is unbounded")
         }
         FirstForce::Jump(jump) => {
             format!(
-                "without a limit to the band; the faces meet with the plane-wave value {jump:.1} N"
+                "without a limit to the band; the force jumps to the plane-wave value {jump:.1} N when the faces meet"
             )
         }
         _ => "without a limit to the band".to_owned(),
@@ -49,7 +49,7 @@ pub(super) fn quantities(march: &UncertainPrediction, outcome: &mut Outcome) {
         let error = errors.as_ref().and_then(of).filter(|error| *error > 0.0);
         let why = match (value, valid) {
             (None, _) => "not defined for these bodies".to_owned(),
-            (_, false) => "of an impact that is not over: follow it longer".to_owned(),
+            (_, false) => "the impact is not over: increase `problem.duration`".to_owned(),
             _ if error.is_some() => format!("{about}; error {about_errors}"),
             _ => format!("{about}; no error: {}", no_error(march, name)),
         };
@@ -127,7 +127,7 @@ pub(super) fn quantities(march: &UncertainPrediction, outcome: &mut Outcome) {
         "numerical error of the peak force in the band",
         "N",
         march.numerical_numbers.limited_peak,
-        "by half the step and, of measured bodies, by what their lines do not tell; part of its standard error",
+        "from half the step and, for measured bodies, from what their lines do not determine; part of its standard error",
     );
     plain(
         "energy residual",
@@ -144,7 +144,7 @@ fn no_error(march: &UncertainPrediction, name: &str) -> &'static str {
         Some(_) if name == "end of the last contact" => {
             "the number of contacts differs from draw to draw"
         }
-        Some(_) => "it does not depend on what is stated with ±, or not every draw has it",
+        Some(_) => "it does not depend on anything stated with ±, or some draws have no value",
     }
 }
 

@@ -24,7 +24,7 @@ pub(super) fn run(
     context: &JobContext<'_>,
     outcome: &mut Outcome,
 ) -> Result<(), RodlabError> {
-    let why = "the error of the force by that of a calibration is not followed";
+    let why = "the error of a calibration is not propagated to the force";
     sheet
         .record
         .refuse_uncertain_calibrations("problem.record", why)?;
@@ -89,7 +89,7 @@ pub(super) fn run(
         refuse(
             outcome,
             format!(
-                "none of {} hits of the record is accepted: the log says why",
+                "none of {} hits of the record is accepted: the log states why",
                 found.n_found()
             ),
         );
@@ -114,7 +114,7 @@ pub(super) fn run(
             refuse(
                 outcome,
                 format!(
-                    "{} of {} calibration hits accepted, and at least 2 are needed: the log says what is wrong with the others",
+                    "{} of {} calibration hits are accepted, and at least 2 are needed: the log states what is wrong with the others",
                     accepted.len(),
                     found.n_found()
                 ),
@@ -160,7 +160,7 @@ pub(super) fn run(
             return Err(RodlabError::request(
                 place,
                 "unknown",
-                "`White` or `FromRest`: several responses are weighed by their noise",
+                "`White` or `FromRest`: several responses are weighted by their noise",
             ));
         }
     }
@@ -169,7 +169,7 @@ pub(super) fn run(
             "problem.acting",
             "not stated",
             format!(
-                "the time span in which the force acts: by a path under an exponential window the error of the force grows by {} 1/s",
+                "the time span in which the force acts: with a path under an exponential window, the error of the force grows at a rate of {} 1/s",
                 short(window.decay_rate())
             ),
         ));
@@ -195,7 +195,7 @@ pub(super) fn run(
     };
     if !problem.further.is_empty() {
         outcome.summary.push(format!(
-            "The force explains {} responses at once, weighed by their noise; figures and tables show the first.",
+            "The force explains {} responses at once, weighted by their noise; figures and tables show the first.",
             1 + problem.further.len()
         ));
     }
@@ -266,7 +266,7 @@ fn read_blow(
             entry.what = format!("the blow: {}", entry.what);
             if !entry.accepted {
                 outcome.warnings.push(format!(
-                    "The blow is taken as it is, although the checks of hits have against it: {}.",
+                    "The blow is used as it is, although it fails checks of hits: {}.",
                     entry.reasons.join("; ")
                 ));
                 entry.accepted = true;
@@ -354,8 +354,8 @@ fn check_lines(
         if path.kind().is_err() {
             return Err(RodlabError::request(
                 format!("{place}.kind"),
-                "no response between a force and a motion",
-                "one of the six kinds",
+                "not a response between a force and a motion",
+                "one of the six kinds between a force and a motion",
             ));
         }
     }
@@ -373,7 +373,7 @@ fn check_lines(
                     first.sampling_rate_hz()
                 ),
                 format!(
-                    "{} samples at {} Hz, as the blow has",
+                    "{} samples at {} Hz, as in the blow",
                     record.n_samples(),
                     record.sampling_rate_hz()
                 ),
@@ -401,7 +401,7 @@ fn chosen(problem: &Problem<'_>, outcome: &mut Outcome) {
         say(
             "path.exponential_window",
             format!(
-                "{} 1/s, put on the response too and taken off the force",
+                "{} 1/s, also applied to the response and removed from the force",
                 short(window.decay_rate())
             ),
         );
@@ -410,8 +410,8 @@ fn chosen(problem: &Problem<'_>, outcome: &mut Outcome) {
         say(
             "noise",
             match problem.first.noise {
-                Noise::Lines(_) => "of each line, by the scatter between calibration hits",
-                _ => "estimated from what the force does not explain",
+                Noise::Lines(_) => "of each line, from the scatter between calibration hits",
+                _ => "estimated from the residual",
             }
             .to_owned(),
         );
@@ -421,7 +421,7 @@ fn chosen(problem: &Problem<'_>, outcome: &mut Outcome) {
             "acting",
             problem.acting.map_or("at any time".to_owned(), |acting| {
                 format!(
-                    "{:.4} ms to {:.4} ms, about the peak as long as the calibration hits",
+                    "{:.4} ms to {:.4} ms, around the peak, as long as the calibration hits",
                     1e3 * acting.from,
                     1e3 * acting.to
                 )

@@ -153,14 +153,14 @@ pub(super) fn tell(
     let impulse = match (solved.impulse, impulse_error) {
         (Some(impulse), Some(error)) => format!("an impulse of {impulse:.5} N s ± {error:.5} N s"),
         (Some(impulse), None) => format!("an impulse of {impulse:.5} N s"),
-        (None, _) => "an impulse that is not known: the band does not hold 0 Hz, and the time in which the force acts is not stated".to_owned(),
+        (None, _) => "an unknown impulse: the band does not contain 0 Hz, and the time in which the force acts is not stated".to_owned(),
     };
     let stated = error.map_or_else(
-        || ", with an error that is not known".to_owned(),
+        || ", with an unknown error".to_owned(),
         |error| format!(" ± {error:.2} N"),
     );
     outcome.summary.push(format!(
-        "The force comes to {:.1} N{stated} at {:.4} ms of the record, with {impulse}.",
+        "The peak force is {:.1} N{stated} at {:.4} ms of the record, with {impulse}.",
         peak.force,
         1e3 * peak.time,
     ));
@@ -177,7 +177,7 @@ pub(super) fn tell(
 fn warnings(problem: &Problem<'_>, solved: &ReconstructedForce, outcome: &mut Outcome) {
     if let ResponseEnd::CutOff { relative_level } = solved.response_end {
         outcome.warnings.push(format!(
-            "The response has not died out when the record ends: {:.1} % of the peak are left, and what is cut off appears as a force all over the record.",
+            "The response has not died out when the record ends: {:.1} % of the peak remains, and the part cut off appears as a force throughout the record.",
             100.0 * relative_level
         ));
     }
@@ -185,7 +185,7 @@ fn warnings(problem: &Problem<'_>, solved: &ReconstructedForce, outcome: &mut Ou
         && chi_square > CHI_SQUARE
     {
         outcome.doubt(format!(
-            "the force leaves {chi_square:.2} times as much unexplained as the noise does: the noise is underrated, or the body is not the one of the frequency response"
+            "the mean square residual of the response is {chi_square:.2} times that of the noise: the noise is underestimated, or the body is not the one of the frequency response"
         ));
     }
     if let RandomErrorOfForce::Estimated {
@@ -196,21 +196,21 @@ fn warnings(problem: &Problem<'_>, solved: &ReconstructedForce, outcome: &mut Ou
         && solved.relative_residual > LEAST_RESIDUAL
     {
         outcome.doubt(format!(
-            "the force leaves {:.2e} {} unexplained where the response scatters by {rest:.2e} {} before it acts: the body is not the one of the frequency response",
+            "the force leaves a residual of {:.2e} {}, although the response scatters by {rest:.2e} {} before it acts: the body is not the one of the frequency response",
             standard_deviation, problem.first.unit, problem.first.unit
         ));
     }
     if let Some(parameter) = &solved.parameter {
         match parameter.verdict {
             ChoiceVerdict::AtEnd if solved.regularisation_bias.iter().all(|bias| bias.abs() < AS_NONE * solved.history.peak().force) => outcome.warnings.push(
-                "The data ask for no regularisation, and what is chosen is as good as none.".to_owned(),
+                "The data require no regularisation, and the chosen one has practically no effect.".to_owned(),
             ),
             ChoiceVerdict::AtEnd => outcome.warnings.push(
-                "The parameter of the regularisation is at the upper end of its range: the data ask for all of it."
+                "The parameter of the regularisation is at the upper end of its range: the data require the strongest regularisation."
                     .to_owned(),
             ),
             ChoiceVerdict::NoCorner => outcome.warnings.push(
-                "The curve of the regularisation has no point to choose: the weakest was taken."
+                "The curve of the regularisation has no point to choose: the weakest one was used."
                     .to_owned(),
             ),
             _ => {}
@@ -218,7 +218,7 @@ fn warnings(problem: &Problem<'_>, solved: &ReconstructedForce, outcome: &mut Ou
     }
     if solved.silent_components > 0 {
         outcome.warnings.push(format!(
-            "{} components of the force are not seen in the response at all, and were left at zero.",
+            "{} components of the force do not appear in the response at all and were left at zero.",
             solved.silent_components
         ));
     }
@@ -245,17 +245,17 @@ fn quantities(
             });
         };
     let of_error = match (&solved.error, bands.beyond_noise()) {
-        (_, Some(_)) => "error by calibration hits, which scatter by more than noise",
+        (_, Some(_)) => "error from calibration hits, which scatter by more than the noise",
         (RandomErrorOfForce::Stated(_), None) if bands.scatter.is_some() => {
-            "error by noise, which explains the scatter of calibration hits"
+            "error from the noise, which explains the scatter of calibration hits"
         }
-        (RandomErrorOfForce::Stated(_), None) => "error by the stated noise",
-        (RandomErrorOfForce::Estimated { .. }, None) => "error by what the force does not explain",
-        _ => "the error is not known: the force explains the response to the last digit",
+        (RandomErrorOfForce::Stated(_), None) => "error from the stated noise",
+        (RandomErrorOfForce::Estimated { .. }, None) => "error from the residual",
+        _ => "the error is not known: the force reproduces the response to the last digit",
     };
     add("peak force", "N", Some(peak.force), peak_error, of_error);
     if let Some(interval) = solved.peak_interval {
-        let verdict = "without tension, by profile at 95 %";
+        let verdict = "without tension, from the profile at 95 %";
         let [low, high] = interval.wide;
         add("peak force, lower end", "N", Some(low), None, verdict);
         add("peak force, upper end", "N", Some(high), None, verdict);
@@ -276,7 +276,7 @@ fn quantities(
         if solved.impulse.is_some() {
             of_error
         } else {
-            "not known: the band does not hold 0 Hz, and `acting` is not stated"
+            "not known: the band does not contain 0 Hz, and `acting` is not stated"
         },
     );
     let at = history.index_near(peak.time);
@@ -286,7 +286,7 @@ fn quantities(
         "N",
         bias,
         None,
-        "an estimate, in the error",
+        "an estimate, included in the error",
     );
     if let Some(parameter) = &solved.parameter {
         add(
@@ -312,7 +312,7 @@ fn quantities(
             problem.first.unit,
             Some(*standard_deviation),
             None,
-            "estimated from what the force does not explain",
+            "estimated from the residual",
         );
     } else if let Noise::White(noise) = problem.first.noise {
         add(
@@ -320,7 +320,7 @@ fn quantities(
             problem.first.unit,
             Some(noise),
             None,
-            "stated, or by the rest before the blow",
+            "stated, or from the rest before the blow",
         );
     }
     let chi_square = solved.reduced_chi_square;
@@ -330,9 +330,9 @@ fn quantities(
         chi_square,
         None,
         match chi_square {
-            None => "not known: the noise is not stated, or nothing is left over",
-            Some(value) if value > CHI_SQUARE => "more than noise leaves",
-            Some(_) => "as noise leaves it",
+            None => "not known: the noise is not stated, or there are no degrees of freedom",
+            Some(value) if value > CHI_SQUARE => "more than expected from the noise",
+            Some(_) => "as expected from the noise",
         },
     );
     add(
@@ -340,10 +340,13 @@ fn quantities(
         "",
         Some(solved.relative_residual),
         None,
-        "what the force leaves unexplained of the response",
+        "the part of the response that the force does not explain",
     );
     if let Some(scatter) = &bands.scatter {
-        let verdict = format!("by {} hits reconstructed from each other", scatter.n_blows);
+        let verdict = format!(
+            "from {} hits reconstructed from each other",
+            scatter.n_blows
+        );
         add(
             "scatter between hits without force",
             "N",

@@ -62,7 +62,7 @@ fn force(problem: &Problem<'_>, solved: &ReconstructedForce, bands: &Bands) -> F
         Panel::new(shown(), ("response", problem.first.unit), vec![response]),
     ];
     Figure {
-        caption: "Positive in compression; time from the first sample of the record. What the regularisation takes off is in the bands."
+        caption: "Positive in compression; time from the first sample of the record. The bands include what the regularisation removes."
             .to_owned(),
         ..Figure::new("force", "Force from the response", panels)
     }
@@ -106,7 +106,7 @@ fn path(problem: &Problem<'_>, solved: &ReconstructedForce) -> Figure {
     };
     let title = "Frequency response from the force to the response";
     Figure {
-        caption: "Where it is small, noise of the response becomes force.".to_owned(),
+        caption: "Where it is small, noise of the response is amplified in the force.".to_owned(),
         ..Figure::new("path", title, vec![panel])
     }
 }
@@ -149,7 +149,7 @@ fn choice(chosen: &ChosenParameter) -> Figure {
     ];
     let title = "Choice of the parameter of the regularisation";
     Figure {
-        caption: "Above, penalised norm over residual; below, what the method looks at: its minimum, or its zero for the discrepancy."
+        caption: "Above, penalised norm over residual; below, the function whose minimum, or zero for the discrepancy, the method chooses."
             .to_owned(),
         ..Figure::new("regularisation", title, panels)
     }

@@ -194,7 +194,7 @@ fn noise_at_rest(
     let (mean, deviation) = scatter_about_mean(rest);
     if mean.abs() > 4.0 * deviation / n.sqrt() {
         outcome.warnings.push(format!(
-            "The response has an offset of {mean:.3e} {unit} at rest: it is taken for a response, and lines near 0 Hz are wrong by it."
+            "The response has an offset of {mean:.3e} {unit} at rest: it is treated as response and makes lines near 0 Hz wrong."
         ));
     }
     Ok(deviation)

@@ -200,15 +200,14 @@ pub(super) fn solve(
         && parameter.verdict == ChoiceVerdict::NotReached
     {
         return Ok(Err(
-            "the response is no larger than its noise, and any force or none explains it"
-                .to_owned(),
+            "the response is no larger than its noise: any force, or none, explains it".to_owned(),
         ));
     }
     if let Some(end) = solved.non_negativity
         && end.end != PivotingEnd::Converged
     {
         return Ok(Err(format!(
-            "the search for a force without tension ended after {} steps without one: regularise",
+            "no force without tension was found in {} steps: state a regularisation",
             end.steps
         )));
     }
@@ -319,7 +318,7 @@ pub(super) fn acting_like_hits(
         .fold(0.0_f64, |top, (_, f)| top.max(f.abs()));
     if elsewhere > ELSEWHERE * peak {
         outcome.warnings.push(format!(
-            "By division there is {:.0} % of the peak force at other times than a calibration hit lasts: the force is sought all over the record. State `acting` if it is known.",
+            "By division, the force reaches {:.0} % of its peak outside the duration of a calibration hit: the force is sought over the whole record. State `acting` if it is known.",
             100.0 * elsewhere / peak
         ));
         return Ok(None);
@@ -343,7 +342,7 @@ pub(super) fn scatter(
     let accepted = found.accepted();
     if accepted.len() < FEWEST_HITS {
         outcome.warnings.push(format!(
-            "{} calibration hits cannot be reconstructed from each other: that takes {FEWEST_HITS}, and what differs from blow to blow is not in the errors.",
+            "{} calibration hits cannot be reconstructed from each other, which requires {FEWEST_HITS}: the errors do not include differences from blow to blow.",
             accepted.len()
         ));
         return Ok(None);
@@ -402,7 +401,7 @@ pub(super) fn scatter(
         };
         if largest.is_some_and(|(at, _)| !window.contains(&at)) {
             outcome.warnings.push(format!(
-                "The force of calibration hit {} is not where the force acts: the hits cannot tell how good the reconstruction is.",
+                "The peak of calibration hit {} is outside the time in which the force acts: the hits cannot show how good the reconstruction is.",
                 index + 1
             ));
             return Ok(None);

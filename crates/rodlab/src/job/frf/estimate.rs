@@ -44,7 +44,7 @@ const ONE_HIT: &str = "error not known from one hit";
 const BIASED: &str = "bias by noise at rest above the random error";
 
 /// Objection to a line with a relative error above one half from the end of the record.
-const RINGS_ON: &str = "rings on behind the record";
+const RINGS_ON: &str = "rings beyond the end of the record";
 
 /// Cause of the systematic error with hits.
 const BY_THE_END: &str = "by the end of the record";
@@ -53,7 +53,7 @@ const BY_THE_END: &str = "by the end of the record";
 pub(super) const BY_WIDTH: &str = "by the width of the lines";
 
 /// Objection to a line that is wider than the feature it shows.
-const TOO_WIDE: &str = "narrower than the lines";
+const TOO_WIDE: &str = "feature narrower than the lines";
 
 /// Relative error by leakage above which a line is refused.
 const MOST_LEAKAGE: f64 = 0.5;
@@ -479,8 +479,8 @@ fn objections(
                 .is_some_and(|(bias, error)| bias.is_nan() || bias.abs() > error.magnitude);
             match (coherent, merged) {
                 (true, _) => biased.then_some(BIASED),
-                (false, None) => Some("coherence as of chance"),
-                (false, Some(_)) => Some("coherence as of chance in both tests"),
+                (false, None) => Some("coherence no higher than by chance"),
+                (false, Some(_)) => Some("coherence no higher than by chance in both tests"),
             }
         })
         .collect())

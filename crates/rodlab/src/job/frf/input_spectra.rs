@@ -61,7 +61,7 @@ pub(super) fn figure(
     };
     Ok(Figure {
         caption: format!(
-            "Energy spectral density of `{}`: {}. Where it falls off, so do the coherence and the worth of the response.",
+            "Energy spectral density of `{}`: {}. Where it falls off, so do the coherence and the accuracy of the response.",
             sheet.input,
             match sheet.segments {
                 None => format!("single accepted hits (at most {MOST_HITS}) and the mean of all"),

@@ -49,7 +49,7 @@ impl Drawn {
             let name = if valid {
                 "valid lines"
             } else {
-                "lines that do not hold"
+                "lines that are not valid"
             };
             let values = self.each(|line| {
                 if estimated.is_valid(line) == valid {
@@ -133,12 +133,12 @@ pub(super) fn bode(
     let of_coherence = if estimated.coherences.is_empty() {
         "A single hit has no coherence and no random error: no line is valid."
     } else {
-        "Lines whose coherence chance would reach once in twenty are faint."
+        "Lines with a coherence that chance would reach once in twenty are faint."
     };
     let (name, of) = (format!("response_{file}"), capital(&name_of(response)));
     Figure {
         caption: format!(
-            "Magnitude, phase and coherence; the band is one standard error of a line by chance and holds nothing of the calibration. {of_coherence} Of many lines the extremes are drawn."
+            "Magnitude, phase and coherence; the band is one random standard error of a line, without that of the calibration. {of_coherence} If there are many lines, their extremes are drawn."
         ),
         ..Figure::new(name, format!("{of} of {output} over {input}"), panels)
     }
@@ -271,7 +271,7 @@ pub(super) fn nyquist(
     };
     let title = format!("Nyquist plot of the {name} of {output} over {input}");
     Figure {
-        caption: "Imaginary over real part of the lines of the band that hold; a single resonance is a circle.".to_owned(),
+        caption: "Imaginary over real part of the valid lines of the band; a single resonance is a circle.".to_owned(),
         ..Figure::new(format!("nyquist_{file}"), title, vec![panel])
     }
 }
@@ -299,7 +299,7 @@ pub(super) fn merge(
     ];
     let title = format!("Two hammers in the response of {output}");
     Some(Figure {
-        caption: "Share of the first hammer in every line, and how far the two are apart in units of their random errors: 1 in the mean if they differ by chance only.".to_owned(),
+        caption: "Share of the first hammer in every line, and the difference of the two in units of their random errors: 1 on average if they differ by chance only.".to_owned(),
         ..Figure::new(format!("merge_{file}"), title, panels)
     })
 }

@@ -61,7 +61,7 @@ pub(super) fn outputs_of(
                     return Err(wrong(expected()));
                 }
                 if inputs.contains(&output.as_str()) {
-                    return Err(wrong("another channel than the input".to_owned()));
+                    return Err(wrong("a channel other than the input".to_owned()));
                 }
                 if outputs.iter().take(at).any(|before| before == output) {
                     return Err(wrong("every output once".to_owned()));
@@ -112,7 +112,7 @@ pub(super) fn band_of(sheet: &FrfSheet, spectra: &AveragedSpectra) -> Result<Ban
     if !frequency.iter().any(|f| stated.holds(*f)) {
         return Err(RodlabError::request(
             "band",
-            format!("from {} to {}, where no line is", band.from, band.to),
+            format!("from {} to {}, which contains no line", band.from, band.to),
             format!("{range}, {} apart", hertz(spacing)),
         ));
     }
@@ -135,7 +135,7 @@ pub(super) fn outside_of(sheet: &FrfSheet, band: Band, spectra: &AveragedSpectra
     .map(|(from, to)| Greyed {
         from: from * KHZ,
         to: to * KHZ,
-        because: "outside of the band of the sheet".to_owned(),
+        because: "outside the band of the sheet".to_owned(),
     })
     .collect()
 }

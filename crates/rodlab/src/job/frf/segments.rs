@@ -117,7 +117,7 @@ pub(super) fn run(
         .attachments
         .push(universal::attachment(&estimated, &sheet.title)?);
     outcome.summary.push(format!(
-        "{} segments of {} samples are averaged, worth {} independent ones.",
+        "{} segments of {} samples are averaged, equivalent to {} independent ones.",
         spectra.n_averages(),
         spectra.n_samples(),
         short(spectra.effective_averages())
@@ -139,8 +139,8 @@ fn refuse_hits(sheet: &FrfSheet) -> Result<(), RodlabError> {
     if let Some((field, _)) = stated.into_iter().find(|(_, stated)| *stated) {
         return Err(RodlabError::request(
             field,
-            "stated beside `segments`",
-            "nothing that belongs to hits: segments are of records without beginning and end",
+            "stated together with `segments`",
+            "no setting for hits: segments are taken from continuous records",
         ));
     }
     let estimator = sheet.estimator.unwrap_or_default();
@@ -148,7 +148,7 @@ fn refuse_hits(sheet: &FrfSheet) -> Result<(), RodlabError> {
         return Err(RodlabError::request(
             "estimator",
             format!("{estimator:?}"),
-            "H1, the estimator of several inputs",
+            "H1, the estimator for several inputs",
         ));
     }
     Ok(())
@@ -184,7 +184,7 @@ fn check_measurements(
             let samples = record.recorded(channel).map_err(comparing)?.to_vec();
             if let Some((value, count)) = repeated_extreme(&samples) {
                 outcome.doubt(format!(
-                    "`{channel}` of {name} is clipped: {count} samples are at {}, more than next to it",
+                    "`{channel}` of {name} is clipped: {count} samples are at {}, more than at neighbouring values",
                     short(value)
                 ));
             }
@@ -208,7 +208,7 @@ fn length_of(segments: &SegmentsSheet, rate: f64) -> Result<usize, RodlabError> 
             } else {
                 format!("{}, {length} samples", segments.length)
             },
-            "an even number of samples, 16 or more: segments of half the length tell the error by the width of the lines",
+            "an even number of samples, 16 or more: segments of half the length give the error due to the width of the lines",
         ));
     }
     Ok(length)
@@ -247,7 +247,7 @@ fn too_few(spectra: &AveragedSpectra, n_inputs: usize) -> Option<String> {
     let effective = spectra.effective_averages();
     (effective < n_inputs as f64 + 1.0).then(|| {
         format!(
-            "the records hold {} segments, worth {} independent ones, and {n_inputs} inputs need {} or more",
+            "the records contain {} segments, equivalent to {} independent ones, and {n_inputs} inputs need {} or more",
             spectra.n_averages(),
             short(effective),
             n_inputs + 1

@@ -126,7 +126,7 @@ impl FrfSheet {
     /// Defaults of the fields that the sheet leaves open, except those of records and hits.
     pub(super) fn defaults(&self) -> Vec<Setting> {
         let detrend = match self.segments {
-            None => "rest before the blow, where there is some",
+            None => "rest before the blow, if there is any",
             Some(_) => "mean",
         };
         let estimator = format!("{:?}", EstimatorSheet::default());

@@ -262,7 +262,7 @@ pub(super) fn merit(estimated: &Estimated, output: &str, input: &str, band: Band
             value: Some(100.0 * leakage),
             standard_error: None,
             valid: true,
-            verdict: "systematic, of the complex line, beside the random error".to_owned(),
+            verdict: "systematic, of the complex line, in addition to the random error".to_owned(),
         });
     }
     quantities.push(Quantity {
@@ -272,7 +272,7 @@ pub(super) fn merit(estimated: &Estimated, output: &str, input: &str, band: Band
         standard_error: None,
         valid: estimated.calibration > 0.0,
         verdict: if estimated.calibration > 0.0 {
-            "of all lines together, from the stated uncertainties of the sensors".to_owned()
+            "common to all lines, from the stated uncertainties of the sensors".to_owned()
         } else {
             "the sheet states no uncertainty of the sensors".to_owned()
         },
@@ -281,7 +281,7 @@ pub(super) fn merit(estimated: &Estimated, output: &str, input: &str, band: Band
     quantities.extend(of_the_mass(estimated, label));
     let calibration = if estimated.calibration > 0.0 {
         format!(
-            "; the calibration adds {} % to all lines together",
+            "; the calibration adds {} %, common to all lines",
             short(100.0 * estimated.calibration)
         )
     } else {

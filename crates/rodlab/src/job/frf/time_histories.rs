@@ -54,7 +54,7 @@ pub(super) fn figure(
     };
     Ok(Figure {
         caption: format!(
-            "Histories of the hits, one above the other, first of the blow alone, from the trigger or from the beginning of each record; rejected hits are faint. Windows are drawn with the height of the largest sample. Of long histories the smallest and largest samples of short stretches are drawn.{of_which}"
+            "Histories of the hits, overlaid, first of the blow alone, from the trigger or from the beginning of each record; rejected hits are faint. Windows are drawn with the height of the largest sample. For long histories, the smallest and largest samples of short intervals are drawn.{of_which}"
         ),
         ..Figure::new(name, title, panels)
     })

@@ -47,14 +47,14 @@ impl SuspectTransducers {
         }
         if let Some(delay) = of(ErrorOf::Delay) {
             found.push(format!(
-                "a delay of it by {:.2} us ± {:.2} us",
+                "a delay of the response of {:.2} us ± {:.2} us",
                 1e6 * delay.value,
                 1e6 * delay.standard_error
             ));
         }
         format!(
-            "As the transducers are stated, no law explains the data (the misfit of the best would have a probability of {:.1e}); with {} \
-             the law {} does: check the transducers, and state what is known of them as the ± of the channels",
+            "With the transducers as stated, no law explains the data (the misfit of the best would have a probability of {:.1e}); with {} \
+             the law {} does: check the transducers, and state their uncertainty as the ± of the channels",
             self.misfit,
             found.join(" and "),
             self.law.name()
@@ -155,7 +155,7 @@ impl Left {
             return Standing::Possible;
         };
         let adequacy = compared.adequacy.map_or_else(String::new, |adequacy| {
-            format!(", a misfit that it would have with a probability of {adequacy:.1e}")
+            format!(", probability of such a misfit {adequacy:.1e}")
         });
         Standing::Rejected(format!(
             "rejected (probability {:.3} among the laws{adequacy})",
@@ -191,7 +191,7 @@ pub(super) fn tell(found: &Found, outcome: &mut Outcome) {
     }
     for band in found.sensitive() {
         outcome.warnings.push(format!(
-            "{band}: the filter of the recorder biases the parameters of nonlinear laws; use a striker of smoother pulse or a faster recorder"
+            "{band}: the filter of the recorder biases the parameters of nonlinear laws; use a striker with a smoother pulse or a faster recorder"
         ));
     }
     let is_left = |law: &FittedLaw| !law.law.is_linear() && law.standing == Standing::Possible;
@@ -201,7 +201,7 @@ pub(super) fn tell(found: &Found, outcome: &mut Outcome) {
         .any(|test| test.unfiltered_excitation().is_some());
     if through_recorder && found.laws.iter().any(is_left) {
         outcome.warnings.push(
-            "the recorder is part of the model: where a front rises faster than it shows, E of a nonlinear law may be off by 0.1 % besides its error \
+            "the recorder is part of the model: where a front rises faster than the recorder shows, E of a nonlinear law may be off by 0.1 % in addition to its error \
              (virtual tests with a rigid contact)"
                 .to_owned(),
         );
@@ -229,7 +229,7 @@ fn tell_comparison(found: &Found, is_biased: bool, outcome: &mut Outcome) {
     match &found.left {
         Left::One { law, .. } if found.is_without_damping(*law) => {
             outcome.summary.push(format!(
-                "The data cannot tell the laws elastic, {} apart: they determine no damping of it.",
+                "The data do not distinguish the laws elastic, {}: they determine no damping of the latter.",
                 name(*law)
             ));
         }
@@ -238,7 +238,7 @@ fn tell_comparison(found: &Found, is_biased: bool, outcome: &mut Outcome) {
             name(*law)
         )),
         Left::Several { laws, reason } => outcome.summary.push(format!(
-            "The data cannot tell the laws {} apart: {reason}.",
+            "The data do not distinguish the laws {}: {reason}.",
             names(laws)
         )),
         Left::Biased { laws } => {
@@ -253,7 +253,7 @@ fn tell_comparison(found: &Found, is_biased: bool, outcome: &mut Outcome) {
                 ", and nonlinear laws with an equilibrium"
             };
             outcome.summary.push(format!(
-                "The data cannot tell the laws {}{others} apart: the recorder biases nonlinear laws, so that none of them can be named or excluded.",
+                "The data do not distinguish the laws {}{others}: the recorder biases nonlinear laws, so that none of them can be named or excluded.",
                 names(laws)
             ));
         }
@@ -278,7 +278,7 @@ fn tell_comparison(found: &Found, is_biased: bool, outcome: &mut Outcome) {
         && comparison.laws[*law].is_linear
     {
         outcome.summary.push(
-            "The nonlinear laws were compared as this recorder shows them, with a bias; only a test at another impact velocity excludes them."
+            "The nonlinear laws were compared with the bias of this recorder; only a test at another impact velocity can exclude them."
                 .to_owned(),
         );
     }
@@ -310,7 +310,7 @@ fn tell_verdict(found: &Found, is_biased: bool, outcome: &mut Outcome) {
         let of_rod = if found.may_be_elastic() {
             "within their noise the rod may be elastic"
         } else {
-            "an elastic rod does not explain them, but they fit many dampings"
+            "an elastic rod does not explain them, but many dampings fit them"
         };
         outcome.verdict = Verdict::NotAllowed {
             reason: format!("no law has a damping that these data determine: {of_rod}"),
@@ -322,24 +322,24 @@ fn tell_verdict(found: &Found, is_biased: bool, outcome: &mut Outcome) {
             |law: &&FittedLaw| law.standing == Standing::Possible && law.is_unsettled();
         let mut unsettled = found.laws.iter().filter(is_unsettled);
         let reason = if is_none {
-            "none of the laws explains the data, so that none of their parameters is one of the material".to_owned()
+            "none of the laws explains the data, so that none of their parameters is a property of the material".to_owned()
         } else if is_biased && is_left(true) {
             format!(
-                "the recorder biases the nonlinear laws, and no linear law that is left has a damping that these data determine ({})",
+                "the recorder biases the nonlinear laws, and no remaining linear law has a damping that these data determine ({})",
                 found.why_biased()
             )
         } else if is_biased {
             format!(
-                "the recorder biases the nonlinear laws, and no other law is left: none of their parameters is identified ({})",
+                "the recorder biases the nonlinear laws, and no other law remains: none of their parameters is identified ({})",
                 found.why_biased()
             )
         } else if let Some(law) = unsettled.next() {
             format!(
-                "the fit of {} does not settle, so that none of its parameters is stated",
+                "the fit of {} does not converge, so that none of its parameters is stated",
                 law.law.name()
             )
         } else {
-            "no law that the data leave has a damping that they determine".to_owned()
+            "no remaining law has a damping that the data determine".to_owned()
         };
         outcome.verdict = Verdict::NotAllowed { reason };
         return;
@@ -357,6 +357,6 @@ fn tell_verdict(found: &Found, is_biased: bool, outcome: &mut Outcome) {
     }
     if is_biased && is_left(false) {
         let why = found.why_biased();
-        outcome.warnings.push(format!("Nonlinear laws are not identified: {why}. Use a striker of smoother pulse or a faster recorder."));
+        outcome.warnings.push(format!("Nonlinear laws are not identified: {why}. Use a striker with a smoother pulse or a faster recorder."));
     }
 }

@@ -67,7 +67,7 @@ fn responses(found: &Found) -> Figure {
         .collect();
     Figure {
         caption:
-            "Measured, and simulated from the measured excitation with the law that the data support, or else with the nearest."
+            "Measured, and simulated from the measured excitation with the law that the data support, or otherwise with the one that differs least."
                 .to_owned(),
         ..Figure::new("responses", "Velocity of the free end", panels)
     }
@@ -95,7 +95,7 @@ fn residuals(found: &Found) -> Figure {
         })
         .collect();
     Figure {
-        caption: "What is left should look like the noise before the wave arrives.".to_owned(),
+        caption: "The residual should look like the noise before the wave arrives.".to_owned(),
         ..Figure::new("residuals", "Simulated minus measured response", panels)
     }
 }

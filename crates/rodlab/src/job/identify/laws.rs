@@ -214,7 +214,7 @@ impl FittedLaw {
         }
         if self.estimates.is_empty() {
             return format!(
-                "{}: the errors of its parameters could not be found.",
+                "{}: the errors of its parameters could not be determined.",
                 self.law.name()
             );
         }
@@ -242,10 +242,10 @@ impl FittedLaw {
             value: Some(100.0 * self.relative_error),
             standard_error: None,
             valid: true,
-            verdict: "root mean square, in parts of the impact velocity".to_owned(),
+            verdict: "root mean square, relative to the impact velocity".to_owned(),
         });
         let ended = format!(
-            "{}; starts: {}; minima of another period left: {}",
+            "{}; starts: {}; minima of another period rejected: {}",
             self.termination, self.starts, self.skips
         );
         let errors = self.common_errors.iter().map(ToString::to_string);

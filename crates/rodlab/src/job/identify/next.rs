@@ -158,7 +158,7 @@ pub(super) fn tell(
     let laws = left(found);
     let Some(leading) = laws.first() else {
         outcome.warnings.push(
-            "no law is left, so that no test can be planned: `next` needs a law that explains the data"
+            "no law remains, so that no test can be planned: `next` needs a law that explains the data"
                 .to_owned(),
         );
         return Ok(());
@@ -266,7 +266,7 @@ pub(super) fn tell(
             }
         };
         outcome.summary.push(format!(
-            "`rodlab simulate {name}` in the folder of this result makes it as a virtual test."
+            "`rodlab simulate {name}` in the folder of this result runs it as a virtual test."
         ));
         outcome.attachments.push(Attachment {
             name: name.to_owned(),
@@ -391,13 +391,13 @@ fn state(
     };
     let decides = best.number_that_decides(aim) < usize::MAX;
     outcome.summary.push(format!(
-        "Of the {} planned tests that of {} {}: {told}.",
+        "Of the {} planned tests, that of {} {}: {told}.",
         planned.len(),
         best.name,
         if decides && planned.iter().any(|one| one.merit(aim) > best.merit(aim)) {
-            "decides with the fewest"
+            "is decisive with the fewest repeats"
         } else {
-            "tells most"
+            "is the most informative"
         }
     ));
 }

@@ -158,7 +158,7 @@ fn check_temperatures(sheet: &IdentifySheet, outcome: &mut Outcome) -> Result<()
                 return Err(RodlabError::request(
                     format!("tests[{number}].temperature"),
                     "absent",
-                    "the temperature of the rod, on which the rates depend by `arrhenius`",
+                    "the temperature of the rod: with `arrhenius`, the rates depend on it",
                 ));
             }
             None => {}
@@ -169,7 +169,7 @@ fn check_temperatures(sheet: &IdentifySheet, outcome: &mut Outcome) -> Result<()
         return Err(RodlabError::request(
             "arrhenius",
             format!("stated, with temperatures within {span:.1} K"),
-            "tests at several temperatures, from which an activation energy can be found",
+            "tests at several temperatures, from which an activation energy can be determined",
         ));
     }
     if sheet.arrhenius.is_none() && span > SAME_TEMPERATURE {
@@ -226,7 +226,7 @@ fn one(
     if sheet.monte_carlo.is_some() && quantity == Quantity::Displacement {
         return Err(RodlabError::request(
             "monte_carlo",
-            "asked for, with displacements",
+            "requested, with displacements",
             "velocities: the noise of differentiated displacements is not drawn",
         ));
     }
@@ -251,8 +251,8 @@ fn one(
     if sheet.recorder.is_some() && test.cutoff.is_some() {
         return Err(RodlabError::request(
             format!("{field}.cutoff"),
-            "a cut-off beside `recorder`",
-            "one of them: `recorder` states the cut-off of its filter",
+            "stated together with `recorder`",
+            "only one of them: `recorder` states the cut-off of its filter",
         ));
     }
     let rod_test = rod_test
@@ -283,7 +283,7 @@ fn of_velocities(data: RodTestData, test: &TestSheet, field: &str) -> Result<Rod
             return Err(RodlabError::request(
                 format!("{field}.noise"),
                 "that of displacements",
-                "Velocities(..), which the histories are",
+                "Velocities(..): the histories are velocities",
             ));
         }
     }
@@ -349,7 +349,7 @@ fn of_displacements(
             return Err(RodlabError::request(
                 format!("{field}.noise"),
                 "that of velocities",
-                "Displacements(..), which the histories are",
+                "Displacements(..): the histories are displacements",
             ));
         }
     };

@@ -94,7 +94,7 @@ impl Shown {
     }
 
     /// The profile in words, such as
-    /// `Young's modulus: from 2.59 GPa to 2.61 GPa with 95 % (profile likelihood).`.
+    /// `Young's modulus: from 2.59 GPa to 2.61 GPa at 95 % (profile likelihood).`.
     pub(super) fn in_words(&self, profile: &Profile) -> String {
         let text = |number: f64| {
             let value = significant(self.value(number), 4);
@@ -103,18 +103,18 @@ impl Shown {
         let (low, high) = (text(profile.range.0), text(profile.range.1));
         match (profile.lower, profile.upper) {
             (Some(lower), Some(upper)) => format!(
-                "{}: from {} to {} with 95 % (profile likelihood).",
+                "{}: from {} to {} at 95 % (profile likelihood).",
                 self.name,
                 text(lower),
                 text(upper)
             ),
             (Some(lower), None) => format!(
-                "{}: above {} with 95 %; nothing up to {high} is excluded (profile likelihood).",
+                "{}: above {} at 95 %; nothing up to {high} is excluded (profile likelihood).",
                 self.name,
                 text(lower)
             ),
             (None, Some(upper)) => format!(
-                "{}: below {} with 95 %; nothing down to {low} is excluded (profile likelihood).",
+                "{}: below {} at 95 %; nothing down to {low} is excluded (profile likelihood).",
                 self.name,
                 text(upper)
             ),

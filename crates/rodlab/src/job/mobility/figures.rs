@@ -46,7 +46,7 @@ pub(super) fn bode(known: &Known, sheet: &MobilitySheet) -> Figure {
         angle.push(Mark::band("", Role::First, edges));
     }
     if lines().any(|n| !known.is_valid(n)) {
-        magnitude.push(line("not believed", Role::Faint, of(&norm)));
+        magnitude.push(line("not reliable", Role::Faint, of(&norm)));
     }
     if let Some(weighed) = sheet.support.weighed() {
         let rigid = of(&|n| 1.0 / (TAU * response.frequency_hz[n] * weighed.mass));
@@ -65,7 +65,7 @@ pub(super) fn bode(known: &Known, sheet: &MobilitySheet) -> Figure {
             .map(|to| Greyed {
                 from: f64::NEG_INFINITY,
                 to: 1e-3 * to,
-                because: "by the weighed mass".to_owned(),
+                because: "from the weighed mass".to_owned(),
             })
             .into_iter()
             .collect::<Vec<_>>()
@@ -130,7 +130,7 @@ pub(super) fn nyquist(known: &Known) -> Figure {
         )
     };
     Figure {
-        caption: "Resonances are loops to the right; a passive body stays right of the vertical axis. Below the first resonance of a free body the curve comes from far below."
+        caption: "Resonances are loops to the right; a passive body stays right of the vertical axis. For a free body, the curve starts at large negative imaginary parts below the first resonance."
             .to_owned(),
         ..Figure::new("nyquist", "Mobility in the complex plane", vec![panel])
     }
@@ -152,7 +152,7 @@ pub(super) fn impulse_response(response: &ImpulseResponse) -> Figure {
     let panel = Panel::new(("time", "ms"), ("impulse response", "1/kg"), marks);
     let title = "Velocity of the face after a unit impulse";
     Figure {
-        caption: "Means over one step. The answer at once, the velocity under the force itself, is left out."
+        caption: "Means over one step. The immediate response, the velocity during the force itself, is left out."
             .to_owned(),
         ..Figure::new("impulse_response", title, vec![panel])
     }

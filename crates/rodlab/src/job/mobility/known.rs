@@ -100,7 +100,7 @@ pub(super) fn prepare(
     log(&mobility, &objections, outcome);
     if let Some(window) = mobility.added_damping {
         outcome.warnings.push(format!(
-            "Under the exponential window the lines are those of the mobility at {:.4} 1/s beside the frequency axis: they are not screened, and no force can be computed of them.",
+            "Under the exponential window the lines are those of the mobility at a distance of {:.4} 1/s from the frequency axis: they are not screened, and no force can be computed from them.",
             window.decay_rate()
         ));
     }
@@ -205,7 +205,7 @@ fn effect_of_head(bare: &FrequencyResponse, heavier: &FrequencyResponse) -> Quan
         value: Some(100.0 * largest),
         standard_error: None,
         valid: true,
-        verdict: "common to all lines and not in their errors".to_owned(),
+        verdict: "common to all lines and not included in their errors".to_owned(),
     }
 }
 
@@ -242,7 +242,7 @@ fn judge_coherence(
             continue;
         }
         if !believed {
-            *objection = Some("coherence as of chance".to_owned());
+            *objection = Some("coherence no higher than by chance".to_owned());
         } else if bias
             .zip(error)
             // a NaN is the bias of a line of noise
@@ -266,7 +266,7 @@ fn judge_passivity(
         .map_err(|error| RodlabError::step("the passivity", error))?;
     for (objection, verdict) in objections.iter_mut().zip(&report.lines) {
         if *verdict == Passivity::Active && objection.is_none() {
-            *objection = Some("makes energy".to_owned());
+            *objection = Some("generates energy".to_owned());
         }
     }
     Ok(())

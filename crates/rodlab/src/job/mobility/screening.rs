@@ -67,7 +67,7 @@ pub(super) fn screen(
         let missing = mobility.validity.first() != Some(&LineValidity::Valid);
         if missing && matches!(sheet.support, SupportSheet::AsMeasured) {
             outcome.warnings.push(
-                "What holds the body is not stated (`support`), and no line at 0 Hz says it: the mobility is not screened, and has no impulse response."
+                "The support of the body is not stated (`support`), and there is no line at 0 Hz to show it: the mobility is not screened, and has no impulse response."
                     .to_owned(),
             );
             return Ok(Screened::default());
@@ -123,7 +123,7 @@ fn with_signal(
     outcome.by_default(
         "lines that are screened",
         format!(
-            "up to {}: with a coherence above that of chance, and no higher than half the Nyquist frequency; `up_to` states others",
+            "up to {}: with a coherence above that of chance, and no higher than half the Nyquist frequency; state `up_to` for another limit",
             hertz(highest)
         ),
     );
@@ -165,7 +165,7 @@ fn impulse_response(
             value: Some(level).filter(|level| level.is_finite()),
             standard_error: None,
             valid: level.is_finite(),
-            verdict: "root mean square, over the answer in the first step".to_owned(),
+            verdict: "root mean square, relative to the response in the first step".to_owned(),
         });
     }
     Some(ImpulseResponse {
@@ -197,7 +197,7 @@ pub(crate) fn tell(screening: &Screening, outcome: &mut Outcome) -> Vec<String> 
             value: Some(value).filter(|value| value.is_finite()),
             standard_error: error.filter(|error| error.is_finite()),
             valid: flag.is_none(),
-            verdict: flag.unwrap_or_else(|| "nothing speaks against it".to_owned()),
+            verdict: flag.unwrap_or_else(|| "no objection".to_owned()),
         });
     };
     let causality = &screening.causality;
@@ -279,7 +279,7 @@ pub(crate) fn tell(screening: &Screening, outcome: &mut Outcome) -> Vec<String> 
             ),
         };
         outcome.summary.push(format!(
-            "Nothing speaks against it: it takes energy, begins and ends as it should, and {delays}."
+            "The screening found no objection: the body does not generate energy, its motion begins and ends as it should, and {delays}."
         ));
     }
     let fails = |flag: &ScreeningFlag| {

@@ -115,7 +115,7 @@ pub(super) fn read<'a>(
                 ));
             }
             let mut without = WithoutUncertainty {
-                why: "the mobility of a computed body does not follow it",
+                why: "it is not propagated to the mobility of a computed body",
             };
             without.materials(&sheet.materials)?;
             without.body(body, "source.body")?;
@@ -141,7 +141,7 @@ pub(super) fn raw(
             merged: None,
             delay: 0.0,
             body: None,
-            origin: ", as the file has them".to_owned(),
+            origin: ", as in the file".to_owned(),
         })),
         Read::Computed(body) => computed(body, &sheet.source).map(Some),
     }
@@ -161,7 +161,7 @@ fn of_tests(
         if accepted.len() < 2 {
             outcome.verdict = Verdict::NotAllowed {
                 reason: format!(
-                    "{} hit{} of {} accepted in `{}`, and a mobility with errors needs at least 2: the log says what is wrong with the others",
+                    "{} hit{} of {} accepted in `{}`, and a mobility with errors needs at least 2: the log states what is wrong with the others",
                     accepted.len(),
                     if accepted.len() == 1 { "" } else { "s" },
                     test.found.n_found(),

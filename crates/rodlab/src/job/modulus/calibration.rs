@@ -22,7 +22,7 @@ pub(super) fn state_none(outcome: &mut Outcome, measured: &Measured) {
     let of_gauges = measured.of_gauges();
     if measured.of_ratio().is_uncertain() || of_gauges.iter().any(|of| of.is_uncertain()) {
         outcome.warnings.push(
-            "The lines do not tell the errors of the sensors: these are in the errors as they were stated. Calibrate the sensors against each other."
+            "The lines do not determine the errors of the sensors: the stated uncertainties are included in the errors. Calibrate the sensors against each other."
                 .to_owned(),
         );
     }
@@ -37,7 +37,7 @@ pub(super) fn state(
 ) {
     if found.mean_square() > UNEXPLAINED {
         outcome.warnings.push(format!(
-            "What neither a smooth modulus nor the stated errors explain is {} times as large as noise: the lines tell less of the sensors by as much.",
+            "The part that neither a smooth modulus nor the stated errors explain is {} times as large as the noise: the lines determine the errors of the sensors less accurately by this factor.",
             significant(found.mean_square().sqrt(), 2)
         ));
     }
@@ -58,7 +58,7 @@ pub(super) fn state(
             } else if source.standard_error < 0.5 {
                 "found from the lines".to_owned()
             } else {
-                "as stated: the lines tell little".to_owned()
+                "as stated: the lines do not determine it well".to_owned()
             },
         });
         let numbers = format!(
@@ -69,11 +69,11 @@ pub(super) fn state(
         );
         if contradicts(source) {
             outcome.doubt(format!(
-                "the lines ask for another {name}, {numbers}: more than its stated uncertainty explains"
+                "the lines indicate another {name}, {numbers}: more than its stated uncertainty explains"
             ));
         } else if source.standard_error < 0.5 {
             outcome.summary.push(format!(
-                "The lines tell the {name}: {numbers}; it is taken out of the modulus."
+                "The lines determine the {name}: {numbers}; it is taken out of the modulus."
             ));
         }
     }

@@ -42,12 +42,12 @@ pub(super) fn lines(
     match (stated, nyquist) {
         (Some(stated), _) => {
             to = to.min(stated.si());
-            because.push(format!("aliases are kept away up to {stated}"));
+            because.push(format!("aliases are suppressed up to {stated}"));
         }
         (None, Some(nyquist)) => {
             to = to.min(0.5 * nyquist);
             because.push(format!(
-                "no alias is to be expected below {}, half the Nyquist frequency",
+                "no alias is expected below {}, half the Nyquist frequency",
                 hertz(0.5 * nyquist)
             ));
         }
@@ -76,8 +76,8 @@ pub(super) fn lines(
     let beyond = found.estimate.valid().count() - looked_at.valid().count();
     if beyond > 0 {
         outcome.warnings.push(format!(
-            "No `band` is stated: the checks look at the lines from {ends}, where {}. {beyond} valid lines lie outside and are not \
-             checked; state a band, or `checks.alias_free_to` if the filter of the recorder keeps aliases away further up.",
+            "No `band` is stated: the checks use the lines from {ends}, where {}. {beyond} valid lines are outside and are not \
+             checked; state a band, or `checks.alias_free_to` if the filter of the recorder suppresses aliases further up.",
             because.join(" and ")
         ));
     }

@@ -260,7 +260,7 @@ fn in_words(made: &CheckOutcome, found: &Found<'_>) -> String {
             let lines = found.estimate.lines();
             lines.iter().find(|line| line.index == index)
         })
-        .map(|line| format!(", most at {}", hertz(line.frequency_hz)))
+        .map(|line| format!(", worst at {}", hertz(line.frequency_hz)))
         .filter(|_| {
             matches!(
                 made.check,
@@ -273,12 +273,12 @@ fn in_words(made: &CheckOutcome, found: &Found<'_>) -> String {
             "E'' is below 0 by more than its errors allow: the ends may be interchanged, or a channel may be delayed or inverted"
         }
         Check::KramersKronig => {
-            "E' and E'' are not of one relaxing material: a mass on an end, or a gain, delay or sign of a channel, that is not as stated, a \
+            "E' and E'' do not belong to one relaxing material: a mass on an end, or a gain, delay or sign of a channel, that is not as stated, a \
              record that ends before the rod is at rest, a resonance of a support or a sensor, lateral inertia, or errors that are stated \
              too small"
         }
         Check::FreeEndNull => {
-            "the gauges do not see a free end: a gauge may be elsewhere than stated, wired the other way round or wrongly calibrated, \
+            "the gauges do not indicate a free end: a gauge may be elsewhere than stated, wired the other way round or wrongly calibrated, \
              or the rod bends or is held"
         }
         Check::Causality => {
@@ -287,7 +287,7 @@ fn in_words(made: &CheckOutcome, found: &Found<'_>) -> String {
         Check::Polarity => {
             "the first wave has opposite signs in the channels: one of the sensors points the other way"
         }
-        _ => "what must hold for any material does not",
+        _ => "a condition that any material satisfies is not met",
     };
     format!(
         "the check of {} fails{at}: {cause} ({})",

@@ -148,7 +148,7 @@ pub(super) fn state(
             standard_error: Some(standard_error),
             valid: true,
             verdict: format!(
-                "as large without a change with a probability of {}",
+                "probability of such a value without a change: {}",
                 short(p_value)
             ),
         });
@@ -215,12 +215,12 @@ pub(super) fn referred(
                 over_temperature: true,
                 ..
             }),
-        ) => (trend.slope, trend.standard_error, "of the hits"),
+        ) => (trend.slope, trend.standard_error, "found from the hits"),
         (None, _) => {
             return Err(RodlabError::request(
                 "temperature.slope",
                 "missing",
-                "how the modulus changes with temperature, which only four hits or more at different temperatures tell",
+                "the change of the modulus with temperature: only four or more hits at different temperatures determine it",
             ));
         }
     };
@@ -229,7 +229,7 @@ pub(super) fn referred(
         .changed_by(slope * step, (error * step).abs())
         .map_err(|error| RodlabError::step("temperature.reference", error))?;
     outcome.summary.push(format!(
-        "The modulus is referred to {reference}, {} K from the mean of the test, by the change {source}: {} % ± {} % of E'.",
+        "The modulus is referred to {reference}, {} K from the mean of the test, with the change {source}: {} % ± {} % of E'.",
         significant(step, 3),
         significant(100.0 * slope * step, 3),
         significant(100.0 * (error * step).abs(), 2),

@@ -497,7 +497,7 @@ fn section(
             RodlabError::request(
                 format!("{field}.quantity"),
                 "missing",
-                "Strain, Displacement, Velocity or Acceleration: a ratio in a file does not tell",
+                "Strain, Displacement, Velocity or Acceleration: a ratio in a file does not state it",
             )
         })?,
     })

@@ -39,7 +39,7 @@ pub(super) fn figures(found: &Found<'_>, reasons: &Reasons) -> Vec<Figure> {
     let greyed = greyed(&lines, reasons);
     let stride = lines.len().div_ceil(MOST_LINES);
     let every = if stride > 1 {
-        format!(" One line of {stride} is drawn; the table has all.")
+        format!(" One line in {stride} is drawn; the table contains all.")
     } else {
         String::new()
     };
@@ -58,7 +58,7 @@ pub(super) fn figures(found: &Found<'_>, reasons: &Reasons) -> Vec<Figure> {
     ]);
     figures.push(Figure {
         caption: format!(
-            "Valid lines with bands of two standard errors; lines that are not valid faintly, and grey where there are many.{every}"
+            "Valid lines with bands of two standard errors; lines that are not valid are faint, on grey where there are many.{every}"
         ),
         ..Figure::new("modulus", title, panels)
     });
@@ -126,9 +126,9 @@ fn budget(lines: &[&ModulusLine], greyed: &[Greyed]) -> Option<Figure> {
     ];
     Some(Figure {
         caption: format!(
-            "Parts of the square of the standard uncertainty on valid lines, of sources that have {LEAST_SHARE} % of it anywhere."
+            "Shares in the square of the standard uncertainty on valid lines, for sources that contribute more than {LEAST_SHARE} % anywhere."
         ),
-        ..Figure::new("budget", "What the uncertainty is made of", panels)
+        ..Figure::new("budget", "Contributions to the uncertainty", panels)
     })
 }
 
@@ -265,7 +265,7 @@ fn cole_cole(lines: &[&ModulusLine], (giga, unit): (f64, &'static str)) -> Figur
     let marks = vec![Mark::points("valid lines", Role::First, points)];
     let panel = Panel::new(("E'", unit), ("E''", unit), marks);
     Figure {
-        caption: "The Cole-Cole plot of the valid lines: one relaxation time makes half a circle, many make an arc or less.".to_owned(),
+        caption: "The Cole-Cole plot of the valid lines: one relaxation time gives a semicircle, many give a flatter arc or part of one.".to_owned(),
         ..Figure::new("cole_cole", "Loss modulus over storage modulus", vec![panel])
     }
 }
@@ -281,7 +281,7 @@ fn waves(found: &Found<'_>, lines: &[&ModulusLine], greyed: &[Greyed]) -> Figure
     });
     if closed.clone().any(|(_, value)| value.is_finite()) {
         marks.push(Mark::line(
-            "closed form it starts from",
+            "closed form used as start",
             Role::Reference,
             closed,
         ));
@@ -298,8 +298,8 @@ fn waves(found: &Found<'_>, lines: &[&ModulusLine], greyed: &[Greyed]) -> Figure
         ..Panel::new(KILOHERTZ, ("half waves", ""), marks)
     };
     Figure {
-        caption: "The wave number times the distance over which waves are counted, by π. It starts at 0 and grows smoothly; a leap \
-                  would be a wave too many or too few."
+        caption: "The wave number times the distance over which waves are counted, divided by π. It starts at 0 and grows smoothly; a jump \
+                  means a wave too many or too few."
             .to_owned(),
         ..Figure::new("waves", "Half waves between the sections", vec![panel])
     }
@@ -333,7 +333,7 @@ fn coherence(found: &Found<'_>) -> Option<Figure> {
         panels.push(Panel::new(KILOHERTZ, axis, marks));
     }
     Some(Figure {
-        caption: "What the modulus is found from.".to_owned(),
+        caption: "The data from which the modulus is determined.".to_owned(),
         ..Figure::new("ratio", "Ratio of spectra and its coherence", panels)
     })
 }

@@ -46,7 +46,7 @@ pub(super) fn fit(
             frequency: (Axis::logarithmic("frequency", "kHz"), 1e-3),
             storage: (Axis::linear("E'", "GPa"), 1e-9),
             caption: format!(
-                "Drawn are the {} lines that were fitted, of {} valid ones.",
+                "The {} lines that were fitted, of {} valid ones, are drawn.",
                 points.len(),
                 found.estimate.valid().count()
             ),

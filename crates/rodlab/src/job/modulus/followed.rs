@@ -20,17 +20,17 @@ pub(super) fn check(sheet: &ModulusSheet) -> Result<(), RodlabError> {
     }
     let mass = specimen.accelerometer_mass.as_ref();
     if !used.end_mass {
-        let why = format!("{name} does not follow it");
+        let why = format!("{name} does not propagate it");
         exact(mass, "specimen.accelerometer_mass", &why)?;
     }
     // the diameter matters only through that mass
     let has_mass = mass.is_some_and(|mass| mass.with_uncertainty().value > 0.0);
     if !(used.end_mass && has_mass) {
         let why = if used.end_mass {
-            format!("without a mass on the end {name} does not follow it")
+            format!("without a mass on the end {name} does not propagate it")
         } else {
             format!(
-                "{name} does not follow it: the modulus of a thin rod does not depend on it, and of lateral inertia only Poisson's ratio is followed"
+                "{name} does not propagate it: the modulus of a thin rod does not depend on it, and for lateral inertia only that of Poisson's ratio is propagated"
             )
         };
         exact(Some(&specimen.diameter), "specimen.diameter", &why)?;
@@ -73,7 +73,7 @@ fn on_the_end(section: &SectionSheet, field: &str) -> Result<(), RodlabError> {
         return Ok(());
     }
     let why =
-        "the errors are followed of distances above 0 alone, not of a sensor on the end itself";
+        "errors are propagated only for distances above 0, not for a sensor on the end itself";
     exact(
         Some(&section.from_free_end),
         &format!("{field}.from_free_end"),

@@ -44,7 +44,7 @@ pub(super) fn figures(
     };
     vec![Figure {
         caption: format!(
-            "{drawn}, and the first rejected one faintly, until they have decayed to {} % of their peaks. Of long histories the least and the greatest samples of short stretches \
+            "{drawn}, and the first rejected one faintly, until they have decayed to {} % of their peaks. For long histories, the smallest and the largest samples of short intervals \
              are drawn.",
             100.0 * DECAYED
         ),

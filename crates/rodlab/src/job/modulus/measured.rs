@@ -199,7 +199,7 @@ fn damping(
             "source.exponential_window",
             window.to_string(),
             format!(
-                "none with {}: only MultiPoint takes it off again",
+                "none with {}: only MultiPoint corrects the modulus for it",
                 method.name()
             ),
         )),
@@ -293,7 +293,7 @@ impl Spectra {
                     format!("{} to {}", band.from, band.to)
                 }),
                 format!(
-                    "a band with lines, which lie between {} and {} Hz",
+                    "a band with lines, which are between {} and {} Hz",
                     first.copied().unwrap_or(f64::NAN),
                     last.copied().unwrap_or(f64::NAN)
                 ),

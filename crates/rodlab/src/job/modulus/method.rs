@@ -310,10 +310,10 @@ impl MethodSheet {
     /// Numerator and denominator of the ratio in a file, in words.
     pub(super) fn ratio_in_words(&self) -> Result<&'static str, RodlabError> {
         match self {
-            Self::TwoPoint { .. } | Self::Resonances { .. } => Ok("impacted end by free end"),
-            Self::FreeEnd { .. } => Ok("first section by second"),
-            Self::SeparatePulses { .. } => Ok("pulse at the second section by that at the first"),
-            Self::OneGauge { .. } => Ok("reflected pulse by incident pulse"),
+            Self::TwoPoint { .. } | Self::Resonances { .. } => Ok("impacted end over free end"),
+            Self::FreeEnd { .. } => Ok("first section over second"),
+            Self::SeparatePulses { .. } => Ok("pulse at the second section over that at the first"),
+            Self::OneGauge { .. } => Ok("reflected pulse over incident pulse"),
             Self::ThreePoint { .. } | Self::MultiPoint { .. } => Err(RodlabError::request(
                 "source",
                 "a ratio",

@@ -76,19 +76,19 @@ fn advice(reason: &str) -> Option<&'static str> {
         "wavelength below five diameters" => "a thinner rod reaches higher frequencies",
         "wavelength above five lengths" => "a longer rod reaches lower frequencies",
         "error of E' above its limit" | "error of the loss factor above its limit" => {
-            "more hits, sensors of less noise, or a longer rod for the low frequencies"
+            "more hits, sensors with less noise, or a longer rod for the low frequencies"
         }
         "too near a singular frequency for this noise" | "errors amplified above the limit" => {
-            "another length of the rod, whose resonances lie at other frequencies"
+            "a rod of another length, with resonances at other frequencies"
         }
         "coherence below its limit" => {
-            "hits with more energy at these frequencies (a harder tip for the high ones), and a look at cables and mounting"
+            "hits with more energy at these frequencies (a harder tip for the high ones), and a check of cables and mounting"
         }
         _ if reason.starts_with("lateral inertia not taken out") => {
-            "state Poisson's ratio in `lateral_inertia`, and lateral inertia is taken out"
+            "state Poisson's ratio in `lateral_inertia`, so that lateral inertia is taken out"
         }
         _ if reason.starts_with("common error of E'") => {
-            "measure anew what contributes most to the common error"
+            "measure again what contributes most to the common error"
         }
         _ => return None,
     })

@@ -124,7 +124,7 @@ fn answer(
     )
 }
 
-/// The common errors of E' on one line, the largest first, such as `here by density (1.0 %), length
+/// The common errors of E' on one line, the largest first, such as `here due to density (1.0 %), length
 /// (0.12 %)`.
 fn by_sources(line: &ModulusLine) -> String {
     let mut sources: Vec<(String, f64)> = line
@@ -144,7 +144,7 @@ fn by_sources(line: &ModulusLine) -> String {
         .iter()
         .map(|(source, part)| format!("{source} ({})", percent(*part)))
         .collect();
-    format!("here by {}", words.join(", "))
+    format!("here due to {}", words.join(", "))
 }
 
 /// The value in GPa or MPa.
@@ -267,7 +267,7 @@ fn warn(outcome: &mut Outcome, found: &Found<'_>, valid: &[&ModulusLine]) {
         .is_none()
     {
         outcome.warnings.push(
-            "The density is stated without an uncertainty: its relative error is that of every modulus, and not in the errors."
+            "The density is stated without an uncertainty: its relative error is in every modulus, but not in the errors."
                 .to_owned(),
         );
     }
@@ -293,7 +293,7 @@ fn warn(outcome: &mut Outcome, found: &Found<'_>, valid: &[&ModulusLine]) {
             .any(|gauge| gauge.at.with_uncertainty().standard_uncertainty.is_none())
     {
         outcome.warnings.push(
-            "The position of a gauge is stated without an uncertainty: what is uncertain of it is not in the errors."
+            "The position of a gauge is stated without an uncertainty: the errors do not include its uncertainty."
                 .to_owned(),
         );
     }
@@ -334,7 +334,7 @@ fn warn(outcome: &mut Outcome, found: &Found<'_>, valid: &[&ModulusLine]) {
         let bound = line.lateral_inertia_bound().storage_modulus / line.modulus.re.abs();
         outcome.warnings.push(format!(
             "Lateral inertia was not taken out, as no Poisson's ratio is stated. With any up to 0.5, E' is too small by at most {} at {}; \
-             this bound stands beside the errors and counts in what is valid. State `lateral_inertia: (poisson_ratio: ...)` to take it out.",
+             this bound is stated in addition to the errors and is included when lines are judged valid. State `lateral_inertia: (poisson_ratio: ...)` to take it out.",
             percent(bound),
             hertz(line.frequency_hz)
         ));
@@ -346,7 +346,7 @@ fn warn(outcome: &mut Outcome, found: &Found<'_>, valid: &[&ModulusLine]) {
     if larger > valid.len() / 2 {
         outcome.warnings.push(format!(
             "On {larger} of {} valid lines the common error of E' is larger than the random one: it shifts all lines alike, and more \
-             hits do not lessen it.",
+             hits do not reduce it.",
             valid.len()
         ));
     }

@@ -22,7 +22,7 @@ fn change_axis(found: &Found<'_>) -> (f64, Axis) {
     found.sheet.virgin_loss_factor.as_ref().map_or_else(
         || (1.0, Axis::linear("change of the loss factor", "")),
         |virgin| {
-            let label = "change of the loss factor by its virgin value";
+            let label = "change of the loss factor over its virgin value";
             (
                 100.0 / virgin.with_uncertainty().value,
                 Axis::linear(label, "%"),
@@ -78,11 +78,11 @@ fn recovery(found: &Found<'_>) -> Result<Figure, CmodError> {
     }
     let panels = vec![
         Panel::new(time_axis(), axis, marks),
-        Panel::new(time_axis(), ("residual by standard error", ""), residuals),
+        Panel::new(time_axis(), ("residual over standard error", ""), residuals),
     ];
     Ok(Figure {
-        caption: "Above: readings with their standard errors, and the common model with bands of two standard errors. Below: what the \
-                  model leaves over, by the standard error of each reading; two thirds should lie between -1 and 1."
+        caption: "Above: readings with their standard errors, and the common model with bands of two standard errors. Below: the residual \
+                  of the model over the standard error of each reading; two thirds should be between -1 and 1."
             .to_owned(),
         ..Figure::new("recovery", "Recovery of the loss factor", panels)
     })
@@ -115,11 +115,11 @@ fn one_curve(found: &Found<'_>) -> Figure {
     let x = (0..=60).map(|i| nearest * (farthest / nearest).powf(f64::from(i) / 60.0));
     let law = x.map(|x| (x, 1.0 / (1.0 + x)));
     marks.push(Mark::line("1/(1 + t/tr)", Role::Reference, law));
-    let time = Axis::logarithmic("time after unloading by recovery time", "");
-    let panel = Panel::new(time, ("change by initial change", ""), marks);
+    let time = Axis::logarithmic("time after unloading over recovery time", "");
+    let panel = Panel::new(time, ("change over initial change", ""), marks);
     Figure {
-        caption: "Each test by the initial change and the recovery time that are fitted to it alone. The model demands the grey \
-                  curve of all of them."
+        caption: "Each test, divided by the initial change and the recovery time that are fitted to it alone. The model requires all of \
+                  them to follow the grey curve."
             .to_owned(),
         ..Figure::new("one_curve", "All tests on one curve", vec![panel])
     }
@@ -135,8 +135,8 @@ fn predictions(found: &Found<'_>) -> Result<Figure, CmodError> {
     let panel = Panel::new(time_axis(), axis, marks);
     let title = "Predicted recovery after other loads";
     Ok(Figure {
-        caption: "Bands of two standard errors, by the errors of the readings and of the parameters; that the model holds for such a \
-                  load is not part of them."
+        caption: "Bands of two standard errors, from the errors of the readings and of the parameters; they do not include an error of the \
+                  model itself for such a load."
             .to_owned(),
         ..Figure::new("predictions", title, vec![panel])
     })

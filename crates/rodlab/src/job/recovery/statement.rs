@@ -113,7 +113,7 @@ fn answer(found: &Found<'_>) -> String {
         )
     });
     format!(
-        "The dashpot has the exponent m = {exponent}, and the spring beside it the modulus E2 = {modulus}."
+        "The dashpot has the exponent m = {exponent}, and the spring in parallel with it the modulus E2 = {modulus}."
     )
 }
 
@@ -214,12 +214,12 @@ fn warn(outcome: &mut Outcome, found: &Found<'_>) {
     }
     if fit.ending != Ending::Converged {
         outcome.doubt(format!(
-            "the fit did not settle ({:?}): its values are where the iteration stopped",
+            "the fit did not converge ({:?}): its values are those at which the iteration stopped",
             fit.ending
         ));
     }
     outcome.warnings.push(
-        "The model describes the loss factor at the frequency of the tests and nothing else: its springs are no moduli of the \
+        "The model describes the loss factor at the frequency of the tests and nothing else: its spring moduli are not moduli of the \
          material under creep."
             .to_owned(),
     );
@@ -236,7 +236,7 @@ pub(super) fn predict(outcome: &mut Outcome, found: &Found<'_>) -> Result<(), Cm
                 value: Some(point.change),
                 standard_error: Some(point.standard_error).filter(|error| error.is_finite()),
                 valid: point.standard_error.is_finite(),
-                verdict: "by the common model".to_owned(),
+                verdict: "from the common model".to_owned(),
             });
         }
     }

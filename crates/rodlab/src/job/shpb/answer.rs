@@ -31,7 +31,7 @@ pub(super) fn state(
     let loaded = result.loaded.clone();
     let (rate, rate_error) = mean_rate(result);
     outcome.summary.push(format!(
-        "The stress comes to {} MPa ± {} MPa (95 %) at a strain of {} ± {} (95 %) and a mean rate of {} 1/s.",
+        "The peak stress is {} MPa ± {} MPa (95 %) at a strain of {} ± {} (95 %) and a mean rate of {} 1/s.",
         significant(1e-6 * stress, 4),
         significant(1e-6 * at(&width(Curve::Stress)?), 2),
         significant(strain, 3),
@@ -41,15 +41,15 @@ pub(super) fn state(
     let time_us = |time: f64| 1e6 * (time - result.start_time);
     outcome.summary.push(match result.equilibrium.from {
         Some(from) => format!(
-            "The forces of the two faces agree to 5 % and their error from {} us after the arrival on; the specimen is loaded for {} us.",
+            "From {} us after the arrival, the forces of the two faces agree within 5 % and their error; the specimen is loaded for {} us.",
             significant(time_us(from), 3),
             significant(1e6 * result.time_step * loaded.len() as f64, 3),
         ),
-        None => "No time was found from which the forces of the two faces agree to 5 % and their error.".to_owned(),
+        None => "No time was found from which the forces of the two faces agree within 5 % and their error.".to_owned(),
     });
     outcome.summary.push(dominating(result, peak));
     outcome.summary.push(format!(
-        "Everything is stated in the band up to {} kHz; a wave that is carried back to the specimen grows {}-fold at most there.",
+        "All results are stated in the band up to {} kHz; there, a wave that is traced back to the specimen grows at most {}-fold.",
         significant(1e-3 * result.band_hz, 3),
         significant(result.amplification, 3),
     ));
@@ -182,7 +182,7 @@ pub(super) fn monte_carlo(
         });
         if (ratio - 1.0).abs() > NONLINEAR + 3.0 * scatter {
             outcome.doubt(format!(
-                "{shot}the errors do not act linearly: by {n_draws} draws the {name} scatters by {} of its linear standard error, expected 0.8 to 1.2",
+                "{shot}the errors do not act linearly: in {n_draws} draws the {name} scatters by {} times its linear standard error, expected 0.8 to 1.2",
                 significant(ratio, 3)
             ));
         }
@@ -223,7 +223,7 @@ fn dominating(result: &HopkinsonResult, peak: usize) -> String {
         sources.into_iter().next().map_or_else(String::new, |s| s.1)
     };
     format!(
-        "The largest error of the stress there is by {}, that of the strain by {}.",
+        "The largest error of the stress there is due to {}, that of the strain to {}.",
         largest(Curve::Stress),
         largest(Curve::Strain)
     )

@@ -26,7 +26,7 @@ pub(super) fn state(
     let value = |values: &[f64]| values.get(at.0).copied().unwrap_or(f64::NAN);
     let megapascals = |pascals: f64, digits| significant(1e-6 * pascals, digits);
     outcome.summary.push(format!(
-        "The mean of {} shots comes to {} MPa ± {} MPa (95 %) at a strain of {} and a rate of {} 1/s.",
+        "The peak of the mean of {} shots is {} MPa ± {} MPa (95 %) at a strain of {} and a rate of {} 1/s.",
         mean.n_shots,
         megapascals(at.1, 4),
         megapascals(value(&band_of_mean(mean)?), 2),
@@ -122,7 +122,7 @@ pub(super) fn figure(shots: &[HopkinsonResult], mean: &MeanCurve) -> Result<Figu
     marks.push(Mark::curve("mean", Role::First, &strain, stress));
     let panel = Panel::new(("strain", "%"), ("stress", "MPa"), marks);
     Ok(Figure {
-        caption: "Engineering values; the band holds a single value of the mean with 95 %, as far as all specimens deform.".to_owned(),
+        caption: "Engineering values; the band contains a single value of the mean with a probability of 95 %, up to the strain that all specimens reach.".to_owned(),
         ..Figure::new("mean", "Mean stress over strain", vec![panel])
     })
 }

@@ -35,7 +35,7 @@ pub(super) fn test(sheet: &ShpbSheet) -> Result<HopkinsonTest, RodlabError> {
             return Err(RodlabError::request(
                 format!("materials: {name}"),
                 material.in_words(),
-                "the material of a bar: no bar is of it",
+                "the material of a bar: no bar uses it",
             ));
         }
     }
@@ -241,7 +241,7 @@ impl Replacement for MovesOne {
                     format!(
                         "{stated}, which is out of range one standard uncertainty away: {error}"
                     ),
-                    "an uncertainty that is small against the value",
+                    "an uncertainty that is small compared with the value",
                 )
             })
     }

@@ -79,7 +79,7 @@ fn stress_strain(
     let stress = of(scaled(result.curves.of(Curve::Stress), 1e-6));
     let (held, band_of_stress) = match MeanCurve::of(std::slice::from_ref(result)) {
         Ok(curve) => (
-            "at one strain, errors of the strain included, as far as the specimen deforms",
+            "at a given strain, errors of the strain included, up to the largest strain",
             around(
                 "95 %",
                 Role::First,
@@ -107,12 +107,12 @@ fn stress_strain(
     let mut compared = "";
     if let Some((strain, stress)) = as_elastic {
         marks.push(Mark::curve(
-            "bars taken for elastic",
+            "bars assumed elastic",
             Role::Reference,
             strain,
             stress.clone(),
         ));
-        compared = " The grey line is what the same records give if the bars are taken for elastic, with their wave speed in the middle of the band.";
+        compared = " The grey line is what the same records give if the bars are assumed elastic, with their wave speed in the middle of the band.";
     }
     let rate = of(result.curves.of(Curve::StrainRate).to_vec());
     let rate_half = of(band(result, Curve::StrainRate, 1.0)?);
@@ -127,7 +127,7 @@ fn stress_strain(
     ];
     Ok(Figure {
         caption: format!(
-            "Engineering values up to the end of the loading. The band holds the stress with 95 % {held}; that of the rate holds a single value at its time.{compared}"
+            "Engineering values up to the end of the loading. The band contains the stress with a probability of 95 % {held}; that of the rate contains a single value at its time.{compared}"
         ),
         ..Figure::new("stress_strain", title, panels)
     })
@@ -167,7 +167,7 @@ fn forces(result: &HopkinsonResult) -> Result<Figure, RodlabError> {
         Panel::new(("time", "us"), of_index, index),
     ];
     Ok(Figure {
-        caption: "The index is the difference of the forces over their mean, where the specimen is loaded; equilibrium is up to 0.05.".to_owned(),
+        caption: "The index is the difference of the forces over their mean, where the specimen is loaded; in equilibrium it is at most 0.05.".to_owned(),
         ..Figure::new("forces", "Forces of both faces, and the equilibrium index", panels)
     })
 }
@@ -277,7 +277,7 @@ fn fronts(
     }
     let panel = Panel::new(("distance from the specimen", "m"), ("time", "us"), marks);
     Ok(Figure {
-        caption: "The specimen is at 0; each line is the front of a wave that goes to and fro in a bar with the speed of the middle of the band. Waves overlap at a gauge while one passes before the one before it has ended.".to_owned(),
-        ..Figure::new("fronts", "Fronts of the waves over place and time", vec![panel])
+        caption: "The specimen is at 0; each line is the front of a wave that travels back and forth in a bar at the wave speed in the middle of the band. Waves overlap at a gauge where one arrives before the previous one has ended.".to_owned(),
+        ..Figure::new("fronts", "Fronts of the waves over position and time", vec![panel])
     })
 }

@@ -76,7 +76,7 @@ impl BlowsSheet {
             return Err(RodlabError::request(
                 format!("{field}.scatter"),
                 self.scatter().to_string(),
-                "below 1: a blow is no pull",
+                "below 1: a blow cannot pull",
             ));
         }
         let of_channel = instrument.samples_of_record()? as f64;
@@ -192,8 +192,8 @@ fn cut_off(record: &Record, peaks: &[f64]) -> Option<String> {
         .max_by(|a, b| a.1.total_cmp(&b.1))?;
     (level > QUIET).then(|| {
         format!(
-            "the records end while `{channel}` still moves by {:.2} % of its largest value: their spectra miss what comes after, and \
-             evaluations show it",
+            "the records end while `{channel}` still moves by {:.2} % of its largest value: the rest is missing from their spectra, which affects \
+             evaluations",
             100.0 * level
         )
     })

@@ -200,8 +200,9 @@ impl CreepRecoverySheet {
         let time = Axis::logarithmic("time after unloading", "min");
         let panel = Panel::new(time, ("loss factor", ""), marks);
         Figure {
-            caption: "Readings with their standard deviation, and the law that made them."
-                .to_owned(),
+            caption:
+                "Readings with their standard deviation, and the law from which they were computed."
+                    .to_owned(),
             ..Figure::new("recovery", "Loss factor after unloading", vec![panel])
         }
     }

@@ -67,7 +67,7 @@ pub(super) fn spectra(records: &[Record], cutoff_hz: f64) -> Result<Option<Figur
     });
     let panel = Panel::new(("frequency", "kHz"), ("auto-spectrum", "dB"), marks);
     Ok(Some(Figure {
-        caption: "Each channel over its largest line.".to_owned(),
+        caption: "Each channel relative to its largest line.".to_owned(),
         ..Figure::new("spectra", "Spectra of the first record", vec![panel])
     }))
 }

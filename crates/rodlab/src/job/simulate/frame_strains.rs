@@ -191,7 +191,7 @@ impl StrainsInFrameSheet {
             density,
             more: "",
             method: &format!("{method}(gauges: [{gauges}\n    ])"),
-            silence: "the noise of the gauges is read here; the filter reaches ahead of the blow",
+            silence: "the noise of the gauges is determined here; the filter reaches ahead of the blow",
         };
         rod.evaluation(request, recorded, instrument)
     }

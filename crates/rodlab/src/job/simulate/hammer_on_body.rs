@@ -43,7 +43,7 @@ impl HammerOnBodySheet {
         self.blows.check(&format!("{FIELD}.blows"), instrument, 2)?;
         let place = format!("{FIELD}.body");
         let mut exact = WithoutUncertainty {
-            why: "a virtual test has one truth",
+            why: "a virtual test has exact values",
         };
         exact.body(&self.body, &place)?;
         let body = self.body.body(request.materials, &place)?;
@@ -150,7 +150,7 @@ fn mobility_at(body: &ComputedBody, s: Complex64, place: &str) -> Result<Complex
         return Err(RodlabError::request(
             place,
             "of a material whose law is known for real frequencies only",
-            "causal laws: a history is wanted",
+            "causal laws: a history is computed",
         ));
     }
     body.mobility_at(s)

@@ -27,7 +27,7 @@ impl TryFrom<String> for LevelText {
     type Error = String;
 
     fn try_from(text: String) -> Result<Self, String> {
-        let expected = "expected a part of the largest value, as \"0.02 %\", or a level in the unit of the channel";
+        let expected = "expected a part of the largest value, such as \"0.02 %\", or a level in the unit of the channel";
         let (number, unit) =
             number_and_unit(&text).map_err(|why| format!("`{text}` {why}, {expected}"))?;
         let si = unit.to_si(number);

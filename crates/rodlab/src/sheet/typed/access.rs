@@ -95,7 +95,7 @@ impl<'a> Fields<'a> {
                 None => {
                     let meant = nearest(&entry.name, known);
                     let words = if known.is_empty() {
-                        format!("there is no field `{}`, and no other", entry.name)
+                        format!("there is no field `{}`: none is expected here", entry.name)
                     } else {
                         format!("there is no field `{}`, only {}", entry.name, quoted(known))
                     };
@@ -143,7 +143,7 @@ fn note_second(table: &Reading<'_>, entry: &Entry) {
     note(
         table,
         entry,
-        &format!("the field `{}` stands twice", entry.name),
+        &format!("the field `{}` is stated twice", entry.name),
         None,
     );
 }
@@ -213,7 +213,7 @@ impl<'de> VariantAccess<'de> for Settings<'_> {
             Value::Table(entries) if entries.is_empty() => Ok(()),
             _ if self.0.is_filled() => Ok(()),
             _ => {
-                Err(Fault::found(self.0.node, "the name alone, for it has no settings").at(&self.0))
+                Err(Fault::found(self.0.node, "the name alone, as it has no settings").at(&self.0))
             }
         }
     }

@@ -25,7 +25,7 @@ impl Filler {
                 depth: self.depth + 1,
             })
         } else {
-            Err(Fault::custom("a type that holds itself"))
+            Err(Fault::custom("a type that contains itself"))
         }
     }
 }

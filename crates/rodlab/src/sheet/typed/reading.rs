@@ -198,7 +198,7 @@ impl<'a> Reading<'a> {
                 inside.fields("", fields, visitor)
             }
             _ => Err(self.refused(match self.pass.language {
-                Language::Ron => "fields in round brackets, as `(name: value)`",
+                Language::Ron => "fields in round brackets, such as `(name: value)`",
                 Language::Toml => "a table of fields",
                 Language::Json => "an object with fields",
             })),
@@ -386,7 +386,7 @@ impl<'de> Deserializer<'de> for Reading<'_> {
                 .visit_map(Fields::all(self, entries))
                 .map_err(|fault: Fault| fault.at(&self)),
             _ => Err(self.refused(match self.pass.language {
-                Language::Ron => "names with their values in braces, as `{\"name\": value}`",
+                Language::Ron => "names with their values in braces, such as `{\"name\": value}`",
                 Language::Toml => "a table of names with their values",
                 Language::Json => "an object of names with their values",
             })),
@@ -416,7 +416,7 @@ impl<'de> Deserializer<'de> for Reading<'_> {
         let Some((name, content)) = self.choice() else {
             if self.at.is_root() && language != Language::Ron {
                 let advice = format!(
-                    "begin the sheet with a line as `{JOB} = \"modulus\"`; the jobs are {}",
+                    "begin the sheet with a line such as `{JOB} = \"modulus\"`; the jobs are {}",
                     quoted(&names)
                 );
                 return Err(
@@ -426,7 +426,7 @@ impl<'de> Deserializer<'de> for Reading<'_> {
             }
             let hint = match &self.node.value {
                 Value::Text(_) => ", without quotes",
-                Value::Table(entries) if entries.len() > 1 => ", and one only",
+                Value::Table(entries) if entries.len() > 1 => ", and only one",
                 _ => "",
             };
             return Err(self.refused(&format!("one of {}{hint}", quoted(&names))));

@@ -32,7 +32,7 @@ impl UnitReading {
                 "milliseconds: every unit of time in eta and B read as ms (factor 1e-3), m as printed"
             }
             Self::Realistic => {
-                "realistic: E and kappa as printed, eta, B and m our own values for materials whose damping acts"
+                "realistic: E and kappa as printed, eta, B and m our own values for materials with significant damping"
             }
         }
     }

@@ -95,9 +95,9 @@ pub(super) fn workbook(file: &[u8]) -> Result<Vec<u8>, LabioError> {
         let old = entries().any(|entry| is_called(entry, "Book"));
         let encrypted = entries().any(|entry| is_called(entry, "EncryptedPackage"));
         return Err(refused(match (old, encrypted) {
-            (true, _) => "of Excel 95 or earlier",
+            (true, _) => "from Excel 95 or earlier",
             (_, true) => "encrypted",
-            _ => "no workbook",
+            _ => "not a workbook",
         }));
     };
     let (first, length) = (long(entry, 116)?, long(entry, 120)? as usize);

@@ -97,8 +97,8 @@ pub(super) fn of_hits(
     };
     if accepted.len() < fewest {
         let why = if fewest == FEWEST_HITS {
-            ": the coherence of one is 1 whatever was measured. State in `source.hits.silent` how long the record is silent before the blow, and the \
-             errors of one hit are read there"
+            ": the coherence of a single hit is always 1. State in `source.hits.silent` how long the record is silent before the blow; the \
+             errors of one hit are then determined there"
         } else {
             ""
         };
@@ -177,7 +177,7 @@ pub(super) fn of_hits(
             format!("time constant {:.4} ms", 1e3 / window.decay_rate()),
         ));
         measured.in_words.push(
-            "The hits end while the rod rings: all gauges were damped alike, and the damping was taken off the modulus."
+            "The hits end while the rod is ringing: all gauges were damped alike, and the modulus was corrected for the damping."
                 .to_owned(),
         );
     }
@@ -188,7 +188,7 @@ pub(super) fn of_hits(
         let least = freedom.fold(f64::INFINITY, f64::min);
         if least < FEW_DEGREES_OF_FREEDOM {
             measured.warnings.push(format!(
-                "The errors of the only hit are from a silence with {} degrees of freedom per line, which few lines satisfy. Record more hits or a longer \
+                "The errors of the only hit are from a silence with only {} degrees of freedom per line, so that few lines are valid. Record more hits or a longer \
                  pre-trigger.",
                 significant(least, 2)
             ));
@@ -299,7 +299,7 @@ fn check_channels(method: &MethodSheet, record: &Record) -> Result<(), RodlabErr
                 return Err(RodlabError::request(
                     taken.field,
                     is(),
-                    format!("{}, as `{name}` is", wanted.name()),
+                    format!("{}, like `{name}`", wanted.name()),
                 ));
             }
             Some(_) => {}

@@ -36,7 +36,7 @@ pub(super) fn between(
             field,
             format!("\"{from}\" to \"{to}\""),
             format!(
-                "a stretch of the record of a hit, 0 to {:.4} ms",
+                "an interval in the record of a hit, 0 to {:.4} ms",
                 1e3 * shortest as f64 / rate_hz
             ),
         )),

@@ -98,13 +98,13 @@ pub(super) fn modes(
     }
     if let Some(strongest) = poles.strongest_elsewhere {
         measured.doubts.push(format!(
-            "the strongest vibration, at {} Hz, is none of the modes that were found: another motion, or a wave speed that is off by more than a fifth",
+            "the strongest vibration, at {} Hz, is not one of the modes that were found: it is another motion, or the wave speed is off by more than a fifth",
             significant(strongest, 5)
         ));
     }
     if poles.found.is_empty() {
         measured.missing = format!(
-            "no mode stands out near the frequencies of waves of {wave_speed} in {} m",
+            "no mode stands out near the frequencies expected for a wave speed of {wave_speed} and a length of {} m",
             significant(length, 4)
         );
         return Ok(None);

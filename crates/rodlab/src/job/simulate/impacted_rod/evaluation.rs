@@ -44,7 +44,7 @@ pub(super) fn sheet(
         length: "{length}",
         density: "{density}",
     ),
-    // the filter before the samples, which is a part of the experiment
+    // the filter before sampling, which is part of the experiment
     recorder: {recorder},
     tests: [{tests}
     ],
@@ -97,7 +97,7 @@ fn one(
             excitation: "{NEAR}",
             response: "{FREE}",
             impact_velocity: "{velocity}",{noise}{range}
-            // no solver inverts what it has made itself
+            // data are never inverted with the solver that generated them
             generator: "{generator}",
         ),"#
     )

@@ -55,8 +55,8 @@ pub(super) fn figure<L: InelasticLaw>(
     let panel = Panel::new(("time", "ms"), distance, marks);
     Ok(Figure {
         caption: format!(
-            "Velocity of {COUNT} sections of the rod struck at {velocity} m/s, each drawn about its distance from the struck end; {peak:.3} m/s \
-             is as high as two sections are apart. The time begins with the contact."
+            "Velocity of {COUNT} sections of the rod struck at {velocity} m/s, each drawn around its distance from the struck end; {peak:.3} m/s \
+             corresponds to the distance between two sections. Time starts at the contact."
         ),
         ..Figure::new("sections", "Velocities along the rod", vec![panel])
     })
