@@ -91,10 +91,14 @@ impl Profile {
                 format!("values below {lower:.4} and above {upper:.4} are excluded at 95 %")
             }
             (Some(lower), None) => {
-                format!("values below {lower:.4} are excluded at 95 %, but none from there up to {high:.4}")
+                format!(
+                    "values below {lower:.4} are excluded at 95 %, but none from there up to {high:.4}"
+                )
             }
             (None, Some(upper)) => {
-                format!("values above {upper:.4} are excluded at 95 %, but none from there down to {low:.4}")
+                format!(
+                    "values above {upper:.4} are excluded at 95 %, but none from there down to {low:.4}"
+                )
             }
             (None, None) => {
                 format!("no value from {low:.4} to {high:.4} is excluded at 95 %")

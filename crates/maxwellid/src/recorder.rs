@@ -126,7 +126,9 @@ impl std::fmt::Display for RecorderCheck {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let cutoff = 1e-3 * self.cutoff_hz;
         let origin = if self.is_assumed {
-            format!("cut-off not stated, assumed {cutoff:.1} kHz, the sampling rate divided by {USUAL_RATIO}")
+            format!(
+                "cut-off not stated, assumed {cutoff:.1} kHz, the sampling rate divided by {USUAL_RATIO}"
+            )
         } else {
             format!("cut-off {cutoff:.1} kHz")
         };

@@ -3,16 +3,29 @@
 use crate::virtual_tests;
 
 use maxwellid::selection::{Candidate, Comparison, Decision, Selection};
-use maxwellid::{Fit, Law, Noise};
+use maxwellid::{Estimate, Fit, Law, Noise, Scale};
 use rodwave::inelastic::{InelasticLaw, MaxwellNorton};
+use rodwave::modulus::{GeneralisedMaxwell, MaxwellBranch};
 use testbed::noise::draws;
-use virtual_tests::{Exact, by_the_chain, in_parallel, noisy, with_spring};
+use virtual_tests::{
+    Exact, MODULUS, beside_a_branch, by_the_chain, constant_q_stack, in_parallel, noisy,
+    with_spring,
+};
 
 /// Noise over V0. With 1 % the law without a spring keeps 6 % of the probability of one draw.
 const NOISE: f64 = 0.005;
 
 fn norton(rate: f64) -> MaxwellNorton {
     MaxwellNorton::from_reference_rate(2.0, rate, 10e6).unwrap()
+}
+
+/// Error of an estimate over its standard error.
+fn score(estimate: &Estimate, truth: f64) -> f64 {
+    let off = match estimate.scale {
+        Scale::Ratio => (estimate.value / truth).ln(),
+        Scale::Difference => estimate.value - truth,
+    };
+    off / estimate.standard_error
 }
 
 /// The same law at 3 and at 27 m/s.
@@ -84,16 +97,12 @@ fn errors_of_a_solid_cover() {
             let mut scores = [0.0; 4];
             let places = scores.iter_mut().zip(&truth).zip(&found.estimates);
             for ((score, truth), estimate) in places {
-                let off = match estimate.scale {
-                    maxwellid::Scale::Ratio => (estimate.value / truth).ln(),
-                    maxwellid::Scale::Difference => estimate.value - truth,
-                };
-                *score = off / estimate.standard_error;
+                *score = self::score(estimate, *truth);
             }
             scores
         })
     }
-    let truth = [virtual_tests::MODULUS, 0.3, 2.0, 60.0];
+    let truth = [MODULUS, 0.3, 2.0, 60.0];
     let found = scores(&norton(60.0), 0.3, truth);
     let count = found.len() as f64;
     for parameter in 0..4 {
@@ -102,4 +111,56 @@ fn errors_of_a_solid_cover() {
         // 20 squares have a mean of 1 ± 0.32; three of them
         assert!((0.2..2.0).contains(&mean), "{parameter}: {mean} {found:?}");
     }
+}
+
+/// Scores of the quantities over 4 draws. The line computes the linear `material` in parallel with
+/// Norton's branch of the modulus [`MODULUS`], at two velocities.
+fn check_beside_a_branch(material: &GeneralisedMaxwell, law: Law, truths: &[(&str, f64)]) {
+    let branch = (MODULUS, norton(60.0));
+    let exact = at_two_velocities(|velocity| beside_a_branch(material, branch, velocity));
+    let seeds: Vec<u64> = (0..draws(4)).collect();
+    let found = in_parallel(&seeds, |seed| {
+        let noisy = |(exact, k)| noisy(exact, NOISE, 300 + 2 * seed + k);
+        let tests: Vec<_> = exact.iter().zip(0..).map(noisy).collect();
+        let fit = Fit::of(law).with_cell(4e-3).to(&tests).unwrap();
+        let estimates = fit.identifiability(Noise::Stated).unwrap().estimates;
+        let of = |(symbol, truth): &(&str, f64)| {
+            let mut all = estimates.iter();
+            score(all.find(|one| one.symbol == *symbol).unwrap(), *truth)
+        };
+        truths.iter().map(of).collect::<Vec<_>>()
+    });
+    for (index, (symbol, _)) in truths.iter().enumerate() {
+        let squares = found.iter().map(|scores| scores[index].powi(2));
+        let mean = squares.sum::<f64>() / found.len() as f64;
+        // four squares have a mean of 1 ± 0.71; three of them
+        assert!(mean < 3.1, "{law:?}, {symbol}: {mean} {found:?}");
+    }
+}
+
+/// A flat loss factor of 0.05, of 22 branches. E is not compared: the two spectra end at different
+/// frequencies.
+#[test]
+fn a_flat_loss_beside_a_nonlinear_branch_is_recovered() {
+    let truths = [("tan delta", 0.05), ("kappa", 2.0), ("F(10 MPa)", 60.0)];
+    check_beside_a_branch(&constant_q_stack(0.05), Law::FlatLossAndNorton, &truths);
+}
+
+/// A spring, a linear branch of 20 us and Norton's branch.
+#[test]
+fn an_equilibrium_a_fast_branch_and_a_nonlinear_one_are_recovered() {
+    let fast = MaxwellBranch {
+        modulus: 0.5 * MODULUS,
+        relaxation_time: 2e-5,
+    };
+    let material = GeneralisedMaxwell::new(1.5 * MODULUS, vec![fast]).unwrap();
+    let truths = [
+        ("E", 3.0 * MODULUS),
+        ("w_0", 0.5),
+        ("w_1", 0.5 / 3.0),
+        ("tau_1", 2e-5),
+        ("kappa", 2.0),
+        ("F(10 MPa)", 60.0),
+    ];
+    check_beside_a_branch(&material, Law::ZhuWangTangNorton, &truths);
 }

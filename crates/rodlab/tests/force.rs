@@ -65,7 +65,10 @@ fn a_mass_on_a_long_rod_presses_with_a_falling_exponential() {
         .find(|q| q.name == "coefficient of restitution")
         .unwrap();
     assert!(!restitution.valid, "{restitution:?}");
-    assert_eq!(outcome.warnings, ["the faces are still in contact at the end"]);
+    assert_eq!(
+        outcome.warnings,
+        ["the faces are still in contact at the end"]
+    );
 }
 
 #[test]

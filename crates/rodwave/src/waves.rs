@@ -274,7 +274,11 @@ impl SectionWaves {
             self.weights.len(),
         )?;
         check("the list of lines of the waves", along.len(), self.n_lines)?;
-        check("the list of lines of the waves", against.len(), self.n_lines)?;
+        check(
+            "the list of lines of the waves",
+            against.len(),
+            self.n_lines,
+        )?;
         along.fill(Complex64::ZERO);
         against.fill(Complex64::ZERO);
         for (weights, values) in self.weights.iter().zip(values) {

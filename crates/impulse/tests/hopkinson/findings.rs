@@ -232,7 +232,10 @@ fn hopkinson_a_band_in_which_waves_have_died_out_is_named() {
         _ => None,
     });
     let (by, said) = amplified.unwrap_or_else(|| panic!("{findings:?}"));
-    assert!(by > 10.0 && said.contains("lower the end of the band"), "{said}");
+    assert!(
+        by > 10.0 && said.contains("lower the end of the band"),
+        "{said}"
+    );
 }
 
 /// The incident gauge 0.04 m nearer than stated: the reflected wave is carried to the face too early,

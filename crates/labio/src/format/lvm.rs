@@ -241,7 +241,9 @@ impl Preamble {
                 ("Separator", "Comma") if sign == ',' => {}
                 ("Separator", "Semicolon") if sign == ';' => {}
                 ("Separator", _) => {
-                    return wrong(&format!("the name of the character after the tag, {sign:?}"));
+                    return wrong(&format!(
+                        "the name of the character after the tag, {sign:?}"
+                    ));
                 }
                 ("Decimal_Separator", ".") => mark = Some(DecimalMark::Point),
                 ("Decimal_Separator", ",") if sign != ',' => mark = Some(DecimalMark::Comma),

@@ -216,7 +216,10 @@ impl fmt::Display for Reason {
                         "`{channel}` is never on the other side of {level_in_words} by the hysteresis of {hysteresis} before it passes this level; its values are",
                     )?;
                 } else {
-                    write!(f, "`{channel}` never passes {level_in_words}; its values are")?;
+                    write!(
+                        f,
+                        "`{channel}` never passes {level_in_words}; its values are"
+                    )?;
                 }
                 write!(f, " between {} and {}", Short(*least), Short(*greatest))
             }

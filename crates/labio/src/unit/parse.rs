@@ -159,7 +159,10 @@ impl Scanner<'_> {
                 if let Some(&digit) = self.chars.peek()
                     && (digit.is_ascii_digit() || digit == '.')
                 {
-                    return fault(digit, "makes a factor other than 1, which a unit cannot have");
+                    return fault(
+                        digit,
+                        "makes a factor other than 1, which a unit cannot have",
+                    );
                 }
                 (Parsed::NUMBER, "1".to_owned())
             }
@@ -195,10 +198,9 @@ impl Scanner<'_> {
                 "has a shifted zero and cannot be part of a compound unit",
             ),
             None => match token.as_str() {
-                "lb" | "lbs" | "Pounds" => fault(
-                    token,
-                    "may be a mass or a force, expected lbm or lbf",
-                ),
+                "lb" | "lbs" | "Pounds" => {
+                    fault(token, "may be a mass or a force, expected lbm or lbf")
+                }
                 "dB" => fault(token, "is a logarithm, not a unit"),
                 _ => fault(token, "is not among the known symbols"),
             },

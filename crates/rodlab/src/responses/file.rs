@@ -303,7 +303,12 @@ impl ResponseFile {
         let unit = match &axis.unit {
             Some(unit) if Some(unit.dimension()) == Dimension::NONE.quotient(TIME) => unit,
             Some(unit) => return Err(off(format!("over {}", unit.symbol()))),
-            None => return Err(off(format!("over an axis without a unit, `{}`", axis.label))),
+            None => {
+                return Err(off(format!(
+                    "over an axis without a unit, `{}`",
+                    axis.label
+                )));
+            }
         };
         let (start, step) = match &series.abscissa {
             Abscissa::Even { start, step } => (unit.to_si(*start), unit.to_si(*step)),

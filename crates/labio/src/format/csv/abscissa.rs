@@ -202,7 +202,10 @@ fn spacing(
             return match digits.first_not_exactly(start, step) {
                 None => Ok(Some(Abscissa::Even { start, step })),
                 Some(row) => off(
-                    format!("a value other than that of start and step in row {}", row + 1),
+                    format!(
+                        "a value other than that of start and step in row {}",
+                        row + 1
+                    ),
                     "the abscissa stated in the header",
                 ),
             };
@@ -277,7 +280,9 @@ fn spacing(
                 "repeated values; their digits give the step {:e} to within {:.1e}",
                 step.value, step.half_unit
             ),
-            &format!("a step known to within a relative {ROUNDED_STEP_TOLERANCE}, or a stated step"),
+            &format!(
+                "a step known to within a relative {ROUNDED_STEP_TOLERANCE}, or a stated step"
+            ),
         );
         if strictness == Strictness::Strict {
             return Err(error);

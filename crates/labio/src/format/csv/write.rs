@@ -237,7 +237,9 @@ fn row(texts: &[&str], to: &mut Vec<u8>) -> Result<(), LabioError> {
         }
     }
     if cells.len() != texts.len() {
-        return Err(cannot_hold("names or units that do not form the cells of a row"));
+        return Err(cannot_hold(
+            "names or units that do not form the cells of a row",
+        ));
     }
     to.extend(bytes);
     Ok(())

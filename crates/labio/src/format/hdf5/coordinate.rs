@@ -129,7 +129,10 @@ pub(super) fn along(
     };
     match abscissa {
         Abscissa::Uneven(values) if values.len() != length => {
-            let found = format!("{} coordinates for an axis of length {length}", values.len());
+            let found = format!(
+                "{} coordinates for an axis of length {length}",
+                values.len()
+            );
             let expected = "as many coordinates as samples";
             Err(malformed(name, dataset.address(), found, expected))
         }

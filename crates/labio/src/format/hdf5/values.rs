@@ -233,7 +233,10 @@ pub(super) fn unpacked(
             .iter()
             .position(|value| value.to_bits() == missing.to_bits())
     {
-        let found = format!("sample {} is {missing}, the value of missing samples", index + 1);
+        let found = format!(
+            "sample {} is {missing}, the value of missing samples",
+            index + 1
+        );
         return Err(malformed(name, dataset.address(), found, "all samples"));
     }
     let (factor, offset) = (number("scale_factor"), number("add_offset"));

@@ -64,7 +64,11 @@ impl Array {
             let (reals, inexact) = numbers(data, header.element);
             if let Some(index) = inexact {
                 let found = "an integer beyond 2^53".to_owned();
-                return Err(malformed(index, found, "one that a double represents exactly"));
+                return Err(malformed(
+                    index,
+                    found,
+                    "one that a double represents exactly",
+                ));
             }
             if header.element.kind == Kind::Complex {
                 let pairs = reals.as_chunks::<2>().0.iter();

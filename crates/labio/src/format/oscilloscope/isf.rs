@@ -66,7 +66,12 @@ impl Reader for TektronixIsf {
         }
         if count.is_finite() && cut.is_none() && (count - values.len() as f64).abs() > 0.5 {
             let found = format!("{} samples", values.len());
-            return Err(wrong(at, "curve", found, &format!("{count}, as stated by NR_PT")));
+            return Err(wrong(
+                at,
+                "curve",
+                found,
+                &format!("{count}, as stated by NR_PT"),
+            ));
         }
         let trace = Trace {
             name: read
@@ -145,7 +150,12 @@ fn block(
     });
     let Some((length, rest)) = header else {
         let expected = "a block such as #520000";
-        return Err(wrong(at, "curve", "without a block header".to_owned(), expected));
+        return Err(wrong(
+            at,
+            "curve",
+            "without a block header".to_owned(),
+            expected,
+        ));
     };
     let there = rest.len().min(length) / each * each;
     let missing = length - rest.len().min(length);

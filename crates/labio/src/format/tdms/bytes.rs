@@ -94,7 +94,10 @@ impl<'a> Bytes<'a> {
             malformed(
                 place,
                 field,
-                format!("a text whose byte {} is not valid UTF-8", error.valid_up_to()),
+                format!(
+                    "a text whose byte {} is not valid UTF-8",
+                    error.valid_up_to()
+                ),
                 "UTF-8",
             )
         })

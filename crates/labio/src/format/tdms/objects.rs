@@ -174,7 +174,8 @@ impl Objects {
             NO_RAW_DATA => object.has_data = false,
             SAME_AS_BEFORE => {
                 if object.index.is_none() {
-                    let expected = format!("an index in this segment or an earlier one, for `{path}`");
+                    let expected =
+                        format!("an index in this segment or an earlier one, for `{path}`");
                     return Err(malformed(
                         index_place,
                         "raw data index",
@@ -337,7 +338,9 @@ fn daqmx_index(digital: bool, n: u64, bytes: &mut Bytes<'_>) -> Result<RawIndex,
                     scaler.buffer,
                     scaler.sample.size()
                 ),
-                format!("a position within one of the buffers, whose rows are {widths:?} bytes wide"),
+                format!(
+                    "a position within one of the buffers, whose rows are {widths:?} bytes wide"
+                ),
             ));
         }
     }

@@ -116,9 +116,10 @@ impl Scales<'_> {
         let mut numbers = Vec::new();
         match self.owner.property(&size) {
             Some(property) => {
-                let n = property.value.as_index().ok_or_else(|| {
-                    self.refused(&size, property.value.to_text(), "a count")
-                })?;
+                let n = property
+                    .value
+                    .as_index()
+                    .ok_or_else(|| self.refused(&size, property.value.to_text(), "a count"))?;
                 for index in 0..n {
                     numbers.push(self.real(&element(index))?);
                 }
