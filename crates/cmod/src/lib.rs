@@ -109,8 +109,8 @@
 //!   are marked. Newton's iteration is kept as [`Solver::Newton`].
 //! - **Equation 4**: correct, but the printed differences lose digits for low losses;
 //!   [`branch::FreeEndRoot`] evaluates the same numbers without loss of digits.
-//! - **Section 3**: Ψ as the ratio of cross-spectrum to auto-spectrum of a₂ is biased low by noise
-//!   in a₂, by 1/(1 + noise/signal). The bias is in the given ratio, not in its evaluation here;
+//! - **Section 3**: noise in a₂ multiplies Ψ, as the ratio of cross-spectrum to auto-spectrum of
+//!   a₂, by 1/(1 + noise/signal). The bias is in the given ratio, not in its evaluation here;
 //!   the coherence bounds it ([`two_point::variance_from_coherence`]).
 //!
 //! The errata of paper C are in [`recovery`].

@@ -163,8 +163,7 @@ fn bodies_that_make_energy() {
         matches!(error, ImpulseError::ActiveFaces { weight, .. } if weight < 0.0),
         "{error}"
     );
-    // active in a band only: a resonance with negative damping grows, and is flagged or stopped,
-    // never NaN
+    // active near its resonance only: the prediction is flagged or stopped, and no force is NaN
     let growing = MobilityLaw::on_axis(|s| 1e-3 - 4.0 * s / (s * s + 800.0 * s + 1e9));
     match Impact::between(&mass(0.5), &growing)
         .at_velocity(1.0)

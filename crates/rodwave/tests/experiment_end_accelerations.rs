@@ -46,7 +46,7 @@ fn tails_of_periodic_records() {
     let periodic = record(20.0, 25_001);
     assert_eq!(periodic.generator, PERIODIC_GENERATOR);
     assert!((periodic.interval - 1e-6).abs() < 1e-18);
-    // the band limit's echo of the beginning of the blow, (Δt/d)² = 6e-6 in the last sample
+    // ringing of the band limit at the start of the blow: (Δt/d)² = 6e-6 in the last sample
     let tail = periodic.tail;
     assert!(
         matches!(tail, Tail::DiedOut { late_level } if late_level < 2e-5),

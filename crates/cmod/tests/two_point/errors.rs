@@ -415,8 +415,8 @@ fn coherence_is_asked_if_wished() {
     assert!(averaged(&[1.0; 3], 1.0).is_err());
 }
 
-/// A density known to 1 % shifts all lines alike: it makes none invalid, is part of the stated
-/// error, and is named where a limit on common errors asks for it. Noise still judges lines.
+/// The error of a density known to 1 % is part of the stated error. It makes lines invalid, and is
+/// named, only under a limit on common errors. Large noise makes all lines invalid.
 #[test]
 fn r15_common_errors_stand_beside_and_judge_no_line() {
     let frequency_hz: Vec<f64> = (1..=60).map(|j| 100.0 * f64::from(j)).collect();

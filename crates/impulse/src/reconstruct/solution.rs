@@ -45,8 +45,8 @@ pub(super) enum Gain {
         /// Matrix Q.
         quadratic: faer::Mat<f64>,
         informed: Option<Informed>,
-        /// The gain without regularisation, if the force without it is like the calibration blows:
-        /// its error is the known one.
+        /// Gain without regularisation, from which the error follows if the force is assumed to be
+        /// like the calibration blows.
         plain: Option<faer::Mat<f64>>,
         /// Covariance of the part removed by the regularisation, for noise of weighted variance 1.
         lost: Option<faer::Mat<f64>>,

@@ -311,7 +311,7 @@ fn measured_bodies() {
             .completed_below(50.0, x)
             .map(parts)
     });
-    // lines as far apart or as near as numbers go: the fit of the mass loses no fourth power
+    // extreme spacings of lines: no fourth power of the fit overflows or underflows
     for step_hz in [1e-90, 1e-3, 1e90] {
         let body =
             MeasuredBody::from_mobility(&lines(0.5, step_hz), step_hz, free(0.5, 0.0)).unwrap();

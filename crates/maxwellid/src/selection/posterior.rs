@@ -431,10 +431,10 @@ impl Contest<'_> {
     /// Minimises from `start` and renews excitation and covariance at the minimum until χ² no
     /// longer changes; `None` if the model does not exist there.
     ///
-    /// A renewal is one step of a fixed-point iteration of the parameters. From the second renewal
-    /// on the next one starts at the point where the secant through the last two has its fixed
-    /// point (Anderson 1965, of depth one): an iteration that alternates between two points ends
-    /// between them. A search from `fit` is settled at once if it hardly moves.
+    /// A renewal is one step of a fixed-point iteration of the parameters. After the second, each
+    /// renewal starts at the fixed point of the secant through the last two (Anderson 1965, depth
+    /// one): an iteration that alternates between two points ends between them. With a settled
+    /// `fit`, a search that hardly moves from `start` ends at once.
     fn settled_from(
         &self,
         start: &[f64],

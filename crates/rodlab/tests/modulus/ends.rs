@@ -254,7 +254,7 @@ fn errors_of_the_sensors_are_found_and_taken_out() {
     );
 }
 
-/// All lines together, with a sensitivity that is 2 % off, and the moduli at resonances.
+/// Causal estimates from hits with a sensitivity that is 2 % off, and from moduli at resonances.
 #[test]
 fn the_causal_modulus_is_that_of_the_rod() {
     let folder = TempDir::new().unwrap();

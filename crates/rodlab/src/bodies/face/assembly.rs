@@ -267,8 +267,8 @@ impl AssemblySheet {
     ///
     /// # Errors
     ///
-    /// [`RodlabError::Request`] for names that are not known or used twice;
-    /// [`RodlabError::Step`] for members that are not joined.
+    /// [`RodlabError::Request`] for invalid members, unknown or repeated names, and members that
+    /// are not joined; [`RodlabError::Step`] for other errors.
     pub(crate) fn assembled(
         &self,
         field: &str,
