@@ -41,7 +41,8 @@
 //! and the fit of its parameters ([`recovery`]).
 //!
 //! For use in programs a modulus is described by a law: [`rheology`] fits laws, determines which of
-//! their parameters are identified, shifts temperatures to a master curve and writes cards.
+//! their parameters are identified, shifts moduli at several temperatures to a master curve and
+//! writes material cards.
 //!
 //! # Example
 //! Polypropylene in Test 6 of paper A; the accelerations of rod and accelerometer are computed by

@@ -107,8 +107,8 @@ pub struct RandomError {
 /// # Validity
 ///
 /// The system is linear and stationary over the hits, each hit fits in the record, and the noise is
-/// as the [`Estimator`] assumes. The random error assumes independent hits, or the effective number
-/// of overlapped segments (J. S. Bendat and A. G. Piersol, *Random Data*, for H1; the other
+/// as the [`Estimator`] assumes. The random error is that of independent hits, or of the effective
+/// number of overlapped segments (J. S. Bendat and A. G. Piersol, *Random Data*, for H1; the other
 /// estimators agree to first order when the coherence is high).
 #[derive(Debug, Clone)]
 #[non_exhaustive]

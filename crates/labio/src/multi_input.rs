@@ -110,7 +110,7 @@ impl MultiInputResponse {
     }
 
     /// Returns the partial coherence of one of the inputs. Each of the other inputs reduces the
-    /// number of averages by one.
+    /// effective averages by one.
     ///
     /// # Errors
     ///

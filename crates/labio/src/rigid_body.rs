@@ -85,8 +85,8 @@ impl RigidBody {
     ///
     /// with e found from the lines in the band by least squares (weighted by their variances, if
     /// any). The neglected terms are of order $`s^4`$: the band must end well below the first
-    /// antiresonance. For a free rod of length L and wave speed c, $`e = L^2/(3c^2)`$ and the next
-    /// term is $`(\omega L/c)^4/45`$.
+    /// antiresonance. At the struck end of a free rod of length L and wave speed c,
+    /// $`e = L^2/(3c^2)`$ and the next term is $`-(\omega L/c)^4/45`$.
     ///
     /// The response may be of any of the six kinds. The line at 0 Hz of a mobility or a receptance
     /// is infinite and stays flagged [`LineValidity::NotDefined`]; that of an accelerance is 1/M.

@@ -166,8 +166,8 @@ fn what_is_missing_damaged_or_too_large_is_refused_with_its_name() {
     let missing = of(MISSING);
     assert!(
         missing.contains("`force`")
-            && missing.contains("sample 3 is 9969209968386869")
-            && missing.contains("it is missing"),
+            && missing.contains("is 9969209968386869")
+            && missing.contains("at sample 3, the value of missing samples"),
         "{missing}"
     );
     let tolerant = Hdf5.read(MISSING, Strictness::Tolerant).unwrap();

@@ -292,8 +292,8 @@ fn estimate(
     }
 }
 
-/// 1 + 2 Σ ρ_l over the initial positive autocorrelations of the residuals of each test (Geyer,
-/// 1992), at least 1.
+/// Variance inflation 1 + 2 Σ ρ_l over the initial autocorrelations above 2/√n of the residuals,
+/// pooled over the tests (after Geyer, 1992).
 #[expect(
     clippy::cast_precision_loss,
     reason = "sample counts are far below 2^52"

@@ -92,8 +92,8 @@ fn parameters_make_the_sum_of_squares_least_and_the_error_is_its_root() {
     }
 }
 
-/// Eq. 13 off the minimum, where it is not zero: 2 Σ (∂v/∂p)ᵀ (v - measured) against central
-/// differences of eq. 12. (Ödeen 1993, paper D, eq. 13).
+/// Gradient off the minimum, where it is not zero (Ödeen 1993, paper D, eq. 13): 2 Σ (∂v/∂p)ᵀ (v -
+/// measured) against central differences of eq. 12.
 #[test]
 fn gradient_is_that_of_the_sum_of_squares() {
     let records = records(&MaxwellNorton::new(2.0, 4e13).unwrap());

@@ -100,8 +100,8 @@ pub struct CardsSheet {
     pub temperature: Option<Exact<Temperature>>,
     /// The programs, such as `[Abaqus, Ansys, LsDyna, Comsol, CodeAster, Json]`.
     pub programs: Vec<ProgramSheet>,
-    /// Number of additional cards, each with a draw of the modulus, the density and Poisson's
-    /// ratio, such as 100, for a Monte Carlo calculation with the program; none by default.
+    /// Number of additional cards, such as 100, for a Monte Carlo calculation with the program,
+    /// each with a draw of the modulus, the density and Poisson's ratio; none by default.
     #[serde(default)]
     pub draws: Option<usize>,
 }

@@ -157,9 +157,9 @@ fn every_element_has_its_mass_at_low_frequency() {
     }
 }
 
-/// The nylon cone of (Ödeen 1993, paper E), struck at its wide end. With f(r)/r along the cone, r
-/// from its apex, the far end is free for f = sin k(r - r2) + k r2 cos k(r - r2), and the mobility
-/// is i omega f/(E A1 (f' - f/r1)).
+/// The nylon cone of (Ödeen 1993, paper E), struck at its wide end. With the displacement f(r)/r at
+/// the distance r from the apex, the far end is free for f = sin k(r - r2) + k r2 cos k(r - r2),
+/// and the mobility at r1 is i omega f/(E A1 (f' - f/r1)).
 #[test]
 fn the_cone_of_paper_e_has_its_closed_form() {
     let (wide, narrow, length) = (0.075, 0.030, 0.400);

@@ -55,7 +55,7 @@ const LOSSLESS: ConvertOptions = ConvertOptions {
 };
 
 /// A MATLAB file holds numbers, intervals and units to the bit; labels, kinds and names with blanks
-/// are said to be lost.
+/// are reported as lost.
 #[test]
 fn a_matlab_file_holds_numbers_intervals_and_units() {
     let folder = tempfile::tempdir().unwrap();

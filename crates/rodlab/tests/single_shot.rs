@@ -1,5 +1,5 @@
-//! One shot on a long bar: records by waves between free ends, gauges, a filter, noise and a
-//! converter, whose truth is known.
+//! One shot on a long bar: records of known truth, computed with waves between free ends, gauges, a
+//! filter, noise and a converter.
 
 use std::f64::consts::TAU;
 use std::fs;

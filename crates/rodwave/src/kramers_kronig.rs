@@ -110,8 +110,8 @@ const SLOWEST: f64 = 1e4;
 /// hundred terms.
 const ROUNDING: f64 = 1e-10;
 
-/// Largest value, for twice the decrease of the sum of squares by a factor on all losses, that is
-/// attributed to noise: three standard deviations.
+/// Largest [`LossError::decrease`], twice the decrease of the sum of squares when a factor on all
+/// losses is fitted too, that is attributed to noise: three standard deviations.
 pub const LARGEST_DECREASE: f64 = 9.0;
 
 /// Prior standard deviation of a factor on all losses.

@@ -540,8 +540,8 @@ mod tests {
         }
     }
 
-    /// Half a wavelength between undamped sections: only the sum of the waves is determined, as the
-    /// result states.
+    /// Sections half a wavelength apart on an undamped rod: only the sum of the waves is
+    /// determined, and the condition number is infinite.
     #[test]
     fn sections_that_see_both_waves_alike() {
         let gamma = Complex64::new(0.0, std::f64::consts::PI);

@@ -97,8 +97,8 @@ fn impossible_syntheses_are_refused() {
     );
 }
 
-/// A raised cosine of 80 us in steps of an eighth of a sample at 51.2 kHz, with its closed form
-/// beside it.
+/// A raised cosine of 80 us in steps of an eighth of the sampling interval at 51.2 kHz, smoothed
+/// and compared with its closed form.
 #[test]
 fn f2_a_flat_smoothing_leaves_a_short_blow_as_it_is() {
     let (length, interval) = (80e-6, 1.0 / (8.0 * 51_200.0));

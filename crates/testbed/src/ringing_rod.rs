@@ -1,5 +1,5 @@
-//! A metal rod that hangs free, is struck at one end and rings, computed from waves to and fro, not
-//! from a sum of modes; noise and a converter.
+//! Free metal rod struck at one end: its ringing from the wave solution in the Laplace domain, not
+//! from a sum of modes, and its record with noise and 16-bit rounding.
 
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI, TAU};
 

@@ -25,8 +25,8 @@ fn valgrind() -> Option<String> {
         .then(|| text.trim().replace('-', " "))
 }
 
-/// Returns what counts here, `None` without valgrind: its version, and after `on` what instructions
-/// depend on: the architecture with its extensions, and the library with the mathematics.
+/// Returns the version of valgrind, which counts the instructions, and after `on` the platform on
+/// which the counts depend: architecture, AVX2 and version of libc. `None` without valgrind.
 pub(super) fn counter() -> Option<String> {
     let library = Command::new("ldd").arg("--version").output().ok();
     let library = library.and_then(|output| {

@@ -19,8 +19,8 @@ pub struct TrackedLine {
     /// Probability that the root belongs to the γ of the material; 0 where the assumptions have
     /// failed.
     pub confidence: f64,
-    /// Reason why the branch may be wrong. The count of waves is in doubt where it [is
-    /// ambiguous](BranchDoubt::is_ambiguous).
+    /// Reason to doubt the line. The count of waves is in doubt only if
+    /// [`BranchDoubt::is_ambiguous`] returns true.
     pub doubt: Option<BranchDoubt>,
 }
 

@@ -474,7 +474,8 @@ impl Projection {
     }
 
     /// Returns the details at the solution `gamma`; the waves of every test are appended to
-    /// `waves`. `at` is the objective if the last evaluation was there, or sufficiently near.
+    /// `waves`. `at` is the objective if it was last evaluated at `gamma` or sufficiently near;
+    /// with `None` it is evaluated here.
     pub(super) fn details(
         &mut self,
         gamma: Complex64,

@@ -170,8 +170,7 @@ impl Chosen {
             .collect()
     }
 
-    /// Returns the greatest E∞ that the data do not exclude in addition to the branches of a series
-    /// without a spring.
+    /// Returns the upper limit of E∞ for a spring added to the branches of a series without one.
     fn equilibrium_limit(&self, data: &ModulusData, options: &FitOptions) -> Option<f64> {
         let solid = self.best.with_spring(data).filter(|_| options.profiles)?;
         let model = Prony::new(true, solid.series.branches.len());

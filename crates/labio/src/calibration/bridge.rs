@@ -96,8 +96,8 @@ impl StrainBridge {
     ///
     /// # Errors
     ///
-    /// - [`LabioError::UnitMismatch`]: the gauge factor is not a number or the excitation not a
-    ///   voltage.
+    /// - [`LabioError::UnitMismatch`]: the gauge factor is not dimensionless or the excitation is
+    ///   not a voltage.
     /// - [`LabioError::NonPhysical`]: one of them is not positive, or Poisson's ratio is outside
     ///   0..0.5.
     pub fn new(

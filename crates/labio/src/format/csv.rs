@@ -158,13 +158,13 @@ pub enum CsvAbscissa {
     ByContent,
     /// The column with this number, from 1.
     Column(usize),
-    /// The column as by content, with this step in the unit of the column; the values may deviate
-    /// from even spacing by half a step plus their rounding.
+    /// The column chosen as in [`Self::ByContent`], with this step in the unit of the column; the
+    /// values may deviate from even spacing by half a step plus their rounding.
     Step(f64),
-    /// The column as by content, but sampled at this rate \[Hz\] if the column itself does not
-    /// determine an even spacing, as for times rounded to single precision or to a few digits. The
-    /// values may deviate from the rate by half a step plus their rounding; a column without a unit
-    /// is assumed to be in seconds.
+    /// The column chosen as in [`Self::ByContent`], but sampled at this rate \[Hz\] if the column
+    /// itself does not determine an even spacing, as for times rounded to single precision or to a
+    /// few digits. The values may deviate from the rate by half a step plus their rounding; a
+    /// column without a unit is assumed to be in seconds.
     Rate(f64),
     /// No column: every column is a series over the sample index.
     Index,

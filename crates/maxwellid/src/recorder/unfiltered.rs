@@ -350,9 +350,9 @@ fn with_rounding(noise: Mat<f64>, largest: f64) -> Mat<f64> {
 }
 
 impl RodTest {
-    /// Makes the filter of the recorder a part of the model: the rod is driven by the excitation
-    /// before the filter, and its response is filtered before it is compared. The laws of
-    /// linear rods are compared under the same knowledge of the excitation.
+    /// Makes the filter of the recorder a part of the model: a nonlinear rod is driven by the
+    /// excitation before the filter, and its response is filtered before it is compared. A linear
+    /// rod is driven by the filtered excitation, which is estimated from the same record and prior.
     ///
     /// # Errors
     /// [`MaxwellidError::NoiseUnknown`] without stated noise; [`MaxwellidError::Setting`] for a

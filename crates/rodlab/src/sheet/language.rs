@@ -15,8 +15,8 @@ impl Language {
     /// Returns the language of `text`, recognised by its first characters outside comments; `None`
     /// if it begins like none of the languages.
     ///
-    /// JSON begins with a brace, TOML with a key and `=` or with a header in brackets, RON with a
-    /// name and a bracket.
+    /// JSON begins with a brace, TOML with a quoted key, a key and `=` or `.`, or a header in
+    /// brackets, RON with `#!`, a parenthesis, or a name and a bracket.
     #[must_use]
     pub fn of(text: &str) -> Option<Self> {
         let start = without_comments(text);

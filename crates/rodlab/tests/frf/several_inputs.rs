@@ -96,8 +96,8 @@ fn shaken_sheet(rest: &str) -> String {
     )
 }
 
-/// Lines of the table within two standard errors of the truth, that by the width of the lines
-/// included, in magnitude and phase, and the number of lines.
+/// Numbers of lines of the table whose magnitude and whose phase are within two standard errors of
+/// the truth, the error by the width of the lines included, and the number of all lines.
 fn within_two(
     outcome: &Outcome,
     table: &str,

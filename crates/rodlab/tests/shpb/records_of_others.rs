@@ -137,8 +137,8 @@ fn is_remarked(outcome: &Outcome, part: &str) -> bool {
     outcome.warnings.iter().any(|words| words.contains(part))
 }
 
-/// Epoxy between the same bars: the file has its factor of 0.000501 strain/V twice, as the volts
-/// beside it show.
+/// Epoxy between the same bars: the strains of the file were multiplied twice by 0.000501 strain/V,
+/// as the recorded volts show.
 #[test]
 fn hopkinson_measured_epoxy_is_evaluated() {
     let sheet = |factor: &str| {

@@ -24,7 +24,7 @@ pub enum Termination<V: Argument = AngularFrequency> {
     Fixed,
     /// A rigid mass \[kg\], for example an accelerometer: N = -iωm v.
     Mass(f64),
-    /// A dashpot to the ground of this resistance q [kg/s]: N = -q v (Ödeen 1993, paper E, eqs. A6
+    /// A dashpot of this resistance q [kg/s] to the ground: N = -q v (Ödeen 1993, paper E, eqs. A6
     /// and A12).
     Dashpot(f64),
     /// Any impedance; made by [`Termination::impedance`] or [`Termination::impedance_at_s`].
@@ -73,8 +73,8 @@ impl Termination<LaplaceVariable> {
 }
 
 impl<V: Argument> Termination<V> {
-    /// Creates a semi-infinite rod of this `medium` and `section`, which reflects nothing, like the
-    /// long cylindrical rod of paper E (eqs. 10 and A16).
+    /// Creates a semi-infinite rod of this `medium` and `section`, whose far end returns no wave,
+    /// like the long cylindrical rod of paper E (eqs. 10 and A16).
     #[must_use]
     pub fn semi_infinite<M>(medium: &M, section: impl Into<CrossSection>) -> Self
     where

@@ -238,7 +238,7 @@ impl FrameMember<LaplaceVariable> {
     }
 
     /// Computes the strain histories under this `excitation` to the accuracy of the `synthesis`,
-    /// including undamped structures.
+    /// also for undamped structures.
     ///
     /// The transforms decay like that of the prescribed force or velocity; content above the
     /// Nyquist frequency causes ringing.

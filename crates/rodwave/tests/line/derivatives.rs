@@ -118,11 +118,11 @@ fn derivative_at_zero(points: [f64; 4]) -> [f64; 5] {
 /// Derivatives against differences of the same solver, through joints, branches, a contact and a
 /// mass.
 ///
-/// A wave that crosses the striker a dozen times is shifted by a dozen steps a notch, 0.03 of its
-/// duration: the quotient of fourth order is good to 1e-6, and the tolerance of 1e-4 for the moduli
-/// is for the second order of the tangent in the cell. The others have no such error: what is left
-/// is rounding over the notch, and the moment of the first contact, which moves by less than a
-/// step.
+/// If a modulus changes by one notch, a wave that has crossed the striker a dozen times is shifted
+/// by a dozen time steps, 0.03 of its duration. The difference quotient of fourth order is accurate
+/// to 1e-6; the tolerance of 1e-4 allows for the second-order error of the tangent in a cell. Other
+/// parameters have only the rounding, divided by the change, and the shift of the first contact by
+/// less than a step.
 #[test]
 fn derivatives_agree_with_differences() {
     let line = JOINED.line();

@@ -234,7 +234,7 @@ pub(super) fn unpacked(
             .position(|value| value.to_bits() == missing.to_bits())
     {
         let found = format!(
-            "sample {} is {missing}, the value of missing samples",
+            "{missing} at sample {}, the value of missing samples",
             index + 1
         );
         return Err(malformed(name, dataset.address(), found, "all samples"));
