@@ -8,7 +8,7 @@ use rodwave::inelastic::{
 
 use crate::branched::BranchedRod;
 use crate::law::StatedParameter;
-use crate::linear::{ConstantQ, LinearLaw, LinearModel, MaxwellBranches};
+use crate::linear::{ConstantQ, LOSS_FACTOR, LinearLaw, LinearModel, MaxwellBranches};
 use crate::model::{DrivenRod, LinearisedResponse, RodModel, forwarded_rod_model};
 use crate::special_case::{NO_SHARE, PronySeries, SpecialCase};
 use crate::specimen::SpecimenSensitivity;
@@ -83,9 +83,6 @@ pub enum Law {
     /// constant loss factor.
     FlatLossAndGurevichRabinovich,
 }
-
-/// Prior range of the logarithm of a loss factor: 0.005 to 0.5.
-pub(crate) const LOSS_FACTOR: (f64, f64) = (-5.298_317_366_548_036, -std::f64::consts::LN_2);
 
 /// Prior range of the logarithm of the share of a nonlinear branch by that of its neighbour: 0.02 to
 /// 5.

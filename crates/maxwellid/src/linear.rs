@@ -47,6 +47,7 @@ mod scaled_modulus;
 mod tests;
 
 pub use constant_q::ConstantQ;
+pub(crate) use constant_q::LOSS_FACTOR;
 pub use maxwell_branches::MaxwellBranches;
 pub use model::LinearModel;
 pub use scaled_modulus::{FreeParameter, ScaledModulus};

@@ -67,7 +67,7 @@ fn a_plan_makes_a_sheet_for_each_combination() {
     let again = rodlab(folder.path(), &["sweep", "plan.ron"]);
     assert_eq!(again.status.code(), Some(2));
     assert!(
-        text(&again.stderr).contains("hit-02.ron: it is there"),
+        text(&again.stderr).contains("hit-02.ron: it exists already"),
         "{}",
         text(&again.stderr)
     );

@@ -260,7 +260,7 @@ fn r19_a_file_that_is_there_is_replaced_only_by_force_and_the_input_never() {
         .unwrap_err()
         .to_string();
     assert!(
-        said.ends_with("which is there, expected a new file, or --force to replace it"),
+        said.ends_with("which exists already, expected a new file, or --force to replace it"),
         "{said}"
     );
     assert_eq!(fs::read(&target).unwrap(), b"a recording of another day");

@@ -401,8 +401,8 @@ fn unstated_errors_are_those_of_the_scatter() {
         ..Sweep::default()
     };
     for (sweep, said) in [
-        (Sweep::default(), "weighed by |E|, temperatures"),
-        (sparse, "weighed by |E|, which scatters "),
+        (Sweep::default(), "weighted by |E|, temperatures"),
+        (sparse, "weighted by |E|, which scatters "),
     ] {
         let folder = TempDir::new().unwrap();
         sweep.write(&folder.path().join("sweep.csv"), 3);

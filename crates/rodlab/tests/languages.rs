@@ -256,8 +256,8 @@ channels = [{ name = "struck end", from = true }, { from = 2, unit = "m/s2" }]
 #[test]
 fn a_sheet_of_no_language_is_told_what_one_is() {
     for (text, said) in [
-        ("", "1:1 : no test sheet begins so"),
-        ("Dear all", "1:1 : no test sheet begins so"),
+        ("", "1:1 : not the beginning of a test sheet"),
+        ("Dear all", "1:1 : not the beginning of a test sheet"),
         (
             "title = \"a\"",
             "1:1 : the field `job` is missing | begin the sheet with",

@@ -134,7 +134,7 @@ fn what_cannot_be_drawn_is_refused() {
         drawn(name, sheet, draws, change).unwrap_err().to_string()
     };
     let few = refused("cone", "force.ron", 5, &str::to_owned);
-    assert!(few.contains("20 draws or more"), "{few}");
+    assert!(few.contains("at least 20 draws"), "{few}");
     let unknown = refused("epoxy", "fit.ron", 100, &|text| {
         let (before, rest) = text.split_once("errors:").unwrap();
         let (_, after) = rest.split_once('\n').unwrap();

@@ -46,7 +46,7 @@ fn a_result_that_cannot_be_put_there_leaves_the_earlier_one_whole() {
         .unwrap_err()
         .to_string();
     assert!(
-        error.starts_with("cannot write ") && error.contains("in the way: it is there"),
+        error.starts_with("cannot write ") && error.contains("in the way: it exists"),
         "{error}"
     );
     assert!(files.iter().all(|file| file.exists()));

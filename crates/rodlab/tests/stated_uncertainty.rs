@@ -192,7 +192,13 @@ impl Walked {
             match attempt(folder, &changed) {
                 Err(error) => {
                     let words = error.to_string();
-                    let says_why = ["uncertainty", "without ±", "no unit", "whole number"];
+                    let says_why = [
+                        "uncertainty",
+                        "without ±",
+                        "no known unit",
+                        "no unit",
+                        "whole number",
+                    ];
                     if !says_why.iter().any(|why| words.contains(why)) {
                         self.wrong.push(format!("{field}: {words}"));
                     }

@@ -8,6 +8,9 @@ use super::LinearLaw;
 use crate::law::{Role, Scale, StatedParameter};
 use crate::special_case::{NO_SHARE, PronySeries, SpecialCase};
 
+/// Prior range of the logarithm of a loss factor: 0.005 to 0.5.
+pub(crate) const LOSS_FACTOR: (f64, f64) = (-5.298_317_366_548_036, -std::f64::consts::LN_2);
+
 /// Constant loss factor (Kjartansson, *J. Geophys. Res.* **84** (1979) 4737).
 ///
 /// ```text
@@ -57,7 +60,7 @@ impl LinearLaw for ConstantQ {
     }
 
     fn ranges(&self) -> Vec<(f64, f64)> {
-        vec![crate::catalogue::LOSS_FACTOR]
+        vec![LOSS_FACTOR]
     }
 
     fn damping_parameter(&self) -> Option<usize> {

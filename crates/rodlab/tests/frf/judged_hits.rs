@@ -120,7 +120,7 @@ fn a_long_record_is_cut_by_a_trigger() {
     let Verdict::NotAllowed { reason } = &silent.verdict else {
         panic!("{:?}", silent.verdict);
     };
-    insta::assert_snapshot!(reason, @r"no hit is found, as hit 1, long.npy: not triggered: `hammer` never passes 2000; its values are between -0.376 and 189.7");
+    insta::assert_snapshot!(reason, @r"no hit is found (hit 1, long.npy: not triggered: `hammer` never passes 2000; its values are between -0.376 and 189.7)");
     let wrong = run(
         folder.path(),
         &sheet_of("long.npy", &cut("").replace("20 N", "20 g")),
@@ -201,7 +201,7 @@ fn r24_a_single_hit_has_no_valid_line_and_no_hit_has_no_response() {
     let Verdict::NotAllowed { reason } = &rejected.verdict else {
         panic!("{:?}", rejected.verdict);
     };
-    insta::assert_snapshot!(reason, @r"the only hit is rejected, as hit 1, hit_0.npy: rejected by hand: the rod was held");
+    insta::assert_snapshot!(reason, @r"the only hit is rejected (hit 1, hit_0.npy: rejected by hand: the rod was held)");
     // what could be found out is there
     assert_eq!(rejected.log.len(), 1);
     assert!(rejected.figures.iter().any(|f| f.name == "hits"));

@@ -228,9 +228,9 @@ fn s11_the_odd_hit_is_named_and_left_out_by_choice() {
         panic!("{reasons:?}")
     };
     assert!(
-        reason
-            .starts_with("hit 4, hit_03.npy departs from the others: `struck end` departs by 2.00")
-            && reason.contains("-1.00"),
+        reason.starts_with(
+            "hit 4, hit_03.npy departs from the others: `struck end` departs by a relative 2.00"
+        ) && reason.contains("-1.00"),
         "{reason}"
     );
     let left_out = run(folder.path(), &sheet_in("m/s^2", "hits: (odd: LeaveOut),")).unwrap();
@@ -288,7 +288,7 @@ fn s4_the_added_damping_goes_with_the_response_through_files_into_a_force() {
         again
             .warnings
             .iter()
-            .any(|w| w.contains("12.5000 1/s beside")),
+            .any(|w| w.contains("12.5000 1/s from the frequency axis")),
         "{:?}",
         again.warnings
     );

@@ -283,7 +283,7 @@ fn s14_hits_of_unequal_length_are_continued_by_rest() {
     cut(1100, "hit_9.npy", 19);
     let moving = run(folder.path(), &sheet_of("*.npy", BAND)).unwrap_err();
     assert!(
-        moving.contains("hits: hit 6, hit_9.npy is 1100 samples, and `struck end` is")
+        moving.contains("hits: hit 6, hit_9.npy is 1100 samples, and `struck end` deviates")
             && moving.contains("expected 4096 samples as in the longest hit, or a hit that ends at rest and can be continued at rest"),
         "{moving}"
     );
@@ -300,5 +300,5 @@ fn s14_a_hysteresis_beyond_the_signal_is_told() {
     let Verdict::NotAllowed { reason } = run(folder.path(), &sheet).unwrap().verdict else {
         panic!("a hit without a trigger");
     };
-    insta::assert_snapshot!(reason, @"no hit is found, as hit 1, hit_0.npy: not triggered: `hammer` is never on the other side of 20.00 by the hysteresis of 300.0 before it passes this level; its values are between -0.334 and 147.9");
+    insta::assert_snapshot!(reason, @"no hit is found (hit 1, hit_0.npy: not triggered: `hammer` is never on the other side of 20.00 by the hysteresis of 300.0 before it passes this level; its values are between -0.334 and 147.9)");
 }
