@@ -1,5 +1,5 @@
-//! What is in parallel with the nonlinear branch of a rod: a spring, linear branches, or the spectrum
-//! of a flat loss factor.
+//! Linear part in parallel with the nonlinear branch of a rod: a spring, linear branches, or the
+//! spectrum of a flat loss factor.
 
 use std::f64::consts::{FRAC_2_PI, PI};
 

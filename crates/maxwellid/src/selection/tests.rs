@@ -113,8 +113,8 @@ fn a_short_record_of_a_maxwell_rod_names_it() {
     assert!((squares / 4.0).sqrt() < 2e-3, "{squares}");
 }
 
-/// If only ratios of the noise are known, its stated level decides nothing: probabilities and
-/// limits are those of any other level, and χ² varies with the inverse square of the level.
+/// Noise of which only ratios are known: its stated level decides nothing. Probabilities and limits
+/// are those of any other level, and χ² varies with the inverse square of the level.
 #[test]
 fn a_level_of_noise_that_is_not_known_decides_nothing() {
     let laws = [Law::TwoMaxwellBranches, Law::Elastic, Law::Maxwell].map(Candidate::of);
