@@ -327,7 +327,10 @@ fn s4_the_added_damping_goes_with_the_response_through_files_into_a_force() {
             )
         };
         let error = run(folder.path(), &force("")).unwrap_err();
-        assert!(error.contains("grows by 12.5 1/s"), "{file}: {error}");
+        assert!(
+            error.contains("grows at a rate of 12.5 1/s"),
+            "{file}: {error}"
+        );
         let rest = r#"regularisation: Tikhonov(penalty: Curvature, parameter: GeneralisedCrossValidation), acting: (from: "48 ms", to: "53 ms"),"#;
         let outcome = run(folder.path(), &force(rest)).unwrap();
         let (impulse, error) = quantity(&outcome, "impulse");
