@@ -6,7 +6,7 @@ use rodwave::medium::Medium;
 use rodwave::modulus::{ConstantQ, PowerLawPropagation};
 use testbed::papers::paper_a::POLYPROPYLENE;
 
-/// Of 2.6 GPa and a loss factor of 0.07, as figure 3 of paper A shows.
+/// Material of 2.6 GPa and a loss factor of 0.07, as figure 3 of paper A shows.
 pub(crate) fn polypropylene(density: f64) -> Medium<ConstantQ> {
     let (modulus, loss_factor, omega) = POLYPROPYLENE;
     let law = ConstantQ::new(modulus, loss_factor, omega).unwrap();

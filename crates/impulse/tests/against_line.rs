@@ -1,5 +1,5 @@
-//! The same impacts by `rodwave::line`: characteristics in the time domain, which know nothing of
-//! mobilities.
+//! Impacts computed by `rodwave::line` too: characteristics in the time domain, which know nothing
+//! of mobilities.
 
 use std::f64::consts::FRAC_PI_4;
 

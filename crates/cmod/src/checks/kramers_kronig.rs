@@ -47,7 +47,7 @@ const MOST_ROUNDS: u32 = 4;
 /// of relaxation times is subtracted first; if the verdict depends on the accuracy of the optimum,
 /// the check is undecided.
 ///
-/// The same lines are used as in [`passivity`](super::passivity); at least three are needed.
+/// The lines are those of [`passivity`](super::passivity); at least three are needed.
 ///
 /// # Errors
 /// [`CmodError::NonPhysical`] for the level, [`CmodError::NoLines`] if fewer than three lines can

@@ -46,7 +46,7 @@ fn moved_by_noise(exact: Complex64, mass_ratio: f64, observed: Complex64) -> Com
     x
 }
 
-/// Of a solver on 1572 lines.
+/// Counts of a solver on 1572 lines.
 struct Roots {
     /// Lost lines included.
     wrong: usize,

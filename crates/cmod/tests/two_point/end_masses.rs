@@ -1,4 +1,4 @@
-//! Of the two accelerometers, only that on the free end enters.
+//! Masses of the two accelerometers, of which only that on the free end enters.
 
 use std::f64::consts::TAU;
 
