@@ -6,22 +6,30 @@
 //! from their random errors,
 //!
 //! ```text
-//! ε_k = Σ_j w_j Re (E_kj - E_j)/E_j / Σ_j w_j ,   w_j = |E_j|²/σ_j² ,
+//! ε_k = Σ_j w_j Re δ_kj / Σ_j w_j ,   w_j = |E_j|²/σ_j² ,   δ_kj = (E_kj - E_j)/E_j ,
 //! ```
 //!
-//! so that errors of the specimen and of the sensors cancel to first order. A straight line is
-//! fitted to ε_k against the number of the hit, or against its temperature. The error of its slope
-//! follows from the scatter about the line, with n - 2 degrees of freedom.
+//! so that errors of the specimen and of the sensors cancel to first order. From ratios of spectra
+//! Ψ, the deviation of a line is linearised about the modulus of all hits,
+//!
+//! ```text
+//! δ_kj = -2 (Ψ_kj - Ψ_j) (dγ/dΨ)_j / γ_j .
+//! ```
+//!
+//! A straight line is fitted to ε_k against the number of the hit, or against its temperature. The
+//! error of its slope follows from the scatter about the line, with n - 2 degrees of freedom.
 
+use num_complex::Complex64;
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
 use crate::error::{CmodError, check_length};
-use crate::estimate::ModulusEstimate;
+use crate::estimate::{ModulusEstimate, ModulusLine};
+use crate::section_ratio::RatioMethod;
 
 /// Minimum number of hits for a slope with a standard error.
 pub const FEWEST_HITS: usize = 4;
 /// Largest relative deviation of a line that is used; a larger one means that the line is on
-/// another branch.
+/// another branch, or that the deviation is not linear in the ratio.
 const LARGEST_DEVIATION: f64 = 0.2;
 
 /// Trend of the modulus over hits.
@@ -39,7 +47,7 @@ pub struct HitTrend {
 }
 
 impl HitTrend {
-    /// Finds the trend of the deviations of the hits ([`deviation`]) with their numbers, times or
+    /// Finds the trend of the deviations of the hits ([`deviation`], [`deviations`]) with their numbers, times or
     /// temperatures `over`.
     ///
     /// `None` for fewer than four hits, if all values of `over` are equal, or if there is no
@@ -82,18 +90,62 @@ impl HitTrend {
 #[must_use]
 pub fn deviation(all: &ModulusEstimate, hit: &ModulusEstimate) -> Option<f64> {
     let mut of_hit = hit.lines().iter().peekable();
-    let (mut sum, mut weights) = (0.0, 0.0);
+    let mut mean = WeightedMean::default();
     for line in all.valid() {
         while of_hit.next_if(|own| own.index < line.index).is_some() {}
-        let Some(own) = of_hit.next_if(|own| own.index == line.index) else {
-            continue;
-        };
-        let change = ((own.modulus - line.modulus) / line.modulus).re;
-        let weight = line.modulus.norm_sqr() / line.uncertainty.random.modulus.mean_square();
-        if change.abs() <= LARGEST_DEVIATION && weight.is_finite() {
-            sum += weight * change;
-            weights += weight;
+        if let Some(own) = of_hit.next_if(|own| own.index == line.index) {
+            mean.add((own.modulus - line.modulus) / line.modulus, weight(line));
         }
     }
-    (weights > 0.0).then(|| sum / weights)
+    mean.value()
+}
+
+/// Returns the relative deviations ε of the modulus of each hit from that of all hits, to first
+/// order in the deviation of its ratios from those of all hits, `ratios`. All ratios have an entry
+/// for each line that the estimate was made from. `None` if `method` has no derivative at a valid
+/// line, or a hit has no usable line.
+#[must_use]
+pub fn deviations(
+    method: &dyn RatioMethod,
+    all: &ModulusEstimate,
+    ratios: &[Complex64],
+    hits: &[&[Complex64]],
+) -> Option<Vec<f64>> {
+    let mut means = vec![WeightedMean::default(); hits.len()];
+    for line in all.valid() {
+        let gamma = line.propagation_coefficient;
+        let by_ratio = method.ratio_about(line.frequency_hz, gamma)?.by_ratio;
+        let (relative, weight) = (-2.0 * by_ratio / gamma, weight(line));
+        let ratio = ratios.get(line.index)?;
+        for (mean, hit) in means.iter_mut().zip(hits) {
+            mean.add(relative * (hit.get(line.index)? - ratio), weight);
+        }
+    }
+    means.iter().map(WeightedMean::value).collect()
+}
+
+/// |E|²/σ².
+fn weight(line: &ModulusLine) -> f64 {
+    line.modulus.norm_sqr() / line.uncertainty.random.modulus.mean_square()
+}
+
+/// Weighted mean of the real parts of relative deviations.
+#[derive(Debug, Clone, Copy, Default)]
+struct WeightedMean {
+    sum: f64,
+    weights: f64,
+}
+
+impl WeightedMean {
+    /// Adds a deviation, unless it is too large or not finite.
+    fn add(&mut self, deviation: Complex64, weight: f64) {
+        if deviation.re.abs() <= LARGEST_DEVIATION && weight.is_finite() {
+            self.sum += weight * deviation.re;
+            self.weights += weight;
+        }
+    }
+
+    fn value(&self) -> Option<f64> {
+        (self.weights > 0.0).then(|| self.sum / self.weights)
+    }
 }

@@ -30,8 +30,11 @@
 //!
 //! Theory: `docs/theory/identification.md#noise-of-both-histories`.
 
-use faer::{Mat, Side};
+use faer::linalg::matmul::triangular::{self, BlockStructure};
+use faer::{Accum, Mat, MatRef, Par, Side};
+use num_complex::Complex64;
 use rodwave::band_limited::SampledHistory;
+use rodwave::fourier::RealFourier;
 
 use crate::model::{DrivenRod, RodModel, delayed, response_of};
 use crate::noise::{HistoryNoise, TestNoise};
@@ -220,6 +223,21 @@ impl Transfer {
     }
 }
 
+/// Adds `scale` A Bᵀ to the lower triangle of a symmetric matrix.
+fn add_lower(to: &mut Mat<f64>, a: MatRef<'_, f64>, b: MatRef<'_, f64>, scale: f64) {
+    triangular::matmul(
+        to,
+        BlockStructure::TriangularLower,
+        Accum::Add,
+        a,
+        BlockStructure::Rectangular,
+        b.transpose(),
+        BlockStructure::Rectangular,
+        scale,
+        Par::Seq,
+    );
+}
+
 fn samples_of(excitation: &[f64], window: usize) -> usize {
     excitation.len().min(window + SampledHistory::HALF_WIDTH)
 }
@@ -288,29 +306,33 @@ impl Weighting {
     ) -> Option<Self> {
         let noise = test.noise.clone()?;
         let (window, samples) = (transfer.matrix.nrows(), transfer.matrix.ncols());
-        let through = match (test.drive(is_linear), &noise.excitation) {
+        let mut covariance = toeplitz(&noise.response, window);
+        match (test.drive(is_linear), &noise.excitation) {
             (Some(drive), _) => {
                 let first = Seen::of(test, is_linear).first_unknown().min(samples);
                 let count = samples - first;
                 let moving = transfer.matrix.subcols(first, count);
-                moving * drive.covariance.submatrix(first, first, count, count) * moving.transpose()
+                let through = moving * drive.covariance.submatrix(first, first, count, count);
+                add_lower(&mut covariance, through.as_ref(), moving, 1.0);
             }
             (None, HistoryNoise::White { standard_deviation }) => {
-                let scaled = Mat::from_fn(window, samples, |i, j| {
-                    standard_deviation * transfer.matrix[(i, j)]
-                });
-                &scaled * scaled.transpose()
+                let variance = standard_deviation * standard_deviation;
+                let matrix = transfer.matrix.as_ref();
+                add_lower(&mut covariance, matrix, matrix, variance);
             }
             (None, HistoryNoise::Differentiated { .. } | HistoryNoise::Coloured { .. }) => {
-                &transfer.matrix
-                    * toeplitz(&noise.excitation, samples)
-                    * transfer.matrix.transpose()
+                let through = &transfer.matrix * toeplitz(&noise.excitation, samples);
+                add_lower(
+                    &mut covariance,
+                    through.as_ref(),
+                    transfer.matrix.as_ref(),
+                    1.0,
+                );
             }
-        };
-        let covariance = toeplitz(&noise.response, window) + through;
-        let covariance = Mat::from_fn(window, window, |i, j| {
-            covariance[(i, j)] + if i == j { floor * floor } else { 0.0 }
-        });
+        }
+        for i in 0..window {
+            covariance[(i, i)] += floor * floor;
+        }
         let factor = covariance.llt(Side::Lower).ok()?;
         let lower = factor.L();
         let packed = (0..window)
@@ -474,7 +496,7 @@ const NOISE_POWER: f64 = 1.5;
 )]
 #[allow(
     clippy::indexing_slicing,
-    reason = "cosines are asked for modulo their number, lines of the spectrum up to the last"
+    reason = "a range of lines ends with the last"
 )]
 fn wiener_filtered(history: &[f64], noise: &HistoryNoise) -> Vec<f64> {
     let count = history.len();
@@ -482,44 +504,31 @@ fn wiener_filtered(history: &[f64], noise: &HistoryNoise) -> Vec<f64> {
         return history.to_vec();
     }
     let Mirrored {
-        period,
-        cosines,
+        mut fourier,
         spectrum,
         noise,
     } = Mirrored::of(history, noise);
     let last = count - 1;
-    let occurs = |k: usize| Mirrored::occurrences(k, last);
-    let gains: Vec<f64> = (0..count)
-        .map(|f| {
-            let (low, high) = (f.saturating_sub(SMOOTHED), (f + SMOOTHED).min(last));
-            let squares: f64 = spectrum[low..=high].iter().map(|x| x * x).sum();
-            let around = squares / (high - low + 1) as f64;
-            if around > 0.0 {
-                (1.0 - NOISE_POWER * noise[f] / around).max(0.0)
-            } else {
-                1.0
-            }
-        })
-        .collect();
-    (0..count)
-        .map(|k| {
-            let sum: f64 = spectrum
-                .iter()
-                .zip(&gains)
-                .enumerate()
-                .map(|(f, (x, gain))| occurs(f) * gain * x * cosines[f * k % period])
-                .sum();
-            sum / period as f64
-        })
-        .collect()
+    for (f, (line, x)) in fourier.lines().iter_mut().zip(&spectrum).enumerate() {
+        let (low, high) = (f.saturating_sub(SMOOTHED), (f + SMOOTHED).min(last));
+        let squares: f64 = spectrum[low..=high].iter().map(|x| x * x).sum();
+        let around = squares / (high - low + 1) as f64;
+        let gain = if around > 0.0 {
+            (1.0 - NOISE_POWER * noise[f] / around).max(0.0)
+        } else {
+            1.0
+        };
+        *line = Complex64::from(gain * x);
+    }
+    let scale = 1.0 / (2 * last) as f64;
+    let filtered = fourier.inverse().iter();
+    filtered.take(count).map(|u| scale * u).collect()
 }
 
-/// Cosine transform of a history that is continued by its mirror image.
+/// Fourier transform of a history that is continued by its mirror image, which is real.
 struct Mirrored {
-    /// Number of samples of a period.
-    period: usize,
-    /// Cosines over one period.
-    cosines: Vec<f64>,
+    /// Transform of a period, the history forth and back.
+    fourier: RealFourier,
     /// Spectrum with one line per sample, up to half of the sampling rate [m/s].
     spectrum: Vec<f64>,
     /// Expected square of each line of noise alone.
@@ -532,56 +541,36 @@ impl Mirrored {
         clippy::cast_precision_loss,
         reason = "sample counts are far below 2^52"
     )]
-    #[allow(
-        clippy::indexing_slicing,
-        reason = "cosines are asked for modulo their number"
-    )]
     fn of(history: &[f64], noise: &HistoryNoise) -> Self {
-        let count = history.len();
-        let last = count - 1;
+        let last = history.len() - 1;
         let period = 2 * last;
-        let cosines: Vec<f64> = (0..period)
-            .map(|k| (std::f64::consts::TAU * k as f64 / period as f64).cos())
-            .collect();
-        let spectrum: Vec<f64> = (0..count)
-            .map(|f| {
-                history
-                    .iter()
-                    .enumerate()
-                    .map(|(k, v)| Self::occurrences(k, last) * v * cosines[f * k % period])
-                    .sum()
-            })
-            .collect();
-        let covariance: Vec<f64> = (0..count)
+        let mut fourier = RealFourier::new(period);
+        let back = history.iter().rev().skip(1);
+        for (sample, value) in fourier.samples().iter_mut().zip(history.iter().chain(back)) {
+            *sample = *value;
+        }
+        let spectrum = fourier.forward().iter().map(|line| line.re).collect();
+        let covariance = (0..=last)
             .map(|lag| noise.autocovariance(lag))
-            .take_while(|c| *c != 0.0)
-            .collect();
-        let noise = (0..count)
-            .map(|f| {
-                let lags = covariance.iter().enumerate();
-                let density: f64 = lags
-                    .map(|(lag, c)| {
-                        if lag == 0 {
-                            *c
-                        } else {
-                            2.0 * c * cosines[f * lag % period]
-                        }
-                    })
-                    .sum();
-                period as f64 * density
-            })
-            .collect();
+            .take_while(|c| *c != 0.0);
+        let samples = fourier.samples();
+        samples.fill(0.0);
+        for (lag, covariance) in covariance.enumerate() {
+            // at lag 0 once, at each other lag before and behind
+            let behind = (lag > 0).then_some(period - lag);
+            for place in [Some(lag), behind].into_iter().flatten() {
+                if let Some(sample) = samples.get_mut(place) {
+                    *sample += covariance;
+                }
+            }
+        }
+        let noise = fourier.forward().iter();
+        let noise = noise.map(|line| period as f64 * line.re).collect();
         Self {
-            period,
-            cosines,
+            fourier,
             spectrum,
             noise,
         }
-    }
-
-    /// Number of occurrences of sample `k` in a period: one for the ends, two for all others.
-    fn occurrences(k: usize, last: usize) -> f64 {
-        if k == 0 || k == last { 1.0 } else { 2.0 }
     }
 }
 

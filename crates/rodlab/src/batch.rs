@@ -174,7 +174,9 @@ pub fn write_summary(summary: &Summary, out: &Path) -> Result<Vec<PathBuf>, Rodl
         (SIGNED, summary.to_json()?),
         ("index.html", summary.to_html()?),
     ];
-    let files = files.map(|(name, text)| (name.to_owned(), text.into_bytes()));
+    let files = files
+        .each_ref()
+        .map(|(name, text)| (*name, text.as_bytes()));
     output::replace_summary(out, &files, SIGNED)
 }
 

@@ -17,6 +17,7 @@ use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 use labio::ContentHash;
+use rayon::prelude::*;
 use rodfigure::{Drawn, Figure};
 use serde::{Deserialize, Serialize};
 use tempfile::NamedTempFile;
@@ -156,8 +157,9 @@ impl ResultFiles {
         folder: &Path,
         reads: &[PathBuf],
     ) -> Result<Vec<PathBuf>, RodlabError> {
-        let mut files = self.others.clone();
-        files.push((RESULT.to_owned(), self.json.clone().into_bytes()));
+        let others = self.others.iter();
+        let others = others.map(|(name, bytes)| (name.as_str(), bytes.as_slice()));
+        let files: Vec<_> = others.chain([(RESULT, self.json.as_bytes())]).collect();
         together::replace_result(folder, &files, reads)
     }
 }
@@ -182,22 +184,29 @@ fn all_but_result(
     date: Option<&str>,
     forms: TableFiles,
 ) -> Result<Vec<(String, Vec<u8>)>, RodlabError> {
-    let mut files: Vec<(String, Vec<u8>)> = Vec::new();
-    for table in &outcome.tables {
-        files.push((table_file(table), csv_of(table, forms.unit_row)?));
-    }
+    let (tables, page) = rayon::join(
+        || {
+            let tables = outcome.tables.par_iter();
+            tables
+                .map(|table| Ok((table_file(table), csv_of(table, forms.unit_row)?)))
+                .collect::<Result<Vec<_>, RodlabError>>()
+        },
+        || {
+            let drawn: Vec<Drawn> = outcome.figures.par_iter().map(Drawn::of).collect();
+            let page = html_of(outcome, &drawn, sheet, date)?;
+            Ok::<_, RodlabError>((drawn, page))
+        },
+    );
+    let (mut files, (drawn, page)) = (tables?, page?);
     if forms.workbook && !outcome.tables.is_empty() {
         files.push((WORKBOOK.to_owned(), workbook::of(&outcome.tables)?));
     }
     for attachment in &outcome.attachments {
         files.push((attachment.name.clone(), attachment.bytes.clone()));
     }
-    let drawn: Vec<Drawn> = outcome.figures.iter().map(Drawn::of).collect();
-    for drawn in &drawn {
-        let name = figure_file(&drawn.figure);
-        files.push((name, drawn.svg.clone().into_bytes()));
+    for drawn in drawn {
+        files.push((figure_file(&drawn.figure), drawn.svg.into_bytes()));
     }
-    let page = html_of(outcome, &drawn, sheet, date)?;
     files.push((REPORT.to_owned(), page.into_bytes()));
     let names = files.iter().map(|(name, _)| name.as_str());
     let mut names: Vec<&str> = names.chain([RESULT]).collect();
@@ -361,7 +370,7 @@ fn result_of(
             .chain([RESULT])
             .collect(),
         outputs: files
-            .iter()
+            .par_iter()
             .map(|(name, bytes)| OutputFile {
                 file: name.clone(),
                 sha256: ContentHash::of(bytes).to_string(),
@@ -407,10 +416,14 @@ fn csv_of(table: &Table, unit_row: bool) -> Result<Vec<u8>, RodlabError> {
             .write_record(columns.iter().map(|column| column.unit))
             .map_err(refused)?;
     }
+    let mut text = String::new();
     for row in 0..rows {
-        writer
-            .write_record(columns.iter().map(|column| column.cells.text(row)))
-            .map_err(refused)?;
+        for column in &columns {
+            text.clear();
+            column.cells.write_to(&mut text, row);
+            writer.write_field(&text).map_err(refused)?;
+        }
+        writer.write_record(None::<&[u8]>).map_err(refused)?;
     }
     writer
         .into_inner()

@@ -8,6 +8,7 @@ use super::least_squares::{Effort, minimise};
 use super::model::{self, Model};
 use super::order::PronyFit;
 use super::power_law::PowerLawModel;
+use super::profile::Elsewhere;
 use super::prony::Prony;
 use super::start::{self, Shape};
 use crate::error::{CmodError, check_positive};
@@ -172,7 +173,7 @@ fn best_of<M: Model>(
         options,
         profiled_from: 0,
         ends_at_open: false,
-        elsewhere,
+        elsewhere: Elsewhere::new(data, elsewhere),
     };
     scene.judge(best, law, wrap)
 }

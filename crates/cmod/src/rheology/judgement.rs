@@ -12,7 +12,7 @@ use super::model::{Model, ParameterKind};
 use super::parameter::{
     CommonShift, Interval, IntervalMethod, LINEAR_BELOW, Parameter, Reason, Verdict, WIDEST,
 };
-use super::profile::{End, Profile};
+use super::profile::{Elsewhere, End, Profile};
 use super::support::Support;
 use super::whiteness::Whiteness;
 use crate::directions::Directions;
@@ -36,8 +36,7 @@ pub(super) struct Scene<'a, M: ?Sized> {
     /// True if the evaluation ends at the first parameter, other than parameter 0, that is not
     /// identified: the fit is of no use then.
     pub(super) ends_at_open: bool,
-    /// Coordinates in other regions from which the law may fit as well.
-    pub(super) elsewhere: Vec<Vec<f64>>,
+    pub(super) elsewhere: Elsewhere,
 }
 
 /// Least penalty in χ² for a loss: with the threshold it amounts to four standard deviations, which
@@ -151,16 +150,15 @@ impl<M: Model + ?Sized> Scene<'_, M> {
         if !self.options.profiles {
             return Ok(others);
         }
-        for start in &self.elsewhere {
-            let found = minimise(self.model, self.data, start, None, Effort::Comparison);
-            if let Some(found) = found {
-                let rise = found.chi_squared - minimum.chi_squared;
-                if rise < -2e-2 * threshold {
-                    return Err(found.at);
-                }
-                if rise <= threshold && self.model.is_in_order(&found.at) {
-                    others.push(found.at);
-                }
+        let problem = (self.model, self.data);
+        let least = minimum.chi_squared + threshold;
+        for found in self.elsewhere.minima(problem, None, least) {
+            let rise = found.chi_squared - minimum.chi_squared;
+            if rise < -2e-2 * threshold {
+                return Err(found.at);
+            }
+            if rise <= threshold && self.model.is_in_order(&found.at) {
+                others.push(found.at);
             }
         }
         Ok(others)
@@ -193,7 +191,8 @@ impl<M: Model + ?Sized> Scene<'_, M> {
                 *coordinate += loss.vanishes_towards * VANISHED;
             }
             let held = Some(loss.coordinate);
-            let without = minimise(self.model, self.data, &start, held, Effort::Comparison);
+            let effort = Effort::Below(minimum.chi_squared + dearer);
+            let without = minimise(self.model, self.data, &start, held, effort);
             let own = match without {
                 Some(without) if without.chi_squared - minimum.chi_squared < dearer => dearer,
                 _ => threshold,

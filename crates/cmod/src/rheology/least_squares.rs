@@ -14,7 +14,7 @@ use super::symmetric::{add_products, factorise, solve};
 pub use crate::recovery::fit::Ending;
 
 /// Accuracy of a minimum.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Effort {
     /// Accuracy of rounding, for a result.
     Full,
@@ -22,13 +22,16 @@ pub(super) enum Effort {
     Comparison,
     /// Accuracy of `Comparison` in few iterations: a search that needs more is in a flat valley.
     Search,
+    /// Accuracy of `Comparison` if χ² falls to this value. The iteration ends as soon as χ² cannot
+    /// fall so far in the iterations that are left.
+    Below(f64),
 }
 
 impl Effort {
     fn most_iterations(self) -> usize {
         match self {
             Self::Full => 300,
-            Self::Comparison => 60,
+            Self::Comparison | Self::Below(_) => 60,
             Self::Search => 25,
         }
     }
@@ -38,7 +41,7 @@ impl Effort {
     fn negligible(self) -> f64 {
         match self {
             Self::Full => 1e-9,
-            Self::Comparison | Self::Search => 1e-2,
+            Self::Comparison | Self::Search | Self::Below(_) => 1e-2,
         }
     }
 
@@ -46,7 +49,7 @@ impl Effort {
     fn idle(self) -> f64 {
         match self {
             Self::Full => IDLE,
-            Self::Comparison | Self::Search => 3e-2,
+            Self::Comparison | Self::Search | Self::Below(_) => 3e-2,
         }
     }
 }
@@ -147,7 +150,7 @@ pub(super) fn minimise<M: Model + ?Sized>(
     let mut growth = 2.0;
     let mut rejected = 0;
     let mut ending = Ending::OutOfIterations;
-    for _ in 0..effort.most_iterations() {
+    for left in (0..effort.most_iterations()).rev() {
         // relative to the effect of one standard deviation, or the rounding of the sum of squares
         let scale = (chi_squared / freedom).min(1.0);
         let negligible = (effort.negligible() * scale).max(1e-13 * chi_squared);
@@ -169,6 +172,13 @@ pub(super) fn minimise<M: Model + ?Sized>(
             }
             damping = 1e-3;
             continue;
+        }
+        let is_free = rejected == 0 && damping <= 1e-2 && longest < LONGEST_STEP;
+        if let Effort::Below(least) = effort
+            && is_free
+            && promised * count(left) < chi_squared - least
+        {
+            break;
         }
         for ((trial, at), step) in trial.iter_mut().zip(&at).zip(&normal.step) {
             *trial = at + step;

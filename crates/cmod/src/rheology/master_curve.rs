@@ -17,6 +17,7 @@ use super::judgement::Scene;
 use super::law::{FittedLaw, Law};
 use super::order::Order;
 use super::parameter::{Interval, IntervalMethod, Parameter, Verdict};
+use super::profile::Elsewhere;
 use super::shift_law::ShiftLaws;
 use super::support::Support;
 use super::sweep::TemperatureSweep;
@@ -215,7 +216,7 @@ impl MasterCurve {
                 minimum.at.len() - others.len()
             },
             ends_at_open: false,
-            elsewhere: Vec::new(),
+            elsewhere: Elsewhere::default(),
         };
         let wrap = |at: &[f64]| Ok(FittedLaw::GeneralisedMaxwell(model.law_at(at)?));
         let mut fit = scene.judge(minimum, Law::GeneralisedMaxwell, wrap)?;

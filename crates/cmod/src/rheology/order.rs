@@ -18,7 +18,7 @@ use super::data::ModulusData;
 use super::fit::{Alternative, ErrorScale, FitOptions, RheologicalFit, enough};
 use super::judgement::Scene;
 use super::law::{FittedLaw, Law};
-use super::profile::{End, Profile};
+use super::profile::{Elsewhere, End, Profile};
 use super::prony::Prony;
 use super::support::Support;
 use crate::directions::Directions;
@@ -123,7 +123,7 @@ impl PronyFit {
                 usize::MAX
             },
             ends_at_open: false,
-            elsewhere: series.elsewhere(data),
+            elsewhere: Elsewhere::new(data, series.elsewhere(data)),
         };
         let wrap = |at: &[f64]| Ok(FittedLaw::GeneralisedMaxwell(model.law_at(at)?));
         let alternatives = chosen.alternatives();
@@ -185,7 +185,7 @@ impl Chosen {
             data,
             at: &solid.minimum.at,
             chi_squared,
-            elsewhere: &[],
+            elsewhere: &Elsewhere::default(),
             index: 0,
             threshold: factor * options.quantile(freedom).powi(2),
         };

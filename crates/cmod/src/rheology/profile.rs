@@ -1,7 +1,7 @@
 //! Profile of χ²: range of a parameter with all others refitted.
 
 use super::data::ModulusData;
-use super::least_squares::{Effort, minimise};
+use super::least_squares::{Effort, Minimum, minimise};
 use super::model::Model;
 
 /// Range over which a parameter is followed on its scale, a factor of 1e21 for a logarithm: beyond
@@ -13,6 +13,9 @@ const BEYOND: [f64; 5] = [0.0, 1.0, 3.0, 9.0, 27.0];
 const LONGEST: f64 = 8.0;
 /// Maximum number of plateaus beyond an end.
 const MOST_PLATEAUS: usize = 4;
+/// Number of lines on which a search from another region begins: it is long, and all lines are
+/// only needed at its end.
+const SOME_LINES: usize = 64;
 
 /// End of the interval on one side of the minimum.
 #[derive(Debug, Clone, PartialEq)]
@@ -26,14 +29,57 @@ pub(super) enum End {
     LowerMinimum(Vec<f64>),
 }
 
+/// Coordinates in other regions from which a law may fit as well.
+#[derive(Default)]
+pub(super) struct Elsewhere {
+    starts: Vec<Vec<f64>>,
+    /// Some of the lines of the data, if these have many more.
+    some_lines: Option<ModulusData>,
+}
+
+impl Elsewhere {
+    pub(super) fn new(data: &ModulusData, starts: Vec<Vec<f64>>) -> Self {
+        let stride = data.len().div_ceil(SOME_LINES);
+        let is_needed = stride > 2 && !starts.is_empty();
+        let some_lines = is_needed.then(|| {
+            let lines: Vec<usize> = (0..data.len()).step_by(stride).collect();
+            data.picked(&lines)
+        });
+        Self { starts, some_lines }
+    }
+
+    /// Returns the minima of χ² found from these coordinates, with the parameter `held` at its
+    /// coordinate. A minimum whose χ² is not below `least` may be too large.
+    pub(super) fn minima<M: Model + ?Sized>(
+        &self,
+        (model, data): (&M, &ModulusData),
+        held: Option<(usize, f64)>,
+        least: f64,
+    ) -> impl Iterator<Item = Minimum> {
+        let index = held.map(|(index, _)| index);
+        self.starts.iter().filter_map(move |start| {
+            let mut start = start.clone();
+            if let Some((index, coordinate)) = held
+                && let Some(own) = start.get_mut(index)
+            {
+                *own = coordinate;
+            }
+            let first = self.some_lines.as_ref();
+            let first =
+                first.and_then(|lines| minimise(model, lines, &start, index, Effort::Comparison));
+            let start = first.map_or(start, |first| first.at);
+            minimise(model, data, &start, index, Effort::Below(least))
+        })
+    }
+}
+
 /// Minimum of χ² and a parameter whose profile is followed from there.
 pub(super) struct Profile<'a, M: ?Sized> {
     pub(super) model: &'a M,
     pub(super) data: &'a ModulusData,
     pub(super) at: &'a [f64],
     pub(super) chi_squared: f64,
-    /// Coordinates in other regions from which the law may fit as well.
-    pub(super) elsewhere: &'a [Vec<f64>],
+    pub(super) elsewhere: &'a Elsewhere,
     pub(super) index: usize,
     pub(super) threshold: f64,
 }
@@ -86,11 +132,14 @@ impl<M: Model + ?Sized> Profile<'_, M> {
             .map(|minimum| (minimum.chi_squared - self.chi_squared, minimum.at))
     }
 
-    /// Returns the least χ² at a coordinate from the other starts.
+    /// Returns the least χ² at a coordinate from the other starts; one above the threshold may be
+    /// too large.
     fn least(&self, coordinate: f64) -> Option<Reached> {
-        let starts = self.elsewhere.iter();
-        starts
-            .filter_map(|start| self.rise(coordinate, start))
+        let problem = (self.model, self.data);
+        let held = Some((self.index, coordinate));
+        self.elsewhere
+            .minima(problem, held, self.chi_squared + self.threshold)
+            .map(|minimum| (minimum.chi_squared - self.chi_squared, minimum.at))
             .filter(|(_, at)| self.model.is_in_order(at))
             .min_by(|a, b| a.0.total_cmp(&b.0))
     }

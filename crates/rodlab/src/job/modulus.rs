@@ -258,7 +258,7 @@ pub(super) fn run_with(
     };
     context.check_cancelled()?;
     let trend = if context.draw.is_none() || sheet.temperature.is_some() {
-        drift::trend(sheet, &measured, spectra)?
+        drift::trend(sheet, &measured, (spectra, &apparent))?
     } else {
         None
     };

@@ -1,5 +1,7 @@
 //! Tables in the form for CSV, JSON and Python.
 
+use std::fmt::Write;
+
 use serde::{Serialize, Serializer};
 
 use super::column_name::{name_of, unit_without_prefix};
@@ -32,17 +34,20 @@ pub enum PublishedCells<'a> {
 }
 
 impl PublishedCells<'_> {
-    /// The cell of `row` as text; empty if there is none.
-    #[must_use]
-    pub fn text(&self, row: usize) -> String {
-        match self {
-            Self::Numbers(values) => {
-                let number = values.get(row).filter(|value| value.is_finite());
-                number.map(f64::to_string).unwrap_or_default()
-            }
-            Self::Words(words) => words.get(row).cloned().unwrap_or_default(),
-            Self::Flags(flags) => flags.get(row).map(bool::to_string).unwrap_or_default(),
-        }
+    /// Appends the cell of `row` as text to `text`; nothing if there is none.
+    pub(crate) fn write_to(&self, text: &mut String, row: usize) {
+        // a string takes every write
+        let _ = match self {
+            Self::Numbers(values) => match values.get(row).filter(|value| value.is_finite()) {
+                Some(value) => write!(text, "{value}"),
+                None => Ok(()),
+            },
+            Self::Words(words) => text.write_str(words.get(row).map_or("", String::as_str)),
+            Self::Flags(flags) => match flags.get(row) {
+                Some(flag) => write!(text, "{flag}"),
+                None => Ok(()),
+            },
+        };
     }
 }
 
@@ -144,7 +149,11 @@ mod tests {
         let row = |row| {
             columns
                 .iter()
-                .map(|column| column.cells.text(row))
+                .map(|column| {
+                    let mut text = String::new();
+                    column.cells.write_to(&mut text, row);
+                    text
+                })
                 .collect::<Vec<_>>()
         };
         assert_eq!(row(0), ["2500000000", "1", "3", "true", "valid"]);

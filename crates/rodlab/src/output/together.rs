@@ -26,12 +26,12 @@ const AT_A_TIME: usize = 4;
 /// belong to one run.
 pub(crate) fn replace_result(
     folder: &Path,
-    files: &[(String, Vec<u8>)],
+    files: &[(&str, &[u8])],
     reads: &[PathBuf],
 ) -> Result<Vec<PathBuf>, RodlabError> {
     let mut lock = locked(folder)?;
     let earlier = Earlier::result(folder, lock.listed()?);
-    let new: BTreeSet<&str> = files.iter().map(|(name, _)| name.as_str()).collect();
+    let new: BTreeSet<&str> = files.iter().map(|(name, _)| *name).collect();
     let stale: Vec<&str> = earlier
         .files
         .iter()
@@ -76,7 +76,8 @@ pub(crate) fn replace_by_failure(
     for name in [RESULT, FAILURE].into_iter().chain(changed) {
         earlier.may_change(&folder.join(name), name, &[])?;
     }
-    let failure = [(FAILURE.to_owned(), text(others.iter().cloned().collect())?)];
+    let text = text(others.iter().cloned().collect())?;
+    let failure = [(FAILURE, text.as_slice())];
     let staged = stage(folder, &failure)?;
     let listed = others.iter().map(String::as_str).chain([REPORT, FAILURE]);
     lock.list(listed.filter(|name| renamed || *name != REPORT))?;
@@ -94,14 +95,14 @@ pub(crate) fn replace_by_failure(
 /// `folder` in place of the files of an earlier summary.
 pub(crate) fn replace_summary(
     folder: &Path,
-    files: &[(String, Vec<u8>)],
+    files: &[(&str, &[u8])],
     signed: &str,
 ) -> Result<Vec<PathBuf>, RodlabError> {
     let mut lock = locked(folder)?;
     let mut earlier = Earlier {
         files: lock.listed()?,
     };
-    let names = || files.iter().map(|(name, _)| name.as_str());
+    let names = || files.iter().map(|(name, _)| *name);
     if ours::is_summary(&folder.join(signed)) {
         earlier.files.extend(names().map(str::to_owned));
     }
@@ -140,7 +141,7 @@ fn remove_parts(folder: &Path) {
 }
 
 /// Writes all files to the disk under temporary names.
-fn stage(folder: &Path, files: &[(String, Vec<u8>)]) -> Result<Vec<NamedTempFile>, RodlabError> {
+fn stage(folder: &Path, files: &[(&str, &[u8])]) -> Result<Vec<NamedTempFile>, RodlabError> {
     let staged: Vec<NamedTempFile> = files
         .iter()
         .map(|(name, bytes)| written(&folder.join(name), bytes, PART))
@@ -172,7 +173,7 @@ fn stage(folder: &Path, files: &[(String, Vec<u8>)]) -> Result<Vec<NamedTempFile
 
 fn name_all(
     folder: &Path,
-    files: &[(String, Vec<u8>)],
+    files: &[(&str, &[u8])],
     staged: Vec<NamedTempFile>,
 ) -> Result<Vec<PathBuf>, RodlabError> {
     let mut paths = Vec::with_capacity(files.len());

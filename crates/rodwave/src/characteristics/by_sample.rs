@@ -263,43 +263,55 @@ struct RelaxTangents<'a> {
     shares: &'a [f64],
 }
 
-impl pulp::NullaryFnOnce for RelaxTangents<'_> {
+/// Vectors of the processor in place of loops over lanes: a compiler makes one loop over nodes out
+/// of those, which collects each vector from as many nodes.
+impl pulp::WithSimd for RelaxTangents<'_> {
     type Output = ();
 
     #[inline(always)]
     #[allow(
         clippy::indexing_slicing,
-        reason = "slopes, shares and the excess, unless it is empty, have a row for each branch, with all nodes"
+        reason = "slopes, shares and the excess, unless it is empty, have a row for each branch, with all nodes, and a node has `LANES` lanes"
     )]
-    fn call(self) {
+    fn with_simd<S: pulp::Simd>(self, simd: S) {
         let nodes = self.right.iter_mut().zip(self.left);
+        let half = simd.splat_f64s(0.5);
         if let ([slopes], true) = (self.slopes, self.excess.is_empty()) {
             for ((right, left), slope) in nodes.zip(slopes) {
-                let half = 0.5 * slope;
-                let (r, l) = (*right, *left);
-                let change = lanes!(|i| half * (r[i] + l[i]));
-                *right = lanes!(|i| r[i] + change[i]);
-                *left = lanes!(|i| l[i] + change[i]);
+                let half_slope = simd.splat_f64s(0.5 * slope);
+                let right = S::as_mut_simd_f64s(right).0;
+                let left = S::as_mut_simd_f64s(left).0;
+                for (right, left) in right.iter_mut().zip(left) {
+                    let change = simd.mul_f64s(half_slope, simd.add_f64s(*right, *left));
+                    *right = simd.add_f64s(*right, change);
+                    *left = simd.add_f64s(*left, change);
+                }
             }
             return;
         }
         for (node, (right, left)) in nodes.enumerate() {
-            let (r, l) = (*right, *left);
-            let scaled = lanes!(|i| 0.5 * (r[i] + l[i]));
-            let mut total = [0.0; LANES];
-            let branches = self.excess.iter_mut().zip(self.slopes).zip(self.shares);
-            for ((excess, slopes), share) in branches {
-                let (p, slope) = (excess[node], slopes[node]);
-                let change = lanes!(|i| slope * (share * scaled[i] + p[i]));
-                total = lanes!(|i| total[i] + change[i]);
-                excess[node] = lanes!(|i| p[i] + change[i]);
+            let right = S::as_mut_simd_f64s(right).0;
+            let left = S::as_mut_simd_f64s(left).0;
+            for (part, (right, left)) in right.iter_mut().zip(left).enumerate() {
+                let scaled = simd.mul_f64s(half, simd.add_f64s(*right, *left));
+                let mut total = simd.splat_f64s(0.0);
+                let branches = self.excess.iter_mut().zip(self.slopes).zip(self.shares);
+                for ((excess, slopes), share) in branches {
+                    let excess = &mut S::as_mut_simd_f64s(&mut excess[node]).0[part];
+                    let of_share = simd.mul_f64s(simd.splat_f64s(*share), scaled);
+                    let slope = simd.splat_f64s(slopes[node]);
+                    let change = simd.mul_f64s(slope, simd.add_f64s(of_share, *excess));
+                    total = simd.add_f64s(total, change);
+                    *excess = simd.add_f64s(*excess, change);
+                }
+                for (excess, share) in self.excess.iter_mut().zip(self.shares) {
+                    let excess = &mut S::as_mut_simd_f64s(&mut excess[node]).0[part];
+                    let of_share = simd.mul_f64s(simd.splat_f64s(*share), total);
+                    *excess = simd.sub_f64s(*excess, of_share);
+                }
+                *right = simd.add_f64s(*right, total);
+                *left = simd.add_f64s(*left, total);
             }
-            for (excess, share) in self.excess.iter_mut().zip(self.shares) {
-                let p = excess[node];
-                excess[node] = lanes!(|i| p[i] - share * total[i]);
-            }
-            *right = lanes!(|i| r[i] + total[i]);
-            *left = lanes!(|i| l[i] + total[i]);
         }
     }
 }

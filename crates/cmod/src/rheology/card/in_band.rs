@@ -22,6 +22,7 @@ use super::super::least_squares::{Effort, minimise};
 use super::super::model::Partial;
 use super::super::order::Series;
 use super::super::parameter::Parameter;
+use super::super::profile::Elsewhere;
 use super::super::prony::Prony;
 use crate::error::CmodError;
 
@@ -207,7 +208,7 @@ fn judged(
         options,
         profiled_from: 0,
         ends_at_open: true,
-        elsewhere: Vec::new(),
+        elsewhere: Elsewhere::default(),
     };
     let minimum = minimise(&partial, data, &start, None, Effort::Full).ok_or_else(no_law)?;
     let wrap = |at: &[f64]| {

@@ -2,11 +2,10 @@
 
 use cmod::ModulusEstimate;
 use cmod::estimate::BudgetedQuantity;
-use cmod::hit_trend::{FEWEST_HITS, HitTrend, deviation};
-use rayon::prelude::*;
+use cmod::hit_trend::{FEWEST_HITS, HitTrend};
 use serde::Deserialize;
 
-use super::estimate::plain;
+use super::estimate::deviations;
 use super::measured::{Measured, Spectra};
 use super::{Found, ModulusSheet};
 use crate::digits::{short, significant};
@@ -74,22 +73,13 @@ fn temperatures(
 pub(super) fn trend(
     sheet: &ModulusSheet,
     measured: &Measured,
-    spectra: &Spectra,
+    (spectra, modulus): (&Spectra, &ModulusEstimate),
 ) -> Result<Option<Trend>, RodlabError> {
     let temperatures = temperatures(sheet, measured)?;
     if measured.each.len() < FEWEST_HITS {
         return Ok(None);
     }
-    let all = plain(sheet, measured, spectra)?;
-    let each = measured.each.par_iter();
-    let deviations: Option<Vec<f64>> = each
-        .map(|spectra| {
-            // a single hit may not give a modulus although all hits together do
-            let hit = plain(sheet, measured, spectra).ok()?;
-            deviation(&all, &hit)
-        })
-        .collect();
-    let Some(deviations) = deviations else {
+    let Some(deviations) = deviations(sheet, measured, (spectra, modulus))? else {
         return Ok(None);
     };
     let numbers = || {

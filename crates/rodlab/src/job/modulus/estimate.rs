@@ -3,6 +3,7 @@
 use cmod::causal::CausalEstimate;
 use cmod::estimate::VarianceFreedom;
 use cmod::free_vibration::Pole;
+use cmod::hit_trend;
 use cmod::lateral_inertia::CorrectedEstimate;
 use cmod::multi_point::{GaugeMethod, Quantity};
 use cmod::rheology::ModulusData;
@@ -16,6 +17,7 @@ use cmod::{
 };
 use labio::{ResponseRatio, SectionSpectra, SensorError};
 use num_complex::Complex64;
+use rayon::prelude::*;
 use rodwave::slenderness::Theory;
 
 use super::gauges::noise_freedom;
@@ -46,7 +48,7 @@ pub(super) fn estimate(
 }
 
 /// The modulus with the sensors as stated.
-pub(super) fn plain(
+fn plain(
     sheet: &ModulusSheet,
     measured: &Measured,
     spectra: &Spectra,
@@ -118,6 +120,29 @@ fn with_ratio<T>(
     };
     let method = ratio_method(sheet, measured, ratio)?;
     take(method.as_ref(), &lines).map_err(refused)
+}
+
+/// The relative deviations of the modulus of each hit from that of all hits; `None` if the method
+/// does not give a modulus for each of them.
+pub(super) fn deviations(
+    sheet: &ModulusSheet,
+    measured: &Measured,
+    (spectra, modulus): (&Spectra, &ModulusEstimate),
+) -> Result<Option<Vec<f64>>, RodlabError> {
+    if let Spectra::Ratio(ratio) = spectra {
+        let method = ratio_method(sheet, measured, ratio)?;
+        let hits: Option<Vec<&[Complex64]>> = measured.each.iter().map(Spectra::ratios).collect();
+        let linear = hits
+            .and_then(|hits| hit_trend::deviations(method.as_ref(), modulus, &ratio.values, &hits));
+        if linear.is_some() {
+            return Ok(linear);
+        }
+    }
+    let all = plain(sheet, measured, spectra)?;
+    let each = measured.each.par_iter();
+    // a single hit may not give a modulus although all hits together do
+    let of_hit = |spectra| hit_trend::deviation(&all, &plain(sheet, measured, spectra).ok()?);
+    Ok(each.map(of_hit).collect())
 }
 
 /// The causal estimate of all lines, or of the moduli at single frequencies for methods that have

@@ -239,6 +239,14 @@ impl Spectra {
         }
     }
 
+    /// Ratio of each line; `None` for gauges and modes.
+    pub(super) fn ratios(&self) -> Option<&[Complex64]> {
+        match self {
+            Self::Ratio(ratio) => Some(&ratio.values),
+            Self::Gauges(_) | Self::Modes(_) => None,
+        }
+    }
+
     /// Number of lines per line with independent noise.
     pub(super) fn lines_per_independent_line(&self) -> f64 {
         match self {
