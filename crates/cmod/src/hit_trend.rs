@@ -149,3 +149,63 @@ impl WeightedMean {
         (self.weights > 0.0).then(|| self.sum / self.weights)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::TAU;
+
+    use super::*;
+    use crate::section_ratio::RatioLines;
+    use crate::{Specimen, TwoPoint};
+
+    /// Hits on a rod whose modulus differs from hit to hit, with the ratio cosh γL in closed form:
+    /// both ways return the differences.
+    #[test]
+    fn deviations_of_hits_are_the_differences_of_their_moduli() {
+        let specimen = Specimen {
+            length: 0.8,
+            diameter: 0.012,
+            density: 910.0,
+            accelerometer_mass: 0.0,
+        };
+        let method = TwoPoint::new(specimen).unwrap();
+        let frequency_hz: Vec<f64> = (4..80).map(|line| 25.0 * f64::from(line)).collect();
+        let ratios = |change: f64| -> Vec<Complex64> {
+            let modulus = (1.0 + change) * Complex64::new(2e9, 1e8);
+            let ratio = |hz: &f64| {
+                let gamma = Complex64::new(0.0, TAU * hz) * (910.0 / modulus).sqrt();
+                (0.8 * gamma).cosh()
+            };
+            frequency_hz.iter().map(ratio).collect()
+        };
+        let variance = vec![1e-6; frequency_hz.len()];
+        let estimate = |ratio: &[Complex64]| {
+            let lines = RatioLines {
+                frequency_hz: &frequency_hz,
+                ratio,
+                variance: &variance,
+                freedom: None,
+                coherence: None,
+                common: &[],
+                lines_per_independent_line: 1.0,
+            };
+            method.estimate_ratio(&lines).unwrap()
+        };
+        let of_all = ratios(0.0);
+        let all = estimate(&of_all);
+        assert!(all.valid().count() > 20, "{}", all.valid().count());
+        let changes = [-2e-5, 0.0, 1e-5, 3e-5];
+        let hits = changes.map(ratios);
+        let hits: Vec<&[Complex64]> = hits.iter().map(Vec::as_slice).collect();
+        let found = deviations(&method, &all, &of_all, &hits).unwrap();
+        for ((found, change), hit) in found.iter().zip(changes).zip(hits) {
+            // second order: (γL δ)², γL up to 7
+            assert!((found - change).abs() < 1e-7, "{found} {change}");
+            let by_estimates = deviation(&all, &estimate(hit)).unwrap();
+            assert!((by_estimates - change).abs() < 1e-9, "{by_estimates}");
+        }
+        // without a line of its own a hit has no deviation
+        let silent = vec![Complex64::new(f64::NAN, 0.0); of_all.len()];
+        assert_eq!(deviations(&method, &all, &of_all, &[&silent]), None);
+    }
+}

@@ -449,8 +449,9 @@ impl Contest<'_> {
         for _ in 0..RENEWALS {
             let last = found.as_ref();
             let last_chi_square = last.map(|last| last.chi_square);
-            let held =
-                last.filter(|last| last.minimum.movement(&last.transferred_at) < TRANSFER_HOLDS);
+            let held = last.filter(|last| {
+                before_filter && last.minimum.movement(&last.transferred_at) < TRANSFER_HOLDS
+            });
             let transferred_at = held.map_or(&at, |last| &last.transferred_at).clone();
             let seen = if let Some(last) = held {
                 last.seen.clone().moved_to(self.tests, self.at(&at))

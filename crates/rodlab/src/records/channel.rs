@@ -107,11 +107,11 @@ impl TryFrom<String> for Sensitivity {
             )
         };
         let (rating, uncertainty) = sheet::value_and_uncertainty(&text);
-        let (value, unit) = sheet::number_and_unit(rating).map_err(refused)?;
+        let (value, unit) = sheet::number_and_unit(&rating).map_err(refused)?;
         let mut rating = Rating::new(value, unit.symbol())
             .map_err(|error| refused(format!("is refused: {error}")))?;
         if let Some(uncertainty) = uncertainty {
-            let (percent, unit) = sheet::number_and_unit(uncertainty).map_err(refused)?;
+            let (percent, unit) = sheet::number_and_unit(&uncertainty).map_err(refused)?;
             if unit.symbol() != "%" {
                 return Err(refused("has an uncertainty that is not in %".to_owned()));
             }

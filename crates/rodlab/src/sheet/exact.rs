@@ -111,7 +111,7 @@ impl<K: Kind, R: Reason> FromStr for Exact<K, R> {
             expected: format!("{}, such as {}{without}", K::NAME, K::EXAMPLE),
         };
         let (quantity, uncertainty) = value_and_uncertainty(text);
-        let si = parsed::<K>(quantity)
+        let si = parsed::<K>(&quantity)
             .map_err(|problem| wrong(problem, ""))?
             .value;
         if uncertainty.is_some()

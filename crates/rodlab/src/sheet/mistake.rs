@@ -30,14 +30,24 @@ impl Mistake {
     }
 }
 
-/// Returns the name of `expected` nearest to `found`; `None` if more than a third of the letters of
-/// `found` are wrong, for then it is probably a different word.
+/// Number of letters from which the beginning of a name stands for it.
+const BEGINNING: usize = 3;
+
+/// Returns the only name of `expected` that begins with `found`, or the nearest one; `None` if more
+/// than a third of the letters of `found` are wrong, for then it is probably a different word.
 pub(super) fn nearest<'a, N: AsRef<str>>(found: &str, expected: &'a [N]) -> Option<&'a N> {
+    let letters = found.chars().count();
+    let mut begun = expected
+        .iter()
+        .filter(|name| letters >= BEGINNING && name.as_ref().starts_with(found));
+    if let (Some(only), None) = (begun.next(), begun.next()) {
+        return Some(only);
+    }
     let best = expected
         .iter()
         .map(|name| (strsim::damerau_levenshtein(found, name.as_ref()), name))
         .min_by_key(|(distance, _)| *distance)?;
-    (3 * best.0 <= found.chars().count().max(3)).then_some(best.1)
+    (3 * best.0 <= letters.max(3)).then_some(best.1)
 }
 
 /// Returns `did you mean ...?`.

@@ -1,5 +1,7 @@
 //! The text of a quantity: number, unit, and the uncertainty after `±`.
 
+use std::borrow::Cow;
+
 use labio::{Dimension, Unit};
 
 use super::kind::{ImpactMass, Kind};
@@ -12,8 +14,8 @@ pub(super) fn moved(text: &str, standards: impl FnOnce() -> f64) -> Option<Strin
         return None;
     };
     let read = |expected| {
-        let (value, unit) = number_and_unit_of(quantity, expected).ok()?;
-        let (size, in_unit) = number_and_unit_of(uncertainty, expected).ok()?;
+        let (value, unit) = number_and_unit_of(&quantity, expected).ok()?;
+        let (size, in_unit) = number_and_unit_of(&uncertainty, expected).ok()?;
         if in_unit.symbol() == "%" {
             return Some((value, value.abs() * size / 100.0));
         }
@@ -29,14 +31,39 @@ pub(super) fn moved(text: &str, standards: impl FnOnce() -> f64) -> Option<Strin
     Some(format!("{drawn:e}{unit} ± {}", uncertainty.trim()))
 }
 
-/// The parts before and after the sign of an uncertainty.
-pub(crate) fn value_and_uncertainty(text: &str) -> (&str, Option<&str>) {
-    ["±", "+-", "+/-"]
+/// The parts before and after the sign of an uncertainty. A unit that both share, as in `(799 ±
+/// 0.3) mm` or `799 ± 0.3 mm`, is added to the parts without it; `%` is no such unit, because `799
+/// mm ± 1 %` is one per cent of the value.
+pub(crate) fn value_and_uncertainty(text: &str) -> (Cow<'_, str>, Option<Cow<'_, str>>) {
+    let inside = text.trim().strip_prefix('(');
+    let (body, unit) = inside
+        .and_then(|inside| inside.split_once(')'))
+        .unwrap_or((text, ""));
+    let parts = ["±", "+-", "+/-"]
         .iter()
-        .find_map(|sign| text.split_once(sign))
-        .map_or((text, None), |(value, uncertainty)| {
-            (value, Some(uncertainty))
-        })
+        .find_map(|sign| body.split_once(sign));
+    let Some((value, uncertainty)) = parts else {
+        return (Cow::Borrowed(text), None);
+    };
+    let unit = unit.trim();
+    if !unit.is_empty() {
+        let with_unit = |part: &str| Cow::Owned(format!("{} {unit}", part.trim()));
+        return (with_unit(value), Some(with_unit(uncertainty)));
+    }
+    let of = unit_of(uncertainty);
+    let value = if unit_of(value).is_empty() && !matches!(of, "" | "%") {
+        Cow::Owned(format!("{} {of}", value.trim()))
+    } else {
+        Cow::Borrowed(value)
+    };
+    (value, Some(Cow::Borrowed(uncertainty)))
+}
+
+/// The text after the number at the start of `text`.
+fn unit_of(text: &str) -> &str {
+    let text = text.trim();
+    let unit = text.get(number_of(text).len()..);
+    unit.unwrap_or_default().trim()
 }
 
 /// The number at the start of `text` and the unit after it, in which `g` is standard gravity.
@@ -86,6 +113,8 @@ mod tests {
             ("-20 degC ± 1 K", "-1.8e1 degC ± 1 K"),
             ("10 mV/g +- 1 %", "1.02e1 mV/g ± 1 %"),
             ("-0.5 ± 1 %", "-4.9e-1 ± 1 %"),
+            ("(799 ± 0.3) mm", "7.996e2 mm ± 0.3 mm"),
+            ("799±0.3 mm", "7.996e2 mm ± 0.3 mm"),
         ] {
             assert_eq!(by_two(text).as_deref(), Some(expected), "{text}");
         }

@@ -14,8 +14,8 @@ use crate::RodlabError;
 
 /// A measured quantity of a sheet, in SI, whose uncertainty the job propagates to its result.
 ///
-/// Written as `"799 mm"`, `"799 mm ± 0.3 mm"`, `"799 mm +- 0.3 mm"` or `"912 kg/m3 ± 0.1 %"`; the
-/// uncertainty is one standard deviation, and in % it is relative to the value, whatever the
+/// Written as `"799 mm"`, `"799 mm ± 0.3 mm"`, `"799 mm +- 0.3 mm"`, `"(799 ± 0.3) mm"`, `"799 ± 0.3
+/// mm"` or `"912 kg/m3 ± 0.1 %"`; the uncertainty is one standard deviation, and in % it is relative to the value, whatever the
 /// quantity is: `"0.025 ± 1 %"` is `"0.025 ± 0.00025"`. A relative uncertainty is refused if it is
 /// meaningless or ambiguous: for the value 0, on a scale with an offset zero (`degC`), and for a
 /// number in %, such as `"2.5 % ± 1 %"`.
@@ -155,7 +155,7 @@ impl<K: Kind> FromStr for Stated<K> {
 /// Value and uncertainty from a text; otherwise its error.
 pub(super) fn parsed<K: Kind>(text: &str) -> Result<ValueWithUncertainty, String> {
     let (quantity, uncertainty) = value_and_uncertainty(text);
-    let (number, unit) = number_and_unit_of(quantity, K::DIMENSION)?;
+    let (number, unit) = number_and_unit_of(&quantity, K::DIMENSION)?;
     if unit.dimension() != K::DIMENSION {
         return Err(if unit.symbol() == "1" {
             "has no unit".to_owned()
@@ -172,7 +172,7 @@ pub(super) fn parsed<K: Kind>(text: &str) -> Result<ValueWithUncertainty, String
     }
     let standard_uncertainty = match uncertainty {
         None => None,
-        Some(text) => Some(uncertainty_of::<K>(value, &unit, text)?),
+        Some(text) => Some(uncertainty_of::<K>(value, &unit, &text)?),
     };
     Ok(ValueWithUncertainty {
         value,

@@ -134,6 +134,11 @@ impl Bar {
             };
             return 0.5 * self.cell_volume / self.modulus * flow.relax_waves(waves);
         }
+        pulp::Arch::new().dispatch(RelaxBranches(self))
+    }
+
+    #[inline(always)]
+    fn relax_branches(&mut self) -> f64 {
         let (right, left) = (self.right.as_mut_slice(), self.left.as_mut_slice());
         let half_impedance = 0.5 * self.specific_impedance;
         let mut dissipated = 0.0;
@@ -359,6 +364,18 @@ impl Bar {
         let sum = |values: &[f64]| -> f64 { values.iter().sum() };
         let velocities = 0.5 * (sum(self.left.as_slice()) - sum(self.right.as_slice()));
         self.density * self.cell_volume * velocities
+    }
+}
+
+/// [`Bar::relax_branches`] as a task that can run with the vector instructions of the processor.
+struct RelaxBranches<'a>(&'a mut Bar);
+
+impl pulp::NullaryFnOnce for RelaxBranches<'_> {
+    type Output = f64;
+
+    #[inline(always)]
+    fn call(self) -> f64 {
+        self.0.relax_branches()
     }
 }
 

@@ -14,20 +14,31 @@ fn with_unit(value: f64, unit: &str, digits: usize) -> String {
         .to_owned()
 }
 
+/// Standard error of a logarithm above which not even the order of magnitude is known: a factor of
+/// 20.
+const UNKNOWN_ORDER: f64 = 3.0;
+
 /// A parameter, such as `E = 2.601 GPa ± 0.1 %`, with the verdict if the data do not determine it.
 pub(super) fn of_estimate(estimate: &Estimate) -> String {
     let value = with_unit(estimate.value, estimate.unit, 4);
     let error = match estimate.scale {
-        _ if !estimate.standard_error.is_finite() => "error unbounded".to_owned(),
-        Scale::Ratio => format!("± {} %", significant(100.0 * estimate.standard_error, 2)),
-        Scale::Difference => format!("± {}", significant(estimate.standard_error, 2)),
+        _ if !estimate.standard_error.is_finite() => " error unbounded".to_owned(),
+        Scale::Ratio if estimate.standard_error > UNKNOWN_ORDER => {
+            ", of unknown order of magnitude".to_owned()
+        }
+        Scale::Ratio if estimate.standard_error > 1.0 => {
+            let factor = significant(estimate.standard_error.exp(), 2);
+            format!(", known to a factor of {factor}")
+        }
+        Scale::Ratio => format!(" ± {} %", significant(100.0 * estimate.standard_error, 2)),
+        Scale::Difference => format!(" ± {}", significant(estimate.standard_error, 2)),
     };
     let verdict = if estimate.verdict == maxwellid::Verdict::Identified {
         String::new()
     } else {
         format!(" ({})", estimate.verdict)
     };
-    format!("{} = {value} {error}{verdict}", estimate.symbol)
+    format!("{} = {value}{error}{verdict}", estimate.symbol)
 }
 
 /// Name of a profile's parameter, and its unit; a logarithm is that of the value in this unit.

@@ -16,6 +16,7 @@ use super::ModulusSheet;
 use super::gauges::Damping;
 use super::method::MethodSheet;
 use crate::RodlabError;
+use crate::digits::significant;
 use crate::draw::Draw;
 use crate::hits::HitsSheet;
 use crate::job::JobContext;
@@ -107,6 +108,9 @@ pub enum RatioErrors {
     },
 }
 
+/// Ratio of the upper end of a band to the highest line from which lines count as missing.
+const LEFT_OUT: f64 = 1.02;
+
 /// Input of a method.
 pub(super) enum Spectra {
     Ratio(ResponseRatio),
@@ -173,6 +177,9 @@ pub(super) fn of(
         SourceSheet::Ratio(ratio) => file::of_file(sheet, ratio, context, settings)?,
     };
     if let Some(spectra) = &mut measured.spectra {
+        measured
+            .warnings
+            .extend(spectra.missing_of(sheet.band.as_ref()));
         spectra.cut(sheet.band.as_ref())?;
         for spectra in &mut measured.each {
             spectra.cut(sheet.band.as_ref())?;
@@ -281,6 +288,23 @@ impl Spectra {
                 }
             }
         }
+    }
+
+    /// A warning if the spectra end well below the upper end of the band.
+    fn missing_of(&self, band: Option<&BandSheet>) -> Option<String> {
+        let band = band?;
+        let highest = *match self {
+            Self::Ratio(ratio) => ratio.frequency_hz.last(),
+            Self::Gauges(gauges) => gauges.frequency_hz.last(),
+            Self::Modes(_) => None,
+        }?;
+        (band.to.si() > LEFT_OUT * highest).then(|| {
+            format!(
+                "The band ends at {}, but the spectra end at {} Hz: there is no modulus above it.",
+                band.to,
+                significant(highest, 5)
+            )
+        })
     }
 
     /// Keeps the lines of the band, or all above 0 Hz.
