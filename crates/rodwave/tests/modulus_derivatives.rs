@@ -60,7 +60,8 @@ impl Battery for GradientsAreDerivatives {
         assert_eq!(names.len(), parameters.len(), "{name}");
         let mut derivatives = vec![Complex64::ZERO; parameters.len()];
         for omega in frequencies() {
-            law.gradient(omega, &mut derivatives).unwrap();
+            let modulus = law.gradient(omega, &mut derivatives).unwrap();
+            assert_eq!(modulus, law.at(omega), "{name}");
             for (index, derivative) in derivatives.iter().enumerate() {
                 let differenced = difference(3e-4, |h| {
                     let mut moved = parameters.clone();

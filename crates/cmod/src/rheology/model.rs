@@ -246,10 +246,7 @@ impl<L: DifferentiableModulus> Model for Linked<L> {
         };
         let rows = gradient.chunks_exact_mut(at.len());
         let mut scratch = vec![Complex64::ZERO; at.len()];
-        let at_s = |s, row: &mut [Complex64]| {
-            law.gradient_at_s(s, row).ok()?;
-            Some(law.at_s(s))
-        };
+        let at_s = |s, row: &mut [Complex64]| law.gradient_at_s(s, row).ok();
         for ((line, modulus), row) in lines.iter().zip(modulus).zip(rows) {
             let Some(found) = respond(line, row, &mut scratch, at_s) else {
                 return false;

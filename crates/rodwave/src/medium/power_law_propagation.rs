@@ -96,11 +96,12 @@ impl PowerLawPropagation {
         derivatives: &mut [Complex64],
     ) -> Result<(), RodwaveError> {
         if omega == 0.0 {
-            return write(&[Complex64::ZERO; 4], derivatives);
+            return write(Complex64::ZERO, &[Complex64::ZERO; 4], derivatives).map(drop);
         }
         let (alpha, ik) = self.parts(omega);
         let logarithm = omega.abs().ln();
-        write(&[alpha, alpha * logarithm, ik, ik * logarithm], derivatives)
+        let by_parameter = [alpha, alpha * logarithm, ik, ik * logarithm];
+        write(alpha + ik, &by_parameter, derivatives).map(drop)
     }
 
     /// α and ik [1/m].

@@ -101,11 +101,13 @@ impl DifferentiableModulus for ConstantQ {
         &self,
         s: Complex64,
         derivatives: &mut [Complex64],
-    ) -> Result<(), RodwaveError> {
+    ) -> Result<Complex64, RodwaveError> {
         // d(2g)/d ln tan δ = (2/π) tan δ/(1 + tan² δ)
         let by_loss_factor = FRAC_2_PI * self.loss_factor / (1.0 + self.loss_factor.powi(2));
+        let modulus = self.at_s(s);
         write(
-            &[self.at_s(s), self.power.by_exponent(s) * by_loss_factor],
+            modulus,
+            &[modulus, self.power.by_exponent(s) * by_loss_factor],
             derivatives,
         )
     }

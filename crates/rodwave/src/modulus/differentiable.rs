@@ -19,8 +19,9 @@ use crate::RodwaveError;
 /// let law = Maxwell::new(2.5e9, 2.5e6)?;
 /// assert_eq!(law.parameter_names(), ["ln_modulus", "ln_relaxation_time"]);
 /// let mut derivatives = [Complex64::ZERO; 2];
-/// law.gradient(1e4, &mut derivatives)?;
-/// assert_eq!(derivatives[0], law.at(1e4)); // E is proportional to its modulus
+/// let modulus = law.gradient(1e4, &mut derivatives)?;
+/// assert_eq!(modulus, law.at(1e4));
+/// assert_eq!(derivatives[0], modulus); // E is proportional to its modulus
 /// # Ok::<(), rodwave::RodwaveError>(())
 /// ```
 pub trait DifferentiableModulus: LaplaceModulus {
@@ -40,16 +41,21 @@ pub trait DifferentiableModulus: LaplaceModulus {
     where
         Self: Sized;
 
-    /// Writes the derivatives ∂E/∂p \[Pa per unit of p\] at `omega` [rad/s] to `derivatives`.
+    /// Returns E(iω) \[Pa\] at `omega` [rad/s] and writes the derivatives ∂E/∂p \[Pa per unit of
+    /// p\] to `derivatives`.
     ///
     /// # Errors
     /// [`RodwaveError::LengthMismatch`] unless `derivatives` has one entry per parameter.
-    fn gradient(&self, omega: f64, derivatives: &mut [Complex64]) -> Result<(), RodwaveError> {
+    fn gradient(
+        &self,
+        omega: f64,
+        derivatives: &mut [Complex64],
+    ) -> Result<Complex64, RodwaveError> {
         self.gradient_at_s(Complex64::new(0.0, omega), derivatives)
     }
 
-    /// Writes the derivatives ∂E/∂p \[Pa per unit of p\] at the Laplace variable `s` [1/s], off the
-    /// negative real axis.
+    /// Returns E(s) \[Pa\] at the Laplace variable `s` [1/s], off the negative real axis, and writes
+    /// the derivatives ∂E/∂p \[Pa per unit of p\] to `derivatives`.
     ///
     /// # Errors
     /// [`RodwaveError::LengthMismatch`] unless `derivatives` has one entry per parameter.
@@ -57,7 +63,7 @@ pub trait DifferentiableModulus: LaplaceModulus {
         &self,
         s: Complex64,
         derivatives: &mut [Complex64],
-    ) -> Result<(), RodwaveError>;
+    ) -> Result<Complex64, RodwaveError>;
 }
 
 /// Converts the parameters to an array of the length required by the law.
@@ -71,11 +77,12 @@ pub(super) fn exactly<const N: usize>(parameters: &[f64]) -> Result<[f64; N], Ro
         })
 }
 
-/// Copies the derivatives to the caller's slice.
+/// Copies the derivatives of a value to the caller's slice and returns the value.
 pub(crate) fn write(
+    value: Complex64,
     values: &[Complex64],
     derivatives: &mut [Complex64],
-) -> Result<(), RodwaveError> {
+) -> Result<Complex64, RodwaveError> {
     if values.len() != derivatives.len() {
         return Err(RodwaveError::LengthMismatch {
             what: "array of derivatives",
@@ -84,7 +91,7 @@ pub(crate) fn write(
         });
     }
     derivatives.copy_from_slice(values);
-    Ok(())
+    Ok(value)
 }
 
 /// Converts names to the form returned by the trait.

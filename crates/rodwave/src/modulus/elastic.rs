@@ -71,8 +71,9 @@ impl DifferentiableModulus for Elastic {
         &self,
         s: Complex64,
         derivatives: &mut [Complex64],
-    ) -> Result<(), RodwaveError> {
-        write(&[self.at_s(s)], derivatives)
+    ) -> Result<Complex64, RodwaveError> {
+        let modulus = self.at_s(s);
+        write(modulus, &[modulus], derivatives)
     }
 }
 

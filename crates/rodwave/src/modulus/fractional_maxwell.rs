@@ -99,14 +99,15 @@ impl DifferentiableModulus for FractionalMaxwell {
         &self,
         s: Complex64,
         derivatives: &mut [Complex64],
-    ) -> Result<(), RodwaveError> {
+    ) -> Result<Complex64, RodwaveError> {
         let slope = self.slope_at_s(s);
         let by_exponent = if slope == Complex64::ZERO {
             Complex64::ZERO // x ln x → 0, also where x has vanished in rounding
         } else {
             slope * (s * self.relaxation_time).ln() / self.exponent
         };
-        write(&[self.at_s(s), slope, by_exponent], derivatives)
+        let modulus = self.at_s(s);
+        write(modulus, &[modulus, slope, by_exponent], derivatives)
     }
 }
 

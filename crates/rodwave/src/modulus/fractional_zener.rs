@@ -131,7 +131,7 @@ impl DifferentiableModulus for FractionalZener {
         &self,
         s: Complex64,
         derivatives: &mut [Complex64],
-    ) -> Result<(), RodwaveError> {
+    ) -> Result<Complex64, RodwaveError> {
         let relaxed = Complex64::from(self.step.relaxed);
         let power = self.power(s);
         let slope = self.slope_at_power(power);
@@ -140,8 +140,10 @@ impl DifferentiableModulus for FractionalZener {
         } else {
             slope * (s * self.relaxation_time).ln() / self.exponent
         };
+        let modulus = self.at_power(power);
         write(
-            &[relaxed, self.at_power(power) - relaxed, slope, by_exponent],
+            modulus,
+            &[relaxed, modulus - relaxed, slope, by_exponent],
             derivatives,
         )
     }

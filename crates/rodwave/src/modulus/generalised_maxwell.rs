@@ -176,7 +176,7 @@ impl DifferentiableModulus for GeneralisedMaxwell {
         &self,
         s: Complex64,
         derivatives: &mut [Complex64],
-    ) -> Result<(), RodwaveError> {
+    ) -> Result<Complex64, RodwaveError> {
         let equilibrium =
             (self.equilibrium_modulus > 0.0).then(|| Complex64::from(self.equilibrium_modulus));
         let branches = self
@@ -184,7 +184,7 @@ impl DifferentiableModulus for GeneralisedMaxwell {
             .iter()
             .flat_map(|branch| [branch.at_s(s), branch.slope_at_s(s)]);
         let values: Vec<_> = equilibrium.into_iter().chain(branches).collect();
-        write(&values, derivatives)
+        write(self.at_s(s), &values, derivatives)
     }
 }
 

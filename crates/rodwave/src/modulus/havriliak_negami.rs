@@ -155,7 +155,7 @@ impl DifferentiableModulus for HavriliakNegami {
         &self,
         s: Complex64,
         derivatives: &mut [Complex64],
-    ) -> Result<(), RodwaveError> {
+    ) -> Result<Complex64, RodwaveError> {
         let relaxed = Complex64::from(self.step.relaxed);
         let slope = self.slope_at_s(s);
         let s_tau = s * self.relaxation_time;
@@ -166,14 +166,10 @@ impl DifferentiableModulus for HavriliakNegami {
         };
         let base = 1.0 + self.power(s);
         let by_skewness = self.step.increment() * base.powf(-self.skewness_exponent) * base.ln();
+        let modulus = self.at_s(s);
         write(
-            &[
-                relaxed,
-                self.at_s(s) - relaxed,
-                slope,
-                by_breadth,
-                by_skewness,
-            ],
+            modulus,
+            &[relaxed, modulus - relaxed, slope, by_breadth, by_skewness],
             derivatives,
         )
     }

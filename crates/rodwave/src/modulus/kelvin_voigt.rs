@@ -67,8 +67,9 @@ impl DifferentiableModulus for KelvinVoigt {
         &self,
         s: Complex64,
         derivatives: &mut [Complex64],
-    ) -> Result<(), RodwaveError> {
+    ) -> Result<Complex64, RodwaveError> {
         write(
+            self.at_s(s),
             &[Complex64::from(self.modulus), s * self.viscosity],
             derivatives,
         )

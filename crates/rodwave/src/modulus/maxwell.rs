@@ -100,8 +100,9 @@ impl DifferentiableModulus for Maxwell {
         &self,
         s: Complex64,
         derivatives: &mut [Complex64],
-    ) -> Result<(), RodwaveError> {
-        write(&[self.at_s(s), self.slope_at_s(s)], derivatives)
+    ) -> Result<Complex64, RodwaveError> {
+        let modulus = self.at_s(s);
+        write(modulus, &[modulus, self.slope_at_s(s)], derivatives)
     }
 }
 

@@ -113,8 +113,9 @@ impl DifferentiableModulus for SpringPot {
         &self,
         s: Complex64,
         derivatives: &mut [Complex64],
-    ) -> Result<(), RodwaveError> {
-        write(&[self.at_s(s), self.by_exponent(s)], derivatives)
+    ) -> Result<Complex64, RodwaveError> {
+        let modulus = self.at_s(s);
+        write(modulus, &[modulus, self.by_exponent(s)], derivatives)
     }
 }
 

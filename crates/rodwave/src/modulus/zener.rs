@@ -132,10 +132,12 @@ impl DifferentiableModulus for Zener {
         &self,
         s: Complex64,
         derivatives: &mut [Complex64],
-    ) -> Result<(), RodwaveError> {
+    ) -> Result<Complex64, RodwaveError> {
         let relaxed = Complex64::from(self.step.relaxed);
+        let modulus = self.at_s(s);
         write(
-            &[relaxed, self.at_s(s) - relaxed, self.slope_at_s(s)],
+            modulus,
+            &[relaxed, modulus - relaxed, self.slope_at_s(s)],
             derivatives,
         )
     }
