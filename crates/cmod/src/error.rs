@@ -1,5 +1,6 @@
 //! Errors that this crate returns.
 
+use rodwave::digits::significant;
 use thiserror::Error;
 
 /// Reason for refusing a specimen or a set of measured lines as a whole.
@@ -82,7 +83,10 @@ pub enum CmodError {
     },
     /// The positions of the gauges do not increase.
     #[error(
-        "position of gauge {gauge} is {position} m, expected more than the {previous} m of the previous gauge"
+        "position of gauge {} is {} m, expected more than the {} m of the previous gauge",
+        gauge + 1,
+        significant(*position, 6),
+        significant(*previous, 6)
     )]
     PositionOrder {
         /// Position in the row of gauges, from 0.
@@ -94,7 +98,9 @@ pub enum CmodError {
     },
     /// Three gauges are not at equal distances, as the closed form requires.
     #[error(
-        "distances of the outer gauges from the middle one are {first} m and {second} m, expected equal distances"
+        "distances of the outer gauges from the middle one are {} m and {} m, expected equal distances, or the method for gauges at any positions",
+        significant(*first, 6),
+        significant(*second, 6)
     )]
     NotEquidistant {
         /// Distance from the first to the middle gauge \[m\].

@@ -19,6 +19,9 @@
 //! parameter that they determine costs the logarithm of the factor by which they narrow it (Occam's
 //! factor).
 //!
+//! Grids are refined until the error of the solver is small against the noise: it would refute the
+//! right law in records of low noise.
+//!
 //! A law that contains another as a limit is also fitted from this limit, so that it never explains
 //! the data worse. χ² and adequacy are those of the likeliest parameters, without the prior.
 //!
@@ -64,10 +67,11 @@ use statrs::distribution::{ChiSquared, ContinuousCDF, FisherSnedecor};
 
 use crate::error::MaxwellidError;
 use crate::identifiability::correlation_inflation;
+use crate::least_squares::LeastSquares;
 use crate::model::{DEFAULT_CELL, check_cell};
 use crate::noise::quiet_degrees;
 use crate::test::{RodTest, check_distinct, check_temperatures, modulus_of_all};
-use posterior::{Likeliest, Limiting, Posterior, Searched};
+use posterior::{Likeliest, Limiting, Posterior, PosteriorProblem, Searched};
 
 /// Settings of a comparison of candidates.
 ///
@@ -124,6 +128,17 @@ pub const ADEQUACY_LEVEL: f64 = 1e-3;
 /// exact evidence: e^-40, where the two methods differ by a few units at most.
 const BEYOND_COMPARISON: f64 = 40.0;
 
+/// Largest sum of the squares of the error of the grid over all samples, in standard deviations of
+/// the noise: χ² of the right law rises by this amount on average.
+const GRID_ERROR: f64 = 2.0;
+
+/// Largest number of refinements of the grid, and the least ratio of a cell to the one before.
+const REFINEMENTS: usize = 3;
+const SHORTEST_SHARE: f64 = 0.25;
+
+/// Shortest cell chosen for the noise \[m\].
+const SHORTEST_CELL: f64 = 0.5e-3;
+
 impl Selection {
     /// Creates a comparison of these candidates. The noise stated by each test counts as known;
     /// noise that all tests have estimated from their quiet parts counts as estimated from these
@@ -173,7 +188,8 @@ impl Selection {
         })
     }
 
-    /// Sets the longest cell of grids \[m\].
+    /// Sets the longest cell of grids \[m\]. Cells are shorter, down to 0.5 mm, where the error of
+    /// the grid is not small against the noise.
     ///
     /// # Errors
     /// [`MaxwellidError::Setting`] unless it is finite and above 0.
@@ -261,19 +277,75 @@ impl Selection {
                 parameters,
             });
         }
-        let found = self.found(tests, &ground, Vec::new())?;
+        let (resolved, found) = self.resolved(tests, &ground, Vec::new())?;
         let mut weighed = Vec::new();
-        let first = self.concluded(tests, &ground, &found, &mut weighed)?;
+        let first = resolved.concluded(tests, &ground, &found, &mut weighed)?;
         if self.further.is_empty() || !first.asks_for_nonlinear_laws() {
             return Ok(first);
         }
         let all = Self {
             candidates: [self.candidates.as_slice(), &self.further].concat(),
             further: Vec::new(),
-            ..self.clone()
+            ..resolved.clone()
         };
-        let found = all.found(tests, &ground, found)?;
+        let (all, found) = all.resolved(tests, &ground, found)?;
+        if all.cell < resolved.cell {
+            weighed.clear();
+        }
         all.concluded(tests, &ground, &found, &mut weighed)
+    }
+
+    /// The comparison on grids that are fine enough for the noise, with what [`Self::found`] returns
+    /// there.
+    fn resolved(
+        &self,
+        tests: &[RodTest],
+        ground: &Ground,
+        known: Vec<Option<Found>>,
+    ) -> Result<(Self, Vec<Option<Found>>), MaxwellidError> {
+        let mut resolved = self.clone();
+        let mut found = resolved.found(tests, ground, known)?;
+        for _ in 0..REFINEMENTS {
+            let Some(cell) = resolved.finer_cell(tests, ground, &found) else {
+                break;
+            };
+            resolved.cell = cell;
+            found = resolved.found(tests, ground, Vec::new())?;
+        }
+        Ok((resolved, found))
+    }
+
+    /// A shorter cell \[m\], if the error of the present grid is not small against the noise for the
+    /// nonlinear law that explains the data best. The error, of second order in the cell, follows
+    /// from the response on a grid of half the cell.
+    fn finer_cell(
+        &self,
+        tests: &[RodTest],
+        ground: &Ground,
+        found: &[Option<Found>],
+    ) -> Option<f64> {
+        let nonlinear = self.candidates.iter().zip(found);
+        let (candidate, best) = nonlinear
+            .filter(|(candidate, _)| !candidate.model.is_linear())
+            .filter_map(|(candidate, found)| Some((candidate, found.as_ref()?)))
+            .min_by(|(_, a), (_, b)| a.likeliest.chi_square.total_cmp(&b.likeliest.chi_square))?;
+        let prior = candidate.prior(ground.modulus, ground.duration);
+        let contest = self.contest(candidate, &prior, (tests, &ground.times), f64::INFINITY);
+        let seen = contest.seen_at(&best.probable)?;
+        let parameters = &best.probable.minimum.parameters;
+        let problem = contest.problem(&seen);
+        let here = problem.residual(parameters)?;
+        let finer = PosteriorProblem {
+            cell: 0.5 * self.cell,
+            ..problem
+        };
+        let there = finer.residual(parameters)?;
+        let pairs = here.iter().zip(&there);
+        let square: f64 = pairs.map(|(a, b)| (a - b).powi(2)).sum();
+        let error = (4.0_f64 / 3.0).powi(2) * square;
+        let cell = self.cell * (GRID_ERROR / error).powf(0.25).max(SHORTEST_SHARE);
+        let cell = cell.max(SHORTEST_CELL);
+        (error > GRID_ERROR && cell < 0.9 * self.cell).then_some(cell)
     }
 
     /// Finds the most probable and the likeliest parameters of each candidate, in their order;

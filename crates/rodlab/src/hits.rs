@@ -22,7 +22,7 @@ pub use found::{FoundHit, FoundHits, OddSheet};
 pub use independent::{expect_independent, expect_noise};
 pub use odd::level_at_rest;
 pub use reading::{Reading, Stretch};
-pub(crate) use silence::{silent_samples, trigger_of};
+pub(crate) use silence::{expect_silence, silent_samples, trigger_of};
 
 use labio::hits::{Criteria, HitLog, find_hits};
 use labio::{Channel, Record};

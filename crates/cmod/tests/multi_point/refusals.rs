@@ -13,7 +13,7 @@ fn impossible_rods_are_refused() {
     assert_eq!(text(&[0.0, 0.1]), "2 gauges, expected 3 or more");
     assert_eq!(
         text(&[0.0, 0.2, 0.1]),
-        "position of gauge 2 is 0.1 m, expected more than the 0.2 m of the previous gauge"
+        "position of gauge 3 is 0.1 m, expected more than the 0.2 m of the previous gauge"
     );
     assert_eq!(
         text(&[0.0, 0.1, f64::NAN]),
@@ -28,7 +28,7 @@ fn impossible_rods_are_refused() {
         ThreePoint::new(rod(&[0.0, 0.1, 0.25]))
             .unwrap_err()
             .to_string(),
-        "distances of the outer gauges from the middle one are 0.1 m and 0.15 m, expected equal distances"
+        "distances of the outer gauges from the middle one are 0.1 m and 0.15 m, expected equal distances, or the method for gauges at any positions"
     );
     assert!(matches!(
         ThreePoint::new(rod(&[0.0, 0.1, 0.2, 0.3])),

@@ -22,6 +22,8 @@ pub struct Comparison {
     pub effective_samples: f64,
     /// Samples per independent sample: 1 + 2 Σ ρ_l of the whitened residual of the best candidate.
     pub inflation: f64,
+    /// Longest cell of the grids of nonlinear laws \[m\].
+    pub cell: f64,
 }
 
 impl Comparison {

@@ -54,6 +54,7 @@ impl Selection {
             nonlinear_probability: nonlinear,
             effective_samples,
             inflation,
+            cell: self.cell,
         }
     }
 

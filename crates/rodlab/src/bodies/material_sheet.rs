@@ -124,6 +124,13 @@ pub enum LawSheet {
 }
 
 impl LawSheet {
+    /// Name of the law, such as `Prony`.
+    fn kind(&self) -> String {
+        let all = format!("{self:?}");
+        let name = all.split(|c: char| !c.is_alphanumeric()).next();
+        name.unwrap_or_default().to_owned()
+    }
+
     /// The law as springs and Maxwell branches; `None` if it cannot be written in this form.
     fn prony(&self) -> Option<Result<GeneralisedMaxwell, RodwaveError>> {
         let branch = |modulus: f64, relaxation_time: f64| {
@@ -230,8 +237,8 @@ impl MaterialSheet {
     pub(crate) fn in_words(&self) -> String {
         match (&self.density, &self.law) {
             (None, LawSheet::Result(path)) => format!("law and density of {path}"),
-            (Some(density), law) => format!("{law:?}, density {density}"),
-            (None, law) => format!("{law:?}"),
+            (Some(density), law) => format!("{}, density {density}", law.kind()),
+            (None, law) => law.kind(),
         }
     }
 

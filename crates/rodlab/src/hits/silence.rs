@@ -63,6 +63,52 @@ pub(crate) fn silent_samples(
     Ok(rest)
 }
 
+/// Fraction of its greatest deviation that a channel may reach during the silence.
+const MOST_IN_SILENCE: f64 = 0.5;
+/// Number of samples for the level of a channel.
+const FOR_LEVEL: usize = 8;
+
+/// Checks that the blow is not in the first `n_silent` samples of the hits; `name` is the place of
+/// the silence in the sheet, `stated` its text.
+///
+/// # Errors
+///
+/// [`RodlabError::Request`].
+pub(crate) fn expect_silence(
+    hits: &[&Record],
+    channels: &[&str],
+    n_silent: usize,
+    (name, stated): (&str, &Exact<Duration>),
+) -> Result<(), RodlabError> {
+    for hit in hits {
+        let refused = |why: String| {
+            RodlabError::request(
+                name,
+                format!("`{stated}`"),
+                format!("the time from the beginning of a record to its blow; {why}"),
+            )
+        };
+        if n_silent >= hit.n_samples() {
+            let all = 1e3 * hit.n_samples() as f64 / hit.sampling_rate_hz();
+            return Err(refused(format!("a record has {all:.4} ms in all")));
+        }
+        for channel in channels {
+            let samples = hit
+                .channel(channel)
+                .map_err(|error| RodlabError::step(name, error))?;
+            let level = samples.iter().take(FOR_LEVEL).sum::<f64>() / FOR_LEVEL as f64;
+            let greatest = |samples: &mut dyn Iterator<Item = &f64>| {
+                samples.fold(0.0_f64, |most, x| most.max((x - level).abs()))
+            };
+            let in_silence = greatest(&mut samples.iter().take(n_silent));
+            if in_silence > MOST_IN_SILENCE * greatest(&mut samples.iter()) {
+                return Err(refused(format!("within it, `{channel}` is hit already")));
+            }
+        }
+    }
+    Ok(())
+}
+
 /// The sample of a hit at which the trigger fired; `None` if each record is a hit.
 pub(crate) fn trigger_of(hit: &Hit, record: &Record) -> Option<usize> {
     let before = hit.time() - record.start_time();

@@ -380,6 +380,11 @@ pub(crate) fn run(sheet: &IdentifySheet, context: &JobContext<'_>) -> Result<Out
             }
         }
     }
+    if let Some(comparison) = &comparison
+        && let Some(cell) = outcome.settings.iter_mut().find(|s| s.name == "cell" && s.by_default)
+    {
+        cell.value = format!("{} mm, by the noise", significant(1e3 * comparison.cell, 3));
+    }
     context.progress.one_more();
     context.check_cancelled()?;
     let several_velocities = have_several_velocities(&sheet.tests);

@@ -220,6 +220,7 @@ pub(super) fn run_with(
 ) -> Result<Outcome, RodlabError> {
     let mut outcome = Outcome::of("modulus", sheet.title.as_str());
     followed::check(sheet)?;
+    rod::check(sheet)?;
     sheet.checks.level()?;
     if let Some(laws) = &sheet.laws {
         laws.check()?;

@@ -1,7 +1,9 @@
 //! Checks for implausible values, and for counts whose computation would take too long. Both are
 //! refused before anything is computed.
 
+use super::{Density, Stated};
 use crate::RodlabError;
+use crate::digits::significant;
 
 /// Wave speeds of solids \[m/s\], from soft foams to diamond.
 const WAVE_SPEEDS: [f64; 2] = [20.0, 20_000.0];
@@ -21,6 +23,27 @@ pub(crate) fn wave_speed(speed: f64, unusual: bool, field: &str) -> Result<(), R
         field,
         format!("a material whose modulus and density give a wave speed of {speed:.3e} m/s"),
         format!("{least} to {most} m/s, or `unusual: true` next to the density if it is intended"),
+    ))
+}
+
+/// Densities of solids [kg/m³], from light foams to osmium.
+const DENSITIES: [f64; 2] = [5.0, 25_000.0];
+
+/// Checks the density of the specimen [kg/m³].
+///
+/// # Errors
+///
+/// [`RodlabError::Request`] for a density outside the range of solids.
+pub(crate) fn density(stated: &Stated<Density>) -> Result<(), RodlabError> {
+    let [least, most] = DENSITIES;
+    let density = stated.with_uncertainty().value;
+    if (least..=most).contains(&density) {
+        return Ok(());
+    }
+    Err(RodlabError::request(
+        "specimen.density",
+        format!("`{stated}`, {} kg/m3", significant(density, 4)),
+        format!("{least} to {most} kg/m3, the densities of solids: water has 1000 kg/m3"),
     ))
 }
 
@@ -56,6 +79,13 @@ mod tests {
             assert!(wave_speed(speed, true, "materials: x").is_ok());
         }
         assert!(wave_speed(20.0, false, "materials: x").is_ok());
+        for (text, is_solid) in [
+            ("1.19 kg/m3", false),
+            ("1.19 g/cm3", true),
+            ("912 g/cm3", false),
+        ] {
+            assert_eq!(density(&text.parse().unwrap()).is_ok(), is_solid, "{text}");
+        }
         assert!(at_most(f64::NAN, 10.0, "cells", "cell").is_err());
         let said = at_most(1e9, 2000.0, "cells", "cell")
             .unwrap_err()

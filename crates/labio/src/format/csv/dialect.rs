@@ -215,6 +215,31 @@ pub(super) fn holds_table(text: &str) -> bool {
     largest(text).is_some_and(|(_, _, run)| run.n_numbers > 1)
 }
 
+/// Returns true if the cells of a table separated by commas are pairs of an integer and of digits
+/// after a decimal comma, such as `0,0033,-1,25`: no cell has a decimal point, every second cell has
+/// digits only, and one of them begins with a zero, which no integer does.
+fn has_digits_of_fractions(text: &str, dialect: &CsvDialect, run: Run) -> bool {
+    if dialect.separator != CsvSeparator::Comma || !run.n_cells.is_multiple_of(2) {
+        return false;
+    }
+    let mut begins_with_zero = false;
+    let rows = text::lines(text).skip_while(|(number, _)| *number < run.first_line);
+    for (_, row) in rows
+        .filter(|(_, row)| !row.trim().is_empty())
+        .take(LINES_SEARCHED)
+    {
+        for (at, cell) in text::cells(row, b',').enumerate() {
+            let digits = cell.strip_prefix(['-', '+']).filter(|_| at % 2 == 0);
+            let digits = digits.unwrap_or(cell);
+            if digits.is_empty() || !digits.bytes().all(|byte| byte.is_ascii_digit()) {
+                return false;
+            }
+            begins_with_zero |= at % 2 == 1 && digits.len() > 1 && digits.starts_with('0');
+        }
+    }
+    begins_with_zero
+}
+
 pub(super) fn detect(text: &str) -> Result<CsvDialect, LabioError> {
     let Some((separator, decimal_mark, run)) = largest(text) else {
         return Err(malformed(
@@ -234,7 +259,8 @@ pub(super) fn detect(text: &str) -> Result<CsvDialect, LabioError> {
             .iter()
             .filter(|other| single(other))
             .any(|other| other.n_rows == run.n_rows);
-    if either_mark {
+    if either_mark || (dialect.name_line.is_none() && has_digits_of_fractions(text, &dialect, run))
+    {
         return Err(malformed(
             Place::Line(run.first_line),
             "comma",
@@ -292,6 +318,17 @@ mod tests {
         assert_eq!(
             detect("0,914\n0,537\n").unwrap_err().to_string(),
             "csv, line 1: comma is either a separator or a decimal mark, expected names above the numbers, or an explicit dialect"
+        );
+        // four integers in a row, but no integer is written 0033
+        let decimals = "0,0644,0,7247\n0,0033,-0,3823\n";
+        let said = detect(decimals).unwrap_err().to_string();
+        assert!(
+            said.contains("either a separator or a decimal mark"),
+            "{said}"
+        );
+        assert_eq!(
+            found("1,20,3,40\n5,60,-7,80\n"),
+            (CsvSeparator::Comma, DecimalMark::Point, 0)
         );
         assert_eq!(
             detect("no numbers here\n").unwrap_err().to_string(),

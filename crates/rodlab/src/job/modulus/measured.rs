@@ -317,6 +317,13 @@ impl Spectra {
             ),
             None => (all.partition_point(|f| *f <= 0.0), all.len()),
         };
+        if let Some(band) = band.filter(|band| band.from.si() >= band.to.si()) {
+            return Err(RodlabError::request(
+                "band",
+                format!("from {} to {}", band.from, band.to),
+                "`from` below `to`",
+            ));
+        }
         if from >= to {
             let (first, last) = (all.first(), all.last());
             return Err(RodlabError::request(

@@ -5,9 +5,39 @@ use cmod::validity::AcceptanceLimits;
 use cmod::{GaugedRod, RodWithFreeEnd, SectionUncertainty};
 
 use super::ModulusSheet;
-use super::method::GaugeSheet;
+use super::estimate::distance;
+use super::method::{GaugeSheet, MethodSheet};
 use crate::RodlabError;
-use crate::sheet::{Exact, Ratio, Stated};
+use crate::digits::significant;
+use crate::sheet::{Exact, Ratio, Stated, plausible};
+
+/// Refuses a density that no solid has, and a diameter that is not below the length of the rod or
+/// the distance of its sections.
+pub(super) fn check(sheet: &ModulusSheet) -> Result<(), RodlabError> {
+    plausible::density(&sheet.specimen.density)?;
+    let extent = match &sheet.method {
+        MethodSheet::ThreePoint { gauges } | MethodSheet::MultiPoint { gauges, .. } => {
+            let positions = gauges.iter().map(|gauge| gauge.at.with_uncertainty().value);
+            let ends = positions.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), at| {
+                (low.min(at), high.max(at))
+            });
+            ends.1 - ends.0
+        }
+        _ => distance(sheet)?,
+    };
+    let diameter = &sheet.specimen.diameter;
+    if diameter.with_uncertainty().value < extent || extent.is_nan() || extent <= 0.0 {
+        return Ok(());
+    }
+    Err(RodlabError::request(
+        "specimen.diameter",
+        format!("`{diameter}`"),
+        format!(
+            "a rod: a diameter below the {} m of its length or between its sections",
+            significant(extent, 4)
+        ),
+    ))
+}
 
 /// Length of the specimen, which some methods need \[m\].
 pub(super) fn length(sheet: &ModulusSheet) -> Result<f64, RodlabError> {

@@ -280,10 +280,15 @@ fn warn(outcome: &mut Outcome, found: &Found<'_>, valid: &[&ModulusLine]) {
         let section = 0.25 * PI * value(&specimen.diameter).powi(2);
         let mass = specimen.density.with_uncertainty().value * section * value(length);
         // to first order in the ratio of the masses, at the resonances
+        let error = 2e-3 / mass;
+        let effect = if error < 0.3 {
+            format!("is {} too small", percent(error))
+        } else {
+            "is a fraction of the right one".to_owned()
+        };
         outcome.warnings.push(format!(
-            "No `accelerometer_mass` is stated, and none is taken into account: with a sensor of 1 g on the free end E' is {} too small. \
-             State \"0 g\" if there is none.",
-            percent(2e-3 / mass)
+            "No `accelerometer_mass` is stated, and none is taken into account: with a sensor of 1 g on the free end E' {effect}. \
+             State \"0 g\" if there is none."
         ));
     }
     if let MethodSheet::ThreePoint { gauges } | MethodSheet::MultiPoint { gauges, .. } =

@@ -12,7 +12,7 @@ use crate::RodlabError;
 use crate::bodies::material::Material;
 use crate::bodies::material_sheet::{MaterialSheet, Materials, material_called};
 use crate::bodies::replacement::Replacement;
-use crate::sheet::{Kind, Stated, Written};
+use crate::sheet::{Kind, Length, Stated, Written};
 
 fn known<K>(stated: &Stated<K>) -> Known {
     let stated = stated.with_uncertainty();
@@ -30,6 +30,12 @@ pub(super) fn test(sheet: &ShpbSheet) -> Result<HopkinsonTest, RodlabError> {
                 "a law of the shear modulus: results have that of Young's modulus",
             ));
         }
+    }
+    let bars = [
+        bar(&sheet.bars.incident, &sheet.materials, "incident")?,
+        bar(&sheet.bars.transmitted, &sheet.materials, "transmitted")?,
+    ];
+    for (name, material) in &sheet.materials {
         let uses = |bar: &BarSheet| matches!(&bar.waves, WavesSheet::Material(n) if n == name);
         if !uses(&sheet.bars.incident) && !uses(&sheet.bars.transmitted) {
             return Err(RodlabError::request(
@@ -39,11 +45,9 @@ pub(super) fn test(sheet: &ShpbSheet) -> Result<HopkinsonTest, RodlabError> {
             ));
         }
     }
+    check_geometry(sheet)?;
     Ok(HopkinsonTest {
-        bars: [
-            bar(&sheet.bars.incident, &sheet.materials, "incident")?,
-            bar(&sheet.bars.transmitted, &sheet.materials, "transmitted")?,
-        ],
+        bars,
         specimen: specimen_of(&sheet.specimen),
         loading: sheet.loading.loading(),
         separation: [
@@ -59,6 +63,42 @@ pub(super) fn test(sheet: &ShpbSheet) -> Result<HopkinsonTest, RodlabError> {
 }
 
 /// The specimen of a sheet.
+/// Ratio of the diameters of specimen and bar from which the specimen stands out beyond the bar.
+const WIDER: f64 = 1.02;
+/// Length of a specimen in diameters of the bar from which it is no specimen but a bar.
+const LONGEST: f64 = 10.0;
+
+/// Refuses a specimen that is wider than a bar, which presses on a part of it only, or as long as a
+/// bar.
+fn check_geometry(sheet: &ShpbSheet) -> Result<(), RodlabError> {
+    let value = |stated: &Stated<Length>| stated.with_uncertainty().value;
+    let ShpbSpecimenSheet {
+        length, diameter, ..
+    } = &sheet.specimen;
+    for bar in [&sheet.bars.incident, &sheet.bars.transmitted] {
+        let of_bar = value(&bar.diameter);
+        let refused = |field: &str, found: &Stated<Length>, expected: String| {
+            Err(RodlabError::request(
+                format!("specimen.{field}"),
+                format!("`{found}`"),
+                expected,
+            ))
+        };
+        if value(diameter) > WIDER * of_bar {
+            let expected = format!("at most the diameter of the bars, `{}`", bar.diameter);
+            return refused("diameter", diameter, expected);
+        }
+        if value(length) > LONGEST * of_bar {
+            let expected = format!(
+                "at most {LONGEST} diameters of the bars, `{}`",
+                bar.diameter
+            );
+            return refused("length", length, expected);
+        }
+    }
+    Ok(())
+}
+
 pub(super) fn specimen_of(sheet: &ShpbSpecimenSheet) -> TestSpecimen {
     TestSpecimen {
         length: known(&sheet.length),

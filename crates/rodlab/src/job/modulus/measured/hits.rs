@@ -7,7 +7,9 @@ use labio::{AveragedSpectra, Estimator, LabioError, Record, ResponseRatio, Windo
 use super::{FirstHit, Measured, Spectra, pulses, vibration};
 use crate::RodlabError;
 use crate::digits::significant;
-use crate::hits::{HitKind, HitsSheet, expect_independent, silent_samples, trigger_of};
+use crate::hits::{
+    HitKind, HitsSheet, expect_independent, expect_silence, silent_samples, trigger_of,
+};
 use crate::job::JobContext;
 use crate::job::modulus::method::{self, MethodSheet};
 use crate::job::modulus::{ModulusSheet, gauges, histories};
@@ -54,7 +56,16 @@ pub(super) fn of_hits(
     settings.extend(found.settings().iter().cloned());
     let taken: Vec<&str> = channels.iter().map(|taken| taken.channel).collect();
     let doubts = expect_independent(&[&found], &taken)?;
-    let silent = silent_samples(&found, silent, ("source.silent", None), settings)?;
+    let n_silent = silent_samples(&found, silent, ("source.silent", None), settings)?;
+    if let Some((n_silent, stated)) = n_silent.zip(silent) {
+        expect_silence(
+            &found.accepted(),
+            &taken,
+            n_silent,
+            ("source.silent", stated),
+        )?;
+    }
+    let silent = n_silent;
     let mut in_words = found.in_words();
     if let Some(first) = in_words.get_mut(..1) {
         first.make_ascii_uppercase();
