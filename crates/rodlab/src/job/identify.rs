@@ -23,6 +23,7 @@ use serde::Deserialize;
 
 use super::simulate::AntiAliasSheet;
 use super::{About, JobContext};
+use crate::digits::significant;
 use crate::draw::Draw;
 use crate::outcome::{Column, LogEntry, Setting, Table};
 use crate::sheet::{Density, Exact, Length, Stated, Temperature, ValueWithUncertainty, plausible};
@@ -381,7 +382,10 @@ pub(crate) fn run(sheet: &IdentifySheet, context: &JobContext<'_>) -> Result<Out
         }
     }
     if let Some(comparison) = &comparison
-        && let Some(cell) = outcome.settings.iter_mut().find(|s| s.name == "cell" && s.by_default)
+        && let Some(cell) = outcome
+            .settings
+            .iter_mut()
+            .find(|s| s.name == "cell" && s.by_default)
     {
         cell.value = format!("{} mm, by the noise", significant(1e3 * comparison.cell, 3));
     }
