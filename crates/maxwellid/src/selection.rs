@@ -315,24 +315,44 @@ impl Selection {
         Ok((resolved, found))
     }
 
-    /// A shorter cell \[m\], if the error of the present grid is not small against the noise for the
-    /// nonlinear law that explains the data best. The error, of second order in the cell, follows
-    /// from the response on a grid of half the cell.
+    /// A shorter cell \[m\], if the error of the present grid is not small against the noise for a
+    /// nonlinear law that may explain the data as well as the best without this error.
     fn finer_cell(
         &self,
         tests: &[RodTest],
         ground: &Ground,
         found: &[Option<Found>],
     ) -> Option<f64> {
+        let best = least(found)?.chi_square;
         let nonlinear = self.candidates.iter().zip(found);
-        let (candidate, best) = nonlinear
-            .filter(|(candidate, _)| !candidate.model.is_linear())
-            .filter_map(|(candidate, found)| Some((candidate, found.as_ref()?)))
-            .min_by(|(_, a), (_, b)| a.likeliest.chi_square.total_cmp(&b.likeliest.chi_square))?;
+        let nonlinear = nonlinear.filter(|(candidate, _)| !candidate.model.is_linear());
+        let error = nonlinear
+            .filter_map(|(candidate, found)| {
+                let found = found.as_ref()?;
+                let error = self.grid_error(candidate, (tests, ground), found)?;
+                // the residual without the error of the grid is no shorter than this
+                let rest = (found.likeliest.chi_square.sqrt() - error.sqrt()).max(0.0);
+                (rest * rest <= best + 2.0 * BEYOND_COMPARISON).then_some(error)
+            })
+            .fold(0.0, f64::max);
+        let cell = self.cell * (GRID_ERROR / error).powf(0.25).max(SHORTEST_SHARE);
+        let cell = cell.max(SHORTEST_CELL);
+        (error > GRID_ERROR && cell < 0.9 * self.cell).then_some(cell)
+    }
+
+    /// Sum of the squares of the error of the grid over all samples, in standard deviations of the
+    /// noise. The error, of second order in the cell, follows from the response on a grid of half
+    /// the cell.
+    fn grid_error(
+        &self,
+        candidate: &Candidate,
+        (tests, ground): (&[RodTest], &Ground),
+        found: &Found,
+    ) -> Option<f64> {
         let prior = candidate.prior(ground.modulus, ground.duration);
         let contest = self.contest(candidate, &prior, (tests, &ground.times), f64::INFINITY);
-        let seen = contest.seen_at(&best.probable)?;
-        let parameters = &best.probable.minimum.parameters;
+        let seen = contest.seen_at(&found.probable)?;
+        let parameters = &found.probable.minimum.parameters;
         let problem = contest.problem(&seen);
         let here = problem.residual(parameters)?;
         let finer = PosteriorProblem {
@@ -342,10 +362,7 @@ impl Selection {
         let there = finer.residual(parameters)?;
         let pairs = here.iter().zip(&there);
         let square: f64 = pairs.map(|(a, b)| (a - b).powi(2)).sum();
-        let error = (4.0_f64 / 3.0).powi(2) * square;
-        let cell = self.cell * (GRID_ERROR / error).powf(0.25).max(SHORTEST_SHARE);
-        let cell = cell.max(SHORTEST_CELL);
-        (error > GRID_ERROR && cell < 0.9 * self.cell).then_some(cell)
+        Some((4.0_f64 / 3.0).powi(2) * square)
     }
 
     /// Finds the most probable and the likeliest parameters of each candidate, in their order;

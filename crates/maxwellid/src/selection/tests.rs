@@ -47,6 +47,29 @@ pub(super) fn test_of<L: InelasticLaw>(law: &L, level: f64, seed: u64) -> RodTes
     .unwrap()
 }
 
+/// A record of little noise from another solver: on cells of 8 mm the error of the grid refutes the
+/// right law, which the comparison notices and removes.
+#[test]
+fn a_record_of_little_noise_is_judged_on_finer_grids() {
+    let norton = MaxwellNorton::from_reference_rate(2.1, 40.0, 10e6).unwrap();
+    let tests = [test_of(&norton, 1e-5, 3)];
+    let laws = [Law::Norton, Law::GurevichRabinovich];
+    let selection = Selection::new(laws.map(Candidate::of).to_vec())
+        .unwrap()
+        .with_cell(8e-3)
+        .unwrap();
+    let ground = Ground::of(&tests).unwrap();
+    let on_long_cells = selection.found(&tests, &ground, Vec::new()).unwrap();
+    let coarse = selection
+        .concluded(&tests, &ground, &on_long_cells, &mut Vec::new())
+        .unwrap();
+    assert!(coarse.laws[0].adequacy.unwrap() < 1e-6, "{coarse}");
+    let found = selection.compare(&tests).unwrap();
+    assert!(found.cell < 4e-3, "{}", found.cell);
+    assert!(found.laws[0].adequacy.unwrap() > 1e-3, "{found}");
+    assert!(found.laws[0].probability > 0.95, "{found}");
+}
+
 /// Several records of one rod: the true law is named with the modulus and the time put in, a law
 /// with one parameter less is refuted, and a law that contains it is not worse than it.
 #[test]
