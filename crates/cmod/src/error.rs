@@ -83,10 +83,8 @@ pub enum CmodError {
     },
     /// The positions of the gauges do not increase.
     #[error(
-        "position of gauge {} is {} m, expected more than the {} m of the previous gauge",
-        gauge + 1,
-        significant(*position, 6),
-        significant(*previous, 6)
+        "position of gauge {} is {position} m, expected more than the {previous} m of the previous gauge",
+        gauge + 1
     )]
     PositionOrder {
         /// Position in the row of gauges, from 0.
@@ -99,8 +97,8 @@ pub enum CmodError {
     /// Three gauges are not at equal distances, as the closed form requires.
     #[error(
         "distances of the outer gauges from the middle one are {} m and {} m, expected equal distances, or the method for gauges at any positions",
-        significant(*first, 6),
-        significant(*second, 6)
+        significant(*first, 4),
+        significant(*second, 4)
     )]
     NotEquidistant {
         /// Distance from the first to the middle gauge \[m\].

@@ -28,7 +28,7 @@ fn impossible_rods_are_refused() {
         ThreePoint::new(rod(&[0.0, 0.1, 0.25]))
             .unwrap_err()
             .to_string(),
-        "distances of the outer gauges from the middle one are 0.1 m and 0.15 m, expected equal distances, or the method for gauges at any positions"
+        "distances of the outer gauges from the middle one are 0.1000 m and 0.1500 m, expected equal distances, or the method for gauges at any positions"
     );
     assert!(matches!(
         ThreePoint::new(rod(&[0.0, 0.1, 0.2, 0.3])),

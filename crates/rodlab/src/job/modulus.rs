@@ -255,7 +255,7 @@ pub(super) fn run_with(
         estimate: corrected.as_ref().map_or(&apparent, |c| c.modulus()),
         corrected: corrected.as_ref(),
         calibration: calibration.as_ref(),
-        distance: estimate::distance(sheet)?,
+        distance: rod::distance(sheet)?,
     };
     context.check_cancelled()?;
     let trend = if context.draw.is_none() || sheet.temperature.is_some() {

@@ -485,26 +485,6 @@ fn lateral_inertia(sheet: &ModulusSheet) -> Result<Option<LateralInertia>, Rodla
     .map_err(|error| RodlabError::step("lateral_inertia", error))
 }
 
-/// Distance over which wavelengths are counted \[m\].
-pub(super) fn distance(sheet: &ModulusSheet) -> Result<f64, RodlabError> {
-    Ok(match &sheet.method {
-        MethodSheet::TwoPoint { .. }
-        | MethodSheet::Resonances { .. }
-        | MethodSheet::FreeVibration { .. } => length(sheet)?,
-        MethodSheet::FreeEnd { first, second, .. } => {
-            let distance = |section: &SectionSheet| section.from_free_end.with_uncertainty().value;
-            distance(first).max(distance(second))
-        }
-        MethodSheet::SeparatePulses { distance, .. } => distance.with_uncertainty().value,
-        MethodSheet::OneGauge { section, .. } => {
-            2.0 * section.from_free_end.with_uncertainty().value
-        }
-        MethodSheet::ThreePoint { gauges } | MethodSheet::MultiPoint { gauges, .. } => {
-            gauged_rod(sheet, gauges).least_distance()
-        }
-    })
-}
-
 /// A section of a rod with a free end; the quantity measured there is stated in the sheet or taken
 /// from the channel.
 fn section(

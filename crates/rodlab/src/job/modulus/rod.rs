@@ -5,8 +5,7 @@ use cmod::validity::AcceptanceLimits;
 use cmod::{GaugedRod, RodWithFreeEnd, SectionUncertainty};
 
 use super::ModulusSheet;
-use super::estimate::distance;
-use super::method::{GaugeSheet, MethodSheet};
+use super::method::{GaugeSheet, MethodSheet, SectionSheet};
 use crate::RodlabError;
 use crate::digits::significant;
 use crate::sheet::{Exact, Ratio, Stated, plausible};
@@ -23,7 +22,11 @@ pub(super) fn check(sheet: &ModulusSheet) -> Result<(), RodlabError> {
             });
             ends.1 - ends.0
         }
-        _ => distance(sheet)?,
+        // a missing length is named where it is needed
+        _ => match distance(sheet) {
+            Ok(distance) => distance,
+            Err(_) => return Ok(()),
+        },
     };
     let diameter = &sheet.specimen.diameter;
     if diameter.with_uncertainty().value < extent || extent.is_nan() || extent <= 0.0 {
@@ -53,6 +56,26 @@ pub(super) fn length(sheet: &ModulusSheet) -> Result<f64, RodlabError> {
                 format!("the length, which {} needs", sheet.method.name()),
             )
         })
+}
+
+/// Distance over which wavelengths are counted \[m\].
+pub(super) fn distance(sheet: &ModulusSheet) -> Result<f64, RodlabError> {
+    Ok(match &sheet.method {
+        MethodSheet::TwoPoint { .. }
+        | MethodSheet::Resonances { .. }
+        | MethodSheet::FreeVibration { .. } => length(sheet)?,
+        MethodSheet::FreeEnd { first, second, .. } => {
+            let distance = |section: &SectionSheet| section.from_free_end.with_uncertainty().value;
+            distance(first).max(distance(second))
+        }
+        MethodSheet::SeparatePulses { distance, .. } => distance.with_uncertainty().value,
+        MethodSheet::OneGauge { section, .. } => {
+            2.0 * section.from_free_end.with_uncertainty().value
+        }
+        MethodSheet::ThreePoint { gauges } | MethodSheet::MultiPoint { gauges, .. } => {
+            gauged_rod(sheet, gauges).least_distance()
+        }
+    })
 }
 
 pub(super) fn rod_with_free_end(sheet: &ModulusSheet) -> RodWithFreeEnd {
