@@ -137,27 +137,28 @@ struct Interpolation<'a> {
     fine: &'a mut [f64],
 }
 
-/// All fine points between two samples together, each as the sum over its samples in their order.
-impl pulp::WithSimd for Interpolation<'_> {
+impl pulp::NullaryFnOnce for Interpolation<'_> {
     type Output = ();
 
     #[inline(always)]
-    #[allow(
-        clippy::indexing_slicing,
-        reason = "weights and fine points of an interval are as many"
-    )]
-    fn with_simd<S: pulp::Simd>(self, simd: S) {
-        let fine = self.fine.as_chunks_mut::<OVERSAMPLING>().0;
-        for (around, fine) in self.continued.windows(self.weights.len()).zip(fine) {
-            for (part, fine) in S::as_mut_simd_f64s(fine).0.iter_mut().enumerate() {
-                let mut sum = simd.splat_f64s(-0.0); // the value of a sum without terms
-                for (sample, weights) in around.iter().zip(self.weights) {
-                    let weights = S::as_simd_f64s(weights).0[part];
-                    sum = simd.add_f64s(sum, simd.mul_f64s(weights, simd.splat_f64s(*sample)));
-                }
-                *fine = sum;
+    fn call(self) {
+        interpolate(self.continued, self.weights, self.fine);
+    }
+}
+
+/// Computes all fine points between two samples together, each as the sum over its samples in their
+/// order.
+#[inline(always)]
+fn interpolate(continued: &[f64], weights: &[[f64; OVERSAMPLING]], fine: &mut [f64]) {
+    let fine = fine.as_chunks_mut::<OVERSAMPLING>().0;
+    for (around, fine) in continued.windows(weights.len()).zip(fine) {
+        let mut sums = [-0.0; OVERSAMPLING]; // the value of a sum without terms
+        for (sample, weights) in around.iter().zip(weights) {
+            for (sum, weight) in sums.iter_mut().zip(weights) {
+                *sum += weight * sample;
             }
         }
+        *fine = sums;
     }
 }
 

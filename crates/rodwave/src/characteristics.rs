@@ -429,13 +429,12 @@ struct RelaxWithTangents<'a, L: InelasticLaw> {
     reached: usize,
 }
 
-impl<L: InelasticLaw> pulp::WithSimd for RelaxWithTangents<'_, L> {
+impl<L: InelasticLaw> pulp::NullaryFnOnce for RelaxWithTangents<'_, L> {
     type Output = ();
 
     #[inline(always)]
-    fn with_simd<S: pulp::Simd>(self, simd: S) {
-        relax_with_tangents::<L, S>(
-            simd,
+    fn call(self) {
+        relax_with_tangents::<L>(
             self.wave,
             self.tangents,
             self.flow,
@@ -453,8 +452,7 @@ impl<L: InelasticLaw> pulp::WithSimd for RelaxWithTangents<'_, L> {
     clippy::needless_range_loop,
     reason = "`blocks_mut` cuts the waves and all tangents, which have as many nodes, into the same number of blocks; whether zipped iterators of so short a loop are inlined depends on the folder of the build"
 )]
-fn relax_with_tangents<L: InelasticLaw, S: pulp::Simd>(
-    simd: S,
+fn relax_with_tangents<L: InelasticLaw>(
     wave: &mut WavePair,
     tangents: &mut [WavePair],
     flow: &L::Flow,
@@ -482,38 +480,27 @@ fn relax_with_tangents<L: InelasticLaw, S: pulp::Simd>(
             0.5 * (scaled[i] * change.by_stress[i]
                 + (change.by_log_modulus[i] - change.stress[i]) * inverse)
         });
-        relax_tangent_block(simd, by_modulus.0, by_modulus.1, &change, &source);
+        relax_tangent_block(by_modulus.0, by_modulus.1, &change, &source);
         for parameter in 0..L::PARAMETERS.len().min(MAX_PARAMETERS) {
             let (right, left) = &mut by_parameter[parameter];
             let source = lanes!(|i| change.by_parameter[parameter][i] * inverse);
-            relax_tangent_block(simd, &mut right[block], &mut left[block], &change, &source);
+            relax_tangent_block(&mut right[block], &mut left[block], &change, &source);
         }
     }
 }
 
-/// Adds the change of a tangent to its waves, by vectors of the processor: a compiler makes one loop
-/// over blocks out of loops over lanes if the law is simple, which collects each vector from as many
-/// blocks.
 #[inline(always)]
-fn relax_tangent_block<S: pulp::Simd>(
-    simd: S,
+fn relax_tangent_block(
     right: &mut [f64; LANES],
     left: &mut [f64; LANES],
     change: &StressChange,
     source: &[f64; LANES],
 ) {
-    let half = simd.splat_f64s(0.5);
-    let right = S::as_mut_simd_f64s(right).0.iter_mut();
-    let left = S::as_mut_simd_f64s(left).0.iter_mut();
-    let by_stress = S::as_simd_f64s(&change.by_stress).0;
-    let source = S::as_simd_f64s(source).0;
-    for (((right, left), by_stress), source) in right.zip(left).zip(by_stress).zip(source) {
-        let slope = simd.mul_f64s(*by_stress, half);
-        let of_stress = simd.mul_f64s(slope, simd.add_f64s(*right, *left));
-        let change = simd.add_f64s(of_stress, *source);
-        *right = simd.add_f64s(*right, change);
-        *left = simd.add_f64s(*left, change);
-    }
+    // copies share no memory, so the compiler need not prove it
+    let (r, l) = (*right, *left);
+    let change = lanes!(|i| change.by_stress[i] * 0.5 * (r[i] + l[i]) + source[i]);
+    *right = lanes!(|i| r[i] + change[i]);
+    *left = lanes!(|i| l[i] + change[i]);
 }
 
 /// R and L of some nodes, in blocks.
@@ -598,8 +585,7 @@ mod tests {
             assert_eq!(relaxed.to_bits(), dispatched.to_bits(), "{law:?}");
             assert_same_bits(&plain.wave, &march.wave);
             march.wave.clone_from(&with_tangents.wave);
-            relax_with_tangents::<L, _>(
-                pulp::Scalar::new(),
+            relax_with_tangents::<L>(
                 &mut with_tangents.wave,
                 &mut with_tangents.tangents,
                 &march.flow,
