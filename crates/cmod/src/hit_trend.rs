@@ -47,8 +47,8 @@ pub struct HitTrend {
 }
 
 impl HitTrend {
-    /// Finds the trend of the deviations of the hits ([`deviation`], [`deviations`]) with their numbers, times or
-    /// temperatures `over`.
+    /// Finds the trend of the deviations of the hits ([`deviation`], [`deviations`]) with their
+    /// numbers, times or temperatures `over`.
     ///
     /// `None` for fewer than four hits, if all values of `over` are equal, or if there is no
     /// scatter.

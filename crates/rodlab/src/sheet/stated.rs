@@ -14,9 +14,9 @@ use crate::RodlabError;
 
 /// A measured quantity of a sheet, in SI, whose uncertainty the job propagates to its result.
 ///
-/// Written as `"799 mm"`, `"799 mm ± 0.3 mm"`, `"799 mm +- 0.3 mm"`, `"(799 ± 0.3) mm"`, `"799 ± 0.3
-/// mm"` or `"912 kg/m3 ± 0.1 %"`; the uncertainty is one standard deviation, and in % it is relative to the value, whatever the
-/// quantity is: `"0.025 ± 1 %"` is `"0.025 ± 0.00025"`. A relative uncertainty is refused if it is
+/// Written as `"799 mm"`, `"799 mm ± 0.3 mm"`, `"799 mm +- 0.3 mm"`, `"(799 ± 0.3) mm"`,
+/// `"799 ± 0.3 mm"` or `"912 kg/m3 ± 0.1 %"`; the uncertainty is one standard deviation, and in % it
+/// is relative to the value, whatever the quantity is: `"0.025 ± 1 %"` is `"0.025 ± 0.00025"`. A relative uncertainty is refused if it is
 /// meaningless or ambiguous: for the value 0, on a scale with an offset zero (`degC`), and for a
 /// number in %, such as `"2.5 % ± 1 %"`.
 ///
