@@ -202,7 +202,7 @@ fn r02_nylon_through_a_recorder_has_no_identified_parameter() {
     assert_eq!(result["verdict"]["answer"], "not allowed");
     let first = result["summary"][0].as_str().unwrap();
     assert!(
-        first.starts_with("The data do not distinguish") && first.contains("Maxwell-Norton"),
+        first.starts_with("The data cannot tell") && first.contains("Maxwell-Norton"),
         "{first}"
     );
     let quantities = result["quantities"].as_array().unwrap();

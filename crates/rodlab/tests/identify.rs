@@ -262,7 +262,7 @@ fn one_impact_velocity_cannot_tell_the_laws_apart() {
     let text = sheet(&[test], &format!("profiles: false, {QUICK}"));
     let outcome = attempt(folder.path(), &text).unwrap();
     assert!(
-        outcome.summary[0].starts_with("The data do not distinguish the laws "),
+        outcome.summary[0].starts_with("The data cannot tell the laws "),
         "{:#?}",
         outcome.summary
     );
@@ -420,7 +420,7 @@ fn a_stated_recorder_is_part_of_the_model() {
         told.is_some_and(
             |said| said.starts_with("The data support the law Maxwell-Norton")
                 || said
-                    .starts_with("The data do not distinguish the laws Maxwell-Norton, Maxwell-G")
+                    .starts_with("The data cannot tell the laws Maxwell-Norton, Maxwell-G")
         ),
         "{:#?}",
         compared.summary

@@ -229,7 +229,7 @@ fn tell_comparison(found: &Found, is_biased: bool, outcome: &mut Outcome) {
     match &found.left {
         Left::One { law, .. } if found.is_without_damping(*law) => {
             outcome.summary.push(format!(
-                "The data do not distinguish the laws elastic, {}: they determine no damping of the latter.",
+                "The data cannot tell the laws elastic, {} apart: they determine no damping of the latter.",
                 name(*law)
             ));
         }
@@ -238,7 +238,7 @@ fn tell_comparison(found: &Found, is_biased: bool, outcome: &mut Outcome) {
             name(*law)
         )),
         Left::Several { laws, reason } => outcome.summary.push(format!(
-            "The data do not distinguish the laws {}: {reason}.",
+            "The data cannot tell the laws {} apart: {reason}.",
             names(laws)
         )),
         Left::Biased { laws } => {
@@ -253,7 +253,7 @@ fn tell_comparison(found: &Found, is_biased: bool, outcome: &mut Outcome) {
                 ", and nonlinear laws with an equilibrium"
             };
             outcome.summary.push(format!(
-                "The data do not distinguish the laws {}{others}: the recorder biases nonlinear laws, so that none of them can be named or excluded.",
+                "The data cannot tell the laws {}{others} apart: the recorder biases nonlinear laws, so that none of them can be named or excluded.",
                 names(laws)
             ));
         }
