@@ -139,10 +139,7 @@ pub fn convert(
     writer(format, options)
         .write(&fitted, &mut written)
         .map_err(writing)?;
-    let mut back = format::read_bytes(&written).map_err(writing)?;
-    if format == "mat5" {
-        back = fit::joined(back, contents.series.len());
-    }
+    let back = format::read_bytes(&written).map_err(writing)?;
     let lost = differences::between(&contents, &back);
     if options.lossless && !lost.is_empty() {
         return Err(RodlabError::request(

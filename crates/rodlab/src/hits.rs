@@ -10,6 +10,7 @@
 
 mod criteria;
 mod cut;
+mod exchanged;
 mod found;
 mod independent;
 mod odd;

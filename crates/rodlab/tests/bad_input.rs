@@ -181,6 +181,12 @@ fn of_bodies(elements: usize, step: &str) -> String {
     )
 }
 
+fn of_duration(duration: &str) -> String {
+    of_bodies(1, "1 us")
+        .replace("4 ms", duration)
+        .replace(r#", time_step: "1 us""#, "")
+}
+
 #[test]
 fn r20_what_is_absurd_is_refused_with_its_numbers() {
     let said = [
@@ -193,6 +199,8 @@ fn r20_what_is_absurd_is_refused_with_its_numbers() {
         said_at_once("simulate", &of_rod("3 m/s", "1 mm", "2 mPa")),
         said_at_once("force", &of_bodies(3000, "1 us")),
         said_at_once("force", &of_bodies(1, "1 ns")),
+        said_at_once("force", &of_duration("4 s")),
+        said_at_once("force", &of_duration("4 us")),
     ];
     insta::assert_snapshot!(said.concat(), @r"
     error: materials: m is a material whose modulus and density give a wave speed of 1.054e-3 m/s, expected 20 to 20000 m/s, or `unusual: true` next to the density if it is intended
@@ -204,6 +212,8 @@ fn r20_what_is_absurd_is_refused_with_its_numbers() {
     error: experiment: ImpactedRod is a material whose modulus and density give a wave speed of 1.414e-3 m/s, expected 20 to 20000 m/s, or `unusual: true` next to the density if it is intended
     error: problem.first.elements is 3000 elements, expected at most 200 elements
     error: problem.time_step is 4000000 steps, expected at most 1000000 steps
+    error: problem.duration is `4 s`, expected at most 3.125 s with a band up to 10 kHz
+    error: problem.duration is `4 us`, expected more than 0.13 ms with a band up to 10 kHz
     ");
 }
 

@@ -14,7 +14,8 @@
 //! | cell array `c` | its cells `c{1}` |
 //!
 //! The abscissa is the sample index from 0, because the file does not state which variable contains
-//! the times. The property `class` of a series names the class of the numbers if it is not
+//! the times. Only in a file of this writer, which its description names, do the variables beside a
+//! series give its abscissa and units. The property `class` of a series names the class of the numbers if it is not
 //! `double`.
 //!
 //! # Rejected files
@@ -25,6 +26,7 @@
 //!   treated in the same way.
 //! - Contents beyond a [`MemoryLimit`], in a strict or a tolerant reading.
 
+mod beside;
 mod element;
 mod matrix;
 mod write;
@@ -205,6 +207,9 @@ pub fn read_within(
         if let Err(error) = read {
             reading.pass_over(error, element.at)?;
         }
+    }
+    if description.starts_with(beside::OF_WRITER) {
+        beside::join(&mut reading.contents);
     }
     Ok(reading.contents)
 }

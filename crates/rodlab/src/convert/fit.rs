@@ -1,6 +1,6 @@
 //! Contents reduced to the parts that a format can hold.
 
-use labio::{Abscissa, Contents, Ordinate, Series, SeriesAxis, SeriesKind, Unit};
+use labio::{Abscissa, Contents, Series, SeriesAxis, SeriesKind};
 
 /// Returns `contents` without the parts, other than values, that the format called `format` cannot
 /// hold. The comparison of the written file with its source lists the removed parts.
@@ -52,41 +52,6 @@ pub(super) fn fitted(contents: &Contents, format: &str) -> Contents {
         _ => fitted.properties.clone_from(&contents.properties),
     }
     fitted
-}
-
-/// Returns the contents of a MATLAB file in the form before writing: each of `n` series with its
-/// abscissa and its units, which are separate variables in the file.
-pub(super) fn joined(mut back: Contents, n: usize) -> Contents {
-    let others = back.series.split_off(n.min(back.series.len()));
-    for series in &mut back.series {
-        let text = |of: &str| {
-            let name = format!("{}_{of}", series.name);
-            let found = back.properties.iter().find(|(key, _)| *key == name);
-            found.map(|(_, value)| value.clone())
-        };
-        let number = |of: &str| text(of).and_then(|value| value.parse::<f64>().ok());
-        let uneven = format!("{}_x", series.name);
-        if let (Some(start), Some(step)) = (number("start"), number("step")) {
-            series.abscissa = Abscissa::Even { start, step };
-        } else if let Some(Series {
-            ordinate: Ordinate::Real(values),
-            ..
-        }) = others.iter().find(|other| other.name == uneven)
-        {
-            series.abscissa = Abscissa::Uneven(values.clone());
-        }
-        let axes = [
-            ("unit", &mut series.ordinate_axis),
-            ("x_unit", &mut series.abscissa_axis),
-        ];
-        for (axis, unit) in axes.map(|(of, axis)| (axis, text(of))) {
-            if let Some(unit) = unit {
-                axis.unit = Unit::parse(&unit).ok();
-                axis.unit_text = unit;
-            }
-        }
-    }
-    back
 }
 
 /// Reduces one of `n` series to its numbers.

@@ -24,13 +24,14 @@ pub fn level_at_rest(hits: &[&Record], field: &str) -> Result<Detrend, RodlabErr
 impl FoundHits {
     /// Compares each accepted hit with the response of `outputs` to `input` in all other hits.
     /// Returns a reason for doubt for each hit that departs, or leaves it out, as stated in the
-    /// sheet.
+    /// sheet, and one for each output that appears exchanged with the input.
     ///
     /// # Errors
     ///
     /// [`RodlabError::Step`] for a missing channel.
     pub fn compare(&mut self, input: &str, outputs: &[&str]) -> Result<Vec<String>, RodlabError> {
         let comparing = |error| RodlabError::step("comparing hits", error);
+        let mut doubts = self.exchanged(input, outputs)?;
         let (numbers, hits) = self.numbered();
         let channels: Vec<&str> = std::iter::once(input)
             .chain(outputs.iter().copied())
@@ -46,19 +47,16 @@ impl FoundHits {
                 for (number, reason) in odd {
                     self.object(number, reason).map_err(comparing)?;
                 }
-                Ok(Vec::new())
             }
-            OddSheet::InDoubt => Ok(odd
-                .into_iter()
-                .map(|(number, reason)| {
-                    let found = self.hits().find(|found| found.number == number);
-                    let name = found.map(|found| found.name()).unwrap_or_default();
-                    format!(
-                        "{name} {reason}: reject it, state `odd: LeaveOut` among the hits, or find out why"
-                    )
-                })
-                .collect()),
+            OddSheet::InDoubt => doubts.extend(odd.into_iter().map(|(number, reason)| {
+                let found = self.hits().find(|found| found.number == number);
+                let name = found.map(|found| found.name()).unwrap_or_default();
+                format!(
+                    "{name} {reason}: reject it, state `odd: LeaveOut` among the hits, or find out why"
+                )
+            })),
         }
+        Ok(doubts)
     }
 
     /// Rejects hits that share an extreme value, which indicates a limit of the recorder.

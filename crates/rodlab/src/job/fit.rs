@@ -38,7 +38,7 @@ use crate::laws::{self, Drawn, LawsSheet, Lines, MOST_LINES, WHITE};
 use crate::outcome::Setting;
 use crate::outcome::Verdict;
 use crate::records::expect_different_files;
-use crate::sheet::{BandSheet, Density, Exact, Ratio, Stated, Temperature};
+use crate::sheet::{BandSheet, Density, Exact, Ratio, Stated, Temperature, plausible};
 use crate::{Outcome, RodlabError};
 use shifted::{Curve, Shifted};
 use steps::Step;
@@ -348,6 +348,9 @@ fn check(sheet: &FitSheet) -> Result<(), RodlabError> {
     };
     laws.check()?;
     laws.kinds(sheet.density.as_ref().map(Stated::nominal))?;
+    if let Some(density) = &sheet.density {
+        plausible::density(density, "density")?;
+    }
     if laws.cards.is_some() {
         if sheet.density.is_none() {
             return Err(RodlabError::request(

@@ -114,13 +114,19 @@ impl IdentifySheet {
         field: &str,
     ) -> Result<&'a SpecimenSheet, RodlabError> {
         let own = test.specimen.as_ref().or(self.specimen.as_ref());
-        own.ok_or_else(|| {
+        let specimen = own.ok_or_else(|| {
             RodlabError::request(
                 format!("{field}.specimen"),
                 "absent",
                 "the rod of this test, here or as `specimen` of all tests",
             )
-        })
+        })?;
+        let place = match test.specimen {
+            Some(_) => format!("{field}.specimen.density"),
+            None => "specimen.density".to_owned(),
+        };
+        plausible::density(&specimen.density, place)?;
+        Ok(specimen)
     }
 
     /// The rods of the tests.

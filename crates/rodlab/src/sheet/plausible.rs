@@ -29,19 +29,22 @@ pub(crate) fn wave_speed(speed: f64, unusual: bool, field: &str) -> Result<(), R
 /// Densities of solids [kg/m³], from light foams to osmium.
 const DENSITIES: [f64; 2] = [5.0, 25_000.0];
 
-/// Checks the density of the specimen [kg/m³].
+/// Checks the density [kg/m³] at `field`.
 ///
 /// # Errors
 ///
 /// [`RodlabError::Request`] for a density outside the range of solids.
-pub(crate) fn density(stated: &Stated<Density>) -> Result<(), RodlabError> {
+pub(crate) fn density(
+    stated: &Stated<Density>,
+    field: impl Into<String>,
+) -> Result<(), RodlabError> {
     let [least, most] = DENSITIES;
     let density = stated.with_uncertainty().value;
     if (least..=most).contains(&density) {
         return Ok(());
     }
     Err(RodlabError::request(
-        "specimen.density",
+        field,
         format!("`{stated}`, {} kg/m3", significant(density, 4)),
         format!("{least} to {most} kg/m3, the densities of solids: water has 1000 kg/m3"),
     ))

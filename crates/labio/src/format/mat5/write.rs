@@ -3,6 +3,7 @@
 use std::collections::HashSet;
 use std::io::Write;
 
+use super::beside::OF_WRITER;
 use super::{FORMAT, HEADER_BYTES, MATRIX, Mat5};
 use crate::format::Writer;
 use crate::{Abscissa, Contents, LabioError, Ordinate, Series};
@@ -35,7 +36,7 @@ impl Writer for Mat5 {
     /// and the properties of the contents as text. Labels, kinds and properties of series are not
     /// written.
     fn write(&self, contents: &Contents, output: &mut dyn Write) -> Result<(), LabioError> {
-        let mut file = b"MATLAB 5.0 MAT-file, written by labio".to_vec();
+        let mut file = OF_WRITER.as_bytes().to_vec();
         file.resize(HEADER_BYTES - 12, b' ');
         file.extend([0; 8]);
         file.extend([0x00, 0x01, b'I', b'M']);

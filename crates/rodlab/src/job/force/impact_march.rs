@@ -13,11 +13,15 @@ use super::impact_sheet::ImpactSheet;
 use crate::RodlabError;
 use crate::bodies::material_sheet::Materials;
 use crate::bodies::replacement::Replacement;
+use crate::digits::significant;
 use crate::job::JobContext;
 use crate::sheet::plausible;
 
-/// Maximum number of steps of a march whose step is stated.
+/// Maximum number of steps of a march.
 const MOST_STEPS: f64 = 1e6;
+
+/// Maximum number of steps of a march that is repeated for draws, whose step follows from the band.
+const MOST_STEPS_OF_DRAWS: f64 = 1e5;
 
 /// Default number of draws of the march: the standard deviation is then known to 5 %.
 pub(super) const DRAWS: usize = 200;
@@ -60,11 +64,56 @@ pub(super) fn march(
         plausible::at_most(steps, MOST_STEPS, "steps", "problem.time_step")?;
         impact = impact.in_steps_of(step.si());
     }
+    let draws = SheetDraws::of(sheet, materials, bodies, context)?;
+    let band = band(sheet, bodies)?;
+    let most = match draws.n_draws {
+        0 => MOST_STEPS,
+        _ => MOST_STEPS_OF_DRAWS,
+    };
+    if duration > most * band.time_step() {
+        return Err(of_duration(
+            sheet,
+            format!("at most {:.3} s", most * band.time_step()),
+            band,
+        ));
+    }
     impact
-        .with_errors(SheetDraws::of(sheet, materials, bodies, context)?)
-        .in_band(band(sheet, bodies)?)
+        .with_errors(draws)
+        .in_band(band)
         .predict(duration)
-        .map_err(|Refused(error)| error)
+        .map_err(|Refused(error)| match too_short(&error) {
+            Some(times) => {
+                let least = format!("more than {:.2} ms", 1e3 * duration * times);
+                of_duration(sheet, least, band)
+            }
+            None => error,
+        })
+}
+
+/// How many times longer a history must be whose end the band limit leaves undetermined; `None` for
+/// another error.
+fn too_short(error: &RodlabError) -> Option<f64> {
+    let RodlabError::Step { source, .. } = error else {
+        return None;
+    };
+    match source.downcast_ref()? {
+        ImpulseError::TooShort {
+            found, expected, ..
+        } => Some(*expected as f64 / *found as f64),
+        _ => None,
+    }
+}
+
+/// The error for a duration that does not fit the band.
+fn of_duration(sheet: &ImpactSheet, expected: String, band: BandLimit) -> RodlabError {
+    RodlabError::request(
+        "problem.duration",
+        format!("`{}`", sheet.duration),
+        format!(
+            "{expected} with a band up to {} kHz",
+            significant(1e-3 * band.upper_hz(), 3)
+        ),
+    )
 }
 
 /// An error of a march with its place in the sheet.

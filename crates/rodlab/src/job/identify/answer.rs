@@ -2,7 +2,7 @@
 
 use maxwellid::common_error::CommonErrorEstimate;
 use maxwellid::recorder::RecorderCheck;
-use maxwellid::selection::{ComparedLaw, Comparison, Decision};
+use maxwellid::selection::{ADEQUACY_LEVEL, ComparedLaw, Comparison, Decision};
 use maxwellid::{ErrorOf, Law, RodModel};
 
 use super::Found;
@@ -154,11 +154,14 @@ impl Left {
         let Some(compared) = self.excluded(law.law, comparison) else {
             return Standing::Possible;
         };
-        let adequacy = compared.adequacy.map_or_else(String::new, |adequacy| {
-            format!(", probability of such a misfit {adequacy:.1e}")
-        });
+        // a law that explains the data is not rejected by them: another one is more probable
+        let (excluded, misfit) = match compared.adequacy {
+            Some(p) if p < ADEQUACY_LEVEL => ("rejected", format!("{p:.1e}")),
+            Some(p) => ("less probable", format!("{p:.3}")),
+            None => ("less probable", "not known".to_owned()),
+        };
         Standing::Rejected(format!(
-            "rejected (probability {:.3} among the laws{adequacy})",
+            "{excluded} (probability {:.3} among the laws, probability of such a misfit {misfit})",
             compared.probability
         ))
     }

@@ -12,6 +12,7 @@ use crate::job::JobContext;
 use crate::job::simulate::AntiAliasSheet;
 use crate::outcome::LogEntry;
 use crate::records::{Records, expect_different_files, expect_quantity};
+use crate::digits::significant;
 use crate::sheet::{Exact, Frequency, Length, NotFollowed, Temperature, Time, Velocity};
 use crate::{Outcome, RodlabError};
 
@@ -144,6 +145,10 @@ fn seen_through(recorder: &AntiAliasSheet, test: RodTest) -> Result<RodTest, Rod
 /// Temperature difference \[K\] up to which a law without activation gives no warning.
 const SAME_TEMPERATURE: f64 = 2.0;
 
+/// Largest velocity of a record, relative to the impact velocity; a free end reaches 2, the rest is
+/// noise.
+const LARGEST_VELOCITY: f64 = 3.0;
+
 /// Refuses activated laws without several temperatures, and warns of several temperatures without
 /// activated laws.
 fn check_temperatures(sheet: &IdentifySheet, outcome: &mut Outcome) -> Result<(), RodlabError> {
@@ -170,6 +175,14 @@ fn check_temperatures(sheet: &IdentifySheet, outcome: &mut Outcome) -> Result<()
             "arrhenius",
             format!("stated, with temperatures within {span:.1} K"),
             "tests at several temperatures, from which an activation energy can be determined",
+        ));
+    }
+    if let Some(arrhenius) = &sheet.arrhenius
+        && !(range.0 - span..=range.1 + span).contains(&arrhenius.reference.si())
+    {
+        outcome.warnings.push(format!(
+            "the reference temperature, {}, is further from the temperatures of the tests than these from each other: the parameters there are extrapolated",
+            arrhenius.reference
         ));
     }
     if sheet.arrhenius.is_none() && span > SAME_TEMPERATURE {
@@ -270,8 +283,33 @@ fn one(
     }
 }
 
+/// Refuses velocities that a blow of the stated impact velocity cannot cause: the struck face is at
+/// most as fast as the striker, and a free end twice as fast as the wave that reaches it.
+fn expect_possible(data: &RodTestData, test: &TestSheet, field: &str) -> Result<(), RodlabError> {
+    let stated = data.impact_velocity;
+    let histories = [
+        (&test.excitation, &data.excitation),
+        (&test.response, &data.response),
+    ];
+    for (name, history) in histories {
+        let fastest = history.iter().fold(0.0_f64, |most, v| most.max(v.abs()));
+        if fastest.is_finite() && fastest > LARGEST_VELOCITY * stated {
+            return Err(RodlabError::request(
+                format!("{field}.impact_velocity"),
+                format!("`{}`", test.impact_velocity),
+                format!(
+                    "at least half of the largest velocity of the records: `{name}` reaches {} m/s",
+                    significant(fastest, 3)
+                ),
+            ));
+        }
+    }
+    Ok(())
+}
+
 fn of_velocities(data: RodTestData, test: &TestSheet, field: &str) -> Result<RodTest, RodlabError> {
     let refused = |error| RodlabError::step(field, error);
+    expect_possible(&data, test, field)?;
     let rod_test = RodTest::new(data).map_err(refused)?;
     match &test.noise {
         NoiseSheet::BeforeArrival => rod_test.with_noise_of_quiet_part(),

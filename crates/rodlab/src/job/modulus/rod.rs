@@ -13,7 +13,7 @@ use crate::sheet::{Exact, Ratio, Stated, plausible};
 /// Refuses a density that no solid has, and a diameter that is not below the length of the rod or
 /// the distance of its sections.
 pub(super) fn check(sheet: &ModulusSheet) -> Result<(), RodlabError> {
-    plausible::density(&sheet.specimen.density)?;
+    plausible::density(&sheet.specimen.density, "specimen.density")?;
     let extent = match &sheet.method {
         MethodSheet::ThreePoint { gauges } | MethodSheet::MultiPoint { gauges, .. } => {
             let positions = gauges.iter().map(|gauge| gauge.at.with_uncertainty().value);

@@ -1,0 +1,78 @@
+//! Test for an input and an output that are exchanged.
+
+use labio::Record;
+use ndarray::ArrayView1;
+
+use super::FoundHits;
+use crate::RodlabError;
+use crate::digits::significant;
+
+/// Fraction of the greatest deviation from the median above which a channel counts as moving.
+const MOVING: f64 = 0.1;
+/// Ratio of the duration of the input to that of an output above which they appear exchanged.
+const LONGER: f64 = 3.0;
+
+impl FoundHits {
+    /// Returns a reason for doubt for each of `outputs` that is over long before `input`: a blow
+    /// ends before the response to it. The durations are medians over the accepted hits.
+    ///
+    /// # Errors
+    ///
+    /// [`RodlabError::Step`] for a missing channel.
+    pub(super) fn exchanged(
+        &self,
+        input: &str,
+        outputs: &[&str],
+    ) -> Result<Vec<String>, RodlabError> {
+        let hits = self.accepted();
+        let duration = |channel: &str| -> Result<f64, RodlabError> {
+            let durations: Result<Vec<f64>, RodlabError> =
+                hits.iter().map(|hit| duration_s(hit, channel)).collect();
+            Ok(median(durations?))
+        };
+        let of_input = duration(input)?;
+        let mut doubts = Vec::new();
+        for output in outputs {
+            let of_output = duration(output)?;
+            if of_input > LONGER * of_output {
+                doubts.push(format!(
+                    "the input `{input}` lasts {} ms, the output `{output}` {} ms: a blow ends before the response to it; input and output may be \
+                     exchanged, or `{output}` has a spike",
+                    significant(1e3 * of_input, 2),
+                    significant(1e3 * of_output, 2)
+                ));
+            }
+        }
+        Ok(doubts)
+    }
+}
+
+/// Time \[s\] from the first to the last moving sample of a channel.
+fn duration_s(hit: &Record, channel: &str) -> Result<f64, RodlabError> {
+    let samples = hit
+        .channel(channel)
+        .map_err(|error| RodlabError::step("comparing hits", error))?;
+    Ok(n_moving(samples) as f64 / hit.sampling_rate_hz())
+}
+
+/// Number of samples from the first to the last moving one.
+fn n_moving(samples: ArrayView1<'_, f64>) -> usize {
+    let level = median(samples.to_vec());
+    let deviation = |x: &f64| (x - level).abs();
+    let limit = MOVING * samples.iter().map(deviation).fold(0.0, f64::max);
+    let moving = |x: &f64| deviation(x) > limit;
+    let (first, last) = (
+        samples.iter().position(moving),
+        samples.iter().rposition(moving),
+    );
+    first.zip(last).map_or(0, |(first, last)| last - first + 1)
+}
+
+/// Median; 0 of no values.
+fn median(mut values: Vec<f64>) -> f64 {
+    let middle = values.len() / 2;
+    if values.is_empty() {
+        return 0.0;
+    }
+    *values.select_nth_unstable_by(middle, f64::total_cmp).1
+}
