@@ -1,5 +1,8 @@
 //! Numbers in sentences and words.
 
+mod number;
+
+pub(crate) use number::{alone, in_line, with_error, with_unit};
 pub(crate) use rodwave::digits::{percent, significant};
 
 /// Returns `value` to four significant digits without trailing zeros; from 1e3 to 1e5 with all

@@ -6,7 +6,6 @@
 //! sheet and date give the same bytes.
 
 mod compact;
-mod number;
 mod rows;
 
 use minijinja::value::Serde;
@@ -19,7 +18,6 @@ use crate::outcome::{Outcome, Verdict};
 use crate::output::SheetIdentity;
 use rows::{QuantityRow, TableRows};
 
-pub(crate) use number::with_error;
 
 const TEMPLATE: &str = include_str!("report/template.html");
 const STYLE: &str = include_str!("report/style.css");

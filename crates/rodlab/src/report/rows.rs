@@ -3,7 +3,7 @@
 use rodfigure::unit_as_read;
 use serde::Serialize;
 
-use super::number::{alone, in_line, with_error};
+use crate::digits::{alone, in_line, with_error};
 use crate::digits::prefix_for;
 use crate::outcome::{Cells, Column, Quantity, Table};
 

@@ -7,6 +7,7 @@ use super::impact_sheet::{ContactSheet, ImpactSheet};
 use super::impact_tables::Found;
 use super::{impact_figures, impact_tables};
 use crate::bodies::material_sheet::Materials;
+use crate::digits::with_unit;
 use crate::job::JobContext;
 use crate::outcome::Verdict;
 use crate::{Outcome, RodlabError};
@@ -131,17 +132,11 @@ fn answer(sheet: &ImpactSheet, march: &UncertainPrediction, outcome: &mut Outcom
     let numbers = march.numbers();
     let errors = march.errors();
     let error = |of: &dyn Fn(&ImpactNumbers) -> Option<f64>| errors.as_ref().and_then(of);
-    let stated = |error: Option<f64>, unit: &str, scale: f64, digits: usize| {
-        error.map_or_else(String::new, |error| {
-            format!(" ± {:.digits$} {unit}", scale * error)
-        })
-    };
     let in_band = march.limited.smooth_peak();
     let band_khz = impact_march::khz(march.band.upper_hz());
     outcome.summary.push(format!(
-        "In the band up to {band_khz} kHz the peak force is {:.1} N{} at {:.4} ms, at an impact velocity of {}.",
-        in_band.force,
-        stated(error(&|e| e.limited_peak), "N", 1.0, 2),
+        "In the band up to {band_khz} kHz the peak force is {} at {:.4} ms, at an impact velocity of {}.",
+        with_unit(in_band.force, error(&|e| e.limited_peak), "N"),
         1e3 * in_band.time,
         sheet.velocity,
     ));
@@ -152,9 +147,8 @@ fn answer(sheet: &ImpactSheet, march: &UncertainPrediction, outcome: &mut Outcom
                 .to_owned()
         }
         _ => format!(
-            "Without a limit to the band it is {:.1} N{} at {:.4} ms.",
-            numbers.peak.unwrap_or(f64::NAN),
-            stated(error(&|e| e.peak), "N", 1.0, 2),
+            "Without a limit to the band it is {} at {:.4} ms.",
+            with_unit(numbers.peak.unwrap_or(f64::NAN), error(&|e| e.peak), "N"),
             1e3 * numbers.time_of_peak.unwrap_or(f64::NAN),
         ),
     });
@@ -166,9 +160,8 @@ fn answer(sheet: &ImpactSheet, march: &UncertainPrediction, outcome: &mut Outcom
         format!("The last of {counting} contact{plural} with more than a thousandth of the impulse has not ended: the faces are still in contact.")
     } else {
         format!(
-            "The last of {counting} contact{plural} with more than a thousandth of the impulse ends at {:.4} ms{}.",
-            1e3 * prediction.duration(),
-            stated(error(&|e| e.end), "us", 1e6, 3),
+            "The last of {counting} contact{plural} with more than a thousandth of the impulse ends at {}.",
+            with_unit(prediction.duration(), error(&|e| e.end), "s"),
         )
     });
     let balance = prediction.balance();
@@ -180,9 +173,8 @@ fn answer(sheet: &ImpactSheet, march: &UncertainPrediction, outcome: &mut Outcom
         Some(e) => format!("the coefficient of restitution is {e:.4}"),
     };
     outcome.summary.push(format!(
-        "The impulse is {:.5} N s{}; {restitution}; work and energy agree to {} of the impulse times the velocity.",
-        balance.impulse,
-        stated(error(&|e| e.impulse), "N s", 1.0, 5),
+        "The impulse is {}; {restitution}; work and energy agree to {} of the impulse times the velocity.",
+        with_unit(balance.impulse, error(&|e| e.impulse), "N s"),
         match balance.energy_residual.abs() {
             none if none <= 0.0 => "rounding".to_owned(),
             part => format!("{part:.0e}"),

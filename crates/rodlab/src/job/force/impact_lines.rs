@@ -15,6 +15,7 @@ use super::impact_march::khz;
 use super::impact_sheet::{ContactSheet, ImpactSheet};
 use crate::bodies::material_sheet::Materials;
 use crate::bodies::replacement::Replacement;
+use crate::digits::with_unit;
 use crate::job::JobContext;
 use crate::outcome::{Column, Quantity, Table};
 use crate::sheet::Exact;
@@ -367,9 +368,6 @@ impl OnLines {
     /// Sentences on the force on lines, if there is no other force.
     pub(super) fn answer(&self, sheet: &ImpactSheet) -> Vec<String> {
         let peak = self.peak();
-        let stated = |error: Option<f64>, unit: &str, digits: usize| {
-            error.map_or_else(String::new, |error| format!(" ± {error:.digits$} {unit}"))
-        };
         let roll_off = self.roll_off_from_hz.map_or_else(String::new, |from| {
             format!(", rolled off from {} kHz", khz(from))
         });
@@ -377,25 +375,20 @@ impl OnLines {
         let parted = end.map_or_else(
             || "The faces do not part within the history".to_owned(),
             |end| {
-                format!(
-                    "The faces part at {:.4} ms{}",
-                    1e3 * end,
-                    stated(end_error.map(|error| 1e3 * error), "ms", 4)
-                )
+                format!("The faces part at {}", with_unit(end, end_error, "s"))
             },
         );
         let impulse = self.impulse.map_or_else(String::new, |impulse| {
             format!(
-                "; the impulse until then is {impulse:.5} N s{}",
-                stated(self.impulse_error(), "N s", 5)
+                "; the impulse until then is {}",
+                with_unit(impulse, self.impulse_error(), "N s")
             )
         });
         vec![
             format!(
-                "On lines up to {} kHz{roll_off} the peak force is {:.1} N{} at {:.4} ms, at an impact velocity of {}.",
+                "On lines up to {} kHz{roll_off} the peak force is {} at {:.4} ms, at an impact velocity of {}.",
                 khz(self.highest_hz),
-                peak.force,
-                stated(self.error_at(peak.time), "N", 2),
+                with_unit(peak.force, self.error_at(peak.time), "N"),
                 1e3 * peak.time,
                 sheet.velocity,
             ),

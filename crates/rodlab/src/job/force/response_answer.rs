@@ -9,6 +9,7 @@ use rand_chacha::ChaCha8Rng;
 
 use super::response_problem::{Noise, Problem};
 use super::response_solve::window;
+use crate::digits::with_unit;
 use crate::outcome::{LogEntry, Quantity};
 use crate::sheet::Exact;
 use crate::{Outcome, RodlabError};
@@ -150,18 +151,17 @@ pub(super) fn tell(
         }
         (known, _, impulse) => known.filter(|_| impulse.is_some()),
     };
-    let impulse = match (solved.impulse, impulse_error) {
-        (Some(impulse), Some(error)) => format!("an impulse of {impulse:.5} N s ± {error:.5} N s"),
-        (Some(impulse), None) => format!("an impulse of {impulse:.5} N s"),
-        (None, _) => "an unknown impulse: the band does not contain 0 Hz, and the time in which the force acts is not stated".to_owned(),
+    let impulse = match solved.impulse {
+        Some(impulse) => format!("an impulse of {}", with_unit(impulse, impulse_error, "N s")),
+        None => "an unknown impulse: the band does not contain 0 Hz, and the time in which the force acts is not stated".to_owned(),
     };
-    let stated = error.map_or_else(
-        || ", with an unknown error".to_owned(),
-        |error| format!(" ± {error:.2} N"),
-    );
+    let unknown = match error {
+        Some(_) => "",
+        None => ", with an unknown error",
+    };
     outcome.summary.push(format!(
-        "The peak force is {:.1} N{stated} at {:.4} ms of the record, with {impulse}.",
-        peak.force,
+        "The peak force is {}{unknown} at {:.4} ms of the record, with {impulse}.",
+        with_unit(peak.force, error, "N"),
         1e3 * peak.time,
     ));
     if error.is_some_and(|error| peak.force < 3.0 * error) {

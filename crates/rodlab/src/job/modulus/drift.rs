@@ -8,9 +8,8 @@ use serde::Deserialize;
 use super::estimate::deviations;
 use super::measured::{Measured, Spectra};
 use super::{Found, ModulusSheet};
-use crate::digits::{short, significant};
+use crate::digits::{short, significant, with_error};
 use crate::outcome::{CHECK, Quantity};
-use crate::report::with_error;
 use crate::sheet::{Exact, PerKelvin, Stated, Temperature};
 use crate::{Outcome, RodlabError};
 

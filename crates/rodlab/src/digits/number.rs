@@ -1,5 +1,7 @@
 //! Numbers for reading, without meaningless digits.
 
+use super::prefix_for;
+
 /// `value` with its standard error, both to the second digit of the error; without an error, to
 /// five digits.
 ///
@@ -36,8 +38,23 @@ pub(crate) fn with_error(value: Option<f64>, error: Option<f64>) -> String {
     })
 }
 
+/// `value` in `unit` with the prefix of the larger of it and its standard error:
+/// `(2.012 ± 0.021) kN`, or `2.0118 kN` without an error.
+pub(crate) fn with_unit(value: f64, error: Option<f64>, unit: &str) -> String {
+    let error = error.filter(|error| error.is_finite() && *error > 0.0);
+    let (size, prefix) = prefix_for(value.abs().max(error.unwrap_or(0.0)), unit);
+    let number = match error {
+        Some(error) => match with_error(Some(value / size), Some(error / size)) {
+            pair if pair.starts_with('(') => pair,
+            pair => format!("({pair})"),
+        },
+        None => alone(value / size),
+    };
+    format!("{} {prefix}{unit}", number.replace('−', "-"))
+}
+
 /// `value` to five digits.
-pub(super) fn alone(value: f64) -> String {
+pub(crate) fn alone(value: f64) -> String {
     if !value.is_finite() {
         return String::new();
     }
@@ -59,7 +76,7 @@ pub(super) fn alone(value: f64) -> String {
 
 /// Numbers of one column, with their decimal points aligned if their sizes allow it: the greatest
 /// has five digits, six from a thousand on. Values that are not finite are empty.
-pub(super) fn in_line(values: &[f64]) -> Vec<String> {
+pub(crate) fn in_line(values: &[f64]) -> Vec<String> {
     let sizes = || {
         values
             .iter()
@@ -170,6 +187,14 @@ mod tests {
         (1.235 ± 0.021)×10⁵
         0.000 ± 0.020
         ");
+    }
+
+    #[test]
+    fn a_unit_has_the_prefix_of_its_number() {
+        assert_eq!(with_unit(2011.8, Some(20.51), "N"), "(2.012 ± 0.021) kN");
+        assert_eq!(with_unit(58.2e-6, None, "s"), "58.2 us");
+        assert_eq!(with_unit(-3.2737, Some(0.2479), "N s"), "(-3.27 ± 0.25) N s");
+        assert_eq!(with_unit(0.0, Some(0.0), "N"), "0 N");
     }
 
     #[test]
