@@ -242,7 +242,11 @@ fn series_are_written_as_columns_with_abscissae_and_units() {
     assert!(abscissae.eq(contents.series.iter().map(|series| &series.abscissa)));
     assert_eq!(back.series[0].ordinate_axis.unit_text, "N");
     assert!(back.series[0].ordinate_axis.unit.is_some());
-    let keys: Vec<&str> = back.properties.iter().map(|(key, _)| key.as_str()).collect();
+    let keys: Vec<&str> = back
+        .properties
+        .iter()
+        .map(|(key, _)| key.as_str())
+        .collect();
     assert_eq!(keys, ["description", "rig"]);
     let Ordinate::Real(values) = &back.series[0].ordinate else {
         unreachable!("{:?}", back.series[0]);

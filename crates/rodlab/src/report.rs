@@ -18,7 +18,6 @@ use crate::outcome::{Outcome, Verdict};
 use crate::output::SheetIdentity;
 use rows::{QuantityRow, TableRows};
 
-
 const TEMPLATE: &str = include_str!("report/template.html");
 const STYLE: &str = include_str!("report/style.css");
 const SCRIPT: &str = concat!(

@@ -419,8 +419,7 @@ fn a_stated_recorder_is_part_of_the_model() {
     assert!(
         told.is_some_and(
             |said| said.starts_with("The data support the law Maxwell-Norton")
-                || said
-                    .starts_with("The data cannot tell the laws Maxwell-Norton, Maxwell-G")
+                || said.starts_with("The data cannot tell the laws Maxwell-Norton, Maxwell-G")
         ),
         "{:#?}",
         compared.summary

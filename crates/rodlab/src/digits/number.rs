@@ -193,7 +193,10 @@ mod tests {
     fn a_unit_has_the_prefix_of_its_number() {
         assert_eq!(with_unit(2011.8, Some(20.51), "N"), "(2.012 ± 0.021) kN");
         assert_eq!(with_unit(58.2e-6, None, "s"), "58.2 us");
-        assert_eq!(with_unit(-3.2737, Some(0.2479), "N s"), "(-3.27 ± 0.25) N s");
+        assert_eq!(
+            with_unit(-3.2737, Some(0.2479), "N s"),
+            "(-3.27 ± 0.25) N s"
+        );
         assert_eq!(with_unit(0.0, Some(0.0), "N"), "0 N");
     }
 

@@ -133,17 +133,8 @@ impl ModulusSheet {
         let mut defaults = Vec::new();
         let mut open = |name: &str, value: &str| defaults.push(Setting::by_default(name, value));
         open("specimen.accelerometer_mass", "0 kg");
-        match &self.method {
-            MethodSheet::TwoPoint { .. } => {
-                open("method.solver", "continuation in the mass ratio");
-            }
-            MethodSheet::FreeEnd { .. }
-            | MethodSheet::SeparatePulses { .. }
-            | MethodSheet::OneGauge { .. }
-            | MethodSheet::MultiPoint { .. } => open("method.wave_speed", "searched"),
-            MethodSheet::Resonances { .. }
-            | MethodSheet::FreeVibration { .. }
-            | MethodSheet::ThreePoint { .. } => {}
+        if let Some((field, by_default)) = self.method.left_open() {
+            open(field, by_default);
         }
         open("band", "all lines above 0 Hz");
         let limits = cmod::validity::AcceptanceLimits::default();

@@ -3,8 +3,8 @@
 use rodfigure::unit_as_read;
 use serde::Serialize;
 
-use crate::digits::{alone, in_line, with_error};
 use crate::digits::prefix_for;
+use crate::digits::{alone, in_line, with_error};
 use crate::outcome::{Cells, Column, Quantity, Table};
 
 /// Number of rows visible at once.

@@ -87,7 +87,8 @@ mod tests {
             ("1.19 g/cm3", true),
             ("912 g/cm3", false),
         ] {
-            assert_eq!(density(&text.parse().unwrap()).is_ok(), is_solid, "{text}");
+            let found = density(&text.parse().unwrap(), "specimen.density");
+            assert_eq!(found.is_ok(), is_solid, "{text}");
         }
         assert!(at_most(f64::NAN, 10.0, "cells", "cell").is_err());
         let said = at_most(1e9, 2000.0, "cells", "cell")

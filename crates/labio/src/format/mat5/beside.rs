@@ -30,7 +30,9 @@ pub(super) fn join(contents: &mut Contents) {
         }
         used.extend(beside.used);
     }
-    contents.series.retain(|series| !used.contains(&series.name));
+    contents
+        .series
+        .retain(|series| !used.contains(&series.name));
     contents.properties.retain(|(key, _)| !used.contains(key));
 }
 

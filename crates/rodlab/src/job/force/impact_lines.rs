@@ -374,9 +374,7 @@ impl OnLines {
         let (end, end_error) = self.end();
         let parted = end.map_or_else(
             || "The faces do not part within the history".to_owned(),
-            |end| {
-                format!("The faces part at {}", with_unit(end, end_error, "s"))
-            },
+            |end| format!("The faces part at {}", with_unit(end, end_error, "s")),
         );
         let impulse = self.impulse.map_or_else(String::new, |impulse| {
             format!(

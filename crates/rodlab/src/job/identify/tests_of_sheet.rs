@@ -8,11 +8,11 @@ use rayon::prelude::*;
 use serde::Deserialize;
 
 use super::{IdentifySheet, SpecimenSheet};
+use crate::digits::significant;
 use crate::job::JobContext;
 use crate::job::simulate::AntiAliasSheet;
 use crate::outcome::LogEntry;
 use crate::records::{Records, expect_different_files, expect_quantity};
-use crate::digits::significant;
 use crate::sheet::{Exact, Frequency, Length, NotFollowed, Temperature, Time, Velocity};
 use crate::{Outcome, RodlabError};
 

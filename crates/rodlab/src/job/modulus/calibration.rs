@@ -5,7 +5,6 @@ use cmod::self_calibration::{CalibratedSource, SelfCalibration};
 
 use super::ModulusSheet;
 use super::measured::Measured;
-use super::method::MethodSheet;
 use crate::Outcome;
 use crate::digits::significant;
 use crate::outcome::Quantity;
@@ -138,10 +137,6 @@ impl OfSensors {
 
 /// Standard uncertainty of the position of a gauge \[m\].
 fn position(sheet: &ModulusSheet, index: usize) -> Option<f64> {
-    match &sheet.method {
-        MethodSheet::ThreePoint { gauges } | MethodSheet::MultiPoint { gauges, .. } => {
-            Some(gauges.get(index)?.at.with_uncertainty().uncertainty())
-        }
-        _ => None,
-    }
+    let gauge = sheet.method.gauges()?.get(index)?;
+    Some(gauge.at.with_uncertainty().uncertainty())
 }

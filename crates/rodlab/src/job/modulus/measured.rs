@@ -14,7 +14,7 @@ use serde::Deserialize;
 
 use super::ModulusSheet;
 use super::gauges::Damping;
-use super::method::MethodSheet;
+use super::method::FromHits;
 use crate::RodlabError;
 use crate::digits::significant;
 use crate::draw::Draw;
@@ -196,18 +196,22 @@ fn damping(
     sheet: &ModulusSheet,
     window: Option<&ExponentialWindowSheet>,
 ) -> Result<Damping, RodlabError> {
-    match (&sheet.method, window) {
-        (MethodSheet::MultiPoint { .. }, Some(window)) => Ok(Damping::Window(window.clone())),
-        (MethodSheet::MultiPoint { .. }, None) => Ok(Damping::OfRinging {
+    let may_ring = matches!(
+        sheet.method.taken_from_hits(),
+        FromHits::Gauges { may_ring: true, .. }
+    );
+    match (may_ring, window) {
+        (true, Some(window)) => Ok(Damping::Window(window.clone())),
+        (true, None) => Ok(Damping::OfRinging {
             lowest_hz: sheet.band.as_ref().map_or(0.0, |band| band.from.si()),
         }),
-        (_, None) => Ok(Damping::None),
-        (method, Some(window)) => Err(RodlabError::request(
+        (false, None) => Ok(Damping::None),
+        (false, Some(window)) => Err(RodlabError::request(
             "source.exponential_window",
             window.to_string(),
             format!(
                 "none with {}: only MultiPoint corrects the modulus for it",
-                method.name()
+                sheet.method.name()
             ),
         )),
     }

@@ -1,10 +1,13 @@
-//! Methods for the modulus, and their channels.
+//! Methods for the modulus: their sheets, and what they need of specimen and hits.
 
-use cmod::multi_point::Quantity;
+mod section;
+
 use serde::Deserialize;
 
 use crate::RodlabError;
 use crate::sheet::{Coordinate, Exact, Length, Stated, Time, Velocity};
+pub(super) use section::of_channel;
+pub use section::{GaugeSheet, QuantitySheet, SectionSheet, WindowSheet};
 
 /// A method with its data.
 #[derive(Debug, Clone, Deserialize)]
@@ -104,82 +107,6 @@ pub enum SolverSheet {
     Series,
 }
 
-/// A section of a rod with a free end.
-#[derive(Debug, Clone, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct SectionSheet {
-    /// Channel.
-    pub channel: String,
-    /// Distance from the free end, such as `"350 mm ± 0.5 mm"`, or `"0 mm"` for the end itself.
-    pub from_free_end: Stated<Coordinate>,
-    /// Quantity measured there; by default the quantity of the channel. A ratio from a file has no
-    /// channels: state the quantity here.
-    #[serde(default)]
-    pub quantity: Option<QuantitySheet>,
-}
-
-/// A pulse at a section.
-#[derive(Debug, Clone, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct WindowSheet {
-    /// Channel.
-    pub channel: String,
-    /// Beginning of the pulse, measured from the beginning of a hit's record, such as `"1.2 ms"`.
-    pub from: Exact<Time>,
-    /// End of the pulse.
-    pub to: Exact<Time>,
-}
-
-/// A gauge.
-#[derive(Debug, Clone, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct GaugeSheet {
-    /// Channel.
-    pub channel: String,
-    /// Position along the rod, such as `"250 mm ± 0.5 mm"`.
-    pub at: Stated<Coordinate>,
-}
-
-/// Quantity measured at a section.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
-pub enum QuantitySheet {
-    /// Strain, positive in tension.
-    Strain,
-    /// Displacement towards the free end.
-    Displacement,
-    /// Velocity towards the free end.
-    Velocity,
-    /// Acceleration towards the free end.
-    Acceleration,
-}
-
-impl From<QuantitySheet> for Quantity {
-    fn from(quantity: QuantitySheet) -> Self {
-        match quantity {
-            QuantitySheet::Strain => Self::Strain,
-            QuantitySheet::Displacement => Self::Displacement,
-            QuantitySheet::Velocity => Self::Velocity,
-            QuantitySheet::Acceleration => Self::Acceleration,
-        }
-    }
-}
-
-/// The quantity of a channel in `cmod`: strain if the quantity is proportional to strain; `None`
-/// for quantities that no gauge on a rod measures.
-pub(super) fn of_channel(quantity: labio::Quantity) -> Option<QuantitySheet> {
-    match quantity {
-        // in a uniform bar they are proportional to the strain, and the factor cancels
-        labio::Quantity::Strain
-        | labio::Quantity::Force
-        | labio::Quantity::Pressure
-        | labio::Quantity::Voltage => Some(QuantitySheet::Strain),
-        labio::Quantity::Displacement => Some(QuantitySheet::Displacement),
-        labio::Quantity::Velocity => Some(QuantitySheet::Velocity),
-        labio::Quantity::Acceleration => Some(QuantitySheet::Acceleration),
-        _ => None,
-    }
-}
-
 /// A channel of a method, its place in the sheet, and its restriction to motions.
 pub(super) struct Taken<'a> {
     pub(super) channel: &'a str,
@@ -191,6 +118,51 @@ pub(super) struct Taken<'a> {
 pub(super) struct UsedOfSpecimen {
     pub(super) length: bool,
     pub(super) end_mass: bool,
+}
+
+/// What a method takes from the hits.
+pub(super) enum FromHits<'a> {
+    /// The ratio of the first channel to the second.
+    Ratio(&'a str, &'a str),
+    /// The ratio of the later of two pulses to the earlier.
+    Pulses {
+        earlier: Pulse<'a>,
+        later: Pulse<'a>,
+    },
+    /// The spectra of all gauges.
+    Gauges {
+        gauges: &'a [GaugeSheet],
+        /// True if the method corrects for an exponential window, so that hits may end while the
+        /// rod rings.
+        may_ring: bool,
+    },
+    /// The modes of the free vibration.
+    Modes(Vibration<'a>),
+}
+
+/// A pulse in a channel, with its field in the sheet.
+pub(super) struct Pulse<'a> {
+    pub(super) channel: &'a str,
+    pub(super) from: &'a Exact<Time>,
+    pub(super) to: &'a Exact<Time>,
+    pub(super) field: &'static str,
+}
+
+/// Data of a free vibration.
+pub(super) struct Vibration<'a> {
+    pub(super) channel: &'a str,
+    pub(super) from: &'a Exact<Time>,
+    pub(super) wave_speed: &'a Exact<Velocity>,
+}
+
+/// The distance over which a method counts wavelengths.
+pub(super) enum Counted<'a> {
+    /// The length of the specimen.
+    Length,
+    /// A distance between sections \[m\].
+    Between(f64),
+    /// The least distance of these gauges.
+    Gauges(&'a [GaugeSheet]),
 }
 
 impl MethodSheet {
@@ -287,6 +259,100 @@ impl MethodSheet {
                     taken(gauge.channel.as_str(), &field, false)
                 })
                 .collect(),
+        }
+    }
+
+    /// What the method takes from the hits.
+    pub(super) fn taken_from_hits(&self) -> FromHits<'_> {
+        match self {
+            Self::TwoPoint {
+                impacted_end,
+                free_end,
+                ..
+            }
+            | Self::Resonances {
+                impacted_end,
+                free_end,
+            } => FromHits::Ratio(impacted_end, free_end),
+            Self::FreeVibration {
+                channel,
+                from,
+                wave_speed,
+            } => FromHits::Modes(Vibration {
+                channel,
+                from,
+                wave_speed,
+            }),
+            Self::FreeEnd { first, second, .. } => FromHits::Ratio(&first.channel, &second.channel),
+            Self::SeparatePulses { first, second, .. } => FromHits::Pulses {
+                earlier: first.pulse("method.first"),
+                later: second.pulse("method.second"),
+            },
+            Self::OneGauge {
+                section,
+                incident,
+                reflected,
+                ..
+            } => {
+                let pulse = |(from, to), field| Pulse {
+                    channel: &section.channel,
+                    from,
+                    to,
+                    field,
+                };
+                FromHits::Pulses {
+                    earlier: pulse((&incident.0, &incident.1), "method.incident"),
+                    later: pulse((&reflected.0, &reflected.1), "method.reflected"),
+                }
+            }
+            Self::ThreePoint { gauges } => FromHits::Gauges {
+                gauges,
+                may_ring: false,
+            },
+            Self::MultiPoint { gauges, .. } => FromHits::Gauges {
+                gauges,
+                may_ring: true,
+            },
+        }
+    }
+
+    /// The gauges of a method with gauges.
+    pub(super) fn gauges(&self) -> Option<&[GaugeSheet]> {
+        match self.taken_from_hits() {
+            FromHits::Gauges { gauges, .. } => Some(gauges),
+            _ => None,
+        }
+    }
+
+    /// The distance over which the method counts wavelengths.
+    pub(super) fn counted(&self) -> Counted<'_> {
+        let from_end = |section: &SectionSheet| section.from_free_end.with_uncertainty().value;
+        match self {
+            Self::TwoPoint { .. } | Self::Resonances { .. } | Self::FreeVibration { .. } => {
+                Counted::Length
+            }
+            Self::FreeEnd { first, second, .. } => {
+                Counted::Between(from_end(first).max(from_end(second)))
+            }
+            Self::SeparatePulses { distance, .. } => {
+                Counted::Between(distance.with_uncertainty().value)
+            }
+            Self::OneGauge { section, .. } => Counted::Between(2.0 * from_end(section)),
+            Self::ThreePoint { gauges } | Self::MultiPoint { gauges, .. } => {
+                Counted::Gauges(gauges)
+            }
+        }
+    }
+
+    /// The field that the method leaves open by default, and its default in words.
+    pub(super) fn left_open(&self) -> Option<(&'static str, &'static str)> {
+        match self {
+            Self::TwoPoint { .. } => Some(("method.solver", "continuation in the mass ratio")),
+            Self::FreeEnd { .. }
+            | Self::SeparatePulses { .. }
+            | Self::OneGauge { .. }
+            | Self::MultiPoint { .. } => Some(("method.wave_speed", "searched")),
+            Self::Resonances { .. } | Self::FreeVibration { .. } | Self::ThreePoint { .. } => None,
         }
     }
 

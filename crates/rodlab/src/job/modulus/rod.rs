@@ -5,7 +5,7 @@ use cmod::validity::AcceptanceLimits;
 use cmod::{GaugedRod, RodWithFreeEnd, SectionUncertainty};
 
 use super::ModulusSheet;
-use super::method::{GaugeSheet, MethodSheet, SectionSheet};
+use super::method::{Counted, GaugeSheet};
 use crate::RodlabError;
 use crate::digits::significant;
 use crate::sheet::{Exact, Ratio, Stated, plausible};
@@ -14,8 +14,8 @@ use crate::sheet::{Exact, Ratio, Stated, plausible};
 /// the distance of its sections.
 pub(super) fn check(sheet: &ModulusSheet) -> Result<(), RodlabError> {
     plausible::density(&sheet.specimen.density, "specimen.density")?;
-    let extent = match &sheet.method {
-        MethodSheet::ThreePoint { gauges } | MethodSheet::MultiPoint { gauges, .. } => {
+    let extent = match sheet.method.counted() {
+        Counted::Gauges(gauges) => {
             let positions = gauges.iter().map(|gauge| gauge.at.with_uncertainty().value);
             let ends = positions.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), at| {
                 (low.min(at), high.max(at))
@@ -60,22 +60,11 @@ pub(super) fn length(sheet: &ModulusSheet) -> Result<f64, RodlabError> {
 
 /// Distance over which wavelengths are counted \[m\].
 pub(super) fn distance(sheet: &ModulusSheet) -> Result<f64, RodlabError> {
-    Ok(match &sheet.method {
-        MethodSheet::TwoPoint { .. }
-        | MethodSheet::Resonances { .. }
-        | MethodSheet::FreeVibration { .. } => length(sheet)?,
-        MethodSheet::FreeEnd { first, second, .. } => {
-            let distance = |section: &SectionSheet| section.from_free_end.with_uncertainty().value;
-            distance(first).max(distance(second))
-        }
-        MethodSheet::SeparatePulses { distance, .. } => distance.with_uncertainty().value,
-        MethodSheet::OneGauge { section, .. } => {
-            2.0 * section.from_free_end.with_uncertainty().value
-        }
-        MethodSheet::ThreePoint { gauges } | MethodSheet::MultiPoint { gauges, .. } => {
-            gauged_rod(sheet, gauges).least_distance()
-        }
-    })
+    match sheet.method.counted() {
+        Counted::Length => length(sheet),
+        Counted::Between(distance) => Ok(distance),
+        Counted::Gauges(gauges) => Ok(gauged_rod(sheet, gauges).least_distance()),
+    }
 }
 
 pub(super) fn rod_with_free_end(sheet: &ModulusSheet) -> RodWithFreeEnd {

@@ -291,8 +291,7 @@ fn warn(outcome: &mut Outcome, found: &Found<'_>, valid: &[&ModulusLine]) {
              State \"0 g\" if there is none."
         ));
     }
-    if let MethodSheet::ThreePoint { gauges } | MethodSheet::MultiPoint { gauges, .. } =
-        &found.sheet.method
+    if let Some(gauges) = found.sheet.method.gauges()
         && gauges
             .iter()
             .any(|gauge| gauge.at.with_uncertainty().standard_uncertainty.is_none())

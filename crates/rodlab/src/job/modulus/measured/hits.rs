@@ -11,7 +11,7 @@ use crate::hits::{
     HitKind, HitsSheet, expect_independent, expect_silence, silent_samples, trigger_of,
 };
 use crate::job::JobContext;
-use crate::job::modulus::method::{self, MethodSheet};
+use crate::job::modulus::method::{self, FromHits, MethodSheet};
 use crate::job::modulus::{ModulusSheet, gauges, histories};
 use crate::outcome::Setting;
 use crate::records::Records;
@@ -47,10 +47,11 @@ pub(super) fn of_hits(
             "at least three gauges",
         ));
     };
-    let kind = match &sheet.method {
-        MethodSheet::SeparatePulses { .. } | MethodSheet::OneGauge { .. } => HitKind::BarPulses,
-        MethodSheet::MultiPoint { .. } | MethodSheet::FreeVibration { .. } => HitKind::RingingBar,
-        _ => HitKind::Bar,
+    let from_hits = sheet.method.taken_from_hits();
+    let kind = match &from_hits {
+        FromHits::Pulses { .. } => HitKind::BarPulses,
+        FromHits::Gauges { may_ring: true, .. } | FromHits::Modes(_) => HitKind::RingingBar,
+        FromHits::Gauges { .. } | FromHits::Ratio(..) => HitKind::Bar,
     };
     let found = hits.find_of(kind, loaded.records, reference, "source.hits")?;
     settings.extend(found.settings().iter().cloned());
@@ -95,16 +96,11 @@ pub(super) fn of_hits(
             .collect(),
         n_found: found.n_found(),
     };
-    let of_gauges = matches!(
-        sheet.method,
-        MethodSheet::ThreePoint { .. }
-            | MethodSheet::MultiPoint { .. }
-            | MethodSheet::FreeVibration { .. }
-    );
-    let fewest = if of_gauges || silent.is_some() {
-        1
-    } else {
+    let is_ratio = matches!(from_hits, FromHits::Ratio(..) | FromHits::Pulses { .. });
+    let fewest = if is_ratio && silent.is_none() {
         FEWEST_HITS
+    } else {
+        1
     };
     if accepted.len() < fewest {
         let why = if fewest == FEWEST_HITS {
@@ -124,48 +120,25 @@ pub(super) fn of_hits(
         );
         return Ok(measured);
     }
-    let spectra = match &sheet.method {
-        MethodSheet::TwoPoint {
-            impacted_end,
-            free_end,
-            ..
+    let spectra = match from_hits {
+        FromHits::Ratio(numerator, denominator) => {
+            let ratio = ResponseRatio::of(&accepted, silent, numerator, denominator);
+            Spectra::Ratio(ratio.map_err(ratio_refused)?)
         }
-        | MethodSheet::Resonances {
-            impacted_end,
-            free_end,
-        } => Spectra::Ratio(ratio_of(&accepted, silent, (impacted_end, free_end))?),
-        MethodSheet::FreeVibration { .. } => {
-            match vibration::modes(sheet, &accepted, &mut measured)? {
+        FromHits::Pulses { earlier, later } => {
+            let earlier = pulses::window(&earlier, &accepted)?;
+            let later = pulses::window(&later, &accepted)?;
+            let ratio = ResponseRatio::of_pulses(&accepted, silent, &later, &earlier);
+            Spectra::Ratio(ratio.map_err(ratio_refused)?)
+        }
+        FromHits::Gauges { gauges, .. } => {
+            Spectra::Gauges(gauges::of_hits(&accepted, gauges, silent, damping)?)
+        }
+        FromHits::Modes(vibration) => {
+            match vibration::modes(sheet, &vibration, &accepted, &mut measured)? {
                 Some(modes) => Spectra::Modes(modes),
                 None => return Ok(measured),
             }
-        }
-        MethodSheet::FreeEnd { first, second, .. } => {
-            let channels = (first.channel.as_str(), second.channel.as_str());
-            Spectra::Ratio(ratio_of(&accepted, silent, channels)?)
-        }
-        MethodSheet::SeparatePulses { first, second, .. } => {
-            let earlier = pulses::at_section(first, &accepted, "method.first")?;
-            let later = pulses::at_section(second, &accepted, "method.second")?;
-            let ratio = ResponseRatio::of_pulses(&accepted, silent, &later, &earlier);
-            Spectra::Ratio(ratio.map_err(ratio_refused)?)
-        }
-        MethodSheet::OneGauge {
-            section,
-            incident,
-            reflected,
-            ..
-        } => {
-            let window = |(from, to): &(_, _), field| {
-                pulses::between(&section.channel, (from, to), &accepted, field)
-            };
-            let earlier = window(incident, "method.incident")?;
-            let later = window(reflected, "method.reflected")?;
-            let ratio = ResponseRatio::of_pulses(&accepted, silent, &later, &earlier);
-            Spectra::Ratio(ratio.map_err(ratio_refused)?)
-        }
-        MethodSheet::ThreePoint { gauges } | MethodSheet::MultiPoint { gauges, .. } => {
-            Spectra::Gauges(gauges::of_hits(&accepted, gauges, silent, damping)?)
         }
     };
     measured.first_hit = found
@@ -249,14 +222,6 @@ fn by_hit(
             .collect()),
         _ => Ok(Vec::new()),
     }
-}
-
-fn ratio_of(
-    hits: &[&Record],
-    silent: Option<usize>,
-    (numerator, denominator): (&str, &str),
-) -> Result<ResponseRatio, RodlabError> {
-    ResponseRatio::of(hits, silent, numerator, denominator).map_err(ratio_refused)
 }
 
 fn ratio_refused(error: LabioError) -> RodlabError {

@@ -10,7 +10,7 @@ use super::Measured;
 use crate::RodlabError;
 use crate::digits::significant;
 use crate::job::modulus::ModulusSheet;
-use crate::job::modulus::method::MethodSheet;
+use crate::job::modulus::method::Vibration;
 use crate::job::modulus::rod::{length, rod_with_free_end};
 use crate::outcome::{Column, Table};
 
@@ -46,17 +46,14 @@ impl Modes {
 /// The modes; `None` if no mode stands out: then `measured` states this.
 pub(super) fn modes(
     sheet: &ModulusSheet,
-    hits: &[&Record],
-    measured: &mut Measured,
-) -> Result<Option<Modes>, RodlabError> {
-    let MethodSheet::FreeVibration {
+    &Vibration {
         channel,
         from,
         wave_speed,
-    } = &sheet.method
-    else {
-        return Ok(None);
-    };
+    }: &Vibration<'_>,
+    hits: &[&Record],
+    measured: &mut Measured,
+) -> Result<Option<Modes>, RodlabError> {
     let refused = |error| RodlabError::step("the modes of the free vibration", error);
     let rate_hz = hits.first().map_or(0.0, |hit| hit.sampling_rate_hz());
     let first = labio::hits::Extent::Seconds(from.si())

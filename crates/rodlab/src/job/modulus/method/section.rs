@@ -1,0 +1,94 @@
+//! Sections and gauges of a rod, and the quantities measured there.
+
+use cmod::multi_point::Quantity;
+use serde::Deserialize;
+
+use super::Pulse;
+use crate::sheet::{Coordinate, Exact, Stated, Time};
+
+/// A section of a rod with a free end.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SectionSheet {
+    /// Channel.
+    pub channel: String,
+    /// Distance from the free end, such as `"350 mm ± 0.5 mm"`, or `"0 mm"` for the end itself.
+    pub from_free_end: Stated<Coordinate>,
+    /// Quantity measured there; by default the quantity of the channel. A ratio from a file has no
+    /// channels: state the quantity here.
+    #[serde(default)]
+    pub quantity: Option<QuantitySheet>,
+}
+
+/// A pulse at a section.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct WindowSheet {
+    /// Channel.
+    pub channel: String,
+    /// Beginning of the pulse, measured from the beginning of a hit's record, such as `"1.2 ms"`.
+    pub from: Exact<Time>,
+    /// End of the pulse.
+    pub to: Exact<Time>,
+}
+
+impl WindowSheet {
+    pub(super) fn pulse(&self, field: &'static str) -> Pulse<'_> {
+        Pulse {
+            channel: &self.channel,
+            from: &self.from,
+            to: &self.to,
+            field,
+        }
+    }
+}
+
+/// A gauge.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct GaugeSheet {
+    /// Channel.
+    pub channel: String,
+    /// Position along the rod, such as `"250 mm ± 0.5 mm"`.
+    pub at: Stated<Coordinate>,
+}
+
+/// Quantity measured at a section.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+pub enum QuantitySheet {
+    /// Strain, positive in tension.
+    Strain,
+    /// Displacement towards the free end.
+    Displacement,
+    /// Velocity towards the free end.
+    Velocity,
+    /// Acceleration towards the free end.
+    Acceleration,
+}
+
+impl From<QuantitySheet> for Quantity {
+    fn from(quantity: QuantitySheet) -> Self {
+        match quantity {
+            QuantitySheet::Strain => Self::Strain,
+            QuantitySheet::Displacement => Self::Displacement,
+            QuantitySheet::Velocity => Self::Velocity,
+            QuantitySheet::Acceleration => Self::Acceleration,
+        }
+    }
+}
+
+/// The quantity of a channel in `cmod`: strain if the quantity is proportional to strain; `None`
+/// for quantities that no gauge on a rod measures.
+pub(in crate::job::modulus) fn of_channel(quantity: labio::Quantity) -> Option<QuantitySheet> {
+    match quantity {
+        // in a uniform bar they are proportional to the strain, and the factor cancels
+        labio::Quantity::Strain
+        | labio::Quantity::Force
+        | labio::Quantity::Pressure
+        | labio::Quantity::Voltage => Some(QuantitySheet::Strain),
+        labio::Quantity::Displacement => Some(QuantitySheet::Displacement),
+        labio::Quantity::Velocity => Some(QuantitySheet::Velocity),
+        labio::Quantity::Acceleration => Some(QuantitySheet::Acceleration),
+        _ => None,
+    }
+}
