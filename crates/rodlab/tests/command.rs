@@ -171,7 +171,7 @@ fn a_result_is_said_in_words_and_lies_beside_the_sheet() {
     let run = rodlab(folder.path(), &["force", "hit.ron"]);
     assert_eq!(run.status.code(), Some(0), "{}", text(&run.stderr));
     assert!(
-        text(&run.stdout).starts_with("In the band up to 10 kHz the peak force is 18"),
+        text(&run.stdout).starts_with("In the band up to 10 kHz the peak force is (1.8"),
         "{}",
         text(&run.stdout)
     );

@@ -107,7 +107,7 @@ fn wrong_sheets_are_refused_where_they_are_wrong() {
         ),
         of(
             "tables: [(",
-            "kind: Shear, density: \"1 kg/m3\", laws: (laws: [GeneralisedMaxwell], cards: (name: \"a\", poisson_ratio: \"0.3\", programs: [Abaqus])), tables: [(",
+            "kind: Shear, density: \"1200 kg/m3\", laws: (laws: [GeneralisedMaxwell], cards: (name: \"a\", poisson_ratio: \"0.3\", programs: [Abaqus])), tables: [(",
         ),
         of(
             "tables: [(",

@@ -13,7 +13,6 @@ use super::impact_sheet::ImpactSheet;
 use crate::RodlabError;
 use crate::bodies::material_sheet::Materials;
 use crate::bodies::replacement::Replacement;
-use crate::digits::significant;
 use crate::job::JobContext;
 use crate::sheet::plausible;
 
@@ -109,10 +108,7 @@ fn of_duration(sheet: &ImpactSheet, expected: String, band: BandLimit) -> Rodlab
     RodlabError::request(
         "problem.duration",
         format!("`{}`", sheet.duration),
-        format!(
-            "{expected} with a band up to {} kHz",
-            significant(1e-3 * band.upper_hz(), 3)
-        ),
+        format!("{expected} with a band up to {} kHz", khz(band.upper_hz())),
     )
 }
 
