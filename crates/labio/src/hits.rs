@@ -16,6 +16,7 @@ mod odd;
 mod reason;
 mod rest;
 mod segment;
+mod settled;
 mod trigger;
 
 pub use copies::{Copy, NearCopy, find_copy, find_near_copies};
@@ -26,4 +27,5 @@ pub use odd::find_odd_hits;
 pub use reason::Reason;
 pub use rest::{padded, samples_at_rest};
 pub use segment::{find_hits, find_hits_in_blocks};
+pub use settled::samples_of_motion;
 pub use trigger::{Extent, Slope, Trigger};

@@ -16,6 +16,7 @@ mod independent;
 mod odd;
 mod reading;
 mod silence;
+mod tail;
 
 pub use criteria::{CriteriaSheet, HitKind, Limit};
 pub use cut::Cut;

@@ -203,6 +203,24 @@ impl HitLog {
     /// [`LabioError::NoSuchHit`] if no hit has that number, or if it has no samples;
     /// [`LabioError::NotAtRest`].
     pub fn pad(&mut self, number: usize, n_samples: usize) -> Result<(), LabioError> {
+        self.change(number, |record| super::padded(record, n_samples))
+    }
+
+    /// Shortens hit `number` to its first `n_samples` samples.
+    ///
+    /// # Errors
+    ///
+    /// [`LabioError::NoSuchHit`] if no hit has that number, or if it has no samples;
+    /// [`LabioError::TooFewSamples`].
+    pub fn shorten(&mut self, number: usize, n_samples: usize) -> Result<(), LabioError> {
+        self.change(number, |record| record.part(0..n_samples))
+    }
+
+    fn change(
+        &mut self,
+        number: usize,
+        changed: impl FnOnce(&Record) -> Result<Record, LabioError>,
+    ) -> Result<(), LabioError> {
         let hit = self.hit_mut(number)?;
         let Some(record) = &hit.record else {
             return Err(LabioError::NoSuchHit {
@@ -210,7 +228,7 @@ impl HitLog {
                 reason: "has no samples",
             });
         };
-        hit.record = Some(super::padded(record, n_samples)?);
+        hit.record = Some(changed(record)?);
         Ok(())
     }
 

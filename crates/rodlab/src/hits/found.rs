@@ -25,7 +25,7 @@ pub struct FoundHits {
     logs: Vec<(String, HitLog)>,
     /// True if hits were cut out of longer records; they are then distinguished by their times.
     by_trigger: bool,
-    settings: Vec<Setting>,
+    pub(super) settings: Vec<Setting>,
     /// The treatment of a hit that departs from the others.
     pub(super) odd: OddSheet,
 }

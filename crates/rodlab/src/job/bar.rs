@@ -12,7 +12,7 @@ use serde::Deserialize;
 
 use super::modulus::{
     self, ChecksSheet, Found, GaugeSheet, LateralInertiaSheet, LimitsSheet, MethodSheet,
-    ModulusSheet, SectionSheet, SourceSheet, SpecimenSheet,
+    ModulusSheet, SectionSheet, SourceSheet, SpecimenSheet, TailSheet,
 };
 use super::{About, JobContext};
 use crate::hits::HitsSheet;
@@ -167,6 +167,7 @@ impl BarSheet {
             },
             method,
             source: SourceSheet::Hits {
+                tail: TailSheet::default(),
                 records: self.records.clone(),
                 hits: HitsSheet::default(),
                 silent: Some(self.silent.clone()),

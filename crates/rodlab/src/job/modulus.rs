@@ -23,7 +23,7 @@ mod universal;
 pub use crate::laws::{CardsSheet, CriterionSheet, LawSheet, LawsSheet, ProgramSheet};
 pub use checks::ChecksSheet;
 pub use drift::TemperatureSheet;
-pub use measured::{RatioErrors, RatioSheet, RatioValues, SourceSheet};
+pub use measured::{RatioErrors, RatioSheet, RatioValues, SourceSheet, TailSheet};
 pub use method::{GaugeSheet, MethodSheet, QuantitySheet, SectionSheet, SolverSheet, WindowSheet};
 
 use cmod::ModulusEstimate;

@@ -50,9 +50,24 @@ pub enum SourceSheet {
         /// get as much damping as they need.
         #[serde(default)]
         exponential_window: Option<ExponentialWindowSheet>,
+        /// Treatment of the end of hits that are at rest for three quarters of their length or
+        /// more; `LeaveOut` by default.
+        #[serde(default)]
+        tail: TailSheet,
     },
     /// A ratio of spectra computed by another program.
     Ratio(RatioSheet),
+}
+
+/// Treatment of the samples of a hit after its motion has ended, which have only noise.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
+pub enum TailSheet {
+    /// Left out: fewer lines, further apart and with less noise. Hits that are cut by a trigger
+    /// keep their length.
+    #[default]
+    LeaveOut,
+    /// Kept.
+    Keep,
 }
 
 /// A ratio of spectra in a file, over a column of frequencies with its unit.
@@ -165,11 +180,12 @@ pub(super) fn of(
             hits,
             silent,
             exponential_window,
+            tail,
         } => {
             let damping = damping(sheet, exponential_window.as_ref())?;
             hits::of_hits(
                 sheet,
-                (records, hits, silent.as_ref(), &damping),
+                (records, hits, silent.as_ref(), &damping, *tail),
                 context,
                 settings,
             )?

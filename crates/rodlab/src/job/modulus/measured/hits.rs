@@ -4,7 +4,7 @@ use cmod::hit_trend::FEWEST_HITS as FEWEST_HITS_OF_TREND;
 use cmod::multi_point::Quantity;
 use labio::{AveragedSpectra, Estimator, LabioError, Record, ResponseRatio, Window};
 
-use super::{FirstHit, Measured, Spectra, pulses, vibration};
+use super::{FirstHit, Measured, Spectra, TailSheet, pulses, vibration};
 use crate::RodlabError;
 use crate::digits::significant;
 use crate::hits::{
@@ -26,11 +26,12 @@ const FEW_DEGREES_OF_FREEDOM: f64 = 10.0;
 
 pub(super) fn of_hits(
     sheet: &ModulusSheet,
-    (records, hits, silent, damping): (
+    (records, hits, silent, damping, tail): (
         &Records,
         &HitsSheet,
         Option<&Exact<Duration>>,
         &gauges::Damping,
+        TailSheet,
     ),
     context: &JobContext<'_>,
     settings: &mut Vec<Setting>,
@@ -53,9 +54,14 @@ pub(super) fn of_hits(
         FromHits::Gauges { may_ring: true, .. } | FromHits::Modes(_) => HitKind::RingingBar,
         FromHits::Gauges { .. } | FromHits::Ratio(..) => HitKind::Bar,
     };
-    let found = hits.find_of(kind, loaded.records, reference, "source.hits")?;
-    settings.extend(found.settings().iter().cloned());
+    let mut found = hits.find_of(kind, loaded.records, reference, "source.hits")?;
     let taken: Vec<&str> = channels.iter().map(|taken| taken.channel).collect();
+    // pulses and modes have windows of their own, and a trigger has the length of the sheet
+    let is_whole = matches!(from_hits, FromHits::Ratio(..) | FromHits::Gauges { .. });
+    if is_whole && tail == TailSheet::LeaveOut && hits.cut.is_none() {
+        found.leave_out_tail(&taken, "source.tail")?;
+    }
+    settings.extend(found.settings().iter().cloned());
     let doubts = expect_independent(&[&found], &taken)?;
     let n_silent = silent_samples(&found, silent, ("source.silent", None), settings)?;
     if let Some((n_silent, stated)) = n_silent.zip(silent) {

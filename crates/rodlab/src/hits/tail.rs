@@ -1,0 +1,40 @@
+//! Shortening of hits to the part in which something moves.
+
+use labio::hits::samples_of_motion;
+
+use super::FoundHits;
+use crate::RodlabError;
+use crate::outcome::Setting;
+
+impl FoundHits {
+    /// Shortens the accepted hits to the samples in which `channels` move
+    /// ([`samples_of_motion`]), and adds a setting that states this. `field` is the place of the
+    /// choice in the sheet.
+    ///
+    /// # Errors
+    ///
+    /// [`RodlabError::Step`] for a missing channel.
+    pub fn leave_out_tail(&mut self, channels: &[&str], field: &str) -> Result<(), RodlabError> {
+        let refused = |error| RodlabError::step(field, error);
+        let (numbers, hits) = self.numbered();
+        let Some(n_samples) = samples_of_motion(&hits, channels).map_err(refused)? else {
+            return Ok(());
+        };
+        let milliseconds = hits
+            .first()
+            .map_or(0.0, |hit| 1e3 * n_samples as f64 / hit.sampling_rate_hz());
+        let longest = hits.iter().map(|hit| hit.n_samples()).max().unwrap_or(0);
+        for number in numbers {
+            if let Some((log, place)) = self.log_of(number) {
+                log.shorten(place, n_samples).map_err(refused)?;
+            }
+        }
+        self.settings.push(Setting::by_default(
+            field,
+            format!(
+                "left out: {n_samples} of {longest} samples of each hit are used, {milliseconds:.4} ms; the others have only noise"
+            ),
+        ));
+        Ok(())
+    }
+}
