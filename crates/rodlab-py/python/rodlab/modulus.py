@@ -40,6 +40,8 @@ class Options(TypedDict, total=False):
     """Poisson's ratio, to correct for lateral inertia with the theory of Pochhammer and Chree."""
     silent: Number
     """Time in s for which each record is silent before the blow: the noise is estimated from this part."""
+    tail: str
+    """``"Keep"`` to keep the rest at the end of long hits, which contains only noise; ``"LeaveOut"`` by default."""
     limits: Mapping[str, str]
     """Requirements on a valid line, such as ``{"storage_modulus": "2 %"}``."""
     checks: Mapping[str, Any]
@@ -279,7 +281,8 @@ def _modulus(source: Hits | Part, method: Part, specimen: Mapping[str, str], opt
     if isinstance(source, Hits):
         folder = source._folder
         silent = quantity(options["silent"], "s", "silent") if "silent" in options else None
-        stated["source"] = Part("Hits", (), (("records", source._records), ("hits", source._hits), ("silent", silent)))
+        tail = Part(options["tail"]) if "tail" in options else None
+        stated["source"] = Part("Hits", (), (("records", source._records), ("hits", source._hits), ("silent", silent), ("tail", tail)))
     if "band" in options:
         low, high = (quantity(edge, "Hz", "band") for edge in options["band"])
         stated["band"] = {"from": low, "to": high}

@@ -360,3 +360,49 @@ fn identity() -> output::SheetIdentity {
         sha256: String::new(),
     }
 }
+
+/// Records of a second, in which the rod moves for 60 ms: their rest is left out, which makes more
+/// of the band valid, and the valid lines are right.
+#[test]
+fn the_rest_at_the_end_of_long_hits_is_left_out() {
+    let folder = TempDir::new().unwrap();
+    virtual_rod::write_hits(folder.path(), 3, 7);
+    let contents = labio::format::read(&folder.path().join("hits.npy")).unwrap();
+    let mut noise = testbed::noise::Noise::seeded(7);
+    for hit in 0..3 {
+        let rows = contents.series.iter().map(|series| {
+            let labio::Ordinate::Real(all) = &series.ordinate else {
+                unreachable!("real samples");
+            };
+            let mut row = all[hit * SAMPLES..(hit + 1) * SAMPLES].to_vec();
+            // the rod is at rest in the first half of a millisecond
+            let square = row[..32].iter().map(|x| x * x).sum::<f64>() / 32.0;
+            row.extend((SAMPLES..16 * SAMPLES).map(|_| square.sqrt() * noise.normal()));
+            row
+        });
+        let rows: Vec<Vec<f64>> = rows.collect();
+        virtual_rod::write_npy(&folder.path().join(format!("long-{hit}.npy")), &rows);
+    }
+    let of_tail = |tail: &str| {
+        let text = sheet(TWO_POINT, BAND)
+            .replace("\"hits.npy\"", "\"long-*.npy\"")
+            .replace("hits: (\n", &format!("{tail} hits: (\n"));
+        let start = text.find("cut:").unwrap();
+        let end = start + text[start..].find('\n').unwrap();
+        let outcome = run(folder.path(), &text.replace(&text[start..end], "")).unwrap();
+        let valid = is_valid(&outcome);
+        let share = valid.iter().filter(|valid| **valid).count() as f64 / valid.len() as f64;
+        (outcome, valid.len(), share)
+    };
+    let (outcome, n_lines, share) = of_tail("");
+    check_lines(&outcome, &virtual_rod::polypropylene());
+    let setting = outcome.settings.iter().find(|s| s.name == "source.tail");
+    assert!(
+        setting.is_some_and(|setting| setting.value.contains("of 65536 samples")),
+        "{:?}",
+        outcome.settings
+    );
+    let (_, all, of_all) = of_tail("tail: Keep,");
+    assert!(4 * n_lines < all + 8, "{n_lines} of {all}");
+    assert!(share > 1.2 * of_all, "{share} {of_all}");
+}
