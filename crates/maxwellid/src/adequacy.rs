@@ -42,7 +42,7 @@ use crate::vectors::dot;
 pub enum Basis {
     /// 1 and z.
     Linear,
-    /// 1, z, and all products of two.
+    /// 1, z, and the products of all pairs of components.
     Quadratic,
 }
 
@@ -84,7 +84,7 @@ pub struct RobbinsMonro {
     /// Number of passes over the samples, each in a different order.
     pub passes: usize,
     /// True to return the mean of the weights over the second half of the steps (Polyak and
-    /// Ruppert) instead of the last ones.
+    /// Ruppert) instead of the last weights.
     pub averages: bool,
     /// Seed of the random orders of the samples.
     pub seed: u64,

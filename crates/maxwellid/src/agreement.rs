@@ -4,7 +4,7 @@ use std::fmt;
 
 use crate::least_squares::Linearisation;
 
-/// A remark on a fit for its user.
+/// A remark on a fit.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub enum FitFlag {
@@ -16,13 +16,13 @@ pub enum FitFlag {
         test: String,
         /// Name of the parameter.
         parameter: String,
-        /// Change of the parameter that the test alone would make, with the other parameters fixed.
+        /// Change of the parameter if this test alone were fitted, with the other parameters fixed.
         change: f64,
         /// The change in standard deviations.
         deviations: f64,
     },
-    /// The simulated front of a test arrives at another time than the measured one: the fit may be
-    /// in a minimum that belongs to another period of the waveform.
+    /// The simulated front of a test does not arrive when the measured one does: the fit may be in
+    /// a minimum that belongs to another period of the waveform.
     ArrivalOff {
         /// Name of the test.
         test: String,
@@ -31,7 +31,7 @@ pub enum FitFlag {
     },
     /// The residual exceeds the stated noise. Errors are increased by this ratio.
     ResidualAboveNoise {
-        /// Standard deviation of the white residual, 1 if the noise explains it.
+        /// Standard deviation of the whitened residual; 1 if the noise explains it.
         ratio: f64,
     },
     /// The alternation of parameters and excitation has not converged: the minimum is not settled,
@@ -47,7 +47,7 @@ pub enum FitFlag {
     },
     /// The finest grid permitted does not reach the requested accuracy.
     GridTooCoarse {
-        /// Difference from a grid of half the cell, rms as a fraction of V0.
+        /// Rms difference from a grid with half the cell length, as a fraction of V0.
         difference: f64,
         /// Requested accuracy.
         requested: f64,

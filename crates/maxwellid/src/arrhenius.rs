@@ -10,7 +10,7 @@
 //! Tests at several temperatures then determine Q in addition to the parameters of the law at T₀.
 //!
 //! # Validity
-//! One mechanism, and a modulus that does not depend on the temperature, as over some tens of
+//! The model holds for one mechanism and a temperature-independent modulus, as over some tens of
 //! kelvin away from a transition.
 //!
 //! Theory: `docs/theory/model-identification.md#tests-at-several-temperatures`.

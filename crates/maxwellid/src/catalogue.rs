@@ -13,7 +13,7 @@ use crate::model::{DrivenRod, LinearisedResponse, RodModel, forwarded_rod_model}
 use crate::special_case::{NO_SHARE, PronySeries, SpecialCase};
 use crate::specimen::SpecimenSensitivity;
 
-/// A law of the rod with its parameters, their starts and their bounds: a [`RodModel`].
+/// A law of the rod with its parameters, starting values and bounds: a [`RodModel`].
 ///
 /// | law | parameters besides E |
 /// |---|---|
@@ -31,7 +31,7 @@ use crate::specimen::SpecimenSensitivity;
 /// | Zhu-Wang-Tang with Norton's dashpot | shares of the branches, relaxation time of the linear one, and those of the other |
 /// | flat loss beside Norton or Gurevich-Rabinovich | share of the nonlinear branch, loss factor of the linear ones, and those of the dashpot |
 ///
-/// (Ödeen 1993, paper D, Table 1) has Maxwell, Norton and Gurevich-Rabinovich.
+/// Maxwell, Norton and Gurevich-Rabinovich are the laws of (Ödeen 1993, paper D, Table 1).
 ///
 /// ```
 /// use maxwellid::{Law, RodModel};
@@ -63,7 +63,7 @@ pub enum Law {
     /// A spring and the dashpot of Eyring, F = ε̇₀ sinh(σ/σ*), in series.
     Eyring,
     /// A spring in parallel with a fast and a slow Maxwell branch, the law of Zhu, Wang and Tang at
-    /// strains at which its equilibrium is linear.
+    /// strains where its equilibrium is linear.
     ZhuWangTang,
     /// A spring in parallel with a branch of Norton's dashpot.
     ZenerNorton,
@@ -71,11 +71,11 @@ pub enum Law {
     ZenerGurevichRabinovich,
     /// A spring in parallel with a branch of Eyring's dashpot.
     ZenerEyring,
-    /// A linear Maxwell branch in parallel with one of Norton's dashpot.
+    /// A linear Maxwell branch in parallel with a branch of Norton's dashpot.
     MaxwellAndNorton,
-    /// A linear Maxwell branch in parallel with one of the dashpot of Gurevich and Rabinovich.
+    /// A linear Maxwell branch in parallel with a branch of the dashpot of Gurevich and Rabinovich.
     MaxwellAndGurevichRabinovich,
-    /// A spring in parallel with a linear Maxwell branch and one of Norton's dashpot.
+    /// A spring in parallel with a linear Maxwell branch and a branch of Norton's dashpot.
     ZhuWangTangNorton,
     /// A branch of Norton's dashpot in parallel with a linear material of constant loss factor.
     FlatLossAndNorton,
@@ -148,7 +148,7 @@ impl Law {
     /// Nonlinear laws with an equilibrium.
     pub const WITH_EQUILIBRIUM: [Self; 2] = [Self::ZenerNorton, Self::ZenerGurevichRabinovich];
 
-    /// The nonlinear law that remains of this one without its spring or linear branch.
+    /// The nonlinear law that remains without the spring or linear branch of this law.
     #[must_use]
     pub fn of_branch(self) -> Option<Self> {
         match self {

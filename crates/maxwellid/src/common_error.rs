@@ -9,10 +9,10 @@
 //! I - (1 - 1/√(1 + |a|²)) a aᵀ/|a|² ,
 //! ```
 //!
-//! each for a column to which the factors before it have been applied. The fit, its errors, its
-//! profiles and the comparison of laws then contain these errors, which are eliminated as unknowns
-//! with a normal prior (Golub & Pereyra 1973). The factors couple all tests that share an error:
-//! two tests of one rod have one error of its length.
+//! each for its column after the preceding factors have been applied to it. The fit, its errors,
+//! its profiles and the comparison of laws then contain these errors, which are eliminated as
+//! unknowns with a normal prior (Golub & Pereyra 1973). The factors couple all tests that share an
+//! error: two tests of one rod have one error of its length.
 //!
 //! The derivative with respect to ln L follows from those with respect to θ: two velocity histories
 //! determine only E/(ρL²) and the function L F(ρLs) of s (see [`crate::SpecimenSensitivity`]).
@@ -20,14 +20,14 @@
 //! The response is linearised about the most likely delay, and about the stated values of the other
 //! quantities.
 //!
-//! If the recorder is part of the model, the front of the excitation between two points of its grid
-//! is a common error too. On a grid of a quarter of the spacing the response of a nonlinear rod
-//! changes by Δ. For a front that rises at once the error is of first order in the spacing, so that
+//! If the recorder is part of the model, the unresolved front of the excitation between two grid
+//! points is a common error too. On a grid of a quarter of the spacing the response of a nonlinear
+//! rod changes by Δ. For an instantaneous rise the error is of first order in the spacing, so that
 //! Δ + Δ/4 + .. = 4Δ/3 is missing. This correction is added, with the standard uncertainty Δ.
 //!
 //! # Validity
-//! The response is linear in gains of some per cent, and in errors of length up to the distance
-//! that a wave travels in a tenth of its rise. The density of all rods of one material has one
+//! The response is linear in gain errors of some per cent, and in length errors up to the distance
+//! that a wave travels in a tenth of its rise time. The density of all rods of one material has one
 //! error, which scales the results: [`crate::SpecimenUncertainty`].
 //!
 //! Theory: `docs/theory/identification.md#errors-of-rods-and-transducers`.
@@ -147,10 +147,10 @@ impl RodTest {
     }
 }
 
-/// Relative standard uncertainty of the gain of a transducer for which nothing is stated.
+/// Relative standard uncertainty of an unstated transducer gain.
 pub const UNSTATED_GAIN: f64 = 0.05;
 
-/// Standard uncertainty, in samples, of the delay between transducers for which nothing is stated.
+/// Standard uncertainty, in samples, of an unstated delay between transducers.
 pub const UNSTATED_DELAY: f64 = 1.0;
 
 /// Adds to `tests` an error of the response's gain ([`UNSTATED_GAIN`]) and of its delay

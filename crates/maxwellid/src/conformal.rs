@@ -37,7 +37,7 @@ use crate::error::MaxwellidError;
 ///
 /// # Errors
 /// [`MaxwellidError::UnequalSamples`] unless samples and classes have equal numbers, and samples
-/// and pattern equal lengths; [`MaxwellidError::TooFewStandardSamples`] for a class of fewer than
+/// and pattern equal lengths; [`MaxwellidError::TooFewStandardSamples`] for a class with fewer than
 /// two.
 pub fn p_values(
     samples: &[Vec<f64>],

@@ -39,7 +39,7 @@ pub struct PlannedTest {
 
 impl PlannedTest {
     /// Plans a test of a rod like that of `test`, at another impact velocity [m/s]: the excitation
-    /// is scaled, the noise is that of the same instruments.
+    /// is scaled, and the noise of the instruments is kept.
     ///
     /// # Errors
     /// [`MaxwellidError::Setting`] unless the velocity is finite and above 0.
@@ -122,9 +122,9 @@ impl PlannedTest {
         Ok(Self { test })
     }
 
-    /// Adopts the temperature and the instruments of a `test` that was made: the noise, the errors
-    /// of the transducers, the recorder, and the error of the length, which is the same error only
-    /// for a rod of the same length.
+    /// Adopts the temperature and the instruments of an existing `test`: the noise, the errors of
+    /// the transducers, the recorder, and the error of the length, which is the same error only for
+    /// a rod of the same length.
     ///
     /// # Errors
     /// As [`RodTest::with_recorder`].
@@ -193,10 +193,10 @@ impl Estimated<'_> {
     }
 }
 
-/// The tests made and the grid.
+/// The existing tests and the grid.
 #[derive(Debug, Clone, Copy)]
 pub struct Design<'a> {
-    /// Tests made.
+    /// Existing tests.
     pub tests: &'a [RodTest],
     /// Longest cell of grids \[m\].
     pub cell: f64,
@@ -247,7 +247,7 @@ impl Design<'_> {
     }
 
     /// Returns the expected ln of the Bayes factor of `truth` over `rival`, including the tests
-    /// `planned`; without planned tests, that of the tests made.
+    /// `planned`; without planned tests, that of the existing ones.
     ///
     /// # Errors
     /// As [`Self::deviations`].
@@ -273,8 +273,8 @@ impl Design<'_> {
     }
 
     /// Returns the misfit matrix: entry (i, j) is the separation of law i, assumed to be true, from
-    /// law j, for the tests made. Consult it for every choice of a law: laws with an off-diagonal
-    /// entry near 0 cannot be distinguished.
+    /// law j, for the existing tests. Consult it for every choice of a law: laws with an
+    /// off-diagonal entry near 0 cannot be distinguished.
     ///
     /// # Errors
     /// As [`Self::separation`].

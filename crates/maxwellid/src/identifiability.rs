@@ -1,4 +1,4 @@
-//! Information of the data: covariance, standard errors, and a verdict for each parameter.
+//! Information in the data: covariance, standard errors, and a verdict for each parameter.
 //!
 //! Theory: `docs/theory/identification.md#verdicts`.
 
@@ -107,7 +107,7 @@ impl Estimate {
     }
 }
 
-/// Information of the data on the parameters at the minimum.
+/// Information in the data on the parameters at the minimum.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct Identifiability {

@@ -311,7 +311,7 @@ impl<M: RodModel> Identification<M> {
         (chi_square, degrees)
     }
 
-    /// Standard deviation of the white residual: 1 if the stated noise explains it; NaN without
+    /// Standard deviation of the whitened residual: 1 if the stated noise explains it; NaN without
     /// stated noise.
     #[must_use]
     pub fn ratio_to_noise(&self) -> f64 {
@@ -380,8 +380,8 @@ impl<M: RodModel> Identification<M> {
         &self.course.starts
     }
 
-    /// Number of minima that were found and rejected because their front arrived at another time
-    /// than the measured one.
+    /// Number of minima that were found and rejected because their front did not arrive with the
+    /// measured one.
     #[must_use]
     pub fn cycle_skips_left(&self) -> usize {
         self.course.cycle_skips_left
@@ -399,7 +399,7 @@ impl<M: RodModel> Identification<M> {
         self.cell
     }
 
-    /// Difference of the simulated response from the response on a grid of half the cell, at the
+    /// Difference of the simulated response from that on a grid with half the cell length, at the
     /// solution: largest rms among the tests, as a fraction of V0. The error of a scheme of second
     /// order is 4/3 of it.
     #[must_use]

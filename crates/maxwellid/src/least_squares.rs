@@ -52,9 +52,9 @@ impl std::ops::AddAssign for Evaluations {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Termination {
-    /// A step within the limits would not reduce the sum of squares any further: by less than 1e-10
-    /// of it or, for a white residual, a hundred-thousandth, which changes no parameter by more
-    /// than some hundredths of its standard error.
+    /// A step within the limits would reduce the sum of squares by less than 1e-10 of it or, for a
+    /// whitened residual, a hundred-thousandth, which changes no parameter by more than some
+    /// hundredths of its standard error.
     NoReductionLeft,
     /// The step is below 1e-9 of its limit in every parameter.
     StepNegligible,

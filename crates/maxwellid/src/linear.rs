@@ -1,4 +1,4 @@
-//! Linear competitors: rods with linearly viscoelastic laws, with which every nonlinear law must be
+//! Linear competitors: rods with linear viscoelastic laws, with which every nonlinear law must be
 //! compared.
 //!
 //! # Problem
@@ -178,8 +178,8 @@ pub trait LinearLaw: Debug + Send + Sync {
     /// E(s)/E with its derivatives with respect to p, written to `derivatives`, one for each
     /// parameter; `None` where the law does not exist.
     ///
-    /// The default is a difference of fourth order over ±1e-3 and ±2e-3 of each parameter, with an
-    /// error of about 1e-12 of its fifth derivative.
+    /// The default is a fourth-order finite difference over ±1e-3 and ±2e-3 of each parameter, with
+    /// an error of about 1e-12 of its fifth derivative.
     fn shape_with_derivatives(
         &self,
         s: Complex64,

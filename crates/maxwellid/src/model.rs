@@ -110,7 +110,7 @@ pub trait RodModel: Debug + Send + Sync {
     /// of θ.
     fn stated(&self, parameters: &[f64]) -> Vec<StatedParameter>;
 
-    /// Sensitivity of each of θ to length and density of the specimen: for ln E it is
+    /// Sensitivity of each component of θ to length and density of the specimen; for ln E it is
     /// [`SpecimenSensitivity::OF_MODULUS`].
     fn specimen_sensitivities(&self, parameters: &[f64]) -> Vec<SpecimenSensitivity>;
 
@@ -124,9 +124,9 @@ pub trait RodModel: Debug + Send + Sync {
         parameters: &[f64],
     ) -> Option<LinearisedResponse>;
 
-    /// ∂v_r/∂v_e at the times of `rod` with respect to the samples of these indices, one column per
-    /// sample, for changes of the order of `change` [m/s]; `None` where θ is outside the model. By
-    /// default from differences of [`Self::response`].
+    /// ∂v_r/∂v_e at the times of `rod` with respect to the samples with these indices, one column
+    /// per sample, for changes of the order of `change` [m/s]; `None` where θ is outside the model.
+    /// By default from differences of [`Self::response`].
     fn by_samples(
         &self,
         rod: &DrivenRod<'_>,

@@ -1,12 +1,12 @@
-//! Bias by a recorder: check of the bandwidth of an excitation for nonlinear rods.
+//! Bias due to a recorder: check of the bandwidth of an excitation for nonlinear rods.
 //!
 //! Both histories pass the low-pass filter of their recorder. A linear rod commutes with it: driven
 //! by the filtered excitation it gives the filtered response. A nonlinear rod does not, because the
 //! dissipation of a front depends on its full stress, which the filter reduces: from recorded
-//! excitations the exponent of a Norton rod of κ = 2.1 is found as 1.3 to 1.8, without a
+//! excitations the exponent of a Norton rod of κ = 2.1 is estimated as 1.3 to 1.8, without a
 //! conspicuous residual; at 204.8 kHz and 2 % of noise E is still 0.6 % low, four standard errors.
 //! The record does not contain the lost part, but it shows whether the spectrum is still above the
-//! noise at the start of the filter:
+//! noise at the onset of the filter:
 //!
 //! ```text
 //! R = Σ P(f) / Σ P_noise(f) - 1 ,    0.6 f_c <= f <= f_c
@@ -23,7 +23,7 @@
 //! 2.56.
 //!
 //! Where the filter is known, [`RodTest::with_recorder`] makes it part of the model, and the check
-//! has no object.
+//! is unnecessary.
 //!
 //! Theory: `docs/theory/identification.md#what-a-recorders-filter-does-to-a-nonlinear-rod`.
 
@@ -113,8 +113,8 @@ impl RecorderCheck {
         })
     }
 
-    /// Returns true if the signal exceeds the noise there, by three standard errors or by the power
-    /// of the noise itself.
+    /// Returns true if the signal in this band exceeds three standard errors or the power of the
+    /// noise.
     #[must_use]
     pub fn is_biased(&self) -> bool {
         self.signal_to_noise > (3.0 * self.standard_error).min(1.0)

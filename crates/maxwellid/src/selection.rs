@@ -19,8 +19,8 @@
 //! parameter that they determine costs the logarithm of the factor by which they narrow it (Occam's
 //! factor).
 //!
-//! Grids are refined until the error of the solver is small against the noise: it would refute the
-//! right law in records of low noise.
+//! Grids are refined until the error of the solver is small compared with the noise; otherwise it
+//! would refute the right law in records of low noise.
 //!
 //! A law that contains another as a limit is also fitted from this limit, so that it never explains
 //! the data worse. χ² and adequacy are those of the likeliest parameters, without the prior.
@@ -160,9 +160,9 @@ impl Selection {
         })
     }
 
-    /// Adds candidates that enter only if a nonlinear law is in question: if the others leave one,
-    /// or if none of them explains the data. They follow the others in the result, and the
-    /// probabilities are those among all candidates.
+    /// Adds candidates that enter only if the others leave a nonlinear law in question, or if none
+    /// of them explains the data. They follow the others in the result, and the probabilities are
+    /// those among all candidates.
     #[must_use]
     pub fn with_further(self, further: Vec<Candidate>) -> Self {
         Self { further, ..self }

@@ -74,7 +74,7 @@ pub struct RodTest {
     pub(crate) unfiltered: Option<Arc<UnfilteredExcitation>>,
 }
 
-/// A remark on a test for its user.
+/// A remark on a test.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub enum TestFlag {
@@ -350,8 +350,8 @@ impl RodTest {
     /// Accurate to some per cent: the error is the rise time relative to the transit time.
     ///
     /// # Errors
-    /// [`MaxwellidError::NoArrival`] if a history never rises, or the response not after the
-    /// excitation.
+    /// [`MaxwellidError::NoArrival`] if a history never rises, or the response does not rise after
+    /// the excitation.
     pub fn modulus_from_time_of_flight(&self) -> Result<f64, MaxwellidError> {
         let time = self.time_of_flight()?;
         Ok(self.density * (self.length / time).powi(2))

@@ -1,4 +1,4 @@
-//! Intervals at whose ends χ², with weights and excitation renewed, does not rise as the standard
+//! Intervals whose ends lack the rise of χ², with renewed weights and excitation, that the standard
 //! errors imply.
 
 use super::{Course, Fit, Lowest, value};

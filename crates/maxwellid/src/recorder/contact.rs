@@ -1,4 +1,4 @@
-//! The prior of an excitation: a contact that begins, and what a record makes of it.
+//! The prior of an excitation with the onset of a contact, and its posterior given a record.
 
 use faer::linalg::matmul::triangular::{self, BlockStructure};
 use faer::linalg::solvers::{Llt, Solve};

@@ -1,4 +1,4 @@
-//! The low-pass filter of a recorder, and what it leaves of a finely sampled history.
+//! The low-pass filter of a recorder, and its effect on a finely sampled history.
 
 use std::fmt;
 use std::sync::Arc;
@@ -60,8 +60,8 @@ const STOPPED: f64 = 0.25;
 const UNIT_GAIN: f64 = 1e-6;
 
 impl RecorderFilter {
-    /// Creates a filter of cut-off `cutoff_hz` \[Hz\] by its frequency response, of the time factor
-    /// e^{iωt}, for frequencies above 0.
+    /// Creates a filter of cut-off `cutoff_hz` \[Hz\] from its frequency response at frequencies
+    /// above 0, for the time factor e^{iωt}.
     ///
     /// # Errors
     /// [`MaxwellidError::Setting`] for a cut-off that is not finite and above 0, and for a response

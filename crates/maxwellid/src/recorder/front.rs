@@ -1,4 +1,4 @@
-//! Begin, time constant and variance of the contact, from the front of a record.
+//! Onset, time constant and variance of the contact, from the front of a record.
 
 use faer::{Mat, Side};
 

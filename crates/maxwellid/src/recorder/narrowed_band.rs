@@ -1,10 +1,10 @@
 //! Sensitivity of an estimate to the upper part of the band of its recorder.
 //!
-//! The bias of a nonlinear law by a filter, see [`RecorderCheck`](super::RecorderCheck), grows as
-//! the band narrows. Both histories pass a further zero-phase low-pass filter, of [`KEPT`] of the
-//! cut-off, and the law is fitted to them again. If only noise is lost, the estimate
-//! does not change: with an efficient estimate on the whole band the variance of the difference is
-//! that of its parts (Hausman, *Econometrica* **46** (1978) 1251)
+//! The bias of a nonlinear law due to a filter, see [`RecorderCheck`](super::RecorderCheck), grows
+//! as the band narrows. Both histories pass a further zero-phase low-pass filter, at [`KEPT`] of
+//! the cut-off, and the law is fitted to them again. If only noise is lost, the estimate does not
+//! change: with an efficient estimate on the whole band the variance of the difference is the
+//! difference of the variances (Hausman, *Econometrica* **46** (1978) 1251)
 //!
 //! ```text
 //! z = (θ_n - θ) / √(σ_n² - σ²)
@@ -12,7 +12,7 @@
 //!
 //! # Validity
 //! σ_n² - σ² is taken as at least [`LEAST_SHARE`]² σ², so that a difference within the error of the
-//! estimate itself is no alarm. A parameter whose error on the narrower band exceeds
+//! estimate itself raises no alarm. A parameter whose error on the narrower band exceeds
 //! [`IDENTIFIED_BELOW`] is left out. The test does not detect the loss beyond the cut-off itself,
 //! only that between [`KEPT`] of it and the whole. Half of the band would be too narrow: for a
 //! pulse rounded by 30 us the exponent of a Norton rod then falls by three standard errors,
@@ -72,7 +72,7 @@ pub struct BandDifference {
 }
 
 impl BandDifference {
-    /// Difference in its standard errors.
+    /// Difference divided by its standard error.
     #[must_use]
     pub fn z(&self) -> f64 {
         let variance = self.narrow_error.powi(2) - self.full_error.powi(2);
@@ -131,9 +131,9 @@ impl std::fmt::Display for NarrowedBand {
 }
 
 impl<M: RodModel + Clone> Fit<M> {
-    /// Fits the model to `tests` on [`KEPT`] of their band, from `found` on, and compares.
-    /// `cutoffs_hz` are those of the recorders \[Hz\], `None` if not known or part of the
-    /// model; the narrower band then is part of it too.
+    /// Fits the model to `tests` on [`KEPT`] of their band, starting from `found`, and compares the
+    /// estimates. `cutoffs_hz` are those of the recorders \[Hz\], `None` if not known or part of
+    /// the model; the narrower band then is part of it too.
     ///
     /// # Errors
     /// As [`Fit::to`]; [`MaxwellidError::NoiseUnknown`] without stated noise;

@@ -14,28 +14,28 @@
 //! u = B w ,    B(t) = 1 - e^{-t/τ} ,    var w = D = q I + h² (1 0.8; 0.8 1) at the first two points .
 //! ```
 //!
-//! It states that bodies met once and that bounded forces change a velocity: no striker, no shape.
-//! Given the record, u is normal with
+//! It states only that bodies met once and that bounded forces change a velocity; no striker or
+//! pulse shape is assumed. Given the record, u is normal with
 //!
 //! ```text
 //! mean u₁ = Σ Gᵀ K⁻¹ v_e ,    covariance P = Σ - Σ Gᵀ K⁻¹ G Σ ,    Σ = B D Bᵀ ,  K = G Σ Gᵀ + C_e .
 //! ```
 //!
-//! h is the largest value of the record; two points share the step, as the contact begins between
-//! them, with a correlation of 0.8. Begin of the contact, τ and q are those of the greatest
-//! likelihood of the record about its front, ln N(v_e; 0, K); mean and covariance are those of the
-//! mixture over other begins and τ with their likelihoods. The response of any law is computed for
-//! the excitation u, filtered and sampled by the same G, and its covariance contains P: both the
-//! noise of the record and what the record does not show of the front (see [`crate::whitening`]).
-//! Without a filter and without a prior this is the covariance of the noise alone.
+//! h is the largest value of the record. The contact begins between two points, which share the
+//! step with a correlation of 0.8. The onset of the contact, τ and q maximise the likelihood of the
+//! record about its front, ln N(v_e; 0, K); mean and covariance are those of the mixture over other
+//! onsets and τ with their likelihoods. The response of any law is computed for the excitation u,
+//! filtered and sampled by the same G, and its covariance contains P: both the noise of the record
+//! and the part of the front that the record does not show (see [`crate::whitening`]). Without a
+//! filter and without a prior this is the covariance of the noise alone.
 //!
 //! A linear rod commutes with the filter. It is driven by G u at twice the sampling rate, and its
 //! response needs no filter.
 //!
 //! # Validity
-//! Both histories pass the same filter. Where the contact ends or a wave returns, the prior has no
-//! event and takes what the record shows. Above the band of the record the shape of a front is that
-//! of the prior, within the stated standard error.
+//! Both histories pass the same filter. The prior has no event for the end of the contact or a
+//! returning wave, and there follows the record. Above the band of the record the shape of a front
+//! is that of the prior, within the stated standard error.
 //!
 //! Theory: `docs/theory/identification.md#the-recorder-as-part-of-the-model`.
 
@@ -209,7 +209,7 @@ impl UnfilteredExcitation {
         &self.filter
     }
 
-    /// Points of the grid per second \[Hz\].
+    /// Number of grid points per second \[Hz\].
     #[must_use]
     pub fn rate_hz(&self) -> f64 {
         self.drive.rate_hz
@@ -231,15 +231,14 @@ impl UnfilteredExcitation {
             .collect()
     }
 
-    /// Begin of the contact \[s\] from the first sample, as the prior has it.
+    /// Onset of the contact in the prior \[s\], from the first sample.
     #[must_use]
     pub fn begin(&self) -> f64 {
         self.contact.begin as f64 / self.drive.rate_hz
     }
 
     /// Share of the excitation above the cut-off of the recorder, as the ratio of the root mean
-    /// squares. The filter took most of it away; the prior and the rest of the record supply
-    /// it.
+    /// squares. The filter removed most of it; the prior and the rest of the record supply it.
     #[must_use]
     pub fn share_above_cutoff(&self) -> f64 {
         let silence = HistoryNoise::White {

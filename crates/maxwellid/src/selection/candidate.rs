@@ -65,7 +65,7 @@ impl Candidate {
     }
 
     /// Creates a candidate of the catalogue with the parameters that a fit states: those of
-    /// [`Self::of`], but for [`Law::Maxwell`] the viscosity.
+    /// [`Self::of`], but with the viscosity for [`Law::Maxwell`].
     #[must_use]
     pub fn of_fit(law: Law) -> Self {
         match law {

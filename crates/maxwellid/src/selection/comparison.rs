@@ -14,7 +14,7 @@ pub struct Comparison {
     pub laws: Vec<ComparedLaw>,
     /// The verdict.
     pub decision: Decision,
-    /// Advice before the verdict is used.
+    /// Advice to consider before the verdict is used.
     pub advice: Vec<Advice>,
     /// Sum of the probabilities of the nonlinear candidates.
     pub nonlinear_probability: f64,

@@ -1,4 +1,4 @@
-//! Verdict from the probabilities, and the advice for it.
+//! Verdict from the probabilities, with its advice.
 
 use std::fmt;
 
@@ -58,7 +58,7 @@ pub enum Doubt {
     },
 }
 
-/// Advice before the verdict is used.
+/// Advice to consider before the verdict is used.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub enum Advice {
