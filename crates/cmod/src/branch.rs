@@ -17,7 +17,7 @@
 //! | s | +1 | -1 | +1 | -1 | |
 //! | n | 0 | 1 | 1 | 2 | |
 //!
-//! This is Table 1 of paper A, derived anew because its layout is lost in print.
+//! This is Table 1 of paper A, re-derived because its layout is lost in print.
 //!
 //! The quadrant determines kL up to multiples of 2π. At low losses noise moves φ into the
 //! neighbouring quadrant on every line near kL = nπ. Therefore no line is assigned its branch from

@@ -1,4 +1,4 @@
-//! Checks of a record and of a modulus without a reference to compare with.
+//! Checks of a record and of a modulus that need no reference.
 //!
 //! Some conditions hold for any material. Each check measures the violation of one condition and
 //! computes the p-value: the probability that noise alone, at the level found in the data, causes
@@ -18,9 +18,9 @@
 //! applies to each check separately: if a correct record undergoes k checks at the level p, at
 //! least one fails by chance with a probability of up to 1 - (1 - p)^k, at most kp.
 //!
-//! Where the noise was estimated, from few hits or a short silence, every check takes its degrees
-//! of freedom into account: Fisher's and Student's distributions replace chi-square and the normal
-//! distribution.
+//! Where the noise was estimated, from few hits or a short quiet part, every check takes its
+//! degrees of freedom into account: Fisher's and Student's distributions replace chi-square and the
+//! normal distribution.
 //!
 //! Theory: `docs/theory/checks-without-truth.md`.
 

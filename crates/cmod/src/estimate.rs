@@ -207,13 +207,13 @@ pub struct ModulusLine {
     pub phase_velocity: f64,
     /// Standard errors of this line from all sources, random and common, to first order.
     pub standard_error: StandardError,
-    /// Covariances behind the standard errors, random and systematic part separately.
+    /// Covariances from which the standard errors follow, random and systematic parts apart.
     pub uncertainty: Uncertainty,
     /// |dE/E| divided by |dΨ/Ψ|: amplification of the relative error of the measured quantity in
     /// the modulus. For several gauges, this quantity is their root mean square.
     pub error_amplification: f64,
     /// Ratio of the second-order to the first-order part of the random error, at one standard
-    /// error: the part missing in the standard errors.
+    /// error: the part missing from the standard errors.
     pub second_order: f64,
     /// Root in closed form with its branch, from which the solution starts: for the two-point
     /// method, the root without end mass; for the three-point method, the solution itself. `None`
@@ -307,7 +307,7 @@ impl ModulusLine {
 pub enum Termination {
     /// Formula without iteration.
     ClosedForm,
-    /// The last step, or the residual, is of the size of rounding.
+    /// The last step, or the residual, is of the order of rounding.
     Converged {
         /// Number of Newton steps.
         iterations: u32,

@@ -75,7 +75,7 @@ setters! { FreeVibration: uncertainty, limits }
 
 impl FreeVibration {
     /// Creates the method for a rod of this `length` L \[m\], with a guess of the wave speed [m/s],
-    /// by which the modes are numbered; it must be correct within a fifth.
+    /// by which the modes are numbered; it must be accurate to a fifth.
     ///
     /// # Errors
     /// [`CmodError::NonPhysical`] for the rod, and unless length and wave speed are finite and

@@ -1,7 +1,7 @@
 //! Trend of the modulus over the hits of a test, for example due to temperature or a mounting that
 //! works loose.
 //!
-//! Each of the n hits alone gives a modulus that is less accurate than that of all hits by √n. Its
+//! The modulus from each of the n hits alone is less accurate by √n than that of all hits. Its
 //! relative deviation from the modulus of all hits is averaged over the valid lines, with weights
 //! from their random errors,
 //!
@@ -101,9 +101,9 @@ pub fn deviation(all: &ModulusEstimate, hit: &ModulusEstimate) -> Option<f64> {
 }
 
 /// Returns the relative deviations ε of the modulus of each hit from that of all hits, to first
-/// order in the deviation of its ratios from those of all hits, `ratios`. All ratios have an entry
-/// for each line that the estimate was made from. `None` if `method` has no derivative at a valid
-/// line, or a hit has no usable line.
+/// order in the deviation of its ratios from those of all hits, `ratios`. All ratios have one entry
+/// per line used for the estimate. `None` if `method` has no derivative at a valid line, or a hit
+/// has no usable line.
 #[must_use]
 pub fn deviations(
     method: &dyn RatioMethod,

@@ -1,5 +1,4 @@
-//! Modulus from three or more gauges anywhere on a uniform part of a rod, for any structure around
-//! it.
+//! Modulus from three or more gauges anywhere on a uniform part of a rod in any structure.
 //!
 //! Strain, displacement, velocity and acceleration each consist of two waves (Ödeen 1993, paper B,
 //! eq. 4),
@@ -15,8 +14,8 @@
 //!
 //! # Singular lines
 //! Gauges that all lie on a grid of spacing a cannot separate the waves where ka = nπ. Nor do three
-//! gauges determine γ where a node is at the middle gauge. Unequal distances, without a large
-//! common measure, and more gauges avoid both problems; [`advice`] predicts the errors of a set of
+//! gauges determine γ where a node is at the middle gauge. Unequal distances without a large common
+//! divisor, and more gauges, avoid both problems; [`advice`] predicts the errors of a set of
 //! positions. Near 0 Hz only a wider aperture helps.
 //!
 //! Theory: `docs/theory/multi-point-method.md`.

@@ -1,8 +1,8 @@
 //! Two-point method: the modulus from the accelerations of the two ends of an impacted specimen.
 //!
-//! A rod hangs in thin cords, is struck at one end, and carries an accelerometer of mass m at each
-//! end (Ödeen 1993, paper A). Beyond the accelerometer of the free end there is no force, hence
-//! (eq. 1)
+//! A rod hangs from thin cords, is struck at one end, and carries an accelerometer of mass m at
+//! each end (Ödeen 1993, paper A). Beyond the accelerometer of the free end there is no force,
+//! hence (eq. 1)
 //!
 //! ```text
 //! Ψ = â₁/â₂ = cosh γL + μ γL sinh γL ,    μ = m/(ρAL)
@@ -50,8 +50,8 @@ pub enum Solver {
     /// kept for comparison: at low losses it converges at some lines to a wrong root, which
     /// conditions (i)-(iii) do not always reveal.
     Newton,
-    /// Series in the mass ratio to four terms (paper A, eqs. 6-7), valid where its criterion of one
-    /// third is met.
+    /// Series in the mass ratio to four terms (paper A, eqs. 6-7), valid where two and four terms
+    /// differ by at most one third.
     Series,
 }
 

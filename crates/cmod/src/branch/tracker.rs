@@ -18,7 +18,7 @@ use crate::error::{
 
 /// Lower limit of the possible wave speeds [m/s]: soft rubber.
 pub const SLOWEST_WAVE: f64 = 20.0;
-/// Upper limit of the possible wave speeds [m/s], beyond any solid in a rod.
+/// Upper limit of the possible wave speeds [m/s], above that of any solid rod.
 pub const FASTEST_WAVE: f64 = 20e3;
 /// Default confidence below which a branch counts as doubtful.
 pub const LEAST_CONFIDENCE: f64 = 0.9999;

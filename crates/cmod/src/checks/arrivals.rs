@@ -102,7 +102,7 @@ impl<'a> Arrivals<'a> {
     /// The statistic of a channel is the mean square between the blow and that moment, divided by
     /// the mean square before the blow. For noise alone it is about 1 and has the F-distribution,
     /// with degrees of freedom that are reduced for the correlation of the noise before the blow.
-    /// The least p-value of all channels counts, corrected for the number of channels. Channels
+    /// The smallest p-value of all channels is used, corrected for the number of channels. Channels
     /// with fewer than 8 samples between blow and arrival are not checked.
     ///
     /// `fastest` is the speed of the front, √(E/ρ) of the unrelaxed modulus: more than any phase

@@ -25,10 +25,10 @@ const SMALLEST_FRACTION: f64 = 1e-6;
 /// b_j = c f(γd_j) ,    f = sinh γd + lγ cosh γd (strain) or cosh γd + lγ sinh γd (motion) ,    l = m/(ρA)
 /// ```
 ///
-/// while a support, a crack or a sensor with wrong position or calibration adds a second wave. On
-/// each line, γ and one c per test are fitted, and χ² = 2Σ|b - cf|²/σ² has 2(M(n - 1) - 1) degrees
-/// of freedom for M tests with n sections. The statistic is the sum over all lines divided by the
-/// sum of their degrees of freedom; noise alone gives 1.
+/// while a support, a crack or a wrongly placed or calibrated sensor adds a second wave. On each
+/// line, γ and one c per test are fitted, and χ² = 2Σ|b - cf|²/σ² has 2(M(n - 1) - 1) degrees of
+/// freedom for M tests with n sections. The statistic is the sum over all lines divided by the sum
+/// of their degrees of freedom; noise alone gives 1.
 ///
 /// Two sections always agree on some γ, whatever their errors, so three are needed. A rod whose
 /// waves are not one-dimensional, because of bending or of lateral inertia that changes the shape

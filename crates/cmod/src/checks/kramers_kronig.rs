@@ -39,9 +39,9 @@ const MOST_ROUNDS: u32 = 4;
 /// D degrees of freedom of all lines together the variance of Σu is larger by 1 + n (2/D - 2/Σν),
 /// and chi-square is scaled to it.
 ///
-/// This sum hides an error common to all losses. The second statistic is the decrease due to a
-/// factor on all losses ([`LossError`](rodwave::kramers_kronig::LossError)), with one degree of
-/// freedom; the p-value is twice the smaller of the two p-values.
+/// This sum is insensitive to an error common to all losses. The second statistic is the decrease
+/// due to a factor on all losses ([`LossError`](rodwave::kramers_kronig::LossError)), with one
+/// degree of freedom; the p-value is twice the smaller of the two p-values.
 ///
 /// The statistic is the root mean square residual, and noise alone gives 1. The error of the grid
 /// of relaxation times is subtracted first; if the verdict depends on the accuracy of the optimum,
@@ -56,7 +56,7 @@ pub fn kramers_kronig(estimate: &ModulusEstimate, level: f64) -> Result<CheckOut
     kramers_kronig_on(estimate, usize::MAX, level)
 }
 
-/// Checks at most `most_lines` lines, evenly chosen: the effort grows with their number, and an
+/// Checks at most `most_lines` evenly spaced lines: the effort grows with their number, and an
 /// error of a modulus seldom affects only one line of thousands. The detectable error decreases
 /// with the square root of the number of lines.
 ///

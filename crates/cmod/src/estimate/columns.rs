@@ -35,7 +35,7 @@ pub struct Column {
 pub struct Columns {
     /// Name of the estimation method.
     pub method: String,
-    /// Columns, all of one length.
+    /// Columns, all of equal length.
     pub columns: Vec<Column>,
     /// One verdict per line: `valid`, or the violated conditions.
     pub verdicts: Vec<String>,

@@ -1,4 +1,4 @@
-//! Estimate as curves for a figure: pieces of valid lines, pieces to be greyed, error bands.
+//! Estimate as curves for a figure: segments of valid lines, greyed segments, error bands.
 
 use super::{ModulusEstimate, ModulusLine};
 
@@ -49,7 +49,7 @@ impl PlottedQuantity {
     }
 }
 
-/// Quantity over frequency, in pieces of valid or invalid lines.
+/// Quantity over frequency, in segments of valid or invalid lines.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 #[non_exhaustive]
@@ -58,7 +58,7 @@ pub struct Curve {
     pub quantity: PlottedQuantity,
     /// Half the width of the bands, in standard errors.
     pub standard_errors: f64,
-    /// Pieces in order of frequency.
+    /// Segments in order of frequency.
     pub segments: Vec<CurveSegment>,
 }
 
@@ -67,7 +67,7 @@ pub struct Curve {
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 #[non_exhaustive]
 pub struct CurveSegment {
-    /// True if the lines are valid; the others are to be greyed.
+    /// True if the lines are valid; other segments are to be greyed out.
     pub valid: bool,
     /// Frequencies \[Hz\].
     pub frequency_hz: Vec<f64>,
@@ -80,9 +80,9 @@ pub struct CurveSegment {
 }
 
 impl ModulusEstimate {
-    /// Returns `quantity` over frequency with bands of ± `standard_errors` σ, in pieces of lines
-    /// that are all valid or all invalid. A refused line ends a piece, too: nothing is drawn across
-    /// it.
+    /// Returns `quantity` over frequency with bands of ± `standard_errors` σ, in segments of lines
+    /// that are all valid or all invalid. A refused line also ends a segment: nothing is drawn
+    /// across it.
     ///
     /// ```
     /// # use cmod::{Specimen, TwoPoint};

@@ -122,7 +122,7 @@ const MOST_HALF_WAVES: f64 = 1e5;
 
 /// Returns the frequencies \[Hz\] up to `highest_hz` at which all gauges are multiples of half a
 /// wavelength apart: ka = nπ with the [`common_spacing`] a. There the gauges cannot separate the
-/// waves and, except for the damping, γ is undetermined.
+/// waves and, apart from the effect of damping, γ is undetermined.
 ///
 /// # Errors
 /// Those of [`common_spacing`]; [`CmodError::NonPhysical`] for `highest_hz`.

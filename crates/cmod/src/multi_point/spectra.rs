@@ -27,7 +27,7 @@ impl GaugedRod {
         }
     }
 
-    /// Returns the least distance between two gauges \[m\].
+    /// Returns the smallest distance between two gauges \[m\].
     #[must_use]
     pub fn least_distance(&self) -> f64 {
         self.distances().fold(f64::INFINITY, f64::min)

@@ -13,8 +13,8 @@
 //! | Code_Aster | `DYNA_VISCO` | E'(f) and E''/E'(f) in the band | |
 //! | JSON | | Eᵢ of the rod; G(∞), Gᵢ and K of the solid, bulk elastic | τᵢ |
 //!
-//! Units are SI. Numbers are written with all their digits; in the ten columns of LS-DYNA with at
-//! least six, for values of 1e-9 and above.
+//! Units are SI. Numbers are written with all their digits; in the ten-column fields of LS-DYNA
+//! with at least six, for values of 1e-9 and above.
 //!
 //! ```
 //! use cmod::rheology::card::{BulkBehaviour, MaterialCard, Moduli};
@@ -53,14 +53,14 @@ pub const LS_DYNA_TERMS: usize = 18;
 /// Meaning of the elastic constants that accompany a Prony series in Abaqus.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Moduli {
-    /// Constants for the fastest load, E(∞): `MODULI=INSTANTANEOUS`. Abaqus does not accept this in
-    /// the frequency domain.
+    /// Constants for instantaneous loading, E(∞): `MODULI=INSTANTANEOUS`. Abaqus does not accept
+    /// this in the frequency domain.
     Instantaneous,
-    /// Constants for the slowest load, E(0): `MODULI=LONG TERM`.
+    /// Constants for long-term loading, E(0): `MODULI=LONG TERM`.
     LongTerm,
 }
 
-/// Relaxation of the response to a pressure.
+/// Relaxation of the response to pressure.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum BulkBehaviour {
     /// Same relaxation as in shear: the Poisson ratio is the same at all rates, and gᵢ = kᵢ =

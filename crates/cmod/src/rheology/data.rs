@@ -85,8 +85,8 @@ impl VarianceScatter {
     /// Returns the factors for a variance with `degrees_of_freedom` ν; `None` for a known variance.
     ///
     /// # Errors
-    /// [`CmodError::NonPhysical`] for 4 degrees of freedom or fewer: weighted sums have no variance
-    /// then.
+    /// [`CmodError::NonPhysical`] for 4 degrees of freedom or fewer: weighted sums then have no
+    /// finite variance.
     pub(crate) fn of(degrees_of_freedom: Option<f64>) -> Result<Self, CmodError> {
         let Some(freedom) = degrees_of_freedom.filter(|freedom| freedom.is_finite()) else {
             return Ok(Self::NONE);
@@ -293,7 +293,7 @@ impl ModulusData {
     /// # Errors
     /// Those of [`Self::new`]. Lines without a random error would have infinite weight and are
     /// refused. [`CmodError::NonPhysical`] if a variance has 4 degrees of freedom or fewer, for
-    /// example from three hits: weighted sums have no variance then.
+    /// example from three hits: weighted sums then have no finite variance.
     pub fn from_lines<'a>(
         lines: impl IntoIterator<Item = &'a ModulusLine>,
     ) -> Result<Self, CmodError> {

@@ -100,8 +100,8 @@ impl FitOptions {
     }
 
     /// Limits the number of branches of a Prony series whose order is found from the data, for
-    /// example to what a finite-element program accepts. If the data need more, the residuals show
-    /// it.
+    /// example to the number that a finite-element program accepts. If the data need more, the
+    /// residuals show it.
     #[must_use]
     pub fn with_most_branches(self, most: usize) -> Self {
         Self {

@@ -48,8 +48,8 @@ impl ModulusData {
     /// during the first `ramp` \[s\] and was held from then on; `ramp` is 0 for a step.
     ///
     /// The response of a law is E(t), or 1/J(t), for this load, without approximation: points
-    /// shortly after the ramp count fully. Predictions of the laws are functions of frequency all
-    /// the same; the band of the data is that of the inverse times, ω = 1/t.
+    /// shortly after the ramp count fully. Predictions of the laws remain functions of frequency;
+    /// the band of the data is that of the inverse times, ω = 1/t.
     ///
     /// # Errors
     /// [`CmodError::NoLines`]; [`CmodError::NonPhysical`] unless the ramp is finite and not below
