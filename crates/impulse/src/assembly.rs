@@ -112,7 +112,7 @@ impl Coupling {
     }
 }
 
-/// Members joined at their points, seen from one point, which is struck: an [`ImpactBody`].
+/// Members joined at their points, as an [`ImpactBody`] that is struck at one of the points.
 ///
 /// With the mobilities Y of all points of all members (block-diagonal) and one row of B per joint,
 /// 1 at its first point and -1 at its second,
@@ -126,9 +126,9 @@ impl Coupling {
 ///
 /// # Validity
 ///
-/// The joints bear tension. The assembly is known where all members are known. If a member is known
-/// on lines, the free vibrations of the assembly must decay within a period of the lines, and time
-/// marching needs a known front impedance at the struck point.
+/// The joints bear tension. The mobility of the assembly is known where those of all members are
+/// known. If a member is known on lines, the free vibrations of the assembly must decay within a
+/// period of the lines, and time marching needs a known front impedance at the struck point.
 ///
 /// ```
 /// use std::sync::Arc;

@@ -92,8 +92,8 @@ pub enum ImpulseError {
         /// Largest length.
         expected: usize,
     },
-    /// The noise of this sensor is known and that of sensor 0 is not, or the reverse: they cannot
-    /// be weighted.
+    /// The noise of this sensor is known and that of sensor 0 is not, or the reverse: the two
+    /// cannot be weighted.
     #[error(
         "the noise is known for only one of sensor {index} and sensor 0, expected both or neither"
     )]
@@ -250,7 +250,7 @@ pub enum ImpulseError {
         /// The quantity computed.
         what: &'static str,
     },
-    /// A gauge of a bar has no pulse.
+    /// The record of a bar contains no pulse.
     #[error(
         "the record of the {bar} has a peak of {largest} with a noise of {noise}, expected a pulse of ten times the noise"
     )]
@@ -262,7 +262,7 @@ pub enum ImpulseError {
         /// Standard deviation of the samples before the pulse.
         noise: f64,
     },
-    /// The transmitted bar answers before the incident bar.
+    /// The transmitted bar responds before the incident bar.
     #[error(
         "the transmitted bar responds at {transmitted} s, before the incident bar at {incident} s, expected the reverse: are the two exchanged?"
     )]

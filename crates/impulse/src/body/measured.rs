@@ -240,7 +240,7 @@ impl MeasuredBody {
     ///
     /// # Errors
     ///
-    /// [`ImpulseError::NonPhysical`] for one that is negative or not finite.
+    /// [`ImpulseError::NonPhysical`] for a value that is negative or not finite.
     pub fn with_scale_error(self, relative: f64) -> Result<Self, ImpulseError> {
         Ok(Self {
             scale_error: check_not_negative("relative uncertainty of the scale", relative)?,
@@ -253,7 +253,7 @@ impl MeasuredBody {
     ///
     /// # Errors
     ///
-    /// [`ImpulseError::NonPhysical`] for one that is negative or not finite.
+    /// [`ImpulseError::NonPhysical`] for a value that is negative or not finite.
     pub fn with_delay_error(self, delay: f64) -> Result<Self, ImpulseError> {
         Ok(Self {
             delay_error: check_not_negative("standard uncertainty of the delay [s]", delay)?,
@@ -290,7 +290,7 @@ impl MeasuredBody {
     ///
     /// # Errors
     ///
-    /// [`ImpulseError::NonPhysical`] for one that is negative or not finite.
+    /// [`ImpulseError::NonPhysical`] for a value that is negative or not finite.
     pub fn with_front_error(self, standard_error: f64) -> Result<Self, ImpulseError> {
         const WHAT: &str = "standard uncertainty of the front impedance [kg/s]";
         Ok(Self {

@@ -27,7 +27,7 @@ pub enum Projection {
     Causal,
     /// Bodies that generate no energy: a real part below 0 becomes 0.
     Passive,
-    /// Bodies that do neither, by alternating projections.
+    /// Bodies that meet both conditions, by alternating projections.
     CausalAndPassive,
 }
 

@@ -59,8 +59,8 @@ const LEAST_SWING: f64 = 0.3;
 const NEARLY_RIGID: f64 = 0.85;
 
 impl MeasuredBody {
-    /// Tests the mobility for properties of every body: causality, passivity, its mass at low and
-    /// its front impedance at high frequency.
+    /// Tests the mobility for causality, passivity, and the correct mass at low and front impedance
+    /// at high frequency.
     #[must_use]
     pub fn screen(&self) -> Screening {
         let (mass, delay) = self.rigid_lines();

@@ -18,7 +18,7 @@ const SLOW: f64 = 0.2;
 const FEWEST: usize = 8;
 
 /// Stress against strain of a shot, or the mean of several shots with the same bars on specimens of
-/// one kind.
+/// the same kind.
 ///
 /// Each curve is read at the same strains. At a given strain, an error of the strain acts as an
 /// error of the stress,
@@ -182,7 +182,7 @@ impl MeanCurve {
         sum(&self.scatter) / sum(&self.explained)
     }
 
-    /// Returns true if equal specimens would scatter so much with a probability below `chance`.
+    /// Returns true if the probability that equal specimens scatter this much is below `chance`.
     ///
     /// The ratio of [variances](Self::scatter_ratio) multiplied by $`n - 1`$ is assumed to be
     /// distributed as $`\chi^2`$ with $`n - 1`$ degrees of freedom: the shots differ by one number

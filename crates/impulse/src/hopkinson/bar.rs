@@ -82,7 +82,7 @@ impl BarMaterial {
     }
 
     /// Returns the material with a law that was measured up to `frequency_hz` \[Hz\]: a default
-    /// band ends there at the latest.
+    /// band extends no higher.
     #[must_use]
     pub fn known_to(self, frequency_hz: f64) -> Self {
         Self {
@@ -194,10 +194,10 @@ pub struct HopkinsonBar {
     pub diameter: Known,
     /// Length \[m\].
     pub length: Known,
-    /// Poisson's ratio, for the lateral inertia after Pochhammer and Chree; without it waves are
-    /// one-dimensional.
+    /// Poisson's ratio, for the lateral inertia after Pochhammer and Chree; without it, waves are
+    /// taken as one-dimensional.
     pub poisson_ratio: Option<Known>,
-    /// One gauge, or two.
+    /// One or two gauges.
     pub gauges: Vec<BarGauge>,
 }
 

@@ -1,4 +1,4 @@
-//! Objections to a result, with the values found.
+//! Problems of a result, with the values found.
 
 use std::fmt;
 
@@ -27,7 +27,7 @@ const REFLECTED: f64 = 0.05;
 /// Largest incident wave at the end of its window, relative to its peak, that causes no remark.
 const REMARKED_TAIL: f64 = 0.005;
 
-/// An objection to a result.
+/// A problem of a result, or a remark on it.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub enum Finding {
@@ -65,8 +65,7 @@ pub enum Finding {
         /// Force at the end, divided by its largest value.
         part: f64,
     },
-    /// The reflected wave arrives at another time than the wave speed and the position of the gauge
-    /// give.
+    /// The arrival of the reflected wave contradicts the wave speed and the position of the gauge.
     WaveSpeed {
         /// Stated wave speed [m/s].
         stated: f64,
@@ -79,7 +78,7 @@ pub enum Finding {
         /// Lead of the transmitted force \[s\].
         by: f64,
     },
-    /// A face pulls at a specimen in compression, which it only touches.
+    /// A face pulls on a specimen in compression, which it only touches.
     FacePulls {
         /// The bar.
         side: Side,
@@ -117,8 +116,8 @@ pub enum Finding {
 }
 
 impl Finding {
-    /// Returns true if the finding allows no stress-strain curve at all; otherwise there is a
-    /// curve, in doubt or with a remark.
+    /// Returns true if the finding rules out a stress-strain curve; otherwise there is a curve, in
+    /// doubt or with a remark.
     #[must_use]
     pub fn forbids(&self) -> bool {
         matches!(

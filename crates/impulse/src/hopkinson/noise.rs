@@ -22,7 +22,7 @@ const SEGMENTS: usize = 8;
 /// around it.
 ///
 /// The spectrum is the mean of periodograms over half-overlapped segments with Hann's window (Welch
-/// 1967), but nowhere less than the noise of the resolution of the converter, $`q^2/12`$.
+/// 1967), but nowhere less than the quantisation noise of the converter, $`q^2/12`$.
 #[derive(Debug, Clone)]
 pub struct QuietNoise {
     /// Level at rest.

@@ -129,7 +129,7 @@ impl Energies {
 #[derive(Debug, Clone)]
 #[non_exhaustive]
 pub struct HopkinsonResult {
-    /// Time of the first sample, which is the arrival at the specimen less a guard \[s\].
+    /// Time of the first sample, the arrival at the specimen minus a guard time \[s\].
     pub start_time: f64,
     /// Time between samples \[s\].
     pub time_step: f64,
@@ -150,7 +150,7 @@ pub struct HopkinsonResult {
     pub lag_taken: f64,
     /// End of the band \[Hz\].
     pub band_hz: f64,
-    /// Largest amplification of a wave that is carried back to its face.
+    /// Largest amplification of a wave that is propagated back to its face.
     pub amplification: f64,
     /// Windows of incident, reflected and transmitted pulse in the record \[s\].
     pub windows: [[f64; 2]; 3],
@@ -160,7 +160,7 @@ pub struct HopkinsonResult {
     pub energies: Energies,
     /// Samples at which the specimen is loaded.
     pub loaded: std::ops::Range<usize>,
-    /// Objections to the result.
+    /// Problems of the result and remarks on it.
     pub findings: Vec<Finding>,
 }
 

@@ -49,9 +49,9 @@ pub enum Source {
     Diameter(Side),
     /// Length of a bar, where its free end is used.
     BarLength(Side),
-    /// A property of the materials, by the name of its variation.
+    /// Poisson's ratio of a bar.
     PoissonRatio(Side),
-    /// A varied material, by its name.
+    /// A property of the materials, by the name of its variation.
     Material(String),
     /// Incident wave after the end of its window, which is neglected: its mean at that end is the
     /// standard uncertainty.
@@ -71,7 +71,7 @@ pub enum Source {
 }
 
 impl Source {
-    /// Returns true if other shots with the same bars have another error of this source. The tail
+    /// Returns true if the error of this source differs between shots with the same bars. The tail
     /// of a pulse comes from the striker, which all shots share.
     #[must_use]
     pub fn is_of_one_shot(&self) -> bool {

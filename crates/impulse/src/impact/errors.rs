@@ -97,7 +97,7 @@ pub trait ImpactDraws {
     /// An error ends the prediction.
     fn draw(&mut self, velocity: f64) -> Result<DrawnImpact, Self::Error>;
 
-    /// Can end a long prediction with an error: called between marches.
+    /// Called between marches; an error ends a long prediction.
     ///
     /// # Errors
     ///
@@ -157,8 +157,8 @@ impl fmt::Debug for ImpactErrors<'_> {
 }
 
 impl<'a> ImpactErrors<'a> {
-    /// Creates the errors of an impact of which only the velocity is uncertain, with this
-    /// `standard_error` [m/s].
+    /// Creates the errors of an impact with an uncertain velocity alone, with this `standard_error`
+    /// [m/s].
     #[must_use]
     pub fn of_velocity(standard_error: f64) -> Self {
         Self {
@@ -170,7 +170,7 @@ impl<'a> ImpactErrors<'a> {
         }
     }
 
-    /// Sets how the first body is drawn, for example by
+    /// Sets the draws of the first body, for example by
     /// [`MeasuredBody::drawn`](crate::MeasuredBody::drawn).
     #[must_use]
     pub fn with_first(
@@ -181,7 +181,7 @@ impl<'a> ImpactErrors<'a> {
         self
     }
 
-    /// Sets how the second body is drawn.
+    /// Sets the draws of the second body.
     #[must_use]
     pub fn with_second(
         mut self,
@@ -191,7 +191,7 @@ impl<'a> ImpactErrors<'a> {
         self
     }
 
-    /// Sets how the contact law is drawn.
+    /// Sets the draws of the contact law.
     #[must_use]
     pub fn with_contact(
         mut self,

@@ -1,4 +1,4 @@
-//! Scalar results of an impact, and their combination one by one.
+//! Scalar results of an impact, and their element-wise combination.
 
 use super::{FirstForce, Prediction};
 use crate::ForceHistory;

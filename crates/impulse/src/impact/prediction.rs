@@ -86,7 +86,7 @@ pub enum PredictionFlag {
         /// Stiffness times mobility times time step, above 2.
         number: f64,
     },
-    /// The approach was not found to rounding in some steps.
+    /// The approach did not converge to rounding in some steps.
     Unconverged {
         /// Number of steps.
         steps: usize,

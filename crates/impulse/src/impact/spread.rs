@@ -24,8 +24,8 @@ impl Run {
 pub struct Spread {
     /// Number of draws.
     pub n_draws: usize,
-    /// Standard deviations of the numbers. The deviation of the end is `None` if the number of main
-    /// contacts differs from draw to draw.
+    /// Standard deviations of the scalar results. The deviation of the end is `None` if the number
+    /// of main contacts differs from draw to draw.
     pub numbers: ImpactNumbers,
     /// Standard deviation of the force in the band, at its times \[N\].
     pub limited: Vec<f64>,

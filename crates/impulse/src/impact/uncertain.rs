@@ -80,7 +80,7 @@ pub struct UncertainPrediction {
     /// step, combined with its changes if parts of the lines of measured bodies are left out (root
     /// mean square over a period of the last line).
     pub numerical: Vec<f64>,
-    /// Numerical errors of the numbers.
+    /// Numerical errors of the scalar results.
     pub numerical_numbers: ImpactNumbers,
     /// Standard deviations over the draws; `None` without draws.
     pub spread: Option<Spread>,
@@ -121,8 +121,8 @@ impl<'a> Impact<'a> {
 
 impl<D: ImpactDraws> UncertainImpact<'_, D> {
     /// Sets the band of the force. The default reaches up to 10 kHz as in paper E or, if that is
-    /// lower, to half of the highest frequency of a measured body, at which highest frequency the
-    /// band is 12 dB down.
+    /// lower, to half of the highest frequency of a measured body; the band is 12 dB down at that
+    /// highest frequency.
     #[must_use]
     pub fn in_band(self, band: BandLimit) -> Self {
         Self {
@@ -274,14 +274,14 @@ fn run(discrete: &DiscreteImpact, band: BandLimit) -> Result<Run, ImpulseError> 
 }
 
 impl UncertainPrediction {
-    /// Returns the numbers of the stated impact.
+    /// Returns the scalar results of the stated impact.
     #[must_use]
     pub fn numbers(&self) -> ImpactNumbers {
         ImpactNumbers::of(&self.prediction, self.first_force, &self.limited)
     }
 
-    /// Returns the standard errors of the numbers, including the numerical errors; `None` without
-    /// draws.
+    /// Returns the standard errors of the scalar results, including the numerical errors; `None`
+    /// without draws.
     #[must_use]
     pub fn errors(&self) -> Option<ImpactNumbers> {
         let spread = self.spread.as_ref()?;

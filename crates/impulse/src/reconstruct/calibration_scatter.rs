@@ -31,10 +31,10 @@ pub struct CalibrationBlow<'a> {
 ///
 /// # Validity
 ///
-/// The blow must be like the others. Errors within one blow are correlated, so that the number of
-/// degrees of freedom is the number of blows less one, and bands use Student's distribution. The
-/// correlation of the error over time is not known from so few blows; draws treat the samples as
-/// independent, so that a simultaneous band is somewhat too wide.
+/// The evaluated blow must be like the calibration blows. Errors within one blow are correlated, so
+/// that the number of degrees of freedom is the number of blows less one, and bands use Student's
+/// distribution. The correlation of the error over time is not known from so few blows; draws treat
+/// the samples as independent, so that a simultaneous band is somewhat too wide.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct CalibrationScatter {

@@ -110,9 +110,9 @@ pub struct CurvePoint {
     pub degrees_of_freedom: f64,
     /// Number of real data minus the degrees of freedom.
     pub freedom_left: f64,
-    /// Score of the method: the function of cross validation, of which the minimum is sought; minus
-    /// the curvature of the L-curve or minus its distance from the chord (minimum); or the relative
-    /// discrepancy (zero).
+    /// Score of the method: the function that cross validation minimises; minus the curvature of
+    /// the L-curve or minus its distance from the chord (minimum); or the relative discrepancy
+    /// (zero).
     pub score: f64,
 }
 

@@ -51,9 +51,9 @@ pub struct Passivity {
     /// The most negative line: its index, and the distance of its real part from zero in standard
     /// errors or, without variances, relative to its magnitude.
     pub worst: Option<(usize, f64)>,
-    /// Least advance and least delay \[s\] of the motion relative to the force at which an inactive
-    /// line would become active; `None` if none below half the period of the highest line is
-    /// detectable.
+    /// Smallest advance and smallest delay \[s\] of the motion relative to the force at which an
+    /// inactive line would become active; `None` if none below half the period of the highest line
+    /// is detectable.
     pub seen_delays: [Option<f64>; 2],
 }
 
@@ -73,7 +73,7 @@ pub struct DelayCheck {
 }
 
 impl DelayCheck {
-    /// Least delay \[s\] that is flagged.
+    /// Smallest delay \[s\] that is flagged.
     #[must_use]
     pub fn least_seen(&self) -> f64 {
         least_doubted(self.standard_error, self.degrees_of_freedom, self.tolerance)
