@@ -1,4 +1,4 @@
-//! Meaning of a row of samples.
+//! Name and quantity of a row of samples.
 
 use std::collections::HashMap;
 use std::fmt;

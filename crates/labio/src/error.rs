@@ -207,7 +207,7 @@ pub enum LabioError {
         /// The relative deviation that is accepted.
         tolerance: f64,
     },
-    /// The file is not of the format, or its header cannot be understood.
+    /// The file is not in the format, or its header cannot be understood.
     #[error("the {format} header cannot be read: {detail}")]
     MalformedHeader {
         /// Name of the format.
@@ -361,7 +361,7 @@ pub enum LabioError {
         /// The error of the operating system.
         source: io::Error,
     },
-    /// The operating system could not deliver the bytes.
+    /// The bytes could not be read.
     #[error("the bytes could not be read")]
     Read {
         /// The error of the operating system.

@@ -313,7 +313,7 @@ impl SensorChain {
         }
     }
 
-    /// Returns the quantity that a channel recorded as `recorded` measures.
+    /// Returns the measured quantity of a channel that was recorded as `recorded`.
     ///
     /// # Errors
     ///

@@ -29,9 +29,9 @@
 //!
 //! # Strictness
 //!
-//! Rejected, or in a tolerant reading skipped with a defect: a row unlike the others (the row is
-//! left out), and a cell that is not a number or is empty above other numbers of its column (NaN
-//! takes its place). Columns may end early.
+//! A strict reading rejects, and a tolerant one skips with a defect: a row unlike the others (left
+//! out), and a cell that is not a number or is empty above other numbers of its column (NaN takes
+//! its place). Columns may end early.
 
 mod abscissa;
 mod abscissa_name;
@@ -139,7 +139,7 @@ impl CsvDialect {
         }
     }
 
-    /// Finds the dialect of a file by its content.
+    /// Finds the dialect of a file from its content.
     ///
     /// # Errors
     ///

@@ -32,7 +32,7 @@
 //!
 //! # Strictness
 //!
-//! Rejected, or in a tolerant reading skipped with a defect: a packet with fewer rows than
+//! A strict reading rejects, and a tolerant one skips with a defect: a packet with fewer rows than
 //! `Samples` announces (the end of a truncated file), a cell that is missing or not a number (NaN
 //! takes its place), a filled cell where a channel has no sample, and a header after the first
 //! segment that cannot be understood.

@@ -17,8 +17,8 @@
 //!
 //! # Strictness
 //!
-//! Rejected, or in a tolerant reading a defect: missing bytes, or bytes after those that the
-//! headers announce. Existing samples are returned.
+//! Missing bytes, or bytes after those that the headers announce, are rejected or, in a tolerant
+//! reading, a defect. Existing samples are returned.
 
 mod blocks;
 mod layout;

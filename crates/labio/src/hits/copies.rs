@@ -190,8 +190,8 @@ impl Lines {
 /// explain: the same hit rounded, scaled, delayed or resampled. The probability of a false alarm,
 /// for all pairs together, is at most `level`.
 ///
-/// For each pair and channel, the factor and the delay are found that bring one hit closest to the
-/// other. The difference D of two separate hits is at least the noise of both: on each line
+/// For each pair and channel, the factor and the delay that bring one hit closest to the other are
+/// found. The difference D of two separate hits is at least the noise of both: on each line
 /// |D|²/(N₁ + s²N₂), with the noise N before the hits ([`RestNoise`]), is at least an exponential
 /// variable of mean 1. The statistic is the median over the lines between 1/16 and 0.45 of the
 /// sampling rate, divided by ln 2. Its logarithm has the variance 1/(n ln²2) + 2/ν₁ + 2/ν₂ with n

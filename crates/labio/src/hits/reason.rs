@@ -148,8 +148,8 @@ pub enum Reason {
 }
 
 impl Reason {
-    /// Name of the reason without its numbers, for example `double hit`: it begins the sentence
-    /// that the reason prints.
+    /// Name of the reason without its numbers, for example `double hit`: the printed sentence of
+    /// the reason begins with it.
     #[must_use]
     pub fn name(&self) -> &'static str {
         match self {

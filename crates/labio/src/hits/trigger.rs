@@ -16,7 +16,7 @@ pub enum Slope {
     Either,
 }
 
-/// A stretch of a record.
+/// A length of a record.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Extent {

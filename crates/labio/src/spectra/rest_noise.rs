@@ -41,7 +41,7 @@ pub struct RestNoise {
 }
 
 impl RestNoise {
-    /// Fewest silent samples before a hit.
+    /// Minimum number of silent samples before a hit.
     pub const FEWEST_SAMPLES: usize = 16;
 
     /// Estimates the noise of the channel called `channel` from the first `n_silent` samples of

@@ -1,4 +1,4 @@
-//! Names of an abscissa, and the mark that our writer sets for it.
+//! Names of an abscissa, and the mark that the writer adds to it.
 
 use std::fmt;
 
