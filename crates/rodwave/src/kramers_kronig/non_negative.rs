@@ -56,6 +56,7 @@ impl NonNegativeProblem {
     pub(super) fn solve(&self, enough: f64) -> Solution {
         let mut passive: Vec<Passive> = Vec::new();
         let mut refused: Vec<usize> = Vec::new();
+        let mut factors = Factors::default();
         // Each step reduces the residual, so that no set of columns recurs; the bound only guards
         // against rounding.
         for _ in 0..3 * self.columns.len() {
@@ -75,7 +76,7 @@ impl NonNegativeProblem {
             if gradient <= 0.0 {
                 break;
             }
-            match self.enter(&passive, index) {
+            match self.enter(&passive, index, &mut factors) {
                 Some(next) => {
                     passive = next;
                     refused.clear();
@@ -123,11 +124,16 @@ impl NonNegativeProblem {
 
     /// Optimum over the passive columns and one more; columns whose coefficient would be negative
     /// are removed.
-    fn enter(&self, passive: &[Passive], index: usize) -> Option<Vec<Passive>> {
+    fn enter(
+        &self,
+        passive: &[Passive],
+        index: usize,
+        factors: &mut Factors,
+    ) -> Option<Vec<Passive>> {
         let mut current = passive.to_vec();
         current.push(Passive { index, amount: 0.0 });
         loop {
-            let optimum = self.least_squares(&current);
+            let optimum = self.least_squares(&current, factors);
             let newcomer = current.iter().zip(&optimum).find(|(c, _)| c.index == index);
             if newcomer.is_none_or(|(c, z)| c.amount <= 0.0 && *z <= 0.0) {
                 return None;
@@ -154,17 +160,19 @@ impl NonNegativeProblem {
         }
     }
 
-    /// min |b - A x| over the given columns by modified Gram-Schmidt, orthogonalised twice.
-    fn least_squares(&self, passive: &[Passive]) -> Vec<f64> {
-        let mut basis: Vec<Vec<f64>> = Vec::with_capacity(passive.len());
-        let mut triangle: Vec<Vec<f64>> = Vec::with_capacity(passive.len());
-        let mut projections = Vec::with_capacity(passive.len());
+    /// min |b - A x| over the given columns by modified Gram-Schmidt, orthogonalised twice. The
+    /// `factors` of the columns that they begin with are kept.
+    fn least_squares(&self, passive: &[Passive], factors: &mut Factors) -> Vec<f64> {
+        factors.keep(passive);
         let mut rest = self.target.clone();
-        for entry in passive {
+        for (vector, projection) in factors.basis.iter().zip(&factors.projections) {
+            subtract(&mut rest, *projection, vector);
+        }
+        for entry in passive.iter().skip(factors.columns.len()) {
             let mut vector = self.columns[entry.index].clone();
-            let mut row = vec![0.0; basis.len()];
+            let mut row = vec![0.0; factors.basis.len()];
             for _ in 0..2 {
-                for (direction, coefficient) in basis.iter().zip(&mut row) {
+                for (direction, coefficient) in factors.basis.iter().zip(&mut row) {
                     let part = dot(direction, &vector);
                     subtract(&mut vector, part, direction);
                     *coefficient += part;
@@ -177,10 +185,16 @@ impl NonNegativeProblem {
             }
             let projection = dot(&vector, &rest);
             subtract(&mut rest, projection, &vector);
-            projections.push(projection);
-            basis.push(vector);
-            triangle.push(row);
+            factors.columns.push(entry.index);
+            factors.projections.push(projection);
+            factors.basis.push(vector);
+            factors.triangle.push(row);
         }
+        let Factors {
+            triangle,
+            projections,
+            ..
+        } = &*factors;
         let mut solution = vec![0.0; passive.len()];
         for k in (0..passive.len()).rev() {
             let known: f64 = (k + 1..passive.len())
@@ -194,6 +208,31 @@ impl NonNegativeProblem {
             };
         }
         solution
+    }
+}
+
+/// Orthogonal factors of some columns, in their order.
+#[derive(Debug, Default)]
+struct Factors {
+    /// Numbers of the columns.
+    columns: Vec<usize>,
+    basis: Vec<Vec<f64>>,
+    triangle: Vec<Vec<f64>>,
+    /// Projections of the target, each of what the ones before leave.
+    projections: Vec<f64>,
+}
+
+impl Factors {
+    /// Keeps the factors of the columns that `passive` begins with.
+    fn keep(&mut self, passive: &[Passive]) {
+        let pairs = self.columns.iter().zip(passive);
+        let kept = pairs
+            .take_while(|(own, other)| **own == other.index)
+            .count();
+        self.columns.truncate(kept);
+        self.basis.truncate(kept);
+        self.triangle.truncate(kept);
+        self.projections.truncate(kept);
     }
 }
 
