@@ -367,7 +367,7 @@ fn identity() -> output::SheetIdentity {
 fn the_rest_at_the_end_of_long_hits_is_left_out() {
     let folder = TempDir::new().unwrap();
     virtual_rod::write_hits(folder.path(), 3, 7);
-    let contents = labio::format::read(&folder.path().join("hits.npy")).unwrap();
+    let contents = labio::format::read(folder.path().join("hits.npy")).unwrap();
     let mut noise = testbed::noise::Noise::seeded(7);
     for hit in 0..3 {
         let rows = contents.series.iter().map(|series| {

@@ -120,7 +120,7 @@ pub(super) struct UsedOfSpecimen {
     pub(super) end_mass: bool,
 }
 
-/// What a method takes from the hits.
+/// Data of the hits that a method uses.
 pub(super) enum FromHits<'a> {
     /// The ratio of the first channel to the second.
     Ratio(&'a str, &'a str),
@@ -262,7 +262,7 @@ impl MethodSheet {
         }
     }
 
-    /// What the method takes from the hits.
+    /// Returns the data of the hits that the method uses.
     pub(super) fn taken_from_hits(&self) -> FromHits<'_> {
         match self {
             Self::TwoPoint {
