@@ -126,7 +126,7 @@ impl AnalyticChain {
     /// # Ok::<(), rodwave::RodwaveError>(())
     /// ```
     ///
-    /// A medium that is defined only on the frequency axis does not compile:
+    /// A chain of a medium that is defined only on the frequency axis does not compile:
     ///
     /// ```compile_fail,E0277
     /// use rodwave::chain::{AnalyticChain, Termination};

@@ -1,4 +1,4 @@
-//! Numbers for sentences, rounded to a given number of significant digits.
+//! Numbers in messages, rounded to a given number of significant digits.
 
 /// Text of `value` to `digits` significant digits, with an exponent only below 1e-4 and from 1e7
 /// on.

@@ -27,7 +27,7 @@ pub struct RealFourier {
 }
 
 impl RealFourier {
-    /// Creates a transform of `n_samples` N, all 0.
+    /// Creates a transform of N = `n_samples` samples, all 0.
     #[must_use]
     pub fn new(n_samples: usize) -> Self {
         Self {

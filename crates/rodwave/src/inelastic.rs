@@ -12,7 +12,6 @@
 //! [`Maxwell`], [`MaxwellNorton`] and [`MaxwellGurevichRabinovich`]. [`Elastic`] (F = 0) is their
 //! null hypothesis, and [`Eyring`] is the law of thermal activation. Other laws implement the two
 //! traits of this module.
-//! traits of this module.
 //!
 //! # Parameters
 //! All laws are parametrised by the *reference rate* r = F(σ_ref) at a reference stress σ_ref and,

@@ -227,7 +227,7 @@ impl Line {
         Ok(Self { right, ..self })
     }
 
-    /// Sets the largest relative change of a wave speed to get whole numbers of cells (default
+    /// Sets the largest relative change of a wave speed that makes numbers of cells whole (default
     /// 1e-3).
     ///
     /// # Errors

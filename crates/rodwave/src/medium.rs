@@ -43,8 +43,8 @@ pub trait PropagationLaw {
 
     /// Derivative dγ/dω [s/m] at `omega` ≠ 0 [rad/s] for `density` [kg/m³].
     ///
-    /// The default is a difference of fourth order over ±0.2 % of ω, with a relative error of 1e-12
-    /// where γ is smooth on the scale of an octave.
+    /// The default is a fourth-order finite difference over ±0.2 % of ω, with a relative error of
+    /// 1e-12 where γ is smooth on the scale of an octave.
     fn propagation_derivative(&self, omega: f64, density: f64) -> Complex64 {
         fourth_order_difference(omega, |omega| self.propagation_coefficient(omega, density)) / omega
     }

@@ -97,9 +97,9 @@ pub trait ComplexModulus {
 
     /// Derivative dE/d(ln |ω|) = ω dE/dω \[Pa\] at `omega` [rad/s]; 0 at ω = 0.
     ///
-    /// All laws of this module have a closed form. The default is a difference of fourth order over
-    /// ±0.2 % of ω, whose relative error is of order 1e-12 where E is smooth on the scale of an
-    /// octave.
+    /// All laws of this module have a closed form. The default is a fourth-order finite difference
+    /// over ±0.2 % of ω, whose relative error is of order 1e-12 where E is smooth on the scale of
+    /// an octave.
     fn slope(&self, omega: f64) -> Complex64 {
         fourth_order_difference(omega, |omega| self.at(omega))
     }

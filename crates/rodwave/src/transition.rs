@@ -9,14 +9,15 @@
 //!
 //! and a uniform part, or a mass between two faces, has a matrix P that gives (N, v) on its right
 //! from (N, v) on its left. The matrix of elements in series is the product, the last element
-//! first: `P = P_B P_A` (paper E, eq. A9). Every P has determinant 1, which is reciprocity.
+//! first: `P = P_B P_A` (paper E, eq. A9). Every P has determinant 1, as reciprocity requires.
 //!
 //! # Limits of the plain product
 //! The entries grow as e^{αL} over a damped body. Up to αL ≈ 700 nothing overflows, and the
 //! free-end mobility, a ratio of two entries of one row, keeps its digits. Quantities that are
 //! *differences* of large entries do not: the rounding errors of determinant, inverse and the state
 //! transferred along +x grow by a factor e^{2αL}, so that all digits are lost at αL ≈ 18. If the
-//! matrix overflows, the mobility is an error. A [`Chain`](crate::Chain) has none of these limits.
+//! matrix overflows, the mobility returns an error. A [`Chain`](crate::Chain) has none of these
+//! limits.
 //!
 //! ```
 //! use rodwave::medium::Medium;

@@ -92,7 +92,7 @@ impl<V: Argument> ChainBuilder<V> {
         self.element(Lumped::dashpot(resistance).map(Element::Lumped))
     }
 
-    /// Ends the body.
+    /// Ends the body with this termination.
     ///
     /// # Errors
     /// [`RodwaveError::InElement`] with the first invalid element, counted from 0 at the impact

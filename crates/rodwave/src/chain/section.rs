@@ -10,7 +10,7 @@ use crate::error::check_finite;
 use crate::transition::State;
 use crate::waves::TravellingWaves;
 
-/// A section of a chain; made by [`Chain::section`].
+/// A section of a chain; created by [`Chain::section`].
 #[derive(Debug, Clone)]
 pub struct Section<'a, V: Argument> {
     chain: &'a Chain<V>,

@@ -27,9 +27,9 @@ pub enum Termination<V: Argument = AngularFrequency> {
     /// A dashpot of this resistance q [kg/s] to the ground: N = -q v (Ödeen 1993, paper E, eqs. A6
     /// and A12).
     Dashpot(f64),
-    /// Any impedance; made by [`Termination::impedance`] or [`Termination::impedance_at_s`].
+    /// Any impedance; created by [`Termination::impedance`] or [`Termination::impedance_at_s`].
     Impedance(Impedance<V>),
-    /// A semi-infinite rod, N = -Z v; made by [`Termination::semi_infinite`].
+    /// A semi-infinite rod, N = -Z v; created by [`Termination::semi_infinite`].
     SemiInfinite {
         /// Material of the rod.
         medium: Arc<dyn WaveMedium<V>>,

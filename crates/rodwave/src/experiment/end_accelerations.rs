@@ -206,7 +206,7 @@ pub struct EndAccelerationTest<V: Argument = AngularFrequency> {
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub enum Tail {
-    /// Histories made by the damped transform; they may continue beyond the end of the record.
+    /// Histories computed by the damped transform; they may continue beyond the end of the record.
     Free,
     /// Periodic histories that have decayed within the period: the late part is this far below the
     /// peak.

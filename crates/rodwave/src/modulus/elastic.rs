@@ -10,8 +10,9 @@ use crate::error::check_positive;
 
 /// A Hookean material: E is real and the same at every frequency.
 ///
-/// The limit without losses. γ is then imaginary, α = 0, and a wave does not decay: a *finite free*
-/// body of such material has undamped resonances, and its response has no Fourier transform.
+/// This is the limit without losses. γ is then imaginary, α = 0, and a wave does not decay: a
+/// *finite free* body of such material has undamped resonances, and its response has no Fourier
+/// transform.
 ///
 /// ```
 /// use rodwave::modulus::{ComplexModulus, Elastic};

@@ -180,7 +180,7 @@ impl Tabulated {
     }
 }
 
-/// A [`Tabulated`] modulus, continued by the values at its ends; made by [`Tabulated::held`].
+/// A [`Tabulated`] modulus, continued by the values at its ends; created by [`Tabulated::held`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct HeldTable {
     table: Tabulated,

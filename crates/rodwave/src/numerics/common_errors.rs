@@ -27,7 +27,7 @@ pub struct CommonErrors {
 }
 
 impl CommonErrors {
-    /// Takes the vector g of each source, one entry per value.
+    /// Creates the whitening from the vector g of each source, one entry per value.
     #[must_use]
     pub fn new(vectors: Vec<Vec<f64>>) -> Self {
         let mut common = Self::default();

@@ -27,13 +27,13 @@ pub struct Jet {
 }
 
 impl Jet {
-    /// A constant.
+    /// Returns a constant.
     #[must_use]
     pub fn constant(value: Complex64) -> Self {
         Self::linear(value, 0.0)
     }
 
-    /// A linear function, from its value at the point and its slope.
+    /// Returns a linear function, from its value at the point and its slope.
     #[must_use]
     pub fn linear(value: Complex64, slope: f64) -> Self {
         Self {

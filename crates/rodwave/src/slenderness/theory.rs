@@ -36,7 +36,7 @@ pub trait RodTheory {
     ) -> Result<FirstBranch<CorrectedModulus>, RodwaveError>;
 }
 
-/// Properties of a round rod that its waves depend on.
+/// Properties of a round rod on which its waves depend.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RoundRod {
     /// Density ρ [kg/m³].
