@@ -362,7 +362,7 @@ pub enum CmodError {
         /// Maximum number of terms.
         most: usize,
     },
-    /// The crate `rodwave` refuses the parameters of a law.
+    /// The crate `rodwave` rejects the parameters of a law.
     #[error(transparent)]
     Rodwave(#[from] rodwave::RodwaveError),
 }

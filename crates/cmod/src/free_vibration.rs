@@ -11,9 +11,9 @@
 //! The decay gives loss factors of 1e-5, which the ratio of two sensors cannot resolve. Each mode
 //! is fitted on the lines around it ([`Poles`]), whether or not it still rings when the record
 //! ends; no window is applied to these lines. From $`s_n`$ to $`i\omega_n`$ the modulus is
-//! continued as a power of s with the loss angle found, $`E(i\omega) =
-//! E(s)(i\omega/s)^{2\varphi/\pi}`$; the effect is of the order of the square of the loss factor.
-//! The method is for metals, ceramics and glasses.
+//! continued as a power of s with the loss angle found,
+//! $`E(i\omega) = E(s)(i\omega/s)^{2\varphi/\pi}`$; the effect is of the order of the square of the
+//! loss factor. The method is suited to metals, ceramics and glasses.
 //!
 //! Any energy that leaves the rod, through supports, cables or sound, is counted as loss of the
 //! material.

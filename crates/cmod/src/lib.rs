@@ -13,7 +13,7 @@
 //! assumption on the form of E(ω).
 //!
 //! # Method
-//! For the two ends of a rod: the two-point method of paper A, [`TwoPoint`]. The accelerations of
+//! The two-point method of paper A, [`TwoPoint`], uses the two ends of a rod. The accelerations of
 //! the impacted end, â₁, and of the free end, â₂, give
 //!
 //! ```text
@@ -28,14 +28,14 @@
 //! due to noise and due to the specimen ([`estimate`]), and a verdict ([`validity`]): a valid line
 //! has E' within 1 % and the loss factor within 5 %, unless other limits are set.
 //!
-//! For a member of a structure whose ends are unknown: three equidistant gauges, [`ThreePoint`]
-//! (paper B), or three and more at any positions, [`MultiPoint`], by least squares over one test or
+//! A member of a structure whose ends are unknown needs three equidistant gauges, [`ThreePoint`]
+//! (paper B), or three or more at any positions, [`MultiPoint`], by least squares over one test or
 //! several. Each line also gives the two waves ([`multi_point`]).
 //!
-//! For comparison on one rod: two sections and a free end ([`FreeEnd`]), separate pulses
-//! ([`SeparatePulses`], [`OneGauge`]), resonances ([`Resonances`]). All give one kind of result
-//! ([`estimate`]), from which [`LateralInertia`] can be removed, and [`checks`] detect wrong
-//! records without a reference.
+//! Further methods allow comparison on one rod: two sections and a free end ([`FreeEnd`]), separate
+//! pulses ([`SeparatePulses`], [`OneGauge`]), resonances ([`Resonances`]). All give the same kind
+//! of result ([`estimate`]), from which [`LateralInertia`] can be removed, and [`checks`] detect
+//! wrong records without a reference.
 //!
 //! Paper C is treated separately: the loss factor after a creep load, the model that explains it,
 //! and the fit of its parameters ([`recovery`]).

@@ -89,7 +89,7 @@ impl OneGauge {
     ///
     /// # Errors
     /// [`CmodError::NoLines`], [`CmodError::LengthMismatch`], [`CmodError::Frequency`],
-    /// [`CmodError::FrequencyOrder`], [`CmodError::NegativeVariance`]. A single bad line is no
+    /// [`CmodError::FrequencyOrder`], [`CmodError::NegativeVariance`]. A single bad line is not an
     /// error: it is [refused](ModulusEstimate::refused).
     pub fn estimate(
         &self,

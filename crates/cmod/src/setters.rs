@@ -1,4 +1,4 @@
-//! Setters of the settings that several methods share.
+//! Setters shared by several methods.
 
 /// Writes the setters of the named settings of a method, which keeps them in its field `settings`.
 macro_rules! setters {

@@ -183,7 +183,7 @@ pub enum LabioError {
         /// Name and quantity expected.
         expected: String,
     },
-    /// A hit was sampled at another rate than the hits before it.
+    /// A hit was sampled at a different rate from the hits before it.
     #[error(
         "the sampling rate is {found_hz} Hz, expected {expected_hz} Hz as in the previous hits"
     )]

@@ -72,7 +72,7 @@ pub enum LineValidity {
     /// Input and output are nonzero, but their cross-spectrum is zero within rounding: H2 and Hv do
     /// not exist.
     NoCorrelation,
-    /// The value would need a division by zero: an integration at 0 Hz, or the reciprocal of a
+    /// The value would require a division by zero: an integration at 0 Hz, or the reciprocal of a
     /// response that is zero.
     NotDefined,
     /// The inputs of a multi-input system are linearly dependent: the response to a single input

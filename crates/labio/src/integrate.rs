@@ -23,7 +23,7 @@ pub enum LowFrequency {
         /// First frequency that is kept \[Hz\].
         frequency_hz: f64,
     },
-    /// For impacts: treats the body as at rest over the first samples. Their mean is the offset and
+    /// Treats the body as at rest over the first samples, for impacts. Their mean is the offset and
     /// is removed; the integral starts from 0. The trapezoidal rule is used; it gives a result that
     /// is too small by the factor $`\frac{\omega\Delta t}{2}\cot\frac{\omega\Delta t}{2}`$. An
     /// error $`\delta`$ of the offset causes a drift $`\delta t`$.

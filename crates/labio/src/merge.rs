@@ -48,10 +48,10 @@ pub struct MergedResponse {
     /// $`\frac\nu2\ln(1+2f/\nu)`$ with
     /// $`f=\lvert H_1-H_2\rvert^2/(\mathrm{Var}_1+\mathrm{Var}_2)`$, where the possible bias of a
     /// line counts as a variance, and ν is the degrees of freedom of the sum of variances (Welch
-    /// and Satterthwaite). This is minus the logarithm of the probability of so large a difference
-    /// by chance; its mean is 1 for any number of hits, and it is f for many hits. For more tests
-    /// it is the mean over the tests, each compared with those of smaller variance. NaN if fewer
-    /// than two tests are coherent.
+    /// and Satterthwaite). This is minus the logarithm of the probability of a difference this
+    /// large by chance; its mean is 1 for any number of hits, and it is f for many hits. For more
+    /// tests it is the mean over the tests, each compared with those of smaller variance. NaN if
+    /// fewer than two tests are coherent.
     pub discrepancy: Vec<f64>,
     /// Factor on the variance where the discrepancy of the line and its neighbours exceeds chance
     /// (Birge's ratio); 1 elsewhere.

@@ -35,8 +35,8 @@ pub struct PassivityReport {
     pub real_part: Vec<f64>,
     /// Standard error of the real part \[m/(N s)\]; NaN on lines without information.
     pub standard_error: Vec<f64>,
-    /// Probability that, if the true real part is zero, so low a value is measured by chance; 1 if
-    /// the measured value is not negative, NaN on lines without information.
+    /// Probability that, if the true real part is zero, a value this low is measured by chance; 1
+    /// if the measured value is not negative, NaN on lines without information.
     pub probability: Vec<f64>,
     /// Assessments of the lines.
     pub lines: Vec<Passivity>,
@@ -58,8 +58,8 @@ impl FrequencyResponse {
     /// point and direction and a positive force does work on a positive motion; this is also true
     /// on the line $`s = \sigma + i\omega`$ of an exponential window.
     ///
-    /// A line is active if, for a true real part of zero, the probability of measuring so low a
-    /// value is less than `level`, by Student's distribution with the degrees of freedom of the
+    /// A line is active if, for a true real part of zero, the probability of measuring a value this
+    /// low is less than `level`, by Student's distribution with the degrees of freedom of the
     /// variance and the standard error $`\sqrt{\mathrm{Var}/2}`$ of the real part. With a thousand
     /// lines and the level 1e-5, one passive body in a hundred has an active line. The response may
     /// be of any of the six kinds.

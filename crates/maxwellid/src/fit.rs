@@ -56,8 +56,8 @@ pub enum Method {
 ///    [`crate::Nuisances`]. If the noise of the tests is stated ([`RodTest::with_noise`] and
 ///    similar methods), the residual is whitened with the noise of both histories, and the
 ///    excitation is estimated together with the parameters (errors in variables). At the solution a
-///    grid of half the cell verifies the accuracy; if it is not reached, the stage is repeated on a
-///    finer grid.
+///    grid with half the cell length verifies the accuracy; if it is not reached, the stage is
+///    repeated on a finer grid.
 ///
 /// ```
 /// use maxwellid::{Fit, Provenance, RodTest, RodTestData, Verdict};

@@ -67,8 +67,8 @@ pub trait RodModel: Debug + Send + Sync {
     /// Returns true if v_r is proportional to v_e for all θ.
     fn is_linear(&self) -> bool;
 
-    /// Name of the solver of the direct problem, as in the provenance of a virtual test that it has
-    /// made: a model is not fitted to tests of its own solver.
+    /// Name of the solver of the direct problem, as in the provenance of the virtual tests that it
+    /// generates: a model is not fitted to tests of its own solver.
     fn solver(&self) -> &'static str {
         rodwave::characteristics::GENERATOR
     }

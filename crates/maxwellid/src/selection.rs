@@ -22,8 +22,8 @@
 //! Grids are refined until the error of the solver is small compared with the noise; otherwise it
 //! would refute the right law in records of low noise.
 //!
-//! A law that contains another as a limit is also fitted from this limit, so that it never explains
-//! the data worse. χ² and adequacy are those of the likeliest parameters, without the prior.
+//! A law that contains another as a limit is also fitted from this limit, so that its fit is never
+//! worse. χ² and adequacy are those of the likeliest parameters, without the prior.
 //!
 //! For known noise ln L = -½ χ². For noise estimated from q samples at rest the common factor is
 //! marginalised, ln L = -½ (n + q) ln(1 + χ²/q). Residuals that are correlated beyond C count as

@@ -115,7 +115,7 @@ impl Differentiator {
         if omega == 0.0 { 1.0 } else { sum / omega }
     }
 
-    /// Lowest frequency, as a fraction of the sampling rate, at which the gain is off by
+    /// Lowest frequency, as a fraction of the sampling rate, at which the error of the gain is
     /// `tolerance`; found to 1e-4.
     #[must_use]
     pub fn bandwidth(&self, tolerance: f64) -> f64 {

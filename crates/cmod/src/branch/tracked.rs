@@ -12,7 +12,7 @@ pub struct TrackedLine {
     /// Root x = γℓ of Ψ(x) = Ψ of this line that is nearest to `expected`; 0 at 0 Hz, and `None`
     /// where the line is not finite or has no root nearby.
     pub root: Option<Complex64>,
-    /// γℓ from this line and all others, a smooth curve.
+    /// Smooth γℓ from this line and all others.
     pub expected: Complex64,
     /// Standard error of the real part and of the imaginary part of `expected`.
     pub expected_error: f64,

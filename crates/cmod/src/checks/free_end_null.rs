@@ -1,4 +1,4 @@
-//! No force at the free end except that of its mass.
+//! Check that no force acts at the free end except that of its mass.
 
 use num_complex::Complex64;
 

@@ -1,4 +1,4 @@
-//! Consistency of E' and E'' as one function of a relaxing material.
+//! Consistency of E' and E'' with one relaxing material.
 
 use std::f64::consts::TAU;
 

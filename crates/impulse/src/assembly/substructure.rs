@@ -1,4 +1,4 @@
-//! Members of an assembly, by the mobilities of their points.
+//! Members of an assembly, described by the mobilities of their points.
 
 use std::sync::Arc;
 
@@ -41,7 +41,7 @@ pub trait Substructure {
 /// A member that can be shared between threads.
 pub type SharedSubstructure = Arc<dyn Substructure + Send + Sync>;
 
-/// A member of one point: a body that is joined at its impact face alone.
+/// A member with one point: a body that is joined at its impact face alone.
 #[derive(Debug, Clone)]
 pub struct AtFace<B>(B);
 

@@ -11,7 +11,7 @@ use rodwave::slenderness::{PochhammerChree, RodTheory, RoundRod};
 use crate::ImpulseError;
 use crate::error::{check_not_negative, check_positive};
 
-/// A value with its standard uncertainty, both in SI.
+/// A value with its standard uncertainty, both in SI units.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Known {
     /// The value.

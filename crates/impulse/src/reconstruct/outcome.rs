@@ -33,8 +33,8 @@ pub struct ReconstructedForce {
     /// frequency response.
     pub relative_residual: f64,
     /// Weighted residual per remaining degree of freedom: 1 on average if noise is the only cause.
-    /// If it is far above, the noise is underestimated or the body is not the one of the
-    /// frequency response. `None` if the noise is not known, or no degrees of freedom remain.
+    /// If it is far above, the noise is underestimated or the frequency response belongs to another
+    /// body. `None` if the noise is not known, or no degrees of freedom remain.
     pub reduced_chi_square: Option<f64>,
     /// Root mean square of the force \[N\] for white noise of root mean square 1 on all responses:
     /// the noise amplification of the method.

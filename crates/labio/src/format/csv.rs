@@ -2,7 +2,7 @@
 //!
 //! # Recognition by content
 //!
-//! - The encoding: UTF-8 with or without byte-order mark, UTF-16 with byte-order mark, else
+//! - The encoding: UTF-8 with or without byte-order mark, UTF-16 with byte-order mark, otherwise
 //!   ISO-8859-1.
 //! - The dialect ([`CsvDialect`]): the separator and the decimal mark that give the largest block
 //!   of numbers in the first thousand lines; everything above the block is the header. The one

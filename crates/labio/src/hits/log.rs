@@ -51,7 +51,7 @@ impl Hit {
         self.record.as_ref()
     }
 
-    /// Reasons found by the checks to reject the hit.
+    /// Reasons to reject the hit that the checks found.
     #[must_use]
     pub fn reasons(&self) -> &[Reason] {
         &self.reasons

@@ -11,7 +11,7 @@ const LONGEST_SEGMENT: usize = 64;
 
 /// Power spectral density of the noise of one channel, from the silent samples before several hits.
 ///
-/// Segments of at most 64 samples, with a Hann window and without their mean, are averaged over all
+/// Segments of at most 64 samples, with their mean removed and a Hann window, are averaged over all
 /// hits ([`Welch`]). The density is interpolated between the lines of such a segment; below the
 /// third line, it is that of the third line, because mean removal and window reduce the first two.
 ///

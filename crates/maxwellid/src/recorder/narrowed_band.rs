@@ -89,8 +89,8 @@ impl NarrowedBand {
         sorted.pop()
     }
 
-    /// Probability of so large a difference of any of the parameters by chance (Bonferroni); 1 if
-    /// the narrower band determines none.
+    /// Probability that chance causes a difference this large in any of the parameters
+    /// (Bonferroni); 1 if the narrower band determines none.
     #[must_use]
     pub fn p_value(&self) -> f64 {
         let z = self.worst().map_or(0.0, |worst| worst.z().abs());

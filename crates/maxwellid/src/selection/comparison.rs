@@ -117,8 +117,8 @@ pub struct ComparedLaw {
     pub likeliest: Vec<f64>,
     /// χ² of the whitened residual at the likeliest parameters, against the stated noise.
     pub chi_square: f64,
-    /// Probability of so large a misfit if this law were true; `None` if the level of the noise is
-    /// not known.
+    /// Probability of a misfit at least this large if this law were true; `None` if the level of
+    /// the noise is not known.
     pub adequacy: Option<f64>,
     /// ln Z, up to a constant of the data.
     pub ln_evidence: f64,

@@ -24,7 +24,7 @@ pub enum Decision {
     NoneOfThese {
         /// The candidate with the least misfit.
         best: usize,
-        /// Probability of so large a misfit if this candidate were true.
+        /// Probability of a misfit at least this large if this candidate were true.
         adequacy: f64,
     },
 }
@@ -45,7 +45,8 @@ pub enum Doubt {
     OneVelocity {
         /// The linear law.
         linear: usize,
-        /// Adequacy of the linear law: the probability of so large a misfit if it were true.
+        /// Adequacy of the linear law: the probability of a misfit at least this large if it were
+        /// true.
         adequacy: f64,
     },
     /// A nonlinear law leads, but all tests have one impact velocity, and no linear law with a flat
