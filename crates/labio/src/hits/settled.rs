@@ -145,7 +145,7 @@ mod tests {
         samples_of_motion(&[&hit], &["a"]).unwrap()
     }
 
-    /// What is cut off has less than a tenth of the power that noise has on the line of the
+    /// The power that is cut off is less than a tenth of that of the noise on the line of the
     /// ringing; and the motion is found to end, in spite of the hum.
     #[test]
     fn what_is_left_out_is_below_the_noise_of_its_line() {

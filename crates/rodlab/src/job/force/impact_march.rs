@@ -89,7 +89,7 @@ pub(super) fn march(
         })
 }
 
-/// How many times longer a history must be whose end the band limit leaves undetermined; `None` for
+/// Returns the factor by which a history is too short for its band; `None` for
 /// another error.
 fn too_short(error: &RodlabError) -> Option<f64> {
     let RodlabError::Step { source, .. } = error else {
