@@ -170,10 +170,8 @@ fn both_byte_orders_are_read() {
     assert!(Mat5.recognises(&BIG.sample()[..128]));
 }
 
-/// The written file is that put together by hand from the definition, and is read back to the bit.
-#[test]
-fn series_are_written_as_columns_with_abscissae_and_units() {
-    let series = |name: &str, abscissa, ordinate, unit: &str| Series {
+fn series(name: &str, abscissa: Abscissa, ordinate: Ordinate, unit: &str) -> Series {
+    Series {
         name: name.to_owned(),
         kind: SeriesKind::General,
         abscissa,
@@ -184,7 +182,12 @@ fn series_are_written_as_columns_with_abscissae_and_units() {
             ..SeriesAxis::default()
         },
         properties: Vec::new(),
-    };
+    }
+}
+
+/// The written file is that put together by hand from the definition, and is read back to the bit.
+#[test]
+fn series_are_written_as_columns_with_abscissae_and_units() {
     let even = Abscissa::Even {
         start: -0.5,
         step: 0.25,
@@ -263,6 +266,33 @@ fn series_are_written_as_columns_with_abscissae_and_units() {
         back.contains("end_A_2") && back.contains("end_A_unit_2"),
         "{back}"
     );
+}
+
+/// Names that could be those of what stands beside a series are changed, in either order, and long
+/// names leave room for them.
+#[test]
+fn nothing_else_is_taken_for_the_abscissa_or_the_unit_of_a_series() {
+    let uneven = || Abscissa::Uneven(vec![3.0, 4.5]);
+    let values = |first: f64| Ordinate::Real(vec![first, 2.0]);
+    let long = "a".repeat(80);
+    for names in [["b_x", "b"], ["b", "b_x"], [&long, "b"]] {
+        let mut contents = Contents::of_format("test");
+        contents.properties = vec![("b_unit".to_owned(), "of the rig".to_owned())];
+        contents.series = vec![
+            series(names[0], uneven(), values(1.0), ""),
+            series(names[1], uneven(), values(7.0), ""),
+        ];
+        let mut written = Vec::new();
+        Mat5.write(&contents, &mut written).unwrap();
+        let back = read(&written).unwrap();
+        assert_eq!(back.series.len(), 2, "{names:?}");
+        for (one, other) in contents.series.iter().zip(&back.series) {
+            assert_eq!(one.abscissa, other.abscissa, "{names:?}");
+            assert_eq!(one.ordinate, other.ordinate, "{names:?}");
+            assert_eq!(other.ordinate_axis.unit_text, "", "{names:?}");
+        }
+        assert!(back.properties.iter().any(|(_, text)| text == "of the rig"));
+    }
 }
 
 #[test]

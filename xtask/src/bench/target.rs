@@ -43,7 +43,7 @@ pub(super) struct Row {
     pub(super) baseline: Baseline,
     #[serde(default)]
     pub(super) bound: Option<Bound>,
-    /// What keeps a missed result from its target, and what was tried.
+    /// Reason why a result misses its target, and what was tried.
     #[serde(default)]
     pub(super) missed: String,
 }
@@ -56,7 +56,7 @@ pub(super) struct Bound {
     pub(super) is: String,
 }
 
-/// How time or memory grows with the size of the task: the exponent between two sizes.
+/// Growth of time or memory with the size of the task: the exponent between two sizes.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Growth {

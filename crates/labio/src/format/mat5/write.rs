@@ -3,7 +3,7 @@
 use std::collections::HashSet;
 use std::io::Write;
 
-use super::beside::OF_WRITER;
+use super::beside::{BESIDE, OF_WRITER};
 use super::{FORMAT, HEADER_BYTES, MATRIX, Mat5};
 use crate::format::Writer;
 use crate::{Abscissa, Contents, LabioError, Ordinate, Series};
@@ -44,7 +44,7 @@ impl Writer for Mat5 {
         let named: Vec<(String, &Series)> = contents
             .series
             .iter()
-            .map(|series| (names.of(&series.name), series))
+            .map(|series| (names.of_series(&series.name), series))
             .collect();
         for (name, series) in &named {
             let (real, imaginary): (Vec<f64>, Option<Vec<f64>>) = match &series.ordinate {
@@ -58,8 +58,7 @@ impl Writer for Mat5 {
         }
         for (name, series) in &named {
             let mut number = |of: &str, values: &[f64]| {
-                let name = names.of(&format!("{name}_{of}"));
-                file.extend(doubles(&name, values, None)?);
+                file.extend(doubles(&format!("{name}_{of}"), values, None)?);
                 Ok::<(), LabioError>(())
             };
             match &series.abscissa {
@@ -75,8 +74,7 @@ impl Writer for Mat5 {
             ];
             for (of, axis) in axes {
                 if !axis.unit_text.is_empty() {
-                    let name = names.of(&format!("{name}_{of}"));
-                    file.extend(text(&name, &axis.unit_text)?);
+                    file.extend(text(&format!("{name}_{of}"), &axis.unit_text)?);
                 }
             }
         }
@@ -96,21 +94,37 @@ struct Names(HashSet<String>);
 impl Names {
     /// Returns an unused variable name similar to `wanted`: a letter, then letters, digits and `_`.
     fn of(&mut self, wanted: &str) -> String {
+        self.with(wanted, &[])
+    }
+
+    /// Returns a name for a series, and reserves those of the variables [`BESIDE`] it, so that none
+    /// of another series or property is taken for one of them.
+    fn of_series(&mut self, wanted: &str) -> String {
+        self.with(wanted, &BESIDE)
+    }
+
+    fn with(&mut self, wanted: &str, beside: &[&str]) -> String {
+        let longest = beside.iter().map(|of| of.len() + 1).max().unwrap_or(0);
+        let longest = LONGEST_NAME - longest;
         let allowed = |c: char| if c.is_ascii_alphanumeric() { c } else { '_' };
         let mut name: String = wanted.trim().chars().map(allowed).collect();
         if !name.starts_with(|first: char| first.is_ascii_alphabetic()) {
             name.insert(0, 'x');
         }
-        name.truncate(LONGEST_NAME);
-        let mut once = name.clone();
+        let mut tail = String::new();
         let mut count = 1;
-        while !self.0.insert(once.clone()) {
+        loop {
+            name.truncate(longest - tail.len());
+            let one = format!("{name}{tail}");
+            let mut all: Vec<String> = beside.iter().map(|of| format!("{one}_{of}")).collect();
+            all.push(one.clone());
+            if !all.iter().any(|name| self.0.contains(name)) {
+                self.0.extend(all);
+                return one;
+            }
             count += 1;
-            let tail = format!("_{count}");
-            name.truncate(LONGEST_NAME - tail.len());
-            once = format!("{name}{tail}");
+            tail = format!("_{count}");
         }
-        once
     }
 }
 

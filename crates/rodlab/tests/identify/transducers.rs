@@ -1,0 +1,106 @@
+//! Rods of several lengths, and transducers with errors.
+
+use super::*;
+
+/// A rod of another length than 394 mm in each test, and a response that reads 2 % too much:
+/// refused unless stated, followed if stated.
+#[test]
+fn rods_of_several_lengths_and_uncertain_transducers_are_followed() {
+    let folder = TempDir::new().unwrap();
+    let truth = Maxwell::new(4e6).unwrap();
+    for (file, velocity, seed) in [("slow.csv", 3.0, 1), ("fast.csv", 24.0, 2)] {
+        let path = folder.path().join(file);
+        velocities(&truth, velocity).write(&path, 5e-3 * velocity, seed, "mm/s", 1e3);
+    }
+    let maxwell = r#"cell: "4 mm", laws: [Maxwell], compare: false, profiles: false"#;
+    let relative_error = |rods: [&str; 2], gain: &str| {
+        let tests = [
+            ("slow.csv", "3 m/s", rods[0]),
+            ("fast.csv", "24 m/s", rods[1]),
+        ]
+        .map(|(file, velocity, length)| {
+            let own = format!(
+                r#"to: "2.5 ms", specimen: (length: "{length}", density: "912 kg/m3 ± 0.3 %")"#
+            );
+            let entry = test_entry(file, velocity, &own);
+            let channel = r#"from: "free end""#;
+            entry.replace(channel, &format!(r#"{channel}, gain: "{gain}""#))
+        });
+        let alone = sheet(&tests, maxwell).replace(
+            r#"    specimen: (length: "394 mm ± 0 mm", density: "912 kg/m3 ± 0 %"),
+"#,
+            "",
+        );
+        let outcome = attempt(folder.path(), &alone).unwrap();
+        let modulus = quantity(&outcome, "Maxwell: Young's modulus E");
+        let viscosity = quantity(&outcome, "Maxwell: viscosity eta");
+        let relative = |found: &Quantity| found.standard_error.unwrap() / found.value.unwrap();
+        let off = (modulus.value.unwrap() / MODULUS).ln() / relative(modulus);
+        assert!(off.abs() < 3.0, "{off}");
+        [relative(modulus), relative(viscosity)]
+    };
+    let exact = relative_error(["394 mm ± 0 mm"; 2], "1");
+    // the same rod twice: twice 0.5 %, besides density and noise
+    let one = relative_error(["394 mm ± 0.5 %"; 2], "1");
+    assert!((one[0] - 0.01_f64.hypot(exact[0])).abs() < 2e-4, "{one:?}");
+    // two rods of about equal weight; a length stated otherwise is another rod
+    let two = relative_error(["394 mm ± 0.5 %", "394.0 mm ± 0.5 %"], "1");
+    let half = 0.01 / 2.0_f64.sqrt();
+    assert!((two[0] - half.hypot(exact[0])).abs() < 4e-4, "{two:?}");
+    // the records tell the gain to some 0.4 % and leave little of the 2 % to the viscosity
+    let gain = relative_error(["394 mm ± 0 mm"; 2], "1 ± 2 %");
+    assert!(gain[1] > 1.02 * exact[1], "{gain:?} {exact:?}");
+
+    let without =
+        sheet(&[test_entry("slow.csv", "3 m/s", "")], maxwell).replace("specimen:", "// ");
+    let refusal = refused(folder.path(), &without);
+    assert!(refusal.contains("tests[0].specimen"), "{refusal}");
+}
+
+#[test]
+fn transducers_that_err_more_than_stated_are_found() {
+    let linear = Maxwell::new(4e6).unwrap();
+    let nonlinear = MaxwellNorton::from_reference_rate(1.8, 8.0, 10e6).unwrap();
+    // gain and delay of the response are all that a linear law needs; that of another needs the
+    // scale of the motion too
+    let of_linear = transducers_found(&linear);
+    assert_eq!(of_linear.verdict, Verdict::Answered, "{of_linear:?}");
+    let of_nonlinear = transducers_found(&nonlinear);
+    let is_in_doubt = matches!(of_nonlinear.verdict, Verdict::InDoubt { .. });
+    assert!(is_in_doubt, "{of_nonlinear:?}");
+}
+
+/// The result with a sheet that takes off a gain and a delay that the records have not got, after a
+/// check that both are found.
+fn transducers_found(truth: &impl InelasticLaw) -> Outcome {
+    let folder = TempDir::new().unwrap();
+    let tests = [("slow.csv", 3.0, 1), ("fast.csv", 24.0, 2)].map(|(file, velocity, seed)| {
+        let path = folder.path().join(file);
+        velocities(truth, velocity).write(&path, 5e-3 * velocity, seed, "mm/s", 1e3);
+        let entry = test_entry(file, &format!("{velocity} m/s"), r#"to: "2.5 ms","#);
+        let channel = r#"from: "free end""#;
+        entry.replace(
+            channel,
+            &format!(r#"{channel}, gain: "0.97", time_skew: "5 us""#),
+        )
+    });
+    let outcome = attempt(folder.path(), &sheet(&tests, QUICK)).unwrap();
+    let mut told = outcome.summary.iter().chain(&outcome.warnings);
+    let found = told.find(|words| words.contains("With the transducers as stated"));
+    let found = found.unwrap_or_else(|| panic!("{outcome:?}"));
+    let after = |words: &str| -> f64 {
+        let rest = found.split(words).nth(1);
+        rest.and_then(|rest| rest.split(' ').next()?.parse().ok())
+            .unwrap_or_else(|| panic!("{found}"))
+    };
+    // 1/0.97 and 5 us, by which samples that were not late were moved; to some three times the
+    // errors that such records leave
+    let (gain, delay) = (
+        after("a response that reads "),
+        after("a delay of the response of "),
+    );
+    assert!((gain - 1.0 / 0.97).abs() < 0.012, "{found}");
+    assert!((delay - 5.0).abs() < 0.5, "{found}");
+    assert!(found.contains("check the transducers"), "{found}");
+    outcome
+}
