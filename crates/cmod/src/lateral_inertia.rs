@@ -26,7 +26,7 @@
 //! the remaining error of the theory, [`LineCorrection::remaining_error`]. The lines are then
 //! judged again by the [limits](ModulusEstimate::limits) of the estimate.
 //!
-//! Theory: `docs/theory/slenderness.md#in-an-estimate`.
+//! Theory: `docs/theory/slenderness.md#correction-of-an-estimate`.
 
 use std::f64::consts::TAU;
 

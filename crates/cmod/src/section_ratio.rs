@@ -24,7 +24,7 @@
 //! the rod and its sections, [`SectionUncertainty`], and of the sensors, [`RatioError`], are the
 //! systematic part.
 //!
-//! Theory: `docs/theory/neighbouring-methods.md#one-equation`.
+//! Theory: `docs/theory/neighbouring-methods.md#common-equation`.
 
 mod calibration;
 mod expectation;

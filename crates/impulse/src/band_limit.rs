@@ -1,6 +1,6 @@
 //! The force in a stated band of frequencies.
 //!
-//! Theory: `docs/theory/stick-force.md#the-force-in-a-band`.
+//! Theory: `docs/theory/stick-force.md#band-limited-force`.
 
 use std::f64::consts::{LN_2, PI};
 

@@ -1,6 +1,6 @@
 //! Contact laws between the faces: rigid or compliant.
 //!
-//! Theory: `docs/theory/contact.md#a-step`.
+//! Theory: `docs/theory/contact.md#time-step`.
 
 mod tabulated;
 

@@ -1,6 +1,6 @@
 //! Error of a force history: its size, its correlation over time, and confidence bands.
 //!
-//! Theory: `docs/theory/force-uncertainty.md#to-first-order`.
+//! Theory: `docs/theory/force-uncertainty.md#first-order-errors`.
 
 use std::ops::Range;
 

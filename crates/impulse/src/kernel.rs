@@ -1,6 +1,6 @@
 //! The mobility in discrete time: motion of a face in each time step after a force in one step.
 //!
-//! Theory: `docs/theory/stick-force.md#by-marching-in-time`.
+//! Theory: `docs/theory/stick-force.md#time-marching`.
 
 mod cell_averages;
 mod convolution_quadrature;

@@ -1,6 +1,6 @@
 //! Time marching of the contact force: contact, separation and re-contact.
 //!
-//! Theory: `docs/theory/contact.md#a-step`.
+//! Theory: `docs/theory/contact.md#time-step`.
 
 use crate::contact_law::Memory;
 use crate::convolution::OnlineConvolution;

@@ -1,6 +1,6 @@
 //! Conversion of a channel's volts to the quantity that its sensor measured.
 //!
-//! Theory: `docs/theory/hits.md#from-volts-to-strain`.
+//! Theory: `docs/theory/hits.md#sensor-calibration`.
 
 mod blocks;
 mod bridge;

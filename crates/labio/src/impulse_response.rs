@@ -1,6 +1,6 @@
 //! The impulse response obtained from a measured frequency response, and its acausal part.
 //!
-//! Theory: `docs/theory/spectra.md#kinds-low-lines-causality-passivity`.
+//! Theory: `docs/theory/spectra.md#conversion-and-checks-of-responses`.
 
 use num_complex::Complex64;
 

@@ -1,6 +1,6 @@
 //! Passivity of a driving point, line by line.
 //!
-//! Theory: `docs/theory/spectra.md#kinds-low-lines-causality-passivity`.
+//! Theory: `docs/theory/spectra.md#conversion-and-checks-of-responses`.
 
 use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
 

@@ -3,7 +3,7 @@
 //! Averages of several hits, one shot with the silence before it, pulses cut out of the hits, and
 //! ratios computed by other programs are all represented by one type, [`ResponseRatio`].
 //!
-//! Theory: `docs/theory/one-shot.md`, `docs/theory/neighbouring-methods.md#few-hits`.
+//! Theory: `docs/theory/one-shot.md`, `docs/theory/neighbouring-methods.md#small-numbers-of-hits`.
 
 mod freedom;
 mod one_shot;

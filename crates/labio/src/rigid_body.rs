@@ -1,6 +1,6 @@
 //! Low-frequency lines of a free body, computed from its weighed mass.
 //!
-//! Theory: `docs/theory/spectra.md#kinds-low-lines-causality-passivity`.
+//! Theory: `docs/theory/spectra.md#conversion-and-checks-of-responses`.
 
 use std::f64::consts::TAU;
 

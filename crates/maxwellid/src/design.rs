@@ -17,7 +17,7 @@
 //! Expectations at the present estimates, from the linearised problem, without the difference of
 //! Occam's factors (of order one).
 //!
-//! Theory: `docs/theory/model-identification.md#what-to-measure-next`.
+//! Theory: `docs/theory/model-identification.md#planning-of-further-tests`.
 
 use rodwave::InelasticRod;
 use rodwave::experiment::Acquisition;

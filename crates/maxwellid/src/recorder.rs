@@ -25,7 +25,7 @@
 //! Where the filter is known, [`RodTest::with_recorder`] makes it part of the model, and the check
 //! is unnecessary.
 //!
-//! Theory: `docs/theory/identification.md#what-a-recorders-filter-does-to-a-nonlinear-rod`.
+//! Theory: `docs/theory/identification.md#bias-due-to-the-recorders-filter`.
 
 mod contact;
 mod filter;

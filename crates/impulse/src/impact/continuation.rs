@@ -1,6 +1,6 @@
 //! Continuation of a measured mobility above its last line, from the echoes found in its lines.
 //!
-//! Theory: `docs/theory/force-uncertainty.md#above-the-lines`.
+//! Theory: `docs/theory/force-uncertainty.md#continuation-above-the-measured-lines`.
 
 use std::f64::consts::{PI, TAU};
 

@@ -18,7 +18,7 @@
 //! pulse rounded by 30 us the exponent of a Norton rod then falls by three standard errors,
 //! although the whole band loses nothing.
 //!
-//! Theory: `docs/theory/identification.md#what-a-recorders-filter-does-to-a-nonlinear-rod`.
+//! Theory: `docs/theory/identification.md#bias-due-to-the-recorders-filter`.
 
 use rodwave::band_limited::SampledHistory;
 use statrs::distribution::{ContinuousCDF, Normal};

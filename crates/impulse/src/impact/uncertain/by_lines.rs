@@ -1,6 +1,6 @@
 //! Error of an impact due to the unknown lines of measured bodies.
 //!
-//! Theory: `docs/theory/force-uncertainty.md#above-the-lines`.
+//! Theory: `docs/theory/force-uncertainty.md#continuation-above-the-measured-lines`.
 
 use super::{ImpactDraws, ImpactNumbers, Run, UncertainImpact, resampled, run};
 use crate::impact::discrete::{DiscreteImpact, Less};
