@@ -3,16 +3,16 @@
 //! A length, a sensitivity or a delay with a stated standard uncertainty u moves the whole
 //! simulated response by u ∂S/∂q. With one such column a for each independent error, in units of
 //! the noise, the white residual has the covariance I + A Aᵀ instead of I. Its inverse square root
-//! is a product of one factor for each column,
+//! is a product of one factor per column,
 //!
 //! ```text
 //! I - (1 - 1/√(1 + |a|²)) a aᵀ/|a|² ,
 //! ```
 //!
-//! each for its column after the preceding factors have been applied to it. The fit, its errors,
-//! its profiles and the comparison of laws then contain these errors, which are eliminated as
-//! unknowns with a normal prior (Golub & Pereyra 1973). The factors couple all tests that share an
-//! error: two tests of one rod have one error of its length.
+//! where the preceding factors have been applied to a. Fit, standard errors, profiles and the
+//! comparison of laws then include these errors, as unknowns with a normal prior that are
+//! eliminated (Golub & Pereyra 1973). The factors couple all tests that share an error: two tests
+//! of one rod have one error of its length.
 //!
 //! The derivative with respect to ln L follows from those with respect to θ: two velocity histories
 //! determine only E/(ρL²) and the function L F(ρLs) of s (see [`crate::SpecimenSensitivity`]).
@@ -20,8 +20,8 @@
 //! The response is linearised about the most likely delay, and about the stated values of the other
 //! quantities.
 //!
-//! If the recorder is part of the model, the unresolved front of the excitation between two grid
-//! points is a common error too. On a grid of a quarter of the spacing the response of a nonlinear
+//! If the recorder is part of the model, the front of the excitation, unresolved between two grid
+//! points, is a common error too. On a grid of a quarter of the spacing the response of a nonlinear
 //! rod changes by Δ. For an instantaneous rise the error is of first order in the spacing, so that
 //! Δ + Δ/4 + .. = 4Δ/3 is missing. This correction is added, with the standard uncertainty Δ.
 //!

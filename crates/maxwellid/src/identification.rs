@@ -496,8 +496,8 @@ impl<M: RodModel> Identification<M> {
 /// The 97.5 % quantile of the normal distribution.
 pub(crate) const QUANTILE_95: f64 = 1.959_963_984_540_054;
 
-/// Columns of θ, orthogonalised to the columns of the nuisances. At a minimum the residual is
-/// orthogonal to the columns of the nuisances.
+/// Orthogonalises the columns of θ to those of the nuisance parameters. At a minimum the residual
+/// is orthogonal to the latter.
 fn without_nuisances(linearisation: &Linearisation, of_model: usize) -> Linearisation {
     let mut linearisation = linearisation.clone();
     let of_nuisances = linearisation.jacobian.split_off(of_model);

@@ -124,8 +124,8 @@ pub const DISTINCT_VELOCITIES: f64 = 1.2;
 /// Probability of the misfit of a law below which the law is refuted, unless another level is set.
 pub const ADEQUACY_LEVEL: f64 = 1e-3;
 
-/// Distance of ln Z by Laplace's method below the best law from which a law does not count for any
-/// exact evidence: e^-40, where the two methods differ by a few units at most.
+/// Difference of ln Z (Laplace's method) from the best law beyond which a law is discarded without
+/// exact evidence: e^-40, while the methods differ by a few units at most.
 const BEYOND_COMPARISON: f64 = 40.0;
 
 /// Largest sum of the squares of the error of the grid over all samples, in standard deviations of

@@ -133,8 +133,8 @@ pub(crate) struct Transfer {
 }
 
 impl Transfer {
-    /// The transfer linearised about an excitation [m/s], of a response that is delayed by `delay`
-    /// \[s\]. Returns `None` if the model cannot be evaluated.
+    /// Linearises the transfer about an excitation [m/s], for a response delayed by `delay` \[s\].
+    /// Returns `None` if the model cannot be evaluated.
     #[allow(
         clippy::indexing_slicing,
         reason = "the impulse response has an entry for each of its times, and a row of the window is `lead` of them further on at most"
@@ -484,8 +484,8 @@ const FADE: usize = 8;
 /// Number of frequencies to either side over which the power of a record is averaged.
 const SMOOTHED: usize = 5;
 
-/// Ratio of the power to the power of the noise up to which a frequency counts as noise: the
-/// average of eleven lines of noise exceeds this ratio in one of ten cases.
+/// Ratio of signal power to noise power below which a frequency counts as noise. The mean over
+/// eleven lines of pure noise exceeds it in one of ten cases.
 const NOISE_POWER: f64 = 1.5;
 
 /// Filters `history` by reducing each frequency to its power above the noise. The record is

@@ -1,7 +1,7 @@
 //! Units in typographic form.
 
-/// Returns `unit` with superscript powers, such as `m/s²` for `m/s^2`, and with the signs of
-/// degrees and micro. Files keep the form that can be typed.
+/// Returns `unit` with superscript powers, such as `m/s²` for `m/s^2`, and with the symbols for
+/// degree and micro. Files keep the ASCII form.
 #[must_use]
 pub fn unit_as_read(unit: &str) -> String {
     match unit {

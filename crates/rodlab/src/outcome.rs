@@ -75,8 +75,7 @@ impl Outcome {
     }
 
     /// Puts the answer in doubt because a check fails; `reason` names the check, as a clause
-    /// without a full stop. A result that the data do not allow keeps that verdict, and
-    /// repeated reasons count once.
+    /// without a full stop. The verdict `NotAllowed` is kept, and repeated reasons count once.
     pub fn doubt(&mut self, reason: impl Into<String>) {
         let reason = reason.into();
         match &mut self.verdict {

@@ -45,8 +45,8 @@ impl<L: InelasticLaw> StruckRod<L> {
         self.test()?.record(&self.acquisition, self.cell)
     }
 
-    /// Returns the velocity of the free end at `times` \[s\] by a chain of `cells` cells that is
-    /// driven by an `excitation`.
+    /// Returns the velocity of the free end at `times` \[s\], computed with a chain of `cells`
+    /// cells under an `excitation`.
     ///
     /// If the excitation has passed the filter of a recorder, the response must not be filtered
     /// again: the filter does not commute with a nonlinear rod.

@@ -72,9 +72,8 @@ pub(super) struct About {
     pub(super) information: f64,
     /// Change of γ due to each error [1/m].
     pub(super) moves: Vec<Complex64>,
-    /// Products of the contributions of the errors to the residual, with each other by rows, and
-    /// with the residual; doubled, since real and imaginary part each have half of the
-    /// variance.
+    /// Scalar products of the contributions of the errors to the residual, with each other (by
+    /// rows) and with the residual, doubled: each part of a complex value has half the variance.
     pub(super) normal: Vec<f64>,
     pub(super) gradient: Vec<f64>,
     pub(super) square: f64,

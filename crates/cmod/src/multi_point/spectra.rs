@@ -151,8 +151,7 @@ impl GaugeSpectra<'_> {
 }
 
 /// Weight of the condition at a free end relative to the largest weight of a gauge. The condition
-/// keeps 1e-6 of the variance of that gauge, where an exact condition would have none; rounding
-/// grows to 1e-13.
+/// has 1e-6 of the variance of that gauge instead of none; the rounding error grows to 1e-13.
 const WEIGHT_OF_FREE_END: f64 = 1e3;
 
 /// Line of all tests, divided by the noise of each gauge.

@@ -188,8 +188,8 @@ impl<M: Model + ?Sized> Profile<'_, M> {
         }
     }
 
-    /// Finds where the rise of χ² passes the threshold. The rise is nearly a parabola in the
-    /// coordinate, so that its square root is nearly a straight line.
+    /// Returns the coordinate at which the rise of χ² reaches the threshold. The rise is nearly
+    /// parabolic, so its square root is nearly linear.
     fn between(&self, mut inside: Reached, (mut outside, mut rise_outside): (f64, f64)) -> f64 {
         let threshold = self.threshold;
         for _ in 0..20 {

@@ -13,11 +13,11 @@ const MEMORY: f64 = PI;
 /// is 0.03 for a loss factor of 0.1.
 const DISPERSION: f64 = 0.05;
 
-/// Straight line through γ/ω over ln ω, weighted with the information of each previous line on γ/ω,
+/// Linear regression of γ/ω on ln ω. Previous lines are weighted with their information on γ/ω,
 /// which decreases with the phase.
 ///
-/// Lines near singular ones have almost no weight. A prior on the dispersion keeps the slope near
-/// 0, so that few and noisy lines do not create one.
+/// Lines near singular ones have almost no weight. A prior on the dispersion keeps the slope near 0
+/// if the lines are few or noisy.
 pub(super) struct Expectation {
     /// Initial γ/ω [s/m], until there are lines.
     start: Complex64,

@@ -21,8 +21,8 @@ const DAMPING_OVER_PERIOD: f64 = 18.0;
 /// Number of steps over which the roll-off of the bands smears events at time 0.
 const SMEARED: usize = 16;
 
-/// Period of the transform for a body that is known on the frequency axis, in multiples of the
-/// duration: free vibrations may need three durations to decay.
+/// Period of the transform, in multiples of the duration, for a body known only on the frequency
+/// axis. Free vibrations may take three durations to decay.
 const AXIS_PERIODS: usize = 8;
 
 /// Largest number of points of the period of a measured body: a gibibyte.

@@ -166,16 +166,16 @@ const NEIGHBOURS: usize = 8;
 /// Errors of the response to one blow and of the average frequency response, line by line, from the
 /// scatter between calibration blows.
 ///
-/// With $`n`$ blows with the spectra $`\hat F_{ik} = \sum_m F_{im} e^{-2\pi ikm/N}`$
+/// For $`n`$ blows with the spectra $`\hat F_{ik} = \sum_m F_{im} e^{-2\pi ikm/N}`$
 ///
 /// ```math
 /// \mathrm E|\delta\hat x_k|^2 = \mathrm{var}\,\bar H_k \sum_i |\hat F_{ik}|^2,
 /// ```
 ///
-/// where the left side is averaged over 17 lines: with few blows the scatter on a line is known
-/// only to a factor of two, and weights from it would favour lines whose scatter is underestimated.
-/// The position and direction of a blow change the response itself, line by line and in proportion
-/// to it.
+/// with the left side averaged over 17 lines: with few blows the scatter of one line is known only
+/// to a factor of two, and its use as a weight would favour lines of underestimated scatter.
+/// Changes of position and direction of the blow change the response on each line in proportion to
+/// its size.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct CalibrationLines {

@@ -9,9 +9,10 @@ use crate::{ImpulseError, fourier};
 /// The exponential window $`e^{-\sigma t}`$ on all histories, from the first sample of the record
 /// on.
 ///
-/// On the line $`s = \sigma + i\omega`$ the spectra of the windowed histories obey $`\hat x(s) =
-/// H(s)\hat F(s)`$ exactly. The windowed force is found there and then multiplied by $`e^{\sigma
-/// t}`$. White noise decays with the window: its samples remain independent, its lines do not.
+/// On the line $`s = \sigma + i\omega`$ the spectra of the windowed histories obey
+/// $`\hat x(s) = H(s)\hat F(s)`$ exactly. The windowed force is found there and then multiplied by
+/// $`e^{\sigma t}`$. White noise decays with the window: its samples remain independent, its lines
+/// become correlated.
 pub(super) struct Shift {
     /// $`e^{-\sigma t_n}`$.
     weights: Vec<f64>,

@@ -7,9 +7,8 @@ use crate::{Contents, LabioError, Place, Series};
 /// Greatest depth of nested structures that is read; laboratory data are not nested deeper.
 pub(super) const DEEPEST: usize = 64;
 
-/// Greatest length of the name of a field, including the names of the structures around it. MATLAB
-/// allows 63 bytes per level; without a bound, one long name could precede each of a million empty
-/// fields.
+/// Maximum length of a field name, including the names of the enclosing structures. MATLAB allows
+/// 63 bytes per level; the limit bounds the memory for a million empty fields with one long prefix.
 pub(super) const LONGEST_NAME: usize = 512;
 
 /// Contents read so far, and the memory that they take.

@@ -52,7 +52,7 @@ pub fn samples_at_rest(hits: &[&Record], channels: &[&str]) -> Result<Option<usi
 ///
 /// The body must be at rest: the mean square of each channel about its level in the last tenth must
 /// not exceed twice the mean square of its noise plus the square of a thousandth of its peak. The
-/// padded samples have no noise: rest noise, which is assumed for the whole length, is then
+/// padded samples have no noise, but noise at rest is assumed for the whole length, and is
 /// overestimated by their fraction.
 ///
 /// # Errors

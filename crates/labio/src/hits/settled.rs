@@ -22,10 +22,10 @@ const LEVEL: f64 = 0.01;
 /// Returns the number of samples, a power of two, after which no motion is left in `channels` of
 /// any of `hits`; `None` if it is more than a quarter of the shortest hit.
 ///
-/// After $`n`$ samples the motion has ended if all peaks are before, and if no line of the next
-/// $`n`$ samples stands out of the noise in the second half of the hit: at most 1 % of hits with
-/// noise alone have such a line. $`2n`$ samples are returned: a motion that is lost in the noise of
-/// the second $`n`$ samples has then decayed further.
+/// The motion has ended after $`n`$ samples if all peaks lie before, and if no line of the next
+/// $`n`$ samples exceeds the noise in the second half of the hit (false alarms: at most 1 % of
+/// hits). The function returns $`2n`$: motion below the noise in the second $`n`$ samples has then
+/// decayed further.
 ///
 /// # Validity
 ///

@@ -273,9 +273,9 @@ fn s14_random_records_are_covered_by_students_law() {
             gains.len()
         );
         for [one, two] in parts {
-            // 1640 lines and more: 1.2 % and 0.6 %, times three, plus the second order of an error
-            // of a tenth; overlapping segments scatter a little less than their effective number
-            // states
+            // three standard errors of 1.2 % and 0.6 % (1640 lines or more), plus the second order
+            // of an error of 0.1; overlapping segments scatter slightly less than their effective
+            // number implies
             assert!(
                 (one - 68.3).abs() < 5.0 && (two - 95.0).abs() < 3.0,
                 "{one} {two}"

@@ -46,8 +46,8 @@ pub(super) enum Neighbours {
     /// branch over that of all others, and ln d.
     ///
     /// With a = 2/π atan d the spectrum of (iω)^a is sin(πa)/π τ^(-a) per ln τ. It is summed by the
-    /// trapezoidal rule; what is slower than its branches is a spring, and their first and last have
-    /// the loss of what is faster and slower.
+    /// trapezoidal rule. A spring replaces the slower part of the spectrum; the first and last
+    /// branch include the loss of the faster and slower parts.
     FlatLoss,
 }
 

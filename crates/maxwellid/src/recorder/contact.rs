@@ -119,8 +119,8 @@ impl Contact {
         self.moved(self.correlated(back).into_iter())
     }
 
-    /// Mean of the excitation at `points` points, given its `record`, and V of its covariance
-    /// Σ - Vᵀ V at the points from `first` on, before which it rests; `None` as for
+    /// Mean of the excitation at `points` points, given its `record`, and the factor V of its
+    /// covariance Σ - Vᵀ V from point `first` on (before, it is zero); `None` as for
     /// [`Self::mean_given`].
     pub(super) fn given(
         &self,

@@ -1,9 +1,9 @@
 //! The excitation of a rod before the filter of its recorder.
 //!
 //! # Problem
-//! The recorder gives v_e = G u + e of the excitation u, with G its filter and sampler and e the
-//! noise of the record. A nonlinear rod must be driven by u: its dissipation follows the full
-//! stress of a front, which G reduces.
+//! The record of the excitation u is v_e = G u + e, with filter and sampler G and noise e. A
+//! nonlinear rod must be driven by u: its dissipation follows the full stress of a front, which G
+//! reduces.
 //!
 //! # Method
 //! u is estimated on a grid of [`FINER`] points per sample, with a normal prior: at rest until the
@@ -14,28 +14,28 @@
 //! u = B w ,    B(t) = 1 - e^{-t/τ} ,    var w = D = q I + h² (1 0.8; 0.8 1) at the first two points .
 //! ```
 //!
-//! It states only that bodies met once and that bounded forces change a velocity; no striker or
-//! pulse shape is assumed. Given the record, u is normal with
+//! The prior assumes one impact and bounded forces, but no striker or pulse shape. Given the
+//! record, u is normal with
 //!
 //! ```text
 //! mean u₁ = Σ Gᵀ K⁻¹ v_e ,    covariance P = Σ - Σ Gᵀ K⁻¹ G Σ ,    Σ = B D Bᵀ ,  K = G Σ Gᵀ + C_e .
 //! ```
 //!
-//! h is the largest value of the record. The contact begins between two points, which share the
-//! step with a correlation of 0.8. The onset of the contact, τ and q maximise the likelihood of the
-//! record about its front, ln N(v_e; 0, K); mean and covariance are those of the mixture over other
-//! onsets and τ with their likelihoods. The response of any law is computed for the excitation u,
-//! filtered and sampled by the same G, and its covariance contains P: both the noise of the record
-//! and the part of the front that the record does not show (see [`crate::whitening`]). Without a
+//! h is the largest value of the record. The contact begins between two points; the step heights at
+//! these points have a correlation of 0.8. The onset of the contact, τ and q maximise the
+//! likelihood of the record about its front, ln N(v_e; 0, K); mean and covariance are those of the
+//! mixture over other onsets and τ with their likelihoods. The response of any law is computed for
+//! the excitation u, filtered and sampled by the same G, and its covariance contains P, that is the
+//! noise of the record and the unresolved part of the front (see [`crate::whitening`]). Without a
 //! filter and without a prior this is the covariance of the noise alone.
 //!
 //! A linear rod commutes with the filter. It is driven by G u at twice the sampling rate, and its
 //! response needs no filter.
 //!
 //! # Validity
-//! Both histories pass the same filter. The prior has no event for the end of the contact or a
-//! returning wave, and there follows the record. Above the band of the record the shape of a front
-//! is that of the prior, within the stated standard error.
+//! Both histories pass the same filter. The prior does not contain the end of the contact or a
+//! returning wave; there the excitation follows the record. Above the band of the record the prior
+//! determines the shape of a front, within the stated standard error.
 //!
 //! Theory: `docs/theory/identification.md#the-recorder-as-part-of-the-model`.
 

@@ -279,9 +279,9 @@ impl EndAccelerationTest<LaplaceVariable> {
     ///
     /// The transform of a₁ decays like that of the force at frequencies where the inertia of the
     /// accelerometer exceeds the impedance of the rod; without accelerometers it decays like s
-    /// times that of the force. Content above the Nyquist frequency causes ringing, so that the
-    /// interval must be short compared with the duration of the force, or the synthesis smoothed;
-    /// late in the record the ringing has grown as e^{at}.
+    /// times that of the force. Content above the Nyquist frequency causes ringing, which grows as
+    /// e^{at} during the record. Choose an interval much shorter than the force, or a smoothed
+    /// synthesis.
     ///
     /// # Errors
     /// As [`Chain::mobility`] and [`DampedSynthesis::history`].

@@ -116,9 +116,9 @@ impl InelasticLaw for MaxwellGurevichRabinovich {
 /// sign of m and has no cancellation. The short steps of a solver use the Taylor series of y1/y0 in
 /// q; long ones solve for y1.
 ///
-/// The cell with the longest step of a block determines the number of terms for all its cells. The
-/// other cells of a block therefore affect a cell's change, but by no more than 4e-13 of the change
-/// and two rounding units of the stress.
+/// All cells of a block use the number of terms that the longest step needs. The result of a cell
+/// therefore depends on the other cells, by at most 4e-13 of the change and two rounding units of
+/// the stress.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct GurevichRabinovichFlow {
     /// q = E h/η

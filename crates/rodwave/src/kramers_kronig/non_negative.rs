@@ -160,8 +160,8 @@ impl NonNegativeProblem {
         }
     }
 
-    /// min |b - A x| over the given columns by modified Gram-Schmidt, orthogonalised twice. The
-    /// `factors` of the columns that they begin with are kept.
+    /// Minimises |b - A x| over the `passive` columns by modified Gram-Schmidt, orthogonalised
+    /// twice. Existing `factors` of the leading columns are reused.
     fn least_squares(&self, passive: &[Passive], factors: &mut Factors) -> Vec<f64> {
         factors.keep(passive);
         let mut rest = self.target.clone();

@@ -91,12 +91,11 @@ impl<D: ImpactDraws> UncertainImpact<'_, D> {
     }
 }
 
-/// Returns the errors of the numbers from their changes. The peak in the band is distributed
-/// uniformly within plus and minus its change; for the other numbers, which may change little by
-/// accident, the change is the standard error. The errors of the peak in the band and of the end of
-/// the contact are at least those that the error of the `force` causes there. The 95 % interval of
-/// the peak without a band limit, which the lines hardly determine, reaches at least to the peak in
-/// the band.
+/// Returns the errors of the numbers from their changes. The peak in the band has a uniform
+/// distribution of half width equal to its change. For the other numbers, whose changes may be
+/// small by chance, the change is the standard error. The errors of the peak in the band and of the
+/// end of the contact are at least those that the error of the `force` causes there. The lines
+/// hardly determine the peak without a band limit; its 95 % interval includes the peak in the band.
 fn numbers_of(stated: &Run, other: &Run, force: &[f64]) -> ImpactNumbers {
     let numbers = stated.numbers();
     let mut changes = numbers.with(&other.numbers(), |a, b| (a - b).abs());

@@ -157,8 +157,8 @@ pub(super) fn of(lines: &[Line], sheet: &BarSheet, passages: &Passages) -> Optio
         ("at the struck end".to_owned(), length),
     ] {
         let mut towards = band.history(&in_band, carried(to_end - from_end));
-        // the last waves that pass the struck end reach the gauge after the record, and the step at
-        // the end of the record is spread over two periods
+        // the last waves at the struck end reach the gauge after the end of the record, and the
+        // step there is spread over two periods
         let periods = 2.0 / valid.last()?.frequency_hz;
         let known = duration - (from_end - to_end).max(0.0) / slowest - periods;
         for (at, sample) in towards.iter_mut().enumerate() {

@@ -68,8 +68,8 @@ pub(super) struct LawFit {
 }
 
 impl LawFit {
-    /// `cell` \[m\] is the cell of the sheet. A rejected law has no errors by which a grid could be
-    /// chosen, so it keeps the grid of the comparison.
+    /// Prepares the fit with the `cell` \[m\] of the sheet. A rejected law keeps the grid of the
+    /// comparison: it has no errors from which to choose one.
     pub(super) fn of(
         (law, sheet): (Law, &IdentifySheet),
         cell: Option<f64>,

@@ -10,7 +10,7 @@ use crate::RodlabError;
 use crate::digits::significant;
 use crate::sheet::{Exact, Ratio, Stated, plausible};
 
-/// Refuses a density that no solid has, and a diameter that is not below the length of the rod or
+/// Rejects a density outside the range of solids, and a diameter not below the length of the rod or
 /// the distance of its sections.
 pub(super) fn check(sheet: &ModulusSheet) -> Result<(), RodlabError> {
     plausible::density(&sheet.specimen.density, "specimen.density")?;
