@@ -21,7 +21,7 @@ const LINES: usize = 4096;
 const LENGTH: f64 = 0.8;
 const NOISE: f64 = 0.05;
 
-/// Lines of a rod with an observed end, and what the method knows of them.
+/// Lines of a rod with an observed end, with the inputs of the method.
 struct Lines {
     frequency_hz: Vec<f64>,
     observed: Vec<Complex64>,

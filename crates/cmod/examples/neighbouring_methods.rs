@@ -1,6 +1,5 @@
 //! Figure 3 of paper A on a virtual rod: the modulus of one rod of polypropylene by the two-point
-//! method and by its neighbours, each with its standard errors, and what the checks say of the
-//! record.
+//! method and related methods, each with its standard errors, and the outcome of the checks.
 //!
 //! ```text
 //! cargo run --release --package cmod --example neighbouring_methods

@@ -1,5 +1,5 @@
-//! The checks without truth: they pass on right records, name what is wrong with wrong ones, and
-//! cry wolf as often as they say.
+//! Checks without known true values: they pass correct records, name the fault of wrong ones, and
+//! have the stated rate of false alarms.
 //!
 //! Spectra and histories are those of chains of impedances; no check uses these.
 #![allow(

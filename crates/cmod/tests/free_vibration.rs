@@ -174,7 +174,7 @@ fn free_vibration_names_what_is_wrong() {
     assert!(method(&bar, 5000.0).poles(&[], bar.rate).is_err());
 }
 
-/// Two blows tell the same mode: half the variance, and the scatter where they differ.
+/// Two blows give the same mode with half the variance, or the scatter if they differ.
 #[test]
 fn free_vibration_of_several_blows_is_averaged() {
     let bar = RingingRod::steel(1e-4);

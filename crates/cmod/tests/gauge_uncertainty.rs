@@ -41,7 +41,7 @@ enum Method {
     Multi,
 }
 
-/// The estimate by a sheet that says `stated` of gauges that are at `true_positions`.
+/// The estimate with the positions `stated` for gauges at `true_positions`.
 fn estimate(
     method: Method,
     stated: &[f64],

@@ -131,7 +131,7 @@ fn the_series_is_good_below_the_printed_mass_ratio() {
             assert!(found.of_all[1] > third, "{what}");
             heavy += 1;
         }
-        // ... and the criterion tells: what it accepts is far better than a third
+        // ... and the criterion is effective: accepted lines are far better than a third
         assert!(
             found.of_accepted[0] < 0.1 && found.of_accepted[1] < 0.1,
             "{what}"

@@ -71,7 +71,7 @@ pub(crate) const STIFF: Rod = Rod {
     noise: 2e-4,
 };
 
-/// Loss factors near 1: little more than one wave, which tells little of its sensors.
+/// Loss factors near 1: little more than one wave, with little information on the sensors.
 pub(crate) const SOFT: Rod = Rod {
     specimen: Specimen {
         length: 0.2,
@@ -249,7 +249,7 @@ fn gain_ratio_and_delay_are_found_within_their_errors() {
             {
                 z.push((source.size - drawn) / source.standard_error);
             }
-            // what the record tells of its sensors
+            // information of the record on its sensors
             assert!(
                 gain_error.contains(&found.sources()[0].standard_error),
                 "{name}"

@@ -1,8 +1,8 @@
 //! Stick force by Fourier transform, kernels, and the march with contact.
 //!
 //! The march is measured for several numbers of steps, beside the direct summation: the former
-//! grows as N log² N, the latter as N². Its bound is one convolution of the whole history by
-//! transforms, which knows the force beforehand; that of the stick force is one transform.
+//! grows as N log² N, the latter as N². Its lower bound is one convolution of the whole history by
+//! transforms, with the force given; that of the stick force is one transform.
 #![allow(
     missing_docs,
     clippy::unwrap_used,

@@ -1,5 +1,4 @@
-//! Impacts computed by `rodwave::line` too: characteristics in the time domain, which know nothing
-//! of mobilities.
+//! Impacts computed by `rodwave::line` too: characteristics in the time domain, without mobilities.
 
 use std::f64::consts::FRAC_PI_4;
 

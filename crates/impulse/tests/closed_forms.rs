@@ -68,7 +68,7 @@ fn mass_on_an_endless_rod(claims: &mut Claims) {
             .predict(DURATION)?;
         if steps >= 4096.0 {
             assert_eq!(prediction.flags, []);
-            // below a millionth of the peak it is no contact to speak of: 13.8 time constants
+            // below a millionth of the peak the contact is negligible: 13.8 time constants
             assert!((prediction.duration() / (1e6_f64.ln() * kilograms / z) - 1.0).abs() < 1e-2);
         }
         let exact = |t: f64| z * VELOCITY * (-z * t / kilograms).exp();
@@ -210,7 +210,7 @@ fn rods_of_equal_length(claims: &mut Claims) {
     let plateau = 0.5 * impedance(0.010) * VELOCITY;
     let trip = 2.0 * length / wave_speed();
     let kinetic = 0.5 * impedance(0.010) * length / wave_speed() * VELOCITY.powi(2);
-    // while the faces stick, the force alternates for ever
+    // while the faces stick, the force alternates without end
     let alternating = |t: f64| {
         if (t / trip).rem_euclid(2.0) < 1.0 {
             plateau

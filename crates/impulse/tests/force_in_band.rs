@@ -244,7 +244,7 @@ fn lines_with_the_error_of_those_above(is_stepped: bool) {
         .with_errors(ImpactErrors::of_velocity(0.0))
         .predict(duration);
     assert!((found.unwrap().band.upper_hz() / 5e3 - 1.0).abs() < 1e-12);
-    // lines too far apart for the ringing to die out are flagged
+    // lines too far apart for the ringing to decay are flagged
     let [first, second] = on_lines(50.0, 10e3);
     let impact = Impact::between(&first, &second).at_velocity(1.0);
     let flags = impact.predict(duration).unwrap().flags;
@@ -262,10 +262,10 @@ fn lines_with_the_error_of_those_above(is_stepped: bool) {
     assert!(with > 1.5 * without, "{with} {without}");
 }
 
-/// Forty pairs of rods, plain or stepped at a random place up or down, of random lossy materials, by
-/// their exact lines up to 10 kHz and their front impedances, against the same by the damped
-/// transform. Nothing else is uncertain: the errors by what the lines do not tell hold for bodies of
-/// all kinds about as often as they say.
+/// Forty pairs of rods, plain or stepped at a random place up or down, of random lossy materials,
+/// by their exact lines up to 10 kHz and their front impedances, against the same by the damped
+/// transform. Nothing else is uncertain: the errors due to the missing lines have about their
+/// nominal coverage for bodies of all kinds.
 #[test]
 fn the_error_by_lines_holds_for_bodies_of_many_kinds() {
     let mut random = ChaCha8Rng::seed_from_u64(11);

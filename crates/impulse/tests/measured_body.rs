@@ -238,7 +238,7 @@ fn the_mean_of_both_directions_has_half_of_the_variance() {
     let (forward, backward) = (of(5), of(6));
     let (mean, found) = forward.mean_of_directions(&backward).unwrap();
     assert_eq!(found.contradicting_lines, 0, "{found:?}");
-    // 1024 lines know a root mean square to 1.6 % (circular): three of them
+    // 1024 lines give a root mean square to 1.6 % (circular): three standard errors
     let change = measured(&exact).change_from(&mean);
     assert!((change.in_errors.unwrap() - 1.0).abs() < 0.05, "{change:?}");
     let variances = [&mean, &forward].map(|body| body.variance().unwrap()[500]);
@@ -322,7 +322,7 @@ fn what_cannot_be_is_refused() {
             Err(ImpulseError::OutsideDomain { .. })
         ));
     }
-    // an accelerance says nothing of a mobility at rest
+    // an accelerance gives no mobility at 0 Hz
     assert!(MeasuredBody::from_accelerance(&exact, STEP_HZ, LowFrequency::Measured).is_err());
 }
 
@@ -409,7 +409,7 @@ fn r05_the_true_front_impedance_is_never_contradicted_and_a_wrong_one_is() {
         let right = screened(impedance);
         assert_eq!(right.flags(), [], "{right:?}");
     }
-    // a rod of one section with enough resonances tells: a fifth more is another section
+    // a rod of one section with enough resonances reveals it: a fifth more is another section
     let long = Chain::from_impact_face()
         .rod(&nylon(), circle(40.0), 0.900)
         .end(Termination::Free)

@@ -3,7 +3,7 @@
 //!
 //! As in the paper, the mobilities are sampled up to 10 kHz for 2048 samples of the force (Ödeen
 //! 1993, paper E, section 3.2); the power laws of its eq. 7 stand for Nylon-6. The paper does not
-//! say what it took at 0 Hz. Here the bodies are weighed, `ZeroLine::EffectiveMass`: the total
+//! state the value at 0 Hz. Here the bodies are weighed, `ZeroLine::EffectiveMass`: the total
 //! impulse of the stick force is V times the mass of the body, as the long rod is endless. Leaving
 //! the line out would shift the force by -VM/T.
 

@@ -131,7 +131,7 @@ fn bands_cover_the_true_force_at_their_level() {
     }
 }
 
-/// A perturbed body: what the band does not know of, the chi-square tells.
+/// A perturbed body: chi-square reveals an error that the band does not include.
 #[test]
 fn a_body_that_is_another_one_is_seen_in_the_residual() {
     let faces = BODY.struck_by(PULSE).unwrap();
@@ -156,8 +156,8 @@ fn a_body_that_is_another_one_is_seen_in_the_residual() {
     assert!(wrong > 1.5, "{wrong}");
 }
 
-/// The far face says little of high frequencies once it is seen through a slow sensor: only a
-/// regularised force is near the truth, without tension as with it.
+/// The far face with a slow sensor gives little information on high frequencies: only a regularised
+/// force is near the truth, with or without the condition of no tension.
 #[test]
 fn a_slow_sensor_needs_regularisation() {
     let faces = BODY.struck_by(PULSE).unwrap();

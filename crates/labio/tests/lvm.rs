@@ -83,7 +83,7 @@ fn lines_may_end_as_they_like_and_numbers_have_a_comma() {
     let contents = read(&text).unwrap();
     assert_eq!(real(&contents, 1), [-22.5, 3.0]);
     assert_eq!(contents.series[0].abscissa, even(0.5, 0.25));
-    // no tag for the decimal mark: the numbers of the header say it
+    // no tag for the decimal mark: it follows from the numbers of the header
     let untagged = text.replace("Decimal_Separator;,\r\n", "");
     assert_eq!(real(&read(&untagged).unwrap(), 1), [-22.5, 3.0]);
 }
@@ -177,7 +177,7 @@ fn segments_have_headers_and_columns_of_their_own() {
     assert_eq!(real(&contents, 1), [4.0, 5.0, 6.0]);
     assert_eq!(contents.series[1].abscissa, even(1.0, 0.2));
     let last = &contents.series[2];
-    // as written, with what it may stand for
+    // as written, with its possible meanings
     assert_eq!(last.abscissa, even(0.0, 0.000977));
     assert_eq!(
         property(&last.properties, "customary rate"),

@@ -240,7 +240,7 @@ fn series_are_written_as_columns_with_abscissae_and_units() {
         .map(|series| series.name.as_str())
         .collect();
     assert_eq!(names, ["end_A", "x2"]);
-    // what stands beside a series is read back
+    // names beside a series are read back
     let abscissae = back.series.iter().map(|series| &series.abscissa);
     assert!(abscissae.eq(contents.series.iter().map(|series| &series.abscissa)));
     assert_eq!(back.series[0].ordinate_axis.unit_text, "N");
@@ -268,7 +268,7 @@ fn series_are_written_as_columns_with_abscissae_and_units() {
     );
 }
 
-/// Names that could be those of what stands beside a series are changed, in either order, and long
+/// Names that could be those of entries beside a series are changed, in either order, and long
 /// names leave room for them.
 #[test]
 fn nothing_else_is_taken_for_the_abscissa_or_the_unit_of_a_series() {

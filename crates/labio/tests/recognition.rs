@@ -38,7 +38,7 @@ fn every_file_has_one_taker() {
             &[],
         ),
         (b"\x89HDF\r\n\x1a\n\0\0\0\0", &["hdf5"]),
-        // its own header says 7.3 as well: the first taker reads it
+        // its own header states 7.3 as well: the first matching reader reads it
         (crate::hdf5::MATLAB, &["hdf5", "mat5"]),
         (crate::oscilloscope::FILES[0].1, &["wfm"]),
         (crate::oscilloscope::FILES[5].1, &["isf"]),

@@ -65,7 +65,7 @@ fn cells_are_pandas_s() {
 }
 
 /// The column of times is an even abscissa in seconds, unless its digits leave the step open: six
-/// decimals hold a step of 20 us in 29 steps to 2 in 1000, and such times are taken as they stand.
+/// decimals hold a step of 20 us in 29 steps to 2 in 1000, and such times are used unchanged.
 #[test]
 fn times_are_even_where_they_can_be() {
     for (file, bytes) in FILES {

@@ -30,7 +30,7 @@ pub(crate) fn property<'a>(properties: &'a [(String, String)], name: &str) -> Op
     found.map(|(_, value)| value.as_str())
 }
 
-/// Refusal of each reading, a line each; contents that were read instead stand in its line.
+/// Refusal of each reading, one per line; contents that were read instead are in that line.
 pub(crate) fn refusals(read: impl IntoIterator<Item = Result<Contents, LabioError>>) -> String {
     let said = read.into_iter().map(|read| match read {
         Ok(contents) => format!("read {:?}", contents.series),

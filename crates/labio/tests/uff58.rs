@@ -89,7 +89,7 @@ fn measured_files_are_read() {
         (79_292, 79_292)
     );
     assert_eq!(text.abscissa, binary.abscissa);
-    // the step has 6 digits, which suffice to tell the rate that was meant
+    // the step has 6 digits, which suffice to determine the intended rate
     let Abscissa::Even { step, .. } = text.abscissa else {
         panic!("expected an even abscissa");
     };

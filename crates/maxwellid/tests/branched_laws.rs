@@ -1,4 +1,5 @@
-//! Nonlinear laws with an equilibrium: named where the data ask for them, with errors that cover.
+//! Nonlinear laws with an equilibrium: identified where the data require them, with errors of
+//! correct coverage.
 
 use crate::virtual_tests;
 

@@ -179,9 +179,9 @@ fn r02_a_narrower_band_moves_an_estimate_that_the_recorder_biases() {
 }
 
 /// Of one velocity in two per cent of noise the excitation follows the exponent: fits end at 0.35
-/// for a true 2, with a rate that is off by 5 to 19 of its standard errors and straight for
-/// fixed weights and excitation. Renewed at the ends of the intervals they show that the errors
-/// stand for nothing. In half a per cent of noise the exponent is identified.
+/// for a true 2, with a rate that is off by 5 to 19 of its standard errors and straight for fixed
+/// weights and excitation. Renewed at the ends of the intervals they show that the errors have no
+/// meaning. In half a per cent of noise the exponent is identified.
 #[test]
 fn r13_what_the_excitation_follows_is_not_identified() {
     let truth = MaxwellNorton::from_reference_rate(2.0, 8.0, 10e6).unwrap();

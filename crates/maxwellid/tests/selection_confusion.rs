@@ -1,5 +1,5 @@
 //! Confusion matrix and calibration of probabilities on data of independent generators, at two
-//! velocities: one draw of each truth, or as many as `SEEDS` says.
+//! velocities: one draw of each truth, or `SEEDS` draws.
 
 use crate::virtual_tests;
 

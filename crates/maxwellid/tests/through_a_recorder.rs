@@ -319,7 +319,7 @@ fn a_delay_of_most_of_a_sample_is_found() {
     checked(&Maxwell::new(4e6).unwrap(), Law::Maxwell);
 }
 
-/// A linear model that does not say so, and is therefore driven before the filter.
+/// A linear model not declared as linear, and therefore driven before the filter.
 #[derive(Debug, Clone)]
 struct Unsaid(Arc<dyn RodModel>);
 

@@ -119,7 +119,7 @@ fn a_displacement_out_of_range_ends_the_window_and_is_flagged() {
         let mut data = whole.clone();
         let mut known_range = range;
         if stuck {
-            // nobody said what the range was, but the signal stands still there
+            // the range was not stated, but the signal is constant there
             data.response.iter_mut().for_each(|u| *u = u.min(range));
             known_range = f64::INFINITY;
         }
@@ -187,7 +187,7 @@ fn gain_offset_and_delay_of_a_transducer_are_found() {
         .map(|n| (n.name, n.value))
         .collect();
     let report = fit.report(Noise::FromResidual).to_string();
-    // a rod with one passage of the wave tells E from the delay by its reflections alone
+    // in a rod with one passage of the wave only the reflections separate E from the delay
     assert!((found[0].1 * RATE - 2.0).abs() < 0.05, "{found:?} {report}");
     assert!((found[1].1 - 1.03).abs() < 2e-3, "{found:?} {report}");
     assert!((found[2].1 - 0.05).abs() < 5e-3, "{found:?} {report}");
@@ -300,8 +300,7 @@ fn tests_that_contradict_each_other_are_refused_or_flagged() {
             .to_string()
             .contains("a length, a density or a sampling rate is wrong, or the materials differ")
     );
-    // two per cent of the length are less than the time of flight can tell, but not less than the
-    // fit
+    // two per cent of the length are below the resolution of the time of flight, but not of the fit
     let doubtful = fit(&tests(&|data| data.length *= 1.02)).unwrap();
     assert!(
         doubtful.flags().iter().any(|flag| matches!(

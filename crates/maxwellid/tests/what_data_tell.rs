@@ -74,7 +74,7 @@ fn a_faster_test_separates_what_a_repetition_does_not() {
     let ranked = design.rank(law, &rival, &planned).unwrap();
     let repetition = ranked.iter().find(|(index, _)| *index == 0).unwrap().1;
     let alone = design.separation(law, &rival, &[]).unwrap();
-    // as much again tells twice as much
+    // twice the data have twice the information
     assert!(
         (repetition / alone - 2.0).abs() < 0.3,
         "{repetition} {alone}"

@@ -150,8 +150,8 @@ impl PhaseObservation for Counting {
     }
 }
 
-/// A slip of the pen in a column of frequencies: 199999999999 Hz behind 6 kHz. There are 10^8 waves
-/// between, and no line can tell which of them is right.
+/// A typing error in a column of frequencies: 199999999999 Hz after 6 kHz. There are 10^8 waves in
+/// between, and no line determines the right number.
 #[test]
 fn a_line_beyond_all_others_is_doubted_and_not_searched() {
     let counting = Counting(Cell::new(0));

@@ -1,4 +1,4 @@
-//! Aids where the lines alone do not tell the count, and other phases than that of a free end.
+//! Anchors for lines that do not determine the count, and phases other than that of a free end.
 
 use std::f64::consts::TAU;
 

@@ -82,8 +82,8 @@ fn roots(clean: &Clean, measured: &Measured, solver: Solver) -> Roots {
     }
 }
 
-/// With 2 % of noise two roots meet on the wrong side on 6 lines; checked by what the lines around
-/// say, a few stay that cannot be decided, and are not valid.
+/// With 2 % noise two roots meet on the wrong side on 6 lines. After comparison with the
+/// neighbouring lines a few remain undecided and are not valid.
 #[test]
 fn newton_as_printed_runs_to_wrong_roots_and_continuation_does_not() {
     let clean = record();

@@ -47,7 +47,7 @@ fn histories(random: &mut Noise, persistence: f64) -> Vec<Vec<f64>> {
         .collect()
 }
 
-/// The last section sees the reflection 0.13 ms after the first wave.
+/// The reflection reaches the last section 0.13 ms after the first wave.
 fn polarity(histories: &[Vec<f64>]) -> CheckOutcome {
     arrivals(histories)
         .polarity(1720.0, 1.1e-4, USUAL_LEVEL)
@@ -101,7 +101,7 @@ fn a_gauge_the_wrong_way_round_is_named() {
     let outcome = polarity(&histories);
     assert_eq!((outcome.check, outcome.worst), (Check::Polarity, Some(1)));
     assert!(outcome.has_failed(), "{outcome}");
-    // The free end sees it, too, but cannot say what it is.
+    // The free-end check fails too, but does not identify the fault.
     let mut spectra = SpectraOfTest::of(&relaxing(), DISTANCES, &mut random);
     for value in &mut spectra.strains[2] {
         *value = -*value;
@@ -109,7 +109,7 @@ fn a_gauge_the_wrong_way_round_is_named() {
     assert!(spectra.free_end_null(USUAL_LEVEL).has_failed());
     // An early or a late wave is another matter.
     assert!(!causality(&histories, USUAL_LEVEL).has_failed());
-    // A wave below the noise says nothing.
+    // A wave below the noise gives no information.
     let mut random = Noise::seeded(8);
     let silence: Vec<Vec<f64>> = (0..3)
         .map(|_| noisy([0.0; 2000].into_iter(), 1.0, 0.0, &mut random))

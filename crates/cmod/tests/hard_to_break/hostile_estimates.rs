@@ -34,7 +34,7 @@ fn frequencies(specimen: &Specimen, scale: f64) -> Vec<f64> {
     (1..=LINES).map(|k| step * k as f64).collect()
 }
 
-/// Everything that an estimate says of its lines.
+/// All results of an estimate for its lines.
 fn numbers(estimate: &ModulusEstimate) -> Vec<f64> {
     let mut numbers = Vec::new();
     for line in estimate.lines() {
@@ -363,8 +363,8 @@ fn branches() {
     findings.none();
 }
 
-/// A band far above its resolution: waves of a kilometre at a terahertz cannot be counted, and
-/// nobody tries.
+/// A band far above its resolution: waves of a kilometre at a terahertz cannot be counted, and no
+/// count is tried.
 #[test]
 fn hopeless_bands_are_undetermined() {
     for (first, step) in [(1e6, 1.0), (1e9, 1e-3), (1e12, 1e-3), (1e12, 1e9)] {

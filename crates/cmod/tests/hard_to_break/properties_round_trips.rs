@@ -1,5 +1,5 @@
-//! Random specimens, made in closed form by exponentials: every method gives their modulus back,
-//! counts waves that only grow, and says so the same way in every unit, thread and file.
+//! Random specimens, made in closed form by exponentials: every method recovers the modulus, counts
+//! waves that only grow, and gives the same result in every unit, thread and file.
 
 use num_complex::Complex64;
 use proptest::prelude::*;

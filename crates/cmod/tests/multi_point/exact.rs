@@ -215,7 +215,8 @@ proptest! {
     }
 }
 
-/// One line alone has many wave numbers, and says so; a guess of the speed decides.
+/// A single line has many possible wave numbers and is reported as ambiguous; a guess of the speed
+/// decides.
 #[test]
 fn one_line_needs_a_guess() {
     let frequency_hz = [6000.0];

@@ -293,8 +293,8 @@ fn one_shot_on_a_ringing_bar_is_covered() {
     assert!(outside <= 6, "{gains:?}");
 }
 
-/// No record tells the density: an uncertain one widens the error, and leaves the modulus where it
-/// is.
+/// No record determines the density: its uncertainty increases the error and does not change the
+/// modulus.
 #[test]
 fn uncertain_density_does_not_move_the_modulus() {
     let damping = 1100.0;
@@ -421,7 +421,7 @@ fn bars_that_cannot_be_evaluated_are_refused() {
         let text = refused.unwrap_err().to_string();
         assert!(text.ends_with("expected 0: no free end is used"), "{text}");
     }
-    // six lines do not tell how the modulus varies
+    // six lines do not determine the variation of the modulus
     let frequency_hz: Vec<f64> = (20..26).map(|j| 50.0 * f64::from(j)).collect();
     let spectra = waves(&[1.6, 2.0], &frequency_hz, 500.0, Quantity::Strain);
     let method = MultiPoint::before_free_end(rod(&[1.6, 2.0]), 2.5)

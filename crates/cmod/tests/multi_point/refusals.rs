@@ -186,7 +186,7 @@ fn noise_alone_gives_no_modulus() {
     assert!(valid <= 40, "{valid} valid lines of 2000");
 }
 
-/// Two waves do not explain a gauge with the wrong sign: the misfit says so on every line.
+/// Two waves do not explain a gauge with the wrong sign: the misfit shows it on every line.
 #[test]
 fn a_gauge_with_the_wrong_sign_is_noticed() {
     let positions = [0.2, 0.27, 0.4, 0.45, 0.6];

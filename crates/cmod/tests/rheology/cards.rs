@@ -263,7 +263,7 @@ fn modulus_is_that_of_the_numbers_on_the_card() {
     hold!(claims);
 }
 
-/// Code_Aster interpolates between the points on logarithmic scales, and knows nothing outside of
+/// Code_Aster interpolates between the points on logarithmic scales, and has no values outside of
 /// them.
 #[test]
 fn functions_of_code_aster_are_those_of_the_law_in_its_band() {
@@ -469,7 +469,7 @@ fn l1_cards_hold_what_the_band_of_the_data_allows() {
     assert!(unlimited > 1.5, "the test shows nothing: {unlimited}");
 }
 
-/// The card says what it rests on, and what the data do not determine is no part of it.
+/// The card states its sources, and contains no value that the data do not determine.
 #[test]
 fn l1_cards_begin_with_what_they_rest_on() {
     let law = law();
@@ -553,7 +553,7 @@ fn l1_cards_of_draws_scatter_by_the_errors_of_the_modulus() {
     for (square, f) in squares.iter().zip([200.0, 1.5e3, 12e3]) {
         let stated = fit.prediction(TAU * f).unwrap().covariance;
         for (part, found) in square.iter().enumerate() {
-            // 600 draws tell a standard deviation within 3 %; a card has fewer branches than the fit
+            // 600 draws give a standard deviation to 3 %; a card has fewer branches than the fit
             let ratio = (found / stated[part][part]).sqrt();
             assert!((0.8..1.2).contains(&ratio), "{f} Hz, part {part}: {ratio}");
         }

@@ -222,8 +222,8 @@ fn r23_common_shifts_are_the_derivatives_of_the_fit() {
     assert!((here.chi_squared / plus.chi_squared - 1.0).abs() < 0.01);
 }
 
-/// A density that is known to 1 %: the card says so of the modulus, and a master curve of the same
-/// specimen at two temperatures.
+/// A density known to 1 %: its error appears in the card, and in a master curve of one specimen at
+/// two temperatures.
 #[test]
 fn r23_cards_and_master_curves_take_common_errors() {
     let frequency_hz = logarithmic(200.0, 20e3, 50);

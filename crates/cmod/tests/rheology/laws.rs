@@ -1,5 +1,5 @@
-//! Closed laws: truth found, errors as scattered, intervals that cover, residuals that tell a wrong
-//! law.
+//! Closed laws: true values recovered, errors equal to the scatter, coverage of intervals,
+//! residuals that reveal a wrong law.
 
 use cmod::rheology::{
     Ending, ErrorScale, FitOptions, FittedLaw, Law, ModulusData, ModulusPoint, PronyFit,
@@ -188,8 +188,7 @@ fn errors_from_the_residual_do_not_depend_on_the_stated_ones() {
     }
 }
 
-/// The band that a fit predicts at frequencies of the data and outside covers the truth as often as
-/// it says.
+/// The band predicted by a fit, inside and outside the data, has its nominal coverage.
 #[test]
 fn predicted_errors_are_the_scatter_of_the_prediction() {
     let law = FractionalZener::new(1.8e9, 3.4e9, 4e-5, 0.45).unwrap();

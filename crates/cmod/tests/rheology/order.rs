@@ -114,7 +114,7 @@ fn fractional_material_is_recognised() {
 }
 
 /// Materials with a continuous spectrum are no Prony series: 95 % intervals of a predicted modulus
-/// cover the truth inside the band as they say only with the scatter between the orders.
+/// have their nominal coverage inside the band only with the scatter between the orders.
 #[test]
 fn l5_predictions_of_continuous_spectra_cover() {
     let fractional = FractionalZener::new(1.8e9, 3.4e9, 4e-5, 0.45).unwrap();
@@ -161,9 +161,8 @@ fn l5_predictions_of_continuous_spectra_cover() {
     }
 }
 
-/// A series without a spring says how much of one the data leave room for: nothing of a fluid that
-/// has relaxed in the band, most of the modulus where a slow branch stands for the spring by
-/// chance.
+/// A series without a spring states the largest spring that the data allow: none for a fluid that
+/// has relaxed in the band, most of the modulus if a slow branch replaces the spring by chance.
 #[test]
 fn l8_missing_spring_has_a_limit() {
     let frequency = logarithmic(5.0, 5e4, 100);

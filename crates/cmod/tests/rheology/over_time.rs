@@ -114,7 +114,7 @@ fn laws_are_found_from_relaxation_and_creep() {
                 );
                 assert!(predicted.covariance[0][0].sqrt() < 5e-4 * predicted.modulus.re);
             }
-            // what the fit says of the lines is what was measured
+            // the lines reported by the fit are those measured
             let left = fit.law.response(&data).into_iter().zip(data.modulus());
             let worst = left.map(|(law, own)| (law / own - 1.0).norm());
             assert!(worst.fold(0.0, f64::max) < 5e-4, "{kind} {test:?} {ramp}");
@@ -122,8 +122,8 @@ fn laws_are_found_from_relaxation_and_creep() {
     }
 }
 
-/// A rubber of three branches over four decades of time: the order is chosen, and the modulus over
-/// frequency is predicted within its errors as often as they say.
+/// A rubber of three branches over four decades of time: the order is chosen, and the predicted
+/// modulus over frequency has the nominal coverage.
 #[test]
 fn series_from_relaxation_and_creep_cover() {
     let branches = [(0.6e6, 0.3), (0.5e6, 7.0), (0.4e6, 150.0)];

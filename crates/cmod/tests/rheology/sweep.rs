@@ -369,8 +369,8 @@ fn l6_shifts_cover_with_few_frequencies() {
 }
 
 /// Sweeps of a band so narrow that neighbouring temperatures have no modulus in common are not
-/// shifted onto each other: they are named, and the shift laws have no part of them. A stated shift
-/// bridges them, and the curve says so.
+/// shifted onto each other: they are named and not used for the shift laws. A stated shift connects
+/// them, and the curve reports this.
 #[test]
 fn l3_curves_without_overlap_are_not_shifted() {
     let law = FractionalZener::new(0.2e9, 3.6e9, 2e-5, 0.4).unwrap();
@@ -410,8 +410,8 @@ fn l3_curves_without_overlap_are_not_shifted() {
     assert!(sweep.with_stated_shifts(&[f64::NAN; 6]).is_err());
 }
 
-/// A factor b_T that nobody stated, as of a material that grows softer at all frequencies alike:
-/// estimated only where the data demand it, and the shifts are covered then.
+/// An unstated factor b_T, as of a material that softens equally at all frequencies: it is
+/// estimated only if the data require it, and the shifts then have their coverage.
 #[test]
 fn l3_vertical_shift_is_estimated_where_it_is_demanded() {
     let law = FractionalZener::new(0.2e9, 3.6e9, 2e-5, 0.4).unwrap();

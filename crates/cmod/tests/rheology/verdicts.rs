@@ -96,8 +96,8 @@ fn relaxation_below_the_band_hides_the_spring() {
     );
 }
 
-/// Profiles of a parameter whose error is large are not symmetric, and cover the truth as they say,
-/// where linear ones do not apply. Few lines, much noise.
+/// Profiles of a parameter with a large error are asymmetric and have their nominal coverage, where
+/// linear intervals do not apply. Few lines, much noise.
 #[test]
 fn profiles_cover() {
     let law = Zener::new(2.0e9, 2.7e9, 2e-5).unwrap();
@@ -185,8 +185,8 @@ fn l2_elastic_rod_has_no_identified_loss() {
     }
 }
 
-/// Of weak data few parameters are identified, and these by a minimum that happens to be sharp:
-/// they are covered as they say only if the other minima are looked at too.
+/// Weak data identify few parameters, those with a minimum that is sharp by chance: their intervals
+/// have the nominal coverage only if other minima are examined too.
 #[test]
 fn l9_identified_parameters_of_weak_data_cover() {
     let skew = HavriliakNegami::new(1.0e9, 3.0e9, 1e-4, 0.7, 0.5).unwrap();

@@ -84,7 +84,7 @@ impl Structure {
         let silence = recorder.blows(1.0, 32, u64::MAX, |_| 0.0).unwrap();
         let silence = recorder.averaged(&silence).unwrap();
         let frequency_hz = thinned(silence.frequency_hz());
-        // white, so that the mean over 118 lines of 32 records tells it to 1 %
+        // white, so that the mean over 118 lines of 32 records gives it to 1 %
         let noise = (0..POSITIONS.len())
             .map(|gauge| {
                 let power = thinned(&silence.auto(&name(gauge)).unwrap());

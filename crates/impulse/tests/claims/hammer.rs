@@ -284,7 +284,7 @@ impl Measured {
             .map_or(f64::NAN, |(f, _)| *f)
     }
 
-    /// Observations of the predicted forces that nobody claims.
+    /// Observations of the predicted forces that are not claims.
     fn observations(&self) -> Vec<Observation> {
         let mut observations = Vec::new();
         let mut observe = |what: String, ours| {

@@ -84,7 +84,7 @@ proptest! {
         let [first, second] = [0, 1].map(|k: usize| body(kinds[k], sizes[k]));
         let there = meet(&*first, &*second, 1.0, contact(law));
         let back = meet(&*second, &*first, 1.0, contact(law));
-        // the sum of two kernels knows no order: not a bit
+        // the sum of two kernels does not depend on their order, to the bit
         prop_assert_eq!(there.history.force(), back.history.force());
         let faces = [&there, &back].map(|p| p.face_velocity.clone());
         for (one, other) in faces[0][0].iter().zip(&faces[1][1]) {

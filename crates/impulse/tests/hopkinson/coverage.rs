@@ -20,7 +20,7 @@ const MODULUS: f64 = 0.004;
 const BAR_DIAMETER: f64 = 2e-5;
 const SPECIMEN: f64 = 2e-5;
 
-/// The sheet of one laboratory: what it believes is the truth and its own error.
+/// The sheet of one laboratory, with the true values plus its errors.
 fn believed(rig: &HopkinsonRig, length: f64, diameter: f64, noise: &mut Noise) -> HopkinsonTest {
     let mut test = with_bars(rig, length, diameter, noise);
     measure_specimen(&mut test, noise);
@@ -195,8 +195,8 @@ fn hopkinson_bands_cover_the_truth_of_a_hardening_metal_between_steel_bars() {
     hold("steel bars, hardening metal", covered);
 }
 
-/// Draws of everything together scatter as the linear errors say; nothing is far from linear in a
-/// careful laboratory.
+/// Joint draws of all quantities scatter as the linear errors predict; in a careful laboratory
+/// nothing is far from linear.
 #[test]
 fn hopkinson_linear_errors_are_those_of_draws() {
     let rig = rig::nylon();

@@ -42,7 +42,7 @@ fn found(change: impl Fn(&mut HopkinsonTest, &mut HopkinsonRecord)) -> Vec<Findi
     rig::evaluated(&test, &record).findings
 }
 
-/// The only finding that is not a remark, and what it says.
+/// The only finding that is not a remark, and its text.
 fn only(findings: &[Finding]) -> (&Finding, String) {
     let grave: Vec<&Finding> = findings.iter().filter(|f| !f.is_remark()).collect();
     let [one] = grave[..] else {

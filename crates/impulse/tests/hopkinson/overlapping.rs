@@ -60,7 +60,7 @@ fn hopkinson_one_gauge_a_bar_with_a_free_end_goes_beyond_one_transit() {
         "{findings:?}"
     );
 
-    // by passages there is no result, and it says so
+    // separation by passages gives no result, and an error
     let (_, short, findings) = worst(&rig, |_| {});
     assert!(short < 0.7e-3, "{short}");
     assert!(

@@ -57,7 +57,7 @@ hits(2).peak = 2
 hits(2).label = b
 mixed{2} = text";
 
-/// Lines of one listing that are not those of another; says which.
+/// Lines of one listing that are not in another, by name.
 fn unlike(found: &str, expected: &str) -> f64 {
     let [found, expected] = [found, expected].map(|text| text.trim().lines().collect::<Vec<_>>());
     let mut unlike = found.len().abs_diff(expected.len());

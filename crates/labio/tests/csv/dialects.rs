@@ -17,7 +17,7 @@ fn oscilloscopes_are_read_with_their_preambles() {
     assert_eq!(contents.series[0].abscissa_axis.unit_text, "ms");
     assert_eq!(contents.series[0].kind, SeriesKind::TimeResponse);
 
-    // Tektronix: the interval stands beside times in few digits
+    // Tektronix: the interval is given next to times of few digits
     let tek = "Model,DPO4034\nSample Interval,4e-10,s\nRecord Length,4\n\nTIME,CH1\n-1.0e-09,0.5\n-6.0e-10,0.6\n-2.0e-10,0.7\n2.0e-10,0.8\n";
     let contents = read(tek).unwrap();
     assert_eq!(contents.series[0].abscissa, even(-1.0e-9, 4e-10));
@@ -27,7 +27,7 @@ fn oscilloscopes_are_read_with_their_preambles() {
         Some("4e-10 s")
     );
 
-    // Tektronix, older: the preamble stands in the columns before the first samples
+    // Tektronix, older: the preamble is in the columns before the first samples
     let old = "Record Length,2.5e+03,,0.0,0.02,\nSample Interval,1.0e-1,,0.1,0.04,\n,,,0.2,0.06,\n,,,0.3,0.08,\n";
     let contents = read(old).unwrap();
     assert_eq!(real(&contents, 0), [0.02, 0.04, 0.06, 0.08]);
@@ -74,7 +74,7 @@ fn the_abscissa_is_found_by_name_and_unit() {
     );
     let contents = read("0.3,7\n0.2,8\n0.1,7\n").unwrap();
     assert_eq!(contents.series.len(), 2);
-    // uneven times are taken as they stand
+    // uneven times are used unchanged
     assert_eq!(
         axis("t,F\n0,1\n1,2\n4,3\n").1,
         Abscissa::Uneven(vec![0.0, 1.0, 4.0])
@@ -127,7 +127,7 @@ fn times_in_few_digits_are_no_clock() {
         panic!("expected an even abscissa")
     };
     assert!((step * 51200.0 - 1.0).abs() < 5e-5);
-    // three digits do not tell it, and say so
+    // three digits do not determine it, and this is reported
     let rough = column(1.0 / 51200.0, 2, 10_000);
     insta::assert_snapshot!(read(&rough).unwrap_err(), @"csv, line 2, column 1: abscissa is repeated values; their digits give the step 1.9501950195019504e-5 to within 5.0e-8, expected a step known to within a relative 0.0001, or a stated step");
     let tolerant = Csv.read(rough.as_bytes(), Strictness::Tolerant).unwrap();

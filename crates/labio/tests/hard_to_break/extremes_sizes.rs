@@ -165,7 +165,7 @@ fn a_source_that_lies_about_its_block_is_refused() {
     assert!(matches!(refused, Err(LabioError::CountMismatch { .. })));
 }
 
-/// The blow itself was lost: that there was no trigger is not all there is to say.
+/// The blow itself was lost: the report must state more than the missing trigger.
 #[test]
 fn lost_samples_of_an_untriggered_stream_are_told() {
     let trigger = Trigger::new(INPUT, 0.5, Extent::Samples(4)).unwrap();

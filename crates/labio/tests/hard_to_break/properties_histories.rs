@@ -1,4 +1,4 @@
-//! Integrals, derivatives, and hits that do not know their units.
+//! Integrals, derivatives, and hits without units.
 
 use labio::hits::{Criteria, Extent, Trigger, find_hits};
 use labio::{LowFrequency, differentiate, integrate};

@@ -56,7 +56,8 @@ proptest! {
         }
     }
 
-    /// Other units of force and motion: responses scale, coherence does not know of them. Powers of two are exact in every step.
+    /// Other units of force and motion: responses scale, the coherence does not change. Powers of
+    /// two are exact in every step.
     #[test]
     fn units_scale_responses_to_the_bit((hits, _) in any_hits(2), powers in [-200..200_i32, -200..200_i32]) {
         let factors = powers.map(|p| 2.0_f64.powi(p));

@@ -160,8 +160,8 @@ fn s7_what_the_end_of_the_record_cuts_off_is_stated_line_by_line() {
             }
         }
         // the error is that of the end, and the end is stated to a third; with a slope at the end,
-        // which the tapered end tells worse than the whole, to twice. 95 % of the lines are
-        // within twice both errors
+        // which the tapered end determines less well than the whole, to a factor of two. 95 % of
+        // the lines are within twice both errors
         let ratio = (stated / squares).sqrt();
         assert!((0.67..2.0).contains(&ratio), "{quantity:?}: {ratio}");
         assert!(within / n > 0.95);

@@ -50,7 +50,7 @@ fn s10_short_peaks_at_a_limit_are_clipped_and_right_ones_are_not() {
             !found.is_empty() && found.iter().all(|(_, reason)| clipped(reason)),
             "{found:?}"
         );
-        // one sample of each force at the limit, which only the five of them tell
+        // one sample of each force at the limit, which only all five together reveal
         let force = judge(16, [0.8, 1.3]);
         assert!(
             force.iter().any(|(_, reason)| !clipped(reason)),

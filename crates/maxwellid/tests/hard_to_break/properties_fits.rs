@@ -106,8 +106,8 @@ fn more_starts_find_no_worse_a_minimum() {
     ));
 }
 
-/// Work that is shared out among threads is collected in the order in which it was given: no digit
-/// knows how many there were.
+/// Work distributed over threads is collected in its original order: no digit depends on the number
+/// of threads.
 #[cfg(feature = "rayon")]
 #[test]
 fn one_thread_and_many_give_the_same_digits() {

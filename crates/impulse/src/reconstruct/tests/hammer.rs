@@ -196,7 +196,7 @@ fn within(deviations: impl Iterator<Item = f64> + Clone) -> [f64; 2] {
     [1.0, 1.96].map(|limit| deviations.clone().filter(|z| z.abs() < limit).count() as f64 / count)
 }
 
-/// Number of tests of a coverage: forty, or as many as `SEEDS` says.
+/// Number of tests of a coverage: forty, or the value of `SEEDS`.
 fn seeds() -> u64 {
     testbed::noise::draws(40)
 }
