@@ -1,5 +1,5 @@
-//! Input that a laboratory gives by accident and an adversary on purpose: values and sizes at the
-//! ends of the scale, extreme materials and rods, and laws that must hold for any specimen.
+//! Input that is wrong by accident or on purpose: values and sizes at the ends of the scale,
+//! extreme materials and rods, and laws that must hold for any specimen.
 
 #[path = "../../rodwave/tests/hard_to_break/hostile.rs"]
 mod hostile;

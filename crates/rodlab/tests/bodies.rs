@@ -186,8 +186,8 @@ fn the_cone_of_paper_e_has_its_closed_form() {
     }
 }
 
-/// A rod in two pieces with a sleeve between and a damped end on a spring, joined in the order of
-/// nobody's choice, against the impedances in a row.
+/// A rod in two pieces with a sleeve between and a damped end on a spring, joined in an arbitrary
+/// order, against the impedances in a row.
 #[test]
 fn an_assembly_has_the_impedances_of_its_members_in_a_row() {
     let outcome = computed(

@@ -351,8 +351,8 @@ fn chain_names_what_is_wrong() {
     );
 }
 
-/// A virtual test of a measured material is that of the same law with its numbers, by lines and by a
-/// march in time, and says that it has no errors.
+/// A virtual test of a measured material is that of the same law with its numbers, by lines and by
+/// time marching, and is reported to have no errors.
 #[test]
 fn chain_material_in_a_virtual_test_is_its_law() {
     let folder = tempfile::tempdir().unwrap();

@@ -1,5 +1,4 @@
-//! The program as a person calls it: what it says, what it writes, and the status with which it
-//! ends.
+//! The program as a user calls it: its messages, its files and its exit status.
 
 use std::fs;
 use std::path::Path;
@@ -289,7 +288,7 @@ fn check_reads_everything_and_computes_nothing() {
 #[cfg(unix)]
 #[test]
 fn a_folder_that_cannot_be_written_is_named() {
-    // a file stands where the folder should be, which no permission of the caller changes
+    // a file in place of the folder, which no permission of the caller changes
     let folder = folder_with(&[("hit.ron", FORCE), ("taken", "")]);
     let said = refused(folder.path(), &["force", "hit.ron", "--out", "taken"]);
     assert!(

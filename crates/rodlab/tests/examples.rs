@@ -148,7 +148,7 @@ fn one_shot_gives_the_modulus_of_a_polymer_bar() {
         loss_factor: 0.02,
     };
     moduli_are_those_of(&polycarbonate, &result);
-    // both gauges are of one calibration, which the sheet does not know
+    // both gauges are of one calibration, which the sheet does not state
     let (gain, error) = quantity(&result, "error of the sensitivity of gauge 2, found");
     assert!(
         gain.abs() < 4.0 * error && error < 0.1,
@@ -211,7 +211,7 @@ fn r02_nylon_through_a_recorder_has_no_identified_parameter() {
     assert!(moduli.len() >= 2 && moduli.iter().all(|q| q["valid"] == false));
 }
 
-/// The file says of what it was made: the shifts and the law that the sheet names must be found.
+/// The file states its true values: the shifts and the law that the sheet names must be found.
 #[test]
 fn the_epoxy_has_the_law_and_the_shifts_of_its_sheet() {
     let result = result_of("epoxy", "fit");

@@ -214,8 +214,8 @@ fn a_virtual_sweep_gives_its_material_shifts_and_card_within_the_errors() {
     );
 }
 
-/// Read as ISO 10112 says: across to the line of a temperature, up to the curves. The series holds
-/// to 2 %; a shift that is wrong by a tenth of a decade moves the modulus by 5 % and more.
+/// Read as in ISO 10112: across to the line of a temperature, up to the curves. The series is
+/// accurate to 2 %; a shift that is wrong by a tenth of a decade moves the modulus by 5 % and more.
 #[test]
 fn a_modulus_read_from_the_nomogram_is_that_at_its_frequency_and_temperature() {
     let folder = TempDir::new().unwrap();
@@ -274,7 +274,7 @@ fn the_example_is_the_sweep_of_this_test() {
     );
 }
 
-/// 40 sweeps by default; `SEEDS` asks for more.
+/// 40 sweeps by default, or `SEEDS`.
 #[test]
 fn intervals_of_shifts_and_parameters_cover_the_truth() {
     let seeds: u64 = testbed::noise::draws(40);

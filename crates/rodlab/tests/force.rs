@@ -49,7 +49,7 @@ fn a_mass_on_a_long_rod_presses_with_a_falling_exponential() {
         // of second order in the exponent of a step, Z h/M = 4e-3: 1.6e-5 times a number below 1
         let exact = impedance * velocity * (-impedance / mass * t).exp();
         assert!((f / exact - 1.0).abs() < 1.6e-5, "{t}: {f}, exact {exact}");
-        // the force is proportional to the velocity, which 200 draws know to 5 %
+        // the force is proportional to the velocity, whose error 200 draws give to 5 %
         assert!((error / (0.01 * f) - 1.0).abs() < 0.15, "{t}: {error}");
     }
     // the mass has lost exp(-8) of its momentum less: 3.4e-4
@@ -93,7 +93,7 @@ fn lines_do_not_halve_the_error_of_a_jump() {
 
 #[test]
 fn equal_rods_exchange_their_velocities() {
-    // de Saint-Venant: Z V/2 for one round trip, 2 L/c, and the striker stands still
+    // de Saint-Venant: Z V/2 for one round trip, 2 L/c, and the striker stops
     let outcome = attempt(
         r#"Force(
             title: "equal rods",

@@ -96,7 +96,7 @@ fn a_force_comes_back_within_its_band() {
     let away = (impulse.value.unwrap() - 0.5 * 300.0 * 0.3e-3).abs();
     assert!(away < 4.0 * impulse.standard_error.unwrap(), "{impulse:?}");
     let chi = quantity(&outcome, "weighted residual per degree of freedom");
-    // 2000 samples tell it to 3 %, 179 at rest tell the noise to 5 % and its square to 10 %
+    // 2000 samples give it to 3 %, 179 at rest give the noise to 5 % and its square to 10 %
     assert!((chi.value.unwrap() - 1.0).abs() < 0.35, "{chi:?}");
     let noise = quantity(&outcome, "noise of the response").value.unwrap();
     assert!((noise / 2.0 - 1.0).abs() < 0.2, "{noise}");
@@ -159,7 +159,7 @@ fn calibration_hits_tell_path_and_scatter() {
     let scatter = quantity(&outcome, "scatter between hits with the force");
     // the hits differ by noise alone: a few percent at most
     assert!((0.0..5.0).contains(&scatter.value.unwrap()), "{scatter:?}");
-    // below 20 Hz and above 5 kHz: outside the band, and so it stands in the log
+    // below 20 Hz and above 5 kHz: outside the band, as the log states
     let reasons: Vec<&str> = outcome
         .log
         .iter()
@@ -428,8 +428,8 @@ fn f3_hits_in_a_band_tell_peak_and_impulse_with_their_errors() {
 const TWO: &str = r#"record: (files: ["blow1.csv"], channels: [(name: "face", from: "acceleration"), (name: "tail", from: "behind"), (name: "hammer", from: "force")]),
     response: "face", compare_with: "hammer""#;
 
-/// Division by two responses: the first tells nothing of the force at the antiresonance of the struck
-/// mass, 1424 Hz, that of the mass behind does.
+/// Division by two responses: the first has no information on the force at the antiresonance of the
+/// struck mass, 1424 Hz; that of the mass behind has.
 #[test]
 fn two_responses_tell_what_one_does_not() {
     let folder = TempDir::new().unwrap();

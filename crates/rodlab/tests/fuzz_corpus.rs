@@ -67,7 +67,7 @@ targets! {
     sheets: ratio_table recognition response_table sheet unit;
 }
 
-/// Nobody adds a target or a folder of inputs that the gate does not see.
+/// Every target and every folder of inputs is included in the gate.
 #[test]
 fn every_target_is_replayed() {
     let names = |folder: &str| -> BTreeSet<String> {

@@ -1,5 +1,5 @@
-//! The part of a sheet about hits: limits that are stated, left out or left alone, and what the
-//! report says of them.
+//! The part of a sheet about hits: limits that are stated, omitted or set to none, and their lines
+//! in the report.
 
 use labio::{Channel, Provenance, Quantity, Record};
 use ndarray::Array2;

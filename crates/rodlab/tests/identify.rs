@@ -169,7 +169,7 @@ fn one_impact_velocity_cannot_tell_the_laws_apart() {
     assert!(off < 3.0, "{off}");
 }
 
-/// From one velocity nonlinear laws and a flat loss are left: a faster test tells them apart, a
+/// At one velocity nonlinear laws and a flat loss remain: a faster test separates them, a
 /// repetition does not.
 #[test]
 fn the_next_test_is_the_one_that_tells_the_laws_apart() {
@@ -346,7 +346,7 @@ fn a_stated_recorder_is_part_of_the_model() {
     let recorder = |setting: &&rodlab::outcome::Setting| setting.name == "recorder";
     let setting = found.settings.iter().find(recorder).unwrap();
     assert_eq!(setting.value, "LinearPhase");
-    // nonsense is named where it stands
+    // wrong input is reported with its place
     for (recorder, expected) in [
         (
             r#"Butterworth(order: 0, cutoff: "16 kHz")"#,

@@ -111,8 +111,8 @@ fn a_row_of_times_is_no_channel() {
     ");
 }
 
-/// A job that knows the rate takes such a column as the times, and counts the channels behind it. A
-/// first time of few digits leaves open what the column is; otherwise it is the times in any case.
+/// If the rate is stated, a job reads such a column as the times, and counts the channels after it.
+/// With few digits in the first time the column is ambiguous; otherwise it is always the times.
 #[test]
 fn a_column_of_times_without_a_head_is_counted_by_no_one() {
     for (first, said) in [
@@ -204,7 +204,7 @@ fn the_measured_files_are_all_described() {
                     let text = inspection.to_text();
                     assert!(text.lines().count() > 2, "{text}");
                 }
-                // the one that is corrupt says so
+                // the corrupt one is reported
                 Err(error) => assert!(
                     path.ends_with("tdms/faulty_tdms_01.tdms"),
                     "{}: {error}",

@@ -117,8 +117,8 @@ fn json_has_the_form_of_toml() {
     assert_eq!(fields(json), fields(ron));
 }
 
-/// A stated value stands in the list as it is written, with its place; what is left open behind it,
-/// with what was taken.
+/// A stated value is listed as it is written, with its place; open values follow with their
+/// defaults.
 #[test]
 fn settings_are_the_statements_of_a_sheet_and_what_they_leave_open() {
     let ron = r#"Force(

@@ -54,8 +54,8 @@ fn hits_give_the_mobility_within_its_errors() {
     let text = sheet(&format!("Hits{}", hits("hit*.csv")), WEIGHED);
     let outcome = attempt(folder.path(), &text).unwrap();
     assert_eq!(outcome.verdict, Verdict::Answered);
-    // the variance of a line is from 8 hits: 1 over it has the mean 7/6; 156 lines tell the mean to
-    // 8 % and the tails of Student's law to some more
+    // the variance of a line is from 8 hits: 1 over it has the mean 7/6; 156 lines give the mean to
+    // 8 %, and the tails of Student's distribution less accurately
     let found = mean_square_error(&outcome, BODY);
     assert!((0.75..1.75).contains(&found), "{found}");
     // 2 (8 - 1), and hardly more for what the records cut off
@@ -78,7 +78,7 @@ fn hits_give_the_mobility_within_its_errors() {
     assert_eq!(outcome.log.iter().filter(|entry| entry.accepted).count(), 8);
     assert_eq!(outcome.inputs.len(), 8);
     let names: Vec<&str> = outcome.figures.iter().map(|f| f.name.as_str()).collect();
-    // the impulse response begins with the impedance of the face, which nobody has stated
+    // the impulse response begins with the impedance of the face, which is not stated
     assert_eq!(names, ["mobility", "nyquist"]);
     let told = |warning: &String| warning.starts_with("There is no impulse response");
     assert!(outcome.warnings.iter().any(told), "{:?}", outcome.warnings);

@@ -1,8 +1,8 @@
 //! The job `modulus` as a laboratory runs it, on virtual records whose truth is known.
 //!
 //! The ends of the rod of paper A are by chain recursion and damped Fourier transform; the pulses
-//! in a long rod by an explicit march of masses, springs and dashpots. Neither knows the equations
-//! that the methods solve.
+//! in a long rod by explicit integration of masses, springs and dashpots. Neither uses the
+//! equations that the methods solve.
 
 mod doubts;
 mod ends;
@@ -65,7 +65,7 @@ fn is_valid(outcome: &Outcome) -> Vec<bool> {
 }
 
 /// Every valid line against the truth: within the accepted limits of 1 % and 5 %, and for E'
-/// scattered as its errors say.
+/// scattered according to its errors.
 fn check_lines(outcome: &Outcome, exact: &dyn Fn(f64) -> Complex64) -> (usize, f64) {
     let frequency = numbers(outcome, "modulus", "frequency");
     let storage = numbers(outcome, "modulus", "E'");
@@ -136,7 +136,7 @@ fn the_template_is_a_sheet_that_runs() {
     let template = include_str!("../templates/modulus.ron");
     let outcome = run(folder.path(), template).unwrap();
     assert_eq!(outcome.verdict, Verdict::Answered, "{:?}", outcome.summary);
-    // two sensitivities of 1 % each, of which the lines tell more
+    // two sensitivities of 1 % each, which the lines determine better
     let mut quantities = outcome.quantities.iter();
     let gain = quantities
         .find(|quantity| quantity.name == "error of the ratio of the sensitivities, found")
@@ -153,8 +153,8 @@ fn the_template_is_a_sheet_that_runs() {
         columns.contains(&"ratio of the sensitivities, of E'"),
         "{columns:?}"
     );
-    // what stands behind // is understood, too; Poisson's ratio of the template is not that of the
-    // one-dimensional rig, which a causal estimate sees
+    // text after // is understood, too; Poisson's ratio of the template is not that of the
+    // one-dimensional rig, which a causal estimate detects
     let causal = template.replace("    // causal: true", "    causal: true");
     let outcome = run(folder.path(), &causal).unwrap();
     assert_eq!(outcome.verdict, Verdict::Answered, "{:?}", outcome.summary);

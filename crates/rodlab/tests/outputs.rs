@@ -246,7 +246,7 @@ fn the_result_has_the_documented_structure_and_the_structure_nothing_that_is_not
 
 /// The part of JSON Schema that the documentation uses: `$ref`, `type`, `const`, `enum`,
 /// `properties`, `required`, `additionalProperties`, `items`, `oneOf`, `minItems`, `maxItems`,
-/// `pattern` by length. What it does not know is an error.
+/// `pattern` by length. Any other keyword is an error.
 fn check(
     value: &Value,
     schema: &Value,

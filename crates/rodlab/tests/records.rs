@@ -1,5 +1,5 @@
-//! Files to calibrated records: what a file does not tell the sheet says, and what is said of one
-//! that does not suit.
+//! Files to calibrated records: missing information comes from the sheet, and unsuitable files are
+//! reported.
 
 use std::fs;
 use std::path::Path;
@@ -159,7 +159,7 @@ fn a_hit_with_a_lost_sample_is_left_out_and_said_so() {
     let loaded = load(folder.path(), sheet).unwrap();
     let names: Vec<&str> = loaded.records.iter().map(|r| r.name.as_str()).collect();
     assert_eq!(names, ["a.npy", "c.npy"]);
-    // what was read stands among the inputs nevertheless
+    // the files read are listed among the inputs nevertheless
     assert_eq!(loaded.inputs.len(), 3);
     assert_eq!(loaded.left_out.len(), 1);
     assert!(!loaded.left_out[0].accepted && loaded.left_out[0].what == "b.npy");
@@ -311,7 +311,7 @@ fn a_name_of_several_points_is_asked_to_be_exact() {
     insta::assert_snapshot!(said, @r"records.channels[0].from is `acceleration`, which belongs to several points, expected one of `acceleration 1+X`, `acceleration 2+X` (h.uff)");
 }
 
-/// A table that says itself which column is which and how its samples follow each other.
+/// A table that states its columns and its sampling itself.
 #[test]
 fn names_and_times_of_the_file_contradict_no_sheet() {
     let folder = tempfile::tempdir().unwrap();

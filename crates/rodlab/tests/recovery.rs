@@ -237,7 +237,7 @@ fn r11_errors_that_are_stated_too_small_put_a_model_in_doubt() {
         let m = outcome.quantities.iter().find(|q| q.name == "exponent (m)");
         m.unwrap().standard_error.unwrap()
     };
-    // errors of 0.00125 that were stated as 0.0004; the scatter tells the ratio to 9 % (one
+    // errors of 0.00125 that were stated as 0.0004; the scatter gives the ratio to 9 % (one
     // standard deviation of 57 residuals)
     let ratio = error(&by_scatter) / error(&stated);
     assert!((ratio / (1.25 / 0.4) - 1.0).abs() < 0.28, "{ratio}");

@@ -2,8 +2,8 @@
 //! on a small one.
 //!
 //! The browser is chromium, google-chrome or the program that `RODLAB_BROWSER` names; without one
-//! the test says that it is skipped. With `RODLAB_KEEP` set to a folder, the pages that were opened
-//! stay there for looking at.
+//! the test reports that it is skipped. With `RODLAB_KEEP` set to a folder, the opened pages are
+//! kept there for inspection.
 
 use crate::rich;
 use std::io::Write as _;

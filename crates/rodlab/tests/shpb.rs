@@ -56,7 +56,7 @@ fn write(folder: &Path, [first, second]: &[Vec<f64>; 2]) {
     fs::write(folder.join("shot.csv"), lines.join("\n")).unwrap();
 }
 
-/// The template, with the sampling rate that the file does not tell.
+/// The template, with the sampling rate that is not in the file.
 fn template() -> String {
     rodlab::templates::JobName::Shpb
         .template(rodlab::sheet::Language::Ron)
@@ -200,7 +200,7 @@ fn hopkinson_mean_of_three_shots() {
         column(&outcome, "mean", "mean stress"),
     );
     let half = column(&outcome, "mean", "95 % half width of the mean stress");
-    // the curves of single shots stand beside it
+    // the curves of single shots are next to it
     assert_eq!(outcome.tables.len(), 1 + 3 * 4);
     assert_eq!(outcome.figures.len(), 1 + 3 * 4);
     assert!(column(&outcome, "stress_strain_3", "stress").len() > 500);
@@ -464,8 +464,8 @@ fn hopkinson_virtual_shot_comes_back() {
             }
         }
         println!("{name}: {worst:.4} of {largest:.4}, {outside} of {all} outside");
-        // the tail of the incident wave, some 0.2 % of it, is taken for the reflected one: 0.5 % of
-        // the strain, which the band knows
+        // the tail of the incident wave, about 0.2 % of it, is mistaken for the reflected one:
+        // 0.5 % of the strain, which the band includes
         assert!(worst < 0.012, "{name}: {worst}");
         assert!(outside * 10 < all, "{name}: {outside} of {all}");
     }

@@ -49,7 +49,7 @@ fn refused(text: &str) -> String {
     attempt(Path::new("."), text).unwrap_err().to_string()
 }
 
-/// Writes what was made, and does what the sheet `name` among it asks for.
+/// Writes the files, and runs the sheet `name` among them.
 fn evaluated(
     made: &Outcome,
     folder: &Path,
@@ -227,7 +227,7 @@ fn a_hammer_gives_the_mobility_of_a_free_rod() {
     let (mut squares, mut lines) = (0.0, 0);
     for (line, f) in of("frequency").iter().enumerate() {
         let error = 1e-2 * of("random error of the magnitude")[line];
-        // where the error is large the coherence of ten hits does not tell it well
+        // where the error is large the coherence of ten hits gives it only roughly
         if !(50.0..=12e3).contains(f) || error.is_nan() || error >= 0.1 {
             continue;
         }
@@ -528,7 +528,7 @@ fn the_seed_and_nothing_else_decides() {
     let (first, again, other) = (of(""), of("seed: 1"), of("seed: 2"));
     assert_eq!(first.attachments, again.attachments);
     assert_eq!(first.figures, again.figures);
-    // what nobody stated is said to be a default
+    // values that are not stated are reported as defaults
     let by_default = |outcome: &Outcome| -> Vec<String> {
         let settings = outcome.settings.iter().filter(|s| s.by_default);
         settings
@@ -561,7 +561,7 @@ fn the_seed_and_nothing_else_decides() {
         let made = of(&format!(r#"output: "one.{format}""#));
         assert_eq!(made.attachments[1].name, format!("one-2.{format}"));
         assert!(samples(&made) == samples(&first), "{format}");
-        // and the sheet says what the file does not
+        // and the sheet states what the file does not
         let folder = TempDir::new().unwrap();
         let found = evaluated(&made, folder.path(), "modulus.ron", |text| text);
         assert_eq!(found.inputs.len(), 2, "{format}");

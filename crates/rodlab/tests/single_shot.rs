@@ -221,7 +221,7 @@ fn one_shot_has_its_errors_from_the_silence() {
         "{lines} {storage} {loss}"
     );
 
-    // without a silence that is known one hit says nothing of its errors
+    // without a known silence one hit gives no information on its errors
     let outcome = run(folder.path(), &sheet(pulses, units, "")).unwrap();
     let Verdict::NotAllowed { reason } = &outcome.verdict else {
         panic!("{:?}", outcome.summary)
@@ -302,8 +302,7 @@ fn lines_valid_within_limits_keep_them() {
     }
 }
 
-/// A steel bar on threads that was struck once: what 16 bits and a lossy sensor say of a loss
-/// factor of 1e-4.
+/// A steel bar on threads, struck once: a loss factor of 1e-4 with 16 bits and a lossy sensor.
 #[test]
 fn free_vibration_of_a_steel_bar_has_its_loss_factor() {
     let bar = RingingRod::steel(1e-4);

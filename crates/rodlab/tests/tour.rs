@@ -1,12 +1,12 @@
-//! The tour of `docs/tour.md`, command by command, on a copy of the examples: what the page says a
-//! command prints, it prints.
+//! The tour of `docs/tour.md`, command by command, on a copy of the examples: each command prints
+//! the output shown on the page.
 #![cfg(unix)]
 
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// A block of the page that is run, and what the page says of it.
+/// A block of commands of the page, and the output shown for it.
 #[derive(Debug, Default)]
 struct Step {
     line: usize,
@@ -85,7 +85,7 @@ fn the_tour_can_be_walked() {
     assert!(steps.len() >= 8, "a tour of {} steps", steps.len());
     let mut walked = 0;
     for step in steps {
-        // how the program comes onto the machine is not part of the walk
+        // the installation of the program is not part of the test
         if step.commands.contains("cargo ") || step.commands.contains("git ") {
             continue;
         }

@@ -1,4 +1,4 @@
-//! The page of `rodlab view` as a browser asks for it, and as a stranger tries to.
+//! The page of `rodlab view`, requested by the browser and by an unauthorised client.
 
 use std::fs;
 use std::io::{Read as _, Write as _};
@@ -206,7 +206,7 @@ fn the_page_shows_the_report_of_the_job() {
         .unwrap();
     assert!(run.code().is_some_and(|code| code != 2));
     assert_eq!(report, fs::read(folder.join("report.html")).unwrap());
-    // without the laws it is the same sheet, and says so
+    // without the laws it is the same sheet, and this is stated
     let quick = served.evaluate(&text, true);
     let parts = [&found, &quick].map(|found| found["isPart"].as_bool().unwrap());
     assert_eq!(parts, [false, true]);

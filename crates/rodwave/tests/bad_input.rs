@@ -237,8 +237,7 @@ fn laws_outside_their_table() {
         refusals.add(format!("at {omega}"), table.lookup(omega));
     }
     assert!(table.lookup(-1e4).is_ok());
-    // a law that has no value beyond its band says so by what is not a number; a body tells which
-    // element it is in
+    // a law without a value beyond its band returns NaN; a body names the element
     let silent = Medium::new(1000.0, Banded(table)).unwrap();
     let body = begun()
         .rod(&silent, circle(), 0.1)
@@ -341,7 +340,7 @@ fn damped_synthesis() {
     refusals.add("smoothing", synthesis.smoothed(-0.5));
     let synthesis = DampedSynthesis::new(4e-6, 1e-6).unwrap();
     refusals.add("smoothing", synthesis.smoothed(1e-6));
-    // it never asks for a transform on the wrong side
+    // it never evaluates a transform on the wrong side
     assert!(
         synthesis
             .arguments()

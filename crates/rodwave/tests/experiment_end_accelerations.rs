@@ -1,4 +1,4 @@
-//! The virtual test of paper A: what tells that a record has died out, work, pulses, refusals.
+//! The virtual test of paper A: decay of the record, work, pulses, refusals.
 
 use std::f64::consts::{PI, TAU};
 

@@ -15,7 +15,7 @@ fn large_damping_spoils_the_determinant_before_the_mobility() {
         let b = TransitionMatrix::uniform_rod(Complex64::new(alpha_length, 2.0), z_b, 1.0);
         b.unwrap() * a.unwrap()
     };
-    // Mobility of A backed by B by the impedance that A sees, an overflow-free form: 1 - tanh <
+    // Mobility of A backed by B from the load impedance of A, an overflow-free form: 1 - tanh <
     // 1e-15 beyond 18.
     let long = product(20.0).mobility_free_end().unwrap();
     assert!(relative(long, 1.0 / z_a) < 1e-14);

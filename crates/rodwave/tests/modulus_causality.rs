@@ -74,9 +74,9 @@ fn nearest_material_has_the_values_of_its_lines() {
     assert!((residual / result.residual - 1.0).abs() < 1e-7);
 }
 
-/// Scatter of one per cent on a causal law is within the threshold that knows of it, and far beyond
-/// the one that does not; and under such scatter the power laws of paper E cannot be told from a
-/// causal material.
+/// Scatter of one per cent on a causal law is within the threshold that includes it, and far beyond
+/// the one that does not. With such scatter the power laws of paper E cannot be distinguished from
+/// a causal material.
 #[test]
 fn scatter_has_to_be_known() {
     let omega = band(500.0, 1e4);
@@ -105,8 +105,8 @@ fn scatter_has_to_be_known() {
     assert_eq!(verdict(&measured, 0.01), Verdict::Causal);
 }
 
-/// Each line counts by its own error: bad lines neither hide what good ones show, nor spoil what
-/// they are.
+/// Each line is weighted by its own error: lines of large error neither mask nor disturb the
+/// others.
 #[test]
 fn lines_count_by_their_own_errors() {
     let omega = band(500.0, 1e4);
@@ -132,7 +132,7 @@ fn lines_count_by_their_own_errors() {
     assert!(causal.residual <= 1.0 + 1e-3, "{}", causal.residual);
     let not_causal = measured(&|_| Complex64::new(2.6e9, 0.07 * 2.6e9));
     assert_eq!(test(&not_causal).verdict(), Verdict::NotCausal);
-    // with one error for all the bad lines hide it
+    // with one error for all, the bad lines mask it
     let worst = KramersKronig::of_modulus(&omega, &not_causal, 0.1).unwrap();
     assert_eq!(worst.verdict(), Verdict::Causal);
 

@@ -130,7 +130,7 @@ fn parameters_make_the_law_and_wrong_ones_are_refused() {
     every_law(&ParametersRoundTrip);
 }
 
-/// A law that only knows its value and leaves the slope to the trait.
+/// A law that implements only its value; the trait computes the slope.
 struct ValueOnly<M>(M);
 
 impl<M: ComplexModulus> ComplexModulus for ValueOnly<M> {
@@ -161,7 +161,7 @@ fn slopes_are_the_derivatives_by_frequency() {
     every_law(&SlopesAreDerivatives);
 }
 
-/// A law of propagation that only knows its value.
+/// A law of propagation that implements only its value.
 struct WavesOnly<L>(L);
 
 impl<L: PropagationLaw> PropagationLaw for WavesOnly<L> {

@@ -90,7 +90,7 @@ fn the_lumped_chain_is_its_differential_equations() {
     );
 }
 
-/// The rod itself: collocation in space knows neither cells nor characteristics.
+/// The rod itself: collocation in space uses neither cells nor characteristics.
 #[test]
 fn characteristics_converge_to_the_collocated_rod() {
     fn check<L: InelasticLaw>(name: &str, law: L) {

@@ -130,7 +130,7 @@ fn veering_is_followed_not_jumped() {
     assert!((lossy / lossy_bar - 1.0).norm() < 1e-3, "{lossy}");
     let back = bar_number(&exact(1e-3), elastic);
     assert!((back / bar - 1.0).norm() < 1e-9, "{back}"); // rounding over the gap of 1e-3
-    // What double precision cannot tell apart is said, not guessed.
+    // Cases that double precision cannot distinguish are reported, not guessed.
     let undecidable = exact(1e-13)
         .propagation_coefficient(MODULUS.into(), omega_of_bar_number(bar))
         .unwrap();

@@ -10,8 +10,8 @@ const BUFFERS: u64 = 4 << 20;
 /// and the room of a list that grows.
 const COPIES: u64 = 4;
 
-/// What a byte of a file becomes that is not deflated: a cell of a table, say, with its place, its
-/// number and its copies.
+/// Memory per byte of an uncompressed file: a cell of a table, say, with its place, its number and
+/// its copies.
 const OF_A_BYTE: u64 = 256;
 
 /// Reads, and looks at how much memory was taken at most.

@@ -1,6 +1,6 @@
 //! Errors can be printed.
 
-/// Prints an error with all its sources, each of which says something.
+/// Prints an error with all its sources, none of which is empty.
 pub fn prints(error: &dyn std::error::Error) {
     let mut next = Some(error);
     while let Some(error) = next {

@@ -1,7 +1,7 @@
 //! Program that mdBook calls between reading and writing the pages: equations become MathML, and
 //! links that lead out of the book, to source files, become their text.
 //!
-//! mdBook asks `book-equations supports html` for a status, and then sends `[context, book]` as
+//! mdBook calls `book-equations supports html` for a status, and then sends `[context, book]` as
 //! JSON, of which the book is returned. Only `content` of the chapters is changed, so that other
 //! members may be added or removed.
 

@@ -1,4 +1,4 @@
-//! Hostile numbers at every door: each is refused, or what comes of it is finite or flagged.
+//! Extreme numbers for every argument: each is refused, or what comes of it is finite or flagged.
 
 use impulse::{
     ContactLaw, ElasticMaterial, ForceHistory, FrequencyBand, Impact, ImpedanceHead, ImpulseError,

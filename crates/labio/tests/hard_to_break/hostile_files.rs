@@ -1,4 +1,4 @@
-//! Small files that stand for much memory or much time.
+//! Small files that require much memory or much time.
 
 use std::io::Write as _;
 

@@ -1,4 +1,4 @@
-//! Runs where results of an earlier run, or files of somebody else, are in the folder.
+//! Runs in a folder with results of an earlier run, or with files of another origin.
 
 use super::*;
 

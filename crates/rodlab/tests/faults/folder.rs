@@ -34,7 +34,7 @@ pub(crate) fn put(folder: &Path, files: &Files) {
     }
 }
 
-/// A copy of the files of an example that stand beside its sheet.
+/// A copy of the files of an example that are next to its sheet.
 pub(crate) fn example(name: &str, folder: &Path) {
     let source = Path::new(env!("CARGO_MANIFEST_DIR"))
         .join("examples")

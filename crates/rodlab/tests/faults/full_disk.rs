@@ -150,7 +150,7 @@ fn campaign(extent: Extent) -> Row {
                 let is_one = [before, after]
                     .iter()
                     .any(|files| part(files, place) == now);
-                // a summary of its own: it says which tests could not be written
+                // a summary of its own: it names the tests that could not be written
                 let told = place.is_empty() && says_what_failed(&now);
                 if !(is_one || told) {
                     return Came::Lost(format!("results/{place} is of no campaign"));

@@ -40,8 +40,8 @@ pub(crate) fn rows(extent: Extent) -> Vec<Row> {
     ]
 }
 
-/// One file in place of an older one, in a folder of somebody else: what is left has a name that
-/// says what it is.
+/// One file in place of an older one, in a folder of another origin: left-over files have
+/// recognisable names.
 fn conversion(extent: Extent) -> Row {
     let arguments = ["convert", "strains-1.npy", "new.npz", "--quiet", "--force"];
     let reference = struck_mass::folder();

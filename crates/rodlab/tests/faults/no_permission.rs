@@ -1,5 +1,5 @@
-//! Files and folders that the user of the program may not read or write. The administrator may
-//! everything: as such a user the runs are those of `nobody`.
+//! Files and folders that the user of the program may not read or write. The administrator has all
+//! permissions: for this user the tests run as `nobody`.
 
 use std::fs::{self, Permissions};
 use std::os::unix::fs::{MetadataExt, PermissionsExt};
@@ -14,7 +14,7 @@ use super::tally::{Came, Extent, Row};
 /// A path that is given permissions, and the command that meets them.
 type Place = (&'static str, u32, &'static [&'static str]);
 
-/// Everything belongs to somebody else and may be read, but for one path.
+/// Everything belongs to another user and may be read, except one path.
 const PLACES: [Place; 10] = [
     ("hit.ron", 0o000, &["force", "hit.ron", "--out", "out"]),
     ("hit.ron", 0o000, &["check", "hit.ron"]),
@@ -130,7 +130,7 @@ fn attempt((place, mode, arguments): &Place, user: &[&str]) -> Came {
         return broke;
     }
     let left: Vec<_> = files_in(&out).into_keys().collect();
-    // a campaign says on the standard output what failed
+    // a campaign names the failed tests on the standard output
     let said = format!("{}{}", ran.err, String::from_utf8_lossy(&ran.out));
     let named = ["hit.ron", "strains-1.npy", "out"]
         .iter()

@@ -1,4 +1,4 @@
-//! Things that stand where a file should be, places with odd names, and readers that go away.
+//! Other objects in place of a file, folders with odd names, and readers that close the pipe.
 
 use std::ffi::OsStr;
 use std::fs;
@@ -191,7 +191,7 @@ fn places() -> Row {
     )
 }
 
-/// Results that would replace what somebody else has made, or what the run reads.
+/// Results that would replace files of another origin, or input files of the run.
 fn outputs_over_inputs() -> Row {
     let points: [(&str, &[&str]); 7] = [
         (
@@ -255,7 +255,7 @@ fn outputs_over_inputs() -> Row {
     )
 }
 
-/// Commands whose output nobody reads, or whose output has no room.
+/// Commands with a closed output, or with a full disk for the output.
 fn closed_output() -> Row {
     let commands: [(&str, i32); 9] = [
         ("inspect strains-1.npy", 0),

@@ -10,8 +10,8 @@ use labio::format::wav::{WavEncoding, WavWriter};
 use labio::format::{self, Writer};
 use rodlab::convert::ConvertOptions;
 
-/// A file, its bytes, and whether a cut after so many of them leaves a file that nobody can tell
-/// from a whole one.
+/// A file, its bytes, and a flag for cuts whose remaining file cannot be distinguished from a
+/// complete one.
 pub(crate) struct RecordFile {
     pub(crate) name: &'static str,
     pub(crate) ending: &'static str,
@@ -149,8 +149,8 @@ fn after_a_data_set(bytes: &[u8]) -> bool {
     bytes.ends_with(b"    -1") && !bytes.ends_with(b"    -1\n    -1") && bytes.len() > 6
 }
 
-/// Between the elements that a file consists of: a tag of four and four bytes, and as many bytes as
-/// it says.
+/// Between the elements of a file: a tag of four and four bytes, and the number of bytes that it
+/// states.
 fn after_a_variable(bytes: &[u8]) -> bool {
     let mut at = 128;
     while let Some(tag) = bytes.get(at..at + 8) {
@@ -166,7 +166,7 @@ fn after_a_variable(bytes: &[u8]) -> bool {
     at == bytes.len() && at > 128
 }
 
-/// Between segments, each of which says where the next begins.
+/// Between segments, each of which states the position of the next.
 fn after_a_segment(bytes: &[u8]) -> bool {
     let mut at = 0;
     while let Some(next) = bytes.get(at + 12..at + 20) {

@@ -16,14 +16,14 @@ pub(crate) enum Came {
     Refused,
     /// The result is the one without the fault.
     Right,
-    /// There is a result, and it says what is wrong with its input.
+    /// There is a result, and it names the fault of its input.
     Said,
     /// The input is whole in its format, and shorter.
     Shorter,
     /// The fault ended the program; what is there is whole, and the next run gives the right
     /// result.
     Stopped,
-    /// Something is missing, mixed or wrong, and nobody says so.
+    /// Something is missing, mixed or wrong, and is not reported.
     Lost(String),
     /// A panic, a status that does not exist, or no end.
     Broke(String),
@@ -57,7 +57,7 @@ pub(crate) enum Extent {
 }
 
 impl Extent {
-    /// All if the environment asks for them.
+    /// All if the environment requests them.
     pub(crate) fn asked() -> Self {
         match std::env::var("RODLAB_FAULTS") {
             Ok(extent) if extent == "all" => Self::All,

@@ -130,7 +130,7 @@ fn a_solid_is_found_from_relaxation_from_creep_and_from_both() {
     );
 }
 
-/// A ramp that is not stated is a wrong law: chi-square says so.
+/// A ramp that is not stated is a wrong law: chi-square shows this.
 #[test]
 fn a_ramp_that_is_forgotten_is_seen() {
     let folder = folder();
@@ -204,7 +204,7 @@ fn a_modulus_that_rises_with_time_is_in_doubt() {
 }
 
 /// A ratio of 0.1 in the middle of a decade and a half of modulus, with a bulk that does not relax,
-/// makes no solid at the ends: the laws stand all the same.
+/// makes no solid at the ends: the laws are fitted nevertheless.
 #[test]
 fn a_card_that_cannot_be_costs_no_other_result() {
     let folder = TempDir::new().unwrap();

@@ -109,7 +109,7 @@ fn the_universal_file_holds_the_response_and_its_coherence() {
         .find(|(field, _)| field == "uff58.id3");
     assert_eq!(said.unwrap().1, "averages: 3");
 
-    // and a mobility that is read of it knows them all
+    // and a mobility read from it has them all
     fs::write(folder.path().join("frf.uff"), &attachment.bytes).unwrap();
     let read = run(
         folder.path(),

@@ -47,7 +47,8 @@ fn rods_of_several_lengths_and_uncertain_transducers_are_followed() {
     let two = relative_error(["394 mm ± 0.5 %", "394.0 mm ± 0.5 %"], "1");
     let half = 0.01 / 2.0_f64.sqrt();
     assert!((two[0] - half.hypot(exact[0])).abs() < 4e-4, "{two:?}");
-    // the records tell the gain to some 0.4 % and leave little of the 2 % to the viscosity
+    // the records determine the gain to about 0.4 %, so that little of the 2 % affects the
+    // viscosity
     let gain = relative_error(["394 mm ± 0 mm"; 2], "1 ± 2 %");
     assert!(gain[1] > 1.02 * exact[1], "{gain:?} {exact:?}");
 

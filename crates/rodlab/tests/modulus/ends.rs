@@ -24,7 +24,7 @@ fn ten_hits_on_polypropylene_give_its_modulus_within_the_stated_errors() {
     let (count, _) = check_lines(&outcome, &rod);
     assert!(count > 700, "{count}");
 
-    // the first sentence, with the number that stands in the table
+    // the first sentence, with the number of the table
     assert!(
         outcome.summary[0].starts_with("E' = 2."),
         "{}",
@@ -120,7 +120,7 @@ fn ten_hits_on_polypropylene_give_its_modulus_within_the_stated_errors() {
         // digits of the file, amplified where lines are singular
         assert!((a / b - 1.0).abs() < 1e-9, "{a} {b}");
     }
-    // a file does not tell the power of the noise, so that its variances are not pooled over lines:
+    // a file does not contain the power of the noise, so its variances are not pooled over lines:
     // some at the limits differ
     let pairs = is_valid(&other).into_iter().zip(is_valid(&outcome));
     let (mut both, mut one) = (0, 0);
@@ -137,9 +137,9 @@ fn ten_hits_on_polypropylene_give_its_modulus_within_the_stated_errors() {
     );
 }
 
-/// A rod that warms by 1.5 K over six hits and softens by 0.3 % per kelvin, with times of the hits that
-/// tell nothing of it, is in doubt for the trend; with its temperatures the slope is found, and the
-/// modulus referred to the first.
+/// A rod that warms by 1.5 K over six hits and softens by 0.3 % per kelvin, with times of the hits
+/// without information on it, is in doubt for the trend; with its temperatures the slope is found,
+/// and the modulus referred to the first.
 #[test]
 fn a_modulus_that_drifts_over_the_hits_is_named_and_referred_to_a_temperature() {
     let folder = TempDir::new().unwrap();
@@ -208,8 +208,8 @@ fn a_modulus_that_drifts_over_the_hits_is_named_and_referred_to_a_temperature() 
     assert!(refused.contains("one for each of the 6 hits"), "{refused}");
 }
 
-/// A sensitivity that is 2 % off and a skew that is none: within what the sheet says of them, the
-/// lines tell; beyond, they contradict it.
+/// A sensitivity wrong by 2 % and a stated but absent skew: within the stated errors the lines
+/// determine both; beyond, they contradict the sheet.
 #[test]
 fn errors_of_the_sensors_are_found_and_taken_out() {
     let folder = TempDir::new().unwrap();
@@ -294,7 +294,7 @@ fn two_sections_and_a_free_end_and_resonances_agree_with_the_two_point_method() 
     let rod = virtual_rod::polypropylene();
     virtual_rod::write_hits(folder.path(), 10, 7);
     let free_end = r#"FreeEnd(first: (channel: "struck end", from_free_end: "799 mm"), second: (channel: "free end", from_free_end: "0 mm"), wave_speed: "1700 m/s")"#;
-    // the distances of the sections stand for the length
+    // the distances of the sections replace the length
     let text = sheet(free_end, BAND).replace(" ± 0.29 mm", "");
     let outcome = run(folder.path(), &text).unwrap();
     assert_eq!(outcome.verdict, Verdict::Answered, "{:?}", outcome.summary);

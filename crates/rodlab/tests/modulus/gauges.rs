@@ -47,8 +47,8 @@ fn gauges_along_a_rod_give_its_modulus_and_see_its_free_end() {
     assert_eq!(outcome.verdict, Verdict::Answered, "{:?}", outcome.summary);
     let (count, mean_square) = check_lines(&outcome, &rod);
     assert!(count > 400, "{count} {:?}", outcome.summary);
-    // the errors are of noise alone, which the silence before the hits tells: of so many lines the
-    // mean is 1 within some per cent, and the noise is known to 10 %
+    // the errors are due to noise alone, measured before the hits: over so many lines the mean is 1
+    // within a few per cent, and the noise is known to 10 %
     assert!((mean_square - 1.0).abs() < 0.35, "{mean_square}");
     let (count, z, _) = check_causal(&outcome, &rod);
     assert!(count > 400 && z < 1.8, "{count} {z}");
@@ -59,7 +59,7 @@ fn gauges_along_a_rod_give_its_modulus_and_see_its_free_end() {
         .unwrap_or_else(|| panic!("{:?}", outcome.log));
     assert!(null.valid, "{null:?}");
 
-    // a gauge that is 8 mm from where the sheet says it is
+    // a gauge 8 mm from its stated position
     let moved = gauge_sheet(
         "MultiPoint",
         &[five[0], five[1], (3, "408 mm"), five[3], five[4]],

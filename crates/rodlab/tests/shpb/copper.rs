@@ -204,8 +204,8 @@ fn increment(times: &[f64], from: f64, to: f64) -> u32 {
 }
 
 /// Their time is a sum in single precision: the same increment counts as 339 units, then as 85 of
-/// four times the size, then as 42 of eight times. The period of the pulse in the free bar tells it
-/// as well.
+/// four times the size, then as 42 of eight times. The period of the pulse in the free bar shows
+/// this too.
 #[test]
 fn hopkinson_copper_has_a_clock_of_single_precision() {
     let Some(elements) = Elements::read() else {

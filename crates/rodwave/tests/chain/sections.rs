@@ -1,4 +1,4 @@
-//! Inside of a chain: transfer functions, reciprocity, and the waves that several sections see.
+//! Inside of a chain: transfer functions, reciprocity, and the waves at several sections.
 
 use std::f64::consts::TAU;
 
@@ -79,8 +79,8 @@ fn states_follow_from_the_impact_face() {
     }
 }
 
-/// Three strain gauges on the compound cylinder tell the waves that the chain says are there (paper
-/// B, eq. 4).
+/// Three strain gauges on the compound cylinder give the waves that the chain predicts (paper B,
+/// eq. 4).
 #[test]
 fn waves_from_several_sections() {
     let chain = Chain::from_impact_face()

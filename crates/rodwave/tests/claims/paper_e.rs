@@ -17,7 +17,7 @@ fn coth(x: Complex64) -> Complex64 {
     x.cosh() / x.sinh()
 }
 
-/// Printed (8) with (A7), in which a dashpot stands behind the far end; the geometry enters by the
+/// Printed (8) with (A7), in which a dashpot is behind the far end; the geometry enters by the
 /// distances of the ends from the apex, negative for a cone that converges.
 fn printed_cone(omega: f64, near: f64, far: f64, resistance: f64) -> Complex64 {
     let apex = 0.400 / (far / near - 1.0);

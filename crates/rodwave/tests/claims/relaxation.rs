@@ -1,4 +1,4 @@
-//! E(ω), E(t) and J(t) of a law are one, and Prony series that stand for others.
+//! Consistency of E(ω), E(t) and J(t) of a law, and Prony series in place of other laws.
 
 use std::f64::consts::{PI, TAU};
 
@@ -94,7 +94,7 @@ fn retardation_error(equilibrium_modulus: f64) -> f64 {
     }))
 }
 
-/// Largest relative error of a Prony series in place of a law, by what the series says of itself.
+/// Largest relative error of a Prony series in place of a law, as stated by the series.
 fn stand_in_error() -> f64 {
     let law = FractionalZener::new(0.5e9, 2.9e9, 1e-4, 0.5).unwrap();
     let band = OmegaBand {

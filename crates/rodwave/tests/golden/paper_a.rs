@@ -1,4 +1,4 @@
-//! Conditions of validity, and what paper A says of its ranges.
+//! Conditions of validity, and the ranges stated in paper A.
 
 use rodwave::medium::Medium;
 use rodwave::modulus::ConstantQ;
@@ -41,7 +41,8 @@ fn conditions_of_validity() {
 }
 
 /// "D = 11 or 16 mm and L = 800 mm gave results ... in the approximate frequency range of 400 Hz to
-/// 20 kHz": condition (ii) ends where the print says, condition (i) leaves the 20 kHz to the blow.
+/// 20 kHz": condition (ii) ends at the printed frequency; condition (i) allows 20 kHz, which the
+/// blow limits.
 #[test]
 fn the_frequency_range_of_the_longest_specimens() {
     let constants = GoldenTable::read("paper_a_constants.ron");

@@ -116,7 +116,7 @@ fn strong_attenuation_leaves_an_infinite_rod() {
                     assert!(middle.normal_force.norm() < 1e-200);
                 }
             }
-            // the plain matrix says that it cannot
+            // the plain matrix returns an error
             let matrix = Segment::rod(section, length)
                 .unwrap()
                 .transition_matrix(&medium, omega);

@@ -39,8 +39,8 @@ pub(crate) const HOSTILE: [f64; 28] = [
     f64::MIN,
 ];
 
-/// Asks `function` with each hostile number: what is no number is refused, and what is answered are
-/// numbers.
+/// Calls `function` with each extreme number: a non-finite number is refused, and every result is
+/// finite.
 pub(crate) fn sweep<E: Display>(name: &str, function: impl Fn(f64) -> Result<Vec<f64>, E>) {
     for value in HOSTILE {
         match function(value) {
@@ -72,8 +72,8 @@ impl<E> Default for Findings<E> {
     }
 }
 
-/// Returns true if arguments are far from the ends of the range, so that plain functions, which
-/// nobody checks, give numbers too.
+/// Returns true if arguments are far from the ends of the range, so that plain functions without
+/// checks give finite results too.
 pub(crate) fn are_modest(arguments: &[f64]) -> bool {
     arguments
         .iter()
@@ -81,7 +81,7 @@ pub(crate) fn are_modest(arguments: &[f64]) -> bool {
 }
 
 impl<E: Display> Findings<E> {
-    /// Asks `function` with `sound` arguments, which it must answer, and then with a hostile one in
+    /// Calls `function` with `sound` arguments, which must succeed, and then with an extreme one in
     /// each place.
     pub(crate) fn sweep(
         &mut self,

@@ -32,7 +32,7 @@ fn sampled_histories() {
             rate_hz: a[0],
             cutoff_hz: a[1],
         };
-        // plain numbers, which nobody has checked: it must not panic, and what is no number shows
+        // plain numbers without checks: it must not panic, and NaN must be visible in the result
         let _ = recorder.filtered(&[0.0, 1.0, 0.5, 0.0, 0.2], a[2], a[3]);
         Ok(Vec::new())
     });

@@ -24,7 +24,7 @@ fn linear(law: &impl DifferentiableModulus, omega: f64, arguments: &[f64]) -> Nu
     numbers.extend(law.parameters());
     let mut gradient = vec![Complex64::ZERO; law.parameter_names().len()];
     law.gradient(omega, &mut gradient)?;
-    // plain functions, which nobody checks
+    // plain functions without checks
     if are_modest(arguments) {
         numbers.extend(parts(gradient));
         numbers.extend(parts([law.slope(omega)]));
@@ -203,8 +203,8 @@ fn inelastic<L: InelasticLaw>(law: &L, modulus: f64, duration: f64, stress: f64)
     Ok(numbers)
 }
 
-/// A march makes a flow from checked moduli and steps and asks it with stresses that are numbers; a
-/// law that gives no number then would spread through the rod unseen.
+/// The solver builds a flow from checked moduli and steps and evaluates it at finite stresses; a
+/// NaN from the law would spread through the rod unnoticed.
 #[test]
 fn inelastic_laws() {
     let mut findings = Findings::default();

@@ -127,8 +127,8 @@ fn very_nonlinear_laws_do_not_overflow() {
     }
 }
 
-/// An explicit chain makes energy where a material relaxes within one of its steps; it says so, and
-/// shorter cells help.
+/// An explicit chain generates energy where a material relaxes within one step; this is reported,
+/// and shorter cells help.
 #[test]
 fn stiff_impacts_are_refused() {
     let test = ImpactTest {

@@ -2,8 +2,8 @@
 
 use super::*;
 
-/// A force that is let in at the left end leaves the contact a transit later and is all that the
-/// contact sees: it parts where the force comes to zero.
+/// A force applied at the left end reaches the contact one transit later and alone acts on it: the
+/// faces separate when the force falls to zero.
 #[test]
 fn f6_a_contact_opens_within_a_step() {
     let (transit, last) = (0.2 / (206e9_f64 / 7780.0).sqrt(), 93.7e-6);
