@@ -101,7 +101,7 @@ enum Task {
         check: bool,
     },
     /// Build a program outside the workspace on each library crate alone, and write
-    /// docs/dependencies.md: what comes with it.
+    /// docs/dependencies.md with its dependencies.
     Outside {
         /// Change nothing in the repository; fail where the page is not what would be written.
         #[arg(long)]
@@ -117,7 +117,7 @@ enum Task {
     /// have.
     Package,
     /// Run the benchmarks and whole programs, count instructions, and write docs/performance.md; it
-    /// wants a quiet machine.
+    /// needs an idle machine.
     Bench(Measurement),
     /// One kernel, once, for callgrind.
     #[command(hide = true)]

@@ -557,7 +557,7 @@ proptest! {
 }
 
 /// A dashpot that follows the load within 1e-9 of its duration is out of reach of an explicit
-/// formula: told, not guessed.
+/// formula: this is reported, not guessed.
 #[test]
 fn rates_that_cannot_be_integrated_are_told() {
     let model = cmod::recovery::ThreeElement::new(ThreeElementParameters {

@@ -420,7 +420,7 @@ fn r04_lateral_inertia_left_in_is_within_its_bound_and_judges_lines() {
         }
     }
     assert!(valid > 25 && named > 75, "{valid} {named}");
-    // what Love's theory leaves is stated as well
+    // the remaining error of Love's theory is stated as well
     let by_love = inertia().with_theory(Theory::LoveRayleigh);
     for line in by_love.correct(&estimate).unwrap().modulus().lines() {
         let truth = printed::modulus(TAU * line.frequency_hz);

@@ -60,8 +60,8 @@ fn moduli_come_back_from_ratios_of_fifty_digits() {
                 .iter()
                 .position(|f| (f - line.frequency_hz).abs() < 1e-9)
                 .unwrap();
-            // dE/E = -2 dx/x, dx = dΨ/f'(x), with Ψ rounded to a double: what equation 1 loses by
-            // itself; ten roundings on the way
+            // dE/E = -2 dx/x, dx = dΨ/f'(x), with Ψ rounded to a double: the inherent error of
+            // equation 1, and ten further roundings
             let omega = std::f64::consts::TAU * line.frequency_hz;
             let expected = case.modulus[index];
             let x = Complex64::new(0.0, omega)

@@ -268,7 +268,7 @@ fn a_projection_tells_by_how_much_it_moves_the_lines() {
     assert!(below > 10 && change.n_lines == below, "{below} {change:?}");
     let both = body.projected(Projection::CausalAndPassive);
     assert!(both.mobility().iter().all(|line| line.re >= 0.0));
-    // causal as well: what a further causal projection moves is little
+    // causal as well: a further causal projection changes little
     let left = both.projected(Projection::Causal).change_from(&both);
     assert!(
         left.relative < 0.05 * causal.relative,

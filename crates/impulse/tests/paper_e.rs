@@ -177,8 +177,8 @@ fn stick_force_stops_the_body() {
         ("CCA", cylinder(true), 0.92),
         ("CCB", cylinder(false), 1.01),
     ] {
-        // 200 kHz and a roll-off: what the law of eq. 7, no causal pair, puts ahead of contact is
-        // the limit, 3e-4 of its modulus
+        // 200 kHz and a roll-off: the limit is the response before contact of the non-causal law of
+        // eq. 7, 3e-4 of its modulus
         let stick = stick(
             &body,
             velocity,

@@ -26,7 +26,7 @@ const SUPPORT: TimeInterval = TimeInterval {
     from: 0.35e-3,
     to: 1.25e-3,
 };
-/// Noise of the accelerometers [m/s^2]: about 1 and 2 % of what they see.
+/// Noise of the accelerometers [m/s^2]: about 1 and 2 % of their signals.
 const NOISE: [f64; 2] = [80.0, 160.0];
 /// Standard deviation of a line of a frequency response, in parts of it.
 const RESPONSE_ERROR: f64 = 0.02;
@@ -59,7 +59,7 @@ fn the_two_ways_of_the_clean_body_agree() {
         assert_eq!(found.response_end, ResponseEnd::DiedOut);
         let largest = found.history.force().iter().zip(&truth);
         let largest = largest.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
-        // what of the pulse is above 25 kHz and aliases: (f T)^-3 = 1.3e-4 of it at 20 periods, and
+        // the part of the pulse above 25 kHz aliases: (f T)^-3 = 1.3e-4 of it at 20 periods, and
         // the accelerance grows there
         assert!(largest < 1e-3 * PULSE.peak, "{face}: {largest}");
     }

@@ -1,7 +1,7 @@
 //! Reading and writing records of the size that one hit has, and streaming of long ones.
 //!
-//! What bounds them is measured beside them: text by the numbers in it, parsed or printed one by
-//! one with the standard library, and binary formats by a copy of their bytes.
+//! Their lower bounds are measured too: text by the numbers in it, parsed or printed one by one
+//! with the standard library, and binary formats by a copy of their bytes.
 #![allow(
     clippy::unwrap_used,
     missing_docs,

@@ -6,7 +6,7 @@
 //!
 //! writes `table.csv`, or the name of the universal file with `.csv` behind it. Without a file, one
 //! is made: the ring-down of a rod's end, as text and as 58b. A file that can be read only in part
-//! is converted as far as that, and what is missing is told.
+//! is converted to that extent, and the missing parts are reported.
 #![allow(
     clippy::print_stdout,
     reason = "an example talks to the one who runs it"

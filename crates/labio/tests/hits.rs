@@ -76,7 +76,7 @@ fn response(t: f64) -> f64 {
     }
 }
 
-/// A good hit of 80 N with noise and ringing: what is done to it decides what is found.
+/// A good hit of 80 N with noise and ringing; each modification must be detected.
 fn hit(change: impl Fn(usize, f64, &mut f64, &mut f64)) -> Record {
     let mut rng = ChaCha8Rng::seed_from_u64(17);
     let mut samples = Array2::zeros((2, N));

@@ -104,7 +104,7 @@ fn properties_are_npt_dms_s() {
         };
         let found = found.unwrap_or_else(|| panic!("{line}: no such property"));
         let same = match (found.parse::<f64>(), expected.parse::<f64>()) {
-            // a single, told with its own digits here and with those of a double by npTDMS
+            // a single, printed with its own digits here and with those of a double by npTDMS
             (Ok(found), Ok(expected)) if name == "gain" => {
                 (found - expected).abs() <= f64::from(f32::EPSILON) * expected.abs()
             }

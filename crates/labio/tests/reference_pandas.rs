@@ -1,4 +1,4 @@
-//! Tables that pandas wrote in several dialects, read without being told the dialect:
+//! Tables that pandas wrote in several dialects, read without a stated dialect:
 //! `fixtures/reference/pandas`.
 
 use labio::Abscissa;

@@ -124,8 +124,8 @@ fn headers_of_pyuff_are_understood() {
     assert_eq!(property("uff58.response_node"), "12");
     assert_eq!(property("uff58.reference_entity"), "HAMMER");
     assert_eq!(property("uff58.reference_direction"), "-1");
-    // 1/8192 s in the six digits that pyuff gives it: the step is off by less than the half unit
-    // that is told
+    // 1/8192 s in the six digits that pyuff gives it: the step is wrong by less than the stated
+    // half unit
     let Abscissa::Even { step, .. } = series.abscissa else {
         panic!("even");
     };

@@ -1,5 +1,5 @@
-//! Sheets: what a laboratory writes down of its sensors and triggers, read through the checks of
-//! the constructors.
+//! Sheets: a laboratory's description of its sensors and triggers, read through the checks of the
+//! constructors.
 
 #![cfg(feature = "serde")]
 

@@ -76,7 +76,7 @@ fn g_is_the_gram_where_a_mass_is_asked_for() {
             "{text} as {like}: {found}"
         );
     }
-    // what fits in neither way is what it is without a question
+    // a unit that fits neither pattern is unambiguous
     assert!(!of("g", "m").1 && !of("gn", "kg").1);
     assert_eq!(of("g", "m").0, 9.80665);
 }

@@ -164,7 +164,7 @@ fn transducers_that_err_beyond_what_is_stated_are_found() {
         assert!(found.standard_error < largest, "{found:?}");
     }
     assert!(scores(&found).iter().all(|z| z.abs() < 3.0));
-    // whoever states the transducers is not overruled
+    // stated transducers are not overruled
     assert!(with_unstated_transducers(&allowed).is_none());
 }
 

@@ -33,7 +33,7 @@ fn r13_an_estimate_lies_at_the_bottom_of_its_own_profiles() {
                 .fold(0.0, |low, p| f64::min(low, p.rise));
             // a thirtieth of the threshold of 3.84
             assert!(lowest > -0.1, "{seed}: {} {lowest}", profile.parameter);
-            // what is called identified has an interval, and the standard error is its quarter
+            // an identified parameter has an interval, and the standard error is a quarter of it
             let error = judged.coordinate_errors[index];
             if judged.estimates[index].verdict == Verdict::Identified {
                 let width = profile.upper.unwrap() - profile.lower.unwrap();

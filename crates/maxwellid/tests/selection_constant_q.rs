@@ -44,8 +44,7 @@ fn constant_q_at_one_velocity_is_not_called_nonlinear() {
         .filter(|c| c.is_nonlinear_verdict())
         .count();
     assert_eq!(nonlinear, 0);
-    // and the right law, or others of flat loss that cannot be told from it, are not refuted: 0.1 %
-    // each
+    // and the right law, or indistinguishable laws of flat loss, are not refuted: 0.1 % each
     let refuted = comparisons.iter().filter(|c| named(c) == "none").count();
     assert_eq!(refuted, 0);
     for comparison in &comparisons {

@@ -119,7 +119,7 @@ fn a_faster_test_separates_what_a_repetition_does_not() {
     assert!(PlannedTest::at_velocity(&tests[0], 0.0).is_err());
 }
 
-/// Sixty standard samples a law, as in the paper: what the numbers are, and what they are not.
+/// Sixty standard samples per law, as in the paper: the meaning of the numbers and its limits.
 #[test]
 fn the_classifier_of_the_paper_is_what_it_is() {
     let exact = by_the_chain(
@@ -150,7 +150,7 @@ fn the_classifier_of_the_paper_is_what_it_is() {
     for (a, b) in by_recursion.iter().zip(&adequacies) {
         assert!((a - b).abs() < 0.02, "{by_recursion:?} {adequacies:?}");
     }
-    // with a linear basis, sixty samples are told apart hardly better than by chance
+    // with a linear basis, sixty samples are separated hardly better than by chance
     let right = features
         .iter()
         .zip(&samples.class_of)

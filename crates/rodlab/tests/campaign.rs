@@ -1,5 +1,4 @@
-//! Many sheets: one bad test stops no other, what is done is not done again, and parts make a
-//! whole.
+//! Many sheets: a bad test stops no other, finished tests are not repeated, parts form the whole.
 
 mod earlier_results;
 #[cfg(unix)]

@@ -188,7 +188,7 @@ fn chain_from_a_measured_bar_to_a_curve_covers() {
         let density = 1150.0 + DENSITY * noise.normal();
         let bar = measure_bar(folder.path(), density, &mut noise, seed);
         assert_eq!(bar.verdict, Verdict::Answered, "{:?}", bar.summary);
-        // the law of the result taken for exact
+        // the law of the result assumed exact
         let text = fs::read_to_string(folder.path().join("material.json")).unwrap();
         let start = text.find("\"errors\": [").unwrap();
         let end = text.find("\"doubts\"").unwrap();
@@ -404,8 +404,8 @@ fn chain_material_in_a_virtual_test_is_its_law() {
     }
 }
 
-/// A force from a bar that was measured: what has changed since is named, in the result and in the
-/// one that it was made from.
+/// A force from a bar that was measured: changes since then are named, in the result and in its
+/// source.
 #[test]
 fn chain_of_results_is_verified() {
     let folder = tempfile::tempdir().unwrap();

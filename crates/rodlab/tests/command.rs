@@ -11,7 +11,7 @@ use tempfile::TempDir;
 
 use crate::runs::{rodlab, text};
 
-/// Status and what was said on the standard error.
+/// Status and text of the standard error.
 fn refused(folder: &Path, arguments: &[&str]) -> String {
     let output = rodlab(folder, arguments);
     assert_eq!(text(&output.stdout), "");
@@ -260,7 +260,7 @@ fn data_that_do_not_allow_the_result_end_with_status_1_and_a_reason() {
         said.starts_with("not allowed: the time step is too long for the contact"),
         "{said}"
     );
-    // what was found out nevertheless is there
+    // the partial results are there nevertheless
     assert!(folder.path().join("hit-result/result.json").exists());
 }
 

@@ -1,4 +1,4 @@
-//! Files in other formats: what is kept to the last bit, and that what is not is said.
+//! Files in other formats: content kept to the last bit, and a report of lost content.
 
 use std::fs;
 use std::path::Path;

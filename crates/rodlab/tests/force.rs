@@ -58,7 +58,7 @@ fn a_mass_on_a_long_rod_presses_with_a_falling_exponential() {
             < 1e-6
     );
     assert!((error(&outcome, "impulse") / value(&outcome, "impulse") - 0.01).abs() < 0.0015);
-    // it still presses: what is said of the time after is not valid
+    // the faces still touch: later values are not valid
     let restitution = outcome
         .quantities
         .iter()

@@ -224,7 +224,7 @@ fn noise_alone_is_no_force() {
         }
     );
     assert!(!outcome.log[0].accepted && !outcome.log[0].reasons.is_empty());
-    // who does not ask for checks is told besides by the peak, and by the discrepancy
+    // without requested checks, the peak and the discrepancy show it
     let text = sheet(FILE, &format!(r#"{ACTING}, noise: White("2 m/s2")"#));
     let outcome = attempt(folder.path(), &text).unwrap();
     let told = |words: &str| outcome.warnings.iter().any(|w| w.contains(words));

@@ -98,7 +98,7 @@ fn r05_without_a_front_impedance_the_force_is_had_on_lines_only() {
         "{:?}",
         outcome.summary
     );
-    // what needs a march is refused
+    // jobs that need time marching are refused
     for rest in [r#"contact: Linear("20 MN/m")"#, r#"time_step: "1 us""#] {
         let refused = attempt(folder.path(), &sheet(FIRST, rest)).unwrap_err();
         assert!(refused.to_string().contains("front_impedance"), "{refused}");
@@ -118,8 +118,8 @@ fn a_measured_body_presses_as_the_body_itself() {
     let time = column(&outcome, "force", "time");
     let force = column(&outcome, "force", "force");
     for (t, f) in time.iter().zip(force) {
-        // the band ends at 6 kHz: the jump of 2 kN at the begin rings; what is left after 0.5 ms is
-        // 2 kN/(2 pi 6 kHz 0.5 ms) = 5 %
+        // the band ends at 6 kHz: the jump of 2 kN at the begin rings; the remainder after 0.5 ms
+        // is 2 kN/(2 pi 6 kHz 0.5 ms) = 5 %
         if *t > 0.5e-3 && *t < 4.9e-3 {
             assert!(
                 (f - at(*t)).abs() < 0.03 * 2e3,
@@ -224,8 +224,7 @@ fn more_error_of_the_scale_is_more_error_of_the_force() {
     let error_of = |scale: &str| {
         let first = FIRST.replace("1 %", scale);
         let outcome = attempt(folder.path(), &sheet(&first, "uncertainty: (draws: 60)")).unwrap();
-        // the face is a mass: the jump at the begin is Z V whatever its scale, and what comes after
-        // is not
+        // the face is a mass: the initial jump is Z V whatever its scale, the later force is not
         let errors = column(&outcome, "stick_force", "standard error");
         let later = column(&outcome, "stick_force", "time")
             .iter()

@@ -23,7 +23,7 @@ fn record(name: &str, shift: f64) -> NamedRecord {
         } else {
             0.0
         };
-        // what a converter shows of noise
+        // noise after a converter
         let noise = 0.01 * ((k * k * 7919) % 1013) as f64 / 1013.0;
         blow + noise + if t > 0.0 { shift } else { 0.0 }
     });

@@ -538,7 +538,7 @@ fn an_elastic_rod_has_no_damping_to_identify() {
         reason,
         "no law has a damping that these data determine: within their noise the rod may be elastic"
     );
-    // what can be known is known
+    // the identifiable parameters are identified
     let off = standard_errors_off(&outcome, "Maxwell: Young's modulus E", MODULUS, 0.005);
     assert!(off < 3.0, "{off}");
     assert!(!quantity(&outcome, "Maxwell: viscosity eta").valid);

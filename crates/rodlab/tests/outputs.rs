@@ -57,7 +57,7 @@ fn what_a_run_before_has_left_goes_and_nothing_else() {
     let folder = tempfile::tempdir().unwrap();
     output::write(&rich::outcome(), &rich::sheet(), folder.path(), &[]).unwrap();
     fs::write(folder.path().join("notes.txt"), "mine").unwrap();
-    // what a run that was ended in the middle leaves
+    // left-over files of an interrupted run
     fs::write(folder.path().join(".rodlab-part-4711"), "half").unwrap();
     fs::write(
         folder.path().join(".rodlab-lock"),

@@ -111,8 +111,8 @@ fn statistics(off: &[[f64; 2]], part: usize) -> (f64, f64) {
     (mean, square.sqrt())
 }
 
-/// The modulus is what was put in, within its errors: of some hundred lines the mean is known to
-/// 0.1 and the root mean square to 0.05 of a standard error; neighbouring lines are not quite
+/// The modulus is the true one within its errors: of some hundred lines the mean is known to 0.1
+/// and the root mean square to 0.05 of a standard error; neighbouring lines are not quite
 /// independent, and the error of an error from ten hits adds some percent.
 fn assert_modulus_is_that_of_polypropylene(found: &Outcome, lines: usize) {
     assert_eq!(found.verdict, Verdict::Answered, "{:#?}", found.summary);
@@ -168,7 +168,7 @@ fn both_ends_give_the_modulus_that_was_put_in() {
         }
         let found = evaluated(&made, folder.path(), "modulus.ron", |text| text);
         assert_modulus_is_that_of_polypropylene(&found, 300);
-        // no check finds what is not there
+        // no check gives a false alarm
         assert!(
             !found
                 .warnings

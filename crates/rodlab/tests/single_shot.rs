@@ -184,7 +184,7 @@ fn a_mass_on_the_end_is_its_condition() {
     );
     let named = |line: &String| line.contains("accelerometer mass (");
     assert!(stated.summary.iter().any(named), "{:?}", stated.summary);
-    // taken for free, the bar is another one
+    // if its end is assumed free, the bar is another one
     let free = run(folder.path(), &free).unwrap();
     let [lines, storage, _] = outside(&free);
     assert!(
@@ -261,7 +261,7 @@ fn lines_valid_within_limits_keep_them() {
     let limits = [0.01, 0.10];
     let bar = LongBar {
         noise: 1e-4,
-        // a plateau of fewer bits may repeat its largest value three times, and is then taken for
+        // a plateau of fewer bits may repeat its largest value three times, and then counts as
         // clipped
         bits: 18,
         ..LongBar::glassy()

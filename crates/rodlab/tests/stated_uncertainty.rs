@@ -139,7 +139,7 @@ fn declared(sources: &str, of: &[&str]) -> BTreeSet<String> {
 fn taking_an_uncertainty() -> BTreeSet<String> {
     let of_crate = sources(&Path::new(env!("CARGO_MANIFEST_DIR")).join("src"));
     let found = declared(&of_crate, &["Stated<", "Option<Sensitivity>"]);
-    // what must be among them, or this reads the sources wrongly
+    // fields that must be among them, as a check of the parser
     for field in ["density", "velocity", "poisson_ratio", "at", "sensitivity"] {
         assert!(found.contains(field), "{field} is not among {found:?}");
     }

@@ -63,7 +63,7 @@ fn begun() -> ChainBuilder {
 }
 
 fn refuse(refusals: &mut Refusals, what: &str, builder: ChainBuilder) {
-    // what follows the first wrong element neither hides it nor moves its index
+    // later elements neither mask the first wrong one nor change its index
     let ended = builder
         .spring(-1.0)
         .rod(&steel(), circle(), 0.1)
@@ -629,7 +629,7 @@ fn laws_of_too_many_parameters() {
     derivatives: list of parameters of the law has 5 entries, expected 4
     branch: list of parameters of the law has 5 entries, expected 4
     ");
-    // what there is no room for is not looked at
+    // elements beyond the memory limit are not examined
     let changes = FiveParameters.change_with_sensitivity(&[1e6; LANES], 5);
     assert_eq!(
         changes,

@@ -1,5 +1,4 @@
-//! Elements, transition matrices and chains: closed forms, properties, paper E, and what is
-//! refused.
+//! Elements, transition matrices and chains: closed forms, properties, paper E, and refusals.
 
 mod elements;
 mod mobility;

@@ -82,7 +82,7 @@ fn two_free_elastic_rods() {
     let record = run(&short, &long, 3e-3, 5e-7);
     assert_eq!(record.generator, GENERATOR);
     let (trip, period) = (2.0 * transit_time(0.3), 2.0 * transit_time(0.7));
-    // A jump to tension: what is compressive is a rounding of the zero before it.
+    // A jump to tension: any compression is rounding of the zero before it.
     let mass = [&short, &long].map(|body| body.free_mass().unwrap());
     assert!((record.impulse() / (mass[0] * VELOCITY) - 1.0).abs() < 1e-6);
     // In each period of the longer rod the face moves with V/2, then for 2L₁/c with V/2 + V/2 as
@@ -99,8 +99,8 @@ fn two_free_elastic_rods() {
         .flat_map(|n| [f64::from(n) * period, f64::from(n) * period + trip])
         .collect();
     let error = deviation(&record, &record.second_velocity, &jumps, exact);
-    // The force has ended as a function of samples; the alias of a velocity that does not die out
-    // is 1.1e-7.
+    // The force has ended as a function of samples; the alias of a velocity that does not decay is
+    // 1.1e-7.
     assert!(error < 1e-6 * VELOCITY, "{error}");
     let mean = 0.5 * VELOCITY * 2.0 * trip / period;
     assert!((mean / (mass[0] * VELOCITY / mass[1]) - 1.0).abs() < 1e-12);
@@ -137,7 +137,7 @@ fn mass_against_a_long_rod() {
         });
         assert!(error < 1e-6 * VELOCITY, "{error}");
     }
-    // e^{-Zt/M} has died out to e^{-20}
+    // e^{-Zt/M} has decayed to e^{-20}
     assert!((record.impulse() / (mass * VELOCITY) - 1.0).abs() < 1e-6);
 }
 
@@ -223,8 +223,8 @@ fn balances_of_a_damped_cone() {
     let mass = cone.free_mass().unwrap();
     let left = VELOCITY - record.impulse() / mass;
     let last = record.first_velocity.last().unwrap();
-    // the lowest mode, near 2 kHz with a loss factor of 0.094, has died out to e^{-20}; the alias
-    // is e^{-16}
+    // the lowest mode, near 2 kHz with a loss factor of 0.094, has decayed to e^{-20}; the alias is
+    // e^{-16}
     assert!((last - left).abs() < 1e-5 * VELOCITY, "{last} {left}");
     let squares = record.force.iter().map(|force| force * force / z);
     let in_rod = interval * squares.sum::<f64>();

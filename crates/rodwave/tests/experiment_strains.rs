@@ -177,15 +177,15 @@ fn impulses_through_the_ends() {
         (&record.strains[0], impulse - left * velocity),
         (&record.strains[1], right * velocity),
     ] {
-        // The lowest mode, at 0.4 kHz with a loss of 2.6 %, has died out to e^{-6}... e^{-9}, and
-        // swings about zero.
+        // The lowest mode, at 0.4 kHz with a loss of 2.6 %, has decayed to e^{-6}... e^{-9}, and
+        // oscillates about zero.
         let error = carried(strains) / expected - 1.0;
         assert!(error.abs() < 1e-4, "{error}");
     }
 }
 
-/// The histories are those of the spectra: summed up over a record that has died out they give them
-/// back.
+/// The histories are those of the spectra: summed over a record that has decayed they reproduce the
+/// spectra.
 #[test]
 fn histories_and_spectra_agree() {
     let bar = Medium::new(919.0, Zener::new(2.4e9, 2.6e9, 5e-5).unwrap()).unwrap();

@@ -210,7 +210,7 @@ fn extreme_steps_neither_overflow_nor_create_stress() {
     assert!(relaxed > 0.0 && relaxed < 1e6, "{relaxed}");
     // a step without length changes nothing
     assert_eq!(law.flow(MODULUS, 0.0).relax(5e6), 5e6);
-    // sinh(σ/σ*) overflows here: what is left of any such stress is σ* ln((1 + e^{-q})/(1 - e^{-q}))
+    // sinh(σ/σ*) overflows here: any such stress relaxes to σ* ln((1 + e^{-q})/(1 - e^{-q}))
     let law = Eyring::new(3.0, 1e5).unwrap();
     let flow = law.flow(MODULUS, 1e-6);
     let q: f64 = MODULUS * 1e-6 / law.viscosity();

@@ -165,7 +165,7 @@ fn waves_decay_along_x_in_the_right_half_plane() {
     every_law(&WavesDecay);
 }
 
-/// Paper E, eqs. 4-6 and what is said below them, for every law a medium can have.
+/// Paper E, eqs. 4-6 and the statements below them, for every law a medium can have.
 fn medium_battery<L: PropagationLaw>(name: &str, law: L) {
     let medium = Medium::new(DENSITY, law).unwrap();
     assert_eq!(

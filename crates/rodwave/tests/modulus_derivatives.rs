@@ -1,5 +1,5 @@
-//! Exact derivatives against differences: by every parameter, by frequency, and what they make of a
-//! group velocity.
+//! Exact derivatives against differences: by every parameter, by frequency, and of the group
+//! velocity.
 use num_complex::Complex64;
 use rodwave::RodwaveError;
 use rodwave::medium::{Medium, PropagationLaw};

@@ -1,4 +1,4 @@
-//! Tables: what they return between their lines, and what they refuse.
+//! Tables: interpolation between their lines, and refusals.
 
 use num_complex::Complex64;
 use rodwave::RodwaveError;

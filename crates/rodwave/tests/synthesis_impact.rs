@@ -45,10 +45,9 @@ fn largest_error(history: &SynthesizedHistory, margin: f64, end: f64) -> f64 {
         .fold(0.0, f64::max)
 }
 
-/// The plain transform of the same impact adds up all repetitions of a force that does not die out.
-/// Half a period of the force left over is the best case: plateaus of alternating sign, 1 - 1 + 1 -
-/// ... = 1/2, half of the force. Any other period is worse, and a whole number of periods of the
-/// force meets a pole.
+/// The plain transform of the same impact sums the undamped force over all periods. The best case
+/// is half a period of the force left over: plateaus of alternating sign, 1 - 1 + 1 - ... = 1/2,
+/// half of the force. With a whole number of periods of the force a line coincides with a pole.
 #[test]
 fn two_free_elastic_rods_by_the_plain_transform() {
     let rod = Chain::from_impact_face()

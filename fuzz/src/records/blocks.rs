@@ -42,7 +42,7 @@ fn channels(n: usize) -> Vec<Channel> {
         .expect("names and quantities of channels")
 }
 
-/// What is compared: blocks against the values of the whole file, if both could be read.
+/// Blocks compared with the values of the whole file, if both could be read.
 fn same(blocks: Result<Vec<Vec<f64>>, LabioError>, whole: &[&[f64]]) {
     match blocks {
         Ok(blocks) => {

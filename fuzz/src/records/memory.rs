@@ -1,17 +1,16 @@
-//! Memory is taken for bytes that are there, whatever a header announces.
+//! Memory is allocated for existing bytes only, whatever a header states.
 
 use allocation_counter::measure;
 use labio::format::MemoryLimit;
 
-/// What a reader may take beside the contents: buffers.
+/// Memory of a reader in addition to the contents: buffers.
 const BUFFERS: u64 = 4 << 20;
 
-/// Copies of what is unpacked that there may be at a time: the bytes, the numbers and the series,
-/// and the room of a list that grows.
+/// Simultaneous copies of unpacked data: bytes, numbers, series, and the reserve of a growing list.
 const COPIES: u64 = 4;
 
-/// Memory per byte of an uncompressed file: a cell of a table, say, with its place, its number and
-/// its copies.
+/// Memory per byte of an uncompressed file, for example a cell of a table, with its place, number
+/// and copies.
 const OF_A_BYTE: u64 = 256;
 
 /// Reads, and looks at how much memory was taken at most.

@@ -5,8 +5,8 @@ use labio::{Contents, LabioError};
 
 use super::{blocks, contents, memory, prints, round_trip};
 
-/// Reads in both manners: what a strict reader takes, a tolerant one takes and finds nothing
-/// missing.
+/// Reads in both modes: a file accepted by the strict reader is read by the tolerant one without
+/// defects.
 pub fn both_manners(
     bytes: &[u8],
     read: impl Fn(Strictness) -> Result<Contents, LabioError>,

@@ -1,4 +1,4 @@
-//! What was read is written in every format that holds it, and read again.
+//! Contents are written in every format that can hold them, and read again.
 
 use labio::format::csv::Csv;
 use labio::format::npy::Npy;

@@ -1,4 +1,4 @@
-//! Bytes of any kind: what they are is found out by their content.
+//! Bytes of any kind: the format is recognised by the content.
 
 use labio::format;
 use rodlab::inspect::inspect_bytes;

@@ -1,4 +1,4 @@
-//! Test sheets of all kinds: what is understood is checked, what is not is shown with its place.
+//! Test sheets of all kinds: valid parts are checked, mistakes are shown with their place.
 
 use std::path::Path;
 use std::sync::atomic::AtomicBool;

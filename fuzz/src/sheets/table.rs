@@ -77,7 +77,7 @@ fn jobs(table: &[u8], sheets: &[&str]) {
     }
 }
 
-/// What may be believed is a number.
+/// Accepted values are finite.
 fn found(outcome: &Outcome) {
     for quantity in &outcome.quantities {
         let numbers = [quantity.value, quantity.standard_error];

@@ -12,7 +12,7 @@ use super::error::BenchError;
 use super::measured::{Measured, Program, four_digits};
 use super::{Pace, criterion};
 
-/// Programs that take a minute or more; a quick run keeps what was measured of them before.
+/// Programs that take a minute or more; a quick run keeps their earlier measurements.
 const LONG: [&str; 3] = [LONG_HITS, FORCES, MANY_MODULI];
 /// Samples of the long records, a channel.
 const STREAMED: &str = "100000000";
@@ -273,7 +273,7 @@ impl Programs {
     }
 }
 
-/// Returns the NPY file of two rows of doubles with rows of `samples`: what is added is noise from a
+/// Returns the NPY file of two rows of doubles with rows of `samples`: the added noise is from a
 /// linear congruence.
 pub(super) fn continued(file: &[u8], samples: usize) -> Option<Vec<u8>> {
     let (header, data) = file.split_at_checked(128)?;

@@ -80,7 +80,7 @@ fn records_of_any_loss() {
     }
 }
 
-/// The noise need not be told.
+/// The noise need not be stated.
 #[test]
 fn noise_that_is_not_told_is_found() {
     for (index, rod) in rods_of_paper_a().into_iter().enumerate() {
@@ -90,7 +90,7 @@ fn noise_that_is_not_told_is_found() {
         for seed in 1..=5 {
             let measured = clean.measured(0.05, 0.2, seed);
             let mut record = measured.record(&clean, &observation);
-            // told: a fiftieth of the noise, or nothing
+            // stated: a fiftieth of the noise, or nothing
             let told: Vec<f64> = measured.variance.iter().map(|v| v / 2500.0).collect();
             for variance in [None, Some(&told[..])] {
                 record.variance = variance;
@@ -109,7 +109,7 @@ fn noise_that_is_not_told_is_found() {
                 }
                 assert!(doubted < 200, "test {}: {doubted}", index + 1);
                 if variance.is_some() {
-                    // the floor of the noise, 1e-4, is a tenth of what was told
+                    // the floor of the noise, 1e-4, is a tenth of the stated noise
                     let factor = tracked.noise_factor;
                     assert!((30.0..70.0).contains(&factor), "{factor}");
                 }
@@ -118,8 +118,8 @@ fn noise_that_is_not_told_is_found() {
     }
 }
 
-/// 30 lines at 4 kHz in disorder: the doubt is told, and the count resumed behind them is not
-/// believed, as the disorder is longer than half a wave.
+/// 30 disordered lines at 4 kHz: the doubt is reported, and the count resumed after them is not
+/// accepted, because they extend over more than half a wave.
 #[test]
 fn disorder_is_noticed() {
     let rod = rods_of_paper_a()[5];

@@ -65,7 +65,7 @@ fn false_alarms_come_at_the_stated_level() {
     assert_rate("free-end null", alarms);
 
     for persistence in [0.0, 0.8] {
-        // The records differ in their noise only; what comes after the wave does not matter.
+        // The records differ in their noise only; samples after the wave have no effect.
         let alarms = (0..400)
             .filter(|_| {
                 let silence: Vec<Vec<f64>> = (0..3)

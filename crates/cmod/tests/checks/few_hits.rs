@@ -85,7 +85,7 @@ fn r14_variances_of_few_hits_fail_no_right_record() {
     }
 }
 
-/// And they see what is wrong: a modulus that is no relaxing one.
+/// They also detect a modulus that is not that of a relaxing material.
 #[test]
 fn r14_few_hits_still_see_a_modulus_that_is_none() {
     let mut random = Noise::seeded(17);
@@ -198,9 +198,9 @@ fn of_gauges(random: &mut Noise, loss: f64) -> ModulusEstimate {
     method.estimate(&measured).unwrap().modulus().clone()
 }
 
-/// The nearest of all materials takes up noise, a degree of freedom for each of its parameters:
-/// without these the statistic is 1 on the average, and the level is kept. A dozen of 300 that are
-/// not counted make it 0.98 and a false alarm at 5 % one of a hundred.
+/// The fit of the nearest material absorbs one degree of freedom of the noise per parameter.
+/// Without these the statistic is 1 on average, and the level is kept. If a dozen of 300 are not
+/// subtracted, it is 0.98, and the rate of false alarms at 5 % is one in a hundred.
 #[test]
 fn r14_kramers_and_kronig_alarm_at_their_level() {
     let seeds: u64 = testbed::noise::draws(30);

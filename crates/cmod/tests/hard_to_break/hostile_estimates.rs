@@ -1,4 +1,4 @@
-//! Every method with hostile specimens, settings and lines: what is estimated is a number with an
+//! Every method with extreme specimens, settings and lines: each estimate is a number with an
 //! error, or the line is refused.
 
 use num_complex::Complex64;

@@ -1,4 +1,4 @@
-//! Recovery after creep, fits of laws, master curves and cards with hostile readings and
+//! Recovery after creep, fits of laws, master curves and cards with extreme readings and
 //! parameters.
 
 use num_complex::Complex64;

@@ -161,9 +161,8 @@ proptest! {
     }
 }
 
-/// tan δ from 1e-9 to 10 for every method: what is called valid is right, to rounding as the method
-/// magnifies it, and where the losses cannot be seen in rounding the line is no more called valid
-/// than its stated error allows.
+/// tan δ from 1e-9 to 10 for every method: valid lines are correct to the rounding amplified by the
+/// method, and losses below rounding are valid only as far as their stated error allows.
 #[test]
 fn all_but_lossless_and_all_but_fluid() {
     for exponent in [-9, -8, -7, -6, -5, -4, -3, -2, -1, 0, 1] {

@@ -118,7 +118,7 @@ fn grids(claims: &mut Claims) {
         let spacing = common_spacing(positions, 1e-6).unwrap();
         assert!((spacing.unwrap() - expected).abs() < 1e-9);
     }
-    // the golden section has no common measure: what is left is below a millimetre
+    // the golden section has no common measure: the remainder is below a millimetre
     let golden = [0.0, 0.1 * (5.0_f64.sqrt() - 1.0), 0.2];
     assert!(common_spacing(&golden, 1e-4).unwrap().is_none());
 

@@ -45,8 +45,8 @@ fn largest_error(estimate: &ModulusEstimate, least: usize) -> f64 {
     errors.fold(0.0, f64::max)
 }
 
-/// Waves on the line s before an end at 2.5 m, of strain or of displacement; what is common to the
-/// gauges is left out.
+/// Waves on the line s before an end at 2.5 m, of strain or of displacement; factors common to the
+/// gauges are omitted.
 fn waves(
     positions: &[f64],
     frequency_hz: &[f64],
@@ -132,7 +132,7 @@ fn exact_lines(claims: &mut Claims) {
         ),
     ] {
         let spectra = waves_before_mass(mass, positions, &frequency_hz, 0.0, quantity);
-        // what the noise is weighs the lines and marks those near singular ones
+        // the noise level determines the weights of lines and marks those near singular ones
         let noise = vec![vec![1e-7; frequency_hz.len()]; positions.len()];
         let method = MultiPoint::before_free_end(rod(positions), 2.5)
             .and_then(|method| method.with_end_mass(mass))
@@ -317,7 +317,7 @@ fn uncertain_density_does_not_move_the_modulus() {
     let mut n_lines = 0;
     for (exact, uncertain) in pairs.filter(|(exact, _)| exact.validity.is_valid()) {
         let off = (uncertain.modulus - exact.modulus).norm() / exact.modulus.norm();
-        // 3 % of density, of which nothing is told
+        // 3 % of density, which is not stated
         assert!(off < 1e-3, "{} Hz: {off:e}", exact.frequency_hz);
         n_lines += 1;
     }

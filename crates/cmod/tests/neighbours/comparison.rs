@@ -97,8 +97,8 @@ impl Channel {
         };
         let edges = [window.start, window.end];
         let whole = self.spectra(frequency_hz, window);
-        // What is cut is the same in all blows, and does not average out: one mean spectrum goes
-        // on.
+        // The truncation is the same in all blows and does not average out: one mean spectrum is
+        // used further.
         let mean =
             |line: usize| whole.hits.iter().map(|hit| hit[line]).sum::<Complex64>() / HITS as f64;
         // nothing is cut at the beginning of the record

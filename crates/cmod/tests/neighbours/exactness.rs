@@ -68,7 +68,7 @@ where
             (at(LENGTH, Acceleration), at(0.0, Acceleration)),
             (at(0.6, Velocity), at(0.1, Velocity)),
             (at(0.4, Displacement), at(0.0, Acceleration)),
-            // what Bacon's pair of pulses becomes when they overlap
+            // Bacon's pair of pulses when they overlap
             (at(0.35, Strain), at(0.0, Acceleration)),
         ] {
             let observed = ratio(&|w| {

@@ -102,7 +102,7 @@ fn requests_that_cannot_be() {
     );
 }
 
-/// The fields of a result may be changed; what does not belong together any more is refused.
+/// The fields of a result may be changed; inconsistent fields are refused.
 #[test]
 fn a_law_in_the_place_of_a_fitted_one_of_fewer_parameters() {
     let points: Vec<ModulusPoint> = (1..20)

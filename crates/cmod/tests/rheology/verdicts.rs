@@ -57,7 +57,7 @@ fn relaxation_above_the_band_is_bounded_on_one_side() {
                 .is_identified()
         );
         assert_eq!(time.interval.method, IntervalMethod::Profile);
-        // what is seen is seen well: the flank itself to its error of 2 %
+        // the flank itself is determined to its error of 2 %
         let flank = increment.value * time.value;
         assert!((flank / 200.0 - 1.0).abs() < 0.1, "{fit}");
     }
@@ -149,8 +149,8 @@ fn l2_spring_below_a_slow_relaxation_is_never_identified() {
     assert!(covered >= 52, "{covered} of {seeds}");
 }
 
-/// An elastic rod has no loss, and noise is none: what describes a loss is never identified,
-/// whatever law is asked for.
+/// An elastic rod has no loss: with noise alone no parameter of a loss is identified, under any
+/// requested law.
 #[test]
 fn l2_elastic_rod_has_no_identified_loss() {
     let frequency = logarithmic(100.0, 10e3, 60);

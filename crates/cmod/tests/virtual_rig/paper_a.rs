@@ -72,7 +72,7 @@ impl Material {
     fn accelerations(&self, rig: &Rig, n_samples: usize) -> [Vec<f64>; 2] {
         match self {
             Self::Polypropylene(medium) => end_accelerations(medium, rig, n_samples).unwrap(),
-            // A law on the real axis only: one period, in which it must have died out. Not quite
+            // A law on the real axis only: one period, in which it must have decayed. Not quite
             // causal, it moves a little before the blow: the end of the period.
             Self::Polyamide(medium) => {
                 let blow = RaisedCosine::new(BLOW.0, BLOW.1).unwrap();
@@ -220,8 +220,8 @@ fn large_errors_are_stated() {
     assert!(coverage.worst_loss_factor > 0.1, "{coverage}");
 }
 
-/// The instruments without noise and rounding: what filter, sampling and record length do to a
-/// modulus is far below the errors that are accepted.
+/// The instruments without noise and rounding: the effect of filter, sampling and record length on
+/// a modulus is far below the accepted errors.
 #[test]
 fn instruments_without_noise_are_exact() {
     for label in [1, 6, 10] {

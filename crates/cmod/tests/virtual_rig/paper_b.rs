@@ -23,8 +23,7 @@ use testbed::recorder::{OVERSAMPLING, RATE_HZ, Recorder, after_rest, name};
 const SEEDS: u64 = 200;
 const N_SAMPLES: usize = 4096;
 /// A quarter of the record before the blow and a quarter at its end are tapered: the waves have
-/// died out by then, and the slow swing of the bar on its beams, which has not, ends without a
-/// step.
+/// decayed by then, and the slow swing of the bar on its beams, which has not, ends without a step.
 const LEAD: usize = 1024;
 const WINDOW: Window = Window::TukeyPeriodic { taper: 0.5 };
 /// Lines of 496 Hz to 8 kHz, 64 Hz apart: neighbours of the window's main lobe are left out.

@@ -164,7 +164,7 @@ fn report(data: Option<&Path>) -> Claims {
     }
 }
 
-/// Measured quantities that the checks ask for.
+/// Measured quantities that the checks require.
 struct Measured {
     n_samples: f64,
     sampling_rate_hz: f64,

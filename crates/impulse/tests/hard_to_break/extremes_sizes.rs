@@ -128,7 +128,7 @@ fn rods_from_a_millimetre_to_a_kilometre() {
             .unwrap();
         let exact = 0.5 * impedance * round_trip;
         assert!(
-            // what is left of the front comes back after another round trip: a contact of its own
+            // the remaining front returns after another round trip: a separate contact
             (found.contacts[0].impulse / exact - 1.0).abs() < 1e-6,
             "{length}"
         );
@@ -170,7 +170,7 @@ fn loss_factors_from_nothing_to_ten() {
     }
 }
 
-/// A window that reaches beyond the record has the errors of what lies in it, not none.
+/// A window that extends beyond the record has the errors of its part inside the record.
 #[test]
 fn a_window_beyond_the_record_keeps_its_errors() {
     let force: Vec<f64> = (0..60).map(|n| if n < 20 { 0.0 } else { 500.0 }).collect();

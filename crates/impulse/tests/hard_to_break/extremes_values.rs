@@ -1,4 +1,4 @@
-//! Extreme numbers for every argument: each is refused, or what comes of it is finite or flagged.
+//! Extreme numbers for every argument: each is refused, or its result is finite or flagged.
 
 use impulse::{
     ContactLaw, ElasticMaterial, ForceHistory, FrequencyBand, Impact, ImpedanceHead, ImpulseError,
@@ -43,7 +43,7 @@ fn contacts() {
             let Ok(table) = TabulatedContact::new(&points) else {
                 continue;
             };
-            // what is accepted can be marched on
+            // an accepted body can be integrated further
             let found = Impact::between(&mass(1.0), &mass(2.0))
                 .at_velocity(1.0)
                 .through(ContactLaw::Tabulated(table))

@@ -152,7 +152,8 @@ proptest! {
         // of 9000 steps, and a front that falls in the wrong step would be seen as 1.
         prop_assert!((found.balance().impulse / exact - 1.0).abs() < 0.01 * share, "{}", found.balance().impulse / exact);
         let last = found.contacts.first().unwrap().end.unwrap();
-        // The front falls within one step of the round trip; what is left of it goes to and fro for some more.
+        // The front falls within one step of the round trip; the remainder travels to and fro
+        // several times more.
         prop_assert!(last > round_trip - share * round_trip && last < (1.0 + 8.0 * share) * round_trip, "{:?} {}", found.contacts, round_trip);
     }
 }

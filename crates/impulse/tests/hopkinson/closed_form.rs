@@ -45,7 +45,7 @@ fn hopkinson_bars_without_a_specimen_have_equal_forces() {
         result.findings
     );
 
-    // taken for elastic with the modulus of rest, the same bars are seen not to be
+    // the same bars, assumed elastic with the static modulus, are found to be viscoelastic
     let mut elastic = rig::test_of(&rig, 0.01, rig.diameter);
     for bar in &mut elastic.bars {
         bar.material =
@@ -99,7 +99,7 @@ fn hopkinson_elastic_specimen_has_its_modulus() {
     );
     let ledger = truth.ledger;
     assert!(ledger.energy_residual().abs() < 1e-9 * ledger.supplied.abs());
-    // the plateau: two waves of equal bars see an elastic layer that has come to rest as nothing
+    // the plateau: an elastic layer at rest has no effect on two waves in equal bars
     let time = result.time_at(middle);
     let [f1, f2] = [0, 1].map(|face| truth.seen(&truth.force[face], RATE, time));
     let found = result.curves.of(Curve::Force2)[middle];

@@ -155,8 +155,7 @@ fn hopkinson_bands_cover_the_truth_of_a_hardening_plastic_between_nylon_bars() {
     hold("nylon bars, hardening plastic", covered);
 }
 
-/// The same shots with the bars taken for elastic, with the wave speed that they have in the middle
-/// of the band.
+/// The same shots with the bars assumed elastic, with their wave speed in the middle of the band.
 #[test]
 fn hopkinson_bands_do_not_cover_if_nylon_bars_are_taken_for_elastic() {
     let rig = rig::nylon();

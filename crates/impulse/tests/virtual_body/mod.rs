@@ -14,7 +14,7 @@ use rodwave::medium::Medium;
 use rodwave::modulus::ConstantQ;
 use rodwave::synthesis::DampedSynthesis;
 
-/// The histories are synthesised so many times finer than they are sampled: what is above the
+/// The histories are synthesised so many times finer than they are sampled: content above the
 /// Nyquist frequency then does not alias into the synthesis.
 const FINER: usize = 4;
 

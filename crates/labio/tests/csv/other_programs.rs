@@ -197,7 +197,7 @@ fn r18_a_table_is_known_however_much_stands_above_it() {
         assert_eq!(names(&contents), ["force [N]"]);
         assert_eq!(real(&contents, 0), [1.0, 2.0, 4.0]);
     }
-    // what is written of many channels with many properties is read again
+    // many channels with many properties are written and read again
     let mut contents = sample();
     let one = contents.series[0].clone();
     contents.series = (0..30)

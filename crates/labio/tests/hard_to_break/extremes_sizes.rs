@@ -9,8 +9,7 @@ use ndarray::{Array2, Axis};
 
 use super::{INPUT, channels, record};
 
-/// Samples of a record that are handed out in blocks; what comes after them is a lie of so many
-/// more.
+/// Samples of a record read in blocks; the length declared after them is false.
 struct Played {
     channels: Vec<Channel>,
     samples: Array2<f64>,
@@ -86,7 +85,7 @@ fn ten_million_samples() {
 
     let row = long.channel(INPUT).unwrap().to_vec();
     let impulse = integrate(&row, 1e6, LowFrequency::AtRest { n_samples: 3 }).unwrap();
-    // a hundred half sines of 2/π 100 N 100 µs, on a floor whose mean is taken for the zero
+    // a hundred half sines of 2/π 100 N 100 µs, on a floor whose mean is used as the zero
     let expected = 100.0 * 2.0 / std::f64::consts::PI * 100.0 * 100e-6;
     assert!(
         (impulse[N - 1] / expected - 1.0).abs() < 1e-3,

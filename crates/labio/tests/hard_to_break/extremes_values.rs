@@ -1,4 +1,4 @@
-//! Extreme numbers for every argument: each is refused, or what comes of it is finite or flagged.
+//! Extreme numbers for every argument: each is refused, or its result is finite or flagged.
 
 use labio::hits::{Criteria, Extent, Trigger};
 use labio::instrument::{AntiAlias, Converter, Instrument, NoiseSpectrum};

@@ -65,7 +65,7 @@ fn r17_waves_in_a_bar_are_not_judged_as_hits_of_a_hammer() {
             let reasons = judged(&Criteria::bar(), noise, 2, least);
             assert_eq!(reasons, [], "noise {noise}, first {least}");
         }
-        // what is transformed as a whole must have come to rest
+        // a record transformed as a whole must have come to rest
         let reasons = judged(&Criteria::bar(), noise, 9, 1.05);
         assert!(
             reasons.iter().any(|reason| matches!(reason,

@@ -3,8 +3,8 @@
 use super::*;
 
 /// A free body of 2 kg with modes of 310, 640 and 1130 Hz, struck by a squared sine of a tenth of a
-/// kilonewton and 1.2 ms, on a recorder of its own: what it does is integrated in time, what it is
-/// compared with is the closed form over frequency.
+/// kilonewton and 1.2 ms, on a recorder of its own. Its motion is integrated in time, and compared
+/// with the closed form over frequency.
 pub(super) struct Body {
     /// Decay rate of the modes \[1/s\].
     pub(super) decay: f64,

@@ -68,8 +68,8 @@ fn the_round_peak_of_a_coarse_converter_is_not_clipping() {
         let t = (k as f64 - ONSET as f64) / (RATE_HZ * 10.0);
         *f = (80.0 * contact(t)).min(40.0).round();
     });
-    // sin = 1/2 with a slope of 1.1 steps a sample: a slow cut in so coarse steps cannot be told
-    // from a flat top
+    // sin = 1/2 with a slope of 1.1 steps a sample: a slow cut in such coarse steps cannot be
+    // distinguished from a flat top
     let fast_cut = hit(|_, _, f, _| *f = f.min(40.0).round());
     assert!(matches!(only(&fast_cut), Reason::Clipped { .. }));
     let known = Criteria::default().with_full_scale(FORCE, 40.0).unwrap();
@@ -217,7 +217,7 @@ fn a_record_that_begins_too_late_is_refused() {
     let short = hit(steep).part(ONSET - 3..N).unwrap();
     // three samples and the zero at which the pulse begins, of eight
     assert_eq!(reasons(&short), [Reason::CutAtStart { missing: 4 }]);
-    // within the contact there is no rest level: what is taken for it is not the level at the end
+    // within the contact there is no rest level: the level used for it is not the level at the end
     let late = hit(|_, _, _, _| {}).part(ONSET + 5..N).unwrap();
     let found = reasons(&late);
     assert!(

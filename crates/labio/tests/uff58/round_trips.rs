@@ -136,7 +136,7 @@ proptest! {
         let read = only_series(&file);
         assert_same_text(&read, &series)?;
         prop_assert_eq!(bits(&read), bits(&series));
-        // the properties ask for the same file again
+        // the properties request the same file again
         prop_assert_eq!(written(&read, Encoding::AsRead, Precision::AsRead), file);
     }
 

@@ -137,7 +137,7 @@ fn flat_loss(loss_factor: f64) -> Ours<GeneralisedMaxwell> {
         }
     });
     let slowest = 1e-8 * (step * 21.5).exp();
-    // what relaxes later does not relax within the record
+    // slower branches do not relax within the record
     let spring = strength / exponent * (REFERENCE_OMEGA * slowest).powf(-exponent);
     Ok(GeneralisedMaxwell::new(spring, branches.collect())?)
 }

@@ -15,8 +15,7 @@ pub(crate) const DENSITY: f64 = 1100.0;
 pub(crate) const V0: f64 = 10.0;
 pub(crate) const RATE: f64 = 51_200.0;
 
-/// A struck rod: what the recorder would give of both velocities, and the excitation before
-/// sampling.
+/// A struck rod: both velocities as recorded, and the excitation before sampling.
 pub(crate) struct VirtualRod {
     pub(crate) data: RodTestData,
     excitation: SampledHistory,

@@ -117,7 +117,7 @@ pub(crate) fn constant_q_stack(loss_factor: f64) -> GeneralisedMaxwell {
             relaxation_time,
         })
         .collect();
-    // what relaxes later than the slowest branch does not relax within the record
+    // branches slower than the slowest do not relax within the record
     let spring = strength / exponent * (REFERENCE_OMEGA * slowest).powf(-exponent);
     GeneralisedMaxwell::new(spring, branches).unwrap()
 }

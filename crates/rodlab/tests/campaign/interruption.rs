@@ -21,7 +21,7 @@ fn an_interruption_leaves_whole_files_and_the_rest_undone() {
         .args(["batch", "campaign", "--out", "results", "--quiet"])
         .spawn()
         .unwrap();
-    // once a few are there, it is told to stop
+    // after a few results it receives the signal to stop
     let results = folder.path().join("results");
     let patience = Instant::now() + Duration::from_secs(60);
     while fs::read_dir(&results).map_or(0, Iterator::count) < 5 && Instant::now() < patience {

@@ -124,7 +124,7 @@ fn attempt((place, mode, arguments): &Place, user: &[&str]) -> Came {
         .current_dir(folder.path())
         .env("NO_COLOR", "1");
     let ran = run(&mut command);
-    // for whoever removes the folder
+    // so that the folder can be removed
     fs::set_permissions(&path, Permissions::from_mode(0o755)).unwrap();
     if let Some(broke) = ran.broke() {
         return broke;

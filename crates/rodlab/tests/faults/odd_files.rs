@@ -149,7 +149,7 @@ fn places() -> Row {
         b"quote' and \" and \\".to_vec(),
         b"new\nline".to_vec(),
         b"latin-\xe5\xe4\xf6".to_vec(),
-        // what is no place for a result
+        // invalid places for a result
         b"/proc/rodlab".to_vec(),
         b"/dev/null/rodlab".to_vec(),
         long.into_bytes(),
@@ -291,11 +291,11 @@ fn closed_output() -> Row {
             if let Some(broke) = ran.broke() {
                 return Came::Broke(format!("{arguments}: {broke:?}"));
             }
-            // what was asked for is done nevertheless
+            // the requested work is done nevertheless
             let out = files_in(&folder.path().join("out"));
             let all = !arguments.contains("--out out")
                 || out.keys().any(|name| name.ends_with("result.json"));
-            // who reads no more has heard enough; what has no room is an error
+            // a closed pipe is no error, a full disk is one
             let expected = if *full { 2 } else { *expected };
             if all && ran.status == Some(expected) {
                 Came::Right

@@ -10,8 +10,8 @@ use super::tally::Came;
 
 pub(crate) const PROGRAM: &str = env!("CARGO_BIN_EXE_rodlab");
 
-/// A busy machine takes seconds for the longest of these runs; what takes this long waits for
-/// something.
+/// A busy machine takes seconds for the longest of these runs; a run that takes this long is
+/// blocked.
 const PATIENCE: Duration = Duration::from_secs(120);
 
 pub(crate) fn rodlab(folder: &Path, arguments: &[&str]) -> Command {

@@ -12,7 +12,7 @@ use serde::{Deserialize, Serialize};
 /// Outcome of one point.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) enum Came {
-    /// Status 2, or 1, with a reason; what was there before is whole.
+    /// Status 2, or 1, with a reason; the earlier files are complete.
     Refused,
     /// The result is the one without the fault.
     Right,
@@ -20,8 +20,8 @@ pub(crate) enum Came {
     Said,
     /// The input is whole in its format, and shorter.
     Shorter,
-    /// The fault ended the program; what is there is whole, and the next run gives the right
-    /// result.
+    /// The fault ended the program; the existing files are complete, and the next run gives the
+    /// right result.
     Stopped,
     /// Something is missing, mixed or wrong, and is not reported.
     Lost(String),
@@ -32,7 +32,7 @@ pub(crate) enum Came {
 /// The counts of one fault.
 #[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub(crate) struct Row {
-    /// The fault and what it was done to.
+    /// The fault and its target.
     pub(crate) fault: String,
     /// Points at which it was injected.
     pub(crate) injected: String,
@@ -79,7 +79,7 @@ impl Extent {
 }
 
 impl Row {
-    /// Tries `points` side by side. What was lost or broke is printed.
+    /// Tries `points` side by side. Losses and defects are printed.
     pub(crate) fn of<T: Sync>(
         fault: impl Into<String>,
         injected: impl Into<String>,

@@ -1,4 +1,4 @@
-//! Tables and sheets that are wrong: what is said of each.
+//! Wrong tables and sheets, with the message for each.
 
 use std::fs;
 

@@ -202,7 +202,7 @@ fn r24_a_single_hit_has_no_valid_line_and_no_hit_has_no_response() {
         panic!("{:?}", rejected.verdict);
     };
     insta::assert_snapshot!(reason, @r"the only hit is rejected (hit 1, hit_0.npy: rejected by hand: the rod was held)");
-    // what could be found out is there
+    // the partial results are there
     assert_eq!(rejected.log.len(), 1);
     assert!(rejected.figures.iter().any(|f| f.name == "hits"));
 }

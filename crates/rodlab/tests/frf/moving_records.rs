@@ -136,7 +136,8 @@ fn s7_a_body_that_rings_on_is_taken_under_its_window_or_with_its_error() {
         let error = 100.0 * (value / accelerance(on_axis(*f)) - 1.0).norm();
         held += f64::from(u8::from(error < 2.0 * leak.hypot(1.41 * random)));
     }
-    // twice both errors: 98 % of the lines for noise, and the leakage is told to a part of itself
+    // twice both errors: 98 % of the lines for noise, and the leakage is known to a fraction of
+    // itself
     assert!(
         held > 0.95 * lines.len() as f64,
         "{held} of {}",
@@ -167,7 +168,7 @@ fn s8_an_offset_is_taken_off_by_the_rest_and_a_line_is_not_without_a_word() {
     // 8/7 F(2, 14): 1.33, with the level at rest of 300 samples beside
     let mean = off_axis(&outcome);
     assert!(mean < 2.0, "{mean}");
-    // what was the default shows what it does, and puts the result in doubt
+    // the effect of the former default is reported, and puts the result in doubt
     let nothing = format!("{windows} detrend: Nothing,");
     let outcome = run(folder.path(), &sheet_in("m/s^2", &nothing)).unwrap();
     assert!(off_axis(&outcome) > 10.0);

@@ -3,7 +3,7 @@
 use super::*;
 
 /// Two tests at 20 and 45 degC of a rod whose rate grows with the temperature: the activation
-/// energy, and what is said without one.
+/// energy, and the message without one.
 #[test]
 fn an_activation_energy_is_found_from_two_temperatures() {
     let folder = TempDir::new().unwrap();

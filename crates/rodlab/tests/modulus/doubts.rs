@@ -246,7 +246,7 @@ fn what_is_wrong_is_said() {
         sheet(TWO_POINT, "laws: (laws: [Zener], most_lines: 0),"),
         sheet(TWO_POINT, "laws: (laws: []),"),
     ];
-    // not every method follows what is uncertain of a rod
+    // not every method propagates every uncertainty of a rod
     let exact = |text: &str| {
         let of_rod = [" ± 0.03 mm", " ± 0.29 mm", " ± 0.03 gram"];
         of_rod

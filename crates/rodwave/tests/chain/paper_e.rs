@@ -55,7 +55,7 @@ fn printed_solution_inside_the_cone() {
     }
 }
 
-/// Paper E, eqs. A6 and A12: what the far end gives to its dashpot.
+/// Paper E, eqs. A6 and A12: the power from the far end to its dashpot.
 #[test]
 fn dashpot_behind_the_far_end() {
     for resistance in [0.0, 30.0, 1e3, 1e5] {

@@ -121,7 +121,7 @@ fn table_of_errors(report: &mut Claims) {
 
 fn viscoelastic_rod(report: &mut Claims) {
     let modulus = MODULUS * Complex64::new(1.0, 0.08);
-    // relative to the truth: E' and E''/E' of one-dimensional theory, and what is left after Love's
+    // relative to the truth: E' and E''/E' of one-dimensional theory, and the error after Love's
     // correction
     let rows = [
         (5.0, [0.967576, 1.03539, 0.998292, 1.00353]),

@@ -150,7 +150,7 @@ impl<E: Display> Findings<E> {
         self.lines.push(format!("{name}{arguments:?}: {what}"));
     }
 
-    /// Fails with what was found, thinned out to lines that can be read.
+    /// Fails with the findings, reduced to a readable number of lines.
     pub(crate) fn none(self) {
         let stride = self.lines.len().div_ceil(60).max(1);
         let some: Vec<&str> = self

@@ -153,7 +153,7 @@ fn waves_at_sections() {
         assert!(!found.condition_number.is_nan());
         let mut numbers = vec![found.misfit];
         if found.condition_number < 1e12 {
-            // where they can be told apart, at the sections
+            // where they can be distinguished, at the sections
             numbers.extend(parts(a[2..5].iter().map(|x| found.waves.at(*x))));
         }
         Ok(numbers)

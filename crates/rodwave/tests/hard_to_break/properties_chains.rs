@@ -153,8 +153,8 @@ proptest! {
         prop_assert!((one - other).norm() < 1e-11 * lost * one.norm(), "{one} {other}");
     }
 
-    /// The power that enters flows along the body and only becomes less; what is lost in each element is not negative, and
-    /// nothing leaves a free end.
+    /// The power that enters flows along the body and only becomes less; the loss in each element
+    /// is not negative, and nothing leaves a free end.
     #[test]
     fn power_only_dwindles_on_its_way(parts in any_parts(), omega in any_omega()) {
         let chain = chain(&parts);
@@ -178,7 +178,7 @@ proptest! {
         }
     }
 
-    /// A real force gives a real velocity: what is asked at -ω is the conjugate.
+    /// A real force gives a real velocity: the value at -ω is the conjugate.
     #[test]
     fn negative_frequencies_are_conjugate(parts in any_parts(), omega in any_omega()) {
         let chain = chain(&parts);

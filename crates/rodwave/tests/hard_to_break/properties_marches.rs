@@ -255,8 +255,7 @@ fn long_records() {
     assert!(ledger.energy_residual().abs() < 1e-11 * ledger.stored);
 }
 
-/// Times that are no numbers, or before and behind the record, do not panic, and what is no number
-/// stays one.
+/// Times that are NaN, or before or after the record, do not panic, and NaN remains NaN.
 #[test]
 fn histories_at_impossible_times() {
     let history = SampledHistory::new(&[0.0, 1.0, 0.5, 0.2, 0.1], 1e5).unwrap();

@@ -45,8 +45,8 @@ fn f6_a_contact_opens_within_a_step() {
     }
 }
 
-/// Three segments of one impedance and incommensurable transit times delay what is let in, and do
-/// nothing else.
+/// Three segments of one impedance and incommensurable transit times delay the applied force, and
+/// do nothing else.
 #[test]
 fn f6_the_rounding_of_transit_times_is_what_was_asked_for() {
     let times = [17e-6, 17e-6 * 2.0_f64.sqrt(), 17e-6 * 3.0_f64.sqrt() / 2.0];
