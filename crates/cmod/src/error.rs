@@ -6,7 +6,7 @@ use thiserror::Error;
 /// Reason for refusing a specimen or a set of measured lines as a whole.
 ///
 /// A single bad line is not an error: it is listed in
-/// [`ModulusEstimate::refused`](crate::ModulusEstimate::refused), or carries its violations in
+/// [`ModulusEstimate::refused`](crate::ModulusEstimate::refused), or lists its violations in
 /// [`ModulusLine::validity`](crate::ModulusLine).
 #[derive(Debug, Clone, PartialEq, Error)]
 #[non_exhaustive]

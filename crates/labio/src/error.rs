@@ -137,7 +137,7 @@ pub enum LabioError {
         /// Name and unit of the output.
         output: String,
     },
-    /// Lines that are needed carry no information.
+    /// Lines that are needed contain no information.
     #[error(
         "{what} needs every line, but {count} carry no information, the first at {first_hz} Hz"
     )]

@@ -57,8 +57,8 @@ pub enum Estimator {
     Hs,
 }
 
-/// Validity of a line: valid, or the reason why it carries no information. The values of an invalid
-/// line are NaN.
+/// Validity of a line: valid, or the reason why it contains no information. The values of an
+/// invalid line are NaN.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum LineValidity {
@@ -255,7 +255,7 @@ impl FrequencyResponse {
         }
     }
 
-    /// Rejects a response with lines that carry no information.
+    /// Rejects a response with lines without information.
     pub(crate) fn check_complete(&self, what: &'static str) -> Result<(), LabioError> {
         self.check_lengths()?;
         let lines = self.frequency_hz.iter().zip(&self.validity);

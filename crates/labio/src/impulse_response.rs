@@ -35,7 +35,7 @@ impl FrequencyResponse {
     ///
     /// # Errors
     ///
-    /// [`LabioError::MissingLines`] if a line carries no information: any value for it would be
+    /// [`LabioError::MissingLines`] if a line contains no information: any value for it would be
     /// arbitrary. [`LabioError::CountMismatch`] if the lists of the response differ in length, or
     /// if the number of lines does not match the number of samples.
     pub fn impulse_response(&self) -> Result<ImpulseResponse, LabioError> {

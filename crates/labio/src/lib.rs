@@ -83,8 +83,8 @@
 //!   even number of samples puts a line on the Nyquist frequency, an odd number does not.
 //! - Spectra are *energy* spectral densities per hit. The scaling is done only in
 //!   [`SpectrumAverager`] and is stated there.
-//! - A line that carries no information is flagged by [`LineValidity`] and has the value NaN, so
-//!   that it cannot be mistaken for a measurement.
+//! - A line without information is flagged by [`LineValidity`] and has the value NaN, so that it
+//!   cannot be mistaken for a measurement.
 //!
 //! # Limitations
 //!

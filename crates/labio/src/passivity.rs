@@ -21,7 +21,7 @@ pub enum Passivity {
     /// passive body. Causes are a wrong sign, a wrong delay between the channels, a point that is
     /// not the driving point, or a systematic error.
     Active,
-    /// The line carries no information.
+    /// The line contains no information.
     Unknown,
 }
 

@@ -1,4 +1,4 @@
-//! Reading of regular files only: opening a pipe without a writer would block for ever.
+//! Reading of regular files only: opening a pipe without a writer would block without end.
 
 use std::fs::{self, FileType};
 use std::path::Path;

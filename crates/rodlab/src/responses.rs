@@ -52,7 +52,7 @@ pub fn line_spacing_hz(response: &FrequencyResponse) -> Result<f64, RodlabError>
     })
 }
 
-/// The reason why a line carries no information, in words.
+/// The reason why a line contains no information, in words.
 #[must_use]
 pub fn in_words(validity: LineValidity) -> &'static str {
     match validity {

@@ -75,7 +75,7 @@ pub(crate) fn deviation(
 }
 
 /// Two free rods of one cross-section: the shorter one is stopped, the longer one has its momentum
-/// and moves on average with V L₁/L₂, ringing for ever between 0 and V.
+/// and moves on average with V L₁/L₂, oscillating between 0 and V without decay.
 #[test]
 fn two_free_elastic_rods() {
     let (short, long) = (rod(10.0, 0.3), rod(10.0, 0.7));

@@ -20,7 +20,7 @@ fn transit_time() -> f64 {
 }
 
 /// Stick force of two equal free rods: ZV/2 for two transit times, then -ZV/2 as long, and so on
-/// for ever.
+/// without end.
 fn square_wave(time: f64) -> f64 {
     let phase = (time / (4.0 * transit_time())).rem_euclid(1.0);
     let plateau = 0.5 * impedance() * VELOCITY;

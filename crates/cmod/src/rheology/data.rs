@@ -330,7 +330,7 @@ impl ModulusData {
         data.with_common_errors(common)
     }
 
-    /// Adds a further random error to moduli that carry a random draw from their estimated
+    /// Adds a further random error to moduli that contain a random draw from their estimated
     /// variances; `normal` supplies standard normal numbers. Laws fitted to such moduli scatter by
     /// their stated random errors, which include the effect of the scatter of the estimated
     /// variances.

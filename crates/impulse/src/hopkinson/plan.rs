@@ -52,7 +52,7 @@ pub(super) struct Plan {
     pub(super) band_hz: f64,
     /// Amplitude of each line from 0 Hz to the last one above 0.
     pub(super) weight: Vec<f64>,
-    /// Largest amplification of a wave carried back to a face, within the band.
+    /// Largest amplification of a wave propagated back to a face, within the band.
     pub(super) amplification: f64,
     /// Samples of incident, reflected and transmitted pulse, where windows separate them.
     pub(super) windows: [Range<usize>; 3],
@@ -314,7 +314,7 @@ fn mean_size(samples: &[f64]) -> f64 {
     samples.iter().map(|x| x.abs()).sum::<f64>() / samples.len().max(1) as f64
 }
 
-/// Returns the growth of a wave at a frequency when it is carried back from the nearest gauge to
+/// Returns the growth of a wave at a frequency when it is propagated back from the nearest gauge to
 /// the face, in the bar where it is larger.
 fn amplification(bars: [&HopkinsonBar; 2], frequency_hz: f64) -> Result<f64, ImpulseError> {
     let mut most = 0.0_f64;
@@ -330,7 +330,7 @@ fn amplification(bars: [&HopkinsonBar; 2], frequency_hz: f64) -> Result<f64, Imp
 ///
 /// The default is the smallest of: a third of the sampling rate; the frequency up to which the laws
 /// of the bars were measured; the frequency of a wavelength of two diameters; the frequency beyond
-/// which a wave that is carried back to its face grows more than tenfold.
+/// which a wave propagated back to its face grows more than tenfold.
 fn band(given: &Given<'_>) -> Result<(f64, f64), ImpulseError> {
     let highest = given.rate_hz / 3.0;
     let amplification = |frequency_hz: f64| amplification(given.bars, frequency_hz);

@@ -193,7 +193,7 @@ impl SupportProblem {
         let rounding = length as f64 * f64::EPSILON * largest;
         let mut explained = 0.0;
         for (index, value) in values.iter().enumerate() {
-            // rounding carries no information
+            // rounding contains no information
             let strength = if *value > rounding { *value } else { 0.0 };
             let energy = if strength > 0.0 {
                 let projection: f64 = right_side

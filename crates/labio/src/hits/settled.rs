@@ -13,10 +13,10 @@ const FEWEST: usize = 256;
 /// Fewest and most segments from which the noise of a line is measured.
 const FEWEST_SEGMENTS: usize = 4;
 const MOST_SEGMENTS: usize = 16;
-/// Lines on either side of one that are averaged with it, so that a line of hum is not taken for
-/// motion. So many lines from 0 Hz on are not tested: they belong to drift.
+/// Lines on either side of one that are averaged with it, so that a line of hum does not count as
+/// motion. The same number of lines from 0 Hz on is not tested, because of drift.
 const NEIGHBOURS: usize = 4;
-/// Probability that noise is taken for motion.
+/// Probability of counting noise as motion.
 const LEVEL: f64 = 0.01;
 
 /// Returns the number of samples, a power of two, after which no motion is left in `channels` of

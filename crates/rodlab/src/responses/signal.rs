@@ -1,6 +1,6 @@
-//! Lines that carry a signal.
+//! Lines with a signal.
 
-/// First and last line of the stretch that carries a signal: the stretch in which the lines with a
+/// First and last line of the stretch with a signal: the stretch in which the lines with a
 /// coherence above that of chance outnumber the other lines the most. Single antiresonances do not
 /// end it, and chance peaks of noise do not lengthen it.
 #[must_use]

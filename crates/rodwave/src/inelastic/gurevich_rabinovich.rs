@@ -613,8 +613,8 @@ mod tests {
 
     #[test]
     fn series_and_exact_relation_agree_at_the_limit_of_the_series() {
-        // Both sides of the switch solve the same equation; E1 itself carries 1e-16 of its value
-        // (here at most 30), which is 1e-14 of the smallest S compared.
+        // Both sides of the switch solve the same equation; E1 itself has an error of 1e-16 of its
+        // value (here at most 30), which is 1e-14 of the smallest S compared.
         for y0 in [1e-9, 1e-3, 0.1, 1.0, 4.0, 12.0] {
             let q = SERIES_LIMIT / ((1.0 + y0) * f64::exp(y0));
             let series = decrement_by_series(q * f64::exp(y0), y0);

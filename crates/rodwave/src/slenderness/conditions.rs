@@ -9,7 +9,7 @@ use crate::error::check_positive;
 pub const LEAST_WAVELENGTH_IN_DIAMETERS: f64 = 5.0;
 
 /// Greatest wavelength in lengths of the specimen by condition (ii). Longer waves move both ends
-/// almost equally, and only the small difference carries information (paper A, section 4).
+/// almost equally, and only the small difference contains information (paper A, section 4).
 pub const GREATEST_WAVELENGTH_IN_LENGTHS: f64 = 5.0;
 
 /// A wavelength in a specimen, relative to its diameter and its length.

@@ -66,7 +66,7 @@ fn syntheses() {
     findings.none();
 }
 
-/// Sizes that would fill the memory or take for ever are refused.
+/// Sizes that would fill the memory or take too long are refused.
 #[test]
 fn absurd_counts() {
     let rod = || InelasticRod::new(0.4, 1140.0, 3.2e9, Elastic).unwrap();

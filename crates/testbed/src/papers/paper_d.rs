@@ -420,8 +420,8 @@ mod tests {
 
     #[test]
     fn printed_relative_errors_follow_from_printed_input_and_output() {
-        // The difference of two rounded numbers carries up to one unit of their last digit, in
-        // addition to the half unit of the error itself.
+        // The difference of two rounded numbers has an error of up to one unit of their last digit,
+        // in addition to the half unit of the error itself.
         for row in load().unwrap().appendix(UnitReading::Literal) {
             for cell in &row.parameters {
                 let relative_error =

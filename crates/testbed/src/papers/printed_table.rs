@@ -70,7 +70,7 @@ enum Holds {
     Text,
     /// Numbers in this unit, `—` where there is none.
     Values(String),
-    /// Numbers that carry their unit, as in `2.580 GPa`; a pure number carries none.
+    /// Numbers with their unit, as in `2.580 GPa`; a pure number has none.
     ValuesWithUnits,
 }
 

@@ -11,7 +11,7 @@ pub(super) const OF_WRITER: &str = "MATLAB 5.0 MAT-file, written by labio";
 /// Ends of the names of the variables beside a series.
 pub(super) const BESIDE: [&str; 5] = ["start", "step", "x", "unit", "x_unit"];
 
-/// Gives each series the abscissa and the units that stand beside it (`NAME_start` and `NAME_step`,
+/// Gives each series the abscissa and the units that are beside it (`NAME_start` and `NAME_step`,
 /// or `NAME_x`; `NAME_unit`, `NAME_x_unit`), and removes these variables from the contents.
 pub(super) fn join(contents: &mut Contents) {
     let found: Vec<Beside> = contents

@@ -76,7 +76,7 @@ impl Estimated {
         n_valid as f64 > expected + BEYOND_CHANCE * (expected * (1.0 - passes)).sqrt()
     }
 
-    /// Returns true if the line carries information, though its error may be unknown.
+    /// Returns true if the line contains information, though its error may be unknown.
     pub(super) fn is_measured(&self, line: usize) -> bool {
         let objection = self.objections.get(line).copied();
         objection.is_some_and(|objection| objection.is_none_or(|reason| reason == ONE_HIT))

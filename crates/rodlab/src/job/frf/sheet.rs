@@ -45,8 +45,8 @@ pub struct FrfSheet {
     /// blow.
     #[serde(default)]
     pub estimator: Option<EstimatorSheet>,
-    /// Window on the samples of all channels; by default `Rectangular` for hits, which must die
-    /// out, and `Hann` for segments.
+    /// Window on the samples of all channels; by default `Rectangular` for hits, which must decay,
+    /// and `Hann` for segments.
     #[serde(default)]
     pub window: Option<WindowSheet>,
     /// Window that passes the input only during the contact of the hammer.

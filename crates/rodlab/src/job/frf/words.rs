@@ -31,7 +31,7 @@ pub(super) fn unit_of(response: &FrequencyResponse) -> String {
     }
 }
 
-/// The reason why a line carries no information.
+/// The reason why a line contains no information.
 pub(super) fn validity_in_words(validity: LineValidity) -> &'static str {
     match validity {
         LineValidity::Valid => "valid",

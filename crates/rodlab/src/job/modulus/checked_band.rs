@@ -1,5 +1,4 @@
-//! Lines used in the checks if the sheet states no band: those that carry a signal and are free of
-//! aliases.
+//! Lines used in the checks if the sheet states no band: those with a signal and without aliases.
 
 use cmod::ModulusEstimate;
 use labio::{Coherence, ResponseRatio};
@@ -84,7 +83,7 @@ pub(super) fn lines(
     Ok(Some(looked_at))
 }
 
-/// First and last frequency \[Hz\] of the lines that carry a signal.
+/// First and last frequency \[Hz\] of the lines with a signal.
 fn with_signal(ratio: &ResponseRatio) -> Option<(f64, f64)> {
     let coherent = ratio.above_chance(Coherence::CHANCE)?;
     let (from, to) = stretch_with_signal(coherent)?;
