@@ -53,8 +53,8 @@ pub(crate) enum Task {
     Check,
     /// Count instructions and take them for reference.
     Count,
-    /// Count instructions and compare them with the reference; where that cannot be done, fail or say
-    /// so.
+    /// Count instructions and compare them with the reference; if that is impossible, fail or
+    /// report it.
     CompareCounts { where_possible: bool },
 }
 

@@ -51,8 +51,8 @@ enum Task {
         #[arg(long)]
         check: bool,
     },
-    /// Put faults that once stood back, each in a copy of the tree, and demand that the tests that
-    /// see it fail.
+    /// Restore former faults, each in a copy of the tree, and require that the tests that detect it
+    /// fail.
     Faults {
         /// Faults by the names of their patches; all, if none is named.
         names: Vec<String>,
@@ -82,7 +82,7 @@ enum Task {
         /// set, names that exist.
         #[arg(long)]
         check: bool,
-        /// Build where mdbook is installed, and say so where it is not.
+        /// Build if mdbook is installed; otherwise report that it is missing.
         #[arg(long, conflicts_with = "check")]
         if_installed: bool,
     },
@@ -158,8 +158,8 @@ struct Measurement {
     /// with the page's.
     #[arg(long)]
     instructions: bool,
-    /// Where valgrind, or the machine and compiler of the reference, is not there, count nothing and
-    /// say so.
+    /// Where valgrind, or the machine and compiler of the reference, is missing, count nothing and
+    /// report it.
     #[arg(long, requires_all = ["check", "instructions"])]
     if_installed: bool,
 }
