@@ -18,6 +18,9 @@ const RINGING: f64 = 0.02;
 /// A real part counts as active if it is below minus this fraction of the magnitude (rounding).
 const ROUNDING: f64 = 1e-9;
 
+/// Part of the impulse from which a contact must last longer than two time steps.
+const LARGE_PART: f64 = 0.1;
+
 /// Least fraction of the impulse with which a contact counts for the duration.
 const COUNTS: f64 = 1e-3;
 
@@ -86,6 +89,14 @@ pub enum PredictionFlag {
         /// Stiffness times mobility times time step, above 2.
         number: f64,
     },
+    /// A contact with a large part of the impulse ends within two time steps, as that of a light mass
+    /// on a rod. Its force, impulse and restitution depend on the step.
+    ContactOfFewSteps {
+        /// Duration of the contact \[s\].
+        duration: f64,
+        /// Time step \[s\].
+        time_step: f64,
+    },
     /// The approach did not converge to rounding in some steps.
     Unconverged {
         /// Number of steps.
@@ -121,6 +132,13 @@ impl fmt::Display for PredictionFlag {
             Self::UnresolvedContact { number } => write!(
                 formatter,
                 "the time step is too long for the contact: stiffness times mobility times step is {number:.2}, expected below 2"
+            ),
+            Self::ContactOfFewSteps {
+                duration,
+                time_step,
+            } => write!(
+                formatter,
+                "a contact ends after {duration:.1e} s, within two time steps of {time_step:.1e} s, so that its force depends on the step: state a shorter step"
             ),
             Self::Unconverged { steps } => {
                 write!(formatter, "the approach did not converge in {steps} steps")
@@ -195,6 +213,17 @@ impl Prediction {
         if !marched.resolves_contact() {
             flags.push(PredictionFlag::UnresolvedContact {
                 number: marched.stiffness_number,
+            });
+        }
+        let is_short = |contact: &&ContactInterval| {
+            let duration = contact.end.map(|end| end - contact.begin);
+            contact.impulse >= LARGE_PART * balance.impulse
+                && duration.is_some_and(|duration| duration < 2.0 * grid.time_step)
+        };
+        if let Some(contact) = marched.contacts.iter().find(is_short) {
+            flags.push(PredictionFlag::ContactOfFewSteps {
+                duration: contact.end.unwrap_or(contact.begin) - contact.begin,
+                time_step: grid.time_step,
             });
         }
         if marched.unconverged > 0 {

@@ -14,6 +14,9 @@ use std::fmt;
 /// in the last place.
 const ARITHMETIC: f64 = 8.0 * f64::EPSILON;
 
+/// Values to either side whose digits show the rounding of a value.
+const NEIGHBOURS: usize = 4;
+
 /// Values of an abscissa as they are written, each with half a unit of its last digit.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct WrittenValues {
@@ -66,6 +69,28 @@ impl WrittenValues {
             values: self.values[range.clone()].to_vec(),
             half_units: self.half_units[range].to_vec(),
         }
+    }
+
+    /// Limits each half unit to ten times the median of those around it: a value such as `0` among
+    /// `0.0000152588` was written without its trailing zeros, and was not rounded to its last digit.
+    pub(crate) fn restore_trailing_zeros(&mut self) {
+        let same = self.half_units.windows(2).all(|pair| match pair {
+            [a, b] => a.to_bits() == b.to_bits(),
+            _ => true,
+        });
+        if same {
+            return;
+        }
+        let limited = |at: usize| {
+            let first = at.saturating_sub(NEIGHBOURS);
+            let around = self.half_units.iter().skip(first);
+            let mut around: Vec<f64> = around.take(2 * NEIGHBOURS + 1).copied().collect();
+            around.sort_by(f64::total_cmp);
+            around.get(around.len() / 2).map(|median| 10.0 * median)
+        };
+        let own = self.half_units.iter().enumerate();
+        let units = own.map(|(at, own)| limited(at).map_or(*own, |limit| own.min(limit)));
+        self.half_units = units.collect();
     }
 
     /// Returns the first index at which a value differs from `start + index * step` by more than
@@ -271,6 +296,38 @@ mod tests {
             column.first_off(Written::exactly(0.0), Written::exactly(2.0e-5)),
             Some(2)
         );
+    }
+
+    /// `%.9g` of a time axis at 65 536 Hz begins with `0`: that it has no decimals must not make
+    /// every rate compatible.
+    #[test]
+    fn values_without_their_trailing_zeros_have_the_rounding_of_their_neighbours() {
+        let texts = [
+            "0",
+            "1.52587891e-05",
+            "3.05175781e-05",
+            "4.57763672e-05",
+            "6.10351562e-05",
+            "7.62939453e-05",
+            "9.15527344e-05",
+            "0.000106811523",
+            "0.000122070312",
+            "0.000137329102",
+        ];
+        let mut column = written(&texts);
+        let other = Written::exactly(1.0 / 48000.0);
+        let start = column.get(0).unwrap();
+        assert_eq!(column.first_off(start, other), None);
+        column.restore_trailing_zeros();
+        let start = column.get(0).unwrap();
+        assert_eq!(column.first_off(start, other), Some(1));
+        let (_, step) = column.even_spacing().unwrap();
+        assert!((step.value * 65536.0 - 1.0).abs() < 1e-7, "{step:?}");
+        assert!(step.half_unit < 1e-6 * step.value, "{step:?}");
+        // half of a step in the middle is not a rounding
+        let mut jump = written(&["0", "0.1", "0.2", "0.5", "0.75", "1", "1.25", "1.5", "1.75"]);
+        jump.restore_trailing_zeros();
+        assert!(jump.even_spacing().is_none());
     }
 
     #[test]

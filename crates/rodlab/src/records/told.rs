@@ -199,11 +199,20 @@ impl Records {
                 format!("the unit of the samples, such as \"V\": {told}"),
             ));
         };
-        let unit = Unit::parse(text).map_err(|error| RodlabError::step(place, error))?;
+        let unit = Unit::parse(text).map_err(|error| RodlabError::step(&place, error))?;
         if let Some(told) = &axis.unit {
-            let alike = told.dimension() == unit.dimension()
-                && (told.scale() / unit.scale() - 1.0).abs() < 1e-12;
-            if !alike {
+            let is_same = (told.scale() / unit.scale() - 1.0).abs() < 1e-12;
+            if told.dimension() == unit.dimension() && !is_same {
+                return Err(RodlabError::request(
+                    place,
+                    text,
+                    format!(
+                        "`{}`, as stated in {file}, or no statement; if the unit of the file is wrong, correct it by `gain`",
+                        told.symbol()
+                    ),
+                ));
+            }
+            if told.dimension() != unit.dimension() {
                 warnings.push(format!(
                     "{file} states {} in {}; the unit of the sheet is used instead, {}.",
                     channel.from,

@@ -26,8 +26,8 @@ pub(crate) fn wave_speed(speed: f64, unusual: bool, field: &str) -> Result<(), R
     ))
 }
 
-/// Densities of solids [kg/m³], from light foams to osmium.
-const DENSITIES: [f64; 2] = [5.0, 25_000.0];
+/// Densities of solids [kg/m³], from light foams to osmium. A metal in g/cm³ is below the range.
+const DENSITIES: [f64; 2] = [25.0, 25_000.0];
 
 /// Checks the density [kg/m³] at `field`.
 ///

@@ -94,7 +94,7 @@ impl Choice {
 
 /// Assembles the contents from the columns and the header.
 pub(super) fn assemble(
-    table: Table,
+    mut table: Table,
     header: Header,
     choice: &Choice,
     strictness: Strictness,
@@ -109,6 +109,7 @@ pub(super) fn assemble(
         text::axis(label, unit_text)
     };
     let mut abscissa_axis = choice.column.map(axis).unwrap_or_default();
+    table.digits.restore_trailing_zeros();
     let abscissa = spacing(
         &table.digits,
         choice,

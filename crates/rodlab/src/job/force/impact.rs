@@ -117,7 +117,9 @@ fn defaults(
 fn flags(prediction: &Prediction, outcome: &mut Outcome) {
     for flag in &prediction.flags {
         match flag {
-            PredictionFlag::MakesEnergy { .. } | PredictionFlag::UnresolvedContact { .. } => {
+            PredictionFlag::MakesEnergy { .. }
+            | PredictionFlag::UnresolvedContact { .. }
+            | PredictionFlag::ContactOfFewSteps { .. } => {
                 outcome.verdict = Verdict::NotAllowed {
                     reason: flag.to_string(),
                 };

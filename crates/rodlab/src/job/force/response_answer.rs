@@ -9,7 +9,7 @@ use rand_chacha::ChaCha8Rng;
 
 use super::response_problem::{Noise, Problem};
 use super::response_solve::window;
-use crate::digits::with_unit;
+use crate::digits::{significant, with_unit};
 use crate::outcome::{LogEntry, Quantity};
 use crate::sheet::Exact;
 use crate::{Outcome, RodlabError};
@@ -28,6 +28,11 @@ const LEAST_RESIDUAL: f64 = 2e-3;
 /// Largest ratio of the mean square of the errors of calibration hits to the stated mean square
 /// that is attributed to chance.
 const BY_CHANCE: f64 = 1.5;
+
+/// Root mean square difference from the measured force, as a fraction of the peak, from which the
+/// two contradict each other, if less than `INSIDE` of the measured force is in the band.
+const CONTRADICTS: f64 = 0.05;
+const INSIDE: f64 = 0.9;
 
 /// Fraction of the peak below which the bias by a regularisation counts as none.
 const AS_NONE: f64 = 1e-4;
@@ -169,9 +174,73 @@ pub(super) fn tell(
             "The peak is below three standard errors: there may be no force at all.".to_owned(),
         );
     }
+    let inside = history.force().iter().skip(window(problem).start);
+    let inside = inside.take(window(problem).len());
+    let tension = inside.fold(0.0, |most: f64, force| most.max(-force));
+    if tension > peak.force {
+        outcome.doubt(format!(
+            "the largest force is a tension of {} N: the response or the force of the calibration has the wrong sign",
+            significant(tension, 3)
+        ));
+    }
+    compared(problem, solved, bands, outcome);
     warnings(problem, solved, outcome);
     quantities(problem, solved, bands, (error, impulse_error), outcome);
     log(solved, outcome);
+}
+
+/// The difference of the force from the measured one.
+struct Difference {
+    /// Root mean square while the force acts \[N\].
+    root_mean_square: f64,
+    /// Fraction of the measured force inside the band of the whole history.
+    inside: Option<f64>,
+}
+
+impl Difference {
+    fn of(problem: &Problem<'_>, solved: &ReconstructedForce, bands: &Bands) -> Option<Self> {
+        let measured = &problem.in_band(problem.measured.as_ref()?);
+        let inside = window(problem);
+        let pairs = solved.history.force().iter().zip(measured);
+        let pairs = pairs.skip(inside.start).take(inside.len());
+        let square: f64 = pairs
+            .map(|(force, measured)| (force - measured).powi(2))
+            .sum();
+        let known = bands.random.as_ref();
+        Some(Self {
+            root_mean_square: (square / inside.len() as f64).sqrt(),
+            inside: known.map(|known| known.simultaneous.part_inside(measured, inside)),
+        })
+    }
+}
+
+/// Compares the force with the measured one in words.
+fn compared(
+    problem: &Problem<'_>,
+    solved: &ReconstructedForce,
+    bands: &Bands,
+    outcome: &mut Outcome,
+) {
+    let Some(difference) = Difference::of(problem, solved, bands) else {
+        return;
+    };
+    let by = significant(difference.root_mean_square, 3);
+    let inside = difference.inside.map(|inside| 100.0 * inside);
+    let of_band = inside.map_or_else(String::new, |inside| {
+        format!(
+            "; {inside:.0} % of the measured force is inside the {:.0} % band of the whole history",
+            100.0 * bands.level
+        )
+    });
+    outcome.summary.push(format!(
+        "While it acts, the force differs from the measured one by {by} N (root mean square){of_band}."
+    ));
+    let is_large = difference.root_mean_square > CONTRADICTS * solved.history.peak().force.abs();
+    if is_large && inside.is_none_or(|inside| inside < 100.0 * INSIDE) {
+        outcome.doubt(format!(
+            "the force differs from the measured one by {by} N (root mean square): one of the sensors, the path or the synchronisation is wrong"
+        ));
+    }
 }
 
 fn warnings(problem: &Problem<'_>, solved: &ReconstructedForce, outcome: &mut Outcome) {
@@ -267,7 +336,6 @@ fn quantities(
         None,
         "from the first sample of the record",
     );
-    let known = bands.random.as_ref();
     add(
         "impulse",
         "N s",
@@ -362,27 +430,19 @@ fn quantities(
             &verdict,
         );
     }
-    if let Some(measured) = &problem.measured {
-        let inside = window(problem);
-        let measured = &problem.in_band(measured);
-        let pairs = history.force().iter().zip(measured).enumerate();
-        let square: f64 = pairs
-            .filter(|(n, _)| inside.contains(n))
-            .map(|(_, (force, measured))| (force - measured).powi(2))
-            .sum();
+    if let Some(difference) = Difference::of(problem, solved, bands) {
         add(
             "root mean square difference from the measured force",
             "N",
-            Some((square / inside.len() as f64).sqrt()),
+            Some(difference.root_mean_square),
             None,
             "while the force acts",
         );
-        if let Some(known) = known {
-            let held = known.simultaneous.part_inside(measured, inside);
+        if let Some(inside) = difference.inside {
             add(
                 "part of the measured force inside the band of the whole history",
                 "%",
-                Some(100.0 * held),
+                Some(100.0 * inside),
                 None,
                 "while the force acts",
             );

@@ -3,7 +3,7 @@
 use maxwellid::common_error::CommonErrorEstimate;
 use maxwellid::recorder::RecorderCheck;
 use maxwellid::selection::{ADEQUACY_LEVEL, ComparedLaw, Comparison, Decision};
-use maxwellid::{ErrorOf, Law, RodModel};
+use maxwellid::{ErrorOf, FitFlag, Law, RodModel};
 
 use super::Found;
 use super::laws::{FittedLaw, Standing};
@@ -290,6 +290,17 @@ fn tell_comparison(found: &Found, is_biased: bool, outcome: &mut Outcome) {
     }
 }
 
+/// Ratio of the residual to the noise up to which a law explains the records.
+const EXPLAINED: f64 = 1.3;
+
+/// Ratio of the residual to the noise, if it is above chance.
+fn residual_above(law: &FittedLaw) -> Option<f64> {
+    law.flags.iter().find_map(|flag| match flag {
+        FitFlag::ResidualAboveNoise { ratio } => Some(*ratio),
+        _ => None,
+    })
+}
+
 fn tell_verdict(found: &Found, is_biased: bool, outcome: &mut Outcome) {
     let is_none = matches!(found.left, Left::None { .. });
     let has_damping = |law: &FittedLaw| law.has_identified_damping();
@@ -357,6 +368,20 @@ fn tell_verdict(found: &Found, is_biased: bool, outcome: &mut Outcome) {
         } else {
             outcome.warnings.push(transducers.in_words());
         }
+    }
+    // `None` if one of them explains the records
+    let above: Option<Vec<f64>> = found
+        .laws
+        .iter()
+        .filter(|law| stands(law))
+        .map(residual_above)
+        .collect();
+    let least = above.map(|above| above.into_iter().fold(f64::INFINITY, f64::min));
+    if let Some(least) = least.filter(|least| *least > EXPLAINED) {
+        outcome.doubt(format!(
+            "no remaining law explains the records within their noise, the best leaves {least:.2} times as much: the specimen, the instruments or their \
+             errors are not as stated"
+        ));
     }
     if is_biased && is_left(false) {
         let why = found.why_biased();
