@@ -27,7 +27,7 @@ pub enum MaxwellidError {
     },
     /// The rod moves before the record begins.
     #[error(
-        "test `{test}`: the first sample of the {history} is {value} m/s, more than {allowed} m/s: \
+        "test `{test}`: the first sample of the {history} is {value:.4} m/s, more than {allowed:.4} m/s: \
          the record must begin before the wave arrives"
     )]
     NotAtRest {

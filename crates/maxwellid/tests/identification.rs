@@ -336,7 +336,7 @@ fn bad_tests_are_refused_with_the_name_and_the_value() {
     );
     assert_eq!(
         refused(&|d| d.excitation[0] = 4.0),
-        "test `virtual rod`: the first sample of the excitation is 4 m/s, more than 1.5 m/s: \
+        "test `virtual rod`: the first sample of the excitation is 4.0000 m/s, more than 1.5000 m/s: \
          the record must begin before the wave arrives"
     );
     assert_eq!(

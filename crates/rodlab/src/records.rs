@@ -23,10 +23,11 @@ pub(crate) use told::step_without_unit;
 use std::path::Path;
 
 use labio::format;
-use labio::{Channel, LabioError, Provenance, Record};
+use labio::{Channel, LabioError, Provenance, Quantity, Record};
 use ndarray::Axis;
 use serde::Deserialize;
 
+use crate::digits::significant;
 use crate::outcome::{InputFile, LogEntry};
 use crate::sheet::{self, Frequency, NotFollowed};
 use crate::{RodlabError, cut_short, input};
@@ -50,6 +51,9 @@ pub struct Records {
     /// Channels that are used; all others are ignored.
     pub channels: Vec<ChannelSheet>,
 }
+
+/// Strain above which the unit of a channel is wrong; rubber stretches to some ten times its length.
+const LARGEST_STRAIN: f64 = 10.0;
 
 /// Files and records that were read.
 #[derive(Debug)]
@@ -371,6 +375,17 @@ impl Records {
             .any(|channel| channel.time_skew.is_some())
         {
             record = record.aligned().map_err(refused)?;
+        }
+        let strains = record.channels().iter().zip(record.samples().outer_iter());
+        for (at, (channel, samples)) in strains.enumerate() {
+            let largest = samples.iter().fold(0.0, |top: f64, x| top.max(x.abs()));
+            if channel.quantity() == Quantity::Strain && largest > LARGEST_STRAIN {
+                return Err(RodlabError::request(
+                    format!("{field}.channels[{at}].unit"),
+                    format!("a strain of {} ({name})", significant(largest, 3)),
+                    format!("at most {LARGEST_STRAIN}: microstrain is `um/m`"),
+                ));
+            }
         }
         Ok(record)
     }

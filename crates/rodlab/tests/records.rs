@@ -204,24 +204,28 @@ fn what_a_file_tells_is_believed_and_contradictions_are_said() {
     let loaded = load(
         folder.path(),
         r#"(files: ["hit.csv"], sampling_rate: "1024 Hz", channels: [
-            (name: "force", from: "hammer"), (name: "a", from: "end A", unit: "m/s^2"),
+            (name: "force", from: "hammer"), (name: "a", from: "end A", unit: "V"),
         ])"#,
     )
     .unwrap();
     let record = &loaded.records[0].record;
     assert!((record.sampling_rate_hz() - 1024.0).abs() < 1e-9);
     assert!((record.channel("a").unwrap()[2] - 2.0).abs() < 1e-15);
-    insta::assert_snapshot!(loaded.warnings.join("\n"), @"hit.csv states `end A` in g; the unit of the sheet is used instead, m/s^2.");
+    insta::assert_snapshot!(loaded.warnings.join("\n"), @"hit.csv states `end A` in g; the unit of the sheet is used instead, V.");
     let said = refusals(
         folder.path(),
         &[
             r#"(files: ["hit.csv"], sampling_rate: "2048 Hz", channels: [(name: "force", from: "hammer")])"#,
             r#"(files: ["hit.csv"], channels: [(name: "force", from: "hamer")])"#,
+            r#"(files: ["hit.csv"], sampling_rate: "1024 Hz", channels: [(name: "a", from: "end A", unit: "m/s2")])"#,
+            r#"(files: ["hit.csv"], sampling_rate: "1024 Hz", channels: [(name: "a", from: "hammer", unit: "strain")])"#,
         ],
     );
     insta::assert_snapshot!(said, @r"
     records.sampling_rate is 2048 Hz, expected 1023.5414534288639 Hz, as stated in hit.csv, or no statement
     records.channels[0].from is `hamer`, expected one of `hammer`, `end A` (hit.csv)
+    records.channels[0].unit is m/s2, expected `g`, as stated in hit.csv, or no statement; if the unit of the file is wrong, correct it by `gain`
+    records.channels[0].unit is a strain of 40.0 (hit.csv), expected at most 10: microstrain is `um/m`
     ");
 }
 

@@ -109,7 +109,7 @@ fn mirrored(at: usize, count: usize) -> usize {
 }
 
 /// Highest frequency at which the mean power of a block of lines exceeds the noise, as a fraction
-/// of half of the sampling rate.
+/// of half of the sampling rate. The noise is at most that of the highest block.
 #[expect(
     clippy::cast_precision_loss,
     reason = "sample counts are far below 2^52"
@@ -131,10 +131,16 @@ fn upper_edge(history: &[f64], noise: &HistoryNoise) -> f64 {
     }
     let length = (2 * SMOOTHED + 1).max(lines.len() / BLOCKS);
     let limit = 1.0 + ABOVE_CHANCE * (2.0 / length as f64).sqrt();
-    let has_signal = |end: &usize| {
-        let (start, end) = (sums[end - length], sums[*end]);
-        end.0 - start.0 > limit * (end.1 - start.1)
+    let ratio = |end: usize| {
+        let (start, end) = (sums[end - length], sums[end]);
+        (end.0 - start.0) / (end.1 - start.1)
     };
+    if lines.len() < length {
+        return 1.0;
+    }
+    // noise that is stated too high hides no signal
+    let noise = ratio(lines.len()).min(1.0);
+    let has_signal = |end: &usize| ratio(*end) > limit * noise;
     let last = (length..=lines.len()).rev().find(has_signal);
     last.unwrap_or(length) as f64 / lines.len() as f64
 }
@@ -166,6 +172,16 @@ mod tests {
         // blocks of 20 lines of 400
         assert!((0.3..=0.36).contains(&edge), "{edge}");
         assert!(upper_edge(&noise(400).collect::<Vec<_>>(), &white) <= 0.1);
+        // without noise, and with noise that is stated too high
+        let silent = HistoryNoise::White {
+            standard_deviation: 0.0,
+        };
+        assert!(upper_edge(&history, &silent) > 0.99);
+        let loud = HistoryNoise::White {
+            standard_deviation: 10.0,
+        };
+        let edge = upper_edge(&history, &loud);
+        assert!((0.3..=0.36).contains(&edge), "{edge}");
     }
 
     /// A wave in the band passes within 1 %, one above the transition is attenuated a hundredfold,

@@ -81,6 +81,9 @@ pub(super) fn options(sheet: &FitSheet, error_scale: ErrorScale) -> FitOptions {
     options.with_series_profiles(false)
 }
 
+/// Distance \[K\] of a reference temperature from those of the table beyond which it is refused.
+const FAR_REFERENCE: f64 = 10.0;
+
 /// Returns the number of temperatures that overlaps or stated shifts join with the reference;
 /// `None` for fewer than two temperatures.
 pub(super) fn joined(
@@ -148,6 +151,24 @@ fn stated(
                 .map_err(|error| RodlabError::step("vertical_shifts", error))?
         }
     };
+    if let Some(stated) = &sheet.reference_temperature {
+        let coldest = temperatures.iter().copied().fold(f64::INFINITY, f64::min);
+        let warmest = temperatures
+            .iter()
+            .copied()
+            .fold(f64::NEG_INFINITY, f64::max);
+        if !(coldest - FAR_REFERENCE..=warmest + FAR_REFERENCE).contains(&stated.si()) {
+            return Err(RodlabError::request(
+                "reference_temperature",
+                stated.to_string(),
+                format!(
+                    "a temperature of the table, {} to {}",
+                    super::steps::celsius(coldest),
+                    super::steps::celsius(warmest)
+                ),
+            ));
+        }
+    }
     let wanted = sheet.reference_temperature.as_ref().map_or(0.0, Exact::si);
     let distance = |index: &usize| {
         temperatures
