@@ -12,6 +12,7 @@ mod criteria;
 mod cut;
 mod exchanged;
 mod found;
+mod hum;
 mod independent;
 mod odd;
 mod reading;

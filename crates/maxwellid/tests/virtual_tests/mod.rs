@@ -38,11 +38,23 @@ pub(crate) struct Exact {
 }
 
 fn struck<L: InelasticLaw>(law: &L, velocity: f64) -> VelocityRecord {
-    let rod = InelasticRod::new(LENGTH + 0.008, DENSITY, MODULUS, law.clone());
-    record_of(rod.unwrap(), velocity)
+    struck_before(law, velocity, &ACQUISITION)
 }
 
-fn record_of<L: InelasticLaw>(rod: InelasticRod<L>, velocity: f64) -> VelocityRecord {
+fn struck_before<L: InelasticLaw>(
+    law: &L,
+    velocity: f64,
+    acquisition: &Acquisition,
+) -> VelocityRecord {
+    let rod = InelasticRod::new(LENGTH + 0.008, DENSITY, MODULUS, law.clone());
+    record_of(rod.unwrap(), velocity, acquisition)
+}
+
+fn record_of<L: InelasticLaw>(
+    rod: InelasticRod<L>,
+    velocity: f64,
+    acquisition: &Acquisition,
+) -> VelocityRecord {
     ImpactTest {
         striker: Striker {
             velocity,
@@ -52,7 +64,39 @@ fn record_of<L: InelasticLaw>(rod: InelasticRod<L>, velocity: f64) -> VelocityRe
         diameter: 0.016,
         section_distance: LENGTH,
     }
-    .record(&ACQUISITION, 1e-3)
+    .record(acquisition, 1e-3)
+    .unwrap()
+}
+
+/// A test sampled four times as fast as the filter of the recorder requires, so that three quarters
+/// of the frequencies have no signal, with noise of `level` V0.
+pub(crate) fn sampled_fast<L: InelasticLaw>(law: &L, level: f64, seed: u64) -> RodTest {
+    let velocity = 10.0;
+    let acquisition = Acquisition {
+        recorder: Recorder {
+            rate_hz: 204_800.0,
+            ..ACQUISITION.recorder
+        },
+        samples_before: 80,
+        samples_after: 400,
+        ..ACQUISITION
+    };
+    let record = struck_before(law, velocity, &acquisition);
+    let mut noise = Noise::seeded(seed);
+    let mut with_noise = |samples: &[f64]| noise.added_to(samples, level * velocity);
+    RodTest::new(RodTestData {
+        name: "sampled fast".into(),
+        length: LENGTH,
+        density: DENSITY,
+        impact_velocity: velocity,
+        sampling_rate_hz: acquisition.recorder.rate_hz,
+        excitation: with_noise(&record.excitation),
+        response: with_noise(&record.response),
+        provenance: Provenance::Virtual {
+            generator: "characteristics of striker and rod".into(),
+        },
+    })
+    .and_then(|test| test.with_noise(level * velocity, level * velocity))
     .unwrap()
 }
 
@@ -86,7 +130,7 @@ pub(crate) fn with_spring<L: InelasticLaw>(law: &L, share: f64, velocity: f64) -
         let rod = InelasticRod::new(length, DENSITY, MODULUS, law.clone()).unwrap();
         rod.with_spring(share).unwrap()
     };
-    let record = record_of(rod(LENGTH + 0.008), velocity);
+    let record = record_of(rod(LENGTH + 0.008), velocity, &ACQUISITION);
     let chain = LumpedRod::new(&rod(LENGTH), 400, 0.5).unwrap();
     Exact {
         velocity,

@@ -184,6 +184,11 @@ fn find(
     for doubt in found.compare(&sheet.input, &outputs)? {
         outcome.doubt(doubt);
     }
+    if sheet.force_window.is_none() {
+        for doubt in found.hum(&sheet.input)? {
+            outcome.doubt(doubt);
+        }
+    }
     outcome.settings.extend_from_slice(found.settings());
     outcome.log.extend(found.log());
     Ok(found)

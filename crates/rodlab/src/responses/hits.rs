@@ -267,6 +267,11 @@ impl HitsSource {
         for doubt in found.compare(&self.force, &[&self.response])? {
             outcome.doubt(doubt);
         }
+        if self.force_window.is_none() {
+            for doubt in found.hum(&self.force)? {
+                outcome.doubt(doubt);
+            }
+        }
         outcome.settings.extend(found.settings().iter().cloned());
         outcome.settings.extend(Self::defaults(field));
         outcome.log.extend(found.log());

@@ -1,0 +1,155 @@
+//! Test for mains hum on the force.
+
+use std::f64::consts::TAU;
+
+use ndarray::ArrayView1;
+use num_complex::Complex64;
+
+use super::FoundHits;
+use crate::RodlabError;
+use crate::digits::{hertz, significant};
+
+/// Frequencies of mains \[Hz\].
+const MAINS: [f64; 2] = [50.0, 60.0];
+/// Highest harmonic that is tested.
+const HARMONICS: u32 = 6;
+/// Least duration of the record after the blow, in periods of the hum.
+const PERIODS: f64 = 4.0;
+/// Amplitude of a hum relative to the standard error of an amplitude from noise alone.
+const ABOVE_NOISE: f64 = 6.0;
+/// Largest change of a hum between the two halves of that time, relative to it; the return of a
+/// sensor to zero changes by more.
+const STEADY: f64 = 0.5;
+/// Part of the spectrum of the force from which hum is reported.
+const LARGE_PART: f64 = 0.2;
+
+impl FoundHits {
+    /// Returns a reason for doubt for each harmonic of the mains at which the `force` continues
+    /// after the blow, if this hum is a large part of its spectrum there. The frequency response is
+    /// then the ratio of two hums, with a high coherence.
+    ///
+    /// # Errors
+    ///
+    /// [`RodlabError::Step`] for a missing channel.
+    pub fn hum(&self, force: &str) -> Result<Vec<String>, RodlabError> {
+        let hits = self.accepted();
+        let mut doubts = Vec::new();
+        for (mains, harmonic) in MAINS
+            .into_iter()
+            .flat_map(|mains| (1..=HARMONICS).map(move |harmonic| (mains, harmonic)))
+        {
+            let frequency = mains * f64::from(harmonic);
+            let (mut hum, mut whole) = (0.0, 0.0);
+            for hit in &hits {
+                let samples = hit
+                    .channel(force)
+                    .map_err(|error| RodlabError::step("comparing hits", error))?;
+                let omega = TAU * frequency / hit.sampling_rate_hz();
+                let Some(found) = hum_after_blow(samples, omega) else {
+                    continue;
+                };
+                hum += 0.5 * found * samples.len() as f64;
+                whole += transform(samples.iter(), omega).norm();
+            }
+            if hum > LARGE_PART * whole {
+                doubts.push(format!(
+                    "`{force}` continues after the blow at {}, with {} % of its spectrum there: mains hum; remove it, leave these lines out, or state a force \
+                     window",
+                    hertz(frequency),
+                    significant((100.0 * hum / whole).min(100.0), 2)
+                ));
+            }
+        }
+        Ok(doubts)
+    }
+}
+
+/// Amplitude of a vibration at `omega`, per sample, in the second half of a record, in which the
+/// blow is over; `None` if there is none beyond the noise, or the half is too short.
+fn hum_after_blow(samples: ArrayView1<'_, f64>, omega: f64) -> Option<f64> {
+    let half = samples.len() / 2;
+    let largest = |range: std::ops::Range<usize>| {
+        let part = samples.iter().skip(range.start).take(range.len());
+        part.fold(0.0, |top: f64, x| top.max(x.abs()))
+    };
+    let is_over = largest(half..samples.len()) < 0.1 * largest(0..half);
+    // an even number of periods
+    let periods = 2.0 * ((samples.len() - half) as f64 * omega / TAU / 2.0).floor();
+    if !is_over || periods < PERIODS {
+        return None;
+    }
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "whole periods of the second half are at most as long as it"
+    )]
+    let count = (periods * TAU / omega).round() as usize;
+    let tail = || samples.iter().skip(samples.len() - count);
+    let mean = tail().sum::<f64>() / count as f64;
+    let amplitude_of = |first: usize, length: usize| {
+        let part = || tail().skip(first).take(length);
+        let line = transform(part(), omega) - mean * transform(part().map(|_| &1.0), omega);
+        2.0 * line * Complex64::cis(-omega * first as f64) / length as f64
+    };
+    let amplitude = amplitude_of(0, count).norm();
+    let (first, second) = (
+        amplitude_of(0, count / 2),
+        amplitude_of(count / 2, count - count / 2),
+    );
+    let square: f64 = tail().map(|x| (x - mean).powi(2)).sum::<f64>() / count as f64;
+    let noise = (square - 0.5 * amplitude * amplitude).max(0.0);
+    let is_above_noise = amplitude > ABOVE_NOISE * (2.0 * noise / count as f64).sqrt();
+    let is_steady = (first - second).norm() < STEADY * amplitude;
+    (is_above_noise && is_steady).then_some(amplitude)
+}
+
+/// Fourier sum at `omega`, per sample.
+fn transform<'a>(samples: impl Iterator<Item = &'a f64>, omega: f64) -> Complex64 {
+    let each = samples.enumerate();
+    each.map(|(n, x)| x * Complex64::cis(-omega * n as f64))
+        .sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A blow of 100 N and 2 ms at 8192 Hz, with a hum of 0.6 N at 50 Hz: its spectrum at 50 Hz is
+    /// 10 N s per sampling interval of 0.12 ms, that of the hum 0.3 N times 8192 samples.
+    #[test]
+    fn hum_is_found_beside_noise_and_not_in_noise_alone() {
+        let blow = |n: usize| {
+            let x = (n as f64 - 800.0) / 16.0;
+            if (0.0..=1.0).contains(&x) {
+                100.0 * (std::f64::consts::PI * x).sin()
+            } else {
+                0.0
+            }
+        };
+        let noise = |n: usize| 0.05 * ((n * n * 7919 + n * 104_729) % 1009) as f64 / 1009.0;
+        let omega = TAU * 50.0 / 8192.0;
+        let with = |hum: f64| -> ndarray::Array1<f64> {
+            (0..8192)
+                .map(|n| blow(n) + noise(n) + hum * (omega * n as f64 + 0.4).sin())
+                .collect()
+        };
+        let found = hum_after_blow(with(0.6).view(), omega).unwrap();
+        // noise of 0.015 N over 4096 samples
+        assert!((found - 0.6).abs() < 2e-3, "{found}");
+        assert_eq!(hum_after_blow(with(0.0).view(), omega), None);
+        // the return of a sensor to zero, 5 N with 0.1 s
+        let mut returning = with(0.0);
+        let each = returning.iter_mut().enumerate().skip(800);
+        each.for_each(|(n, x)| *x -= 5.0 * (-(n as f64 - 800.0) / 819.2).exp());
+        assert_eq!(hum_after_blow(returning.view(), omega), None);
+        // the second half must contain four periods
+        let short = with(0.6);
+        assert_eq!(
+            hum_after_blow(
+                short.slice_axis(ndarray::Axis(0), ndarray::Slice::from(700..1200)),
+                omega
+            ),
+            None
+        );
+    }
+}
