@@ -376,8 +376,9 @@ impl Records {
         {
             record = record.aligned().map_err(refused)?;
         }
-        let strains = record.channels().iter().zip(record.samples().outer_iter());
-        for (at, (channel, samples)) in strains.enumerate() {
+        let samples = record.samples();
+        let channels = record.channels().iter().zip(samples.outer_iter());
+        for (at, (channel, samples)) in channels.enumerate() {
             let largest = samples.iter().fold(0.0, |top: f64, x| top.max(x.abs()));
             if channel.quantity() == Quantity::Strain && largest > LARGEST_STRAIN {
                 return Err(RodlabError::request(

@@ -391,3 +391,24 @@ fn a_stiff_contact_is_flagged_where_steps_are_too_long() {
     assert!(flagged(&impact.predict(DURATION).unwrap()));
     assert!(!flagged(&impact.in_steps_of(1e-9).predict(4e-6).unwrap()));
 }
+
+/// 2 g on a rod decay within m/Z, a fraction of the step: the impulse of the only step is too large.
+#[test]
+fn a_contact_within_two_steps_is_flagged() {
+    let (kilograms, z) = (2e-3, impedance(0.010));
+    let decay = kilograms / z;
+    let (striker, rod) = (mass(kilograms).unwrap(), endless_rod(0.010).unwrap());
+    let momentum = kilograms * VELOCITY;
+    let of_step = |step: f64| {
+        let impact = Impact::between(&striker, &rod).at_velocity(VELOCITY);
+        let prediction = impact.in_steps_of(step).predict(1000.0 * step).unwrap();
+        let mut flags = prediction.flags.iter();
+        let is_flagged = flags.any(|f| matches!(f, PredictionFlag::ContactOfFewSteps { .. }));
+        (is_flagged, prediction.balance().impulse / momentum)
+    };
+    let (is_flagged, coarse) = of_step(10.0 * decay);
+    assert!(is_flagged && coarse > 1.5, "{coarse}");
+    let (is_flagged, fine) = of_step(0.1 * decay);
+    // force by means over steps: the momentum is conserved to rounding
+    assert!(!is_flagged && (fine - 1.0).abs() < 1e-6, "{fine}");
+}

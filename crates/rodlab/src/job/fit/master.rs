@@ -163,8 +163,8 @@ fn stated(
                 stated.to_string(),
                 format!(
                     "a temperature of the table, {} to {}",
-                    super::steps::celsius(coldest),
-                    super::steps::celsius(warmest)
+                    celsius(coldest),
+                    celsius(warmest)
                 ),
             ));
         }
