@@ -194,11 +194,14 @@ impl MaterialSheet {
     /// # Errors
     ///
     /// [`RodlabError::Step`] with the error of `rodwave`; [`RodlabError::Request`] for a wave speed
-    /// outside the range of solids.
+    /// or a density outside the range of solids.
     pub fn material(&self, field: &str) -> Result<Material, RodlabError> {
         let material = self.any_material(field)?;
         let wave_number = material.propagation_coefficient(SOMEWHERE_HZ).im;
         plausible::wave_speed(TAU * SOMEWHERE_HZ / wave_number, self.unusual, field)?;
+        if let Some(density) = self.density.as_ref().filter(|_| !self.unusual) {
+            plausible::density(density, format!("{field}.density"))?;
+        }
         Ok(material)
     }
 

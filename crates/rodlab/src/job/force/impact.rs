@@ -142,7 +142,11 @@ fn answer(sheet: &ImpactSheet, march: &UncertainPrediction, outcome: &mut Outcom
         1e3 * in_band.time,
         sheet.velocity,
     ));
+    let is_short = |flag: &PredictionFlag| matches!(flag, PredictionFlag::ContactOfFewSteps { .. });
     outcome.summary.push(match march.first_force {
+        _ if march.prediction.flags.iter().any(is_short) => {
+            "Without a limit to the band the force depends on the step.".to_owned()
+        }
         FirstForce::Unbounded => {
             "Without a limit to the band the first force is unbounded: the impedance of a face grows without limit with frequency, and the force of the first \
              step depends on the step."

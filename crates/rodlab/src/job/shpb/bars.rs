@@ -12,7 +12,7 @@ use crate::RodlabError;
 use crate::bodies::material::Material;
 use crate::bodies::material_sheet::{MaterialSheet, Materials, material_called};
 use crate::bodies::replacement::Replacement;
-use crate::sheet::{Kind, Length, Stated, Written};
+use crate::sheet::{Kind, Length, Stated, Written, plausible};
 
 fn known<K>(stated: &Stated<K>) -> Known {
     let stated = stated.with_uncertainty();
@@ -158,6 +158,7 @@ fn material(
             density,
             wave_speed,
         } => {
+            plausible::density(density, format!("{field}.density"))?;
             let (density, speed) = (density.with_uncertainty(), wave_speed.with_uncertainty());
             BarMaterial::of_wave_speed(
                 density.value + of_density * density.uncertainty(),
