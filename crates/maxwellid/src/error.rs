@@ -75,7 +75,10 @@ pub enum MaxwellidError {
     },
     /// No wave was found in a history, so that the time of flight gives no starting value of the
     /// modulus.
-    #[error("test `{test}`: no arrival was found in the {history}")]
+    #[error(
+        "test `{test}`: no arrival was found in the {history}, expected a record that begins at rest and a wave that rises within it: are excitation and \
+         response exchanged, or is the record too short?"
+    )]
     NoArrival {
         /// Name of the test.
         test: String,

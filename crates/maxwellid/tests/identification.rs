@@ -362,7 +362,9 @@ fn bad_tests_are_refused_with_the_name_and_the_value() {
             .to(&[RodTest::new(silent).unwrap()])
             .unwrap_err()
             .to_string(),
-        "test `virtual rod`: no arrival was found in the response"
+        "test `virtual rod`: no arrival was found in the response, expected a record that begins at \
+         rest and a wave that rises within it: are excitation and response exchanged, or is the \
+         record too short?"
     );
 }
 

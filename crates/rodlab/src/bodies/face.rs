@@ -199,6 +199,9 @@ fn chain(
         end: None,
     };
     for (at, element) in elements.iter().enumerate() {
+        if let ElementSheet::Rod { diameter, .. } = element {
+            plausible::diameter(diameter, format!("{field}.elements[{at}].diameter"))?;
+        }
         let name = match element {
             ElementSheet::Rod { material, .. }
             | ElementSheet::Cone { material, .. }
@@ -211,7 +214,8 @@ fn chain(
                 .transpose()?,
         );
     }
-    if let EndSheet::LongRod { material, .. } = end {
+    if let EndSheet::LongRod { material, diameter } = end {
+        plausible::diameter(diameter, format!("{field}.end.diameter"))?;
         let place = format!("{field}.end.material");
         placed.end = Some(material_called(materials, material, &place)?);
     }

@@ -1,6 +1,6 @@
-//! Test for an input and an output that are exchanged.
+//! Tests for an input and an output that are exchanged, and for a reversed force.
 
-use labio::Record;
+use labio::{Quantity, Record};
 use ndarray::ArrayView1;
 
 use super::FoundHits;
@@ -44,6 +44,36 @@ impl FoundHits {
             }
         }
         Ok(doubts)
+    }
+}
+
+impl FoundHits {
+    /// Returns a warning if the blows are negative in the channel `force`.
+    ///
+    /// # Errors
+    ///
+    /// [`RodlabError::Step`] for a missing channel.
+    pub fn reversed(&self, force: &str) -> Result<Option<String>, RodlabError> {
+        let hits = self.accepted();
+        let mut negative = 0;
+        for hit in &hits {
+            let is_force = |channel: &&labio::Channel| {
+                channel.name() == force && channel.quantity() == Quantity::Force
+            };
+            let samples = hit
+                .channel(force)
+                .map_err(|error| RodlabError::step("comparing hits", error))?;
+            let level = median(samples.to_vec());
+            let largest = samples.iter().map(|x| x - level);
+            let largest =
+                largest.fold(0.0, |top: f64, x| if x.abs() > top.abs() { x } else { top });
+            negative += usize::from(largest < 0.0 && hit.channels().iter().any(|c| is_force(&c)));
+        }
+        Ok((2 * negative > hits.len()).then(|| {
+            format!(
+                "The blows are negative in `{force}`: the sensor is reversed, if a positive force pushes; `inverted: true` of its channel corrects it."
+            )
+        }))
     }
 }
 

@@ -184,6 +184,7 @@ fn find(
     for doubt in found.compare(&sheet.input, &outputs)? {
         outcome.doubt(doubt);
     }
+    outcome.warnings.extend(found.reversed(&sheet.input)?);
     if sheet.force_window.is_none() {
         for doubt in found.hum(&sheet.input)? {
             outcome.doubt(doubt);

@@ -131,7 +131,10 @@ impl Records {
                     return Err(RodlabError::request(
                         format!("{field}.sampling_rate"),
                         rate.to_string(),
-                        format!("{told} Hz, as stated in {file}, or no statement"),
+                        format!(
+                            "{} Hz, as stated in {file}, or no statement",
+                            digits::rate(told)
+                        ),
                     ));
                 }
                 unit.to_si(*start)

@@ -267,6 +267,7 @@ impl HitsSource {
         for doubt in found.compare(&self.force, &[&self.response])? {
             outcome.doubt(doubt);
         }
+        outcome.warnings.extend(found.reversed(&self.force)?);
         if self.force_window.is_none() {
             for doubt in found.hum(&self.force)? {
                 outcome.doubt(doubt);

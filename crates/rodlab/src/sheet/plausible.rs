@@ -1,7 +1,7 @@
 //! Checks for implausible values, and for counts whose computation would take too long. Both are
 //! refused before anything is computed.
 
-use super::{Density, Stated};
+use super::{Density, Length, Stated};
 use crate::RodlabError;
 use crate::digits::significant;
 
@@ -47,6 +47,28 @@ pub(crate) fn density(
         field,
         format!("`{stated}`, {} kg/m3", significant(density, 4)),
         format!("{least} to {most} kg/m3, the densities of solids: water has 1000 kg/m3"),
+    ))
+}
+
+/// Largest diameter of a body \[m\], that of the largest piles.
+const LARGEST_DIAMETER: f64 = 5.0;
+
+/// Checks the diameter of a body at `field`.
+///
+/// # Errors
+///
+/// [`RodlabError::Request`] for a diameter above 5 m.
+pub(crate) fn diameter(
+    stated: &Stated<Length>,
+    field: impl Into<String>,
+) -> Result<(), RodlabError> {
+    if stated.nominal() <= LARGEST_DIAMETER {
+        return Ok(());
+    }
+    Err(RodlabError::request(
+        field,
+        format!("`{stated}`"),
+        format!("a diameter of at most {LARGEST_DIAMETER} m"),
     ))
 }
 
