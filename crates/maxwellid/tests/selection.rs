@@ -142,7 +142,7 @@ fn requests_without_sense_are_refused() {
 
 /// Noise of 3 % on records in which three quarters of the frequencies have no signal: a law may not
 /// be preferred because it happens to filter the noise of the excitation well. Without a limit of
-/// the excitation to the signal, Maxwell's law was left out in four of ten such tests.
+/// the excitation to the signal, Maxwell's law was left out in seven of 24 such tests.
 #[test]
 fn noise_beyond_the_signal_does_not_choose_a_law() {
     let laws = [
@@ -165,6 +165,6 @@ fn noise_beyond_the_signal_does_not_choose_a_law() {
             _ => false,
         }
     });
-    // left out in one of a hundred
+    // with a limit, in none of 24
     assert!(is_left.iter().all(|left| *left), "{is_left:?}");
 }

@@ -273,13 +273,11 @@ fn instructions(measured: &Measured) -> String {
     }
     format!(
         "\n## Instructions of the hottest kernels\n\n\
-         Counted by {} (callgrind) over one call, made with {}. `{COMMAND} --instructions --check` counts again and fails where a kernel \
-         needs 2 % more; `{COMMAND} --instructions` takes new counts for reference. The gate does the same with counts of its own profile, \
-         where valgrind is. The \
-         kernels are the loops in which each job of the libraries spends its time; profiles of whole programs put the order of a Prony series, \
-         histories between samples, marches and chains first. Valgrind has no AVX-512: what is chosen at run time \
-         by the processor counts as on one with AVX2, and the mathematics of the system library is part of the count. The spread is that of two \
-         counts.\n\n{}",
+         Counted by {} (callgrind) over one call, compiled with {}. `{COMMAND} --instructions --check` counts again and fails if a kernel \
+         needs 2 % more; `{COMMAND} --instructions` takes new reference counts. The gate counts its own profile where valgrind is installed. \
+         The kernels are the loops in which the jobs spend most of their time: the order of a Prony series, histories between samples, time \
+         marching, chains. Valgrind has no AVX-512: code that selects its instructions at run time is counted with AVX2. The mathematics of the \
+         system library is counted too. The spread is that of two counts.\n\n{}",
         counted.counted_by,
         counted.compiler,
         table.markdown()

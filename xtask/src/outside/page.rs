@@ -8,13 +8,12 @@ use super::pulled_in::PulledIn;
 use crate::cargo::{Metadata, Package};
 
 const HEAD: &str = "\
-# What each crate pulls in
+# Dependencies of the crates
 
-Written by `cargo xtask outside` from programs that depend on one crate each and lie outside the workspace; never by hand. Versions are those
-of `Cargo.lock`. A crate that is linked is part of the program; macros, build scripts and what they need are compiled and run on the
-way, and are no part of it.
+Written by `cargo xtask outside`, not by hand: each row is a program outside the workspace that depends on one crate. Versions are those of
+`Cargo.lock`. Linked crates are part of the program; macros, build scripts and their dependencies run only during compilation.
 
-| crate | linked | on some platforms | while compiling |
+| crate | linked | on some platforms | during compilation |
 |---|--:|--:|--:|
 ";
 
@@ -48,24 +47,28 @@ pub(super) fn of(listed: &[Alone<'_>], workspace: &Metadata) -> String {
             .local(library.name)
             .map(declared)
             .unwrap_or_default();
-        paragraph(&mut page, "Declared", &declared);
+        paragraph(&mut page, "Direct", &declared);
         let below = by_default
             .everywhere
             .iter()
             .map(String::as_str)
             .filter(|name| !declared.contains(name))
             .collect::<Vec<_>>();
-        paragraph(&mut page, "With them", &below);
+        paragraph(&mut page, "Indirect", &below);
         paragraph(
             &mut page,
             "On some platforms",
             &names(&by_default.somewhere),
         );
-        paragraph(&mut page, "While compiling", &names(&by_default.compiling));
+        paragraph(
+            &mut page,
+            "During compilation",
+            &names(&by_default.compiling),
+        );
         for (feature, pulled_in) in by_feature {
             paragraph(
                 &mut page,
-                &format!("More with the feature {feature}"),
+                &format!("Additional with the feature {feature}"),
                 &pulled_in.beyond(by_default),
             );
         }

@@ -11,11 +11,11 @@ use super::{COMMAND, Traced};
 pub(crate) fn markdown(items: &[Traced]) -> String {
     let mut page = format!(
         "<!-- Made by `{COMMAND}` from the citations in the sources: do not edit by hand. -->\n\n\
-         # From the thesis to code and proof\n\n\
-         Every equation, table and figure that S. Ödeen numbers in his thesis (Luleå 1993), the code and the tests that cite it, and \
-         the reproduction that computes or draws it, whose numbers are compared with a snapshot. `{COMMAND} --check` fails where an \
-         item is cited by no code or by no proof, and where something cites what the thesis does not have. How to cite stands in \
-         [CONTRIBUTING.md](../CONTRIBUTING.md#traceability).\n"
+         # Traceability\n\n\
+         Every numbered equation, table and figure of S. Ödeen's thesis (Luleå 1993), with the code and the tests that cite it, and the \
+         reproduction that computes or draws it and is compared with a snapshot. `{COMMAND} --check` fails if no code or no test cites an \
+         item, or if a citation names an item that the thesis does not have. [CONTRIBUTING.md](../CONTRIBUTING.md#traceability) describes \
+         citations.\n"
     );
     for part in Part::ALL {
         let heading = match part {

@@ -52,6 +52,8 @@ pub enum Doubt {
     /// A nonlinear law leads, but all tests have one impact velocity, and no linear law with a flat
     /// loss was among the candidates.
     NoFlatLossCompetitor,
+    /// The misfit of a special case of the most probable law does not exclude it.
+    SpecialCase,
     /// The misfit of a law that counts still changes when the excitation is estimated again.
     Unsettled {
         /// The law.
@@ -88,6 +90,9 @@ impl fmt::Display for Doubt {
                 f,
                 "a nonlinear law is the most probable, but a linear law of flat loss also explains the data, which are from one impact velocity (adequacy {adequacy:.3})"
             ),
+            Self::SpecialCase => {
+                f.write_str("the data do not exclude a special case of the most probable law")
+            }
             Self::Unsettled { .. } => f.write_str(
                 "the misfit of one of them still changes when the excitation is estimated again",
             ),

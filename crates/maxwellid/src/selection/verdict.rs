@@ -42,7 +42,8 @@ impl Selection {
             .filter(|law| !law.is_linear)
             .map(|law| law.probability)
             .sum();
-        let decision = self.verdict(&laws, &order, has_several_velocities);
+        let verdict = self.verdict(&laws, &order, has_several_velocities);
+        let decision = with_special_cases(verdict, &laws);
         let mut advice = Vec::new();
         // with one velocity every nonlinear explanation is confounded with a frequency-independent
         // loss
@@ -149,5 +150,33 @@ impl Selection {
             candidate: first,
             probability,
         }
+    }
+}
+
+/// Adds the special cases that the misfit of their general law does not exclude: only the priors make
+/// them less probable.
+fn with_special_cases(decision: Decision, laws: &[ComparedLaw]) -> Decision {
+    let (mut between, reason) = match &decision {
+        Decision::Law { candidate, .. } => (vec![*candidate], None),
+        Decision::CannotTell { between, reason } => (between.clone(), Some(*reason)),
+        Decision::NoneOfThese { .. } => return decision,
+    };
+    let n_before = between.len();
+    let limits = between.iter().filter_map(|general| laws.get(*general));
+    let names: Vec<&str> = limits
+        .flat_map(|general| &general.limits)
+        .map(|limit| limit.special.as_str())
+        .collect();
+    for (index, law) in laws.iter().enumerate() {
+        if names.contains(&law.name.as_str()) && !between.contains(&index) {
+            between.push(index);
+        }
+    }
+    if between.len() == n_before {
+        return decision;
+    }
+    Decision::CannotTell {
+        between,
+        reason: reason.unwrap_or(Doubt::SpecialCase),
     }
 }

@@ -57,9 +57,8 @@ impl FoundHits {
         let hits = self.accepted();
         let mut negative = 0;
         for hit in &hits {
-            let is_force = |channel: &&labio::Channel| {
-                channel.name() == force && channel.quantity() == Quantity::Force
-            };
+            let mut channels = hit.channels().iter();
+            let is_force = channels.any(|c| c.name() == force && c.quantity() == Quantity::Force);
             let samples = hit
                 .channel(force)
                 .map_err(|error| RodlabError::step("comparing hits", error))?;
@@ -67,7 +66,7 @@ impl FoundHits {
             let largest = samples.iter().map(|x| x - level);
             let largest =
                 largest.fold(0.0, |top: f64, x| if x.abs() > top.abs() { x } else { top });
-            negative += usize::from(largest < 0.0 && hit.channels().iter().any(|c| is_force(&c)));
+            negative += usize::from(is_force && largest < 0.0);
         }
         Ok((2 * negative > hits.len()).then(|| {
             format!(
