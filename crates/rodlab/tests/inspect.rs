@@ -112,23 +112,25 @@ fn a_row_of_times_is_no_channel() {
 }
 
 /// If the rate is stated, a job reads such a column as the times, and counts the channels after it.
-/// Times of few digits leave it open whether they are times; a `0` without decimals does not.
+/// Times in single precision leave it open whether they are times; a `0` without decimals does not.
 #[test]
 fn a_column_without_a_head_is_recognised_as_times() {
-    let [few, nine] = [2, 8].map(|digits| {
-        let time = move |k: u32| match k {
-            0 => "0".to_owned(),
-            _ => format!("{:.digits$e}", f64::from(k) / 65_536.0),
-        };
+    let inspected = |time: &dyn Fn(u32) -> String| {
         let rows = (0..8192_u32).map(|k| format!("{},{},{}\n", time(k), k % 17, k % 5));
         let text: String = rows.collect();
         let inspection = inspect_bytes(text.as_bytes(), "hit.csv").unwrap();
-        (inspection.series.len(), inspection.advice.join("\n"))
+        assert_eq!(inspection.series.len(), 2);
+        inspection.advice.join("\n")
+    };
+    let single = inspected(&|k| format!("{:?}", f64::from(k as f32 / 48_000.0)));
+    let said = "column 1 increases evenly, like times, and channels are counted after it: if it is in s, `sampling_rate` is 48000 Hz";
+    assert!(single.contains(said), "{single}");
+    let nine_digits = inspected(&|k| match k {
+        0 => "0".to_owned(),
+        _ => format!("{:.8e}", f64::from(k) / 65_536.0),
     });
-    let said = "column 1 increases evenly, like times, and channels are counted after it";
-    assert!(few.1.contains(said), "{few:?}");
     let said = "the times have no unit: if they are in s, `sampling_rate` is 65536 Hz";
-    assert!(nine.0 == 2 && nine.1.contains(said), "{nine:?}");
+    assert!(nine_digits.contains(said), "{nine_digits}");
 }
 
 #[test]
