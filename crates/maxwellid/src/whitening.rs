@@ -138,6 +138,8 @@ impl<'a> Seen<'a> {
 #[derive(Debug, Clone)]
 pub(crate) struct Transfer {
     matrix: Mat<f64>,
+    /// Frequencies to which the excitation is limited; `None` for all.
+    band: Option<SignalBand>,
 }
 
 impl Transfer {
@@ -155,9 +157,10 @@ impl Transfer {
             Some(_) => None,
             None => SignalBand::of(test),
         };
-        if let Some(band) = band {
+        if let Some(band) = &band {
             transfer.matrix = band.applied_before(&transfer.matrix);
         }
+        transfer.band = band;
         Some(transfer)
     }
 
@@ -200,7 +203,7 @@ impl Transfer {
                 let since = (i * seen.every() + lead).checked_sub(j);
                 since.map_or(0.0, |since| impulse[since])
             });
-            return Some(Self { matrix });
+            return Some(Self { matrix, band: None });
         }
         let history = SampledHistory::new(excitation, seen.rate_hz).ok()?;
         let rod = DrivenRod {
@@ -225,7 +228,7 @@ impl Transfer {
             Some(since) => interpolated_at_equal_delay(&columns, stride, i * every, since),
             None => 0.0,
         });
-        Some(Self { matrix })
+        Some(Self { matrix, band: None })
     }
 
     /// H times a history [m/s].
@@ -391,7 +394,7 @@ impl Weighting {
             self.excitation = excitation;
             return Some(self);
         }
-        let excitation = match SignalBand::of(test) {
+        let excitation = match &self.transfer.band {
             Some(band) => band.of_history(&excitation),
             None => excitation,
         };

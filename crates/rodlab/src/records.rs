@@ -379,8 +379,11 @@ impl Records {
         let samples = record.samples();
         let channels = record.channels().iter().zip(samples.outer_iter());
         for (at, (channel, samples)) in channels.enumerate() {
+            if channel.quantity() != Quantity::Strain {
+                continue;
+            }
             let largest = samples.iter().fold(0.0, |top: f64, x| top.max(x.abs()));
-            if channel.quantity() == Quantity::Strain && largest > LARGEST_STRAIN {
+            if largest > LARGEST_STRAIN {
                 return Err(RodlabError::request(
                     format!("{field}.channels[{at}].unit"),
                     format!("a strain of {} ({name})", significant(largest, 3)),

@@ -25,6 +25,7 @@ const LEAST_NOISE: f64 = 1e-3;
 
 /// Low-pass of zero phase that passes the frequencies at which a test has a signal. At its ends a
 /// history is continued by its mirror image.
+#[derive(Debug, Clone)]
 pub(super) struct SignalBand {
     /// Weights from the middle one on.
     weights: Vec<f64>,

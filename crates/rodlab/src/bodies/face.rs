@@ -199,8 +199,15 @@ fn chain(
         end: None,
     };
     for (at, element) in elements.iter().enumerate() {
-        if let ElementSheet::Rod { diameter, .. } = element {
-            plausible::diameter(diameter, format!("{field}.elements[{at}].diameter"))?;
+        let diameters = match element {
+            ElementSheet::Rod { diameter, .. } => vec![("diameter", diameter)],
+            ElementSheet::Cone { near, far, .. } | ElementSheet::Horn { near, far, .. } => {
+                vec![("near", near), ("far", far)]
+            }
+            _ => Vec::new(),
+        };
+        for (name, diameter) in diameters {
+            plausible::diameter(diameter, format!("{field}.elements[{at}].{name}"))?;
         }
         let name = match element {
             ElementSheet::Rod { material, .. }

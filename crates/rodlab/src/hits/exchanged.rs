@@ -62,7 +62,8 @@ impl FoundHits {
             let samples = hit
                 .channel(force)
                 .map_err(|error| RodlabError::step("comparing hits", error))?;
-            let level = median(samples.to_vec());
+            // a blow is too short to move the mean
+            let level = samples.mean().unwrap_or(0.0);
             let largest = samples.iter().map(|x| x - level);
             let largest =
                 largest.fold(0.0, |top: f64, x| if x.abs() > top.abs() { x } else { top });

@@ -2,7 +2,6 @@
 
 use std::f64::consts::TAU;
 
-use ndarray::ArrayView1;
 use num_complex::Complex64;
 
 use super::FoundHits;
@@ -13,6 +12,8 @@ use crate::digits::{hertz, significant};
 const MAINS: [f64; 2] = [50.0, 60.0];
 /// Highest harmonic that is tested.
 const HARMONICS: u32 = 6;
+/// Least rate to which records are decimated \[Hz\]: block means change the highest harmonic by 1 %.
+const SLOW_HZ: f64 = 4000.0;
 /// Least duration of the record after the blow, in periods of the hum.
 const PERIODS: f64 = 4.0;
 /// Amplitude of a hum relative to the standard error of an amplitude from noise alone.
@@ -33,6 +34,15 @@ impl FoundHits {
     /// [`RodlabError::Step`] for a missing channel.
     pub fn hum(&self, force: &str) -> Result<Vec<String>, RodlabError> {
         let hits = self.accepted();
+        let slow: Vec<(Vec<f64>, f64)> = hits
+            .iter()
+            .map(|hit| {
+                let samples = hit.channel(force);
+                let samples =
+                    samples.map_err(|error| RodlabError::step("comparing hits", error))?;
+                Ok(decimated(samples.to_vec(), hit.sampling_rate_hz()))
+            })
+            .collect::<Result<_, RodlabError>>()?;
         let mut doubts = Vec::new();
         for (mains, harmonic) in MAINS
             .into_iter()
@@ -40,11 +50,8 @@ impl FoundHits {
         {
             let frequency = mains * f64::from(harmonic);
             let (mut hum, mut whole) = (0.0, 0.0);
-            for hit in &hits {
-                let samples = hit
-                    .channel(force)
-                    .map_err(|error| RodlabError::step("comparing hits", error))?;
-                let omega = TAU * frequency / hit.sampling_rate_hz();
+            for (samples, rate_hz) in slow.iter().filter(|(_, rate)| *rate > 2.0 * frequency) {
+                let omega = TAU * frequency / rate_hz;
                 let Some(found) = hum_after_blow(samples, omega) else {
                     continue;
                 };
@@ -64,9 +71,25 @@ impl FoundHits {
     }
 }
 
+/// Means of blocks of samples, at a rate that is still far above the harmonics, and this rate \[Hz\].
+fn decimated(samples: Vec<f64>, rate_hz: f64) -> (Vec<f64>, f64) {
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "a ratio of rates, at least 1"
+    )]
+    let block = (rate_hz / SLOW_HZ).floor().max(1.0) as usize;
+    if block == 1 {
+        return (samples, rate_hz);
+    }
+    let blocks = samples.chunks_exact(block);
+    let means = blocks.map(|block| block.iter().sum::<f64>() / block.len() as f64);
+    (means.collect(), rate_hz / block as f64)
+}
+
 /// Amplitude of a vibration at `omega`, per sample, in the second half of a record, in which the
 /// blow is over; `None` if there is none beyond the noise, or the half is too short.
-fn hum_after_blow(samples: ArrayView1<'_, f64>, omega: f64) -> Option<f64> {
+fn hum_after_blow(samples: &[f64], omega: f64) -> Option<f64> {
     let half = samples.len() / 2;
     let largest = |range: std::ops::Range<usize>| {
         let part = samples.iter().skip(range.start).take(range.len());
@@ -128,28 +151,28 @@ mod tests {
         };
         let noise = |n: usize| 0.05 * ((n * n * 7919 + n * 104_729) % 1009) as f64 / 1009.0;
         let omega = TAU * 50.0 / 8192.0;
-        let with = |hum: f64| -> ndarray::Array1<f64> {
+        let with = |hum: f64| -> Vec<f64> {
             (0..8192)
                 .map(|n| blow(n) + noise(n) + hum * (omega * n as f64 + 0.4).sin())
                 .collect()
         };
-        let found = hum_after_blow(with(0.6).view(), omega).unwrap();
+        let found = hum_after_blow(&with(0.6), omega).unwrap();
         // noise of 0.015 N over 4096 samples
         assert!((found - 0.6).abs() < 2e-3, "{found}");
-        assert_eq!(hum_after_blow(with(0.0).view(), omega), None);
+        assert_eq!(hum_after_blow(&with(0.0), omega), None);
         // the return of a sensor to zero, 5 N with 0.1 s
         let mut returning = with(0.0);
         let each = returning.iter_mut().enumerate().skip(800);
         each.for_each(|(n, x)| *x -= 5.0 * (-(n as f64 - 800.0) / 819.2).exp());
-        assert_eq!(hum_after_blow(returning.view(), omega), None);
+        assert_eq!(hum_after_blow(&returning, omega), None);
         // the second half must contain four periods
-        let short = with(0.6);
-        assert_eq!(
-            hum_after_blow(
-                short.slice_axis(ndarray::Axis(0), ndarray::Slice::from(700..1200)),
-                omega
-            ),
-            None
+        assert_eq!(hum_after_blow(&with(0.6)[700..1200], omega), None);
+        // at a rate half as high the hum is the same
+        let (slow, rate_hz) = decimated(with(0.6), 8192.0);
+        let found = hum_after_blow(&slow, TAU * 50.0 / rate_hz).unwrap();
+        assert!(
+            (rate_hz - 4096.0).abs() < 1e-9 && (found - 0.6).abs() < 2e-3,
+            "{found}"
         );
     }
 }

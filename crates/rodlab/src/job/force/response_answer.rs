@@ -174,8 +174,9 @@ pub(super) fn tell(
             "The peak is below three standard errors: there may be no force at all.".to_owned(),
         );
     }
-    let inside = history.force().iter().skip(window(problem).start);
-    let inside = inside.take(window(problem).len());
+    let acting = window(problem);
+    let inside = history.force().iter().skip(acting.start);
+    let inside = inside.take(acting.len());
     let tension = inside.fold(0.0, |most: f64, force| most.max(-force));
     if tension > peak.force {
         outcome.doubt(format!(
@@ -183,9 +184,18 @@ pub(super) fn tell(
             significant(tension, 3)
         ));
     }
-    compared(problem, solved, bands, outcome);
+    let difference = Difference::of(problem, solved, bands);
+    if let Some(difference) = &difference {
+        compared(difference, solved, bands.level, outcome);
+    }
     warnings(problem, solved, outcome);
-    quantities(problem, solved, bands, (error, impulse_error), outcome);
+    quantities(
+        problem,
+        solved,
+        (bands, difference.as_ref()),
+        (error, impulse_error),
+        outcome,
+    );
     log(solved, outcome);
 }
 
@@ -216,20 +226,17 @@ impl Difference {
 
 /// Compares the force with the measured one in words.
 fn compared(
-    problem: &Problem<'_>,
+    difference: &Difference,
     solved: &ReconstructedForce,
-    bands: &Bands,
+    level: f64,
     outcome: &mut Outcome,
 ) {
-    let Some(difference) = Difference::of(problem, solved, bands) else {
-        return;
-    };
     let by = significant(difference.root_mean_square, 3);
     let inside = difference.inside.map(|inside| 100.0 * inside);
     let of_band = inside.map_or_else(String::new, |inside| {
         format!(
             "; {inside:.0} % of the measured force is inside the {:.0} % band of the whole history",
-            100.0 * bands.level
+            100.0 * level
         )
     });
     outcome.summary.push(format!(
@@ -296,7 +303,7 @@ fn warnings(problem: &Problem<'_>, solved: &ReconstructedForce, outcome: &mut Ou
 fn quantities(
     problem: &Problem<'_>,
     solved: &ReconstructedForce,
-    bands: &Bands,
+    (bands, difference): (&Bands, Option<&Difference>),
     (peak_error, impulse_error): (Option<f64>, Option<f64>),
     outcome: &mut Outcome,
 ) {
@@ -430,7 +437,7 @@ fn quantities(
             &verdict,
         );
     }
-    if let Some(difference) = Difference::of(problem, solved, bands) {
+    if let Some(difference) = difference {
         add(
             "root mean square difference from the measured force",
             "N",
