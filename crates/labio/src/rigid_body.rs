@@ -52,7 +52,8 @@ pub struct CompletedResponse {
     /// term. A large difference from the weighed mass indicates a wrong sensitivity or a body
     /// that is not free.
     pub apparent_mass: f64,
-    /// Standard error of the apparent mass \[kg\], from the scatter of the lines.
+    /// Standard error of the apparent mass \[kg\], from the scatter of the lines and the effect of
+    /// a term in $`s^4`$.
     pub apparent_mass_standard_error: f64,
 }
 
@@ -212,19 +213,36 @@ impl RigidBody {
                 expected: FEWEST_LINES,
             });
         }
-        let [mut w, mut wx, mut wxx, mut wy, mut wxy, mut wxr] = [0.0; 6];
+        let [mut w, mut wx, mut wxx, mut wxr] = [0.0; 4];
         for (s2, ratio, weight) in &lines {
             w += weight;
             wx += weight * s2.re;
             wxx += weight * s2.norm_sqr();
-            wy += weight * ratio.re;
-            wxy += weight * (s2.conj() * ratio).re;
             wxr += weight * (s2.conj() * (ratio - 1.0)).re;
         }
         let elastic = wxr / wxx;
         let determinant = w * wxx - wx * wx;
-        let a = (wxx * wy - wx * wxy) / determinant;
-        let b = (w * wxy - wx * wy) / determinant;
+        // constant and slope over s^2 of a quantity of the lines
+        let straight = |of: &dyn Fn(&(Complex64, Complex64, f64)) -> Complex64| {
+            let (mut wy, mut wxy) = (0.0, 0.0);
+            for line in &lines {
+                let (s2, _, weight) = line;
+                wy += weight * of(line).re;
+                wxy += weight * (s2.conj() * of(line)).re;
+            }
+            let constant = (wxx * wy - wx * wxy) / determinant;
+            (constant, (w * wxy - wx * wy) / determinant)
+        };
+        let (a, b) = straight(&|(_, ratio, _)| *ratio);
+        // a term in s^4 would change the constant by this
+        let (constant, slope) = straight(&|(s2, ..)| s2 * s2);
+        let (mut along, mut square) = (0.0, 0.0);
+        for (s2, ratio, weight) in &lines {
+            let curved = s2 * s2 - constant - slope * s2;
+            along += weight * (curved.conj() * (ratio - a - b * s2)).re;
+            square += weight * curved.norm_sqr();
+        }
+        let truncation = constant * along / square;
         // two real equations per line
         let residual = |constant: f64, slope: f64, n_fitted: f64| {
             let squares = lines
@@ -237,7 +255,7 @@ impl RigidBody {
             elastic_term: elastic / scale,
             elastic_error: (residual(1.0, elastic, 1.0) / wxx).sqrt() / scale,
             apparent_mass: self.mass / a,
-            apparent_mass_error: self.mass * a_error / (a * a),
+            apparent_mass_error: self.mass * a_error.hypot(truncation) / (a * a),
         })
     }
 }

@@ -8,6 +8,7 @@
 //! ),
 //! ```
 
+mod coupling;
 mod criteria;
 mod cut;
 mod exchanged;

@@ -80,7 +80,8 @@ impl Comparison {
         let mut seen: Vec<((Law, usize), Law)> = Vec::new();
         let mut rows = Vec::with_capacity(ranked.len());
         for (score, mut row) in ranked {
-            row.difference = score - least;
+            // scores of too few values are infinite
+            row.difference = if score > least { score - least } else { 0.0 };
             let function = own(&row);
             row.same_as = seen
                 .iter()

@@ -159,8 +159,9 @@ pub(super) struct Scores {
 }
 
 impl Scores {
-    /// Returns the scores; for errors from the residual the scatter is a further parameter, and -2
-    /// ln L is n ln(χ²/n).
+    /// Returns the scores; for errors from the residual the scatter is a further parameter, -2 ln L
+    /// is n ln(χ²/n), and BIC has its correction for few values, p ln n · n/(n - p - 1) (McQuarrie,
+    /// Statistics & Probability Letters 44 (1999) 79).
     pub(super) fn of(
         scale: ErrorScale,
         chi_squared: f64,
@@ -178,9 +179,15 @@ impl Scores {
         } else {
             f64::INFINITY
         };
+        let bic = match scale {
+            ErrorScale::FromResidual if left > 0.0 => deviance + p * n.ln() * n / left,
+            // the residual measures no scatter
+            ErrorScale::FromResidual => f64::INFINITY,
+            _ => deviance + p * n.ln(),
+        };
         Self {
             aicc,
-            bic: deviance + p * n.ln(),
+            bic,
             prediction: match scale {
                 ErrorScale::FromResidual => aicc,
                 _ => deviance + 2.0 * p,

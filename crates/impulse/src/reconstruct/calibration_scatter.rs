@@ -142,20 +142,35 @@ impl CalibrationScatter {
         }
     }
 
-    /// Returns the error of `history`, reconstructed like the blows, over the samples `window`;
-    /// zero outside the window.
+    /// Returns the error of `history`, reconstructed like the blows, over the samples `window`: that
+    /// `known` from noise and the shape of the blow, and where it is smaller than the scatter, an
+    /// independent error that makes up the difference. Without a known error it is zero outside the
+    /// window.
     #[must_use]
-    pub fn error(&self, history: &ForceHistory, window: Range<usize>) -> ForceError {
+    pub fn error(
+        &self,
+        history: &ForceHistory,
+        window: Range<usize>,
+        known: Option<&ForceError>,
+    ) -> ForceError {
         let force = history.force();
         // the part of the window within the record
         let first = window.start.min(force.len());
         let window = first..window.end.clamp(first, force.len());
         let inside = force.get(window.clone()).unwrap_or_default();
+        let none = ForceError::none(force.len());
+        let known = known.unwrap_or(&none);
         let errors = inside
             .iter()
-            .map(|f| self.without_force.hypot(self.relative * f));
-        ForceError::none(force.len())
-            .with_independent(window.start, errors.collect())
+            .zip(known.standard_error().iter().skip(first))
+            .map(|(f, known)| {
+                let scatter = self.without_force.hypot(self.relative * f);
+                (scatter.powi(2) - known.powi(2)).max(0.0).sqrt()
+            });
+        let errors = errors.collect();
+        known
+            .clone()
+            .with_independent(window.start, errors)
             .with_degrees_of_freedom(self.n_blows as f64 - 1.0)
     }
 }

@@ -141,6 +141,34 @@ impl MeanBlow {
         }
     }
 
+    /// Returns the derivatives of the blow m, with its largest value 1 at time 0, with respect to
+    /// the exponent p of $`m^{1+p}`$, and to the skewness q of $`m(t + q\,t^2/T)`$ with half the
+    /// duration T.
+    pub(super) fn deformations(&self) -> [Self; 2] {
+        let (before, after) = self.reach;
+        let of = |value: &dyn Fn(usize) -> f64| Self {
+            fine: (0..self.fine.len()).map(value).collect(),
+            ..*self
+        };
+        let largest = self.fine[self.top];
+        let exponent = |at: usize| {
+            let part = self.fine[at] / largest;
+            // the limit at zero, where forces are rounded or ring
+            if part > 0.0 { self.fine[at] * part.ln() } else { 0.0 }
+        };
+        let span = (self.top.saturating_sub(before * FINER) + 1)..self.top + after * FINER;
+        let half = 0.5 * ((before + after) * FINER) as f64;
+        let skewness = |at: usize| {
+            if !span.contains(&at) || at + 1 >= self.fine.len() {
+                return 0.0;
+            }
+            let slope = 0.5 * (self.fine[at + 1] - self.fine[at - 1]);
+            let from_top = at as f64 - self.top as f64;
+            slope * from_top * from_top / half
+        };
+        [of(&exponent), of(&skewness)]
+    }
+
     /// Returns the samples from `first` on of the blow with its largest value at sample `peak`,
     /// `stretch` times as long.
     #[allow(

@@ -6,7 +6,6 @@ use super::Penalty;
 use super::calibration_scatter::CalibrationLines;
 use super::grid::{Support, lags, toeplitz};
 use super::lines::WeightedLines;
-use super::mean_blow::MeanBlow;
 use super::modes::{Filter, Modes};
 use super::path_errors::PathErrors;
 use super::supposed::{self, CalibrationShape, Told};
@@ -86,12 +85,7 @@ impl Informed {
             |of: &dyn Fn(usize) -> f64| Mat::from_fn(length, length, |i, j| dual[(i, j)] * of(j));
         let weights = by(&|j| counted[j]) * components.transpose();
         let supposed = blows.and_then(|blows| {
-            let mean = MeanBlow::of(&blows.mean_blow, n_samples);
-            let differences = blows.differences.iter().map(|d| mean.difference(d));
-            let blow = CalibrationShape {
-                differences: differences.collect(),
-                mean,
-            };
+            let blow = CalibrationShape::of(&blows.mean_blow, &blows.differences, n_samples);
             let told = (0..length).filter(|j| counted[*j] > 0.0).map(|j| {
                 let side: f64 = (0..length)
                     .map(|i| components[(i, j)] * right_side[i])

@@ -2,6 +2,7 @@
 
 use faer::linalg::solvers::{DenseSolveCore, Solve};
 use faer::{Mat, Side};
+use num_complex::Complex64;
 
 use super::grid::Support;
 use super::mean_blow::MeanBlow;
@@ -20,6 +21,9 @@ const STRETCH_STEP: f64 = 0.04;
 /// logarithm of the stretch. The first two are determined by any blow; durations of blows by one
 /// hammer with different tips, hands and places differ by a third.
 const SPREADS: [f64; 3] = [1.0, 4.0, 0.3];
+/// Prior standard deviations of the exponent and of the skewness of a blow: half sines, versed sines
+/// and triangles differ by factors of 0.6 to 1.5 in the exponent, rise and fall by a third.
+const DEFORMATIONS: [f64; 2] = [0.4, 0.3];
 /// Number of variances s² of the shape that are tried, in half powers of ten from 1 down.
 const VARIANCES: u8 = 15;
 /// Number of alternating fits of blow and variance.
@@ -36,20 +40,41 @@ pub(super) struct Told {
     pub(super) information: f64,
 }
 
-/// The shape of the calibration blows: their mean, and the difference of each from the mean.
+/// The shape of the calibration blows: their mean, the difference of each from the mean, and the
+/// deformations by which blows of other tips, hands and places differ.
 pub(super) struct CalibrationShape {
-    pub(super) mean: MeanBlow,
-    pub(super) differences: Vec<MeanBlow>,
+    mean: MeanBlow,
+    differences: Vec<MeanBlow>,
+    deformations: [MeanBlow; 2],
+}
+
+impl CalibrationShape {
+    /// Takes the spectra of the mean and of the differences, of records of `n_samples` samples.
+    pub(super) fn of(
+        mean: &[Complex64],
+        differences: &[Vec<Complex64>],
+        n_samples: usize,
+    ) -> Self {
+        let mean = MeanBlow::of(mean, n_samples);
+        let differences = differences.iter();
+        Self {
+            differences: differences.map(|one| mean.difference(one)).collect(),
+            deformations: mean.deformations(),
+            mean,
+        }
+    }
 }
 
 /// A blow like the calibration blows, and the precision with which it is assumed.
 ///
 /// The force is $`f = a\,m((t-t_0)/T) + \sum_i c_i\,a\,d_i((t-t_0)/T) + d`$, with the mean
-/// calibration blow m and the differences $`d_i`$ of the calibration blows from it. The response
-/// determines size a, position t₀ and stretch T within wide priors; $`c_i`$ have the variance of
-/// one more blow. The remaining deviation d has the covariance $`s^2 C`$, where C is the covariance
-/// of a force with the spectrum of the blows at any of their durations. ln s² is its posterior mean
-/// given the components that the responses determine, with a prior that is flat from 10⁻⁷ to 1. If
+/// calibration blow m, the differences $`d_i`$ of the calibration blows from it, and its
+/// derivatives with respect to exponent and skewness. The response determines size a, position t₀
+/// and stretch T within wide priors; the $`c_i`$ of differences have the variance of one more blow,
+/// those of the derivatives that of blows by other tips and hands. The remaining deviation d has
+/// the covariance $`s^2 C`$, where C is the covariance of a force with the spectrum of the blows at
+/// any of their durations. s² is its posterior mean given the components that the responses
+/// determine, with a prior of ln s² that is flat from 10⁻⁷ to 1. If
 /// the known part of a force is a calibration blow, the force is assumed to be such a blow beyond
 /// the band too; if it has another shape, its part beyond the band is as uncertain as its shape is
 /// different. The precision of all that is assumed,
@@ -249,7 +274,8 @@ impl Problem<'_> {
     }
 
     /// Returns the derivatives of the samples with respect to the logarithm of the size, the place,
-    /// the logarithm of the stretch, and the parts of the differences of the shape.
+    /// the logarithm of the stretch, the parts of the differences of the shape, and its
+    /// deformations.
     fn derivatives(&self, blow: Blow) -> Vec<Vec<f64>> {
         let by = |step: f64, change: &dyn Fn(f64) -> Blow| -> Vec<f64> {
             let (ahead, behind) = (self.samples(change(step)), self.samples(change(-step)));
@@ -267,8 +293,13 @@ impl Problem<'_> {
                 ..blow
             }),
         ];
-        let differences = self.shape.differences.iter();
-        let of_shape = differences.map(|shape| self.samples_of(shape, blow));
+        let CalibrationShape {
+            differences,
+            deformations,
+            ..
+        } = self.shape;
+        let of_shape = differences.iter().chain(deformations);
+        let of_shape = of_shape.map(|shape| self.samples_of(shape, blow));
         of_blow.into_iter().chain(of_shape).collect()
     }
 
@@ -279,7 +310,9 @@ impl Problem<'_> {
         let of_difference = (n - 3.0).max(1.0) * n / (n + 1.0);
         let of_blow = SPREADS.map(|spread| spread.powi(-2));
         let of_shape = self.shape.differences.iter().map(|_| of_difference);
-        of_blow.into_iter().chain(of_shape).collect()
+        let of_deformation = DEFORMATIONS.map(|spread| spread.powi(-2));
+        let all = of_blow.into_iter().chain(of_shape);
+        all.chain(of_deformation).collect()
     }
 
     /// Linearises the determined components about a blow.
@@ -346,10 +379,10 @@ impl Problem<'_> {
         for (variance, ln) in all {
             let weight = (ln - largest).exp();
             sum += weight;
-            weighted += weight * variance.ln();
+            weighted += weight * variance;
         }
         Some(Shape {
-            variance: (weighted / sum).exp(),
+            variance: weighted / sum,
             ln_probability: largest + sum.ln(),
         })
     }

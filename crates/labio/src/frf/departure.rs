@@ -3,8 +3,9 @@
 use super::{FrequencyResponse, LineValidity};
 use crate::LabioError;
 
-/// Coherence above which lines are compared: below it, noise in the input causes an additional
-/// bias.
+/// Coherence of the reference above which lines are compared: below it, noise in the input biases
+/// the reference. A window that cuts off part of the input lowers the coherence of the other
+/// estimate, which is no reason not to compare it.
 const LEAST_COHERENCE: f64 = 0.9;
 /// Fewest lines for a comparison.
 const FEWEST_LINES: usize = 8;
@@ -40,8 +41,8 @@ impl Departure {
 }
 
 impl FrequencyResponse {
-    /// Returns the difference from another estimate on the same lines, evaluated over the lines
-    /// with a coherence above 0.9 in both estimates. `None` without variances, or with fewer than
+    /// Returns the difference from another estimate on the same lines, evaluated over the lines on
+    /// which the other has a coherence above 0.9. `None` without variances, or with fewer than
     /// eight such lines.
     ///
     /// # Errors
@@ -58,10 +59,15 @@ impl FrequencyResponse {
             });
         }
         let mut figures: [Vec<f64>; 4] = Default::default();
-        for (one, two) in self.known_lines().zip(other.known_lines()) {
+        let coherent = other.coherence.iter().flatten().copied();
+        let coherent = coherent.chain(std::iter::repeat(f64::NAN));
+        for ((one, two), coherence) in self.known_lines().zip(other.known_lines()).zip(coherent) {
             let (Some((value, variance)), Some((reference, other))) = (one, two) else {
                 continue;
             };
+            if coherence.is_nan() || coherence <= LEAST_COHERENCE {
+                continue;
+            }
             let scale = reference.norm();
             let (difference, error) = ((value - reference).norm(), (variance + other).sqrt());
             let line = [
@@ -156,18 +162,14 @@ impl FrequencyResponse {
             .collect())
     }
 
-    /// Returns value and variance of each line; `None` for lines without information or with low
-    /// coherence.
+    /// Returns value and variance of each line; `None` for lines without information.
     fn known_lines(&self) -> impl Iterator<Item = Option<(num_complex::Complex64, f64)>> + '_ {
-        let none = || std::iter::repeat(&f64::NAN);
+        let none = std::iter::repeat(&f64::NAN);
         let lines = self.values.iter().zip(&self.validity);
-        lines
-            .zip(self.variance.iter().flatten().chain(none()))
-            .zip(self.coherence.iter().flatten().chain(none()))
-            .map(|(((value, validity), variance), coherence)| {
-                let known = *validity == LineValidity::Valid && *coherence > LEAST_COHERENCE;
-                known.then_some((*value, *variance))
-            })
+        let variances = self.variance.iter().flatten().chain(none);
+        lines.zip(variances).map(|((value, validity), variance)| {
+            (*validity == LineValidity::Valid).then_some((*value, *variance))
+        })
     }
 }
 
@@ -227,12 +229,14 @@ mod tests {
     #[test]
     fn lines_of_low_coherence_or_without_a_value_are_not_compared() {
         let mut one = response(&[3.0; 12], 1.0);
-        let two = response(&[2.0; 12], 1.0);
+        let mut two = response(&[2.0; 12], 1.0);
         one.validity[0] = LineValidity::NotDefined;
-        if let Some(coherence) = &mut one.coherence {
+        if let Some(coherence) = &mut two.coherence {
             // the limit itself does not count
             (coherence[1], coherence[2], coherence[3]) = (0.9, 0.5, f64::NAN);
         }
+        // a window that cuts off part of the input
+        one.coherence = Some(vec![0.2; 12]);
         let found = one.departure_from(&two).unwrap().unwrap();
         assert!((found.median - 0.5).abs() < 1e-15);
         // eight lines are left; with one line less there is no comparison

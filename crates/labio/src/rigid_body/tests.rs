@@ -116,6 +116,18 @@ fn a_wrong_sensitivity_shows_in_the_apparent_mass() {
     );
     // 20 lines with errors of 0.1 %, two numbers fitted: 1e-3/sqrt 20 times about 2
     assert!(error > 1e-4 * MASS && error < 1e-3 * MASS, "{error}");
+    // a band up to half the first antiresonance, where the neglected (omega L/c)^4/45 is 8e-3
+    let wide = RigidBand {
+        to_hz: 1250.0,
+        ..BAND
+    };
+    let completed = body.complete(&measured(1.0, 1e-5), wide).unwrap();
+    let (found, error) = (
+        completed.apparent_mass,
+        completed.apparent_mass_standard_error,
+    );
+    assert!((found - MASS).abs() > 1e-4 * MASS, "{found}");
+    assert!((found - MASS).abs() < 2.0 * error, "{found} {error}");
     assert!((completed.apparent_mass - MASS).abs() > 20.0 * error);
 }
 

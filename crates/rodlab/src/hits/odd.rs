@@ -30,8 +30,20 @@ impl FoundHits {
     ///
     /// [`RodlabError::Step`] for a missing channel.
     pub fn compare(&mut self, input: &str, outputs: &[&str]) -> Result<Vec<String>, RodlabError> {
-        let comparing = |error| RodlabError::step("comparing hits", error);
         let mut doubts = self.exchanged(input, outputs)?;
+        doubts.extend(self.odd(input, outputs)?);
+        Ok(doubts)
+    }
+
+    /// Compares each accepted hit with the response of `outputs` to `input` in all other hits, as
+    /// [`Self::compare`], for two responses of which neither is the cause of the other.
+    ///
+    /// # Errors
+    ///
+    /// [`RodlabError::Step`] for a missing channel.
+    pub fn odd(&mut self, input: &str, outputs: &[&str]) -> Result<Vec<String>, RodlabError> {
+        let comparing = |error| RodlabError::step("comparing hits", error);
+        let mut doubts = Vec::new();
         let (numbers, hits) = self.numbered();
         let channels: Vec<&str> = std::iter::once(input)
             .chain(outputs.iter().copied())

@@ -12,6 +12,7 @@ mod figures;
 mod master;
 mod nomogram;
 mod outcome;
+mod result_table;
 mod shifted;
 mod steps;
 mod table_file;

@@ -186,7 +186,9 @@ fn find(
     }
     outcome.warnings.extend(found.reversed(&sheet.input)?);
     if sheet.force_window.is_none() {
-        for doubt in found.hum(&sheet.input)? {
+        let from_hz = sheet.band.as_ref().map(|band| band.from.si());
+        let coupling = found.coupling(&sheet.input, from_hz)?;
+        for doubt in found.hum(&sheet.input)?.into_iter().chain(coupling) {
             outcome.doubt(doubt);
         }
     }

@@ -269,7 +269,8 @@ impl HitsSource {
         }
         outcome.warnings.extend(found.reversed(&self.force)?);
         if self.force_window.is_none() {
-            for doubt in found.hum(&self.force)? {
+            let coupling = found.coupling(&self.force, None)?;
+            for doubt in found.hum(&self.force)?.into_iter().chain(coupling) {
                 outcome.doubt(doubt);
             }
         }

@@ -4,6 +4,7 @@ use labio::format::csv::{Columns, CsvOptions, TableColumn, read_columns};
 use labio::format::{self, Strictness};
 use labio::{ContentHash, LabioError, Ordinate, Place};
 
+use super::result_table;
 use super::units::{self, UnitsSheet, Wanted};
 use crate::outcome::{InputFile, LogEntry};
 use crate::records::Selector;
@@ -43,6 +44,9 @@ impl TableFile {
     /// table without anybody noticing.
     pub(super) fn of(bytes: &[u8], path: String, table: &str) -> Result<Self, RodlabError> {
         let reading = |error| RodlabError::step(format!("{table}: reading {path}"), error);
+        let mut log = Vec::new();
+        let original = bytes;
+        let bytes: &[u8] = &result_table::as_numbers(original, &path, &mut log);
         let format = format::recognise(bytes).map(format::Reader::name);
         if format.is_some_and(|format| format != "csv") {
             return Err(RodlabError::request(
@@ -58,7 +62,6 @@ impl TableFile {
         let mut columns = read_columns(bytes, Strictness::Tolerant, &options).map_err(reading)?;
         let last = columns.lines.last().copied().unwrap_or(0);
         let mut warnings = Vec::new();
-        let mut log = Vec::new();
         let mut beyond: Vec<String> = Vec::new();
         for defect in std::mem::take(&mut columns.defects) {
             match line_of_row(&defect) {
@@ -74,14 +77,14 @@ impl TableFile {
         }
         // if the last line is not a row, no number of a row can be cut
         if beyond.is_empty() {
-            warnings.extend(cut_short::warning(bytes, "csv", &path).map(|text| text + "."));
+            warnings.extend(cut_short::warning(original, "csv", &path).map(|text| text + "."));
         }
         Ok(Self {
             input: InputFile {
                 path: path.clone(),
                 format: "csv".to_owned(),
-                bytes: bytes.len() as u64,
-                sha256: ContentHash::of(bytes).to_string(),
+                bytes: original.len() as u64,
+                sha256: ContentHash::of(original).to_string(),
                 pattern: None,
             },
             path,

@@ -6,6 +6,7 @@ use super::response_problem::{
     FEWEST_AT_REST, Noise, Problem, further_place, problem, scatter_about_mean,
 };
 use super::response_sheet::{NoiseSheet, PathSheet, ResponseSheet};
+use super::response_solve::HitsInBand;
 use super::{response_answer, response_figures, response_solve, response_tables};
 use crate::digits::short;
 use crate::hits::FoundHits;
@@ -145,7 +146,15 @@ pub(super) fn run(
         }
         if sheet.acting.is_none() {
             span = response_solve::span_of(hits, &accepted)?;
-            problem.acting = response_solve::acting_like_hits(&problem, span, outcome)?;
+            let of_hits = match span {
+                Some(span) => HitsInBand::of(sheet, hits, &accepted, span)?,
+                None => None,
+            };
+            problem.acting =
+                response_solve::acting_like_hits(&problem, span, of_hits.as_ref(), outcome)?;
+            if problem.acting.is_none() {
+                problem.lost_in_band = of_hits.map(|hits| hits.lost);
+            }
         }
     }
     if !problem.further.is_empty() {

@@ -96,7 +96,7 @@ pub(super) fn bands(
         (square / draws as f64).sqrt()
     });
     let error = match scatter.filter(is_beyond_noise) {
-        Some(scatter) => Some(scatter.error(history, window.clone())),
+        Some(scatter) => Some(scatter.error(history, window.clone(), by_noise)),
         None => by_noise.cloned(),
     };
     let band = |band: ForceBand| {
@@ -164,11 +164,24 @@ pub(super) fn tell(
         Some(_) => "",
         None => ", with an unknown error",
     };
+    let band = problem.sheet.band.as_ref();
+    let band = band.filter(|_| problem.acting.is_none());
+    let in_band = band.map_or_else(String::new, |band| {
+        format!(" between {} and {}", band.from, band.to)
+    });
     outcome.summary.push(format!(
-        "The peak force is {}{unknown} at {:.4} ms of the record, with {impulse}.",
+        "The peak force{in_band} is {}{unknown} at {:.4} ms of the record, with {impulse}.",
         with_unit(peak.force, error, "N"),
         1e3 * peak.time,
     ));
+    if let Some(lost) = problem.lost_in_band
+        && lost * peak.force > error.unwrap_or(0.0)
+    {
+        outcome.doubt(format!(
+            "the force has no part outside the band, in which the peaks of the calibration hits are {:.0} % lower: state `acting`, or a wider band",
+            100.0 * lost
+        ));
+    }
     if error.is_some_and(|error| peak.force < 3.0 * error) {
         outcome.warnings.push(
             "The peak is below three standard errors: there may be no force at all.".to_owned(),

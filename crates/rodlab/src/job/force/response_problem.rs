@@ -24,6 +24,8 @@ pub(super) struct Problem<'a> {
     pub(super) rest: Option<f64>,
     /// Time in which the force acts: as stated in the sheet, or as long as the calibration blows.
     pub(super) acting: Option<TimeInterval>,
+    /// Mean fraction of the peak that a force in the band has lost, from calibration hits.
+    pub(super) lost_in_band: Option<f64>,
     /// The measured force, if there is one.
     pub(super) measured: Option<Vec<f64>>,
 }
@@ -118,6 +120,7 @@ pub(super) fn problem<'a>(
             from: acting.from.si(),
             to: acting.to.si(),
         }),
+        lost_in_band: None,
         measured,
     })
 }

@@ -26,6 +26,10 @@ const LONGEST: usize = 512;
 /// force there.
 const ELSEWHERE: f64 = 0.1;
 
+/// Ringing of a force in a band outside its duration, as a multiple of that of calibration hits:
+/// shorter blows ring more.
+const RINGING: f64 = 1.5;
+
 impl ParameterSheet {
     fn parameter(self) -> Parameter {
         match self {
@@ -277,11 +281,66 @@ pub(super) fn span_of(
     Ok(span.filter(|span| span.before + span.after < LONGEST))
 }
 
+/// Index and value of the largest sample.
+fn largest(force: &[f64]) -> Option<(usize, f64)> {
+    let all = force.iter().copied().enumerate();
+    all.max_by(|(_, a), (_, b)| a.total_cmp(b))
+}
+
+/// Position of the span about the peak of a force, and the largest force outside this span as a
+/// fraction of the peak.
+fn about_peak(span: BlowSpan, force: &[f64]) -> Option<(Range<usize>, f64)> {
+    let (at, peak) = largest(force)?;
+    let window = span.about(at, force.len());
+    let outside = force.iter().enumerate();
+    let outside = outside.filter(|(index, _)| !window.contains(index));
+    let elsewhere = outside.fold(0.0_f64, |top, (_, f)| top.max(f.abs()));
+    Some((window, elsewhere / peak))
+}
+
+/// The part of calibration hits within the band of the sheet.
+pub(super) struct HitsInBand {
+    /// Largest force outside the span of a hit, as a fraction of its peak.
+    outside: f64,
+    /// Mean fraction of the peak that the band does not contain.
+    pub(super) lost: f64,
+}
+
+impl HitsInBand {
+    /// Returns `None` without a band.
+    pub(super) fn of(
+        sheet: &ResponseSheet,
+        hits: &HitsSource,
+        records: &[&Record],
+        span: BlowSpan,
+    ) -> Result<Option<Self>, RodlabError> {
+        let Some(band) = band(sheet) else {
+            return Ok(None);
+        };
+        let (mut outside, mut lost) = (0.0_f64, 0.0);
+        let forces = forces_of(hits, records)?;
+        for (force, record) in forces.iter().zip(records) {
+            let inside = band.of(force, record.sampling_rate_hz());
+            let peaks = largest(force).zip(largest(&inside));
+            let Some((((_, whole), (_, part)), (_, elsewhere))) =
+                peaks.zip(about_peak(span, &inside))
+            else {
+                return Ok(None);
+            };
+            outside = outside.max(elsewhere);
+            lost += (1.0 - part / whole) / forces.len() as f64;
+        }
+        Ok(Some(Self { outside, lost }))
+    }
+}
+
 /// Time in which the force acts: as long as the calibration hits, about the peak of the force by
-/// division; `None` if there is force at other times.
+/// division; `None` if there is force at other times. A force in a band rings outside this time,
+/// as the calibration hits do in the band.
 pub(super) fn acting_like_hits(
     problem: &Problem<'_>,
     span: Option<BlowSpan>,
+    hits: Option<&HitsInBand>,
     outcome: &mut Outcome,
 ) -> Result<Option<TimeInterval>, RodlabError> {
     let Some(span) = span else { return Ok(None) };
@@ -303,23 +362,13 @@ pub(super) fn acting_like_hits(
     let force: Vec<f64> = (divided.history.force().iter().enumerate())
         .map(|(n, f)| f * (-decay * n as f64 / problem.sampling_rate_hz).exp())
         .collect();
-    let largest = force
-        .iter()
-        .enumerate()
-        .max_by(|(_, a), (_, b)| a.total_cmp(b));
-    let Some((at, peak)) = largest else {
+    let Some((window, elsewhere)) = about_peak(span, &force) else {
         return Ok(None);
     };
-    let window = span.about(at, force.len());
-    let elsewhere = force
-        .iter()
-        .enumerate()
-        .filter(|(index, _)| !window.contains(index))
-        .fold(0.0_f64, |top, (_, f)| top.max(f.abs()));
-    if elsewhere > ELSEWHERE * peak {
+    if elsewhere > ELSEWHERE + hits.map_or(0.0, |hits| RINGING * hits.outside) {
         outcome.warnings.push(format!(
             "By division, the force reaches {:.0} % of its peak outside the duration of a calibration hit: the force is sought over the whole record. State `acting` if it is known.",
-            100.0 * elsewhere / peak
+            100.0 * elsewhere
         ));
         return Ok(None);
     }
@@ -386,10 +435,7 @@ pub(super) fn scatter(
             .map_err(|error| RodlabError::step("problem.path", error))?
             .to_vec();
         let measured = problem.in_band(&measured);
-        let largest = measured
-            .iter()
-            .enumerate()
-            .max_by(|(_, a), (_, b)| a.total_cmp(b));
+        let largest = largest(&measured);
         // the support moves along with a hit that begins elsewhere in its record
         let (window, acting) = match (span, largest) {
             (Some(span), Some((at, _))) => {

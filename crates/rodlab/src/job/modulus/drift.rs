@@ -110,6 +110,10 @@ pub(super) fn trend(
     }))
 }
 
+/// Difference between the stated and the found change with temperature, in standard errors, beyond
+/// which they contradict each other: one in a thousand by chance.
+const APART: f64 = 3.3;
+
 /// Reports the trend. A trend that changes E' over the hits by more than its error puts the result
 /// in doubt.
 pub(super) fn state(
@@ -193,9 +197,27 @@ pub(super) fn referred(
     let temperatures = temperatures(sheet, measured)?.unwrap_or_default();
     let mean = temperatures.iter().sum::<f64>() / temperatures.len() as f64;
     let (slope, error, source) = match (&stated.slope, trend) {
-        (Some(slope), _) => {
+        (Some(slope), trend) => {
             let slope = slope.with_uncertainty();
-            (slope.value, slope.uncertainty(), "stated")
+            let (value, error) = (slope.value, slope.uncertainty());
+            if let Some(Trend {
+                trend,
+                over_temperature: true,
+                ..
+            }) = trend
+                && (value - trend.slope).abs() > APART * error.hypot(trend.standard_error)
+            {
+                outcome.doubt(format!(
+                    "the stated change of the modulus with temperature, {} % per kelvin, contradicts that of the hits, {} %",
+                    significant(100.0 * value, 3),
+                    with_error(
+                        Some(100.0 * trend.slope),
+                        Some(100.0 * trend.standard_error)
+                    )
+                    .replace('−', "-")
+                ));
+            }
+            (value, error, "stated")
         }
         (
             None,

@@ -62,7 +62,10 @@ pub(super) fn of_hits(
         found.leave_out_tail(&taken, "source.tail")?;
     }
     settings.extend(found.settings().iter().cloned());
-    let doubts = expect_independent(&[&found], &taken)?;
+    let mut doubts = expect_independent(&[&found], &taken)?;
+    if let FromHits::Ratio(numerator, denominator) = &from_hits {
+        doubts.extend(found.odd(denominator, &[numerator])?);
+    }
     let n_silent = silent_samples(&found, silent, ("source.silent", None), settings)?;
     if let Some((n_silent, stated)) = n_silent.zip(silent) {
         expect_silence(

@@ -99,6 +99,16 @@ pub(super) fn modes(
             significant(strongest, 5)
         ));
     }
+    let divisor = poles.found.iter().map(|pole| pole.order).reduce(divisor);
+    if let Some(divisor) = divisor
+        && divisor > 1
+        && poles.found.len() > 1
+    {
+        measured.doubts.push(format!(
+            "every mode that was found has a multiple of {divisor} as its number: the wave speed is probably {divisor} times that stated, or about {} m/s",
+            significant(f64::from(divisor) * wave_speed.si(), 2)
+        ));
+    }
     if poles.found.is_empty() {
         measured.missing = format!(
             "no mode stands out near the frequencies expected for a wave speed of {wave_speed} and a length of {} m",
@@ -110,4 +120,9 @@ pub(super) fn modes(
         frequency_hz: poles.found.iter().map(|pole| pole.s.im / TAU).collect(),
         poles: poles.found,
     }))
+}
+
+/// Greatest common divisor.
+fn divisor(a: u32, b: u32) -> u32 {
+    if b == 0 { a } else { divisor(b, a % b) }
 }

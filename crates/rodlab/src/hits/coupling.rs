@@ -1,0 +1,143 @@
+//! Test for a force that does not return to zero after the blow.
+
+use std::f64::consts::TAU;
+use std::ops::Range;
+
+use labio::Record;
+use num_complex::Complex64;
+
+use super::FoundHits;
+use crate::RodlabError;
+use crate::digits::{hertz, significant};
+
+/// Part of its peak above which the force belongs to the blow.
+const OF_BLOW: f64 = 0.05;
+/// Least number of samples at rest before a blow.
+const FEWEST_AT_REST: usize = 16;
+/// Relative error of a line that is tolerated.
+const TOLERATED: f64 = 0.02;
+/// Least ratio of the mean over the hits to its standard error.
+const ABOVE_CHANCE: f64 = 4.0;
+/// The lowest line that is used unless a band is stated: a multiple of the spacing of lines.
+const LOWEST_LINE: f64 = 4.0;
+
+impl FoundHits {
+    /// Returns a reason for doubt if what the `force` does after the blow changes its spectrum at
+    /// `from_hz`, the lowest frequency of the band, by more than 2 %, alike in all hits: the
+    /// undershoot of an AC coupling, or a drift of the sensor. A body that is free of the hammer
+    /// exerts no force.
+    ///
+    /// # Errors
+    ///
+    /// [`RodlabError::Step`] for a missing channel.
+    pub fn coupling(
+        &self,
+        force: &str,
+        from_hz: Option<f64>,
+    ) -> Result<Option<String>, RodlabError> {
+        let hits = self.accepted();
+        let from_hz = from_hz.filter(|f| *f > 0.0).or_else(|| {
+            let longest = hits.iter().map(|hit| hit.duration());
+            longest.reduce(f64::max).map(|span| LOWEST_LINE / span)
+        });
+        let Some(from_hz) = from_hz else {
+            return Ok(None);
+        };
+        let mut ratios = Vec::with_capacity(hits.len());
+        for hit in hits {
+            ratios.extend(ratio_after_blow(hit, force, from_hz)?);
+        }
+        let n = ratios.len() as f64;
+        let mean = ratios.iter().sum::<Complex64>() / n;
+        let square: f64 = ratios.iter().map(|ratio| (ratio - mean).norm_sqr()).sum();
+        let error = (square / (n * (n - 1.0))).sqrt();
+        let is_alike = n > 1.0 && mean.norm() > ABOVE_CHANCE * error;
+        Ok((is_alike && mean.norm() > TOLERATED).then(|| {
+            format!(
+                "`{force}` does not return to zero after the blow, which changes its spectrum by {} % at {} and less above: its amplifier is AC-coupled, or its sensor \
+                 drifts; use higher frequencies only, or state a force window",
+                significant(100.0 * mean.norm(), 2),
+                hertz(from_hz)
+            )
+        }))
+    }
+}
+
+/// Ratio of the spectrum of the force after the blow to that of the blow at a frequency; `None`
+/// without a rest before the blow.
+fn ratio_after_blow(
+    hit: &Record,
+    force: &str,
+    frequency_hz: f64,
+) -> Result<Option<Complex64>, RodlabError> {
+    let samples = hit.channel(force);
+    let samples = samples.map_err(|error| RodlabError::step("comparing hits", error))?;
+    let omega = TAU * frequency_hz / hit.sampling_rate_hz();
+    Ok(ratio(&samples.to_vec(), omega))
+}
+
+fn ratio(samples: &[f64], omega: f64) -> Option<Complex64> {
+    let (first, end) = extent(samples)?;
+    // room for the edges of a filter
+    let beside = end - first;
+    let before = first.saturating_sub(beside);
+    if before < FEWEST_AT_REST {
+        return None;
+    }
+    let rest = samples.iter().take(before).sum::<f64>() / before as f64;
+    let sum = |range: Range<usize>| -> Complex64 {
+        let part = samples.iter().enumerate();
+        part.skip(range.start)
+            .take(range.len())
+            .map(|(n, x)| (x - rest) * Complex64::cis(-omega * n as f64))
+            .sum()
+    };
+    let over = (end + beside).min(samples.len());
+    let blow = sum(before..over);
+    (blow.norm() > 0.0).then(|| sum(over..samples.len()) / blow)
+}
+
+/// First sample of the blow, and the first after it.
+fn extent(samples: &[f64]) -> Option<(usize, usize)> {
+    let magnitudes = samples.iter().map(|x| x.abs()).enumerate();
+    let (at, peak) = magnitudes.max_by(|(_, a), (_, b)| a.total_cmp(b))?;
+    let acts = |x: &&f64| x.abs() > OF_BLOW * peak;
+    let after = samples.iter().skip(at).take_while(acts).count();
+    let before = samples.iter().take(at).rev().take_while(acts).count();
+    Some((at - before, at + after))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The high-pass 1/(1 + ω_c/(iω)) of an AC coupling at 5 Hz takes away ω_c/ω = 0.25 at 20 Hz,
+    /// to first order in it, with the phase of an integral.
+    #[test]
+    fn an_ac_coupling_leaves_an_undershoot() {
+        let rate_hz = 8192.0;
+        let omega = TAU * 20.0 / rate_hz;
+        let blow = |n: usize| {
+            let x = (n as f64 - 800.0) / 4.0;
+            let inside = (0.0..=1.0).contains(&x);
+            if inside { (std::f64::consts::PI * x).sin() } else { 0.0 }
+        };
+        // an offset is no undershoot
+        let force: Vec<f64> = (0..65_536).map(|n| blow(n) + 0.01).collect();
+        assert!(ratio(&force, omega).unwrap().norm() < 1e-9);
+        let decay = (-TAU * 5.0 / rate_hz).exp();
+        let (mut last, mut state) = (0.0, 0.0);
+        let coupled: Vec<f64> = (0..65_536)
+            .map(|n| {
+                state = decay * (state + blow(n) - last);
+                last = blow(n);
+                state
+            })
+            .collect();
+        let found = ratio(&coupled, omega).unwrap();
+        let expected = -(1.0 / (1.0 + Complex64::new(0.0, 4.0)));
+        // the undershoot of the first 0.7 ms counts as part of the blow: 2 %
+        assert!((found - expected).norm() < 0.03, "{found}");
+        assert_eq!(ratio(&coupled[795..], omega), None);
+    }
+}
