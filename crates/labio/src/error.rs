@@ -288,7 +288,7 @@ pub enum LabioError {
         limit: u64,
     },
     /// The bytes are in no known format.
-    #[error("the {n_bytes} bytes that begin with \"{}\" are not in a known format ({}){}", head.escape_default(), known.join(", "), way_out(head))]
+    #[error("{}", unknown_format(head, *n_bytes, known))]
     UnknownFormat {
         /// The first bytes, each as a Latin-1 character.
         head: String,
@@ -396,6 +396,18 @@ pub(crate) fn malformed(
 
 /// Suggestion for a file of a known but unsupported kind, recognised by its first bytes: its kind,
 /// and how to convert it to a supported one; empty for an unknown kind.
+fn unknown_format(head: &str, n_bytes: usize, known: &[&str]) -> String {
+    if n_bytes == 0 {
+        return "the file is empty".to_owned();
+    }
+    format!(
+        "the {n_bytes} bytes that begin with \"{}\" are not in a known format ({}){}",
+        head.escape_default(),
+        known.join(", "),
+        way_out(head)
+    )
+}
+
 fn way_out(head: &str) -> &'static str {
     const KNOWN: [(&str, &str); 9] = [
         ("\x1f\u{8b}", "; gzip: unpack it"),

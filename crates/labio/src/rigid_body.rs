@@ -234,6 +234,13 @@ impl RigidBody {
             (constant, (w * wxy - wx * wy) / determinant)
         };
         let (a, b) = straight(&|(_, ratio, _)| *ratio);
+        // two real equations per line
+        let residual = |constant: f64, slope: f64, n_fitted: f64| {
+            let squares = lines
+                .iter()
+                .map(|(s2, ratio, weight)| weight * (ratio - constant - slope * s2).norm_sqr());
+            squares.sum::<f64>() / (2.0 * lines.len() as f64 - n_fitted)
+        };
         // a term in s^4 would change the constant by this
         let (constant, slope) = straight(&|(s2, ..)| s2 * s2);
         let (mut along, mut square) = (0.0, 0.0);
@@ -243,19 +250,14 @@ impl RigidBody {
             square += weight * curved.norm_sqr();
         }
         let truncation = constant * along / square;
-        // two real equations per line
-        let residual = |constant: f64, slope: f64, n_fitted: f64| {
-            let squares = lines
-                .iter()
-                .map(|(s2, ratio, weight)| weight * (ratio - constant - slope * s2).norm_sqr());
-            squares.sum::<f64>() / (2.0 * lines.len() as f64 - n_fitted)
-        };
+        // how well this is known
+        let curvature = constant * (residual(a, b, 2.0) / square).sqrt();
         let a_error = (residual(a, b, 2.0) * wxx / determinant).sqrt();
         Ok(Fit {
             elastic_term: elastic / scale,
             elastic_error: (residual(1.0, elastic, 1.0) / wxx).sqrt() / scale,
             apparent_mass: self.mass / a,
-            apparent_mass_error: self.mass * a_error.hypot(truncation) / (a * a),
+            apparent_mass_error: self.mass * a_error.hypot(truncation).hypot(curvature) / (a * a),
         })
     }
 }

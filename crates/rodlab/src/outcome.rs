@@ -75,7 +75,8 @@ impl Outcome {
     }
 
     /// Puts the answer in doubt because a check fails; `reason` names the check, as a clause
-    /// without a full stop. The verdict `NotAllowed` is kept, and repeated reasons count once.
+    /// without a full stop. Repeated reasons count once. If the data do not allow an answer, the
+    /// reason becomes a warning: it may explain why.
     pub fn doubt(&mut self, reason: impl Into<String>) {
         let reason = reason.into();
         match &mut self.verdict {
@@ -86,7 +87,23 @@ impl Outcome {
             }
             Verdict::InDoubt { reasons } if reasons.contains(&reason) => {}
             Verdict::InDoubt { reasons } => reasons.push(reason),
-            Verdict::NotAllowed { .. } => {}
+            Verdict::NotAllowed { .. } => {
+                let warning = sentence(&reason);
+                if !self.warnings.contains(&warning) {
+                    self.warnings.push(warning);
+                }
+            }
+        }
+    }
+
+    /// States that the data do not allow an answer, for this `reason`, a clause without a full stop.
+    /// Earlier doubts become warnings: they may explain why.
+    pub fn refuse(&mut self, reason: impl Into<String>) {
+        let reason = reason.into();
+        let earlier = std::mem::replace(&mut self.verdict, Verdict::NotAllowed { reason });
+        if let Verdict::InDoubt { reasons } = earlier {
+            self.warnings
+                .extend(reasons.iter().map(|one| sentence(one)));
         }
     }
 
@@ -411,4 +428,11 @@ pub struct Attachment {
     pub name: String,
     /// Its bytes.
     pub bytes: Vec<u8>,
+}
+
+/// A clause as a sentence.
+fn sentence(clause: &str) -> String {
+    let mut letters = clause.chars();
+    let first = letters.next().into_iter().flat_map(char::to_uppercase);
+    first.chain(letters).chain(['.']).collect()
 }

@@ -151,8 +151,11 @@ impl Rig {
     #[must_use]
     pub fn template(self, language: Language) -> &'static str {
         match self {
+            Self::TwoAccelerometers => sheets!(language, "two-accelerometers"),
             Self::ThreeGauges => sheets!(language, "three-gauges"),
-            _ => self.job().template(language),
+            Self::HammerFrf => sheets!(language, "hammer-frf"),
+            // the job has no other arrangement
+            Self::HopkinsonBar | Self::Shpb | Self::Dma => self.job().template(language),
         }
     }
 }

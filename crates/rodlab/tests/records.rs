@@ -222,9 +222,9 @@ fn what_a_file_tells_is_believed_and_contradictions_are_said() {
         ],
     );
     insta::assert_snapshot!(said, @r"
-    records.sampling_rate is 2048 Hz, expected 1023.54 Hz, as stated in hit.csv, or no statement
+    records.sampling_rate is 2048 Hz, expected 1023.54 Hz, as stated in hit.csv, or the field left out
     records.channels[0].from is `hamer`, expected one of `hammer`, `end A` (hit.csv)
-    records.channels[0].unit is m/s2, expected `g`, as stated in hit.csv, or no statement; if the unit of the file is wrong, correct it by `gain`
+    records.channels[0].unit is m/s2, expected `g`, as stated in hit.csv, or the field left out; if the unit of the file is wrong, correct it by `gain`
     records.channels[0].unit is a strain of 40.0 (hit.csv), expected at most 10: microstrain is `um/m`
     ");
 }

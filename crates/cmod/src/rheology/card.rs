@@ -83,7 +83,20 @@ pub struct MaterialCard<'a> {
     law: GeneralisedMaxwell,
     /// Series with its errors, if it comes from a fit.
     measured: Option<MeasuredLaw>,
+    /// Largest deviation from the fitted series, if it comes from a fit.
+    deviation: Option<CardDeviation>,
     comments: Vec<String>,
+}
+
+/// Largest difference between a card, whose relaxation times are within the band, and the series
+/// that was fitted.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub struct CardDeviation {
+    /// Difference of the complex moduli relative to |E|.
+    pub relative: f64,
+    /// Frequency of this difference [Hz].
+    pub frequency_hz: f64,
 }
 
 impl<'a> MaterialCard<'a> {
@@ -134,16 +147,28 @@ impl<'a> MaterialCard<'a> {
             hertz(lowest),
             hertz(highest)
         ));
-        let lines = own.law.response(data).into_iter().zip(&data.modulus);
-        let (deviation, at) = lines
-            .zip(&data.omega)
-            .map(|((law, modulus), omega)| ((law / modulus - 1.0).norm(), *omega))
-            .fold((0.0, lowest), |a, b| if a.0 >= b.0 { a } else { b });
-        card.comments.push(format!(
-            "largest deviation from the data: {:.2e} % of |E|, at {:.3e} Hz",
-            100.0 * deviation,
-            hertz(at)
-        ));
+        let response = own.law.response(data);
+        let largest = |other: &[Complex64]| {
+            let (relative, at) = (response.iter().zip(other).zip(&data.omega))
+                .map(|((law, other), omega)| ((law / other - 1.0).norm(), *omega))
+                .fold((0.0, lowest), |a, b| if a.0 >= b.0 { a } else { b });
+            CardDeviation {
+                relative,
+                frequency_hz: hertz(at),
+            }
+        };
+        let of_series = largest(&fit.law.response(data));
+        card.deviation = Some(of_series);
+        for (from, deviation) in [
+            ("data", largest(&data.modulus)),
+            ("fitted series", of_series),
+        ] {
+            card.comments.push(format!(
+                "largest deviation from the {from}: {:.2e} % of |E|, at {:.3e} Hz",
+                100.0 * deviation.relative,
+                deviation.frequency_hz
+            ));
+        }
         card.comments
             .push("modulus with its standard uncertainty".to_owned());
         for omega in [lowest, (lowest * highest).sqrt(), highest] {
@@ -223,6 +248,13 @@ impl<'a> MaterialCard<'a> {
         Ok(self)
     }
 
+    /// Returns the largest deviation from the series of the fit; `None` if the card is not that of
+    /// a fit.
+    #[must_use]
+    pub fn deviation(&self) -> Option<CardDeviation> {
+        self.deviation
+    }
+
     /// Returns the instantaneous Poisson ratio.
     fn ratio(&self, bulk: BulkBehaviour) -> f64 {
         match bulk {
@@ -287,6 +319,7 @@ impl<'a> MaterialCard<'a> {
             instantaneous_ratio: poisson_ratio,
             law: law.clone(),
             measured: None,
+            deviation: None,
             comments: Vec::new(),
         })
     }

@@ -335,7 +335,7 @@ mod tests {
         let scatter = CalibrationScatter::of(&blows, 10..50).unwrap();
         assert!((scatter.without_force - 2.0).abs() < 1e-12);
         assert!((scatter.relative - 0.03).abs() < 1e-12);
-        let error = scatter.error(blows[0].reconstructed, 10..50);
+        let error = scatter.error(blows[0].reconstructed, 10..50, None);
         assert!((error.standard_error()[15] - 2.0).abs() < 1e-12);
         assert!((error.standard_error()[30] - 2.0_f64.hypot(15.0)).abs() < 1e-12);
         assert!(error.standard_error()[5].abs() < f64::MIN_POSITIVE);

@@ -154,7 +154,11 @@ impl MeanBlow {
         let exponent = |at: usize| {
             let part = self.fine[at] / largest;
             // the limit at zero, where forces are rounded or ring
-            if part > 0.0 { self.fine[at] * part.ln() } else { 0.0 }
+            if part > 0.0 {
+                self.fine[at] * part.ln()
+            } else {
+                0.0
+            }
         };
         let span = (self.top.saturating_sub(before * FINER) + 1)..self.top + after * FINER;
         let half = 0.5 * ((before + after) * FINER) as f64;

@@ -24,6 +24,9 @@ const SPREADS: [f64; 3] = [1.0, 4.0, 0.3];
 /// Prior standard deviations of the exponent and of the skewness of a blow: half sines, versed sines
 /// and triangles differ by factors of 0.6 to 1.5 in the exponent, rise and fall by a third.
 const DEFORMATIONS: [f64; 2] = [0.4, 0.3];
+/// Deviation of the shape of a blow from the calibration blows that is assumed beyond the deviation
+/// by deformations, relative to it.
+const REMAINDER: f64 = 0.3;
 /// Number of variances s² of the shape that are tried, in half powers of ten from 1 down.
 const VARIANCES: u8 = 15;
 /// Number of alternating fits of blow and variance.
@@ -50,11 +53,7 @@ pub(super) struct CalibrationShape {
 
 impl CalibrationShape {
     /// Takes the spectra of the mean and of the differences, of records of `n_samples` samples.
-    pub(super) fn of(
-        mean: &[Complex64],
-        differences: &[Vec<Complex64>],
-        n_samples: usize,
-    ) -> Self {
+    pub(super) fn of(mean: &[Complex64], differences: &[Vec<Complex64>], n_samples: usize) -> Self {
         let mean = MeanBlow::of(mean, n_samples);
         let differences = differences.iter();
         Self {
@@ -145,6 +144,7 @@ pub(super) fn blow(
     let (blow, variance) = problem.most_probable(components)?;
     let length = support.length;
     let derivatives = problem.derivatives(blow);
+    let variance = variance.max(problem.beyond_deformation(blow, variance, &derivatives)?);
     let moved: Vec<Vec<f64>> = derivatives
         .iter()
         .map(|d| {
@@ -224,6 +224,26 @@ impl Problem<'_> {
         let (blow, shape) =
             all.max_by(|(_, a), (_, b)| a.ln_probability.total_cmp(&b.ln_probability))?;
         Some((blow, shape.variance))
+    }
+
+    /// Returns the least variance of the shape of a blow that differs from the calibration blows as
+    /// far as the determined components show: what differs to first order also differs beyond it.
+    fn beyond_deformation(
+        &self,
+        blow: Blow,
+        variance: f64,
+        derivatives: &[Vec<f64>],
+    ) -> Option<f64> {
+        let (matrix, side) = self
+            .linearised(blow)
+            .normal_equations(&self.weights(variance));
+        let parts = matrix.llt(Side::Lower).ok()?.solve(&side);
+        let of_shape = || derivatives.iter().enumerate().skip(SPREADS.len());
+        let deformed = (0..self.support.length)
+            .map(|at| of_shape().map(|(k, d)| parts[(k, 0)] * d[at]).sum::<f64>());
+        let square: f64 = deformed.map(|x| x * x).sum();
+        let whole: f64 = self.samples(blow).iter().map(|x| x * x).sum();
+        Some(REMAINDER.powi(2) * square / whole)
     }
 
     /// Returns the samples of a blow on the support.

@@ -351,7 +351,7 @@ impl Prediction {
             .collect();
         let scatter = CalibrationScatter::of(&blows, 0..longest.unwrap_or(0))?;
         let band = scatter
-            .error(&found, window.clone())
+            .error(&found, window.clone(), None)
             .pointwise(&found, BAND_LEVEL)?;
 
         let force = hits[predicted].channel(FORCE)?.to_vec();

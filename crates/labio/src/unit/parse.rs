@@ -182,7 +182,12 @@ impl Scanner<'_> {
         }
         if token.is_empty() {
             let found: String = self.chars.next().into_iter().collect();
-            return fault(found, "occurs where a symbol is expected");
+            let reason = if found == "," {
+                "is not a decimal mark: write a point"
+            } else {
+                "occurs where a symbol is expected"
+            };
+            return fault(found, reason);
         }
         match symbol::find(&token, self.g) {
             Some(found) if found.offset == 0.0 => {

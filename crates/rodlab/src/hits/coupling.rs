@@ -120,7 +120,11 @@ mod tests {
         let blow = |n: usize| {
             let x = (n as f64 - 800.0) / 4.0;
             let inside = (0.0..=1.0).contains(&x);
-            if inside { (std::f64::consts::PI * x).sin() } else { 0.0 }
+            if inside {
+                (std::f64::consts::PI * x).sin()
+            } else {
+                0.0
+            }
         };
         // an offset is no undershoot
         let force: Vec<f64> = (0..65_536).map(|n| blow(n) + 0.01).collect();

@@ -180,6 +180,7 @@ impl FoundHits {
         if rejected.is_empty() {
             return match n_found {
                 1 => "the only hit is accepted".to_owned(),
+                2 => "both hits are accepted".to_owned(),
                 n => format!("all {n} hits are accepted"),
             };
         }

@@ -37,7 +37,6 @@ use crate::draw::NEEDS_ERRORS;
 use crate::laws::causal::{self, Shown};
 use crate::laws::{self, Drawn, LawsSheet, Lines, MOST_LINES, WHITE};
 use crate::outcome::Setting;
-use crate::outcome::Verdict;
 use crate::records::expect_different_files;
 use crate::sheet::{BandSheet, Density, Exact, Ratio, Stated, Temperature, plausible};
 use crate::{Outcome, RodlabError};
@@ -238,7 +237,7 @@ pub(crate) fn run(sheet: &FitSheet, context: &JobContext<'_>) -> Result<Outcome,
             outcome
                 .summary
                 .insert(0, format!("No master curve can be fitted: {error}."));
-            outcome.verdict = Verdict::NotAllowed { reason };
+            outcome.refuse(reason);
             outcome.tables.push(tables::data(&found));
             outcome.figures.extend(figures::measured(&found));
             return Ok(outcome);

@@ -32,7 +32,7 @@ use self::words::capital;
 use super::JobContext;
 use crate::digits::{hertz, short};
 use crate::hits::{FoundHits, HitsSheet, expect_independent, silent_samples};
-use crate::outcome::{Quantity, Verdict};
+use crate::outcome::Quantity;
 use crate::records::{Records, SKEW_NOT_FOLLOWED, expect_different_files};
 use crate::responses::{MergeSheet, disagreements, with_silence};
 use crate::{Outcome, RodlabError};
@@ -89,7 +89,7 @@ pub(crate) fn run(sheet: &FrfSheet, context: &JobContext<'_>) -> Result<Outcome,
         outcome
             .summary
             .push(format!("No frequency response: {reason}."));
-        outcome.verdict = Verdict::NotAllowed { reason };
+        outcome.refuse(reason);
         return Ok(outcome);
     }
     expect_different_files(&outcome.inputs)?;
@@ -380,12 +380,7 @@ fn report(
         outcome
             .summary
             .insert(0, format!("No frequency response: {reason}."));
-        // doubts about the hits may be the reason
-        if let Verdict::InDoubt { reasons } = &outcome.verdict {
-            let doubts = reasons.iter().map(|doubt| format!("{}.", capital(doubt)));
-            outcome.warnings.extend(doubts);
-        }
-        outcome.verdict = Verdict::NotAllowed { reason };
+        outcome.refuse(reason);
     }
 }
 

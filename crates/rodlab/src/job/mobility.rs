@@ -15,7 +15,7 @@ pub use self::source::SourceSheet;
 use super::{About, JobContext};
 use crate::bodies::material_sheet::Materials;
 use crate::digits::short;
-use crate::outcome::{Quantity, Setting, Verdict};
+use crate::outcome::{Quantity, Setting};
 use crate::responses::{CompletionSheet, SupportSheet};
 use crate::sheet::{AddedMass, Exact, Frequency, NotFollowed, SpecificImpedance, Stated};
 use crate::{Outcome, RodlabError};
@@ -104,12 +104,10 @@ fn answer(known: &Known, outcome: &mut Outcome) {
     let ends = above_zero().next().zip(above_zero().next_back());
     let Some((first, last)) = ends else {
         let reason = known.objections.iter().skip(1).flatten().next();
-        outcome.verdict = Verdict::NotAllowed {
-            reason: format!(
-                "none of the {n_lines} lines of the mobility is reliable: {}",
-                reason.map_or("no line above 0 Hz", String::as_str)
-            ),
-        };
+        outcome.refuse(format!(
+            "none of the {n_lines} lines of the mobility is reliable: {}",
+            reason.map_or("no line above 0 Hz", String::as_str)
+        ));
         outcome
             .summary
             .push("No line of the mobility is reliable.".to_owned());

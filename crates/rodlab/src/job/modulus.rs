@@ -230,7 +230,7 @@ pub(super) fn run_with(
         outcome
             .summary
             .insert(0, format!("There is no modulus: {reason}."));
-        outcome.verdict = Verdict::NotAllowed { reason };
+        outcome.refuse(reason);
         return Ok(outcome);
     };
 

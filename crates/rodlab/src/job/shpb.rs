@@ -19,7 +19,6 @@ use rand_chacha::ChaCha8Rng;
 
 use super::JobContext;
 use crate::bodies::material_sheet;
-use crate::outcome::Verdict;
 use crate::records::{Records, expect_quantity};
 use crate::{Outcome, RodlabError};
 
@@ -60,7 +59,7 @@ pub(crate) fn run(sheet: &ShpbSheet, context: &JobContext<'_>) -> Result<Outcome
                 outcome
                     .summary
                     .push(format!("There is no stress-strain curve: {reason}."));
-                outcome.verdict = Verdict::NotAllowed { reason };
+                outcome.refuse(reason);
                 return Ok(outcome);
             }
             Err(error) => {

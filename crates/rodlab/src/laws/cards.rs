@@ -9,11 +9,14 @@ use rand_distr::StandardNormal;
 
 use super::lines::Lines;
 use super::{CardsSheet, ProgramSheet};
-use crate::digits::hertz;
+use crate::digits::{hertz, percent};
 use crate::material_file::DENSITY;
 use crate::outcome::Attachment;
 use crate::sheet::{Exact, ValueWithUncertainty};
 use crate::{Outcome, RodlabError};
+
+/// Deviation of a card from the fitted series, relative to |E|, from which it is reported.
+const NOTABLE: f64 = 5e-3;
 
 /// The cards of the Prony series.
 pub(super) fn attach(
@@ -50,6 +53,16 @@ pub(super) fn attach(
             }
             Err(error) => return Err(refused(error)),
         };
+    if let Some(deviation) = card.deviation()
+        && deviation.relative > NOTABLE
+    {
+        outcome.warnings.push(format!(
+            "The cards deviate from the fitted series by up to {} of |E|, at {}: a card has only relaxation times within the band. Choose the \
+             band wider than that of the application.",
+            percent(deviation.relative),
+            hertz(deviation.frequency_hz)
+        ));
+    }
     let at = asked.poisson_ratio_at.as_ref().map(Exact::si);
     let at = at.unwrap_or_else(|| lines.data.middle_frequency_hz());
     let card = match card.with_poisson_ratio_at(at, ratio.standard_uncertainty) {

@@ -7,7 +7,7 @@ use rodfigure::{Axis, Figure, Mark, Panel, Role};
 use super::lines::Lines;
 use super::{LawsSheet, WHITE, cards};
 use crate::context::JobContext;
-use crate::digits::{prefix_for, significant};
+use crate::digits::{hertz, prefix_for, significant};
 use crate::material_file::{self, MaterialFile};
 use crate::outcome::{Attachment, Column, LogEntry, Quantity, Table, Verdict};
 use crate::{Outcome, RodlabError};
@@ -62,6 +62,18 @@ pub(crate) fn fit(
         best.degrees_of_freedom,
         lines.points.len(),
     ));
+    let is_open = |parameter: &Parameter| !parameter.verdict.is_identified();
+    let open = best.parameters.iter().filter(|one| is_open(one)).count();
+    if open > 0 {
+        let band = lines.data.band_hz().map(hertz);
+        outcome.warnings.push(format!(
+            "The data do not determine {open} of the {} parameters of the preferred law ({}): use it only from {} to {}.",
+            best.parameters.len(),
+            best.law.law(),
+            band[0],
+            band[1]
+        ));
+    }
     if !best.whiteness.is_white(WHITE) {
         outcome.warnings.push(format!(
             "The residuals of the preferred law ({}) are not noise: it is not the law of this material over the whole band, and the \
@@ -71,7 +83,6 @@ pub(crate) fn fit(
     }
     for row in &comparison.rows {
         parameters(outcome, &row.fit);
-        let is_open = |parameter: &Parameter| !parameter.verdict.is_identified();
         if row.fit.law.prony_series().is_none() && !row.fit.parameters.iter().any(is_open) {
             outcome.drawn_laws.of_modulus.push(row.fit.law.clone());
         }
@@ -180,13 +191,13 @@ fn parameters(outcome: &mut Outcome, fit: &RheologicalFit) {
             standard_error: error,
             valid: identified && white,
             verdict: format!(
-                "{}{within}{parts}{}",
-                parameter.verdict,
+                "{}{}{within}{parts}",
                 if white {
                     ""
                 } else {
-                    "; the residuals are not noise"
-                }
+                    "the law does not fit: the residuals are not noise; "
+                },
+                parameter.verdict,
             ),
         });
     }

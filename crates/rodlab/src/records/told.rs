@@ -132,7 +132,7 @@ impl Records {
                         format!("{field}.sampling_rate"),
                         rate.to_string(),
                         format!(
-                            "{} Hz, as stated in {file}, or no statement",
+                            "{} Hz, as stated in {file}, or the field left out",
                             digits::rate(told)
                         ),
                     ));
@@ -210,7 +210,7 @@ impl Records {
                     place,
                     text,
                     format!(
-                        "`{}`, as stated in {file}, or no statement; if the unit of the file is wrong, correct it by `gain`",
+                        "`{}`, as stated in {file}, or the field left out; if the unit of the file is wrong, correct it by `gain`",
                         told.symbol()
                     ),
                 ));

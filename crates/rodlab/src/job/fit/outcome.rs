@@ -12,7 +12,7 @@ use super::{Found, Sweep};
 use crate::Outcome;
 use crate::digits::{hertz, percent, short, significant};
 use crate::laws::WHITE;
-use crate::outcome::{CHECK, LogEntry, Quantity, Verdict};
+use crate::outcome::{CHECK, LogEntry, Quantity};
 
 /// Number of standard errors by which a shift must rise with temperature to be wrong.
 const RISES: f64 = 2.0;
@@ -63,7 +63,7 @@ pub(super) fn of_laws(outcome: &mut Outcome, found: &Found<'_>, comparison: Opti
             .collect();
         let reason = format!("none of the laws can be fitted: {}", reasons.join("; "));
         if found.sweep.is_none() {
-            outcome.verdict = Verdict::NotAllowed { reason };
+            outcome.refuse(reason);
         } else {
             outcome.doubt(reason);
         }

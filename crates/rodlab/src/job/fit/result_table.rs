@@ -48,10 +48,13 @@ fn numbers(bytes: &[u8], path: &str, log: &mut Vec<LogEntry>) -> Option<String> 
         })
         .collect();
     let valid = names.iter().position(|name| name == VALID);
-    let header = of_numbers.iter().filter_map(|at| names.get(*at)).map(|name| {
-        let unit = UNITS.iter().find(|(ending, _)| name.ends_with(ending));
-        unit.map_or_else(|| name.to_owned(), |(_, unit)| format!("{name} ({unit})"))
-    });
+    let header = of_numbers
+        .iter()
+        .filter_map(|at| names.get(*at))
+        .map(|name| {
+            let unit = UNITS.iter().find(|(ending, _)| name.ends_with(ending));
+            unit.map_or_else(|| name.to_owned(), |(_, unit)| format!("{name} ({unit})"))
+        });
     let mut text = header.collect::<Vec<_>>().join(",") + "\n";
     let mut line = 1;
     let mut n_left_out = 0;

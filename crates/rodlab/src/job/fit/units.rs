@@ -157,7 +157,7 @@ pub(super) fn of(
                 "`{}`, and `{name}` of {place} is in [{written}]",
                 stated.symbol()
             ),
-            "the unit of the file, or no statement",
+            "the unit of the file, or the field left out",
         )),
         (Some(unit), _) => Ok(unit),
         (None, Some(stated)) => Ok(stated),

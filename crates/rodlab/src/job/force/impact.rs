@@ -9,7 +9,6 @@ use super::{impact_figures, impact_tables};
 use crate::bodies::material_sheet::Materials;
 use crate::digits::with_unit;
 use crate::job::JobContext;
-use crate::outcome::Verdict;
 use crate::{Outcome, RodlabError};
 use impulse::{FirstForce, ImpactNumbers, Prediction, PredictionFlag, UncertainPrediction};
 
@@ -120,9 +119,7 @@ fn flags(prediction: &Prediction, outcome: &mut Outcome) {
             PredictionFlag::MakesEnergy { .. }
             | PredictionFlag::UnresolvedContact { .. }
             | PredictionFlag::ContactOfFewSteps { .. } => {
-                outcome.verdict = Verdict::NotAllowed {
-                    reason: flag.to_string(),
-                };
+                outcome.refuse(flag.to_string());
             }
             PredictionFlag::Rings { .. } => outcome.doubt(flag.to_string()),
             _ => outcome.warnings.push(flag.to_string()),

@@ -11,7 +11,7 @@ use super::{response_answer, response_figures, response_solve, response_tables};
 use crate::digits::short;
 use crate::hits::FoundHits;
 use crate::job::JobContext;
-use crate::outcome::{Setting, Verdict};
+use crate::outcome::Setting;
 use crate::records::expect_quantity;
 use crate::responses::{HitsSource, line_spacing_hz};
 use crate::{Outcome, RodlabError};
@@ -230,7 +230,7 @@ fn refuse(outcome: &mut Outcome, reason: String) {
     outcome
         .summary
         .insert(0, format!("There is no force: {reason}."));
-    outcome.verdict = Verdict::NotAllowed { reason };
+    outcome.refuse(reason);
 }
 
 fn read_blow(

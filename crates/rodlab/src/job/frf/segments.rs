@@ -10,7 +10,6 @@ use super::sheet::{DetrendSheet, FrfSheet, SegmentsSheet};
 use super::{Named, of_the_test, report, universal, warn};
 use crate::digits::short;
 use crate::job::JobContext;
-use crate::outcome::Verdict;
 use crate::records::{NamedRecord, SKEW_NOT_FOLLOWED, expect_different_files};
 use crate::responses::{EstimatorSheet, with_silence};
 use crate::{Outcome, RodlabError};
@@ -90,7 +89,7 @@ pub(super) fn run(
         outcome
             .summary
             .push(format!("No frequency response: {reason}."));
-        outcome.verdict = Verdict::NotAllowed { reason };
+        outcome.refuse(reason);
         return Ok(outcome);
     }
     let band = band_of(sheet, &spectra)?;

@@ -8,7 +8,7 @@ use maxwellid::{ErrorOf, FitFlag, Law, RodModel};
 use super::Found;
 use super::laws::{FittedLaw, Standing};
 use super::words::Shown;
-use crate::outcome::{Outcome, Verdict};
+use crate::outcome::Outcome;
 
 /// The laws not excluded by the data, by their places in the comparison.
 pub(super) enum Left {
@@ -326,9 +326,9 @@ fn tell_verdict(found: &Found, is_biased: bool, outcome: &mut Outcome) {
         } else {
             "an elastic rod does not explain them, but many dampings fit them"
         };
-        outcome.verdict = Verdict::NotAllowed {
-            reason: format!("no law has a damping that these data determine: {of_rod}"),
-        };
+        outcome.refuse(format!(
+            "no law has a damping that these data determine: {of_rod}"
+        ));
         return;
     }
     if !found.laws.iter().any(stands) {
@@ -355,16 +355,14 @@ fn tell_verdict(found: &Found, is_biased: bool, outcome: &mut Outcome) {
         } else {
             "no remaining law has a damping that the data determine".to_owned()
         };
-        outcome.verdict = Verdict::NotAllowed { reason };
+        outcome.refuse(reason);
         return;
     }
     if let Some(transducers) = &found.transducers {
         // a linear law does not depend on the scale of the motion, only on the ratio of its records
         let of_scale = |law: &FittedLaw| stands(law) && !law.law.is_linear();
         if found.laws.iter().any(of_scale) {
-            outcome.verdict = Verdict::InDoubt {
-                reasons: vec![transducers.in_words()],
-            };
+            outcome.doubt(transducers.in_words());
         } else {
             outcome.warnings.push(transducers.in_words());
         }

@@ -12,7 +12,6 @@ use crate::bodies::face::{BodySheet, ComputedBody};
 use crate::bodies::replacement::{Replacement, WithoutUncertainty};
 use crate::hits::{FoundHits, expect_independent};
 use crate::job::JobContext;
-use crate::outcome::Verdict;
 use crate::records::expect_different_files;
 use crate::responses::{HitsSource, MergeSheet, ResponseFile, disagreements, with_silence};
 use crate::sheet::{Exact, Frequency};
@@ -159,15 +158,13 @@ fn of_tests(
     for test in tests {
         let accepted: Vec<&Record> = test.found.accepted();
         if accepted.len() < 2 {
-            outcome.verdict = Verdict::NotAllowed {
-                reason: format!(
+            outcome.refuse(format!(
                     "{} hit{} of {} accepted in `{}`, and a mobility with errors needs at least 2: the log states what is wrong with the others",
                     accepted.len(),
                     if accepted.len() == 1 { "" } else { "s" },
                     test.found.n_found(),
                     test.field,
-                ),
-            };
+                ));
             outcome
                 .summary
                 .push("There is no mobility: too few hits are accepted.".to_owned());

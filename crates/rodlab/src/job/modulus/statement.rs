@@ -3,12 +3,13 @@
 use std::f64::consts::PI;
 
 use cmod::ModulusLine;
+use cmod::estimate::ErrorSource;
 
 use super::reasons::{Reasons, lines};
 use super::{Found, MethodSheet};
 use crate::Outcome;
 use crate::digits::{hertz, percent, significant};
-use crate::outcome::{Quantity, Verdict};
+use crate::outcome::Quantity;
 use crate::sheet::{Length, Stated};
 
 /// Largest distance of a line from a requested frequency for which the line is used, as a fraction
@@ -35,7 +36,7 @@ pub(super) fn state(outcome: &mut Outcome, found: &Found<'_>, reasons: &Reasons)
         outcome
             .summary
             .insert(0, format!("There is no modulus: {reason}."));
-        outcome.verdict = Verdict::NotAllowed { reason };
+        outcome.refuse(reason);
         at_frequencies(outcome, found, &[]);
         return;
     };
@@ -131,6 +132,8 @@ fn by_sources(line: &ModulusLine) -> String {
         .uncertainty
         .systematic
         .iter()
+        // a bound, which is stated in addition
+        .filter(|shift| shift.source != ErrorSource::LateralInertia)
         .map(|shift| {
             let part = (shift.modulus.re / line.modulus.re).abs();
             (shift.source.to_string(), part)
@@ -138,7 +141,7 @@ fn by_sources(line: &ModulusLine) -> String {
         .collect();
     sources.sort_by(|a, b| b.1.total_cmp(&a.1));
     if sources.is_empty() {
-        return "but none is stated".to_owned();
+        return "but no source of them is stated".to_owned();
     }
     let words: Vec<String> = sources
         .iter()
@@ -338,7 +341,7 @@ fn warn(outcome: &mut Outcome, found: &Found<'_>, valid: &[&ModulusLine]) {
         let bound = line.lateral_inertia_bound().storage_modulus / line.modulus.re.abs();
         outcome.warnings.push(format!(
             "Lateral inertia was not taken out, as no Poisson's ratio is stated. With any up to 0.5, E' is too small by at most {} at {}; \
-             this bound is stated in addition to the errors and is included when lines are judged valid. State `lateral_inertia: (poisson_ratio: ...)` to take it out.",
+             this bound is stated in addition to the errors and is included when lines are judged valid. State Poisson's ratio in `lateral_inertia` to take it out.",
             percent(bound),
             hertz(line.frequency_hz)
         ));

@@ -7,7 +7,7 @@ use cmod::recovery::fit::{Ending, Estimate, Scale, SingleTestFit, Verdict as Ide
 use super::{ErrorScaleSheet, Found};
 use crate::Outcome;
 use crate::digits::{hertz, percent, significant};
-use crate::outcome::{LogEntry, Quantity, Verdict};
+use crate::outcome::{LogEntry, Quantity};
 
 /// Number of standard deviations by which the mean square of the residuals may exceed 1; if it
 /// exceeds 1 by more, the model or the stated errors are wrong.
@@ -20,9 +20,7 @@ pub(super) fn without_fit(
     singles: &[Result<SingleTestFit, CmodError>],
     error: &CmodError,
 ) {
-    outcome.verdict = Verdict::NotAllowed {
-        reason: format!("no model can be fitted: {error}"),
-    };
+    outcome.refuse(format!("no model can be fitted: {error}"));
     outcome
         .summary
         .push(format!("No model can be fitted: {error}."));
@@ -43,7 +41,7 @@ pub(super) fn state(outcome: &mut Outcome, found: &Found<'_>) {
             outcome.summary.push(format!(
                 "The tests do not determine the model: the {reason}."
             ));
-            outcome.verdict = Verdict::NotAllowed { reason };
+            outcome.refuse(reason);
         }
         None => outcome.summary.push(answer(found)),
     }

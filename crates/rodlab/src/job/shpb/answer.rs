@@ -5,7 +5,7 @@ use impulse::hopkinson::{Curve, HopkinsonResult};
 use super::ShpbSheet;
 use super::tables::{LEVEL, peak};
 use crate::digits::significant;
-use crate::outcome::{CHECK, Quantity, Verdict};
+use crate::outcome::{CHECK, Quantity};
 use crate::{Outcome, RodlabError};
 
 /// Relative difference between errors from draws and linear errors up to which nothing is reported.
@@ -146,7 +146,7 @@ pub(super) fn findings(outcome: &mut Outcome, result: &HopkinsonResult, shot: &s
                 quantity.valid = false;
                 quantity.verdict.clone_from(&words);
             }
-            outcome.verdict = Verdict::NotAllowed { reason: words };
+            outcome.refuse(words);
             return;
         }
         if finding.is_remark() {
