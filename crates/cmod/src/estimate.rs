@@ -47,41 +47,13 @@ pub struct ModulusEstimate {
     refused: Vec<RefusedLine>,
 }
 
-/// Estimation method.
+/// The name of an estimation method, such as `two-point method`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-#[non_exhaustive]
-pub enum Method {
-    /// Ends of a rod (paper A).
-    TwoPoint,
-    /// Three equidistant gauges in closed form (paper B).
-    ThreePoint,
-    /// Three or more gauges at any positions, by least squares.
-    MultiPoint,
-    /// Two sections of a rod with a free end (Lundberg and Blanc).
-    FreeEnd,
-    /// One pulse at two sections (Blanc).
-    SeparatePulses,
-    /// The incident and the reflected pulse at one section (Bacon).
-    OneGauge,
-    /// Resonances of a rod that is driven at one end (Norris and Young).
-    Resonances,
-    /// Frequencies and decays of the modes of a rod with free ends.
-    FreeVibration,
-}
+pub struct Method(pub(crate) &'static str);
 
-/// Writes the name of the method.
 impl fmt::Display for Method {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        formatter.write_str(match self {
-            Self::TwoPoint => "two-point method",
-            Self::ThreePoint => "three-point method",
-            Self::MultiPoint => "several gauges by least squares",
-            Self::FreeEnd => "two sections and a free end",
-            Self::SeparatePulses => "separate pulses at two sections",
-            Self::OneGauge => "one gauge and a free end",
-            Self::Resonances => "resonances",
-            Self::FreeVibration => "free vibration",
-        })
+        formatter.write_str(self.0)
     }
 }
 
@@ -374,6 +346,16 @@ pub enum Refusal {
         "too few lines to determine how the modulus varies, which is needed to remove the added damping"
     )]
     NotContinued,
+    /// The lines are too far apart to read a resonance.
+    #[error(
+        "{found} lines within 0.3 rad of the resonance, expected at least {expected}: a longer record has more lines"
+    )]
+    FewLinesAtResonance {
+        /// Lines near the resonance.
+        found: usize,
+        /// Fewest lines.
+        expected: usize,
+    },
     /// The iteration diverged to infinity, or to γ = 0, where there is no modulus.
     #[error("no root with a finite modulus was found")]
     NoRoot,

@@ -188,7 +188,7 @@ impl FreeEnd {
 }
 
 impl SectionRatio for FreeEnd {
-    const METHOD: Method = Method::FreeEnd;
+    const METHOD: Method = Method("two sections and a free end");
 
     fn jets(&self, gamma: Complex64, omega: f64) -> [Jet; 2] {
         self.sections.map(|section| self.jet(section, gamma, omega))

@@ -112,7 +112,7 @@ impl FreeVibration {
     /// # Errors
     /// [`CmodError`] for impossible limits or degrees of freedom.
     pub fn estimate(&self, poles: &[Pole]) -> Result<ModulusEstimate, CmodError> {
-        let mut estimate = ModulusEstimate::empty(Method::FreeVibration, self.settings.limits);
+        let mut estimate = ModulusEstimate::empty(Method("free vibration"), self.settings.limits);
         for (index, pole) in poles.iter().enumerate() {
             let acceptance = Acceptance::of_line(self.settings.limits, Some(pole.freedom))?;
             let solution = self.solution(index, pole).ok_or(Refusal::NoRoot);

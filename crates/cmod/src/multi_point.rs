@@ -285,7 +285,10 @@ impl MultiPoint {
         let redundant = 2 * (spectra.tests.len() * (n_rows - 2) - 1);
         let most_misfit = self.most_misfit(redundant)?;
         let mut white = WhiteLine::for_spectra(spectra, n_rows);
-        let mut modulus = ModulusEstimate::empty(Method::MultiPoint, self.settings.limits);
+        let mut modulus = ModulusEstimate::empty(
+            Method("several gauges by least squares"),
+            self.settings.limits,
+        );
         let mut usable = Vec::with_capacity(spectra.frequency_hz.len());
         for (index, &frequency_hz) in spectra.frequency_hz.iter().enumerate() {
             match white.load(spectra, index) {

@@ -115,7 +115,7 @@ impl OneGauge {
 }
 
 impl SectionRatio for OneGauge {
-    const METHOD: Method = Method::OneGauge;
+    const METHOD: Method = Method("one gauge and a free end");
 
     fn jets(&self, gamma: Complex64, _omega: f64) -> [Jet; 2] {
         let l = self.rod.length_of_end_mass();

@@ -112,7 +112,7 @@ impl SeparatePulses {
 }
 
 impl SectionRatio for SeparatePulses {
-    const METHOD: Method = Method::SeparatePulses;
+    const METHOD: Method = Method("separate pulses at two sections");
 
     fn jets(&self, gamma: Complex64, _omega: f64) -> [Jet; 2] {
         [

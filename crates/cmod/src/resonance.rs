@@ -24,7 +24,7 @@ use std::f64::consts::{FRAC_PI_2, PI};
 
 use num_complex::Complex64;
 
-use crate::branch::resolve;
+use crate::branch::{BranchTracker, SpecimenRecord};
 use crate::error::{CmodError, check_positive};
 use crate::estimate::{Acceptance, Method, ModulusEstimate, Refusal, Termination, VarianceFreedom};
 use crate::free_end::{EndSection, FreeEnd, RodWithFreeEnd};
@@ -90,7 +90,8 @@ impl Resonances {
     ///
     /// Each resonance is a line of the result, at its own frequency; its index is that of the
     /// nearest measured line. At least seven measured lines must be within 0.3 rad of it in kL,
-    /// otherwise the resonance is refused as [`Refusal::NoRoot`]. The error of the polynomial at
+    /// otherwise the resonance is refused as
+    /// [`Refusal::FewLinesAtResonance`]. The error of the polynomial at
     /// the resonance, from the variances of its lines, is propagated as in the two-point method:
     ///
     /// ```text
@@ -153,6 +154,58 @@ impl Resonances {
         }
         Some(root)
     }
+
+    /// Returns all zeros of Re Ψ within the band, numbered by the branch of the closed form, where cosh
+    /// αL cos kL = 0.
+    fn crossings(&self, measured: &[MeasuredRatio<'_>]) -> Result<Vec<Crossing>, CmodError> {
+        if measured.is_empty() {
+            return Ok(Vec::new());
+        }
+        let frequency_hz: Vec<f64> = measured.iter().map(|line| line.frequency_hz).collect();
+        let ratio: Vec<Complex64> = measured.iter().map(|line| line.ratio).collect();
+        let variance: Vec<f64> = measured.iter().map(MeasuredRatio::whole_variance).collect();
+        let record = SpecimenRecord {
+            length: self.length,
+            mass_ratio: self.rod.length_of_end_mass() / self.length,
+            frequency_hz: &frequency_hz,
+            acceleration_ratio: &ratio,
+            variance: Some(&variance),
+        };
+        let roots = record.resolve(&BranchTracker::new())?;
+        let mut found = Vec::new();
+        for order in 1.. {
+            let phase = (f64::from(order) - 0.5) * PI;
+            if !roots.iter().any(|root| root.gamma_length.im > phase) {
+                break;
+            }
+            let near = || {
+                let lines = measured.iter().zip(&roots);
+                lines.filter(|(_, root)| (root.gamma_length.im - phase).abs() < FRAC_PI_2)
+            };
+            // Noise moves single lines to the wrong side: the crossing is placed so that as many lines
+            // are before it as have a phase below that of the crossing.
+            let below = near()
+                .filter(|(_, root)| root.gamma_length.im < phase)
+                .count();
+            if below == 0 || below == near().count() {
+                continue;
+            }
+            let (before, after) = (near().nth(below - 1), near().nth(below));
+            let (Some((before, root)), Some((after, _))) = (before, after) else {
+                continue;
+            };
+            found.push(Crossing {
+                order,
+                frequency_hz: 0.5 * (before.frequency_hz + after.frequency_hz),
+                index: after.index,
+                doubt: root
+                    .doubt
+                    .filter(|doubt| doubt.is_ambiguous())
+                    .map(Violation::BranchAmbiguous),
+            });
+        }
+        Ok(found)
+    }
 }
 
 impl RatioMethod for Resonances {
@@ -160,15 +213,15 @@ impl RatioMethod for Resonances {
     /// variances used for a resonance.
     fn estimate_ratio(&self, lines: &RatioLines<'_>) -> Result<ModulusEstimate, CmodError> {
         let limits = self.settings.limits;
-        let mut estimate = ModulusEstimate::empty(Method::Resonances, limits);
+        let mut estimate = ModulusEstimate::empty(Method("resonances"), limits);
         // lines that cannot be evaluated are dropped: they are not missed resonances
         let measured = section_ratio::usable(lines, "ratio", &mut estimate.clone())?;
         let equation = self.equation(self.rod)?;
-        for crossing in crossings(&measured)? {
+        for crossing in self.crossings(&measured)? {
             let at_resonance = crossing.read(&measured);
-            let freedom = at_resonance.and_then(|resonance| resonance.freedom);
+            let freedom = at_resonance.as_ref().ok().and_then(|one| one.freedom);
             let acceptance = Acceptance::of_line(limits, freedom)?;
-            let line = at_resonance.ok_or(Refusal::NoRoot).and_then(|resonance| {
+            let line = at_resonance.and_then(|resonance| {
                 let root = self.root(&crossing, &resonance).ok_or(Refusal::NoRoot)?;
                 let doubts = crossing.doubt.into_iter().collect();
                 section_ratio::solved(&equation, &resonance, root, doubts)?.into_line(&acceptance)
@@ -202,13 +255,16 @@ impl Crossing {
 
     /// Returns frequency, Ψ and its variance where Re Ψ = 0, from a polynomial through the
     /// surrounding lines.
-    fn read<'a>(&self, measured: &[MeasuredRatio<'a>]) -> Option<MeasuredRatio<'a>> {
+    fn read<'a>(&self, measured: &[MeasuredRatio<'a>]) -> Result<MeasuredRatio<'a>, Refusal> {
         let half_width = self.frequency_hz * HALF_WIDTH / self.phase();
         let within =
             |line: &&MeasuredRatio<'_>| (line.frequency_hz - self.frequency_hz).abs() <= half_width;
         let points: Vec<_> = measured.iter().filter(within).collect();
         if points.len() < FEWEST_LINES {
-            return None;
+            return Err(Refusal::FewLinesAtResonance {
+                found: points.len(),
+                expected: FEWEST_LINES,
+            });
         }
         // Equal weights without noise, and where the variances are estimates: the weight of a line
         // must not be random.
@@ -223,8 +279,9 @@ impl Crossing {
                 (abscissa, line.ratio, weight)
             })
             .collect();
-        let polynomial = LocalPolynomial::through(weighted.iter().copied())?;
-        let abscissa = polynomial.zero_of_real_part()?;
+        let polynomial = LocalPolynomial::through(weighted.iter().copied());
+        let polynomial = polynomial.ok_or(Refusal::NoRoot)?;
+        let abscissa = polynomial.zero_of_real_part().ok_or(Refusal::NoRoot)?;
         let (ratio, _) = polynomial.at(abscissa);
         let parts: Vec<f64> = points
             .iter()
@@ -233,7 +290,7 @@ impl Crossing {
                 polynomial.influence(abscissa, *at, *weight).powi(2) * line.variance
             })
             .collect();
-        Some(MeasuredRatio {
+        Ok(MeasuredRatio {
             index: self.index,
             frequency_hz: self.frequency_hz + half_width * abscissa,
             ratio: Complex64::new(0.0, ratio.im),
@@ -263,50 +320,6 @@ fn freedom_of_sum(points: &[&MeasuredRatio<'_>], parts: &[f64]) -> Option<Varian
         line: own.max(least),
         own,
     })
-}
-
-/// Returns all zeros of Re Ψ within the band, numbered by the branch of the closed form, where cosh
-/// αL cos kL = 0.
-fn crossings(measured: &[MeasuredRatio<'_>]) -> Result<Vec<Crossing>, CmodError> {
-    if measured.is_empty() {
-        return Ok(Vec::new());
-    }
-    let frequency_hz: Vec<f64> = measured.iter().map(|line| line.frequency_hz).collect();
-    let ratio: Vec<Complex64> = measured.iter().map(|line| line.ratio).collect();
-    let roots = resolve(&frequency_hz, &ratio)?;
-    let mut found = Vec::new();
-    for order in 1.. {
-        let phase = (f64::from(order) - 0.5) * PI;
-        if !roots.iter().any(|root| root.gamma_length.im > phase) {
-            break;
-        }
-        let near = || {
-            let lines = measured.iter().zip(&roots);
-            lines.filter(|(_, root)| (root.gamma_length.im - phase).abs() < FRAC_PI_2)
-        };
-        // Noise moves single lines to the wrong side: the crossing is placed so that as many lines
-        // are before it as have a phase below that of the crossing.
-        let below = near()
-            .filter(|(_, root)| root.gamma_length.im < phase)
-            .count();
-        if below == 0 || below == near().count() {
-            continue;
-        }
-        let (before, after) = (near().nth(below - 1), near().nth(below));
-        let (Some((before, root)), Some((after, _))) = (before, after) else {
-            continue;
-        };
-        found.push(Crossing {
-            order,
-            frequency_hz: 0.5 * (before.frequency_hz + after.frequency_hz),
-            index: after.index,
-            doubt: root
-                .doubt
-                .filter(|doubt| doubt.is_ambiguous())
-                .map(Violation::BranchAmbiguous),
-        });
-    }
-    Ok(found)
 }
 
 #[cfg(test)]

@@ -377,7 +377,7 @@ impl TwoPoint {
 
 impl RatioMethod for TwoPoint {
     fn estimate_ratio(&self, lines: &RatioLines<'_>) -> Result<ModulusEstimate, CmodError> {
-        let mut estimate = ModulusEstimate::empty(Method::TwoPoint, self.limits);
+        let mut estimate = ModulusEstimate::empty(Method("two-point method"), self.limits);
         let measured = section_ratio::usable(lines, "acceleration ratio", &mut estimate)?;
         estimate.expect_lines(measured.len());
         for (line, free_end) in measured.iter().zip(self.resolve_branches(&measured)?) {

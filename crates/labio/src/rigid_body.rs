@@ -9,8 +9,8 @@ use num_complex::Complex64;
 use crate::error::check_positive;
 use crate::{FrequencyResponse, LabioError, LineValidity, ResponseKind};
 
-/// Fewest lines for a fit of two numbers and the standard error of the fit.
-const FEWEST_LINES: usize = 3;
+/// Fewest lines for a fit of three numbers and the standard error of the fit.
+const FEWEST_LINES: usize = 4;
 
 /// The weighed mass of a free body.
 ///
@@ -48,12 +48,11 @@ pub struct CompletedResponse {
     /// means that the response approaches an antiresonance, which a free body has before its first
     /// resonance.
     pub elastic_term: f64,
-    /// The mass \[kg\] found from the lines in the band, fitted together with a separate elastic
-    /// term. A large difference from the weighed mass indicates a wrong sensitivity or a body
+    /// The mass \[kg\] found from the lines in the band, fitted together with terms in $`s^2`$ and
+    /// $`s^4`$. A large difference from the weighed mass indicates a wrong sensitivity or a body
     /// that is not free.
     pub apparent_mass: f64,
-    /// Standard error of the apparent mass \[kg\], from the scatter of the lines and the effect of
-    /// a term in $`s^4`$.
+    /// Standard error of the apparent mass \[kg\], from the scatter of the lines.
     pub apparent_mass_standard_error: f64,
 }
 
@@ -95,7 +94,7 @@ impl RigidBody {
     /// # Errors
     ///
     /// As [`FrequencyResponse::to_kind`]; [`LabioError::NonPhysical`] if the band is empty;
-    /// [`LabioError::TooFewSamples`] if the band has fewer than three lines with information.
+    /// [`LabioError::TooFewSamples`] if the band has fewer than four lines with information.
     #[allow(
         clippy::indexing_slicing,
         reason = "`to_kind` refuses a response whose lists are not of one length, and all lines counted here are among its frequencies"
@@ -175,8 +174,8 @@ impl RigidBody {
         reason = "`to_kind` refuses a response whose lists are not of one length, and the lines in the band are some of its values"
     )]
     fn fit(&self, accelerance: &FrequencyResponse, band: RigidBand) -> Result<Fit, LabioError> {
-        // A M - 1 = e s^2 (this body), and A M = a + b s^2 (measured); the scale keeps the sums
-        // near 1
+        // A M - 1 = e s^2 (this body), and A M = a + b s^2 + c s^4 (measured); the scale keeps the
+        // sums near 1
         let highest_hz = accelerance.frequency_hz.last().copied().unwrap_or(0.0);
         let scale = (TAU * band.to_hz.min(highest_hz)).powi(2);
         let in_band: Vec<usize> = (0..accelerance.values.len())
@@ -235,29 +234,30 @@ impl RigidBody {
         };
         let (a, b) = straight(&|(_, ratio, _)| *ratio);
         // two real equations per line
-        let residual = |constant: f64, slope: f64, n_fitted: f64| {
+        let mean_square = |of: &dyn Fn(&Complex64, &Complex64) -> Complex64, n_fitted: f64| {
             let squares = lines
                 .iter()
-                .map(|(s2, ratio, weight)| weight * (ratio - constant - slope * s2).norm_sqr());
+                .map(|(s2, ratio, weight)| weight * of(s2, ratio).norm_sqr());
             squares.sum::<f64>() / (2.0 * lines.len() as f64 - n_fitted)
         };
-        // a term in s^4 would change the constant by this
+        // a third term, c (s^4 - its straight line), does not change a and b
         let (constant, slope) = straight(&|(s2, ..)| s2 * s2);
+        let curved = |s2: &Complex64| s2 * s2 - constant - slope * s2;
         let (mut along, mut square) = (0.0, 0.0);
         for (s2, ratio, weight) in &lines {
-            let curved = s2 * s2 - constant - slope * s2;
-            along += weight * (curved.conj() * (ratio - a - b * s2)).re;
-            square += weight * curved.norm_sqr();
+            along += weight * (curved(s2).conj() * (ratio - a - b * s2)).re;
+            square += weight * curved(s2).norm_sqr();
         }
-        let truncation = constant * along / square;
-        // how well this is known
-        let curvature = constant * (residual(a, b, 2.0) / square).sqrt();
-        let a_error = (residual(a, b, 2.0) * wxx / determinant).sqrt();
+        let c = along / square;
+        let noise = mean_square(&|s2, ratio| ratio - a - b * s2 - c * curved(s2), 3.0);
+        let at_zero = a - c * constant;
+        let error = (noise * (wxx / determinant + constant * constant / square)).sqrt();
+        let of_elastic = mean_square(&|s2, ratio| ratio - 1.0 - elastic * s2, 1.0);
         Ok(Fit {
             elastic_term: elastic / scale,
-            elastic_error: (residual(1.0, elastic, 1.0) / wxx).sqrt() / scale,
-            apparent_mass: self.mass / a,
-            apparent_mass_error: self.mass * a_error.hypot(truncation).hypot(curvature) / (a * a),
+            elastic_error: (of_elastic / wxx).sqrt() / scale,
+            apparent_mass: self.mass / at_zero,
+            apparent_mass_error: self.mass * error / (at_zero * at_zero),
         })
     }
 }

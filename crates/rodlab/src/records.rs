@@ -12,11 +12,13 @@
 //! ```
 
 mod channel;
+mod clipped;
 mod expect;
 mod files;
 mod told;
 
 pub use channel::{BridgeSheet, ChannelSheet, Selector, Sensitivity};
+pub(crate) use clipped::clipped;
 pub use expect::{expect_different_files, expect_quantity};
 pub(crate) use told::step_without_unit;
 

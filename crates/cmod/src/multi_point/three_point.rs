@@ -182,7 +182,8 @@ impl ThreePoint {
     /// [`CmodError::NegativeNoise`].
     pub fn estimate(&self, spectra: &GaugeSpectra<'_>) -> Result<ModulusEstimate, CmodError> {
         spectra.check(3)?;
-        let mut estimate = ModulusEstimate::empty(Method::ThreePoint, self.settings.limits);
+        let mut estimate =
+            ModulusEstimate::empty(Method("three-point method"), self.settings.limits);
         let mut ratios = Vec::with_capacity(spectra.frequency_hz.len());
         for (index, &frequency_hz) in spectra.frequency_hz.iter().enumerate() {
             match ratio(spectra, index, frequency_hz) {

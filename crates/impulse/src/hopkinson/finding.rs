@@ -13,8 +13,9 @@ use super::specimen::Loading;
 
 /// Largest relative difference of the wave speed between passages.
 const SPEED: f64 = 0.03;
-/// Largest relative difference of the two forces.
-const FORCES: f64 = 0.1;
+/// Largest difference of the ratio of the two forces from 1, absolute and in standard errors.
+const FORCES: f64 = 0.03;
+const FORCES_APART: f64 = 5.0;
 /// Largest pull of a face in compression, relative to the largest force.
 const PULL: f64 = 0.05;
 /// Largest strain of a bar: metals and glassy polymers are elastic up to some 2 %.
@@ -197,7 +198,7 @@ impl fmt::Display for Finding {
             ),
             Self::NoEquilibrium { index } => write!(
                 f,
-                "the forces of the two faces are nowhere equal: half of the equilibrium indices exceed {index:.2}, expected at most 0.05"
+                "the forces of the two faces do not become equal and stay so: their difference is {index:.2} of their mean in the median, expected at most 0.05 up to the end of the loading"
             ),
             Self::EquilibriumSupposed => f.write_str(
                 "the force of the incident face was taken from the transmitted bar: equilibrium is assumed, not verified",
@@ -375,7 +376,7 @@ fn balance(result: &HopkinsonResult, test: &HopkinsonTest, findings: &mut Vec<Fi
     }
     let equilibrium = &result.equilibrium;
     let (ratio, standard_error) = (equilibrium.force_ratio, equilibrium.force_ratio_error);
-    if (ratio - 1.0).abs() > FORCES + 3.0 * standard_error {
+    if (ratio - 1.0).abs() > FORCES.max(FORCES_APART * standard_error) {
         findings.push(Finding::ForcesDiffer {
             ratio,
             standard_error,

@@ -61,6 +61,15 @@ impl BlowSpan {
         Ok((!forces.is_empty()).then_some(span))
     }
 
+    /// Span `times` as long on either side.
+    #[must_use]
+    pub fn longer(self, times: usize) -> Self {
+        Self {
+            before: times.saturating_mul(self.before),
+            after: times.saturating_mul(self.after),
+        }
+    }
+
     /// Samples of the span about the sample `peak`, within a record of `n_samples`.
     #[must_use]
     pub fn about(self, peak: usize, n_samples: usize) -> Range<usize> {

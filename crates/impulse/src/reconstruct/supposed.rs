@@ -21,12 +21,13 @@ const STRETCH_STEP: f64 = 0.04;
 /// logarithm of the stretch. The first two are determined by any blow; durations of blows by one
 /// hammer with different tips, hands and places differ by a third.
 const SPREADS: [f64; 3] = [1.0, 4.0, 0.3];
-/// Prior standard deviations of the exponent and of the skewness of a blow: half sines, versed sines
-/// and triangles differ by factors of 0.6 to 1.5 in the exponent, rise and fall by a third.
-const DEFORMATIONS: [f64; 2] = [0.4, 0.3];
+/// Prior standard deviations of the exponent and of the skewness of a blow: from half sines over
+/// triangles to versed sines the exponent changes by factors of 0.7 to 1.3; rise and fall differ by a
+/// fifth of the half duration.
+const DEFORMATIONS: [f64; 2] = [0.25, 0.2];
 /// Deviation of the shape of a blow from the calibration blows that is assumed beyond the deviation
 /// by deformations, relative to it.
-const REMAINDER: f64 = 0.3;
+const REMAINDER: f64 = 0.4;
 /// Number of variances s² of the shape that are tried, in half powers of ten from 1 down.
 const VARIANCES: u8 = 15;
 /// Number of alternating fits of blow and variance.

@@ -182,7 +182,12 @@ fn a_window_beyond_the_record_keeps_its_errors() {
         standard_error: None,
     };
     let scatter = CalibrationScatter::of(&[blow; 3], 0..60).unwrap();
-    let errors = |window: Range<usize>| scatter.error(&history, window, None).standard_error().to_vec();
+    let errors = |window: Range<usize>| {
+        scatter
+            .error(&history, window, None)
+            .standard_error()
+            .to_vec()
+    };
     assert_eq!(errors(10..60), errors(10..usize::MAX));
     assert!(errors(10..1000)[30] > 1.0);
     assert!(errors(100..1000).iter().all(|e| *e == 0.0));

@@ -197,11 +197,11 @@ impl Criteria {
             let leaps =
                 |limit: f64| [run.step_in, run.step_out].map(|s| s.is_some_and(|s| s > limit));
             if is_extreme {
-                let [into, out] = leaps(3.0 * step.max(f64::MIN_POSITIVE));
+                let [into, out] = leaps(3.0 * step.max(f64::MIN_POSITIVE) + LEAP * noise);
                 if limit_is_told
                     && self.clipped_run.is_some_and(|n| run.length >= n)
                     && from_rest > BEYOND_NOISE * noise
-                    && (into || out)
+                    && (into || out || is_improbable(run.length, noise / step))
                 {
                     clipped.get_or_insert(run);
                 }
@@ -433,6 +433,20 @@ fn runs(samples: &[f64], shortest: usize) -> Vec<Run> {
 fn only_value(samples: &[f64]) -> Option<f64> {
     let first = *samples.first()?;
     samples.iter().all(|x| same(*x, first)).then_some(first)
+}
+
+/// Number of standard deviations of the noise by which neighbouring samples of a smooth crest differ
+/// at most.
+const LEAP: f64 = 4.0;
+
+/// Probability below which equal samples in noise are no chance.
+const BY_CHANCE: f64 = 1e-6;
+
+/// Returns true if noise of this standard deviation, in steps of the converter, does not leave
+/// `length` samples equal: two are equal with the probability 1/(2√π σ).
+fn is_improbable(length: usize, noise: f64) -> bool {
+    let equal = 0.5 / (std::f64::consts::PI.sqrt() * noise);
+    noise.is_finite() && equal < 0.6 && equal.powf(length as f64 - 1.0) < BY_CHANCE
 }
 
 #[cfg(test)]

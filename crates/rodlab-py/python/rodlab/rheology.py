@@ -475,10 +475,10 @@ def _with_laws(of: Result, more: Mapping[str, Any], progress: Progress | None, k
 
 
 def named_law(name: str) -> Part:
-    """Returns the law as a part of a sheet: ``fractional zener`` is ``FractionalZener`` there."""
-    words = name.replace("-", " ").split()
+    """Returns the law as a part of a sheet: ``fractional zener``, or ``fractional_zener``, is ``FractionalZener`` there."""
+    words = name.replace("-", " ").replace("_", " ").split()
     return Part("".join(word[:1].upper() + word[1:] for word in words))
 
 
 def _plain(name: str) -> str:
-    return name.replace("-", "").replace(" ", "").lower()
+    return name.replace("-", "").replace("_", "").replace(" ", "").lower()

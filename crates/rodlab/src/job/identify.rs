@@ -289,16 +289,11 @@ fn recorders(sheet: &IdentifySheet, tests: &[RodTest]) -> Result<Vec<RecorderChe
         .collect()
 }
 
-/// The standard candidates, and those of the sheet's `laws` that are neither among them nor among
-/// `further`.
-fn candidates(sheet: &IdentifySheet, further: &[Candidate]) -> Result<Vec<Candidate>, RodlabError> {
+/// The standard candidates, and those of the sheet's `laws` that are not among them.
+fn candidates(sheet: &IdentifySheet) -> Result<Vec<Candidate>, RodlabError> {
     let mut all = Candidate::standard();
     for law in &sheet.laws {
-        let is_known = all
-            .iter()
-            .chain(further)
-            .any(|known| known.law() == Some(*law));
-        if !is_known {
+        if !all.iter().any(|known| known.law() == Some(*law)) {
             all.push(Candidate::of(*law));
         }
     }
@@ -360,10 +355,12 @@ pub(crate) fn run(sheet: &IdentifySheet, context: &JobContext<'_>) -> Result<Out
     context.progress.begins("identification", steps);
     let compared = |tests: &[RodTest]| {
         let further = Candidate::with_equilibrium().into_iter();
+        let is_named = |one: &Candidate| one.law().is_some_and(|law| sheet.laws.contains(&law));
         let further: Vec<Candidate> = further
+            .filter(|one| !is_named(one))
             .map(|one| sheet.activated(one))
             .collect::<Result<_, _>>()?;
-        Selection::new(candidates(sheet, &further)?)
+        Selection::new(candidates(sheet)?)
             .map(|selection| selection.with_further(further))
             .and_then(|selection| selection.with_cell(sheet.cell())?.compare(tests))
             .map_err(|error| RodlabError::step("comparing the laws", error))

@@ -273,7 +273,7 @@ pub(super) fn run_with(
         // results for sensors of a draw would be those of the drawn sensors
         _ if context.draw.is_some() => {}
         Some(calibrated) => calibration::state(&mut outcome, sheet, &measured, calibrated),
-        None => calibration::state_none(&mut outcome, &measured),
+        None => calibration::state_none(&mut outcome, sheet, &measured),
     }
     if let Some(trend) = &trend {
         drift::state(&mut outcome, &found, trend)?;

@@ -19,7 +19,7 @@ use rand_chacha::ChaCha8Rng;
 
 use super::JobContext;
 use crate::bodies::material_sheet;
-use crate::records::{Records, expect_quantity};
+use crate::records::{Records, clipped, expect_quantity};
 use crate::{Outcome, RodlabError};
 
 /// Seed of the draws of the noise: the same sheet gives the same digits.
@@ -119,7 +119,13 @@ fn load(
         outcome.warnings.append(&mut found.warnings);
         outcome.log.append(&mut found.left_out);
         match found.records.as_slice() {
-            [one] => loaded.push(one.record.clone()),
+            [one] => {
+                let channels: Vec<&str> = one.record.channels().iter().map(|c| c.name()).collect();
+                for doubt in clipped(&one.record, &channels, &field)? {
+                    outcome.doubt(doubt);
+                }
+                loaded.push(one.record.clone());
+            }
             several => {
                 return Err(RodlabError::request(
                     format!("{field}.files"),

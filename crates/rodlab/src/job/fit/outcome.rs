@@ -13,6 +13,7 @@ use crate::Outcome;
 use crate::digits::{hertz, percent, short, significant};
 use crate::laws::WHITE;
 use crate::outcome::{CHECK, LogEntry, Quantity};
+use crate::sheet::Exact;
 
 /// Number of standard errors by which a shift must rise with temperature to be wrong.
 const RISES: f64 = 2.0;
@@ -260,6 +261,13 @@ fn quantities(outcome: &mut Outcome, found: &Found<'_>, sweep: &Sweep) {
     }
 }
 
+/// Fewest temperatures for the scatter of their factors.
+const FEWEST_FACTORS: usize = 5;
+/// Scatter of factors of the modulus relative to their errors, and absolute scatter, from which it
+/// is reported.
+const BEYOND_ERRORS: f64 = 2.0;
+const LEAST_SCATTER: f64 = 2e-3;
+
 /// The test of one curve for all temperatures.
 fn one_curve(outcome: &mut Outcome, found: &Found<'_>, curve: &MasterCurve) {
     let fit = &curve.fit;
@@ -302,6 +310,17 @@ fn one_curve(outcome: &mut Outcome, found: &Found<'_>, curve: &MasterCurve) {
             "Without factors of the modulus the temperatures do not form a single curve: {scaled} were estimated in addition to the shifts."
         ));
     }
+    let stated = found.sheet.scale_uncertainty.as_ref();
+    let stated = stated.map_or(0.0, Exact::si);
+    if let Some(scatter) = scatter_of_factors(curve)
+        && scatter > stated
+    {
+        outcome.doubt(format!(
+            "the factors of the modulus scatter by {} about a smooth change with temperature, as by clamping again: so uncertain is the modulus at the \
+             reference temperature as well, which is in no error; state `scale_uncertainty`",
+            percent(scatter)
+        ));
+    }
     let open: Vec<String> = curve
         .shifts
         .iter()
@@ -314,6 +333,31 @@ fn one_curve(outcome: &mut Outcome, found: &Found<'_>, curve: &MasterCurve) {
             open.join(", ")
         ));
     }
+}
+
+/// Standard deviation of ln b_T about a straight line over the temperature, if it is larger than the
+/// errors of the factors explain; the factor 1 of the reference is one of them.
+fn scatter_of_factors(curve: &MasterCurve) -> Option<f64> {
+    let points: Vec<(f64, f64)> = curve
+        .shifts
+        .iter()
+        .map(|shift| (shift.temperature, shift.vertical.ln()))
+        .collect();
+    let n = points.len() as f64;
+    if points.len() < FEWEST_FACTORS {
+        return None;
+    }
+    let mean = |of: &dyn Fn(&(f64, f64)) -> f64| points.iter().map(of).sum::<f64>() / n;
+    let (t, b) = (mean(&|p| p.0), mean(&|p| p.1));
+    let slope = mean(&|p| (p.0 - t) * (p.1 - b)) / mean(&|p| (p.0 - t).powi(2));
+    let squares = mean(&|p| (p.1 - b - slope * (p.0 - t)).powi(2));
+    let scatter = (squares * n / (n - 2.0)).sqrt();
+    let errors = curve
+        .shifts
+        .iter()
+        .map(|shift| shift.vertical_standard_error);
+    let error = (errors.map(|error| error * error).sum::<f64>() / n).sqrt();
+    (scatter > BEYOND_ERRORS * error && scatter > LEAST_SCATTER).then_some(scatter)
 }
 
 /// The check that relaxation is faster at higher temperature.

@@ -7,7 +7,7 @@ use super::impact_sheet::{ContactSheet, ImpactSheet};
 use super::impact_tables::Found;
 use super::{impact_figures, impact_tables};
 use crate::bodies::material_sheet::Materials;
-use crate::digits::with_unit;
+use crate::digits::{significant, with_unit};
 use crate::job::JobContext;
 use crate::{Outcome, RodlabError};
 use impulse::{FirstForce, ImpactNumbers, Prediction, PredictionFlag, UncertainPrediction};
@@ -51,6 +51,18 @@ pub(super) fn run(
     context.check_cancelled()?;
     if let Some(march) = &found.march {
         flags(&march.prediction, outcome);
+        if let ContactSheet::Table(points) = &sheet.contact
+            && let Some((_, last)) = points.last()
+        {
+            let (last, peak) = (last.with_uncertainty().value, march.prediction.peak().force);
+            if peak > last {
+                outcome.doubt(format!(
+                    "the force reaches {} N, but the table of the contact ends at {} N: beyond it its last piece was extended; measure the contact up to this force",
+                    significant(peak, 3),
+                    significant(last, 3)
+                ));
+            }
+        }
         answer(sheet, march, outcome);
         impact_tables::quantities(march, outcome);
         outcome.tables.push(impact_tables::limited(march)?);

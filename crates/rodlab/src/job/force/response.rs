@@ -150,8 +150,9 @@ pub(super) fn run(
                 Some(span) => HitsInBand::of(sheet, hits, &accepted, span)?,
                 None => None,
             };
-            problem.acting =
+            let found =
                 response_solve::acting_like_hits(&problem, span, of_hits.as_ref(), outcome)?;
+            (span, problem.acting) = found.unzip();
             if problem.acting.is_none() {
                 problem.lost_in_band = of_hits.map(|hits| hits.lost);
             }

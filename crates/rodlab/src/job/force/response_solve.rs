@@ -26,6 +26,9 @@ const LONGEST: usize = 512;
 /// force there.
 const ELSEWHERE: f64 = 0.1;
 
+/// Durations of the support that are tried, as multiples of that of the calibration hits.
+const LONGER: [usize; 4] = [1, 2, 4, 8];
+
 /// Ringing of a force in a band outside its duration, as a multiple of that of calibration hits:
 /// shorter blows ring more.
 const RINGING: f64 = 1.5;
@@ -334,15 +337,15 @@ impl HitsInBand {
     }
 }
 
-/// Time in which the force acts: as long as the calibration hits, about the peak of the force by
-/// division; `None` if there is force at other times. A force in a band rings outside this time,
-/// as the calibration hits do in the band.
+/// Time in which the force acts, about the peak of the force by division: as long as the calibration
+/// hits, or a multiple of it; `None` if there is force at other times. A force in a band rings
+/// outside this time, as the calibration hits do in the band.
 pub(super) fn acting_like_hits(
     problem: &Problem<'_>,
     span: Option<BlowSpan>,
     hits: Option<&HitsInBand>,
     outcome: &mut Outcome,
-) -> Result<Option<TimeInterval>, RodlabError> {
+) -> Result<Option<(BlowSpan, TimeInterval)>, RodlabError> {
     let Some(span) = span else { return Ok(None) };
     // a regularisation would only smooth the force
     let divided = problem
@@ -362,17 +365,27 @@ pub(super) fn acting_like_hits(
     let force: Vec<f64> = (divided.history.force().iter().enumerate())
         .map(|(n, f)| f * (-decay * n as f64 / problem.sampling_rate_hz).exp())
         .collect();
-    let Some((window, elsewhere)) = about_peak(span, &force) else {
-        return Ok(None);
-    };
-    if elsewhere > ELSEWHERE + hits.map_or(0.0, |hits| RINGING * hits.outside) {
-        outcome.warnings.push(format!(
-            "By division, the force reaches {:.0} % of its peak outside the duration of a calibration hit: the force is sought over the whole record. State `acting` if it is known.",
-            100.0 * elsewhere
-        ));
-        return Ok(None);
+    let allowed = ELSEWHERE + hits.map_or(0.0, |hits| RINGING * hits.outside);
+    let mut at_first = 0.0;
+    for times in LONGER {
+        let span = span.longer(times);
+        let Some((window, elsewhere)) = about_peak(span, &force) else {
+            return Ok(None);
+        };
+        if times == 1 {
+            at_first = elsewhere;
+        }
+        if elsewhere <= allowed && window.len() < LONGEST {
+            let acting = BlowSpan::interval(&window, problem.sampling_rate_hz);
+            return Ok(Some((span, acting)));
+        }
     }
-    Ok(Some(BlowSpan::interval(&window, problem.sampling_rate_hz)))
+    outcome.doubt(format!(
+        "by division, the force reaches {:.0} % of its peak outside the duration of a calibration hit: it is sought over the whole record, without the part on lines that \
+         the hits do not determine; state `acting`",
+        100.0 * at_first
+    ));
+    Ok(None)
 }
 
 /// Channel of the force, the same for all responses.

@@ -12,7 +12,7 @@ use crate::digits::significant;
 use crate::job::JobContext;
 use crate::job::simulate::AntiAliasSheet;
 use crate::outcome::LogEntry;
-use crate::records::{Records, expect_different_files, expect_quantity};
+use crate::records::{Records, clipped, expect_different_files, expect_quantity};
 use crate::sheet::{Exact, Frequency, Length, NotFollowed, Temperature, Time, Velocity};
 use crate::{Outcome, RodlabError};
 
@@ -212,6 +212,10 @@ fn one(
         ));
     };
     let record = part(record.record, test, field)?;
+    let channels = [test.excitation.as_str(), test.response.as_str()];
+    for doubt in clipped(&record, &channels, field)? {
+        outcome.doubt(doubt);
+    }
     let quantity = quantity_of(&record, test, field)?;
     let samples = |channel: &str| -> Result<Vec<f64>, RodlabError> {
         let samples = record.channel(channel);

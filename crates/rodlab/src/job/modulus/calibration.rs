@@ -4,7 +4,7 @@ use cmod::estimate::ErrorSource;
 use cmod::self_calibration::{CalibratedSource, SelfCalibration};
 
 use super::ModulusSheet;
-use super::measured::Measured;
+use super::measured::{Measured, Spectra};
 use crate::Outcome;
 use crate::digits::significant;
 use crate::outcome::Quantity;
@@ -17,11 +17,20 @@ const CONTRADICTS: f64 = 3.29;
 const UNEXPLAINED: f64 = 1.5;
 
 /// Reports that the errors of the sensors are kept as stated, if the lines do not determine them.
-pub(super) fn state_none(outcome: &mut Outcome, measured: &Measured) {
+pub(super) fn state_none(outcome: &mut Outcome, sheet: &ModulusSheet, measured: &Measured) {
     let of_gauges = measured.of_gauges();
     if measured.of_ratio().is_uncertain() || of_gauges.iter().any(|of| of.is_uncertain()) {
         outcome.warnings.push(
             "The lines do not determine the errors of the sensors: the stated uncertainties are included in the errors. Calibrate the sensors against each other."
+                .to_owned(),
+        );
+    } else if matches!(
+        measured.spectra,
+        Some(Spectra::Ratio(_) | Spectra::Gauges(_))
+    ) && sheet.method.channels().len() > 1
+    {
+        outcome.warnings.push(
+            "No uncertainty of the sensors is stated: the errors include neither deviations of their sensitivities nor delays between the channels."
                 .to_owned(),
         );
     }

@@ -1,0 +1,28 @@
+//! Test for records that reach the limit of their recorder.
+
+use labio::Record;
+use labio::hits::{Criteria, Reason};
+
+use crate::RodlabError;
+
+/// Returns a reason for doubt for each of `channels` that is clipped or has a drop-out, in a record
+/// that is not judged as a hit.
+pub(crate) fn clipped(
+    record: &Record,
+    channels: &[&str],
+    field: &str,
+) -> Result<Vec<String>, RodlabError> {
+    let Some(reference) = channels.first() else {
+        return Ok(Vec::new());
+    };
+    let reasons = Criteria::bar().judge(record, reference, None);
+    let reasons = reasons.map_err(|error| RodlabError::step(field, error))?;
+    let is_fault = |reason: &Reason| match reason {
+        Reason::Clipped { channel, .. } | Reason::DropOut { channel, .. } => {
+            channels.contains(&channel.as_str())
+        }
+        _ => false,
+    };
+    let faults = reasons.into_iter().filter(is_fault);
+    Ok(faults.map(|reason| format!("{field}: {reason}")).collect())
+}
