@@ -3,9 +3,8 @@
 use super::{FrequencyResponse, LineValidity};
 use crate::LabioError;
 
-/// Coherence of the reference above which lines are compared: below it, noise in the input biases
-/// the reference. A window that cuts off part of the input lowers the coherence of the other
-/// estimate, which is no reason not to compare it.
+/// Coherence above which lines are compared: below it, noise in the input causes an additional
+/// bias.
 const LEAST_COHERENCE: f64 = 0.9;
 /// Fewest lines for a comparison.
 const FEWEST_LINES: usize = 8;
@@ -41,9 +40,9 @@ impl Departure {
 }
 
 impl FrequencyResponse {
-    /// Returns the difference from another estimate on the same lines, evaluated over the lines on
-    /// which the other has a coherence above 0.9. `None` without variances, or with fewer than
-    /// eight such lines.
+    /// Returns the difference from another estimate on the same lines, evaluated over the lines
+    /// with a coherence above 0.9 in both, or, with fewer than eight of them, in the other. `None`
+    /// without variances, or with fewer than eight lines.
     ///
     /// # Errors
     ///
@@ -58,14 +57,16 @@ impl FrequencyResponse {
                 expected: self.values.len(),
             });
         }
-        let mut figures: [Vec<f64>; 4] = Default::default();
-        let coherent = other.coherence.iter().flatten().copied();
-        let coherent = coherent.chain(std::iter::repeat(f64::NAN));
-        for ((one, two), coherence) in self.known_lines().zip(other.known_lines()).zip(coherent) {
+        let mut lines: Vec<(bool, [f64; 4])> = Vec::new();
+        for ((one, two), coherences) in self
+            .known_lines()
+            .zip(other.known_lines())
+            .zip(self.coherences().zip(other.coherences()))
+        {
             let (Some((value, variance)), Some((reference, other))) = (one, two) else {
                 continue;
             };
-            if coherence.is_nan() || coherence <= LEAST_COHERENCE {
+            if coherences.1.is_nan() || coherences.1 <= LEAST_COHERENCE {
                 continue;
             }
             let scale = reference.norm();
@@ -76,8 +77,17 @@ impl FrequencyResponse {
                 variance.sqrt() / scale,
                 difference / error,
             ];
+            lines.push((coherences.0 > LEAST_COHERENCE, line));
+        }
+        // a window that cuts off most of the input leaves hardly a coherent line
+        let coherent = lines.iter().filter(|(coherent, _)| *coherent).count();
+        let mut figures: [Vec<f64>; 4] = Default::default();
+        for (_, line) in lines
+            .iter()
+            .filter(|(is_coherent, _)| *is_coherent || coherent < FEWEST_LINES)
+        {
             for (figures, figure) in figures.iter_mut().zip(line) {
-                figures.push(figure);
+                figures.push(*figure);
             }
         }
         for figures in &mut figures {
@@ -160,6 +170,12 @@ impl FrequencyResponse {
                 (None, _) => f64::NAN,
             })
             .collect())
+    }
+
+    /// Returns the coherence of each line, NaN without one.
+    fn coherences(&self) -> impl Iterator<Item = f64> + '_ {
+        let known = self.coherence.iter().flatten().copied();
+        known.chain(std::iter::repeat(f64::NAN))
     }
 
     /// Returns value and variance of each line; `None` for lines without information.

@@ -212,11 +212,11 @@ fn one(
         ));
     };
     let record = part(record.record, test, field)?;
+    let quantity = quantity_of(&record, test, field)?;
     let channels = [test.excitation.as_str(), test.response.as_str()];
     for doubt in clipped(&record, &channels, field)? {
         outcome.doubt(doubt);
     }
-    let quantity = quantity_of(&record, test, field)?;
     let samples = |channel: &str| -> Result<Vec<f64>, RodlabError> {
         let samples = record.channel(channel);
         Ok(samples
