@@ -51,7 +51,7 @@ impl FoundHits {
         let mean = ratios.iter().sum::<Complex64>() / n;
         let square: f64 = ratios.iter().map(|ratio| (ratio - mean).norm_sqr()).sum();
         let error = (square / (n * (n - 1.0))).sqrt();
-        let is_alike = n > 1.0 && mean.norm() > ABOVE_CHANCE * error;
+        let is_alike = n > 2.0 && mean.norm() > ABOVE_CHANCE * error;
         Ok((is_alike && mean.norm() > TOLERATED).then(|| {
             format!(
                 "`{force}` does not return to zero after the blow, which changes its spectrum by {} % at {} and less above: its amplifier is AC-coupled, or its sensor \
