@@ -95,7 +95,7 @@ pub struct MaterialCard<'a> {
 pub struct CardDeviation {
     /// Difference of the complex moduli relative to |E|.
     pub relative: f64,
-    /// Frequency of this difference [Hz].
+    /// Frequency of this difference \[Hz\].
     pub frequency_hz: f64,
 }
 
