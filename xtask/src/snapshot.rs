@@ -22,16 +22,9 @@ const ABSOLUTE_OF_ERRORS: f64 = 1e-5;
 /// Keys with errors: ratios, or differences of exponents.
 const ERRORS: [&str; 2] = ["relative_error", "standard_error"];
 
-/// Keys whose values are shown but not compared: whether, when and where an iteration stopped in an
-/// undetermined direction, residuals at the level of rounding, and values derived from compared
-/// keys.
-const NOT_COMPARED: [&str; 5] = [
-    "converged",
-    "stopped_at",
-    "iterations",
-    "at_rounding",
-    "deviation",
-];
+/// Keys whose values are shown but not compared: where an iteration stopped in an undetermined
+/// direction, residuals at the level of rounding, and values derived from compared keys.
+const NOT_COMPARED: [&str; 4] = ["stopped_at", "iterations", "at_rounding", "deviation"];
 
 /// The result differs from the snapshot.
 #[derive(Debug, thiserror::Error)]

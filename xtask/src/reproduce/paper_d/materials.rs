@@ -51,7 +51,10 @@ pub(crate) struct Material {
     /// Table 5: the error with Q = 1, 2, 3, 4 tests.
     pub(crate) errors: Vec<f64>,
     pub(crate) printed_errors: Vec<f64>,
-    pub(crate) converged: bool,
+    /// `None` for the literal reading: its damping is undetermined, and whether the search ends at
+    /// a bound depends on the last digits of a machine.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) converged: Option<bool>,
     pub(crate) iterations: usize,
     /// Histories for the figure.
     #[serde(skip)]
@@ -243,7 +246,7 @@ pub(crate) fn run(job: &Job, rig: &Rig) -> Result<Material, Error> {
         lines,
         errors: outcomes.iter().map(|o| o.relative_error).collect(),
         printed_errors: job.printed_errors.clone(),
-        converged: last.converged,
+        converged: (job.reading != UnitReading::Literal).then_some(last.converged),
         iterations: last.iterations,
         histories,
     })
