@@ -24,7 +24,6 @@ use std::f64::consts::{FRAC_PI_2, PI};
 
 use num_complex::Complex64;
 
-use crate::branch::{BranchTracker, SpecimenRecord};
 use crate::error::{CmodError, check_positive};
 use crate::estimate::{Acceptance, Method, ModulusEstimate, Refusal, Termination, VarianceFreedom};
 use crate::free_end::{EndSection, FreeEnd, RodWithFreeEnd};
@@ -158,20 +157,8 @@ impl Resonances {
     /// Returns all zeros of Re Ψ within the band, numbered by the branch of the closed form, where cosh
     /// αL cos kL = 0.
     fn crossings(&self, measured: &[MeasuredRatio<'_>]) -> Result<Vec<Crossing>, CmodError> {
-        if measured.is_empty() {
-            return Ok(Vec::new());
-        }
-        let frequency_hz: Vec<f64> = measured.iter().map(|line| line.frequency_hz).collect();
-        let ratio: Vec<Complex64> = measured.iter().map(|line| line.ratio).collect();
-        let variance: Vec<f64> = measured.iter().map(MeasuredRatio::whole_variance).collect();
-        let record = SpecimenRecord {
-            length: self.length,
-            mass_ratio: self.rod.length_of_end_mass() / self.length,
-            frequency_hz: &frequency_hz,
-            acceleration_ratio: &ratio,
-            variance: Some(&variance),
-        };
-        let roots = record.resolve(&BranchTracker::new())?;
+        let mass_ratio = self.rod.length_of_end_mass() / self.length;
+        let roots = section_ratio::branches(measured, self.length, mass_ratio)?;
         let mut found = Vec::new();
         for order in 1.. {
             let phase = (f64::from(order) - 0.5) * PI;

@@ -43,7 +43,7 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use num_complex::Complex64;
 use rodwave::numerics::Jet;
 
-use crate::branch::BranchDoubt;
+use crate::branch::{BranchDoubt, BranchTracker, ResolvedRoot, SpecimenRecord};
 use crate::complex_frequency::ComplexFrequency;
 use crate::error::CmodError;
 use crate::estimate::{
@@ -203,6 +203,30 @@ impl MeasuredRatio<'_> {
     pub(crate) fn whole_variance(&self) -> f64 {
         self.variance + ratio_error::variance(self.common, self.index, self.ratio)
     }
+}
+
+/// Returns the branch of each of these ratios of the accelerations of two ends, the free one with
+/// `mass_ratio` times the mass of the rod; none without lines. Waves are counted where neither noise
+/// nor sensor errors prevent it.
+pub(crate) fn branches(
+    measured: &[MeasuredRatio<'_>],
+    length: f64,
+    mass_ratio: f64,
+) -> Result<Vec<ResolvedRoot>, CmodError> {
+    if measured.is_empty() {
+        return Ok(Vec::new());
+    }
+    let frequency_hz: Vec<f64> = measured.iter().map(|line| line.frequency_hz).collect();
+    let ratio: Vec<Complex64> = measured.iter().map(|line| line.ratio).collect();
+    let variance: Vec<f64> = measured.iter().map(MeasuredRatio::whole_variance).collect();
+    let record = SpecimenRecord {
+        length,
+        mass_ratio,
+        frequency_hz: &frequency_hz,
+        acceleration_ratio: &ratio,
+        variance: Some(&variance),
+    };
+    record.resolve(&BranchTracker::new())
 }
 
 /// Returns the lines that can be evaluated, and refuses the others in the `estimate`; `name` is the

@@ -27,7 +27,7 @@ use std::f64::consts::TAU;
 use num_complex::Complex64;
 use rodwave::medium::modulus_from_propagation;
 
-use crate::branch::{BranchTracker, ResolvedRoot, SpecimenRecord};
+use crate::branch::ResolvedRoot;
 use crate::complex_frequency::ComplexFrequency;
 use crate::error::CmodError;
 use crate::estimate::{
@@ -210,28 +210,6 @@ impl TwoPoint {
         })
     }
 
-    /// Returns the branches of all lines that can be evaluated; empty if there are none.
-    fn resolve_branches(
-        &self,
-        measured: &[MeasuredRatio<'_>],
-    ) -> Result<Vec<ResolvedRoot>, CmodError> {
-        if measured.is_empty() {
-            return Ok(Vec::new());
-        }
-        let frequency_hz: Vec<f64> = measured.iter().map(|line| line.frequency_hz).collect();
-        let ratio: Vec<Complex64> = measured.iter().map(|line| line.ratio).collect();
-        // waves are counted where neither noise nor sensor errors prevent it
-        let variance: Vec<f64> = measured.iter().map(MeasuredRatio::whole_variance).collect();
-        let record = SpecimenRecord {
-            length: self.specimen.length,
-            mass_ratio: self.specimen.mass_ratio(),
-            frequency_hz: &frequency_hz,
-            acceleration_ratio: &ratio,
-            variance: Some(&variance),
-        };
-        record.resolve(&BranchTracker::new())
-    }
-
     /// Solves one line; refuses it if the result is not finite.
     fn line(
         &self,
@@ -380,7 +358,9 @@ impl RatioMethod for TwoPoint {
         let mut estimate = ModulusEstimate::empty(Method("two-point method"), self.limits);
         let measured = section_ratio::usable(lines, "acceleration ratio", &mut estimate)?;
         estimate.expect_lines(measured.len());
-        for (line, free_end) in measured.iter().zip(self.resolve_branches(&measured)?) {
+        let branches =
+            section_ratio::branches(&measured, self.specimen.length, self.specimen.mass_ratio())?;
+        for (line, free_end) in measured.iter().zip(branches) {
             let acceptance = Acceptance::of_line(self.limits, line.freedom)?;
             let judged = self.line(line, free_end, &acceptance);
             let judged = judged.map_err(|_| Refusal::NoRoot);
