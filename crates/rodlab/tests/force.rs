@@ -268,3 +268,28 @@ fn what_cannot_be_is_refused_where_it_stands() {
     test.ron:2:36: Force.problem.Impact.first: found `Sphere`, expected one of `Chain`, `RigidMass`, `LongRod`, `Impedance`, `Measured`, `Assembly`
     "#);
 }
+
+/// A wave of 6 kHz in a polymer rod is 0.24 m long: 2.4 diameters of the one rod, twelve of the other.
+#[test]
+fn waves_too_short_for_a_rod_are_named() {
+    let warnings = |diameter: &str| {
+        let outcome = attempt(&format!(
+            r#"Force(title: "thick", problem: Impact(
+                first: RigidMass("0.5 kg"),
+                second: LongRod(material: "pmma", diameter: "{diameter}"),
+                velocity: "2 m/s",
+                duration: "2 ms",
+                band: "6 kHz",
+            ), materials: {{"pmma": (density: "1190 kg/m3", law: Elastic(modulus: "2.5 GPa"))}})"#
+        ))
+        .unwrap();
+        let of_rod = |warning: &&String| warning.contains("lateral inertia");
+        outcome.warnings.iter().find(of_rod).cloned()
+    };
+    let found = warnings("100 mm").unwrap();
+    assert!(
+        found.contains("problem.second") && found.contains("2.4 diameters"),
+        "{found}"
+    );
+    assert_eq!(warnings("20 mm"), None);
+}

@@ -25,6 +25,10 @@ const LEAST_STRAIN: f64 = 5e-6;
 /// Smallest ratio of the reflected to the incident wave.
 const REFLECTED: f64 = 0.05;
 
+/// Largest force at the end of the record, relative to the largest, that shows that the loading is
+/// over.
+const UNLOADED: f64 = 0.8;
+
 /// Largest incident wave at the end of its window, relative to its peak, that causes no remark.
 const REMARKED_TAIL: f64 = 0.005;
 
@@ -61,7 +65,7 @@ pub enum Finding {
         /// Mean of the incident wave at the end of its window, divided by its largest value.
         part: f64,
     },
-    /// The record ends while the specimen is loaded.
+    /// The record ends while the specimen is loaded or, a remark, during its unloading.
     RecordEnds {
         /// Force at the end, divided by its largest value.
         part: f64,
@@ -130,7 +134,11 @@ impl Finding {
     /// Returns true for a remark that does not put the result in doubt.
     #[must_use]
     pub fn is_remark(&self) -> bool {
-        matches!(self, Self::EquilibriumSupposed | Self::Tail { .. })
+        match self {
+            Self::EquilibriumSupposed | Self::Tail { .. } => true,
+            Self::RecordEnds { part } => *part < UNLOADED,
+            _ => false,
+        }
     }
 }
 
@@ -164,7 +172,7 @@ impl fmt::Display for Finding {
             ),
             Self::RecordEnds { part } => write!(
                 f,
-                "the record ends while the specimen carries {:.0} % of its largest force",
+                "the record ends while the specimen carries {:.0} % of its largest force: there is no curve beyond",
                 100.0 * part
             ),
             Self::WaveSpeed { stated, found } => write!(

@@ -80,7 +80,8 @@ pub struct UncertainPrediction {
     /// step, combined with its changes if parts of the lines of measured bodies are left out (root
     /// mean square over a period of the last line).
     pub numerical: Vec<f64>,
-    /// Numerical errors of the scalar results.
+    /// Numerical errors of the scalar results; that of the end of the contact is no less than that of
+    /// a time which is known to a step.
     pub numerical_numbers: ImpactNumbers,
     /// Standard deviations over the draws; `None` without draws.
     pub spread: Option<Spread>,
@@ -173,6 +174,10 @@ impl<D: ImpactDraws> UncertainImpact<'_, D> {
                 *error = error.hypot(*by_lines);
             }
         }
+        // steps may be in phase with the waves, so that the end is the same with half the step
+        let within_a_step = step / 12.0_f64.sqrt();
+        let end = numerical_numbers.end;
+        numerical_numbers.end = end.map(|error| error.max(within_a_step));
         let coarse = self.filling_the_period(step.max(resolved));
         let spread = self.spread(coarse, duration, band)?;
         let spread = spread.map(|(spread, stated)| {

@@ -211,6 +211,9 @@ fn hopkinson_a_record_that_ends_under_load_is_named() {
         Finding::RecordEnds { part } => Some((*part, finding.to_string())),
         _ => None,
     });
+    // a curve that ends while the specimen is unloaded is right as far as it goes
+    assert!(Finding::RecordEnds { part: 0.3 }.is_remark());
+    assert!(!Finding::RecordEnds { part: 0.9 }.is_remark());
     let (part, said) = cut.unwrap_or_else(|| panic!("{findings:?}"));
     assert!(
         (0.2..=1.0).contains(&part) && said.contains("record ends"),

@@ -8,10 +8,12 @@ use num_complex::Complex64;
 use super::RestNoise;
 use crate::{AddedDamping, LabioError, Record};
 
-/// Number of equal parts of a hit, the last of which shows whether the body rings.
+/// Number of equal parts of a hit, the last of which must be quiet if the body is at rest.
 const TAIL: usize = 16;
 /// Fewest samples in that part.
 const LEAST_TAIL: usize = 8;
+/// Root-mean-square values of the silence that white noise does not exceed in a record.
+const NO_NOISE: f64 = 6.0;
 /// Ratio of remainder to peak that counts as rest, as in the [criteria](crate::hits::Criteria) for
 /// hits.
 const AT_REST: f64 = 0.01;
@@ -22,8 +24,12 @@ const EXPONENTS: std::ops::RangeInclusive<u32> = 4..=32;
 const EXPONENT_STEP: f64 = 0.5;
 
 /// Returns the exponential window that `hits` need because they end while `channels` ring; it is
-/// the same for all. `None` if all channels have come to rest: within a hundredth of their peak, or
-/// within twice the largest excursion in the silence.
+/// the same for all. `None` if all channels have come to rest: within a hundredth of their peak,
+/// within twice the largest excursion in the silence or within six of its root-mean-square values,
+/// in the last sixteenth of the hit, and the mean of that sixteenth is too small to change the
+/// lowest line, unlike the creep behind a long pulse. Unless the first channel to move was also the
+/// last, they must have been quiet for longer than between two of their motions: in a long bar a
+/// wave that has passed a gauge is on its way back to it.
 ///
 /// Its decay rate σ is the smallest of a series of values for which the effect of the motion cut
 /// off at the end, $`|x(T)|e^{-\sigma T}/|s|`$ with $`s = \sigma + i\omega`$, is at most three
@@ -39,29 +45,121 @@ pub fn damping_of_ringing(
     n_silent: usize,
     lowest_hz: f64,
 ) -> Result<Option<AddedDamping>, LabioError> {
+    let noise = channels
+        .iter()
+        .map(|channel| RestNoise::before(hits, channel, n_silent))
+        .collect::<Result<Vec<_>, _>>()?;
     let mut needed: Option<f64> = None;
-    for channel in channels {
-        let noise = RestNoise::before(hits, channel, n_silent)?;
-        for hit in hits {
-            let samples = hit.channel(channel)?;
-            let level = samples.iter().take(n_silent).sum::<f64>() / n_silent as f64;
-            let from_level = |x: &f64| (x - level).abs();
-            let peak = samples.iter().map(from_level).fold(0.0, f64::max);
-            let n_tail = (samples.len() / TAIL).max(LEAST_TAIL);
-            let tail = samples.iter().rev().take(n_tail).map(from_level);
-            let end = tail.fold(0.0, f64::max);
-            let rest = samples.iter().take(n_silent).map(from_level);
-            let loudest_rest = rest.fold(0.0, f64::max);
-            if end <= AT_REST * peak || end <= 2.0 * loudest_rest {
+    for hit in hits {
+        let motions = channels
+            .iter()
+            .map(|channel| Ok(Motion::of(&hit.channel(channel)?.to_vec(), n_silent)))
+            .collect::<Result<Vec<_>, LabioError>>()?;
+        let pause_counts = !has_left(&motions);
+        let left = hit.n_samples().saturating_sub(n_silent);
+        let duration = left as f64 / hit.sampling_rate_hz();
+        for (motion, noise) in motions.iter().zip(&noise) {
+            let Some(motion) = motion else { continue };
+            let density = noise.density_at(lowest_hz);
+            let end = if motion.goes_on(pause_counts) {
+                motion.at_end
+            } else if is_above_noise(motion.level, density, duration, lowest_hz) {
+                motion.level
+            } else {
                 continue;
-            }
-            let left = hit.n_samples().saturating_sub(n_silent);
-            let duration = left as f64 / hit.sampling_rate_hz();
-            let own = decay_rate(end, noise.density_at(lowest_hz), duration, lowest_hz);
+            };
+            let own = decay_rate(end, density, duration, lowest_hz);
             needed = Some(needed.map_or(own, |rate| rate.max(own)));
         }
     }
     needed.map(AddedDamping::new).transpose()
+}
+
+/// Motion of a channel during a hit, in samples after the silence.
+struct Motion {
+    first: usize,
+    last: usize,
+    /// Longest time between two motions.
+    longest_pause: usize,
+    /// Time after the last motion.
+    quiet: usize,
+    /// Number of samples that must be quiet at the end.
+    n_tail: usize,
+    /// Largest excursion in that time or, if that is quiet, in one as long as the longest pause.
+    at_end: f64,
+    /// Mean of that time from the level before the hit, as of creep; 0 if it may be chance.
+    level: f64,
+}
+
+impl Motion {
+    /// Returns the motion of a channel; `None` if there is none.
+    fn of(samples: &[f64], n_silent: usize) -> Option<Self> {
+        let (silence, hit) = samples.split_at(n_silent.min(samples.len()));
+        let level = silence.iter().sum::<f64>() / n_silent as f64;
+        let from_level = |x: &f64| (x - level).abs();
+        let largest = |part: &[f64]| part.iter().map(from_level).fold(0.0, f64::max);
+        let square: f64 = silence.iter().map(|x| (x - level).powi(2)).sum();
+        let noise = (square / n_silent as f64).sqrt();
+        let at_rest = (AT_REST * largest(samples))
+            .max(2.0 * largest(silence))
+            .max(NO_NOISE * noise);
+
+        let mut moving = (0..).zip(hit).filter(|(_, x)| from_level(x) > at_rest);
+        let (first, _) = moving.next()?;
+        let (mut last, mut longest_pause) = (first, 0);
+        for (at, _) in moving {
+            longest_pause = longest_pause.max(at - last - 1);
+            last = at;
+        }
+        let quiet = hit.len() - 1 - last;
+        let n_tail = (samples.len() / TAIL).max(LEAST_TAIL);
+        let n_end = if quiet < n_tail {
+            n_tail
+        } else {
+            longest_pause
+        };
+        let tail = |n: usize| hit.get(hit.len().saturating_sub(n)..).unwrap_or(hit);
+        let mean = tail(n_tail).iter().map(|x| x - level).sum::<f64>() / n_tail as f64;
+        let chance = noise * (1.0 / n_tail as f64 + 1.0 / n_silent as f64).sqrt();
+        Some(Self {
+            first,
+            last,
+            longest_pause,
+            quiet,
+            n_tail,
+            at_end: largest(tail(n_end)),
+            level: if mean.abs() > NO_NOISE * chance {
+                mean.abs()
+            } else {
+                0.0
+            },
+        })
+    }
+
+    /// Returns true if the motion has not ended; `pause_counts` states whether it may begin again
+    /// after a pause as long as one before.
+    fn goes_on(&self, pause_counts: bool) -> bool {
+        let pause = if pause_counts { self.longest_pause } else { 0 };
+        self.quiet < self.n_tail.max(pause)
+    }
+}
+
+/// Returns true if the channel that moved first was also the last to move: the waves have left the
+/// sections on the side from which they came, and all sections have seen the same passages.
+fn has_left(motions: &[Option<Motion>]) -> bool {
+    let moved = || motions.iter().flatten().enumerate();
+    let first = moved().min_by_key(|(_, motion)| motion.first);
+    let last = moved().max_by_key(|(_, motion)| motion.last);
+    first
+        .zip(last)
+        .is_some_and(|((first, _), (last, _))| first == last && motions.len() > 1)
+}
+
+/// Returns true if a level that is cut off at the end changes the lowest line of a hit without
+/// damping by more than the part of its noise that is allowed.
+fn is_above_noise(level: f64, density: f64, duration: f64, lowest_hz: f64) -> bool {
+    let cut_off = 2.0 * (level / (TAU * lowest_hz)).powi(2);
+    cut_off > PART_OF_NOISE * PART_OF_NOISE * density * duration
 }
 
 /// Returns σ for a channel that is at `end` at its end and has noise of this one-sided `density`.
@@ -198,6 +296,68 @@ mod tests {
             damping_of_ringing(&[&hit], &["gauge"], 400, 50.0).unwrap(),
             None
         );
+    }
+
+    /// Pulses of 100 samples that begin at these samples after a silence of 300; each is 0.8 times
+    /// that before.
+    fn passages(starts: &[usize], n_samples: usize) -> Vec<f64> {
+        let mut samples = vec![0.0; n_samples];
+        let mut height = 1.0;
+        for start in starts {
+            let pulse = samples.iter_mut().skip(300 + start).take(100);
+            pulse.for_each(|x| *x = height);
+            height *= 0.8;
+        }
+        samples
+    }
+
+    #[test]
+    fn a_pause_between_passages_is_not_rest() {
+        let needs = |n_samples| {
+            let hit = record(passages(&[100, 500, 900], n_samples));
+            let damping = damping_of_ringing(&[&hit], &["gauge"], 300, 50.0).unwrap();
+            damping.is_some()
+        };
+        // the last passage is over for 250 samples, or for 350; the pauses are of 300
+        assert!(needs(1550));
+        assert!(!needs(1650));
+    }
+
+    /// A bar with two gauges: the pulse passes the first, the second, and on its way back the second
+    /// and the first.
+    #[test]
+    fn a_wave_that_has_left_all_gauges_leaves_them_at_rest() {
+        let needs = |starts: [&[usize]; 2]| {
+            let rows = starts.map(|starts| passages(starts, 1550)).concat();
+            let samples = Array2::from_shape_vec((2, 1550), rows).unwrap();
+            let channels =
+                ["near", "far"].map(|name| Channel::new(name, Quantity::Strain).unwrap());
+            let provenance = Provenance::computed("test");
+            let hit = Record::new(samples, 10e3, 0.0, channels.to_vec(), provenance).unwrap();
+            let damping = damping_of_ringing(&[&hit], &["near", "far"], 300, 50.0).unwrap();
+            damping.is_some()
+        };
+        assert!(!needs([&[100, 900], &[300, 700]]));
+        // it is on its way from the second gauge to the end
+        assert!(needs([&[100, 500, 800], &[200, 400, 900]]));
+    }
+
+    /// A level of a thousandth of the pulse is at rest for the eye and changes the lowest line.
+    #[test]
+    fn creep_behind_a_pulse_is_not_rest() {
+        let needs = |level: f64| {
+            let mut random = ChaCha8Rng::seed_from_u64(5);
+            let mut samples = passages(&[100], 1550);
+            samples.iter_mut().skip(500).for_each(|x| *x = level);
+            for x in &mut samples {
+                *x += 1e-3 * (random.random::<f64>() - 0.5);
+            }
+            let hit = record(samples);
+            let damping = damping_of_ringing(&[&hit], &["gauge"], 300, 50.0).unwrap();
+            damping.is_some()
+        };
+        assert!(needs(1e-3));
+        assert!(!needs(0.0));
     }
 
     /// White noise after white noise: the mean energy of lines, including the effect of the level,

@@ -2,6 +2,7 @@
 //! bodies joined.
 
 pub mod assembly;
+mod slenderness;
 
 use std::sync::Arc;
 

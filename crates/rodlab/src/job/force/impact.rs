@@ -10,7 +10,7 @@ use crate::bodies::material_sheet::Materials;
 use crate::digits::{significant, with_unit};
 use crate::job::JobContext;
 use crate::{Outcome, RodlabError};
-use impulse::{FirstForce, ImpactNumbers, Prediction, PredictionFlag, UncertainPrediction};
+use impulse::{FirstForce, ImpactNumbers, PredictionFlag, UncertainPrediction};
 
 pub(super) fn run(
     sheet: &ImpactSheet,
@@ -50,7 +50,8 @@ pub(super) fn run(
     };
     context.check_cancelled()?;
     if let Some(march) = &found.march {
-        flags(&march.prediction, outcome);
+        flags(march, outcome);
+        slenderness(sheet, materials, march.band.upper_hz(), outcome)?;
         if let ContactSheet::Table(points) = &sheet.contact
             && let Some((_, last)) = points.last()
         {
@@ -123,11 +124,26 @@ fn defaults(
     Ok(())
 }
 
-/// Reports the objections to the prediction; there is no answer if a body generates energy or a
-/// contact is not resolved.
-fn flags(prediction: &Prediction, outcome: &mut Outcome) {
-    for flag in &prediction.flags {
+/// Standard errors of its inner energy below 0 with which a body generates energy.
+const GENERATED: f64 = 3.0;
+
+/// Reports the objections to the prediction; there is no answer if a body generates energy, by more
+/// than the error of that energy allows, or a contact is not resolved.
+fn flags(march: &UncertainPrediction, outcome: &mut Outcome) {
+    let errors = march.errors();
+    let error_of_inner = |body: usize| {
+        let of_both = errors.as_ref().map(|errors| errors.inner);
+        of_both.and_then(|[first, second]| if body == 0 { first } else { second })
+    };
+    for flag in &march.prediction.flags {
         match flag {
+            PredictionFlag::MakesEnergy { body, inner }
+                if error_of_inner(*body).is_some_and(|error| -inner <= GENERATED * error) =>
+            {
+                outcome
+                    .warnings
+                    .push(format!("{flag}, which is within the error of that energy"));
+            }
             PredictionFlag::MakesEnergy { .. }
             | PredictionFlag::UnresolvedContact { .. }
             | PredictionFlag::ContactOfFewSteps { .. } => {
@@ -137,6 +153,34 @@ fn flags(prediction: &Prediction, outcome: &mut Outcome) {
             _ => outcome.warnings.push(flag.to_string()),
         }
     }
+}
+
+/// Length of a wave, in diameters, at which lateral inertia lowers its speed by about one per cent,
+/// at a Poisson's ratio of 0.35.
+const SLENDER: f64 = 5.0;
+
+/// Warns of waves that are too short for the diameter of a rod.
+fn slenderness(
+    sheet: &ImpactSheet,
+    materials: &Materials,
+    upper_hz: f64,
+    outcome: &mut Outcome,
+) -> Result<(), RodlabError> {
+    for (body, field) in [
+        (&sheet.first, "problem.first"),
+        (&sheet.second, "problem.second"),
+    ] {
+        let shortest = body.shortest_wave(materials, upper_hz, field)?;
+        if shortest < SLENDER {
+            outcome.warnings.push(format!(
+                "{field}: at the end of the band, {} kHz, a wave is {} diameters of a rod long: the force neglects lateral inertia, which takes about one per cent of the \
+                 wave speed at {SLENDER} diameters and more below; state a `band` that ends lower",
+                impact_march::khz(upper_hz),
+                significant(shortest, 2),
+            ));
+        }
+    }
+    Ok(())
 }
 
 fn answer(sheet: &ImpactSheet, march: &UncertainPrediction, outcome: &mut Outcome) {

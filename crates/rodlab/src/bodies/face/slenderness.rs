@@ -1,0 +1,71 @@
+//! Lengths of the waves in the rods of a body, compared with their diameters.
+
+use std::f64::consts::TAU;
+
+use super::{BodySheet, ElementSheet, EndSheet};
+use crate::RodlabError;
+use crate::bodies::material_sheet::{Materials, material_called};
+use crate::sheet::{Length, Stated};
+
+impl BodySheet {
+    /// Length of the waves at `frequency_hz` divided by the diameter, the least over all rods, cones
+    /// and horns; infinite if there are none. `field` is the place of the body in the sheet.
+    pub(crate) fn shortest_wave(
+        &self,
+        materials: &Materials,
+        frequency_hz: f64,
+        field: &str,
+    ) -> Result<f64, RodlabError> {
+        let mut parts = Vec::new();
+        self.collect_parts(&mut parts);
+        let mut shortest = f64::INFINITY;
+        for (material, diameter) in parts {
+            let material = material_called(materials, material, field)?;
+            let propagation = material.propagation_coefficient(frequency_hz);
+            shortest = shortest.min(TAU / propagation.im / diameter.nominal());
+        }
+        Ok(shortest)
+    }
+
+    /// Collects the materials and the diameters of all parts in which waves propagate.
+    fn collect_parts<'a>(&'a self, parts: &mut Vec<(&'a str, &'a Stated<Length>)>) {
+        match self {
+            Self::LongRod { material, diameter } => parts.push((material, diameter)),
+            Self::Chain { elements, end } => {
+                parts.extend(elements.iter().flat_map(ends));
+                if let EndSheet::LongRod { material, diameter } = end {
+                    parts.push((material, diameter));
+                }
+            }
+            Self::Assembly(assembly) => {
+                let members = assembly.members.iter();
+                for body in members.filter_map(|member| member.body.as_ref()) {
+                    body.collect_parts(parts);
+                }
+            }
+            Self::RigidMass(_) | Self::Impedance(_) | Self::Measured(_) => {}
+        }
+    }
+}
+
+/// Returns the material and the diameters of an element in which waves propagate.
+fn ends(element: &ElementSheet) -> Vec<(&str, &Stated<Length>)> {
+    match element {
+        ElementSheet::Rod {
+            material, diameter, ..
+        } => vec![(material, diameter)],
+        ElementSheet::Cone {
+            material,
+            near,
+            far,
+            ..
+        }
+        | ElementSheet::Horn {
+            material,
+            near,
+            far,
+            ..
+        } => vec![(material, near), (material, far)],
+        ElementSheet::Mass(_) | ElementSheet::Spring(_) | ElementSheet::Dashpot(_) => Vec::new(),
+    }
+}
