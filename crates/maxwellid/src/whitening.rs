@@ -50,11 +50,25 @@ use signal_band::SignalBand;
 pub(crate) use spectrum::mirrored_spectrum;
 use spectrum::wiener_filtered;
 
-/// Cell size of the grid for the transfer H \[m\]. Its error acts on the part of the measured
+/// Largest cell of the grid for the transfer H \[m\]. Its error acts on the part of the measured
 /// excitation that is missing in the excitation of the linearisation, and this part is not noise
 /// alone: with columns at every eighth sample on cells of 8 mm, E of a strongly relaxing rod was
 /// half a standard error low at any noise.
 const TRANSFER_CELL: f64 = 4e-3;
+
+/// Smallest cell chosen for the transfer \[m\].
+const SHORTEST_TRANSFER_CELL: f64 = 0.25e-3;
+
+/// Time step of that grid relative to the distance of the points of the excitation. Their pulses are
+/// no longer than a point, and a longer step would miss some of them.
+const STEP_OF_POINTS: f64 = 0.6;
+
+/// Returns the cell for the transfer of points at `rate_hz` \[Hz\].
+fn transfer_cell(test: &RodTest, parameters: &[f64], rate_hz: f64) -> Option<f64> {
+    let speed = (parameters.first()?.exp() / test.density).sqrt();
+    let of_points = STEP_OF_POINTS * speed / rate_hz;
+    Some(of_points.clamp(SHORTEST_TRANSFER_CELL, TRANSFER_CELL))
+}
 
 /// Change of the parameters, in standard errors, up to which the transfer from excitation to
 /// response need not be renewed.
@@ -179,6 +193,7 @@ impl Transfer {
         // rows before the filter, columns
         let window = times.len();
         let samples = samples_of(excitation, window);
+        let cell = transfer_cell(test, parameters, seen.rate_hz)?;
         if model.is_linear() {
             // one column, shifted: from a sample late enough for the whole interpolation
             let lead = SampledHistory::HALF_WIDTH;
@@ -194,7 +209,7 @@ impl Transfer {
                 sampling_rate_hz: seen.rate_hz,
                 samples: &samples,
                 excitation: &history,
-                ..test.driven_rod(&times, TRANSFER_CELL)
+                ..test.driven_rod(&times, cell)
             };
             let impulse = seen.at_points(response_of(model, &rod, parameters)?);
             let columns = samples_of(excitation, window);
@@ -210,7 +225,7 @@ impl Transfer {
             sampling_rate_hz: seen.rate_hz,
             samples: excitation,
             excitation: &history,
-            ..test.driven_rod(&times, TRANSFER_CELL)
+            ..test.driven_rod(&times, cell)
         };
         let stride = seen.stride();
         // the samples before the contact are known

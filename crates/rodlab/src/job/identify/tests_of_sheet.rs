@@ -211,7 +211,7 @@ fn one(
             "one: each test has its own entry in `tests`",
         ));
     };
-    let record = part(record.record, test, field)?;
+    let record = part(record.record, test, sheet.recorder.is_some(), field)?;
     let quantity = quantity_of(&record, test, field)?;
     let channels = [test.excitation.as_str(), test.response.as_str()];
     for doubt in clipped(&record, &channels, field)? {
@@ -424,24 +424,42 @@ fn quantity_of(record: &Record, test: &TestSheet, field: &str) -> Result<Quantit
     Ok(wanted)
 }
 
-/// The part of the record from `from` on.
-fn part(record: Record, test: &TestSheet, field: &str) -> Result<Record, RodlabError> {
-    let Some(from) = &test.from else {
-        return Ok(record);
-    };
+/// Samples after the end of the comparison that are kept where the recorder is part of the model: for
+/// interpolation, a derivative of displacements and the ringing of the filter.
+const KEPT_AFTER_END: usize = 64;
+
+/// The part of the record from `from` on and, where the recorder is part of the model, up to a short
+/// time after `to`: the excitation is estimated on a fine grid over the whole part.
+fn part(
+    record: Record,
+    test: &TestSheet,
+    with_recorder: bool,
+    field: &str,
+) -> Result<Record, RodlabError> {
     let last = record.n_samples();
-    let first = (0..last).find(|sample| record.time_at(*sample) >= from.si());
-    let begin = first.ok_or_else(|| {
-        RodlabError::request(
-            format!("{field}.from"),
-            from.to_string(),
-            format!(
-                "a time before the end of the record, {} s",
-                record.time_at(last - 1)
-            ),
-        )
-    })?;
+    let mut end = last;
+    if let (true, Some(to)) = (with_recorder, &test.to) {
+        let after = (0..last).find(|sample| record.time_at(*sample) > to.si());
+        end = after.map_or(last, |after| last.min(after + KEPT_AFTER_END));
+    }
+    let mut begin = 0;
+    if let Some(from) = &test.from {
+        let first = (0..last).find(|sample| record.time_at(*sample) >= from.si());
+        begin = first.ok_or_else(|| {
+            RodlabError::request(
+                format!("{field}.from"),
+                from.to_string(),
+                format!(
+                    "a time before the end of the record, {} s",
+                    record.time_at(last - 1)
+                ),
+            )
+        })?;
+    }
+    if begin == 0 && end == last {
+        return Ok(record);
+    }
     record
-        .part(begin..last)
+        .part(begin..end.max(begin))
         .map_err(|error| RodlabError::step(format!("{field}.from"), error))
 }
