@@ -50,7 +50,7 @@ pub(super) fn run(
     };
     context.check_cancelled()?;
     if let Some(march) = &found.march {
-        flags(march, outcome);
+        flags(march, bodies, outcome);
         slenderness(sheet, materials, march.band.upper_hz(), outcome)?;
         if let ContactSheet::Table(points) = &sheet.contact
             && let Some((_, last)) = points.last()
@@ -124,16 +124,16 @@ fn defaults(
     Ok(())
 }
 
-/// Standard errors of its inner energy below 0 with which a body generates energy.
+/// Standard errors of its inner energy below 0 with which a measured body generates energy.
 const GENERATED: f64 = 3.0;
 
-/// Reports the objections to the prediction; there is no answer if a body generates energy, by more
-/// than the error of that energy allows, or a contact is not resolved.
-fn flags(march: &UncertainPrediction, outcome: &mut Outcome) {
+/// Reports the objections to the prediction; there is no answer if a body generates energy, if it is
+/// measured by more than the error of that energy allows, or a contact is not resolved.
+fn flags(march: &UncertainPrediction, bodies: [&FaceBody; 2], outcome: &mut Outcome) {
     let errors = march.errors();
-    let error_of_inner = |body: usize| {
-        let of_both = errors.as_ref().map(|errors| errors.inner);
-        of_both.and_then(|[first, second]| if body == 0 { first } else { second })
+    let error_of_inner = |body: usize| -> Option<f64> {
+        bodies.get(body)?.measured_to_hz()?;
+        *errors.as_ref()?.inner.get(body)?
     };
     for flag in &march.prediction.flags {
         match flag {
