@@ -160,7 +160,7 @@ fn what_is_wrong_is_said_with_its_place() {
     the npy data end 65401 bytes too early
     the npy data end 3 bytes too early
     2 bytes follow the npy data
-    npy, byte 10: descr is `<f2`, expected integers, floating-point or complex numbers, or characters
+    npy, byte 10: descr is `<f2`, expected another type of numbers: half floats are not read, save as float32
     npy, byte 10: descr is `|O`, expected integers, floating-point or complex numbers, or characters
     the npy array contains <U2, expected numbers
     npy, byte 44: header is `Maybe, 'shape': (2,), }`, expected `True` or `False`

@@ -136,14 +136,14 @@ impl std::fmt::Display for RecorderCheck {
         if self.is_biased() {
             write!(
                 f,
-                "test `{test}`: above {FROM} of the cut-off of its recorder the excitation has {:.1} times the power of its noise ({origin}). \
+                "test `{test}`: above {FROM} of the cut-off of its recorder the excitation itself, without its noise, has {:.1} times the power of the noise ({origin}). \
                  The filter biases all parameters of nonlinear laws: state it, or use a softer blow or a faster recorder",
                 self.signal_to_noise
             )
         } else {
             write!(
                 f,
-                "test `{test}`: above {FROM} of the cut-off of its recorder the excitation is below its noise ({origin})"
+                "test `{test}`: above {FROM} of the cut-off of its recorder the excitation has no significant part ({origin})"
             )
         }
     }

@@ -92,11 +92,11 @@ pub enum Command {
         folder: PathBuf,
     },
     /// Read sheets and their files, and report what is wrong with them; nothing is computed.
-    #[command(after_help = "Example:\n  rodlab check campaign/*.toml")]
+    #[command(after_help = "Examples:\n  rodlab check rod.toml\n  rodlab check campaign")]
     Check {
-        /// The sheets.
+        /// Sheets, folders of sheets, or patterns in quotes.
         #[arg(required = true)]
-        sheets: Vec<PathBuf>,
+        sheets: Vec<String>,
     },
     /// List sheets with job, input files and hashes; nothing is computed.
     #[command(after_help = "Examples:
@@ -111,7 +111,7 @@ pub enum Command {
     /// which they were made.
     #[command(after_help = "Example:\n  rodlab verify shot-result")]
     Verify {
-        /// Folders of results.
+        /// Folders of single results, such as results/cone-1.
         #[arg(required = true)]
         results: Vec<PathBuf>,
         /// Folder of their sheets; by default the parent folder of each result.
@@ -232,7 +232,7 @@ pub enum JobCommand {
     /// Complex modulus of a rod from the motion of its sections.
     #[command(after_help = "Examples:
   rodlab modulus rod.toml
-  rodlab modulus hits-*.npy --rate 65.536kHz --impacted 1:m/s2 --free 2:m/s2 --length '799 mm ± 0.3 mm' --diameter '15.8 mm' --density '912 kg/m3 ± 0.1 %'
+  rodlab modulus hits-*.npy --rate 65.536kHz --impacted 1:m/s2 --free 2:m/s2 --length '799 mm ± 0.3 mm' --diameter '15.8 mm' --density '912 kg/m3 ± 0.1 %' --accelerometer '2.9 gram'
                               writes and runs modulus.toml")]
     Modulus(ModulusCommand),
     /// Loss factor from creep recovery.

@@ -25,6 +25,24 @@ pub(crate) fn short(value: f64) -> String {
     }
 }
 
+/// Text of `value` to the second digit of its standard error, and to three significant digits at
+/// least.
+#[must_use]
+pub(crate) fn to_error(value: f64, error: f64) -> String {
+    let orders = value.abs().log10().floor() - error.abs().log10().floor();
+    let digits = if orders.is_finite() {
+        orders + 2.0
+    } else {
+        3.0
+    };
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "a number of digits from 3 to 12"
+    )]
+    significant(value, digits.clamp(3.0, 12.0) as usize)
+}
+
 /// Prefixes from 10⁻⁹ to 10⁹.
 const PREFIXES: [(f64, &str); 7] = [
     (1e9, "G"),

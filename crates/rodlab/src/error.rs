@@ -1,7 +1,7 @@
 //! Errors that end the command without a result.
 
 use std::io;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use thiserror::Error;
 
@@ -50,12 +50,14 @@ pub enum RodlabError {
         found: String,
     },
     /// A pattern of the sheet matches no file.
-    #[error("no file matches `{pattern}` in {}", folder.display())]
+    #[error("no file matches `{pattern}` in {}", searched(folder, field))]
     NoFile {
         /// The name or pattern in the sheet.
         pattern: String,
         /// The folder of the sheet.
         folder: PathBuf,
+        /// Place of the pattern in the sheet; empty for a pattern of the command line.
+        field: String,
     },
     /// A file could not be read.
     #[error("cannot read {}: {source}", path.display())]
@@ -162,6 +164,17 @@ pub enum RodlabError {
         /// The error of the crate.
         source: Box<dyn std::error::Error + Send + Sync>,
     },
+}
+
+/// A folder that was searched for a file, with the field that states the file.
+fn searched(folder: &Path, field: &str) -> String {
+    let is_here = folder == Path::new(".");
+    match (is_here, field) {
+        (true, "") => "the current folder".to_owned(),
+        (true, field) => format!("the folder of the sheet ({field})"),
+        (false, "") => folder.display().to_string(),
+        (false, field) => format!("{} ({field})", folder.display()),
+    }
 }
 
 impl RodlabError {

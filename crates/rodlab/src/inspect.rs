@@ -16,10 +16,10 @@ pub use levels::Levels;
 use std::path::Path;
 
 use labio::format::{self, Strictness, customary_rate};
-use labio::{Abscissa, ContentHash, Contents, Dimension, Ordinate, Provenance, Series};
+use labio::{Abscissa, ContentHash, Contents, Dimension, LabioError, Ordinate, Provenance, Series};
 use serde::Serialize;
 
-use crate::digits::rate;
+use crate::digits::{prefix_for, rate, significant};
 use crate::records::step_without_unit;
 use crate::{RodlabError, cut_short, input};
 
@@ -278,14 +278,23 @@ fn advice(contents: &Contents, inspected: &[InspectedSeries]) -> Vec<String> {
     let without_time = numbers(&|series| series.abscissa_axis.unit.is_none());
     if !without_time.is_empty() {
         advice.push(format!(
-            "the file does not state the sampling rate of channel {}: state `sampling_rate` in the sheet",
-            without_time.join(", ")
+            "the file does not state the sampling rate of {}: state `sampling_rate` in the sheet",
+            channels(&without_time)
         ));
     }
     if let Some(step) = contents.series.iter().find_map(step_without_unit) {
+        let rate_hz = 1.0 / step;
+        let told = if contents.defects.iter().any(is_rounded_step) {
+            let (size, prefix) = prefix_for(rate_hz, "Hz");
+            format!(
+                "about {} {prefix}Hz, from rounded times: state the recorder's rate",
+                significant(rate_hz / size, 2)
+            )
+        } else {
+            format!("{} Hz", rate(rate_hz))
+        };
         advice.push(format!(
-            "the times have no unit: if they are in s, `sampling_rate` is {} Hz",
-            rate(1.0 / step)
+            "the times have no unit: if they are in s, `sampling_rate` is {told}"
         ));
     }
     for (series, number) in contents.series.iter().zip(1_usize..) {
@@ -301,8 +310,8 @@ fn advice(contents: &Contents, inspected: &[InspectedSeries]) -> Vec<String> {
     });
     if !without_unit.is_empty() {
         advice.push(format!(
-            "the file does not state a known unit of channel {}: state `unit` in the sheet",
-            without_unit.join(", ")
+            "the file does not state a known unit of {}: state `unit` in the sheet",
+            channels(&without_unit)
         ));
     }
     if is_table_of_moduli(contents) {
@@ -324,6 +333,21 @@ fn advice(contents: &Contents, inspected: &[InspectedSeries]) -> Vec<String> {
     rates.dedup();
     advice.extend(rates);
     advice
+}
+
+/// `channel 1`, or `channels 1, 2`.
+fn channels(numbers: &[String]) -> String {
+    let plural = if numbers.len() == 1 { "" } else { "s" };
+    format!("channel{plural} {}", numbers.join(", "))
+}
+
+/// Returns true if a table has repeated times, whose digits do not determine the step.
+fn is_rounded_step(defect: &LabioError) -> bool {
+    matches!(
+        defect,
+        LabioError::Malformed { field, found, .. }
+            if field == "abscissa" && found.starts_with("repeated values")
+    )
 }
 
 /// Returns the customary rate of which `step` may be the step rounded to few digits; `None` if the

@@ -163,7 +163,7 @@ impl LawsSheet {
             return Err(RodlabError::request(
                 "laws.cards",
                 "requested",
-                "`GeneralisedMaxwell` among `laws.laws`, from which cards are made",
+                "the law `generalised_maxwell` (in RON `GeneralisedMaxwell`) among `laws.laws`: cards are made from it",
             ));
         }
         let draws = self.cards.as_ref().and_then(|cards| cards.draws);

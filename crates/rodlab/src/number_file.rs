@@ -29,6 +29,7 @@ impl NumberFile {
             return Err(RodlabError::NoFile {
                 pattern: path.to_owned(),
                 folder: folder.to_path_buf(),
+                field: field.to_owned(),
             });
         }
         let bytes = input::read(&full)?;

@@ -127,9 +127,9 @@ fn dispatch(
                 .unwrap_or_else(|| PathBuf::from(format!("{}.{extension}", job.name())));
             if *ron && path.extension().is_none_or(|ending| ending != extension) {
                 return Err(RodlabError::request(
-                    "--ron",
-                    path.display().to_string(),
-                    "a file with the extension ron",
+                    "the new sheet with --ron",
+                    format!("`{}`", path.display()),
+                    "a file name that ends in `.ron`",
                 ));
             }
             templates::init(*job, *rig, &path)?;
@@ -311,14 +311,29 @@ fn retract(sheet: &Path, folder: &Path, error: &RodlabError, err: &mut dyn Write
 
 /// Reads all sheets and their files; an error in one does not hide those in others.
 fn check(
-    sheets: &[PathBuf],
+    places: &[String],
     quiet: bool,
     interrupted: &AtomicBool,
     out: &mut dyn Write,
     err: &mut dyn Write,
 ) -> Result<Ending, RodlabError> {
     let mut ending = Ending::DONE;
-    for path in sheets {
+    let mut sheets = Vec::with_capacity(places.len());
+    for place in places {
+        let path = Path::new(place);
+        if path.is_dir() || (!path.exists() && place.contains(['*', '?', '['])) {
+            match batch::tests_of(std::slice::from_ref(place)) {
+                Ok(found) => sheets.extend(found.into_iter().map(|test| test.sheet)),
+                Err(error) => {
+                    ending = Ending::WRONG;
+                    complain(error, err);
+                }
+            }
+        } else {
+            sheets.push(path.to_path_buf());
+        }
+    }
+    for path in &sheets {
         match Sheet::read(path).and_then(|sheet| {
             job::check(&sheet, &Silent, interrupted)?;
             Ok(sheet)
@@ -330,7 +345,7 @@ fn check(
                     say(
                         out,
                         &format!(
-                            "{}: a sheet for `{job}`, its files can be read ({})",
+                            "{}: a sheet for `{job}`, its files can be read (hash {})",
                             path.display(),
                             &hash[..12]
                         ),

@@ -80,7 +80,7 @@ pub fn html_of(
     date: Option<&str>,
 ) -> Result<String, RodlabError> {
     let refused = |error| RodlabError::step("writing report.html", error);
-    let accepted = outcome.log.iter().filter(|entry| entry.accepted).count();
+    let rejected = outcome.log.iter().filter(|entry| !entry.accepted).count();
     let standing = outcome.verdict.standing();
     let mut figures = outcome
         .figures
@@ -120,11 +120,7 @@ pub fn html_of(
         figures: figures.collect(),
         tables: outcome.tables.iter().map(TableRows::of).collect(),
         log: &outcome.log,
-        log_summary: format!(
-            "{accepted} of {} accepted, {} rejected.",
-            outcome.log.len(),
-            outcome.log.len() - accepted
-        ),
+        log_summary: format!("{rejected} of {} entries rejected.", outcome.log.len()),
         settings: outcome
             .settings
             .iter()

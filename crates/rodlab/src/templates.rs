@@ -182,9 +182,13 @@ pub fn init(job: JobName, rig: Option<Rig>, path: &Path) -> Result<(), RodlabErr
         Some(rig) => {
             let of_rig = rig.job().name();
             return Err(RodlabError::request(
-                "--rig",
-                format!("a rig of the job `{of_rig}`"),
-                format!("a rig of `{}`, or `rodlab init {of_rig}`", job.name()),
+                format!("--rig {}", rig.name()),
+                format!("a rig of `{of_rig}`"),
+                format!(
+                    "a rig of `{}`: run `rodlab init {of_rig} --rig {}`",
+                    job.name(),
+                    rig.name()
+                ),
             ));
         }
     };

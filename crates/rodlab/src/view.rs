@@ -54,10 +54,13 @@ impl View {
     ///
     /// # Errors
     ///
-    /// [`RodlabError`] if the sheet cannot be read as text, or if there is no such port. A sheet
-    /// with mistakes is shown with them.
+    /// [`RodlabError`] if the sheet cannot be read as text or is a recording, or if there is no such
+    /// port. A sheet with mistakes is shown with them.
     pub fn of(path: &Path, port: u16) -> Result<Self, RodlabError> {
         sheet::text(path)?;
+        if let Err(error @ RodlabError::NoSheet { .. }) = Sheet::read(path) {
+            return Err(error);
+        }
         let no_port = |error| RodlabError::step("opening a port for the browser", error);
         let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, port)).map_err(no_port)?;
         listener.set_nonblocking(true).map_err(no_port)?;

@@ -43,7 +43,7 @@ fn said_of(change: impl Fn(&str) -> String) -> String {
 fn a_missing_file() {
     insta::assert_snapshot!(said_of(|sheet| sheet.replace("hits-*.npy", "hit-*.npy")), @r"
     status 2
-    error: no file matches `hit-*.npy` in .
+    error: no file matches `hit-*.npy` in the folder of the sheet (source.hits.records.files)
     ");
 }
 
@@ -67,7 +67,7 @@ fn a_wrong_unit() {
 fn a_unit_that_is_no_unit() {
     insta::assert_snapshot!(said_of(|sheet| sheet.replacen("m/s2", "m/sec^", 1)), @r"
     status 2
-    error: source.records.channels[0].unit: `m/sec^` is not a known unit: `` occurs where an exponent is expected
+    error: source.hits.records.channels[0].unit: `m/sec^` is not a known unit: `` occurs where an exponent is expected
     ");
 }
 
@@ -75,7 +75,7 @@ fn a_unit_that_is_no_unit() {
 fn a_channel_of_another_quantity() {
     insta::assert_snapshot!(said_of(|sheet| sheet.replacen("unit: \"m/s2\"", "unit: \"N\"", 1)), @r"
     status 2
-    error: method.impacted_end is `struck end`, a channel of force, expected a channel of acceleration, velocity or displacement
+    error: method.two_point.impacted_end is `struck end`, a channel of force, expected a channel of acceleration, velocity or displacement
     ");
 }
 
@@ -83,7 +83,7 @@ fn a_channel_of_another_quantity() {
 fn a_channel_that_no_file_has() {
     insta::assert_snapshot!(said_of(|sheet| sheet.replace("from: 2", "from: 5")), @r"
     status 2
-    error: source.records.channels[1].from is channel 5, expected a number from 1 to 2 (hits-1.npy)
+    error: source.hits.records.channels[1].from is channel 5, expected a number from 1 to 2 (hits-1.npy)
     ");
 }
 
@@ -91,7 +91,7 @@ fn a_channel_that_no_file_has() {
 fn a_role_for_a_channel_that_is_not_there() {
     insta::assert_snapshot!(said_of(|sheet| sheet.replace("free_end: \"free end\"", "free_end: \"far end\"")), @r"
     status 2
-    error: method.free_end is `far end`, expected one of the channels `struck end`, `free end`
+    error: method.two_point.free_end is `far end`, expected one of the channels `struck end`, `free end`
     ");
 }
 
@@ -99,7 +99,7 @@ fn a_role_for_a_channel_that_is_not_there() {
 fn a_sampling_rate_that_nobody_tells() {
     insta::assert_snapshot!(said_of(|sheet| sheet.replace("sampling_rate: \"65.536 kHz\",", "")), @r#"
     status 2
-    error: source.records.sampling_rate is not stated, expected the sampling rate, such as "51.2 kHz": hits-1.npy does not state it
+    error: source.hits.records.sampling_rate is not stated, expected the sampling rate, such as "51.2 kHz": hits-1.npy does not state it
     "#);
 }
 

@@ -209,7 +209,7 @@ fn what_is_no_campaign_is_named() {
     ]
     .concat();
     insta::assert_snapshot!(all, @r"
-    status 2: error: no file matches `nowhere` in .
+    status 2: error: no file matches `nowhere` in the current folder
     status 2: error: no file matches `result.json or failure.json` in campaign
     status 2: error: cannot read nowhere: (the system's words)
     ");

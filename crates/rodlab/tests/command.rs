@@ -292,7 +292,7 @@ fn a_folder_that_cannot_be_written_is_named() {
     let folder = folder_with(&[("hit.ron", FORCE), ("taken", "")]);
     let said = refused(folder.path(), &["force", "hit.ron", "--out", "taken"]);
     assert!(
-        said.starts_with("status 2\nerror: cannot write taken/"),
+        said.starts_with("status 2\nerror: cannot write taken: it is a file, expected a folder"),
         "{said}"
     );
     assert_eq!(fs::read_to_string(folder.path().join("taken")).unwrap(), "");

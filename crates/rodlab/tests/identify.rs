@@ -250,8 +250,8 @@ fn behind_a_flat_striker(folder: &TempDir, truth: &impl InelasticLaw, own: &str)
     entries.to_vec()
 }
 
-/// Parts of a sharp front that the filter of the recorder takes do not come back: nothing of a
-/// nonlinear law is identified, and the reason is said.
+/// The filter of the recorder removes part of a sharp front, which cannot be restored: no parameter
+/// of a nonlinear law is identified, and the verdict states the reason.
 #[test]
 fn r02_nonlinear_laws_are_not_identified_behind_a_flat_striker() {
     let folder = TempDir::new().unwrap();
@@ -594,7 +594,7 @@ fn what_is_wrong_with_tests_is_said() {
     tests[0].excitation is `end`, expected one of the channels `near end`, `free end`
     tests[0].records.channels[1].from is `far end`, expected one of `near end`, `free end` (one.csv)
     tests[0].excitation is `near end`, a channel of force, expected a channel of velocity [m/s]
-    no file matches `[of].csv` in FOLDER
+    no file matches `[of].csv` in FOLDER (tests[0].records.files)
     tests is empty, expected at least one test
     laws is empty, expected at least one law
     ");

@@ -89,8 +89,8 @@ fn what_a_file_does_not_tell_is_advised() {
         .join("\n");
     insta::assert_snapshot!(said, @r"
     1 of 16 values of channel 2 (`[1, :]`) are NaN or infinite
-    the file does not state the sampling rate of channel 1, 2: state `sampling_rate` in the sheet
-    the file does not state a known unit of channel 1, 2: state `unit` in the sheet
+    the file does not state the sampling rate of channels 1, 2: state `sampling_rate` in the sheet
+    the file does not state a known unit of channels 1, 2: state `unit` in the sheet
     ");
 }
 
@@ -105,7 +105,7 @@ fn a_row_of_times_is_no_channel() {
     let inspection = inspect_bytes(&npy, "hit.npy").unwrap();
     assert_eq!(inspection.records[0].channels.len(), 1);
     insta::assert_snapshot!(inspection.advice.join("\n"), @r"
-    the file does not state the sampling rate of channel 1, 2: state `sampling_rate` in the sheet
+    the file does not state the sampling rate of channels 1, 2: state `sampling_rate` in the sheet
     channel 1 increases evenly, like times: if they are in s, `sampling_rate` is 25600 Hz
     the file does not state a known unit of channel 2: state `unit` in the sheet
     ");
@@ -145,6 +145,16 @@ fn a_step_that_was_rounded_is_recognised() {
             .advice
             .is_empty()
     );
+}
+
+#[test]
+fn a_rate_from_rounded_times_is_stated_to_two_digits() {
+    let rows = (0..500_u32).map(|k| format!("{:.4},{}\n", f64::from(k) / 48_000.0, k % 17));
+    let text: String = std::iter::once("t,F\n".to_owned()).chain(rows).collect();
+    let inspection = inspect_bytes(text.as_bytes(), "hit.csv").unwrap();
+    let advice = inspection.advice.join("\n");
+    let said = "`sampling_rate` is about 48 kHz, from rounded times: state the recorder's rate";
+    assert!(advice.contains(said), "{advice}");
 }
 
 #[test]

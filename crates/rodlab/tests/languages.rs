@@ -214,7 +214,7 @@ channels = [{ name = "struck end", from = true }, { from = 2, unit = "m/s2" }]
     6:10 specimen.length: `799` has no unit, expected a length, such as "800 mm", with or without ±
     7:12 specimen.diameter: `15.8 kg` has the dimension kg, expected a length, such as "800 mm", with or without ±
     8:1 specimen.denisty: there is no field `denisty` | did you mean `density`?
-    8:11 specimen.denisty: `912 furlong` has no known unit: `furlong` is not a known unit: `furlong` is not among the known symbols, expected a density, such as "1150 kg/m3", with or without ±
+    8:11 specimen.denisty: `912 furlong` has no known unit: `furlong` is not among the known symbols, expected a density, such as "1150 kg/m3", with or without ±
     10:1 method.two_pint: the field `free_end` is missing | add a line `free_end = ...`
     10:9 method: found `two_pint`, expected one of `two_point`, `resonances`, `free_vibration`, `free_end`, `separate_pulses`, `one_gauge`, `three_point`, `multi_point` | did you mean `two_point`?
     15:17 source.hits.records.sampling_rate: found the number `65536`, expected a frequency with its unit in quotes, such as "51.2 kHz"
@@ -268,6 +268,14 @@ fn a_sheet_of_no_language_is_told_what_one_is() {
         ),
         ("job = \"frf\"\njob = \"frf\"", "2:1 : duplicate key"),
         ("job = \"frf\"\ntitle = \"a\nx = \"", "2:"),
+        (
+            "job = \"frf\"\ntitle = \"C:\\Users\"",
+            "a backslash starts an escape, and here it starts none | write C:/Users/...",
+        ),
+        (
+            "job = \"frf\"\n[records]\ntitle = \"a\"",
+            "records.title: there is no field `title` | it is a field of the sheet itself",
+        ),
         ("Frf(title: \"a\"", "1:13 : expected comma"),
         ("{\"job\": \"frf\"", "1:13 : EOF while parsing an object"),
         (

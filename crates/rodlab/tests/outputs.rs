@@ -219,7 +219,7 @@ fn the_result_has_the_documented_structure_and_the_structure_nothing_that_is_not
     let mut seen = BTreeSet::new();
     let mut outcome = rich::outcome();
     let in_doubt = rodlab::outcome::Verdict::InDoubt {
-        reasons: vec!["the check of polarity fails".into()],
+        reasons: vec!["the polarity check fails".into()],
     };
     let answered = rodlab::outcome::Verdict::Answered;
     for verdict in [outcome.verdict.clone(), in_doubt, answered] {

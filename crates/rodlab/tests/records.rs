@@ -186,7 +186,7 @@ fn a_file_that_is_missing_or_of_no_known_format_is_named() {
         ],
     );
     insta::assert_snapshot!(said, @r#"
-    no file matches `hits/*.csv` in FOLDER
+    no file matches `hits/*.csv` in FOLDER (records.files)
     reading notes.bin: the 16 bytes that begin with "\u{7f}ELF\u{2}\u{1} and so on" are not in a known format (tdms, wav, npy, npz, hdf5, mat5, xlsx, xls, lecroy, wfm, isf, uff58, lvm, octave, csv)
     records.files is `[a.csv`: invalid range pattern, expected a name or a pattern
     "#);

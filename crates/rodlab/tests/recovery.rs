@@ -297,7 +297,7 @@ fn what_is_wrong_is_said() {
     virgin_loss_factor is missing, expected the loss factor before any load, or `readings_are: Changes`
     tests[0].readings[0] is without a standard error, expected one there, or `standard_error` of the sheet for all
     tests[0]: recovery time [s] of reading 1 of a is 60, expected more than that of the previous reading
-    no file matches `none.csv` in FOLDER
+    no file matches `none.csv` in FOLDER (tests[0].readings.path)
     tests[0].readings.readings (bare.csv) is `a`, a column over `index`, without a unit, expected a column over times, with a unit
     tests[0].readings.readings (times.csv) is `tan d`, expected one of the columns `tan delta`
     paper_procedure.reference is `b`, expected one of the tests `a`

@@ -249,13 +249,13 @@ fn what_a_bar_cannot_have_is_said() {
     ];
     insta::assert_snapshot!(all.join("\n"), @"
     finding the modulus: position of the free end [m] is 1.8, expected one beyond the last gauge: positions increase towards the free end
-    method.gauges is 2 gauges, expected three or more, or two and the position of a free end in `free_end_at`
-    source.exponential_window is 1 % on the last sample, expected none with FreeEnd: only MultiPoint corrects the modulus for it
+    method.multi_point.gauges is 2 gauges, expected three or more, or two and the position of a free end in `free_end_at`
+    source.hits.exponential_window is 1 % on the last sample, expected none with FreeEnd: only MultiPoint corrects the modulus for it
     ");
 }
 
-/// A line is valid if five standard errors lie within the limits: 95 % of the lines are then within
-/// two fifths of them, and none beyond.
+/// A line is valid if five standard errors lie within the limits. Then 95 % of the lines are within
+/// two fifths of the limits, and no line is beyond the limits.
 #[test]
 fn lines_valid_within_limits_keep_them() {
     let limits = [0.01, 0.10];

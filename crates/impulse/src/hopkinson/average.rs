@@ -3,7 +3,7 @@
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
 use super::curves::Curve;
-use super::result::HopkinsonResult;
+use super::result::{HopkinsonResult, with_half_width};
 use super::source::Source;
 use super::student::StudentFactors;
 use crate::ImpulseError;
@@ -172,6 +172,17 @@ impl MeanCurve {
         Ok(parts
             .map(|(error, scatter)| factors.half_width(*error, scatter / root))
             .collect())
+    }
+
+    /// Returns the largest mean stress and the half width of its interval, as
+    /// [`HopkinsonResult::largest_stress`] does.
+    ///
+    /// # Errors
+    ///
+    /// [`ImpulseError::NonPhysical`] for a level that is not between 0 and 1.
+    pub fn largest_stress(&self, level: f64) -> Result<(f64, f64), ImpulseError> {
+        let widths = self.expanded_uncertainty(level)?;
+        Ok(with_half_width(&self.stress, &widths))
     }
 
     /// Ratio of the variance between shots to that explained by their own errors, both averaged

@@ -315,8 +315,10 @@ fn passages(
         let expected = 2.0 * distance / speed;
         let late = second.time - first.time;
         let error = first.standard_error.hypot(second.standard_error);
-        // a specimen that is loaded slowly at first reflects the front of the incident wave
-        if late.abs() > SPEED * expected + 5.0 * error {
+        let allowed = SPEED * expected + 5.0 * error;
+        // a specimen reflects a front of another shape, which may begin at any time of the rise of
+        // the incident one
+        if late < -allowed || late > allowed + rise(result, first) {
             findings.push(Finding::WaveSpeed {
                 stated: speed,
                 found: 2.0 * distance / (expected + late),
@@ -336,6 +338,14 @@ fn passages(
     if by > 3.0 * placed + 0.25 / result.band_hz {
         findings.push(Finding::TransmittedEarly { by });
     }
+}
+
+/// Time from the arrival of the incident wave to nine tenths of its peak \[s\].
+fn rise(result: &HopkinsonResult, incident: super::Arrival) -> f64 {
+    let samples = result.curves.of(Curve::IncidentWave);
+    let high = samples.iter().position(|x| x / incident.peak >= 0.9);
+    let until = |index: usize| result.start_time + index as f64 * result.time_step - incident.time;
+    high.map_or(0.0, until).max(0.0)
 }
 
 /// Lead of the transmitted force over that of the incident face where each first exceeds a quarter

@@ -265,6 +265,20 @@ impl HopkinsonResult {
             .collect())
     }
 
+    /// Returns the largest stress and the half width of the interval in which the largest stress of
+    /// the specimen lies with the probability `level`: it contains the largest values of both edges
+    /// of the band of single samples. If the stress rises up to the unloading, the sample of the
+    /// largest stress is hardly uncertain, while those after it are.
+    ///
+    /// # Errors
+    ///
+    /// [`ImpulseError::NonPhysical`] for a level that is not between 0 and 1.
+    pub fn largest_stress(&self, level: f64) -> Result<(f64, f64), ImpulseError> {
+        let stress = self.curves.of(Curve::Stress);
+        let widths = self.expanded_uncertainty(Curve::Stress, level)?;
+        Ok(with_half_width(stress, &widths))
+    }
+
     fn judged(&self, separation: WaveSeparation) -> Equilibrium {
         let (f1, f2) = (self.curves.of(Curve::Force1), self.curves.of(Curve::Force2));
         let difference = self.curves.of(Curve::ForceDifference);
@@ -322,6 +336,17 @@ impl HopkinsonResult {
             force_ratio_error: (by_sources.sqrt().hypot(by_noise) / sum_2).abs(),
         }
     }
+}
+
+/// Largest of `values`, and the larger distance from it to the largest values of the edges of a band
+/// of these half `widths`.
+pub(super) fn with_half_width(values: &[f64], widths: &[f64]) -> (f64, f64) {
+    let edge = |side: f64| {
+        let edge = values.iter().zip(widths).map(|(v, w)| v + side * w);
+        edge.fold(f64::NEG_INFINITY, f64::max)
+    };
+    let largest = edge(0.0);
+    (largest, (edge(1.0) - largest).max(largest - edge(-1.0)))
 }
 
 /// Samples from the first to the last with more than a tenth of the largest force of the

@@ -18,6 +18,11 @@ use super::source::{MaterialVariation, Setup, Source};
 use super::specimen::{Loading, TestSpecimen};
 use crate::ImpulseError;
 
+/// Least peak of the reflected wave of the sign opposite to that of the incident wave, relative to its
+/// largest value of either sign, from which it counts as that of the loading. A specimen that springs
+/// back reflects a greater wave when it is unloaded.
+const LOADS: f64 = 0.25;
+
 /// Number of draws of the noise: the standard deviation is then known to 7 %.
 const DRAWS: usize = 100;
 /// Fewest draws of all errors together: the standard deviation is then known to 16 %.
@@ -155,15 +160,24 @@ impl HopkinsonTest {
         let step = 1.0 / record.rate_hz;
         let start = plan.time(plan.result.start);
         let arrivals = |nominal: &Curves, random: &Curves| {
-            [
+            let of = |wave: Curve, samples: &[f64]| {
+                let noise = random.of(wave).iter().fold(0.0_f64, |a, x| a.max(*x));
+                Arrival::of(samples, start, step, noise)
+            };
+            let [incident, reflected, transmitted] = [
                 Curve::IncidentWave,
                 Curve::ReflectedWave,
                 Curve::TransmittedWave,
             ]
-            .map(|wave| {
-                let noise = random.of(wave).iter().fold(0.0_f64, |a, x| a.max(*x));
-                Arrival::of(nominal.of(wave), start, step, noise)
-            })
+            .map(|wave| of(wave, nominal.of(wave)));
+            let loading = incident.zip(reflected).and_then(|(incident, whole)| {
+                let samples = nominal.of(Curve::ReflectedWave).iter();
+                let opposite = |x: &f64| if x * incident.peak < 0.0 { *x } else { 0.0 };
+                let opposite: Vec<f64> = samples.map(opposite).collect();
+                let found = of(Curve::ReflectedWave, &opposite);
+                found.filter(|found| found.peak.abs() > LOADS * whole.peak.abs())
+            });
+            [incident, loading.or(reflected), transmitted]
         };
         let mut arrived = arrivals(&nominal, &random);
         let mut lag_taken = 0.0;

@@ -328,6 +328,20 @@ impl SensorChain {
                 (at_transducer == Some(Quantity::Voltage.dimension())).then_some(Quantity::Strain)
             }
         };
+        let is_signal = matches!(recorded, Quantity::Voltage | Quantity::Charge);
+        if let (None, false, Transducer::Sensitivity(sensitivity)) =
+            (felt, is_signal, &self.transducer)
+        {
+            return Err(LabioError::UnitMismatch {
+                what: "the file".to_owned(),
+                found: recorded.unit().to_owned(),
+                expected: format!(
+                    "the unit of a signal, such as V; if the file is in {} already, leave out the sensitivity in {}",
+                    recorded.unit(),
+                    sensitivity.unit()
+                ),
+            });
+        }
         felt.ok_or_else(|| LabioError::UnitMismatch {
             what: format!("a channel recorded in {}", recorded.unit()),
             found: match &self.transducer {

@@ -27,8 +27,8 @@ fn what_is_wrong_is_said_with_its_place() {
     csv, line 1: comma is either a separator or a decimal mark, expected names above the numbers, or an explicit dialect
     csv, line 3, column 2: cell is `oops`, expected a number
     csv, line 4: row is `2,3`, expected a row of 3 numbers
-    csv, line 4, column 2: cell is a number after a gap of 1, expected no gap in the column
-    csv, line 4, column 1: cell is a number after a gap of 1, expected no gap in the column
+    csv, line 4, column 2: cell is a number below an empty cell, expected no empty cell above it in the column
+    csv, line 4, column 1: cell is a number below an empty cell, expected no empty cell above it in the column
     csv, line 3, column 1: abscissa is `NaN`, expected a finite number
     csv, line 5: row is `]1[JAL03-01`, expected a row of 2 numbers
     csv, line 4: row is `2,3,4`, expected a row of 2 numbers
@@ -47,7 +47,7 @@ fn a_tolerant_reading_lists_what_it_passed_over() {
     assert_eq!(real(&contents, 1), [5.0, 6.0, 7.0, 8.0]);
     insta::assert_snapshot!(defects(&contents), @r"
     csv, line 3, column 2: cell is `oops`, expected a number
-    csv, line 5, column 2: cell is a number after a gap of 1, expected no gap in the column
+    csv, line 5, column 2: cell is a number below an empty cell, expected no empty cell above it in the column
     csv, line 6: row is `end of file`, expected a row of 3 numbers
     ");
     // no more of them than can be read

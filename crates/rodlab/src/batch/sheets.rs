@@ -52,6 +52,7 @@ fn no_sheet(place: &str) -> RodlabError {
     RodlabError::NoFile {
         pattern: place.to_owned(),
         folder: PathBuf::from("."),
+        field: String::new(),
     }
 }
 

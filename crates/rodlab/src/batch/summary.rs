@@ -231,6 +231,7 @@ pub fn collect(folders: &[PathBuf]) -> Result<Summary, RodlabError> {
             return Err(RodlabError::NoFile {
                 pattern: "result.json or failure.json".to_owned(),
                 folder: folder.clone(),
+                field: String::new(),
             });
         }
     }

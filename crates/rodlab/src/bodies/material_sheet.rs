@@ -400,6 +400,7 @@ fn of_file(
         return Err(RodlabError::NoFile {
             pattern: path.to_owned(),
             folder: folder.to_path_buf(),
+            field: field.to_owned(),
         });
     }
     let bytes = input::read(&full)?;

@@ -226,8 +226,9 @@ impl Found {
 
     /// The evidence that the recorder biases nonlinear laws.
     fn why_biased(&self) -> String {
-        let of_excitation =
-            || "the excitation exceeds its noise above 0.6 of the recorder's cut-off".to_owned();
+        let of_excitation = || {
+            "the excitation has a significant part above 0.6 of the recorder's cut-off".to_owned()
+        };
         self.sensitive()
             .next()
             .map_or_else(of_excitation, NarrowedBand::to_string)

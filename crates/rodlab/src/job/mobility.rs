@@ -14,7 +14,7 @@ use self::known::Known;
 pub use self::source::SourceSheet;
 use super::{About, JobContext};
 use crate::bodies::material_sheet::Materials;
-use crate::digits::short;
+use crate::digits::{hertz, short};
 use crate::outcome::{Quantity, Setting};
 use crate::responses::{CompletionSheet, SupportSheet};
 use crate::sheet::{AddedMass, Exact, Frequency, NotFollowed, SpecificImpedance, Stated};
@@ -131,9 +131,9 @@ fn answer(known: &Known, outcome: &mut Outcome) {
         None => ", with unknown errors".to_owned(),
     };
     outcome.summary.push(format!(
-        "The mobility is known on {n_valid} of {n_lines} lines from {:.4} kHz to {:.4} kHz{error}{}.",
-        1e-3 * frequency[first],
-        1e-3 * frequency[last],
+        "The mobility is known on {n_valid} of {n_lines} lines from {} to {}{error}{}.",
+        hertz(frequency[first]),
+        hertz(frequency[last]),
         known.origin,
     ));
     let mut add = |name: &str, unit: &str, value: Option<f64>, verdict: &str| {

@@ -360,11 +360,16 @@ fn tell(
     outcome.tables.extend(made.tables);
     outcome.figures.extend(made.figures);
     if let Some(recorded) = made.recorded {
-        outcome.summary.push(format!(
-            "{} records, made by: {}.",
-            recorded.records.len(),
-            recorded.generator
-        ));
+        let records = match recorded.records.len() {
+            1 => "1 record".to_owned(),
+            n => format!("{n} records"),
+        };
+        // the path of a module is not a name in words
+        outcome.summary.push(if recorded.generator.contains("::") {
+            format!("{records}.")
+        } else {
+            format!("{records}, made by: {}.", recorded.generator)
+        });
         outcome.log.extend(recorded.log);
         outcome.warnings.extend(recorded.warnings);
         let names: Vec<String> = recorded

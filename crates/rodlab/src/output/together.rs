@@ -124,6 +124,10 @@ fn remove(path: &Path) -> Result<(), RodlabError> {
 }
 
 fn locked(folder: &Path) -> Result<FolderLock, RodlabError> {
+    if folder.is_file() {
+        let source = io::Error::new(ErrorKind::NotADirectory, "it is a file, expected a folder");
+        return Err(refusal(folder, source));
+    }
     fs::create_dir_all(folder).map_err(|source| refusal(&folder.join(RESULT), source))?;
     let lock = FolderLock::of(folder)?;
     remove_parts(folder);

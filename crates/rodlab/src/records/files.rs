@@ -64,6 +64,7 @@ pub(super) fn paths<'a>(
             return Err(RodlabError::NoFile {
                 pattern: pattern.clone(),
                 folder: folder.to_path_buf(),
+                field: field.to_owned(),
             });
         }
         let new = found.into_iter().filter(|path| seen.insert(path.clone()));

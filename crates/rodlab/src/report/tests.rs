@@ -67,15 +67,15 @@ fn the_page_says_first_that_there_is_no_answer_and_why() {
 fn r11_the_page_has_the_word_of_its_standing_and_every_failed_check() {
     let mut outcome = Outcome::of("modulus", "Rod 7");
     assert!(page(&outcome).contains("<p class=\"standing answered\">answered</p>"));
-    outcome.doubt("the check of polarity fails");
-    outcome.doubt("the check of passivity fails");
+    outcome.doubt("the polarity check fails");
+    outcome.doubt("the passivity check fails");
     let page = page(&outcome);
     assert!(
         page.contains("<p class=\"standing in-doubt\">in doubt</p>"),
         "{page}"
     );
     for check in ["polarity", "passivity"] {
-        let said = format!("<strong>in doubt:</strong> the check of {check} fails");
+        let said = format!("<strong>in doubt:</strong> the {check} check fails");
         assert!(page.contains(&said), "{page}");
     }
 }
@@ -216,7 +216,7 @@ fn r19_the_page_names_its_sheet_with_the_hash_and_the_date_of_its_inputs() {
     assert!(page.contains(&format!(
         "<code>rod.ron</code>, SHA-256 <code class=\"hash\">{hash}</code>"
     )));
-    assert!(page.contains("inputs of 2026-11-22 12:24:59 UTC"));
+    assert!(page.contains("inputs last changed 2026-11-22 12:24:59 UTC"));
 }
 
 #[test]

@@ -52,7 +52,7 @@ impl Language {
     }
 
     /// Returns the name of the choice `variant`, such as `TwoPoint`, in this language.
-    pub(super) fn name_of(self, variant: &str) -> String {
+    pub(crate) fn name_of(self, variant: &str) -> String {
         match self {
             Self::Ron => variant.to_owned(),
             Self::Toml | Self::Json => snake_case(variant),

@@ -2,7 +2,7 @@
 
 use std::borrow::Cow;
 
-use labio::{Dimension, Unit};
+use labio::{Dimension, LabioError, Unit};
 
 use super::kind::{ImpactMass, Kind};
 
@@ -81,8 +81,12 @@ pub(super) fn number_and_unit_of(text: &str, expected: Dimension) -> Result<(f64
         .map_err(|_| "does not begin with a number".to_owned())?;
     // a pure number needs no unit
     let unit = if unit.trim().is_empty() { "1" } else { unit };
-    let unit =
-        Unit::parse_as(unit, expected).map_err(|error| format!("has no known unit: {error}"))?;
+    let unit = Unit::parse_as(unit, expected).map_err(|error| match error {
+        LabioError::UnknownUnit { token, reason, .. } => {
+            format!("has no known unit: `{token}` {reason}")
+        }
+        error => format!("has no known unit: {error}"),
+    })?;
     Ok((number, unit))
 }
 

@@ -207,6 +207,8 @@ fn uncertainty_of<K: Kind>(value: f64, unit: &Unit, text: &str) -> Result<f64, S
     } else if in_unit.dimension() == K::DIMENSION {
         // a difference does not depend on the zero of the scale
         number * (in_unit.to_si(1.0) - in_unit.to_si(0.0))
+    } else if in_unit.dimension() == Dimension::NONE {
+        return Err("has an uncertainty without a unit".to_owned());
     } else {
         return Err(format!(
             "has an uncertainty of the dimension {}",

@@ -9,7 +9,7 @@ mod fault;
 mod filler;
 mod reading;
 
-use std::cell::RefCell;
+use std::cell::{Cell, RefCell};
 use std::collections::BTreeSet;
 
 use rand::RngExt;
@@ -38,6 +38,8 @@ struct Pass {
     language: Language,
     /// Fields that are read from a filler.
     filled: BTreeSet<String>,
+    /// Names of the fields of the sheet itself.
+    of_sheet: Cell<&'static [&'static str]>,
     /// Mistakes that did not end the reading.
     noted: RefCell<Vec<Mistake>>,
     /// Statements of the sheet, in its order.
@@ -61,6 +63,7 @@ impl Pass {
         Self {
             language,
             filled: BTreeSet::new(),
+            of_sheet: Cell::new(&[]),
             noted: RefCell::default(),
             stated: RefCell::default(),
             random: random.map(RefCell::new),

@@ -47,7 +47,7 @@ fn ends_that_are_interchanged_are_not_allowed_and_say_why() {
     assert!(
         reasons
             .iter()
-            .any(|reason| reason.starts_with("the check of polarity fails")),
+            .any(|reason| reason.starts_with("the polarity check fails")),
         "{reasons:?}"
     );
     assert!(
@@ -265,19 +265,19 @@ fn what_is_wrong_is_said() {
         .collect();
     insta::assert_snapshot!(messages.join("\n"), @r#"
     band is 40 kHz to 50 kHz, expected a band with lines, which are between 0 and 32768 Hz
-    method.free_end is `end B`, expected one of the channels `struck end`, `free end`
+    method.two_point.free_end is `end B`, expected one of the channels `struck end`, `free end`
     specimen.length is missing, expected the length, which TwoPoint needs
-    source.silent is missing, expected how long each hit's record is silent before the blow: the weights of the gauges are determined from their noise there
+    source.hits.silent is missing, expected how long each hit's record is silent before the blow: the weights of the gauges are determined from their noise there
     checks.level is 2, expected a probability between 0 and 1
-    laws.cards is requested, expected `GeneralisedMaxwell` among `laws.laws`, from which cards are made
+    laws.cards is requested, expected the law `generalised_maxwell` (in RON `GeneralisedMaxwell`) among `laws.laws`: cards are made from it
     finding the modulus: least coherence is 1.2, expected a value from 0 to 1
     source is a ratio, expected hits: MultiPoint needs the spectra of all gauges
-    source.errors.column (psi.csv) is `gamma`, expected one of the columns `real`, `imaginary`
+    source.ratio.errors.coherence.column (psi.csv) is `gamma`, expected one of the columns `real`, `imaginary`
     FOLDER/test.ron:1:253: Modulus.source.Ratio.errors.Relative.of_value: `1 mm` has the dimension m, expected a pure number, such as "0.094" or "9.4 %"
-    source.values (psi.csv) is `real`, a column of real numbers, expected complex numbers, or `real` and `imaginary` separately
-    method.first.quantity is missing, expected Strain, Displacement, Velocity or Acceleration: a ratio in a file does not state it
-    source.errors.column, line 2 is -0.1, expected a standard error of 0 or more
-    method.gauges is empty, expected at least three gauges
+    source.ratio.values.complex (psi.csv) is `real`, a column of real numbers, expected complex numbers, or `real` and `imaginary` separately
+    method.free_end.first.quantity is missing, expected Strain, Displacement, Velocity or Acceleration: a ratio in a file does not state it
+    source.ratio.errors.standard_error.column, line 2 is -0.1, expected a standard error of 0 or more
+    method.multi_point.gauges is empty, expected at least three gauges
     laws.most_lines is 0, expected at least 1
     laws.laws is empty, expected at least one law
     "#);

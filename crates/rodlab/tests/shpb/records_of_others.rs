@@ -344,7 +344,7 @@ fn hopkinson_each_record_is_read_or_refused_with_its_reason() {
     shpb/steel-945/raw_microstrain.xls: read, 2 series
     shpb/copper/experiment_details.txt: refused: the 2093 bytes that begin with "# Experiment Det" are not in a known format (tdms, wav, npy, npz, hdf5, mat5, xlsx, xls, lecroy, wfm, isf, uff58, lvm, octave, csv)
     shpb/copper/gauge_strain_records.csv: read, 11 series
-    shpb/copper/stress_strain_rate.csv: refused: csv, line 80, column 9: cell is a number after a gap of 78, expected no gap in the column
+    shpb/copper/stress_strain_rate.csv: refused: csv, line 80, column 9: cell is a number below 78 empty cells, expected no empty cell above it in the column
     shpb/copper/wave_separation.csv: read, 12 series
     shpb/pmma-13/180303_171828_Ch1.csv: read, 1 series
     shpb/pmma-13/180303_171828_Ch2.csv: read, 1 series

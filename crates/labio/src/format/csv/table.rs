@@ -212,12 +212,12 @@ pub(super) fn read(
                 column: at as u64 + 1,
             };
             if values.len() < n_rows {
-                let gap = n_rows - values.len();
-                let found = format!("a number after a gap of {gap}");
-                defects.add(
-                    line,
-                    malformed(place, "cell", &found, "no gap in the column"),
-                )?;
+                let found = match n_rows - values.len() {
+                    1 => "a number below an empty cell".to_owned(),
+                    gap => format!("a number below {gap} empty cells"),
+                };
+                let expected = "no empty cell above it in the column";
+                defects.add(line, malformed(place, "cell", &found, expected))?;
                 while values.len() < n_rows {
                     push(values, Value::Real(f64::NAN));
                     if abscissa == Some(column) {

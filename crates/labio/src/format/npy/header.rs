@@ -162,7 +162,11 @@ impl Header {
                     text_start,
                     "descr",
                     text::quoted(&descr),
-                    "integers, floating-point or complex numbers, or characters",
+                    if descr.ends_with("f2") {
+                        "another type of numbers: half floats are not read, save as float32"
+                    } else {
+                        "integers, floating-point or complex numbers, or characters"
+                    },
                 ),
             },
             Err(expected) => {

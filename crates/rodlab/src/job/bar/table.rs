@@ -6,7 +6,7 @@ use num_complex::Complex64;
 
 use super::BarSheet;
 use crate::RodlabError;
-use crate::digits::{hertz, significant};
+use crate::digits::{hertz, with_unit};
 use crate::job::modulus::Found;
 use crate::outcome::{Column, Table};
 
@@ -120,11 +120,9 @@ pub(super) fn in_words(lines: &[Line]) -> Result<Option<String>, RodlabError> {
     };
     let [damping, _, speed] = line.half_widths()?;
     Ok(Some(format!(
-        "Waves at {} travel at {} m/s ± {} m/s and have a damping coefficient of {} 1/m ± {} 1/m (95 %).",
+        "Waves at {} travel at {} and have a damping coefficient of {} (95 % intervals).",
         hertz(line.frequency_hz),
-        significant(line.phase_velocity(), 5),
-        significant(speed, 2),
-        significant(line.gamma.re, 3),
-        significant(damping, 2)
+        with_unit(line.phase_velocity(), Some(speed), "m/s"),
+        with_unit(line.gamma.re, Some(damping), "1/m")
     )))
 }

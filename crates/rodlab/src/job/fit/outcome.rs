@@ -10,7 +10,7 @@ use super::shifted::Shifted;
 use super::steps::{Step, celsius, to_celsius};
 use super::{Found, Sweep};
 use crate::Outcome;
-use crate::digits::{hertz, percent, short, significant};
+use crate::digits::{hertz, percent, short, significant, with_error, with_unit};
 use crate::laws::WHITE;
 use crate::outcome::{CHECK, LogEntry, Quantity};
 use crate::sheet::Exact;
@@ -448,18 +448,19 @@ fn of_shift_laws(outcome: &mut Outcome, own: &ShiftLaws, by_scatter: Option<&Shi
     let slope = wlf.slope / LN_10;
     outcome.summary.push(if is_arrhenius && is_wlf {
         format!(
-            "The shifts follow Arrhenius: {} kJ/mol ± {}.",
-            significant(1e-3 * arrhenius.activation_energy, 4),
-            significant(1e-3 * arrhenius.standard_error, 2)
+            "The shifts follow Arrhenius: {}.",
+            with_unit(
+                arrhenius.activation_energy,
+                Some(arrhenius.standard_error),
+                "J/mol"
+            )
         )
     } else {
         format!(
-            "The shifts follow WLF with C1 = {} ± {} and C2 = {} K ± {} K{}; log a falls by {} per K at the reference. The \
+            "The shifts follow WLF with C1 = {} and C2 = {}{}; log a falls by {} per K at the reference. The \
              probability of Arrhenius compared with it is {}.",
-            significant(wlf.c1, 4),
-            significant(wlf.c1_standard_error, 2),
-            significant(wlf.c2, 4),
-            significant(wlf.c2_standard_error, 2),
+            with_error(Some(wlf.c1), Some(wlf.c1_standard_error)),
+            with_unit(wlf.c2, Some(wlf.c2_standard_error), "K"),
             if is_wlf { "" } else { ", with equal errors of all shifts, not within their own errors" },
             short(slope),
             significant(laws.arrhenius_p_value, 2),

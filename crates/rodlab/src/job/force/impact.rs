@@ -7,7 +7,7 @@ use super::impact_sheet::{ContactSheet, ImpactSheet};
 use super::impact_tables::Found;
 use super::{impact_figures, impact_tables};
 use crate::bodies::material_sheet::Materials;
-use crate::digits::{significant, with_unit};
+use crate::digits::{significant, with_error, with_unit};
 use crate::job::JobContext;
 use crate::{Outcome, RodlabError};
 use impulse::{FirstForce, ImpactNumbers, PredictionFlag, UncertainPrediction};
@@ -229,7 +229,14 @@ fn answer(sheet: &ImpactSheet, march: &UncertainPrediction, outcome: &mut Outcom
             "the faces are still in contact, so there is no coefficient of restitution".to_owned()
         }
         None => "neither body is free, so there is no coefficient of restitution".to_owned(),
-        Some(e) => format!("the coefficient of restitution is {e:.4}"),
+        Some(e) => format!(
+            "the coefficient of restitution is {}",
+            // an error below the digits that are read is that of the step
+            match error(&|n| n.restitution) {
+                Some(error) if error > 1e-4 * e => with_error(Some(e), Some(error)),
+                _ => significant(e, 4),
+            }
+        ),
     };
     outcome.summary.push(format!(
         "The impulse is {}; {restitution}; work and energy agree to {} of the impulse times the velocity.",

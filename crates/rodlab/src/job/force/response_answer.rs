@@ -134,7 +134,7 @@ pub(super) fn tell(
     outcome: &mut Outcome,
 ) {
     let history = &solved.history;
-    let peak = history.peak();
+    let peak = history.interpolated_peak();
     let at = history.index_near(peak.time);
     let standard = |error: &ForceError| at.and_then(|at| error.standard_error().get(at).copied());
     let by_profile = solved
@@ -321,7 +321,7 @@ fn quantities(
     outcome: &mut Outcome,
 ) {
     let history = &solved.history;
-    let peak = history.peak();
+    let peak = history.interpolated_peak();
     let mut add =
         |name: &str, unit: &str, value: Option<f64>, error: Option<f64>, verdict: &str| {
             outcome.quantities.push(Quantity {

@@ -11,6 +11,7 @@ use labio::{FrequencyResponse, Record};
 
 use super::response_problem::{Noise, Problem, Seen, on_lines_of};
 use super::response_sheet::{ParameterSheet, PenaltySheet, RegularisationSheet, ResponseSheet};
+use crate::digits::short;
 use crate::hits::FoundHits;
 use crate::job::JobContext;
 use crate::responses::{HitsSource, completed};
@@ -26,8 +27,11 @@ const LONGEST: usize = 512;
 /// force there.
 const ELSEWHERE: f64 = 0.1;
 
+/// Force beside a window, relative to the largest further away, above which it continues there.
+const CONTINUES: f64 = 2.0;
+
 /// Durations of the support that are tried, as multiples of that of the calibration hits.
-const LONGER: [usize; 4] = [1, 2, 4, 8];
+const LONGER: [usize; 5] = [1, 2, 4, 8, 16];
 
 /// Ringing of a force in a band outside its duration, as a multiple of that of calibration hits:
 /// shorter blows ring more.
@@ -337,9 +341,21 @@ impl HitsInBand {
     }
 }
 
+/// Returns true if the largest `force` in `wider` outside of `window` exceeds everything further away.
+fn continues(force: &[f64], window: &Range<usize>, wider: &Range<usize>) -> bool {
+    let largest = |ranges: [Range<usize>; 2]| {
+        let parts = ranges.into_iter().flat_map(|range| force.get(range));
+        parts.flatten().fold(0.0_f64, |most, f| most.max(f.abs()))
+    };
+    let beside = largest([wider.start..window.start, window.end..wider.end]);
+    let further = largest([0..wider.start, wider.end..force.len()]);
+    beside > CONTINUES * further
+}
+
 /// Time in which the force acts, about the peak of the force by division: as long as the calibration
-/// hits, or a multiple of it; `None` if there is force at other times. A force in a band rings
-/// outside this time, as the calibration hits do in the band.
+/// hits, or the least multiple of it beyond which the force does not continue; `None` if there is
+/// force at other times. A force in a band rings outside this time, as the calibration hits do in
+/// the band.
 pub(super) fn acting_like_hits(
     problem: &Problem<'_>,
     span: Option<BlowSpan>,
@@ -367,6 +383,7 @@ pub(super) fn acting_like_hits(
         .collect();
     let allowed = ELSEWHERE + hits.map_or(0.0, |hits| RINGING * hits.outside);
     let mut at_first = 0.0;
+    let mut longest = None;
     for times in LONGER {
         let span = span.longer(times);
         let Some((window, elsewhere)) = about_peak(span, &force) else {
@@ -377,8 +394,21 @@ pub(super) fn acting_like_hits(
         }
         if elsewhere <= allowed && window.len() < LONGEST {
             let acting = BlowSpan::interval(&window, problem.sampling_rate_hz);
-            return Ok(Some((span, acting)));
+            longest = Some((span, acting));
+            let Some((wider, _)) = about_peak(span.longer(2), &force) else {
+                return Ok(longest);
+            };
+            if !continues(&force, &window, &wider) {
+                return Ok(longest);
+            }
         }
+    }
+    if let Some((_, acting)) = &longest {
+        outcome.doubt(format!(
+            "the force seems to act for longer than the {} ms that are the most for a calibration by these hits: state `acting`",
+            short(1e3 * (acting.to - acting.from))
+        ));
+        return Ok(longest);
     }
     outcome.doubt(format!(
         "by division, the force reaches {:.0} % of its peak outside the duration of a calibration hit: it is sought over the whole record, without the part on lines that \

@@ -10,6 +10,15 @@ use super::laws::{FittedLaw, Standing};
 use super::words::Shown;
 use crate::outcome::Outcome;
 
+/// A small probability to two digits; one below the range of numbers is 0.
+fn probability(p: f64) -> String {
+    if p < 1e-300 {
+        "below 1e-300".to_owned()
+    } else {
+        format!("{p:.1e}")
+    }
+}
+
 /// The laws not excluded by the data, by their places in the comparison.
 pub(super) enum Left {
     /// One law.
@@ -53,9 +62,9 @@ impl SuspectTransducers {
             ));
         }
         format!(
-            "With the transducers as stated, no law explains the data (the misfit of the best would have a probability of {:.1e}); with {} \
+            "With the transducers as stated, no law explains the data (the smallest misfit would have a probability of {}); with {} \
              the law {} does: check the transducers, and state their uncertainty as the ± of the channels",
-            self.misfit,
+            probability(self.misfit),
             found.join(" and "),
             self.law.name()
         )
@@ -156,7 +165,7 @@ impl Left {
         };
         // a law that explains the data is not rejected by them: another one is more probable
         let (excluded, misfit) = match compared.adequacy {
-            Some(p) if p < ADEQUACY_LEVEL => ("rejected", format!("{p:.1e}")),
+            Some(p) if p < ADEQUACY_LEVEL => ("rejected", probability(p)),
             Some(p) => ("less probable", format!("{p:.3}")),
             None => ("less probable", "not known".to_owned()),
         };
@@ -261,8 +270,9 @@ fn tell_comparison(found: &Found, is_biased: bool, outcome: &mut Outcome) {
             ));
         }
         Left::None { best, adequacy } => outcome.summary.push(format!(
-            "None of the laws explains the data; the misfit of the best, {}, would have a probability of {adequacy:.1e}.",
+            "None of the laws explains the data; for the best by its misfit, {}, such a misfit would have a probability of {}.",
             name(*best),
+            probability(*adequacy),
         )),
         Left::Unknown => {}
     }

@@ -11,6 +11,7 @@ use num_complex::Complex64;
 use super::MobilitySheet;
 use super::source::Raw;
 use crate::bodies::face::ComputedBody;
+use crate::digits::hertz;
 use crate::outcome::{LogEntry, Quantity};
 use crate::responses::{cut, in_words, line_spacing_hz};
 use crate::{Outcome, RodlabError};
@@ -297,10 +298,15 @@ fn log(mobility: &FrequencyResponse, objections: &[Option<String>], outcome: &mu
         outcome.log.extend(runs.iter().map(|(from, to, reason)| {
             let (first, last) = (frequency[*from], frequency[to - 1]);
             if to - from == 1 {
-                entry(format!("line at {first:.6} Hz"), reason)
+                entry(format!("line at {}", hertz(first)), reason)
             } else {
                 entry(
-                    format!("{} lines from {first:.6} Hz to {last:.6} Hz", to - from),
+                    format!(
+                        "{} lines from {} to {}",
+                        to - from,
+                        hertz(first),
+                        hertz(last)
+                    ),
                     reason,
                 )
             }
@@ -317,7 +323,11 @@ fn log(mobility: &FrequencyResponse, objections: &[Option<String>], outcome: &mu
         .log
         .extend(counts.iter().map(|(reason, (count, first, last))| {
             entry(
-                format!("{count} lines between {first:.6} Hz and {last:.6} Hz"),
+                format!(
+                    "{count} lines between {} and {}",
+                    hertz(*first),
+                    hertz(*last)
+                ),
                 reason,
             )
         }));

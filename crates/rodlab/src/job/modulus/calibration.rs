@@ -6,7 +6,7 @@ use cmod::self_calibration::{CalibratedSource, SelfCalibration};
 use super::ModulusSheet;
 use super::measured::{Measured, Spectra};
 use crate::Outcome;
-use crate::digits::significant;
+use crate::digits::{short, significant, with_unit};
 use crate::outcome::Quantity;
 
 /// Discrepancy, in standard deviations, beyond which a stated value is contradicted: this happens
@@ -70,10 +70,9 @@ pub(super) fn state(
             },
         });
         let numbers = format!(
-            "{} {unit} ± {} {unit}, stated 0 {unit} ± {} {unit}",
-            significant(size, 3),
-            significant(error, 2),
-            significant(*stated, 3)
+            "{}, stated (0 ± {}) {unit}",
+            with_unit(size, Some(error), unit),
+            short(*stated)
         );
         if contradicts(source) {
             outcome.doubt(format!(

@@ -290,7 +290,7 @@ fn in_words(made: &CheckOutcome, found: &Found<'_>) -> String {
         _ => "a condition that any material satisfies is not met",
     };
     format!(
-        "the check of {} fails{at}: {cause} ({})",
+        "the {} check fails{at}: {cause} ({})",
         made.check,
         if made.p_value < 1e-6 {
             "p below 1e-6".to_owned()

@@ -228,8 +228,8 @@ fn ratio_method(
             wave_speed,
         } => {
             let sections = [
-                section(measured, first, "method.first")?,
-                section(measured, second, "method.second")?,
+                section(measured, first, "method.free_end.first")?,
+                section(measured, second, "method.free_end.second")?,
             ];
             let distance = uncertainty(Some(&first.from_free_end))
                 .max(uncertainty(Some(&second.from_free_end)));
@@ -271,7 +271,7 @@ fn ratio_method(
             let distance = uncertainty(Some(&at.from_free_end));
             OneGauge::new(
                 rod_with_free_end(sheet),
-                section(measured, at, "method.section")?,
+                section(measured, at, "method.one_gauge.section")?,
             )
             .and_then(|method| method.with_limits(limits))
             .and_then(|m| m.with_uncertainty(section_uncertainty(sheet, distance)))

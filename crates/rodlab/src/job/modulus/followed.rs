@@ -51,14 +51,14 @@ fn free_end(method: &MethodSheet) -> Result<(), RodlabError> {
     let is_used = method.used_free_end().is_some();
     if gauges.len() == 2 && !is_used {
         return Err(RodlabError::request(
-            "method.gauges",
+            "method.multi_point.gauges",
             "2 gauges",
             "three or more, or two and the position of a free end in `free_end_at`",
         ));
     }
     exact(
         free_end_at.as_ref().filter(|_| !is_used),
-        "method.free_end_at",
+        "method.multi_point.free_end_at",
         "three or more gauges are checked against an exact end",
     )
 }

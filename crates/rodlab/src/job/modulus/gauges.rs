@@ -34,7 +34,7 @@ pub(super) fn of_hits(
 ) -> Result<SectionSpectra, RodlabError> {
     let Some(silent) = silent else {
         return Err(RodlabError::request(
-            "source.silent",
+            "source.hits.silent",
             "missing",
             "how long each hit's record is silent before the blow: the weights of the gauges are determined from their noise there",
         ));
@@ -50,11 +50,11 @@ pub(super) fn of_hits(
         }
         Damping::OfRinging { lowest_hz } => damping_of_ringing(hits, &channels, silent, *lowest_hz),
     }
-    .map_err(|error| RodlabError::step("source.exponential_window", error))?;
+    .map_err(|error| RodlabError::step("source.hits.exponential_window", error))?;
     SectionSpectra::of_hits(hits, &channels, silent, added_damping).map_err(|error| {
         let of_silence = matches!(error, LabioError::TooFewSamples { .. });
         let step = if of_silence {
-            "source.silent"
+            "source.hits.silent"
         } else {
             "the spectra of a hit"
         };

@@ -223,7 +223,7 @@ fn damping(
         }),
         (false, None) => Ok(Damping::None),
         (false, Some(window)) => Err(RodlabError::request(
-            "source.exponential_window",
+            "source.hits.exponential_window",
             window.to_string(),
             format!(
                 "none with {}: only MultiPoint corrects the modulus for it",

@@ -5,7 +5,7 @@ mod section;
 use serde::Deserialize;
 
 use crate::RodlabError;
-use crate::sheet::{Coordinate, Exact, Length, Stated, Time, Velocity};
+use crate::sheet::{Coordinate, Exact, Language, Length, Stated, Time, Velocity};
 pub(super) use section::of_channel;
 pub use section::{GaugeSheet, QuantitySheet, SectionSheet, WindowSheet};
 
@@ -180,6 +180,11 @@ impl MethodSheet {
         }
     }
 
+    /// Place in the sheet of the field `name` of the method.
+    pub(super) fn field(&self, name: &str) -> String {
+        format!("method.{}.{name}", Language::Toml.name_of(self.name()))
+    }
+
     /// Name of the method in a sentence.
     pub(super) fn words(&self) -> &'static str {
         match self {
@@ -211,9 +216,12 @@ impl MethodSheet {
     pub(super) fn sections(&self) -> Vec<(&SectionSheet, &'static str)> {
         match self {
             Self::FreeEnd { first, second, .. } => {
-                vec![(first, "method.first"), (second, "method.second")]
+                vec![
+                    (first, "method.free_end.first"),
+                    (second, "method.free_end.second"),
+                ]
             }
-            Self::OneGauge { section, .. } => vec![(section, "method.section")],
+            Self::OneGauge { section, .. } => vec![(section, "method.one_gauge.section")],
             _ => Vec::new(),
         }
     }
@@ -223,7 +231,7 @@ impl MethodSheet {
     pub(super) fn channels(&self) -> Vec<Taken<'_>> {
         let taken = |channel, field: &str, motion| Taken {
             channel,
-            field: format!("method.{field}"),
+            field: self.field(field),
             motion,
         };
         match self {
@@ -285,8 +293,8 @@ impl MethodSheet {
             }),
             Self::FreeEnd { first, second, .. } => FromHits::Ratio(&first.channel, &second.channel),
             Self::SeparatePulses { first, second, .. } => FromHits::Pulses {
-                earlier: first.pulse("method.first"),
-                later: second.pulse("method.second"),
+                earlier: first.pulse("method.separate_pulses.first"),
+                later: second.pulse("method.separate_pulses.second"),
             },
             Self::OneGauge {
                 section,
@@ -301,8 +309,8 @@ impl MethodSheet {
                     field,
                 };
                 FromHits::Pulses {
-                    earlier: pulse((&incident.0, &incident.1), "method.incident"),
-                    later: pulse((&reflected.0, &reflected.1), "method.reflected"),
+                    earlier: pulse((&incident.0, &incident.1), "method.one_gauge.incident"),
+                    later: pulse((&reflected.0, &reflected.1), "method.one_gauge.reflected"),
                 }
             }
             Self::ThreePoint { gauges } => FromHits::Gauges {

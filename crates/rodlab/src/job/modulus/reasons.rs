@@ -229,7 +229,10 @@ fn stretches(lines: &[Option<f64>]) -> String {
         })
         .collect();
     if count > STRETCHES_NAMED {
-        words.push(format!("{} shorter stretches", count - STRETCHES_NAMED));
+        words.push(match count - STRETCHES_NAMED {
+            1 => "1 shorter stretch".to_owned(),
+            others => format!("{others} shorter stretches"),
+        });
     }
     words.join(", ")
 }

@@ -8,7 +8,7 @@ use cmod::estimate::ErrorSource;
 use super::reasons::{Reasons, lines};
 use super::{Found, MethodSheet};
 use crate::Outcome;
-use crate::digits::{hertz, percent, significant};
+use crate::digits::{hertz, percent, to_error};
 use crate::outcome::Quantity;
 use crate::sheet::{Length, Stated};
 
@@ -70,8 +70,12 @@ pub(super) fn state(outcome: &mut Outcome, found: &Found<'_>, reasons: &Reasons)
         ),
     );
     if valid.len() < all.len() {
+        let others = match all.len() - valid.len() {
+            1 => "The other line is".to_owned(),
+            others => format!("The other {others} lines are"),
+        };
         outcome.summary.push(format!(
-            "The other lines are not valid: {}.",
+            "{others} not valid; a line can have several reasons: {}.",
             reasons.commonest(3)
         ));
         if let Some(advice) = reasons.advice() {
@@ -105,13 +109,13 @@ fn answer(
     };
     format!(
         "E' = {} {unit} {} and loss factor {} {} at {}; {} of {} valid from {} to {}.",
-        significant(modulus, 3),
+        to_error(modulus, modulus * random.storage_modulus / line.modulus.re),
         parts(
             line.modulus.re,
             random.storage_modulus,
             common.storage_modulus
         ),
-        significant(line.loss_factor, 3),
+        to_error(line.loss_factor, random.loss_factor),
         parts(line.loss_factor, random.loss_factor, common.loss_factor),
         hertz(line.frequency_hz),
         valid.len(),
@@ -351,10 +355,14 @@ fn warn(outcome: &mut Outcome, found: &Found<'_>, valid: &[&ModulusLine]) {
     };
     let larger = valid.iter().filter(|line| is_larger(line)).count();
     if larger > valid.len() / 2 {
+        let lines = if larger == valid.len() {
+            format!("all {larger}")
+        } else {
+            format!("{larger} of {}", valid.len())
+        };
         outcome.warnings.push(format!(
-            "On {larger} of {} valid lines the common error of E' is larger than the random one: it shifts all lines alike, and more \
-             hits do not reduce it.",
-            valid.len()
+            "On {lines} valid lines the common error of E' is larger than the random one: it shifts all lines alike, and more \
+             hits do not reduce it."
         ));
     }
 }

@@ -6,7 +6,7 @@ use cmod::recovery::fit::{Ending, Estimate, Scale, SingleTestFit, Verdict as Ide
 
 use super::{ErrorScaleSheet, Found};
 use crate::Outcome;
-use crate::digits::{hertz, percent, significant};
+use crate::digits::{hertz, percent, significant, to_error, with_error};
 use crate::outcome::{LogEntry, Quantity};
 
 /// Number of standard deviations by which the mean square of the residuals may exceed 1; if it
@@ -97,16 +97,12 @@ pub(super) fn state(outcome: &mut Outcome, found: &Found<'_>) {
 fn answer(found: &Found<'_>) -> String {
     let of = |symbol: &str| found.fit.estimates.iter().find(|e| e.symbol == symbol);
     let exponent = of("m").map_or_else(String::new, |m| {
-        format!(
-            "{} ± {}",
-            significant(m.value, 3),
-            significant(m.standard_error, 2)
-        )
+        with_error(Some(m.value), Some(m.standard_error))
     });
     let modulus = of("E2").map_or_else(String::new, |e| {
         format!(
             "{} kPa ± {}",
-            significant(1e-3 * e.value, 3),
+            to_error(1e-3 * e.value, 1e-3 * e.value * e.standard_error),
             percent(e.standard_error)
         )
     });

@@ -4,7 +4,7 @@ use impulse::hopkinson::{Curve, HopkinsonResult};
 
 use super::ShpbSheet;
 use super::tables::{LEVEL, peak};
-use crate::digits::significant;
+use crate::digits::{significant, with_error, with_unit};
 use crate::outcome::{CHECK, Quantity};
 use crate::{Outcome, RodlabError};
 
@@ -18,24 +18,22 @@ pub(super) fn state(
 ) -> Result<(), RodlabError> {
     let peak = peak(result);
     let at = |values: &[f64]| values.get(peak).copied().unwrap_or(f64::NAN);
-    let stress = at(result.curves.of(Curve::Stress));
     let strain = at(result.curves.of(Curve::Strain));
-    let (stress_error, strain_error) = (
-        at(&result.standard_error(Curve::Stress)),
-        at(&result.standard_error(Curve::Strain)),
-    );
+    let strain_error = at(&result.standard_error(Curve::Strain));
+    let refused = |error| RodlabError::step("bands", error);
     let width = |curve| {
         let band = result.expanded_uncertainty(curve, LEVEL);
-        band.map_err(|error| RodlabError::step("bands", error))
+        band.map(|band| at(&band)).map_err(refused)
     };
+    let (stress, stress_width) = result.largest_stress(LEVEL).map_err(refused)?;
+    let stress_error =
+        at(&result.standard_error(Curve::Stress)) * stress_width / width(Curve::Stress)?;
     let loaded = result.loaded.clone();
     let (rate, rate_error) = mean_rate(result);
     outcome.summary.push(format!(
-        "The peak stress is {} MPa ± {} MPa (95 %) at a strain of {} ± {} (95 %) and a mean rate of {} 1/s.",
-        significant(1e-6 * stress, 4),
-        significant(1e-6 * at(&width(Curve::Stress)?), 2),
-        significant(strain, 3),
-        significant(at(&width(Curve::Strain)?), 2),
+        "The peak stress is {} at a strain of {} (95 % intervals) and a mean rate of {} 1/s.",
+        with_unit(stress, Some(stress_width), "Pa"),
+        with_error(Some(strain), Some(width(Curve::Strain)?)),
         significant(rate, 3),
     ));
     let time_us = |time: f64| 1e6 * (time - result.start_time);

@@ -4,8 +4,8 @@ use impulse::hopkinson::{Curve, HopkinsonResult, MeanCurve};
 use rodfigure::{Figure, Mark, Panel, Role};
 
 use super::figures::around;
-use super::tables::{band_of_mean, peak, scaled};
-use crate::digits::significant;
+use super::tables::{LEVEL, band_of_mean, peak, scaled};
+use crate::digits::{significant, with_unit};
 use crate::outcome::{Column, Quantity, Table};
 use crate::{Outcome, RodlabError};
 
@@ -24,12 +24,14 @@ pub(super) fn state(
         }
     }
     let value = |values: &[f64]| values.get(at.0).copied().unwrap_or(f64::NAN);
+    let (_, width) = mean
+        .largest_stress(LEVEL)
+        .map_err(|error| RodlabError::step("bands", error))?;
     let megapascals = |pascals: f64, digits| significant(1e-6 * pascals, digits);
     outcome.summary.push(format!(
-        "The peak of the mean of {} shots is {} MPa ± {} MPa (95 %) at a strain of {} and a rate of {} 1/s.",
+        "The peak of the mean of {} shots is {} (95 % interval) at a strain of {} and a rate of {} 1/s.",
         mean.n_shots,
-        megapascals(at.1, 4),
-        megapascals(value(&band_of_mean(mean)?), 2),
+        with_unit(at.1, Some(width), "Pa"),
         significant(value(&mean.strain), 3),
         significant(value(&mean.strain_rate), 3),
     ));
@@ -56,7 +58,7 @@ pub(super) fn state(
             verdict: "stated".to_owned(),
         });
     };
-    let error = value(&mean.standard_error());
+    let error = value(&mean.standard_error()) * width / value(&band_of_mean(mean)?);
     say(
         "largest mean stress",
         "MPa",

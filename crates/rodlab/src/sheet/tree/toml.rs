@@ -16,7 +16,7 @@ pub(super) fn read(text: &str) -> Result<Node, Vec<Mistake>> {
     if !errors.is_empty() {
         let mistakes = errors.iter();
         return Err(mistakes
-            .map(|error| Mistake::new(error.span().unwrap_or(0..0), error.message()))
+            .map(|error| mistake(error.span().unwrap_or(0..0), error.message()))
             .collect());
     }
     let place = table.span();
@@ -24,6 +24,20 @@ pub(super) fn read(text: &str) -> Result<Node, Vec<Mistake>> {
         value: fields(table.into_inner())?,
         place,
     })
+}
+
+/// The mistake `problem`; a backslash that starts no escape is often one of a path of Windows.
+fn mistake(place: Place, problem: &str) -> Mistake {
+    if !problem.contains("escaped value") && !problem.contains("unicode") {
+        return Mistake::new(place, problem);
+    }
+    Mistake {
+        advice: Some("write C:/Users/... or use single quotes".to_owned()),
+        ..Mistake::new(
+            place,
+            "in double quotes a backslash starts an escape, and here it starts none",
+        )
+    }
 }
 
 fn fields(table: DeTable<'_>) -> Result<Value, Vec<Mistake>> {

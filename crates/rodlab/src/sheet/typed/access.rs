@@ -7,6 +7,7 @@ use serde::de::{
     DeserializeSeed, EnumAccess, Error as _, MapAccess, SeqAccess, VariantAccess, Visitor,
 };
 
+use super::super::language::Language;
 use super::super::mistake::{did_you_mean, nearest, quoted};
 use super::super::tree::{Entry, Node, Value};
 use super::reading::{Reading, read_value};
@@ -82,6 +83,10 @@ impl<'a> Fields<'a> {
         entries: &'a [Entry],
         known: &'static [&'static str],
     ) -> Self {
+        let of_sheet = &table.pass.of_sheet;
+        if table.at.to_string().is_empty() {
+            of_sheet.set(known);
+        }
         let mut fields: Vec<Field<'a>> = Vec::with_capacity(known.len());
         let is_stated = |name: &str| entries.iter().any(|entry| entry.name == name);
         for entry in entries {
@@ -99,12 +104,15 @@ impl<'a> Fields<'a> {
                     } else {
                         format!("there is no field `{}`, only {}", entry.name, quoted(known))
                     };
-                    note(
-                        &table,
-                        entry,
-                        &words,
-                        meant.map(|meant| did_you_mean(meant)),
-                    );
+                    let is_of_sheet = of_sheet.get().contains(&entry.name.as_str());
+                    let advice = if table.pass.language == Language::Toml && is_of_sheet {
+                        let advice =
+                            "it is a field of the sheet itself: put it above the first [table]";
+                        Some(advice.to_owned())
+                    } else {
+                        meant.map(|meant| did_you_mean(meant))
+                    };
+                    note(&table, entry, &words, advice);
                     meant.filter(|name| !is_stated(name) && is_new(name))
                 }
             };

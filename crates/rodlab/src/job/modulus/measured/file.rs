@@ -18,19 +18,19 @@ pub(super) fn of_file(
 ) -> Result<Measured, RodlabError> {
     let taken_as = sheet.method.ratio_in_words()?;
     settings.push(Setting::by_default("ratio that the values are", taken_as));
-    let file = NumberFile::read(&source.path, context.folder, "source.path")?;
+    let file = NumberFile::read(&source.path, context.folder, "source.ratio.path")?;
     let hertz = Unit::parse("Hz").map_or(Dimension::NONE, |unit| unit.dimension());
     let (values, frequency_hz) = match &source.values {
         RatioValues::Complex(selector) => {
-            let column = file.column(selector, "source.values")?;
+            let column = file.column(selector, "source.ratio.values.complex")?;
             (
                 column.complex_numbers()?,
                 column.abscissa(hertz, "frequencies")?,
             )
         }
         RatioValues::Parts { real, imaginary } => {
-            let column = file.column(real, "source.values.real")?;
-            let other = file.column(imaginary, "source.values.imaginary")?;
+            let column = file.column(real, "source.ratio.values.parts.real")?;
+            let other = file.column(imaginary, "source.ratio.values.parts.imaginary")?;
             let real = column.pure_numbers()?;
             let imaginary = other.pure_numbers()?;
             let frequency_hz = column.abscissa(hertz, "frequencies")?;
@@ -38,7 +38,7 @@ pub(super) fn of_file(
             let alike = |(a, b): (&f64, &f64)| a.total_cmp(b).is_eq();
             if beside.len() != frequency_hz.len() || !frequency_hz.iter().zip(&beside).all(alike) {
                 return Err(RodlabError::request(
-                    "source.values.imaginary",
+                    "source.ratio.values.parts.imaginary",
                     format!("a column of {} lines", beside.len()),
                     format!("the {} frequencies of the real part", frequency_hz.len()),
                 ));
@@ -50,22 +50,25 @@ pub(super) fn of_file(
             )
         }
     };
-    let refused = |error| RodlabError::step("source.errors", error);
+    let refused = |error| RodlabError::step("source.ratio.errors", error);
     let ratio = match &source.errors {
         RatioErrors::Coherence { column, averages } => {
             let coherence = file
-                .column(column, "source.errors.column")?
+                .column(column, "source.ratio.errors.coherence.column")?
                 .pure_numbers()?;
             ResponseRatio::from_coherence(frequency_hz, values, coherence, *averages)
         }
         RatioErrors::StandardError { column } => {
             let errors = file
-                .column(column, "source.errors.column")?
+                .column(column, "source.ratio.errors.standard_error.column")?
                 .pure_numbers()?;
             let mut lines = errors.iter().enumerate();
             if let Some((line, error)) = lines.find(|(_, error)| **error < 0.0) {
                 return Err(RodlabError::request(
-                    format!("source.errors.column, line {}", line + 1),
+                    format!(
+                        "source.ratio.errors.standard_error.column, line {}",
+                        line + 1
+                    ),
                     error.to_string(),
                     "a standard error of 0 or more",
                 ));

@@ -36,14 +36,14 @@ pub(super) fn of_hits(
     context: &JobContext<'_>,
     settings: &mut Vec<Setting>,
 ) -> Result<Measured, RodlabError> {
-    let loaded = records.load(context.folder, "source.records")?;
+    let loaded = records.load(context.folder, "source.hits.records")?;
     if let Some(first) = loaded.records.first() {
         check_channels(&sheet.method, &first.record)?;
     }
     let channels = sheet.method.channels();
     let Some(reference) = channels.first().map(|taken| taken.channel) else {
         return Err(RodlabError::request(
-            "method.gauges",
+            sheet.method.field("gauges"),
             "empty",
             "at least three gauges",
         ));
@@ -72,7 +72,7 @@ pub(super) fn of_hits(
             &found.accepted(),
             &taken,
             n_silent,
-            ("source.silent", stated),
+            ("source.hits.silent", stated),
         )?;
     }
     let silent = n_silent;
@@ -181,7 +181,7 @@ pub(super) fn of_hits(
         let least = freedom.fold(f64::INFINITY, f64::min);
         if least < FEW_DEGREES_OF_FREEDOM {
             measured.warnings.push(format!(
-                "The errors of the only hit are from a silence with only {} degrees of freedom per line, so that few lines are valid. Record more hits or a longer \
+                "The errors of the only hit are from a silence with only {} degrees of freedom per line, so that few lines or none are valid. Record more hits or a longer \
                  pre-trigger.",
                 significant(least, 2)
             ));
@@ -245,7 +245,7 @@ fn ratio_refused(error: LabioError) -> RodlabError {
             output,
             hits,
         },
-        error @ LabioError::TooFewSamples { .. } => RodlabError::step("source.silent", error),
+        error @ LabioError::TooFewSamples { .. } => RodlabError::step("source.hits.silent", error),
         error => RodlabError::step("averaging the spectra of the hits", error),
     }
 }

@@ -58,16 +58,16 @@ pub(super) fn modes(
     let rate_hz = hits.first().map_or(0.0, |hit| hit.sampling_rate_hz());
     let first = labio::hits::Extent::Seconds(from.si())
         .samples(rate_hz)
-        .map_err(|error| RodlabError::step("method.from", error))?;
+        .map_err(|error| RodlabError::step("method.free_vibration.from", error))?;
     let mut records: Vec<Vec<f64>> = Vec::with_capacity(hits.len());
     for hit in hits {
         let history = hit
             .channel(channel)
-            .map_err(|error| RodlabError::step("method.channel", error))?;
+            .map_err(|error| RodlabError::step("method.free_vibration.channel", error))?;
         let free: Vec<f64> = history.iter().skip(first).copied().collect();
         if free.len() < 64 {
             return Err(RodlabError::request(
-                "method.from",
+                "method.free_vibration.from",
                 from.to_string(),
                 format!(
                     "a time well before the end of the hit, {:.4} ms",
