@@ -169,6 +169,19 @@ pub enum Violation {
         /// Accepted limit.
         limit: f64,
     },
+    /// The random error is within its limit only because noise made the loss factor of the line
+    /// large, see [`judged_by_neighbours`](crate::ModulusEstimate::judged_by_neighbours).
+    #[error(
+        "loss factor may be off by {} of that of the lines around it, expected at most {}: noise made it large",
+        percent(*.error), percent(*.limit)
+    )]
+    LossWithinNoise {
+        /// Five standard errors (more if the variance is from few averages) relative to the mean
+        /// loss factor of the neighbouring lines.
+        error: f64,
+        /// Accepted limit.
+        limit: f64,
+    },
     /// The theory of the waves leaves more lateral inertia in the modulus than accepted, see
     /// [`AcceptanceLimits`].
     #[error(

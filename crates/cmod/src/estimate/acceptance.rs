@@ -1,10 +1,10 @@
 //! Judgement of a line by the acceptance limits.
 
-use super::{ModulusLine, VarianceFreedom};
+use super::{ModulusEstimate, ModulusLine, VarianceFreedom};
 use crate::error::CmodError;
 use crate::uncertainty::{PROBABILITY_WITHIN, coverage_factor};
 use crate::validity::{
-    AcceptanceLimits, COMMON_STANDARD_ERRORS_WITHIN, STANDARD_ERRORS_WITHIN, Violation,
+    AcceptanceLimits, COMMON_STANDARD_ERRORS_WITHIN, STANDARD_ERRORS_WITHIN, Validity, Violation,
 };
 
 /// Limits for the lines of one record.
@@ -119,12 +119,65 @@ impl Acceptance {
         violations
     }
 
+    /// Returns the violation of the limit of the loss factor, if `line` has a valid loss factor only
+    /// because noise made it large: if its random error is too large for the mean loss factor of the
+    /// lines around it.
+    fn by_neighbours(&self, line: &ModulusLine, mean: f64) -> Option<Violation> {
+        let error = self.factor * line.random_error().loss_factor / mean.abs();
+        (line.validity.is_valid() && error > self.limits.loss_factor).then_some(
+            Violation::LossWithinNoise {
+                error,
+                limit: self.limits.loss_factor,
+            },
+        )
+    }
+
     /// Returns the violation of the coherence limit, if `coherence` is below it.
     pub(crate) fn incoherent(&self, coherence: f64) -> Option<Violation> {
         (coherence < self.limits.coherence).then_some(Violation::CoherenceTooLow {
             coherence,
             limit: self.limits.coherence,
         })
+    }
+}
+
+/// Number of lines on either side whose loss factors are compared with that of a line.
+const NEIGHBOURS: usize = 8;
+
+impl ModulusEstimate {
+    /// Returns the estimate in which the random error of the loss factor is also compared with the
+    /// loss factors of the eight lines on either side.
+    ///
+    /// The relative error of a line contains its own loss factor, noise included. Where the error of
+    /// all lines is above the limit, the few lines on which noise increases the loss factor most
+    /// would be the only valid ones, and their loss factors far too large.
+    ///
+    /// # Errors
+    /// [`CmodError::NonPhysical`] for degrees of freedom of a line that are not positive.
+    pub fn judged_by_neighbours(&self) -> Result<Self, CmodError> {
+        let mut judged = self.clone();
+        let lines = self.lines();
+        for (index, line) in judged.lines.iter_mut().enumerate() {
+            if !line.validity.is_valid() {
+                continue;
+            }
+            let acceptance = Acceptance::new(self.limits, line.uncertainty.degrees_of_freedom)?;
+            let around = index.saturating_sub(NEIGHBOURS)..lines.len().min(index + NEIGHBOURS + 1);
+            let others = around.filter(|other| *other != index);
+            let mut sums = (0.0, 0.0);
+            for other in others.filter_map(|other| lines.get(other)) {
+                let variance = other.random_error().loss_factor.powi(2);
+                if variance > 0.0 && variance.is_finite() {
+                    sums.0 += other.loss_factor / variance;
+                    sums.1 += 1.0 / variance;
+                }
+            }
+            if sums.1 > 0.0 {
+                let violation = acceptance.by_neighbours(line, sums.0 / sums.1);
+                line.validity = Validity::from_violations(violation.into_iter().collect());
+            }
+        }
+        Ok(judged)
     }
 }
 

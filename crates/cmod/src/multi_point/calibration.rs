@@ -312,20 +312,21 @@ impl<M: GaugeMethod> Experiment for GaugeExperiment<'_, M> {
                 of_gamma * shift.propagation_coefficient,
             )
         }));
+        // correlated lines are less informative than as many independent ones
+        let correlated = continuation::lines_per_independent_line(
+            self.spectra.frequency_hz,
+            self.method.added_damping(),
+        );
+        let independent = |sum: f64| sum / correlated;
         Some(LinearisedLine {
             modulus: modulus + by_gamma * about.step,
-            // correlated lines are less informative than as many independent ones
-            variance: white.variance * by_gamma.norm_sqr() / about.information
-                * continuation::lines_per_independent_line(
-                    self.spectra.frequency_hz,
-                    self.method.added_damping(),
-                ),
+            variance: correlated * white.variance * by_gamma.norm_sqr() / about.information,
             shifts,
             misfit: Some(Misfit {
-                normal: about.normal,
-                gradient: about.gradient,
-                square: about.square,
-                degrees_of_freedom: (2 * (white.n_tests() * (n_rows - 2) - 1)) as f64,
+                normal: about.normal.into_iter().map(independent).collect(),
+                gradient: about.gradient.into_iter().map(independent).collect(),
+                square: independent(about.square),
+                degrees_of_freedom: independent((2 * (white.n_tests() * (n_rows - 2) - 1)) as f64),
             }),
         })
     }

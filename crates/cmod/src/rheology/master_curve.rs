@@ -3,6 +3,7 @@
 mod joint;
 mod links;
 mod reduced;
+mod temperature;
 
 use std::fmt;
 
@@ -23,6 +24,7 @@ use super::support::Support;
 use super::sweep::TemperatureSweep;
 use crate::directions::Directions;
 use crate::error::CmodError;
+use crate::estimate::ErrorSource;
 
 /// Master curve: one Prony series for all temperatures, with a shift factor for each.
 ///
@@ -223,7 +225,7 @@ impl MasterCurve {
         fit.alternatives = alternatives;
         let first = fit.parameters.len() - others.len();
         let found = &fit.parameters[first..];
-        let of_all = shifts_of(&fit, others.len());
+        let of_all = shifts_of(&fit, others.len(), &|_| true);
         let vertical: Vec<&Parameter> = if has_factors {
             let before = first - joint.scaled.len();
             fit.parameters[before..first].iter().collect()
@@ -370,7 +372,7 @@ impl MasterCurve {
                     .is_some_and(|shift| shift.verdict.is_identified())
             })
             .collect();
-        let all = shifts_of(&self.fit, parameters - first).covariance;
+        let all = shifts_of(&self.fit, parameters - first, &|_| true).covariance;
         let covariance: Vec<Vec<f64>> = identified
             .iter()
             .filter_map(|row| all.get(*row))
@@ -409,8 +411,13 @@ struct OfShifts {
 }
 
 /// Returns the last `count` coordinates, which are shifts, as means over the orders, with their
-/// covariance due to random and common errors and to the scatter between the orders.
-fn shifts_of(fit: &RheologicalFit, count: usize) -> OfShifts {
+/// covariance due to random errors, those common errors that are `counted`, and the scatter between
+/// the orders.
+fn shifts_of(
+    fit: &RheologicalFit,
+    count: usize,
+    counted: &dyn Fn(ErrorSource) -> bool,
+) -> OfShifts {
     let own = (1.0, &fit.coordinates, &fit.information);
     let mut all: Vec<(f64, &Vec<f64>, &Directions)> = fit
         .alternatives
@@ -449,7 +456,7 @@ fn shifts_of(fit: &RheologicalFit, count: usize) -> OfShifts {
         let difference: Vec<f64> = at.iter().zip(&mean).map(|(a, m)| a - m).collect();
         add(*weight, &difference);
     }
-    for error in &fit.common_errors {
+    for error in fit.common_errors.iter().filter(|e| counted(e.source)) {
         add(1.0, &last(&error.shift));
     }
     let order_errors = (0..count)

@@ -77,6 +77,11 @@ pub struct FitSheet {
     /// displacement and the dimensions of the specimen. None by default.
     #[serde(default)]
     pub scale_uncertainty: Option<Exact<Ratio>>,
+    /// Standard uncertainty of the temperature of each step, such as `"0.5 K"`, independent between
+    /// steps: an error of the shifts, and of the master curve through that of the reference. None by
+    /// default.
+    #[serde(default)]
+    pub temperature_uncertainty: Option<Exact<Temperature>>,
     /// Density of the material, such as `"1150 kg/m3 ± 2 kg/m3"`; needed for cards and for use as a
     /// material in later sheets.
     #[serde(default)]
@@ -138,6 +143,9 @@ struct Found<'a> {
     pascal: (&'static str, f64),
     sweep: Option<Sweep>,
 }
+
+/// Largest standard uncertainty of a temperature \[K\]; a larger number is a temperature in degrees.
+const MOST_UNCERTAIN: f64 = 20.0;
 
 /// Several temperatures as one curve.
 struct Sweep {
@@ -292,6 +300,7 @@ impl FitSheet {
             ),
             ("band", "all frequencies"),
             ("scale_uncertainty", "not stated"),
+            ("temperature_uncertainty", "not stated"),
         ] {
             defaults.push(Setting::by_default(name, value));
         }
@@ -342,6 +351,22 @@ fn check(sheet: &FitSheet) -> Result<(), RodlabError> {
             "requested, with errors from the scatter about the fit",
             NEEDS_ERRORS,
         ));
+    }
+    if let Some(stated) = &sheet.temperature_uncertainty {
+        if !(stated.si() > 0.0 && stated.si() <= MOST_UNCERTAIN) {
+            return Err(RodlabError::request(
+                "temperature_uncertainty",
+                stated.to_string(),
+                "a difference of temperature above 0 and up to 20 K, such as \"0.5 K\"",
+            ));
+        }
+        if sheet.monte_carlo.is_some() {
+            return Err(RodlabError::request(
+                "monte_carlo",
+                "requested together with `temperature_uncertainty`",
+                "only one of them: errors of the temperatures are not drawn",
+            ));
+        }
     }
     let Some(laws) = &sheet.laws else {
         return Ok(());

@@ -18,7 +18,8 @@ impl MasterCurve {
     /// The shifts and factors are results with errors, and a law fitted to the reduced lines
     /// depends on them. With L Lᵀ the covariance of all ln b_T and ln a_T, each column of L is one
     /// [common error](ModulusData::with_common_errors), which shifts a line by -E δ ln b - (dE/d ln
-    /// ω) δ ln a. The covariance of the law's parameters is then, to first order, that of a joint
+    /// ω) δ ln a. The temperature of the reference, if its uncertainty is
+    /// [stated](Self::with_temperature_uncertainty), is a further one. The covariance of the law's parameters is then, to first order, that of a joint
     /// fit of law and shifts, provided that the law explains the data as well as the series.
     ///
     /// # Errors
@@ -48,7 +49,9 @@ impl MasterCurve {
                 expected: count,
             });
         }
-        let covariance = shifts_of(&self.fit, count).covariance;
+        // a wrong temperature changes the name of a shift, not the lines
+        let counted = |source| source != ErrorSource::Temperature;
+        let covariance = shifts_of(&self.fit, count, &counted).covariance;
         let root = root_of(&covariance);
 
         let mut parts = Vec::with_capacity(self.shifts.len());
@@ -103,6 +106,13 @@ impl MasterCurve {
             data.common.push(CommonError {
                 source: ErrorSource::MasterCurve(index),
                 shift,
+            });
+        }
+        let by_reference = self.change_by_reference();
+        if by_reference > 0.0 {
+            data.common.push(CommonError {
+                source: ErrorSource::Temperature,
+                shift: slopes.iter().map(|slope| slope * by_reference).collect(),
             });
         }
         Ok(data.in_order())

@@ -110,6 +110,10 @@ pub(super) fn of(
     let options = options(sheet, error_scale);
     Ok(
         MasterCurve::new(&sweep, reference, &options).and_then(|curve| {
+            let curve = match &sheet.temperature_uncertainty {
+                Some(stated) => curve.with_temperature_uncertainty(stated.si())?,
+                None => curve,
+            };
             let shift_laws = curve.shift_laws();
             Ok(Sweep {
                 by_scatter: match &shift_laws {

@@ -159,7 +159,21 @@ fn of_sweep(outcome: &mut Outcome, found: &Found<'_>, sweep: &Sweep) {
     one_curve(outcome, found, curve);
     falling(outcome, curve);
     match &sweep.shift_laws {
-        Ok(laws) => of_shift_laws(outcome, laws, sweep.by_scatter.as_ref()),
+        Ok(laws) => {
+            of_shift_laws(outcome, laws, sweep.by_scatter.as_ref());
+            let scatter = curve.temperature_scatter();
+            if let (Some(_), None, Ok(kelvin)) = (
+                &sweep.by_scatter,
+                &found.sheet.temperature_uncertainty,
+                scatter,
+            ) {
+                outcome.warnings.push(format!(
+                    "The shifts differ from WLF as they would if the temperatures were wrong by {} K, more than the errors of the moduli explain. If the \
+                     readings can be that wrong, state `temperature_uncertainty`: the errors of the shifts, and of the master curve at the reference, do not include it.",
+                    significant(kelvin, 2)
+                ));
+            }
+        }
         Err(error) => outcome.log.push(LogEntry {
             what: "laws of the shifts".to_owned(),
             accepted: false,

@@ -2,11 +2,13 @@
 
 use std::collections::BTreeMap;
 
+use cmod::rheology::ErrorScale;
+use num_complex::Complex64;
 use serde::Deserialize;
 
-use super::FitSheet;
 use super::columns::Row;
-use crate::digits::short;
+use super::{FitSheet, errors};
+use crate::digits::{short, significant};
 use crate::records::Selector;
 use crate::sheet::{Exact, Temperature};
 use crate::{Outcome, RodlabError};
@@ -19,6 +21,10 @@ const MOST_SPREAD: f64 = 3.0;
 const FEWEST: usize = 3;
 /// Relative difference up to which two frequencies are the same.
 const SAME_FREQUENCY: f64 = 1e-9;
+
+/// Excess of the chi-square of repeated rows, in standard deviations, from which their scatter
+/// contradicts their stated errors.
+const DIFFERENT: f64 = 3.5;
 
 /// Rows that belong to one step of temperature.
 #[derive(Debug, Clone, Deserialize)]
@@ -133,6 +139,7 @@ pub(super) fn of(
     };
     let mut steps: Vec<Step> = groups.into_iter().map(Step::of).collect();
     steps.sort_by(|a, b| a.temperature.total_cmp(&b.temperature));
+    average(&mut steps, errors::scale(sheet), outcome);
     let is_near = matches!(sheet.steps, None | Some(StepsSheet::Within(_)));
     let mut widest: Option<&Step> = None;
     for step in &steps {
@@ -213,6 +220,67 @@ fn near(mut rows: Vec<Row>, within: f64) -> Vec<Vec<Row>> {
     groups
 }
 
+/// Averages the rows of a file that repeat a frequency at one temperature, and compares their scatter
+/// with their stated errors.
+fn average(steps: &mut [Step], scale: ErrorScale, outcome: &mut Outcome) {
+    let (mut repeated, mut averaged, mut squares) = (0, 0, 0.0);
+    for step in steps {
+        let is_same = |a: &Row, b: &Row| {
+            a.over_time.is_none()
+                && b.over_time.is_none()
+                && a.file == b.file
+                && b.frequency_hz <= a.frequency_hz * (1.0 + SAME_FREQUENCY)
+        };
+        let mut rows = Vec::with_capacity(step.rows.len());
+        for same in step.rows.chunk_by(is_same) {
+            let [first, others @ ..] = same else { continue };
+            let mut row = first.clone();
+            if let Some(last) = others.last() {
+                let count = same.len() as f64;
+                row.modulus = same.iter().map(|row| row.modulus).sum::<Complex64>() / count;
+                let sum = others.iter().map(|row| row.covariance);
+                let sum = sum.fold(row.covariance, |a, b| a + b);
+                row.covariance = sum.through(Complex64::from(1.0 / count));
+                row.temperature = same.iter().map(|row| row.temperature).sum::<f64>() / count;
+                row.place = format!("{} to {}", first.place, last.place);
+                squares += same
+                    .iter()
+                    .map(|one| deviation(one, row.modulus))
+                    .sum::<f64>();
+                repeated += same.len();
+                averaged += 1;
+            }
+            rows.push(row);
+        }
+        step.rows = rows;
+    }
+    if averaged == 0 {
+        return;
+    }
+    outcome.summary.push(format!(
+        "{repeated} rows that repeat a frequency at the same temperature were averaged to {averaged}."
+    ));
+    // two parts of each modulus
+    let freedom = 2.0 * (repeated - averaged) as f64;
+    // the mean of chi-square and three and a half of its standard deviations
+    let most = freedom + DIFFERENT * (2.0 * freedom).sqrt();
+    if scale == ErrorScale::Stated && squares > most {
+        outcome.doubt(format!(
+            "rows that repeat a frequency differ by {} times their stated errors: they are not repeated readings of one state, or the errors are too small",
+            significant((squares / freedom).sqrt(), 2)
+        ));
+    }
+}
+
+/// Square of the deviation of a row from `mean`, by the inverse of its covariance.
+fn deviation(row: &Row, mean: Complex64) -> f64 {
+    let away = row.modulus - mean;
+    let c = row.covariance;
+    let determinant = c.real * c.imaginary - c.mixed * c.mixed;
+    let sum = away.re * away.re * c.imaginary + away.im * away.im * c.real;
+    (sum - 2.0 * away.re * away.im * c.mixed) / determinant
+}
+
 /// Refuses a step with a frequency that is in two rows, or with too few rows.
 fn check(step: &Step) -> Result<(), RodlabError> {
     for pair in step.rows.windows(2) {
@@ -223,7 +291,7 @@ fn check(step: &Step) -> Result<(), RodlabError> {
             return Err(RodlabError::request(
                 format!("tables, at {}", step.in_words()),
                 format!("two rows at {} ({} and {})", a.abscissa(), a.place, b.place),
-                "each frequency or time once per step: evaluate repeated tests in separate sheets",
+                "each frequency or time once per step, or repeated readings over frequency in one file: evaluate repeated tests in separate sheets",
             ));
         }
     }

@@ -40,11 +40,15 @@ pub(super) fn estimate(
     measured: &Measured,
     spectra: &Spectra,
 ) -> Result<Estimated, RodlabError> {
-    match spectra {
+    let estimated = match spectra {
         Spectra::Ratio(ratio) => calibrated_ratio(sheet, measured, ratio),
         Spectra::Gauges(gauges) => of_gauges(sheet, (measured, gauges), true),
-        Spectra::Modes(modes) => of_modes(sheet, &modes.poles),
-    }
+        Spectra::Modes(modes) => return of_modes(sheet, &modes.poles),
+    }?;
+    Ok(Estimated {
+        modulus: estimated.modulus.judged_by_neighbours().map_err(refused)?,
+        ..estimated
+    })
 }
 
 /// The modulus with the sensors as stated.

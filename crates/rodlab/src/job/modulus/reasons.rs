@@ -53,7 +53,9 @@ fn in_few_words(violation: &Violation) -> &'static str {
         Violation::SeriesTruncated { .. } => "series in the mass ratio not accurate enough",
         Violation::NearSingular { .. } => "too near a singular frequency for this noise",
         Violation::ErrorTooLarge { quantity: "E'", .. } => "error of E' above its limit",
-        Violation::ErrorTooLarge { .. } => "error of the loss factor above its limit",
+        Violation::ErrorTooLarge { .. } | Violation::LossWithinNoise { .. } => {
+            "error of the loss factor above its limit"
+        }
         Violation::LateralInertiaTooLarge { quantity: "E'", .. } => {
             "lateral inertia not taken out: error of E' above its limit"
         }

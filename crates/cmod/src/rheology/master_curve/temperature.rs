@@ -1,0 +1,190 @@
+//! Errors of a master curve due to those of the temperatures.
+
+use super::super::parameter::{CommonShift, Interval};
+use super::super::shift_law::Wlf;
+use super::MasterCurve;
+use crate::error::{CmodError, check_positive};
+use crate::estimate::ErrorSource;
+
+/// Name with which the relaxation times of a series begin.
+const TIMES: &str = "relaxation time";
+
+impl MasterCurve {
+    /// Adds the errors due to temperatures that are independent of each other and have the standard
+    /// uncertainty `kelvin` \[K\], such as that of the reading of a chamber.
+    ///
+    /// With s = d ln a_T/dT, by WLF through the shifts, a temperature that is wrong by δ changes its
+    /// own ln a_T by s δ. That of the reference changes all others by -s δ, and the logarithms of the
+    /// relaxation times of the series by s δ. Reduced lines fit each other whatever their
+    /// temperatures are called: the reference alone shifts them, all alike.
+    ///
+    /// # Errors
+    /// [`CmodError::NonPhysical`] unless `kelvin` is above 0; those of [`Self::shift_laws`].
+    pub fn with_temperature_uncertainty(mut self, kelvin: f64) -> Result<Self, CmodError> {
+        check_positive("standard uncertainty of the temperatures [K]", kelvin)?;
+        let wlf = self.law_of_slopes()?;
+        let reference = self.reference_temperature;
+        let parameters = self.fit.parameters.len();
+        let is_fitted = |shift: &&super::Shift| {
+            shift.temperature.total_cmp(&reference).is_ne() && !shift.is_stated
+        };
+        let fitted: Vec<f64> = self
+            .shifts
+            .iter()
+            .filter(is_fitted)
+            .map(|s| s.temperature)
+            .collect();
+        let first = parameters.saturating_sub(fitted.len());
+        let of_reference = kelvin * slope(&wlf, reference)?;
+        let mut by_reference = vec![-of_reference; parameters];
+        let series = by_reference
+            .iter_mut()
+            .zip(&self.fit.parameters)
+            .take(first);
+        for (error, parameter) in series {
+            *error = if parameter.name.starts_with(TIMES) {
+                of_reference
+            } else {
+                0.0
+            };
+        }
+        let mut errors = vec![by_reference];
+        for (own, temperature) in fitted.iter().enumerate() {
+            let mut error = vec![0.0; parameters];
+            if let Some(entry) = error.get_mut(first + own) {
+                *entry = kelvin * slope(&wlf, *temperature)?;
+            }
+            errors.push(error);
+        }
+        for error in errors {
+            self.add(error);
+        }
+        for shift in &mut self.shifts {
+            if shift.temperature.total_cmp(&reference).is_ne() && !shift.is_stated {
+                let own = kelvin * slope(&wlf, shift.temperature)?;
+                let (before, error) = (shift.standard_error, own.hypot(of_reference));
+                shift.standard_error = before.hypot(error);
+                shift.interval = Interval {
+                    lower: shift.log_shift
+                        - wider(shift.log_shift - shift.interval.lower, before, error),
+                    upper: shift.log_shift
+                        + wider(shift.interval.upper - shift.log_shift, before, error),
+                    ..shift.interval
+                };
+            }
+        }
+        Ok(self)
+    }
+
+    /// Returns the standard uncertainty of the temperatures \[K\] that explains the scatter of the
+    /// shifts about WLF, if they differ from it by more than their errors.
+    ///
+    /// # Errors
+    /// Those of [`Self::shift_laws_by_scatter`].
+    pub fn temperature_scatter(&self) -> Result<f64, CmodError> {
+        let laws = self.shift_laws_by_scatter()?;
+        let reference = slope(&laws.wlf, self.reference_temperature)?;
+        let mut squares = (0.0, 0.0);
+        for shift in self.shifts.iter().filter(|shift| !shift.is_stated) {
+            let (Some((law, _)), true) = (
+                laws.wlf.log_shift(shift.temperature),
+                shift
+                    .temperature
+                    .total_cmp(&self.reference_temperature)
+                    .is_ne(),
+            ) else {
+                continue;
+            };
+            squares.0 += (shift.log_shift - law).powi(2);
+            squares.1 += slope(&laws.wlf, shift.temperature)?.powi(2) + reference.powi(2);
+        }
+        Ok((squares.0 / squares.1).sqrt())
+    }
+
+    /// WLF by the scatter of the shifts, from the shifts with their own errors if they are few, or
+    /// the straight line through two shifts.
+    fn law_of_slopes(&self) -> Result<Wlf, CmodError> {
+        let laws = self.shift_laws_by_scatter().or_else(|_| self.shift_laws());
+        match (laws, self.shifts.as_slice()) {
+            (Ok(laws), _) => Ok(laws.wlf),
+            (Err(_), [a, b]) => Ok(Wlf {
+                reference_temperature: self.reference_temperature,
+                c1: f64::INFINITY,
+                c2: f64::INFINITY,
+                c1_standard_error: f64::INFINITY,
+                c2_standard_error: f64::INFINITY,
+                slope: -(b.log_shift - a.log_shift) / (b.temperature - a.temperature),
+                curvature: 0.0,
+                covariance: [[f64::INFINITY; 2]; 2],
+                chi_squared: 0.0,
+                degrees_of_freedom: 0,
+            }),
+            (Err(error), _) => Err(error),
+        }
+    }
+
+    /// Enters the changes of all parameters by one temperature among the common errors.
+    fn add(&mut self, shift: Vec<f64>) {
+        for (parameter, change) in self.fit.parameters.iter_mut().zip(&shift) {
+            let before = parameter.standard_error;
+            parameter.common_error = parameter.common_error.hypot(*change);
+            parameter.standard_error = before.hypot(*change);
+            if *change == 0.0 {
+                continue;
+            }
+            let at = parameter.scale.coordinate(parameter.value);
+            let below = at - parameter.scale.coordinate(parameter.interval.lower);
+            let above = parameter.scale.coordinate(parameter.interval.upper) - at;
+            parameter.interval = Interval {
+                lower: parameter.scale.value(at - wider(below, before, *change)),
+                upper: parameter.scale.value(at + wider(above, before, *change)),
+                ..parameter.interval
+            };
+        }
+        if let Some(covariance) = &mut self.fit.covariance {
+            for (row, own) in covariance.iter_mut().zip(&shift) {
+                for (entry, other) in row.iter_mut().zip(&shift) {
+                    *entry += own * other;
+                }
+            }
+        }
+        self.fit.common_errors.push(CommonShift {
+            source: ErrorSource::Temperature,
+            shift,
+        });
+    }
+
+    /// Change of ln ω of all reduced lines, if the temperature of the reference is wrong by its
+    /// uncertainty.
+    pub(super) fn change_by_reference(&self) -> f64 {
+        let times = self.fit.parameters.iter();
+        let time = times
+            .enumerate()
+            .find(|(_, parameter)| parameter.name.starts_with(TIMES));
+        let of_time = |(index, _): (usize, _)| {
+            let errors = self.fit.common_errors.iter();
+            let errors = errors.filter(|error| error.source == ErrorSource::Temperature);
+            let squares = errors.filter_map(|error| error.shift.get(index));
+            squares.map(|change| change * change).sum::<f64>().sqrt()
+        };
+        time.map_or(0.0, of_time)
+    }
+}
+
+/// d ln a_T/dT at `temperature`.
+fn slope(wlf: &Wlf, temperature: f64) -> Result<f64, CmodError> {
+    let pole = 1.0 + wlf.curvature * (temperature - wlf.reference_temperature);
+    let slope = -wlf.slope / (pole * pole);
+    if pole > 0.0 && slope.is_finite() {
+        Ok(slope)
+    } else {
+        Err(CmodError::ShiftsUndetermined)
+    }
+}
+
+/// One side of an interval, `before` being its standard error without the `further` one.
+fn wider(side: f64, before: f64, further: f64) -> f64 {
+    // without an error of its own, the side is that of the normal quantile
+    let quantile = if before > 0.0 { side / before } else { 1.96 };
+    side.hypot(quantile * further)
+}
