@@ -70,7 +70,8 @@ use vectors::length;
 const MOST_ROUNDS: usize = 12;
 /// Maximum number of selections of the lines that are used.
 const MOST_SELECTIONS: usize = 4;
-/// Sizes of a delay from which the lines are solved again where a start from 0 is not informative.
+/// Sizes of a delay or of a ratio of sensitivities from which the lines are solved again where a
+/// start from 0 is not informative.
 const OTHER_STARTS: [f64; 4] = [-1.0, 1.0, -2.0, 2.0];
 /// Mean square of the residual, relative to the noise, up to which it counts as noise.
 const EXPLAINED: f64 = 1.5;
@@ -183,10 +184,10 @@ pub(crate) trait Experiment {
 /// Solves for the errors of the `measured` sources, which the experiment removes from the measured
 /// data, and of all others of the estimate.
 ///
-/// With a large delay, few lines can be distinguished from other branches and from their
-/// neighbours. Where fewer than half of the lines are informative, or their residual exceeds noise,
-/// the delays of [`OTHER_STARTS`] are tried as well, and the result of the highest rank is
-/// returned.
+/// With a large delay, or with a wrong ratio at the resonances of a rod of low loss, few lines can be
+/// distinguished from other branches and from their neighbours. Where fewer than half of the lines
+/// are informative, or their residual exceeds noise, the sizes of [`OTHER_STARTS`] are tried as well,
+/// and the result of the highest rank is returned.
 pub(crate) fn found(
     measured: &[ErrorSource],
     experiment: &impl Experiment,
@@ -196,13 +197,16 @@ pub(crate) fn found(
     }
     let at_rest = vec![0.0; measured.len()];
     let mut best = found_from(at_rest.clone(), measured, experiment)?;
-    let is_delay = |source: &ErrorSource| matches!(source, ErrorSource::Delay);
-    if best.as_ref().is_none_or(|found| !found.explains_all())
-        && let Some(delay) = measured.iter().position(is_delay)
-    {
+    for kind in [ErrorSource::Delay, ErrorSource::GainRatio] {
+        if best.as_ref().is_some_and(SelfCalibration::explains_all) {
+            break;
+        }
+        let Some(place) = measured.iter().position(|source| *source == kind) else {
+            continue;
+        };
         for start in OTHER_STARTS {
             let mut removed = at_rest.clone();
-            if let Some(size) = removed.get_mut(delay) {
+            if let Some(size) = removed.get_mut(place) {
                 *size = start;
             }
             let other = found_from(removed, measured, experiment)?;

@@ -42,7 +42,7 @@ pub enum MaxwellidError {
     },
     /// The record is too long for the covariance of its excitation before the filter.
     #[error(
-        "test `{test}`: the record has {found} samples, expected at most {expected} when the recorder is part of the model: cut it, in a sheet by an earlier end of the comparison, `to`"
+        "test `{test}`: the record has {found} samples, expected at most {expected} when the recorder is part of the model: set `from` and `to` of the test to a shorter time"
     )]
     RecordTooLong {
         /// Name of the test.

@@ -35,7 +35,7 @@ mod unfiltered;
 
 pub use filter::RecorderFilter;
 pub use narrowed_band::{BandDifference, KEPT, LEAST_SHARE, LEVEL, NarrowedBand};
-pub use unfiltered::UnfilteredExcitation;
+pub use unfiltered::{LONGEST_RECORD, UnfilteredExcitation};
 
 pub(crate) use unfiltered::Drive;
 

@@ -65,8 +65,11 @@ const STILL_FINER: usize = 4;
 /// hold.
 const OF_LINEAR_ROD: usize = 2;
 
+/// Largest number of samples of a record whose recorder is part of the model.
+pub const LONGEST_RECORD: usize = 750;
+
 /// Largest number of points of the grid: their covariance takes 70 MB.
-const MOST_POINTS: usize = 3000;
+const MOST_POINTS: usize = LONGEST_RECORD * FINER;
 
 /// White noise of the grid and of its interpolation relative to the largest sample, without which a
 /// record without noise has no likelihood.

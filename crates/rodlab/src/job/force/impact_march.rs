@@ -209,8 +209,28 @@ impl ImpactDraws for SheetDraws<'_> {
     }
 }
 
-/// Returns both bodies, drawn; `None` for a body without uncertain quantities.
+/// Number of draws after which a body counts as impossible within its uncertainties.
+const MOST_REDRAWS: usize = 100;
+
+/// Returns both bodies, drawn; `None` for a body without uncertain quantities. A draw that is no
+/// material, such as a Zener solid whose relaxed modulus is above the other, is drawn again.
 fn drawn_bodies(
+    sheet: &ImpactSheet,
+    materials: &Materials,
+    bodies: [&FaceBody; 2],
+    draws: &mut Draws<'_>,
+) -> Result<[Option<SharedBody>; 2], RodlabError> {
+    let mut drawn = bodies_of_one_draw(sheet, materials, bodies, draws);
+    for _ in 0..MOST_REDRAWS {
+        if drawn.is_ok() {
+            break;
+        }
+        drawn = bodies_of_one_draw(sheet, materials, bodies, draws);
+    }
+    drawn
+}
+
+fn bodies_of_one_draw(
     sheet: &ImpactSheet,
     materials: &Materials,
     bodies: [&FaceBody; 2],

@@ -1,6 +1,7 @@
 //! The tests of a sheet: two histories each, as velocities with their noise.
 
 use labio::{Quantity, Record, SensorError};
+use maxwellid::recorder::LONGEST_RECORD;
 use maxwellid::{
     CommonError, Differentiator, DisplacementTransducers, ErrorOf, Provenance, RodTest, RodTestData,
 };
@@ -11,7 +12,7 @@ use super::{IdentifySheet, SpecimenSheet};
 use crate::digits::significant;
 use crate::job::JobContext;
 use crate::job::simulate::AntiAliasSheet;
-use crate::outcome::LogEntry;
+use crate::outcome::{LogEntry, Setting};
 use crate::records::{Records, clipped, expect_different_files, expect_quantity};
 use crate::sheet::{Exact, Frequency, Length, NotFollowed, Temperature, Time, Velocity};
 use crate::{Outcome, RodlabError};
@@ -211,7 +212,8 @@ fn one(
             "one: each test has its own entry in `tests`",
         ));
     };
-    let record = part(record.record, test, sheet.recorder.is_some(), field)?;
+    let with_recorder = sheet.recorder.is_some();
+    let record = part(record.record, test, with_recorder, field, outcome)?;
     let quantity = quantity_of(&record, test, field)?;
     let channels = [test.excitation.as_str(), test.response.as_str()];
     for doubt in clipped(&record, &channels, field)? {
@@ -428,13 +430,45 @@ fn quantity_of(record: &Record, test: &TestSheet, field: &str) -> Result<Quantit
 /// interpolation, a derivative of displacements and the ringing of the filter.
 const KEPT_AFTER_END: usize = 64;
 
+/// Samples that are kept before the arrival of the wave where a record is cut without being told to,
+/// for its noise.
+const KEPT_BEFORE_ARRIVAL: usize = 200;
+
+/// Passages of the rod after the arrival that are kept there, at least.
+const KEPT_PASSAGES: usize = 10;
+
+/// The samples of a record that are used if its recorder is part of the model and neither `from` nor
+/// `to` is stated: a quiet part before the arrival, and several passages after it.
+fn about_arrival(
+    record: &Record,
+    test: &TestSheet,
+    field: &str,
+) -> Result<(usize, usize), RodlabError> {
+    // a displacement continues to grow after the front
+    let is_displacement = quantity_of(record, test, field)? == Quantity::Displacement;
+    let level = if is_displacement { 0.02 } else { 0.25 };
+    let arrival = |channel: &str| -> Result<usize, RodlabError> {
+        let samples = record.channel(channel);
+        let samples = samples.map_err(|error| RodlabError::step(field, error))?;
+        let largest = samples.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+        let first = samples.iter().position(|x| x.abs() >= level * largest);
+        Ok(first.unwrap_or(0))
+    };
+    let (excited, answered) = (arrival(&test.excitation)?, arrival(&test.response)?);
+    let begin = excited.saturating_sub(KEPT_BEFORE_ARRIVAL);
+    let passages = KEPT_PASSAGES * answered.saturating_sub(excited) + KEPT_AFTER_END;
+    Ok((begin, (begin + LONGEST_RECORD).min(answered + passages)))
+}
+
 /// The part of the record from `from` on and, where the recorder is part of the model, up to a short
-/// time after `to`: the excitation is estimated on a fine grid over the whole part.
+/// time after `to`: the excitation is estimated on a fine grid over the whole part, which is chosen
+/// about the arrival of the wave if the sheet does not choose it and the record is too long.
 fn part(
     record: Record,
     test: &TestSheet,
     with_recorder: bool,
     field: &str,
+    outcome: &mut Outcome,
 ) -> Result<Record, RodlabError> {
     let last = record.n_samples();
     let mut end = last;
@@ -455,6 +489,18 @@ fn part(
                 ),
             )
         })?;
+    }
+    let is_chosen = test.from.is_some() || test.to.is_some();
+    if with_recorder && !is_chosen && last > LONGEST_RECORD {
+        (begin, end) = about_arrival(&record, test, field)?;
+        end = end.min(last);
+        for (name, sample) in [("from", begin), ("to", end - 1)] {
+            let time = significant(1e3 * record.time_at(sample), 4);
+            let value = format!("{time} ms, about the arrival of the wave");
+            outcome
+                .settings
+                .push(Setting::by_default(format!("{field}.{name}"), value));
+        }
     }
     if begin == 0 && end == last {
         return Ok(record);
