@@ -164,14 +164,15 @@ impl ForceHistory {
 mod tests {
     use super::*;
 
-    /// A Gaussian pulse of 2.1 samples, sampled anywhere between its peak and half a sample before.
+    /// A Gaussian pulse of 3 samples, sampled anywhere between its peak and half a sample before.
     #[test]
     fn a_peak_between_samples_is_found() {
         for shift in [0.0, 0.13, 0.31, 0.5] {
-            let sample = |n: i32| (-0.5 * ((f64::from(n) - 40.0 - shift) / 1.05).powi(2)).exp();
+            let sample = |n: i32| (-0.5 * ((f64::from(n) - 40.0 - shift) / 1.5).powi(2)).exp();
             let force = ForceHistory::new(1.0, 0.5, (0..80).map(sample).collect()).unwrap();
             let peak = force.interpolated_peak();
-            // 2e-5 within the band of the interpolation, and the part of the pulse beyond it
+            // exp(-(2 π 0.38 1.5)²/2) of the pulse is beyond the band of the interpolation; its
+            // largest samples are 0.946 to 1
             assert!((peak.force - 1.0).abs() < 2e-3, "{shift}: {peak:?}");
             let time = 1.0 + 0.5 * (40.0 + shift);
             assert!((peak.time - time).abs() < 1e-2, "{shift}: {peak:?}");

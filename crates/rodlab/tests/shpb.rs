@@ -363,7 +363,7 @@ fn hopkinson_mistakes_are_named() {
         (
             "position wrong",
             right.clone(),
-            text.replace("at: \"700 mm ± 1 mm\"", "at: \"620 mm ± 1 mm\""),
+            text.replace("at: \"700 mm ± 1 mm\"", "at: \"560 mm ± 1 mm\""),
             3,
             "reflected wave gives a wave speed",
         ),

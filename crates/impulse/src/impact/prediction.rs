@@ -21,6 +21,9 @@ const ROUNDING: f64 = 1e-9;
 /// Part of the impulse from which a contact must last longer than two time steps.
 const LARGE_PART: f64 = 0.1;
 
+/// Force before the end of a contact, relative to its peak, below which it fades.
+const FADED: f64 = 1e-4;
+
 /// Least fraction of the impulse with which a contact counts for the duration.
 const COUNTS: f64 = 1e-3;
 
@@ -307,6 +310,24 @@ impl Prediction {
         last.end
             .unwrap_or(self.history.time_at(samples.saturating_sub(1)))
             - first.begin
+    }
+
+    /// Returns true if the force of the last of the [`main_contacts`](Self::main_contacts) fades
+    /// instead of ending: in the last twentieth of the contact it is below a ten-thousandth of its
+    /// peak. A rigid mass on an endless rod has a force exp(-Zt/m), and no separation; its end is the
+    /// time from which the force does not count as contact.
+    #[must_use]
+    pub fn fades(&self) -> bool {
+        let force_before_end = |contact: &ContactInterval| {
+            let end = contact.end?;
+            let before = self
+                .history
+                .index_near(end - (end - contact.begin) / 20.0)?;
+            Some(*self.history.force().get(before)? / contact.peak)
+        };
+        let last = self.main_contacts().next_back();
+        last.and_then(force_before_end)
+            .is_some_and(|part| part < FADED)
     }
 
     /// Returns momentum and energy of the impact over time.

@@ -97,12 +97,13 @@ fn hopkinson_a_wrong_gauge_factor_is_named_by_the_ratio_of_the_forces() {
     assert!(!finding.forbids() && said.contains("0.8"), "{said}");
 }
 
-/// Density and modulus for a wave speed 8 % too high: the reflected wave comes 8 % later than said.
+/// Density and modulus for a wave speed 15 % too high: the reflected wave comes 15 % later than said.
+/// An error of 8 % could be the front of a specimen here, where the wave rises within 0.12 ms.
 #[test]
 fn hopkinson_a_wrong_wave_speed_is_named_with_the_one_found() {
     let findings = found(|test, _| {
         for bar in &mut test.bars {
-            bar.material = bar.material.scaled(1.08 * 1.08, 1.0).unwrap();
+            bar.material = bar.material.scaled(1.15 * 1.15, 1.0).unwrap();
         }
     });
     let speed = findings.iter().find_map(|finding| match finding {
@@ -111,7 +112,20 @@ fn hopkinson_a_wrong_wave_speed_is_named_with_the_one_found() {
     });
     let (ratio, said) = speed.unwrap_or_else(|| panic!("{findings:?}"));
     // fronts that creep arrive with some per cent of their own
-    assert!((ratio - 1.08).abs() < 0.03, "{said}");
+    assert!((ratio - 1.15).abs() < 0.03, "{said}");
+}
+
+/// Pulses that rise slowly, as behind a pulse shaper: the specimen reflects a later front.
+#[test]
+fn hopkinson_a_slow_front_is_no_wrong_wave_speed() {
+    for rise in [150e-6, 250e-6] {
+        let mut rig = rig::nylon();
+        rig.pulse[0] = rise;
+        let (test, record) = shot_of(&rig);
+        let findings = rig::evaluated(&test, &record).findings;
+        let is_speed = |finding: &Finding| matches!(finding, Finding::WaveSpeed { .. });
+        assert!(!findings.iter().any(is_speed), "{rise}: {findings:?}");
+    }
 }
 
 /// The recorder of the transmitted bar 60 us ahead.

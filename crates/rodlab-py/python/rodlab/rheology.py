@@ -263,6 +263,8 @@ class SweepOptions(TypedDict, total=False):
     """Grouping of rows into temperatures; ``sheet.Within("1 K")`` by default."""
     scale_uncertainty: Number
     """Standard uncertainty of the scale of all moduli."""
+    temperature_uncertainty: Number
+    """Standard uncertainty of the temperature of each step in K, such as 0.5."""
     stated_shifts: Part
     """Shifts such as ``sheet.Wlf(c1=17.44, c2=51.6, at="100 degC")``, where neighbouring temperatures do not overlap."""
     vertical_shifts: Part
@@ -428,6 +430,7 @@ def _sweep(
 ) -> Sweep:
     check_options(options, SweepOptions)
     scale = options.get("scale_uncertainty")
+    kelvin = options.get("temperature_uncertainty")
     density = options.get("density")
     fields: dict[str, Any] = {
         "title": options.get("title", "Complex modulus of a table"),
@@ -437,6 +440,7 @@ def _sweep(
         "density": None if density is None else quantity(density, "kg/m3", "density"),
         "steps": options.get("steps"),
         "scale_uncertainty": None if scale is None else quantity(scale, "", "scale_uncertainty"),
+        "temperature_uncertainty": None if kelvin is None else quantity(kelvin, "K", "temperature_uncertainty"),
         "stated_shifts": options.get("stated_shifts"),
         "vertical_shifts": options.get("vertical_shifts"),
         "causal": options.get("causal"),

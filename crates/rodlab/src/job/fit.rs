@@ -190,7 +190,8 @@ pub(crate) fn run(sheet: &FitSheet, context: &JobContext<'_>) -> Result<Outcome,
     outcome.inputs = read.inputs;
     outcome.warnings = read.warnings;
     outcome.log = read.log;
-    let all = steps::of(sheet, read.rows, &mut outcome)?;
+    let error_scale = errors::scale(sheet);
+    let all = steps::of(sheet, read.rows, error_scale, &mut outcome)?;
     errors::judge_losses(&mut outcome, &all);
     errors::judge_rises(&mut outcome, &all);
     if all.len() > 1 && sheet.reference_temperature.is_none() {
@@ -207,7 +208,6 @@ pub(crate) fn run(sheet: &FitSheet, context: &JobContext<'_>) -> Result<Outcome,
     }
     context.has_read_all(&outcome.inputs)?;
 
-    let error_scale = errors::scale(sheet);
     let most = sheet.laws.as_ref().and_then(|laws| laws.most_lines);
     let mut steps = steps::thinned(all, most.unwrap_or(MOST_LINES), &mut outcome);
     if let Some(draw) = &context.draw {

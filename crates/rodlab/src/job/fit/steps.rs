@@ -6,8 +6,8 @@ use cmod::rheology::ErrorScale;
 use num_complex::Complex64;
 use serde::Deserialize;
 
+use super::FitSheet;
 use super::columns::Row;
-use super::{FitSheet, errors};
 use crate::digits::{short, significant};
 use crate::records::Selector;
 use crate::sheet::{Exact, Temperature};
@@ -117,6 +117,7 @@ pub(super) fn to_celsius(kelvin: f64) -> f64 {
 pub(super) fn of(
     sheet: &FitSheet,
     rows: Vec<Row>,
+    scale: ErrorScale,
     outcome: &mut Outcome,
 ) -> Result<Vec<Step>, RodlabError> {
     let within = match &sheet.steps {
@@ -139,7 +140,7 @@ pub(super) fn of(
     };
     let mut steps: Vec<Step> = groups.into_iter().map(Step::of).collect();
     steps.sort_by(|a, b| a.temperature.total_cmp(&b.temperature));
-    average(&mut steps, errors::scale(sheet), outcome);
+    average(&mut steps, scale, outcome);
     let is_near = matches!(sheet.steps, None | Some(StepsSheet::Within(_)));
     let mut widest: Option<&Step> = None;
     for step in &steps {
@@ -229,6 +230,7 @@ fn average(steps: &mut [Step], scale: ErrorScale, outcome: &mut Outcome) {
             a.over_time.is_none()
                 && b.over_time.is_none()
                 && a.file == b.file
+                && (a.temperature - b.temperature).abs() <= WITHIN
                 && b.frequency_hz <= a.frequency_hz * (1.0 + SAME_FREQUENCY)
         };
         let mut rows = Vec::with_capacity(step.rows.len());

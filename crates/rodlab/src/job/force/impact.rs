@@ -215,7 +215,9 @@ fn answer(sheet: &ImpactSheet, march: &UncertainPrediction, outcome: &mut Outcom
     let counting = prediction.main_contacts().count();
     let plural = if counting == 1 { "" } else { "s" };
     let pressing = prediction.flags.contains(&PredictionFlag::StillInContact);
-    outcome.summary.push(if pressing {
+    outcome.summary.push(if prediction.fades() {
+        "The force of the last contact fades without a separation: the faces stay together, and there is no end of the contact.".to_owned()
+    } else if pressing {
         format!("The last of {counting} contact{plural} with more than a thousandth of the impulse has not ended: the faces are still in contact.")
     } else {
         format!(

@@ -49,6 +49,9 @@ pub(super) fn quantities(march: &UncertainPrediction, outcome: &mut Outcome) {
         let error = errors.as_ref().and_then(of).filter(|error| *error > 0.0);
         let why = match (value, valid) {
             (None, _) => "not defined for these bodies".to_owned(),
+            (_, false) if march.prediction.fades() => {
+                "the force fades without a separation".to_owned()
+            }
             (_, false) => "the impact is not over: increase `problem.duration`".to_owned(),
             _ if error.is_some() => format!("{about}; error {about_errors}"),
             _ => format!("{about}; no error: {}", no_error(march, name)),
@@ -82,7 +85,7 @@ pub(super) fn quantities(march: &UncertainPrediction, outcome: &mut Outcome) {
     );
     add(
         ("end of the last contact", "ms", 1e-3, &|n| n.end),
-        finished,
+        finished && !march.prediction.fades(),
         "zero of the force, or of the approach of a soft contact, between steps",
     );
     let computed = "computed from the bodies";

@@ -109,13 +109,16 @@ fn answer(
     };
     format!(
         "E' = {} {unit} {} and loss factor {} {} at {}; {} of {} valid from {} to {}.",
-        to_error(modulus, modulus * random.storage_modulus / line.modulus.re),
+        to_error(
+            modulus,
+            modulus * line.standard_error.storage_modulus / line.modulus.re
+        ),
         parts(
             line.modulus.re,
             random.storage_modulus,
             common.storage_modulus
         ),
-        to_error(line.loss_factor, random.loss_factor),
+        to_error(line.loss_factor, line.standard_error.loss_factor),
         parts(line.loss_factor, random.loss_factor, common.loss_factor),
         hertz(line.frequency_hz),
         valid.len(),
