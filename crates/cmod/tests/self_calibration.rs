@@ -495,3 +495,47 @@ fn errors_that_are_none_are_refused() {
             .is_none()
     );
 }
+
+/// Aluminium with a loss factor of 0.003, whose noise hides the loss factor on every line: those on
+/// which noise makes it five times as large as its error are not valid.
+#[test]
+fn a_loss_factor_that_is_only_noise_is_not_valid() {
+    let rod = Rod {
+        specimen: Specimen {
+            length: 1.5,
+            diameter: 0.02,
+            density: 2700.0,
+            accelerometer_mass: 2.9e-3,
+        },
+        uncertainty: EXACT,
+        modulus: |_| 70e9 * Complex64::new(1.0, 0.003),
+        step_hz: 1.25,
+        highest_hz: 10e3,
+        noise: 4e-3,
+    };
+    let (mut by_chance, mut left) = (0, 0);
+    for seed in 0..6 {
+        let record = rod.record(0.0, 0.0, &mut Noise::seeded(seed));
+        let estimate = record.used(&rod, |method, lines| method.estimate_ratio(lines).unwrap());
+        let high = |line: &&ModulusLine| line.loss_factor > 1.5 * 0.003;
+        by_chance += estimate.valid().filter(high).count();
+        let judged = estimate.judged_by_neighbours().unwrap();
+        left += judged.valid().filter(high).count();
+    }
+    // the mean of sixteen lines has noise as well
+    assert!(
+        by_chance >= 100 && left * 10 < by_chance,
+        "{left} of {by_chance}"
+    );
+    // a rod whose loss factor is measured loses nothing
+    let record = STIFF.record(0.0, 0.0, &mut Noise::seeded(3));
+    let estimate = record.used(&STIFF, |method, lines| {
+        method.estimate_ratio(lines).unwrap()
+    });
+    let judged = estimate.judged_by_neighbours().unwrap();
+    let (before, after) = (estimate.valid().count(), judged.valid().count());
+    assert!(
+        after * 100 >= before * 99 && before > 500,
+        "{after} of {before}"
+    );
+}

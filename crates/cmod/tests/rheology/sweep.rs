@@ -491,3 +491,58 @@ fn l4_shift_laws_use_identified_shifts_only() {
     assert!(left_out > 0);
     assert!(covered >= 4, "{covered} of 5");
 }
+
+/// Temperatures that are wrong by 1 K: with that uncertainty stated the shifts and the series at the
+/// reference cover, as do the reduced lines; the scatter of the shifts tells its size.
+#[test]
+fn errors_of_temperatures_are_errors_of_shifts_and_curve() {
+    let law = four_branches();
+    let (c1, c2) = (8.0, 180.0);
+    let (seeds, kelvin) = (12, 1.0);
+    let (mut shifts, mut unstated, mut curve_at, mut lines, mut scatter) =
+        (0.0, 0.0, 0.0, 0.0, 0.0);
+    for seed in 0..seeds {
+        let mut random = ChaCha8Rng::seed_from_u64(70 + seed);
+        let errors: Vec<f64> = temperatures()
+            .iter()
+            .map(|_| kelvin * Distribution::<f64>::sample(&StandardNormal, &mut random))
+            .collect();
+        let error_at = |t: f64| {
+            let all = temperatures();
+            let place = all.iter().position(|known| (known - t).abs() < 1e-9);
+            errors[place.unwrap()]
+        };
+        let shift = |t: f64| wlf(c1, c2, t + error_at(t));
+        let sweep = sweep(&|omega| law.at(omega), &shift, 0.01, seed);
+        let plain = MasterCurve::new(&sweep, 6, &FitOptions::default()).unwrap();
+        scatter += plain.temperature_scatter().unwrap() / seeds as f64;
+        let curve = plain.clone().with_temperature_uncertainty(kelvin).unwrap();
+        for (before, after) in plain.shifts.iter().zip(&curve.shifts) {
+            if after.standard_error > 0.0 {
+                let error = after.log_shift - wlf(c1, c2, after.temperature);
+                shifts += (error / after.standard_error).powi(2) / 12.0 / seeds as f64;
+                unstated += (error / before.standard_error).powi(2) / 12.0 / seeds as f64;
+            }
+        }
+        let omega = TAU * 2e3;
+        let found = curve.fit.prediction(omega).unwrap();
+        let z = (found.modulus.re - law.at(omega).re) / found.covariance[0][0].sqrt();
+        curve_at += z * z / seeds as f64;
+        // one common error of all lines, the change of E by that of the reference
+        let reduced = curve.reduced(&sweep).unwrap();
+        let of_temperature = reduced.common_errors().last().unwrap();
+        let near = reduced.omega().partition_point(|at| *at < omega);
+        let slope = (law.at(1.01 * omega) - law.at(omega / 1.01)) / (2.0 * 1.01_f64.ln());
+        let by_kelvin = -(wlf(c1, c2, REFERENCE + 0.5) - wlf(c1, c2, REFERENCE - 0.5));
+        let expected = slope * by_kelvin * kelvin;
+        lines += of_temperature.shift[near].norm() / expected.norm() / seeds as f64;
+    }
+    // each with some tens of independent squares, or twelve
+    assert!(
+        (0.4..1.8).contains(&shifts) && unstated > 20.0,
+        "{shifts}, {unstated}"
+    );
+    assert!((0.2..2.2).contains(&curve_at), "{curve_at}");
+    assert!((0.85..1.15).contains(&lines), "{lines}");
+    assert!((0.6..1.4).contains(&scatter), "{scatter} K");
+}

@@ -204,3 +204,30 @@ fn wrong_tests_over_time_are_refused() {
     ];
     insta::assert_snapshot!(all.join("\n"));
 }
+
+/// Three readings at each frequency: their mean is fitted, and a scatter of many of the stated errors
+/// puts it in doubt.
+#[test]
+fn repeated_readings_are_averaged_and_compared_with_their_errors() {
+    let sheet = SHEET.replace(
+        "temperature:",
+        "errors: Parts(storage: \"1 %\", loss: \"1 %\"), temperature:",
+    );
+    let folder = TempDir::new().unwrap();
+    for (scatter, verdict) in [(5, "Answered"), (200, "InDoubt")] {
+        let mut table = "f,E',E'',T\nHz,MPa,MPa,degC\n".to_owned();
+        for frequency in [1, 10, 100] {
+            for reading in [-scatter, 0, scatter] {
+                table += &format!("{frequency},{},100,20\n", 1000 + reading);
+            }
+        }
+        fs::write(folder.path().join("t.csv"), table).unwrap();
+        let outcome = run(folder.path(), &sheet).unwrap();
+        let said = outcome.summary.join("\n");
+        assert!(said.contains("9 rows that repeat a frequency"), "{said}");
+        let found = format!("{:?}", outcome.verdict);
+        assert!(found.starts_with(verdict), "{found}");
+        let data = outcome.tables.iter().find(|table| table.name == "data");
+        assert_eq!(data.unwrap().columns[0].cells.len(), 3);
+    }
+}

@@ -162,6 +162,18 @@ fn contact_with_an_error(band: BandLimit) {
     assert!(errors.restitution.unwrap() < 1e-3, "{errors:?}");
 }
 
+/// A rigid mass on an endless rod is never pushed off; one on a spring before a wall is.
+#[test]
+fn a_force_that_fades_has_no_end() {
+    let (mass, rod, wall) = (mass(), rod(IMPEDANCE), wall());
+    let on_rod = Impact::between(&mass, &rod).at_velocity(VELOCITY);
+    assert!(on_rod.predict(10e-3).unwrap().fades());
+    let before_wall = Impact::between(&mass, &wall)
+        .at_velocity(VELOCITY)
+        .through(ContactLaw::linear(2e6).unwrap());
+    assert!(!before_wall.predict(4e-3).unwrap().fades());
+}
+
 /// The kernel of a body that is not drawn is kept, and the march is that of the drawn pair.
 #[test]
 fn a_drawn_body_replaces_its_own_kernel_only() {
