@@ -210,8 +210,8 @@ fn wrong_tests_over_time_are_refused() {
 #[test]
 fn repeated_readings_are_averaged_and_compared_with_their_errors() {
     let sheet = SHEET.replace(
-        "temperature:",
-        "errors: Parts(storage: \"1 %\", loss: \"1 %\"), temperature:",
+        "temperature: Column",
+        "errors: Parts(storage: \"1 %\", loss: \"1 %\"), temperature: Column",
     );
     let folder = TempDir::new().unwrap();
     for (scatter, verdict) in [(5, "Answered"), (200, "InDoubt")] {
