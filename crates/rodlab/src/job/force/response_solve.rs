@@ -341,7 +341,8 @@ impl HitsInBand {
     }
 }
 
-/// Returns true if the largest `force` in `wider` outside of `window` exceeds everything further away.
+/// Returns true if the largest `force` in `wider` outside of `window` exceeds everything further away,
+/// if there are as many samples there.
 fn continues(force: &[f64], window: &Range<usize>, wider: &Range<usize>) -> bool {
     let largest = |ranges: [Range<usize>; 2]| {
         let parts = ranges.into_iter().flat_map(|range| force.get(range));
@@ -349,7 +350,7 @@ fn continues(force: &[f64], window: &Range<usize>, wider: &Range<usize>) -> bool
     };
     let beside = largest([wider.start..window.start, window.end..wider.end]);
     let further = largest([0..wider.start, wider.end..force.len()]);
-    beside > CONTINUES * further
+    force.len() >= 2 * wider.len() && beside > CONTINUES * further
 }
 
 /// Time in which the force acts, about the peak of the force by division: as long as the calibration
