@@ -155,13 +155,17 @@ impl ModulusEstimate {
     /// # Errors
     /// [`CmodError::NonPhysical`] for degrees of freedom of a line that are not positive.
     pub fn judged_by_neighbours(&self) -> Result<Self, CmodError> {
+        let mut acceptance = Acceptance::new(self.limits, None)?;
         let mut judged = self.clone();
         let lines = self.lines();
         for (index, line) in judged.lines.iter_mut().enumerate() {
             if !line.validity.is_valid() {
                 continue;
             }
-            let acceptance = Acceptance::new(self.limits, line.uncertainty.degrees_of_freedom)?;
+            let degrees_of_freedom = line.uncertainty.degrees_of_freedom;
+            if acceptance.degrees_of_freedom() != degrees_of_freedom {
+                acceptance = Acceptance::new(self.limits, degrees_of_freedom)?;
+            }
             let around = index.saturating_sub(NEIGHBOURS)..lines.len().min(index + NEIGHBOURS + 1);
             let others = around.filter(|other| *other != index);
             let mut sums = (0.0, 0.0);

@@ -166,7 +166,8 @@ fn of_sweep(outcome: &mut Outcome, found: &Found<'_>, sweep: &Sweep) {
                 &sweep.by_scatter,
                 &found.sheet.temperature_uncertainty,
                 scatter,
-            ) {
+            ) && kelvin.is_finite()
+            {
                 outcome.warnings.push(format!(
                     "The shifts differ from WLF as they would if the temperatures were wrong by {} K, more than the errors of the moduli explain. If the \
                      readings can be that wrong, state `temperature_uncertainty`: the errors of the shifts, and of the master curve at the reference, do not include it.",
