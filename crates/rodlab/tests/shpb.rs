@@ -361,6 +361,13 @@ fn hopkinson_mistakes_are_named() {
             "the record ends while the specimen carries",
         ),
         (
+            "position a little wrong",
+            right.clone(),
+            text.replace("at: \"700 mm ± 1 mm\"", "at: \"620 mm ± 1 mm\""),
+            3,
+            "times that of the transmitted bar throughout",
+        ),
+        (
             "position wrong",
             right.clone(),
             text.replace("at: \"700 mm ± 1 mm\"", "at: \"560 mm ± 1 mm\""),

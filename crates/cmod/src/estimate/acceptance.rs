@@ -119,17 +119,12 @@ impl Acceptance {
         violations
     }
 
-    /// Returns the violation of the limit of the loss factor, if `line` has a valid loss factor only
-    /// because noise made it large: if its random error is too large for the mean loss factor of the
-    /// lines around it.
+    /// Returns the violation of the limit of the loss factor, if the random error of `line` is too
+    /// large for a loss factor of `mean`.
     fn by_neighbours(&self, line: &ModulusLine, mean: f64) -> Option<Violation> {
+        let limit = self.limits.loss_factor;
         let error = self.factor * line.random_error().loss_factor / mean.abs();
-        (line.validity.is_valid() && error > self.limits.loss_factor).then_some(
-            Violation::LossWithinNoise {
-                error,
-                limit: self.limits.loss_factor,
-            },
-        )
+        (error > limit).then_some(Violation::LossWithinNoise { error, limit })
     }
 
     /// Returns the violation of the coherence limit, if `coherence` is below it.
@@ -176,9 +171,10 @@ impl ModulusEstimate {
                     sums.1 += 1.0 / variance;
                 }
             }
-            if sums.1 > 0.0 {
-                let violation = acceptance.by_neighbours(line, sums.0 / sums.1);
-                line.validity = Validity::from_violations(violation.into_iter().collect());
+            if sums.1 > 0.0
+                && let Some(violation) = acceptance.by_neighbours(line, sums.0 / sums.1)
+            {
+                line.validity = Validity::from_violations(vec![violation]);
             }
         }
         Ok(judged)

@@ -11,6 +11,8 @@ pub struct Arrival {
     pub time: f64,
     /// Standard error of the time, from noise and sampling \[s\].
     pub standard_error: f64,
+    /// Duration of the front \[s\], if all of it rises as from 10 % to 50 % of the peak.
+    pub rise: f64,
     /// The peak, with its sign.
     pub peak: f64,
 }
@@ -46,6 +48,7 @@ impl Arrival {
         Some(Self {
             time: start + step * (t10 - rise * FROM / (TO - FROM)),
             standard_error: step * by_noise.hypot(1.0 / 12.0_f64.sqrt()),
+            rise: step * rise / (TO - FROM),
             peak,
         })
     }
@@ -76,6 +79,7 @@ mod tests {
         let found = Arrival::of(&samples, 1.0, 0.5, 1e-9).unwrap();
         assert!((found.time - (1.0 + 0.5 * 63.4)).abs() < 1e-9, "{found:?}");
         assert!((found.peak + 10.0).abs() < 1e-12);
+        assert!((found.rise - 0.5 * 40.0).abs() < 1e-9);
         assert!(Arrival::of(&samples, 1.0, 0.5, 1.1).is_none());
         assert_eq!(first_sample(&samples, 1e-9), Some(66));
     }

@@ -321,7 +321,7 @@ fn passages(
         let error = first.standard_error.hypot(second.standard_error);
         // a specimen reflects a front of another shape: in virtual shots with ramps, half sines and
         // triangles it begins up to 0.43 of the rise later, on a creeping one 0.13 of it earlier
-        let allowed = (SPEED * expected).max(OF_RISE * rise(result, first));
+        let allowed = (SPEED * expected).max(OF_RISE * first.rise);
         if late.abs() > allowed + 5.0 * error {
             findings.push(Finding::WaveSpeed {
                 stated: speed,
@@ -342,17 +342,6 @@ fn passages(
     if by > 3.0 * placed + 0.25 / result.band_hz {
         findings.push(Finding::TransmittedEarly { by });
     }
-}
-
-/// Duration of the front of the incident wave \[s\], if all of it rises as from a tenth to half of its
-/// peak.
-fn rise(result: &HopkinsonResult, incident: super::Arrival) -> f64 {
-    let samples = result.curves.of(Curve::IncidentWave);
-    let part = |x: &f64| x / incident.peak;
-    let half = samples.iter().position(|x| part(x) >= 0.5).unwrap_or(0);
-    let before = samples.get(..half).unwrap_or_default();
-    let low = before.iter().rposition(|x| part(x) < 0.1).unwrap_or(half);
-    (half - low) as f64 / 0.4 * result.time_step
 }
 
 /// Lead of the transmitted force over that of the incident face where each first exceeds a quarter

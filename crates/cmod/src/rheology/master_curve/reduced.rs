@@ -18,9 +18,10 @@ impl MasterCurve {
     /// The shifts and factors are results with errors, and a law fitted to the reduced lines
     /// depends on them. With L Lᵀ the covariance of all ln b_T and ln a_T, each column of L is one
     /// [common error](ModulusData::with_common_errors), which shifts a line by -E δ ln b - (dE/d ln
-    /// ω) δ ln a. The temperature of the reference, if its uncertainty is
-    /// [stated](Self::with_temperature_uncertainty), is a further one. The covariance of the law's parameters is then, to first order, that of a joint
-    /// fit of law and shifts, provided that the law explains the data as well as the series.
+    /// ω) δ ln a. The temperature of the reference is a further one, if its uncertainty is
+    /// [stated](Self::with_temperature_uncertainty). The covariance of the law's parameters is
+    /// then, to first order, that of a joint fit of law and shifts, provided that the law explains
+    /// the data as well as the series.
     ///
     /// # Errors
     /// [`CmodError::ChangedResult`] if lists of this result were changed, or if `sweep` is not the

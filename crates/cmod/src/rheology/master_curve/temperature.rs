@@ -1,6 +1,6 @@
 //! Errors of a master curve due to those of the temperatures.
 
-use super::super::parameter::{CommonShift, Interval};
+use super::super::parameter::{CommonShift, Interval, Parameter};
 use super::super::shift_law::Wlf;
 use super::MasterCurve;
 use crate::error::{CmodError, check_positive};
@@ -25,53 +25,35 @@ impl MasterCurve {
         let wlf = self.law_of_slopes()?;
         let reference = self.reference_temperature;
         let parameters = self.fit.parameters.len();
-        let is_fitted = |shift: &&super::Shift| {
+        let of_reference = kelvin * slope(&wlf, reference)?;
+        let is_fitted = |shift: &super::Shift| {
             shift.temperature.total_cmp(&reference).is_ne() && !shift.is_stated
         };
-        let fitted: Vec<f64> = self
-            .shifts
-            .iter()
-            .filter(is_fitted)
-            .map(|s| s.temperature)
-            .collect();
-        let first = parameters.saturating_sub(fitted.len());
-        let of_reference = kelvin * slope(&wlf, reference)?;
-        let mut by_reference = vec![-of_reference; parameters];
-        let series = by_reference
-            .iter_mut()
-            .zip(&self.fit.parameters)
-            .take(first);
-        for (error, parameter) in series {
-            *error = if parameter.name.starts_with(TIMES) {
-                of_reference
-            } else {
-                0.0
+        let mut own = Vec::with_capacity(self.shifts.len());
+        for shift in self.shifts.iter_mut().filter(|shift| is_fitted(shift)) {
+            let of_shift = kelvin * slope(&wlf, shift.temperature)?;
+            let (before, error) = (shift.standard_error, of_shift.hypot(of_reference));
+            let end = |side: f64| wider(side, before, error);
+            shift.standard_error = before.hypot(error);
+            shift.interval = Interval {
+                lower: shift.log_shift - end(shift.log_shift - shift.interval.lower),
+                upper: shift.log_shift + end(shift.interval.upper - shift.log_shift),
+                ..shift.interval
             };
+            own.push(of_shift);
         }
-        let mut errors = vec![by_reference];
-        for (own, temperature) in fitted.iter().enumerate() {
-            let mut error = vec![0.0; parameters];
-            if let Some(entry) = error.get_mut(first + own) {
-                *entry = kelvin * slope(&wlf, *temperature)?;
-            }
-            errors.push(error);
-        }
-        for error in errors {
-            self.add(error);
-        }
-        for shift in &mut self.shifts {
-            if shift.temperature.total_cmp(&reference).is_ne() && !shift.is_stated {
-                let own = kelvin * slope(&wlf, shift.temperature)?;
-                let (before, error) = (shift.standard_error, own.hypot(of_reference));
-                shift.standard_error = before.hypot(error);
-                shift.interval = Interval {
-                    lower: shift.log_shift
-                        - wider(shift.log_shift - shift.interval.lower, before, error),
-                    upper: shift.log_shift
-                        + wider(shift.interval.upper - shift.log_shift, before, error),
-                    ..shift.interval
-                };
-            }
+        let first = parameters.saturating_sub(own.len());
+        let on_series = |parameter: &Parameter| match parameter.name.starts_with(TIMES) {
+            true => of_reference,
+            false => 0.0,
+        };
+        let series = self.fit.parameters.iter().take(first);
+        let mut by_reference: Vec<f64> = series.map(on_series).collect();
+        by_reference.resize(parameters, -of_reference);
+        self.add(by_reference);
+        for (place, of_shift) in (first..).zip(own) {
+            let alone = |index| if index == place { of_shift } else { 0.0 };
+            self.add((0..parameters).map(alone).collect());
         }
         Ok(self)
     }
