@@ -151,15 +151,15 @@ struct Measurement {
     /// Measure for a shorter time and write the page to target/bench.
     #[arg(long, conflicts_with_all = ["check", "instructions"])]
     quick: bool,
-    /// Only make the page again, of the numbers there are.
+    /// Only write the page again, from the numbers of the last run.
     #[arg(long, conflicts_with_all = ["check", "quick", "instructions"])]
     page: bool,
     /// Only count the instructions of the hottest kernels, by callgrind; with --check compare them
     /// with the page's.
     #[arg(long)]
     instructions: bool,
-    /// Where valgrind, or the machine and compiler of the reference, is missing, count nothing and
-    /// report it.
+    /// Count nothing, and report it, if valgrind or the machine and compiler of the reference are
+    /// missing.
     #[arg(long, requires_all = ["check", "instructions"])]
     if_installed: bool,
 }

@@ -242,7 +242,7 @@ mod tests {
         }
     }
 
-    /// cosh x = e^x/2, so that αL = ln 2|Ψ|, and kL is the phase of Ψ.
+    /// Root of a large ratio, for which cosh x = e^x/2: αL = ln 2|Ψ|, and kL is the phase of Ψ.
     #[test]
     fn a_ratio_whose_squares_overflow_has_the_root_of_the_exponential() {
         for phase in [2.5_f64, -0.5] {

@@ -1,5 +1,5 @@
 //! The compound cylinder of paper E on the long steel rod, by its nylon and by its aluminium end:
-//! as the paper computed it, on 1025 lines up to 10 kHz, and without a limit to the band.
+//! as the paper computed it, on 1025 lines up to 10 kHz, and without a band limit.
 //!
 //! ```text
 //! cargo run --release --package impulse --example stack_on_rod

@@ -25,10 +25,10 @@ pub use screening::{
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub enum Domain {
-    /// Every $`s`$ with $`\operatorname{Re} s \ge 0`$, where the law is analytic. Every method
+    /// Right half plane, $`\operatorname{Re} s \ge 0`$, where the law is analytic. Every method
     /// applies.
     RightHalfPlane,
-    /// Every real frequency, as for the power laws of (Ödeen 1993, paper E, eq. 7). Free vibrations
+    /// Real frequencies, as for the power laws of (Ödeen 1993, paper E, eq. 7). Free vibrations
     /// must decay.
     FrequencyAxis,
     /// The lines $`k\,\Delta f`$ of a measurement.

@@ -1,7 +1,7 @@
 //! Frequency responses and coherence of two channels, from samples in memory to all three results,
 //! on one thread.
 //!
-//! `welch`: 2^20 samples a channel in segments of 8192, Hann periodic, half overlap. `hits`: ten
+//! `welch`: 2^20 samples per channel in segments of 8192, Hann periodic, half overlap. `hits`: ten
 //! hits of 65 536 samples. Each has its bound beside it: the same number of real transforms of the
 //! same length, from samples that are copied to where the transform takes them. The number and the
 //! length of the hits vary in groups of their own.

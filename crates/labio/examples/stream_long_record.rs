@@ -2,7 +2,7 @@
 //! prints the peak memory.
 //!
 //! ```text
-//! cargo run --release --package labio --example stream_long_record [samples a channel [file]]
+//! cargo run --release --package labio --example stream_long_record [samples per channel [file]]
 //! ```
 //!
 //! The default of 10^8 samples takes 1.6 GB of the folder for temporary files while it runs. A file

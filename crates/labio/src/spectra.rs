@@ -36,8 +36,8 @@ pub struct AveragedSpectra {
     line_spacing_hz: f64,
     noise_bandwidth_hz: f64,
     frequency_hz: Vec<f64>,
-    /// For each channel, the duration \[s\] by which the density of white noise is multiplied to
-    /// give the energy of a line.
+    /// Duration \[s\] for each channel, by which the density of white noise is multiplied to give
+    /// the energy of a line.
     noise_durations: Vec<f64>,
     /// Energy of the noise at rest in every line, one list per channel; `None` if the noise is not
     /// known.

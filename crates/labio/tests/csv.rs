@@ -1,5 +1,5 @@
-//! Tables in text: dialects as instruments write them, round trips, and the measured files where
-//! they are at hand.
+//! Text tables: dialects as instruments write them, round trips, and the measured files if they are
+//! available.
 
 mod dialects;
 mod other_programs;

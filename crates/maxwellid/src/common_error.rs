@@ -214,7 +214,7 @@ pub(crate) struct CommonErrors {
     directions: Vec<Direction>,
     /// Delay \[s\] of each test about which its response is linearised.
     delays: Vec<f64>,
-    /// For each test, the linearised response at the stated delay minus that at `delays`, plus the
+    /// Linearised response of each test at the stated delay minus that at `delays`, plus the
     /// correction for a finer grid of the front [m/s].
     offsets: Vec<Vec<f64>>,
     /// Change of the response on a finer grid of the front [m/s], for each test that has such a

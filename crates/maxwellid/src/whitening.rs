@@ -50,17 +50,17 @@ use signal_band::SignalBand;
 pub(crate) use spectrum::mirrored_spectrum;
 use spectrum::wiener_filtered;
 
-/// Largest cell of the grid for the transfer H \[m\]. Its error acts on the part of the measured
-/// excitation that is missing in the excitation of the linearisation, and this part is not noise
-/// alone: with columns at every eighth sample on cells of 8 mm, E of a strongly relaxing rod was
-/// half a standard error low at any noise.
+/// Largest cell of the grid for the transfer H \[m\]. The error of H multiplies the difference
+/// between the measured excitation and the excitation of the linearisation. This difference
+/// contains signal as well as noise: with columns at every eighth sample and cells of 8 mm, E of a
+/// strongly relaxing rod was too low by half a standard error at any noise level.
 const TRANSFER_CELL: f64 = 4e-3;
 
 /// Smallest cell chosen for the transfer \[m\].
 const SHORTEST_TRANSFER_CELL: f64 = 0.25e-3;
 
-/// Time step of that grid relative to the distance of the points of the excitation. Their pulses are
-/// no longer than a point, and a longer step would miss some of them.
+/// Time step of that grid relative to the time between the points of the excitation. The pulse of a
+/// point lasts no longer than this time, so a longer step would miss some pulses.
 const STEP_OF_POINTS: f64 = 0.6;
 
 /// Returns the cell for the transfer of points at `rate_hz` \[Hz\].

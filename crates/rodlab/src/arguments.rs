@@ -12,8 +12,8 @@ use crate::output::TableFiles;
 use crate::sheet_command::{FrfCommand, ModulusCommand, SheetCommand};
 use crate::templates::{JobName, Rig};
 
-/// From recordings of struck rods to a complex modulus, a constitutive law or an impact force, with
-/// their errors.
+/// Determines a complex modulus, a constitutive law or an impact force, with their errors, from
+/// recordings of struck rods.
 #[derive(Debug, Parser)]
 #[command(
     name = "rodlab",
@@ -28,7 +28,7 @@ use crate::templates::{JobName, Rig};
   rodlab modulus rod.toml                 the result in rod-result/, its page in rod-result/report.html
   rodlab batch campaign/ --out results    all sheets of a folder, with one summary
 
-Exit status: 0 answered; 1 not allowed: the data do not allow the result; 2 wrong input: a sheet, a file or a folder is wrong; 3 in doubt: there is an answer, but a check fails; 130 interrupted. A campaign has that of its worst test, from worst to best: 2, 1, 3, 0."
+Exit status: 0 answered; 1 not allowed: the data do not allow the result; 2 wrong input: a sheet, a file or a folder is wrong; 3 in doubt: there is an answer, but a check fails; 130 interrupted. The exit status of a campaign is that of its worst test, from worst to best: 2, 1, 3, 0."
 )]
 pub struct Arguments {
     /// Command.
@@ -37,7 +37,7 @@ pub struct Arguments {
     /// Print nothing but errors.
     #[arg(long, short, global = true)]
     pub quiet: bool,
-    /// Print the result as JSON on the standard output, instead of words.
+    /// Print the result as JSON on the standard output, instead of text.
     #[arg(long, global = true)]
     pub json: bool,
 }
@@ -67,7 +67,7 @@ pub enum Command {
     /// The job of a sheet.
     #[command(flatten)]
     Job(Box<JobCommand>),
-    /// Write a commented sheet to begin with.
+    /// Write a commented sheet to start from.
     #[command(after_help = "Examples:
   rodlab init modulus rod.toml
   rodlab init modulus member.toml --rig three-gauges")]

@@ -14,7 +14,7 @@ pub(crate) fn warning(bytes: &[u8], format: &str, name: &str) -> Option<String> 
         bytes => bytes.is_empty(),
     };
     (is_text && !ended).then(|| {
-        format!("the last line of {name} has no line ending: if the file was cut short, its last number may be too")
+        format!("the last line of {name} has no line ending: if the file was cut short, its last number may be incomplete")
     })
 }
 

@@ -10,7 +10,7 @@
 //! |---|---|
 //! | [`process`], [`arguments`], [`program`], [`progress`] | the command line and its execution |
 //! | [`finished`], [`batch`] | one sheet from file to result; many sheets |
-//! | [`templates`] | commented sheets to begin with |
+//! | [`templates`] | commented sheets to start from |
 //! | [`sheet`] | test sheets, and error messages about them |
 //! | [`records`] | calibrated records from files |
 //! | [`hits`] | accepted and rejected hits of the records, with reasons |

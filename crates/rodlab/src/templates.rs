@@ -1,4 +1,4 @@
-//! Commented sheets to begin with: `rodlab init JOB`.
+//! Commented sheets to start from: `rodlab init JOB`.
 
 use std::path::Path;
 

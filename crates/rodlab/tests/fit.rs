@@ -392,7 +392,7 @@ fn shifts_of_arrhenius_are_told_from_those_of_wlf() {
 }
 
 /// Without errors in the sheet the result is the same, and its errors are those of the scatter: also
-/// of a phase that scatters a fifth as much as |E|, from two points a decade.
+/// of a phase that scatters a fifth as much as |E|, from two points per decade.
 #[test]
 fn unstated_errors_are_those_of_the_scatter() {
     let sparse = Sweep {

@@ -68,7 +68,7 @@ fn history(n: usize, force: impl Fn(f64) -> f64) -> Record {
     history_of(Quantity::Acceleration, n, force)
 }
 
-/// Force and a motion of the struck mass: Runge and Kutta, 16 steps a sample.
+/// Force and a motion of the struck mass: Runge and Kutta, 16 steps per sample.
 fn history_of(quantity: Quantity, n: usize, force: impl Fn(f64) -> f64) -> Record {
     const STEPS: usize = 16;
     let h = 1.0 / RATE / STEPS as f64;

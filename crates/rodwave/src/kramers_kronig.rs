@@ -324,7 +324,7 @@ impl KramersKronig {
     /// Finds the nearest material in units of `scale`, in which the values scatter by `scatter`.
     #[allow(
         clippy::indexing_slicing,
-        reason = "the vector of a common error has been refused unless it has an entry a line"
+        reason = "the vector of a common error has been refused unless it has one entry per line"
     )]
     fn nearest(
         omega: &[f64],

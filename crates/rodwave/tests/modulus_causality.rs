@@ -13,7 +13,7 @@ use rodwave::modulus::{
 
 use crate::bodies::{nylon, prony};
 
-/// A band from its ends in Hz, 20 lines a decade.
+/// A band from its ends in Hz, 20 lines per decade.
 pub(crate) fn band(lowest_hz: f64, highest_hz: f64) -> Vec<f64> {
     let decades = (highest_hz / lowest_hz).log10();
     let mut omega = Vec::new();

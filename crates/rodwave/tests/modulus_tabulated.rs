@@ -27,7 +27,7 @@ fn lines_come_back_and_their_conjugates_at_negative_frequencies() {
     }
 }
 
-/// The law changes over some decades; ten lines a decade are 0.23 apart in ln ω.
+/// The law changes over some decades; ten lines per decade are 0.23 apart in ln ω.
 #[test]
 fn interpolation_is_of_third_order_between_the_lines() {
     let worst = |number: u32| {

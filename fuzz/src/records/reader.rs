@@ -55,7 +55,7 @@ macro_rules! readers {
 }
 
 readers! {
-    /// Tables in text.
+    /// Text tables.
     csv: format::csv::Csv;
     /// LabVIEW measurement files.
     lvm: format::lvm::Lvm;

@@ -17,9 +17,9 @@ pub(super) struct Measured {
     pub(super) machine: Machine,
     pub(super) benchmarks: Vec<Benchmark>,
     pub(super) programs: Vec<Program>,
-    /// By the release profile.
+    /// Instruction counts with the release profile.
     pub(super) instructions: Instructions,
-    /// By the profile of the gate, dev.
+    /// Instruction counts with the profile of the gate, dev.
     #[serde(default)]
     pub(super) instructions_in_gate: Instructions,
     /// Results of the run before.

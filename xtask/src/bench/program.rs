@@ -220,8 +220,8 @@ impl Programs {
         ]))
     }
 
-    /// Two hits of the example, continued to ten million samples by noise of a millionth of their
-    /// greatest one.
+    /// Writes two hits of the example, each extended to ten million samples by noise of a millionth
+    /// of its largest sample.
     fn long_hits(&self) -> Result<(), BenchError> {
         let example = self.root.join("crates/rodlab/examples/polypropylene");
         let folder = self.folder.join("long");
@@ -273,8 +273,8 @@ impl Programs {
     }
 }
 
-/// Returns the NPY file of two rows of doubles with rows of `samples`: the added noise is from a
-/// linear congruence.
+/// Returns an NPY file of two rows of doubles, extended to `samples` columns by noise from a linear
+/// congruential generator.
 pub(super) fn continued(file: &[u8], samples: usize) -> Option<Vec<u8>> {
     let (header, data) = file.split_at_checked(128)?;
     let header = std::str::from_utf8(header.get(10..)?).ok()?;

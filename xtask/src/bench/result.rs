@@ -16,11 +16,11 @@ pub(super) struct RowResult {
     pub(super) used: f64,
     /// Baseline in the unit of the row.
     pub(super) baseline: Option<f64>,
-    /// Factor by which ours is quicker or smaller than the baseline.
+    /// Factor by which the result is quicker or smaller than the baseline.
     pub(super) better: Option<f64>,
     /// Bound in the unit of the row.
     pub(super) bound: Option<f64>,
-    /// Ours as a multiple of the bound; of rates, the bound as a multiple of ours.
+    /// Result as a multiple of the bound; for rates, the bound as a multiple of the result.
     pub(super) of_bound: Option<f64>,
     /// Result of the run before, in the unit of the row.
     pub(super) before: Option<f64>,
@@ -29,7 +29,7 @@ pub(super) struct RowResult {
 /// Exponent of a growth between its two sizes.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct GrowthResult {
-    /// In SI units.
+    /// Size from which the growth is measured, in SI units.
     pub(super) from: f64,
     pub(super) to: f64,
     pub(super) exponent: f64,

@@ -475,7 +475,7 @@ mod tests {
         }
     }
 
-    /// Near kL = nπ, where two roots are 0.02 apart, both are found.
+    /// Roots near kL = nπ, where two roots are 0.02 apart: both are found.
     #[test]
     fn roots_that_nearly_meet_are_told_apart() {
         for mass_ratio in [0.0, 0.05, 0.2] {

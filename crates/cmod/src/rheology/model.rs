@@ -465,7 +465,7 @@ mod tests {
         check(&Prony::new(false, 2), &at[1..], &OMEGA);
     }
 
-    /// At half of the maximum of the log-odds both exponents are away from their limits.
+    /// Coordinates for exponents that are both away from their limits.
     #[test]
     fn coordinates_of_two_exponents_are_those_of_the_law() {
         use rodwave::modulus::ComplexModulus;

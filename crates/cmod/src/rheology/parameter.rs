@@ -111,7 +111,7 @@ impl Interval {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum IntervalMethod {
-    /// From the standard error on the scale of the parameter.
+    /// Linear interval, from the standard error on the scale of the parameter.
     Linear,
     /// Profile of χ²: the parameter is held at a value, all others are fitted again, and the end is
     /// where χ² has risen by the quantile of its distribution. Common errors widen the interval on

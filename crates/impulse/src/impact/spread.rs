@@ -4,7 +4,7 @@ use super::{FirstForce, ImpactNumbers, ImpactSource, Prediction};
 use crate::ForceHistory;
 use crate::force_error::quantile;
 
-/// One march and its force in the band.
+/// Result of one march, with its force in the band.
 pub(super) struct Run {
     pub(super) prediction: Prediction,
     pub(super) first_force: FirstForce,

@@ -33,7 +33,7 @@ pub(super) struct PathErrors {
 
 #[allow(
     clippy::indexing_slicing,
-    reason = "shares, blows and sensors have an entry a line, which `line` counts"
+    reason = "shares, blows and sensors have one entry per line, which `line` counts"
 )]
 impl PathErrors {
     /// Creates the errors for a support of `length` samples; `None` if no frequency response has
@@ -145,7 +145,7 @@ pub(super) fn of_lines(transformed: &Transformed<'_>, blows: &[f64]) -> Vec<f64>
 /// beyond their noise.
 #[allow(
     clippy::indexing_slicing,
-    reason = "shares, blows and responses have an entry a line, which `line` counts"
+    reason = "shares, blows and responses have one entry per line, which `line` counts"
 )]
 pub(super) fn energy_over(
     transformed: &Transformed<'_>,

@@ -58,7 +58,7 @@ impl Solved {
     /// variance `noise`.
     #[allow(
         clippy::indexing_slicing,
-        reason = "the support lies in the record, of which the bias has an element a sample"
+        reason = "the support lies in the record, of which the bias has one element per sample"
     )]
     pub(super) fn peak_interval(
         &self,

@@ -20,7 +20,7 @@ use testbed::hold;
 
 const RATE_HZ: f64 = 50e3;
 const SAMPLES: usize = 2048;
-/// The responses are made so many times finer than they are sampled.
+/// Ratio of the rate at which the responses are computed to the sampling rate.
 const FINER: usize = 4;
 /// The force: ½P (1 - cos 2π(t - t₀)/T), in N and s.
 const PEAK: f64 = 800.0;

@@ -14,8 +14,8 @@ use rodwave::medium::Medium;
 use rodwave::modulus::ConstantQ;
 use rodwave::synthesis::DampedSynthesis;
 
-/// The histories are synthesised so many times finer than they are sampled: content above the
-/// Nyquist frequency then does not alias into the synthesis.
+/// Ratio of the synthesis rate to the sampling rate. With this ratio, content above the Nyquist
+/// frequency does not alias into the synthesis.
 const FINER: usize = 4;
 
 /// A pulse $`\frac12P(1 - \cos(2\pi (t-t_0)/T))`$.

@@ -34,7 +34,7 @@ const N_SAMPLES: usize = 4096;
 /// "Only the low-frequency halves of the spectra were used."
 const N_LINES: usize = N_SAMPLES / 4 + 1;
 const TESTS: u32 = 10;
-/// Histories are made so many times finer than they are sampled.
+/// Ratio of the rate at which the histories are computed to the sampling rate.
 const FINER: usize = 8;
 /// Length of the pendulum [m].
 const PENDULUM: f64 = 0.300;

@@ -1,4 +1,4 @@
-//! Tables of numbers in text, with any separator, decimal mark and header.
+//! Text tables of numbers, with any separator, decimal mark and header.
 //!
 //! # Recognition by content
 //!

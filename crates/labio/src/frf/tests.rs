@@ -323,8 +323,8 @@ const STUDENT: [(usize, f64, f64); 4] = [
     (30, 1.009, 2.002),
 ];
 
-/// The same blow in every hit, on a gain of 2 with noise of these powers on both channels; silence
-/// before and after it.
+/// Spectra of `n_hits` equal blows through a gain of 2, with noise of these powers on both channels
+/// and silence before and after each blow.
 fn blows(
     seed: u64,
     n_hits: usize,

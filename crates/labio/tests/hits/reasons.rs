@@ -68,7 +68,7 @@ fn the_round_peak_of_a_coarse_converter_is_not_clipping() {
         let t = (k as f64 - ONSET as f64) / (RATE_HZ * 10.0);
         *f = (80.0 * contact(t)).min(40.0).round();
     });
-    // sin = 1/2 with a slope of 1.1 steps a sample: a slow cut in such coarse steps cannot be
+    // sin = 1/2 with a slope of 1.1 steps per sample: a slow cut in such coarse steps cannot be
     // distinguished from a flat top
     let fast_cut = hit(|_, _, f, _| *f = f.min(40.0).round());
     assert!(matches!(only(&fast_cut), Reason::Clipped { .. }));

@@ -74,7 +74,7 @@ fn the_response_is_that_of_the_lumped_chain() {
     assert!(without > 0.5, "{without}");
 }
 
-/// With an exponent of 1 the solid is linear and can be solved in the Laplace domain.
+/// Linear limit: with an exponent of 1 the solid can be solved in the Laplace domain.
 #[test]
 fn its_linear_limit_is_the_zener_rod_of_the_laplace_domain() {
     let series = PronySeries {
@@ -182,8 +182,8 @@ fn a_flat_loss_factor_is_flat() {
     }
 }
 
-/// Without a nonlinear branch the response is that of the law of constant Q in the Laplace domain,
-/// which has no branches.
+/// Linear limit: without a nonlinear branch the response is that of the law of constant Q in the
+/// Laplace domain, which has no branches.
 #[test]
 fn its_linear_limit_is_the_rod_of_constant_q() {
     let loss_factor = 0.06_f64;

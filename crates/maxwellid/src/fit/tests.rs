@@ -45,8 +45,9 @@ fn short_rod() -> RodTest {
     rod_test(0.15, 4e6)
 }
 
-/// A record at two megahertz, whose points are closer than the steps of usual cells: a wiggle of a
-/// few points moves the response as the difference of two responses on short cells says.
+/// Record at 2 MHz, whose points are closer together than the steps of usual cells: the transfer of
+/// a small change over a few points agrees with the difference of two responses computed on short
+/// cells.
 #[test]
 fn the_transfer_resolves_points_closer_than_a_usual_cell() {
     let rate = 10.0 * RATE;

@@ -81,7 +81,7 @@ impl Contact {
         values
     }
 
-    /// The same contact on a grid of so many points for each of this one.
+    /// Returns this contact on a grid that has `points` points for each point of the present grid.
     pub(super) fn on_finer_grid(self, points: usize) -> Self {
         let finer = points as f64;
         Self {
@@ -220,7 +220,7 @@ impl Shown {
         sample * self.every + self.lead
     }
 
-    /// The response so many points after a step.
+    /// Response at this number of points after a step.
     fn at(&self, since: usize) -> f64 {
         let count = self.newest_first.len();
         let place = count.checked_sub(since + 1);

@@ -16,7 +16,7 @@ type Response = Arc<dyn Fn(f64) -> Complex64 + Send + Sync>;
 
 #[derive(Clone)]
 enum Kind {
-    /// Any filter, by its response.
+    /// Filter of any kind, given by its response.
     Response(Response),
     /// The zero-phase filter of virtual recorders.
     LinearPhase(Recorder),
@@ -229,7 +229,7 @@ fn impulse_of(recorder: Recorder, rate_hz: f64) -> Observation {
 pub(crate) struct Observation {
     /// Impulse response per point of the grid; the sum is 1.
     kernel: Vec<f64>,
-    /// The same, in the order of the history.
+    /// Impulse response in reverse order, which is the order of the history.
     oldest_first: Vec<f64>,
     /// Index in `kernel` of time 0: points by which the filter looks ahead.
     lead: usize,
@@ -238,7 +238,8 @@ pub(crate) struct Observation {
 }
 
 impl Observation {
-    /// Every `every`-th point itself.
+    /// Returns the observation without a filter: the samples are every `every`-th point of the
+    /// grid.
     pub(crate) fn direct(every: usize) -> Self {
         Self {
             kernel: vec![1.0],
@@ -295,7 +296,7 @@ impl Observation {
         self.lead
     }
 
-    /// The same filter with `every` points per sample.
+    /// Returns this filter with `every` points per sample.
     pub(crate) fn with_every(&self, every: usize) -> Self {
         Self {
             every: every.max(1),
@@ -376,8 +377,8 @@ impl Observation {
         })
     }
 
-    /// This filter before a symmetric one of `taps` at the samples, of which every `keep`-th is
-    /// kept.
+    /// Returns this filter followed by a symmetric filter of the weights `taps` at the samples, of
+    /// which every `keep`-th sample is kept.
     pub(crate) fn followed_by(&self, taps: &[f64], keep: usize) -> Self {
         let reach = taps.len() / 2;
         let mut kernel = vec![0.0; self.kernel.len() + (taps.len().max(1) - 1) * self.every];

@@ -8,7 +8,7 @@ use crate::recorder::filter::Observation;
 /// Samples that a front is followed after its half height: its rise and the ringing of the filter.
 const AFTER: usize = 64;
 
-/// Samples of rest before the earliest begin of contact.
+/// Samples of rest before the earliest start of the contact.
 const BEFORE: usize = 12;
 
 /// Samples by which the contact may begin before the record leaves its noise.
@@ -38,7 +38,7 @@ pub(super) struct Front<'a> {
     noise: Mat<f64>,
     /// First sample of the part.
     from: usize,
-    /// Earliest and latest begin of the contact, in points of the grid.
+    /// Earliest and latest start of the contact, in points of the grid.
     begins: std::ops::Range<usize>,
     seen: &'a Observation,
 }

@@ -58,11 +58,12 @@ use crate::whitening::{mirrored_spectrum, toeplitz};
 /// Norton rod differ by less than a twentieth of their standard errors.
 const FINER: usize = 4;
 
-/// Points of a still finer grid for each of these, on which a front tells what it loses on them.
+/// Number of points of a still finer grid for each point of the fine grid. The difference of a
+/// front on the two grids is the error of the coarser one.
 const STILL_FINER: usize = 4;
 
-/// Points per sample at which a linear rod is driven: the filter passes nothing that these do not
-/// hold.
+/// Points per sample at which a linear rod is driven; the filter passes no frequency above those
+/// that this grid resolves.
 const OF_LINEAR_ROD: usize = 2;
 
 /// Largest number of samples of a record whose recorder is part of the model.
@@ -135,7 +136,7 @@ impl Drive {
 impl UnfilteredExcitation {
     /// Estimates the excitation of `test` from its `record` with `noise`, whose samples follow each
     /// other at `rate_hz` \[Hz\] and reach half of the first rise at sample `half_rise`. `seen`
-    /// is the filter at [`FINER`] points a sample or a multiple.
+    /// is the filter at [`FINER`] points per sample or a multiple.
     pub(crate) fn of(
         test: &str,
         record: &[f64],
@@ -388,8 +389,8 @@ impl RodTest {
         self.seen_through(filter, observations)
     }
 
-    /// The test with a filter and its observation from [`FINER`] points a sample or a multiple, and
-    /// from [`STILL_FINER`] times as many.
+    /// The test with a filter and its observation from [`FINER`] points per sample or a multiple,
+    /// and from [`STILL_FINER`] times as many.
     pub(crate) fn seen_through(
         self,
         filter: &RecorderFilter,

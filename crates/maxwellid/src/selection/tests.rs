@@ -47,8 +47,8 @@ pub(super) fn test_of<L: InelasticLaw>(law: &L, level: f64, seed: u64) -> RodTes
     .unwrap()
 }
 
-/// A record of little noise from another solver: on cells of 8 mm the error of the grid refutes the
-/// right law, which the comparison notices and removes.
+/// Record of little noise from another solver: on cells of 8 mm the error of the grid rejects the
+/// right law, and the comparison detects and removes this error.
 #[test]
 fn a_record_of_little_noise_is_judged_on_finer_grids() {
     let norton = MaxwellNorton::from_reference_rate(2.1, 40.0, 10e6).unwrap();

@@ -175,7 +175,7 @@ class Sweep(_Laws):
 
     @property
     def time(self) -> NDArray[np.float64]:
-        """Times in s since the load began to grow, reduced ones for several temperatures, shape (n_rows,); only for rows over time."""
+        """Times in s from the start of the load, reduced times for several temperatures, shape (n_rows,); only for rows over time."""
         return self.lines.numbers("reduced_time_s" if "master_curve" in self.tables else "time_s")
 
     @property
@@ -360,7 +360,7 @@ def over_time(
     Parameters
     ----------
     time : array_like, shape (n_rows,)
-        Times since the load began to grow, in s. Rows up to the end of the ramp are left out.
+        Times from the start of the load, in s. Rows up to the end of the ramp are left out.
     modulus : array_like, shape (n_rows,)
         Stress divided by strain in Pa: E(t) of relaxation, 1/J(t) of creep.
     test : str

@@ -62,7 +62,7 @@ pub struct BarSheet {
     /// Frequencies whose results are reported individually.
     #[serde(default)]
     pub report_at: Option<Vec<Exact<Frequency>>>,
-    /// Number of draws of the noise and of everything stated with ±, such as 1000, to check the
+    /// Number of draws of the noise and of every quantity stated with ±, such as 1000, to check the
     /// linear errors.
     #[serde(default)]
     pub monte_carlo: Option<usize>,
@@ -128,7 +128,7 @@ impl BarSheet {
         Ok(())
     }
 
-    /// The same test as a sheet of [`modulus`].
+    /// Returns the sheet of [`modulus`] for this test.
     fn as_modulus(&self, passages: &Passages) -> Result<ModulusSheet, RodlabError> {
         let method = match (self.gauges.as_slice(), passages.stated_windows()?) {
             ([gauge], Some([incident, reflected])) => MethodSheet::OneGauge {

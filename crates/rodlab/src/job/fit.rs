@@ -78,8 +78,8 @@ pub struct FitSheet {
     #[serde(default)]
     pub scale_uncertainty: Option<Exact<Ratio>>,
     /// Standard uncertainty of the temperature of each step, such as `"0.5 K"`, independent between
-    /// steps: an error of the shifts, and of the master curve through that of the reference. None by
-    /// default.
+    /// steps. It enters the errors of the shifts and, through the reference step, those of the
+    /// master curve. None by default.
     #[serde(default)]
     pub temperature_uncertainty: Option<Exact<Temperature>>,
     /// Density of the material, such as `"1150 kg/m3 ± 2 kg/m3"`; needed for cards and for use as a
@@ -93,7 +93,7 @@ pub struct FitSheet {
     /// whether the rows agree with it; off by default.
     #[serde(default)]
     pub causal: bool,
-    /// Number of draws of the rows and of everything stated with ±, such as 1000, to check the
+    /// Number of draws of the rows and of every quantity stated with ±, such as 1000, to check the
     /// linear errors.
     #[serde(default)]
     pub monte_carlo: Option<usize>,

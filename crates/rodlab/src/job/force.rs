@@ -44,8 +44,8 @@ pub struct ForceSheet {
     pub materials: Materials,
     /// The force to be found.
     pub problem: Problem,
-    /// Number of draws of mobilities and of everything stated with ±, such as 1000, to check the
-    /// errors of an impact.
+    /// Number of draws of the mobilities and of every quantity stated with ±, such as 1000, to
+    /// check the errors of an impact.
     #[serde(default)]
     pub monte_carlo: Option<usize>,
 }

@@ -77,7 +77,7 @@ pub struct IdentifySheet {
     /// the remaining laws, or to determine the parameters of the only one.
     #[serde(default)]
     pub next: Option<NextSheet>,
-    /// Number of draws of the noise and of everything stated with ±, such as 200, to check the
+    /// Number of draws of the noise and of every quantity stated with ±, such as 200, to check the
     /// linear errors.
     #[serde(default)]
     pub monte_carlo: Option<usize>,

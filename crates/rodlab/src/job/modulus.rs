@@ -86,8 +86,8 @@ pub struct ModulusSheet {
     /// Temperatures of the hits, and the temperature to which the modulus is referred.
     #[serde(default)]
     pub temperature: Option<TemperatureSheet>,
-    /// Number of draws of noise and of everything stated with ±, such as 1000, to check the linear
-    /// errors.
+    /// Number of draws of the noise and of every quantity stated with ±, such as 1000, to check the
+    /// linear errors.
     #[serde(default)]
     pub monte_carlo: Option<usize>,
 }

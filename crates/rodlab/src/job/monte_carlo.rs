@@ -426,7 +426,7 @@ impl<'a> Judged<'a> {
         });
         if let Some((number, scatter)) = worst {
             warnings.push(format!(
-                "The linear errors are not valid everywhere: {} of {total} differ from the scatter of the draws by more than {} %, the most being that of {}: {}.",
+                "The linear errors are not valid everywhere: {} of {total} differ from the scatter of the draws by more than {} %. The largest difference is that of {}: {}.",
                 different.len(),
                 short(100.0 * DIFFERENCE),
                 number.in_words(),
@@ -443,7 +443,7 @@ impl<'a> Judged<'a> {
             )
         };
         let summary = format!(
-            "By Monte Carlo, {} draws of noise and of everything stated with ±: {told}.",
+            "By Monte Carlo, {} draws of the noise and of every quantity stated with ±: {told}.",
             self.n_draws
         );
         (summary, warnings)

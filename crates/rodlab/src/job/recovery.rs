@@ -62,8 +62,8 @@ pub struct RecoverySheet {
     /// Applies the procedure of paper C in addition to the joint fit.
     #[serde(default)]
     pub paper_procedure: Option<PaperProcedureSheet>,
-    /// Number of draws of the readings and of everything stated with ±, such as 1000, to check the
-    /// linear errors.
+    /// Number of draws of the readings and of every quantity stated with ±, such as 1000, to check
+    /// the linear errors.
     #[serde(default)]
     pub monte_carlo: Option<usize>,
 }

@@ -143,7 +143,7 @@ fn in_words(estimate: &CausalEstimate, lines: &[Line], shown: &Shown<'_>) -> Str
         String::new()
     } else {
         format!(
-            " Found from the lines, in stated standard uncertainties: {}.",
+            " Errors found from the lines, in units of their stated standard uncertainties: {}.",
             told.join(", ")
         )
     };

@@ -57,7 +57,7 @@ impl Body {
     }
 
     /// Accelerations of the struck mass and of the other \[m/s²\] under `force`, sampled at
-    /// [`RATE`], by the classical Runge-Kutta method in eight steps a sample: the error of a step
+    /// [`RATE`], by the classical Runge-Kutta method in eight steps per sample: the error of a step
     /// is (omega h)^5/120 = 1e-10.
     pub(crate) fn accelerations(self, force: impl Fn(f64) -> f64) -> Vec<[f64; 2]> {
         const STEPS: usize = 8;

@@ -153,7 +153,8 @@ pub(crate) struct Outcome {
     /// δ, the error of the paper
     pub(crate) relative_error: f64,
     pub(crate) iterations: usize,
-    /// By which of several criteria depends on the last digits of a machine.
+    /// Convergence of the fit; which of the criteria ends the iteration depends on the last digits
+    /// of a machine.
     pub(crate) converged: bool,
     /// Simulated minus measured response divided by V0, for each test.
     pub(crate) residuals: Vec<Vec<f64>>,

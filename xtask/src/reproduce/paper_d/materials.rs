@@ -30,7 +30,7 @@ pub(crate) enum Excitation {
     /// The rod is struck by a flat projectile, and the recorder's filter rounds both histories
     /// afterwards; it is identified as in the paper, which does not model a recorder.
     Struck,
-    /// The same records, with the recorder as part of the model.
+    /// Records of `Struck`, with the recorder as part of the model.
     ThroughRecorder,
 }
 

@@ -16,23 +16,24 @@ use super::measurement::{Measurement, SEED};
 use testbed::papers::paper_e::PaperE;
 use testbed::papers::paper_e::bodies::Face;
 
-/// Duration of the histories of the gauges, in s: before the echo of the far end of the rod is
-/// back.
+/// Duration of the histories of the gauges, in s; they end before the echo from the far end of the
+/// rod arrives.
 const GAUGED: f64 = 2.3e-3;
-/// Factor by which histories are finer than the sampling of the gauges.
+/// Ratio of the sampling rate of the computed histories to that of the gauges.
 const FINER: usize = 4;
 /// Noise of a strain, standard deviation; the paper gives none.
 pub(crate) const STRAIN_NOISE: f64 = 2e-7;
 /// Duration of the marches, in s: long enough for the bodies to ring out.
 const MARCHED: f64 = 40e-3;
-/// Fraction of the greatest force below whose negative a force is a pull, not ringing or noise.
+/// Largest tension that counts as ringing or noise, as a fraction of the largest force; a larger
+/// one is a pull between the faces.
 const THRESHOLD: f64 = 0.02;
 /// Probability of the bands.
 pub(crate) const LEVEL: f64 = 0.95;
-/// Duration below which contacts are a graze of a face that hardly parts, in s.
+/// Duration below which a contact counts as grazing, and a separation as none, in s.
 const SHORTEST: f64 = 20e-6;
-/// Start of the comparison of histories with that of the gauges: after the jump, which each method
-/// rounds differently.
+/// Start of the comparison with the force from the gauges, in s; it is after the initial jump,
+/// which each method rounds differently.
 const COMPARED: f64 = 0.1e-3;
 
 /// Force of a face on the long rod by every method.
@@ -47,10 +48,10 @@ pub(crate) struct Forces {
     pub(crate) truth: ForceHistory,
     pub(crate) stick: ForceHistory,
     pub(crate) stick_band: ForceBand,
-    /// (I) as the paper: on the lines of the measurement, until separation.
+    /// (I) as in the paper: on the lines of the measurement, until separation.
     pub(crate) measured: ForceHistory,
     pub(crate) band: ForceBand,
-    /// (II) as the paper: eq. 7 on its lines, until separation.
+    /// (II) as in the paper: eq. 7 on its lines, until separation.
     pub(crate) predicted: ForceHistory,
     /// (II) marched with the causal law: faces part and meet again.
     pub(crate) marched: ForceHistory,
@@ -68,7 +69,7 @@ pub(crate) struct Row {
     pub(crate) peak_time: f64,
     /// Time from contact to the first parting, in s.
     pub(crate) end: Option<f64>,
-    /// End of the contact by eq. 3 to the letter: the first sample below zero, in s.
+    /// End of the contact by eq. 3 exactly as printed: the first sample below zero, in s.
     pub(crate) to_the_letter: Option<f64>,
     /// Fraction of the impulse after the first parting, and after the end of the contact of the
     /// gauges if that is earlier.

@@ -22,7 +22,7 @@ use super::super::Error;
 use testbed::papers::paper_e::bodies::Face;
 use testbed::papers::paper_e::{Hammer, PaperE};
 
-/// Factor by which histories are finer than their sampling.
+/// Ratio of the sampling rate of the computed histories to that of the records.
 const FINER: usize = 8;
 const GRAVITY: f64 = 9.81;
 /// Masses of the impedance head above and below its gauge, in kg. These and the following constants

@@ -1,5 +1,5 @@
-//! Mobilities of the four faces: compared with reference values, by the closed forms to the letter,
-//! and in their limits.
+//! Mobilities of the four faces, compared with reference values, with the closed forms exactly as
+//! printed, and with their limits.
 
 use std::f64::consts::TAU;
 
@@ -61,7 +61,7 @@ pub(crate) struct Line {
     frequency_hz: f64,
     /// Real and imaginary part in s/kg.
     mobility: [f64; 2],
-    /// Relative differences from the reference and from eqs. 8 and 9 to the letter.
+    /// Relative differences from the reference and from eqs. 8 and 9 exactly as printed.
     pub(crate) at_rounding: [f64; 2],
 }
 
@@ -71,7 +71,7 @@ pub(crate) struct Slow {
     face: &'static str,
     /// |iωMG - 1| at the frequencies of [`SLOW`], by the chain of transition matrices.
     at_rounding: [f64; 4],
-    /// Values by eqs. 8 and 9 to the letter.
+    /// Values from eqs. 8 and 9 exactly as printed.
     #[serde(skip)]
     to_the_letter: [f64; 4],
 }

@@ -32,7 +32,7 @@ const FUNCTIONS: [&str; 14] = [
     "db",
 ];
 
-/// Units in headers, in addition to those that [`Unit`](crate::Unit) knows.
+/// Units in headers, in addition to those of [`Unit`](crate::Unit).
 const UNITS_IN_HEADERS: [&str; 34] = [
     "-",
     "1",

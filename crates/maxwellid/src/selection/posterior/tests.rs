@@ -14,7 +14,7 @@ fn a_misfit_is_settled_by_a_hundredth_of_evidence_or_a_ten_thousandth_of_itself(
     assert!(is_settled(10_000.0, 10_000.9) && !is_settled(10_000.0, 10_001.1));
 }
 
-/// For a record whose noise hides the response, the misfit of a start is that of its prior: four at
+/// Misfit of a start for a record whose noise hides the response: it is that of the prior, four at
 /// two standard deviations. The rest of the misfit varies with the inverse square of the noise.
 #[test]
 fn a_start_is_judged_by_the_records_and_by_the_prior() {

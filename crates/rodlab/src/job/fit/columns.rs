@@ -377,7 +377,7 @@ fn abscissae(
             refused(
                 "time",
                 found,
-                "the column of the time since the load began to grow",
+                "the column of the time from the start of the load",
             )
         }
         (both, ..) => {

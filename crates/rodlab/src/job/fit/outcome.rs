@@ -331,8 +331,8 @@ fn one_curve(outcome: &mut Outcome, found: &Found<'_>, curve: &MasterCurve) {
         && scatter > stated
     {
         outcome.doubt(format!(
-            "the factors of the modulus scatter by {} about a smooth change with temperature, as by clamping again: so uncertain is the modulus at the \
-             reference temperature as well, which is in no error; state `scale_uncertainty`",
+            "the factors of the modulus scatter by {} about a smooth change with temperature, as after repeated clamping: the modulus at the \
+             reference temperature is uncertain by the same amount, which no error includes; state `scale_uncertainty`",
             percent(scatter)
         ));
     }

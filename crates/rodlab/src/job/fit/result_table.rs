@@ -20,7 +20,7 @@ const UNITS: [(&str, &str); 12] = [
     ("_s", "s"),
 ];
 
-/// Column that says whether a row may be used.
+/// Column that states whether a row may be used.
 const VALID: &str = "valid";
 
 /// Returns such a table with its units in brackets, without columns of text, and with empty lines

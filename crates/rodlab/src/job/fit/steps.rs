@@ -293,7 +293,7 @@ fn check(step: &Step) -> Result<(), RodlabError> {
             return Err(RodlabError::request(
                 format!("tables, at {}", step.in_words()),
                 format!("two rows at {} ({} and {})", a.abscissa(), a.place, b.place),
-                "each frequency or time once per step, or repeated readings over frequency in one file: evaluate repeated tests in separate sheets",
+                "each frequency or time once per step (one file may repeat a frequency): evaluate repeated tests in separate sheets",
             ));
         }
     }

@@ -59,14 +59,14 @@ impl Wanted {
 
     fn in_words(self) -> &'static str {
         match self {
-            Self::Frequency => "a frequency, such as in Hz",
-            Self::AngularFrequency => "an angular frequency, such as in rad/s",
-            Self::Time => "a time, such as in s",
-            Self::Modulus => "a modulus, such as in MPa",
-            Self::Compliance => "a compliance, such as in 1/MPa",
+            Self::Frequency => "a frequency, for example in Hz",
+            Self::AngularFrequency => "an angular frequency, for example in rad/s",
+            Self::Time => "a time, for example in s",
+            Self::Modulus => "a modulus, for example in MPa",
+            Self::Compliance => "a compliance, for example in 1/MPa",
             Self::Number => "a pure number",
             Self::Phase => "an angle, in rad or deg",
-            Self::Temperature => "a temperature, such as in degC",
+            Self::Temperature => "a temperature, for example in degC",
         }
     }
 

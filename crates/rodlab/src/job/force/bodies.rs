@@ -429,7 +429,7 @@ fn tell_change(change: &LineChange, onto: Projection, field: &str, outcome: &mut
         change.n_lines,
         100.0 * change.relative
     );
-    // the end of the lines smears jumps ahead of the impulse: this part of the change is no fault
+    // the end of the lines spreads jumps ahead of the impulse: this part of the change is no fault
     // of the lines
     let by_end = onto != Projection::Passive;
     let onto = match onto {
@@ -443,7 +443,9 @@ fn tell_change(change: &LineChange, onto: Projection, field: &str, outcome: &mut
         Some((_, most)) => format!("{lines}; one line by as much as {most:.1} standard errors"),
     };
     if by_end {
-        verdict.push_str(", including what the end of the lines smears ahead of the impulse");
+        verdict.push_str(
+            ", including the part that the end of the lines spreads ahead of the impulse",
+        );
     }
     if !holds {
         outcome.doubt(format!(

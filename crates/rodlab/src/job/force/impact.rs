@@ -78,7 +78,7 @@ pub(super) fn run(
             outcome.summary.extend(lines.answer(sheet));
             outcome.warnings.push(
                 "No `front_impedance` is stated for a measured body, and its lines do not show its behaviour above them: there is no force by marching in time, no \
-                 force without a limit to the band, and nothing after the first contact. The front impedance is the area of the face times the square root of \
+                 force without a band limit, and nothing after the first contact. The front impedance is the area of the face times the square root of \
                  modulus times density at high frequency; state it with its ±."
                     .to_owned(),
             );
@@ -198,15 +198,15 @@ fn answer(sheet: &ImpactSheet, march: &UncertainPrediction, outcome: &mut Outcom
     let is_short = |flag: &PredictionFlag| matches!(flag, PredictionFlag::ContactOfFewSteps { .. });
     outcome.summary.push(match march.first_force {
         _ if march.prediction.flags.iter().any(is_short) => {
-            "Without a limit to the band the force depends on the step.".to_owned()
+            "Without a band limit the force depends on the time step.".to_owned()
         }
         FirstForce::Unbounded => {
-            "Without a limit to the band the first force is unbounded: the impedance of a face grows without limit with frequency, and the force of the first \
-             step depends on the step."
+            "Without a band limit the first force is unbounded: the impedance of a face grows with frequency without bound, so the force in the first step \
+             depends on the length of the time step."
                 .to_owned()
         }
         _ => format!(
-            "Without a limit to the band it is {} at {:.4} ms.",
+            "Without a band limit the peak force is {} at {:.4} ms.",
             with_unit(numbers.peak.unwrap_or(f64::NAN), error(&|e| e.peak), "N"),
             1e3 * numbers.time_of_peak.unwrap_or(f64::NAN),
         ),

@@ -517,8 +517,8 @@ impl OnLines {
     }
 }
 
-/// Samples from one `period` of the last line before the touch until one period after the faces
-/// part, or to the end of the history: after that, the stick force does not act.
+/// Samples from one `period` of the last line before the first contact until one period after the
+/// faces part, or to the end of the history: after that, the stick force does not act.
 fn span_of_contact(stick: &ForceHistory, impact: &ImpactForce, period: f64) -> Range<usize> {
     let end = match impact.end {
         ContactEnd::Separated { time } => stick.index_near(time + period),
@@ -529,8 +529,8 @@ fn span_of_contact(stick: &ForceHistory, impact: &ImpactForce, period: f64) -> R
 }
 
 /// Impulse of the first contact \[N s\]: the stick force until it falls to zero, with the part that
-/// the band limit smears ahead of the touch, up to ten times `ahead` \[s\]; `None` if the faces do
-/// not part.
+/// the band limit spreads ahead of the first contact, up to ten times `ahead` \[s\]; `None` if the
+/// faces do not part.
 fn impulse_of_first_contact(stick: &ForceHistory, impact: &ImpactForce, ahead: f64) -> Option<f64> {
     let ContactEnd::Separated { time: end } = impact.end else {
         return None;

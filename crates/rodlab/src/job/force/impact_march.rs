@@ -255,7 +255,7 @@ fn bodies_of_one_draw(
 pub(super) fn in_words(spread: Option<&Spread>) -> String {
     match spread {
         Some(spread) => format!(
-            "from {} marches with draws of everything stated with ±, and from half the step",
+            "from {} marches with draws of every quantity stated with ±, and from half the step",
             spread.n_draws
         ),
         None => "nothing is stated with ±".to_owned(),

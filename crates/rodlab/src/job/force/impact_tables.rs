@@ -34,14 +34,14 @@ pub(super) fn quantities(march: &UncertainPrediction, outcome: &mut Outcome) {
     let band = format!("in the band up to {} kHz", khz(march.band.upper_hz()));
     let peak = match march.first_force {
         FirstForce::Unbounded => {
-            format!("{band}: without a limit to it the first force is unbounded")
+            format!("{band}: without a band limit the first force is unbounded")
         }
         FirstForce::Jump(jump) => {
             format!(
-                "without a limit to the band; the force jumps to the plane-wave value {jump:.1} N when the faces meet"
+                "without a band limit; the force jumps to the plane-wave value {jump:.1} N when the faces meet"
             )
         }
-        _ => "without a limit to the band".to_owned(),
+        _ => "without a band limit".to_owned(),
     };
     let mut add = |(name, unit, one, of): Named<'_>, valid: bool, about: &str| {
         let value = of(&numbers);

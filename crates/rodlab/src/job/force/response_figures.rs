@@ -62,7 +62,7 @@ fn force(problem: &Problem<'_>, solved: &ReconstructedForce, bands: &Bands) -> F
         Panel::new(shown(), ("response", problem.first.unit), vec![response]),
     ];
     Figure {
-        caption: "Positive in compression; time from the first sample of the record. The bands include what the regularisation removes."
+        caption: "Positive in compression; time from the first sample of the record. The bands include the part of the force that the regularisation removes."
             .to_owned(),
         ..Figure::new("force", "Force from the response", panels)
     }

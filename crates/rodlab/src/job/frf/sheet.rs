@@ -72,7 +72,8 @@ pub struct FrfSheet {
     /// `Mobility`.
     #[serde(default)]
     pub kind: Option<KindSheet>,
-    /// The same test with another hammer, merged with the first line by line.
+    /// Second hammer: a repetition of the test with another hammer, merged with the first line by
+    /// line.
     #[serde(default)]
     pub second_hammer: Option<SecondHammerSheet>,
     /// Weighed mass of a free body, which replaces the low-frequency lines.
@@ -255,7 +256,7 @@ impl KindSheet {
     }
 }
 
-/// The same test with another hammer.
+/// Repetition of the test with another hammer.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SecondHammerSheet {

@@ -25,10 +25,10 @@ pub(super) enum Left {
     One { law: usize, probability: f64 },
     /// Several indistinguishable laws, most probable first.
     Several { laws: Vec<usize>, reason: String },
-    /// Every nonlinear law, after the laws that the comparison left. The recorder biases the
-    /// nonlinear laws, so that none of them can be named or excluded.
+    /// Nonlinear laws, none of which can be named or excluded because the recorder biases them,
+    /// after the laws that the comparison left.
     Biased { laws: Vec<usize> },
-    /// None; `best` is the best of the excluded laws.
+    /// No law; `best` is the best of the excluded laws.
     None { best: usize, adequacy: f64 },
     /// The laws were not compared.
     Unknown,
@@ -387,7 +387,7 @@ fn tell_verdict(found: &Found, is_biased: bool, outcome: &mut Outcome) {
     let least = above.map(|above| above.into_iter().fold(f64::INFINITY, f64::min));
     if let Some(least) = least.filter(|least| *least > EXPLAINED) {
         outcome.doubt(format!(
-            "no remaining law explains the records within their noise, the best leaves {least:.2} times as much: the specimen, the instruments or their \
+            "no remaining law explains the records within their noise, and the best leaves a residual of {least:.2} times the noise: the specimen, the instruments or their \
              errors are not as stated"
         ));
     }

@@ -24,7 +24,7 @@ use crate::{Outcome, RodlabError};
 pub enum SourceSheet {
     /// Hits with a force and a motion.
     Hits(HitsSource),
-    /// The same test with a heavy and a light hammer, merged line by line.
+    /// Tests of the same body with a heavy and a light hammer, merged line by line.
     TwoHammers {
         /// The heavy hammer, for low frequencies.
         low: HitsSource,

@@ -123,7 +123,7 @@ fn panel(found: &FoundHits, channel: &str, shown: usize, silent: Option<usize>) 
     Some(Panel::new(time, (label, unit), marks))
 }
 
-/// All samples, or the least and the greatest of each stretch in their order.
+/// Samples to draw: all of them, or the smallest and the largest of each stretch in their order.
 #[allow(
     clippy::indexing_slicing,
     reason = "the least and the greatest are looked for among the samples of the part, of which there is one at least"

@@ -30,7 +30,7 @@ pub struct ShpbSheet {
     /// Files and channels of the shot, sampled together; several entries for a file per channel.
     pub records: Vec<Records>,
     /// Further shots with the same bars on specimens of the same kind; the result is the mean of
-    /// all shots over strain.
+    /// all shots at equal strain.
     #[serde(default)]
     pub further_shots: Vec<FurtherShotSheet>,
     /// Silence at the beginning of the record, before any pulse, such as `"90 us"`; it gives the

@@ -15,7 +15,7 @@ use super::super::si_table::SiValue;
 pub enum UnitReading {
     /// Units as printed: the rods are elastic over the record.
     Literal,
-    /// Every unit of time in the viscosity and in Norton's coefficient read as ms: factor 1e-3.
+    /// Units of time in the viscosity and in Norton's coefficient read as ms: factor 1e-3.
     Milliseconds,
     /// Our own values for materials with significant damping.
     Realistic,
