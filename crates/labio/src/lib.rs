@@ -113,6 +113,7 @@ mod merge;
 mod multi_input;
 mod passivity;
 mod provenance;
+mod quantization;
 pub mod ratio;
 mod record;
 mod rigid_body;

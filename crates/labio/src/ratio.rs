@@ -9,6 +9,7 @@ mod freedom;
 mod one_shot;
 pub mod pooling;
 mod pulses;
+mod rounding;
 
 pub use freedom::DegreesOfFreedom;
 pub use pulses::{PulseWindow, noise_of_cut_pulse};
@@ -99,12 +100,13 @@ impl ResponseRatio {
     ) -> Result<Self, LabioError> {
         match (hits, n_silent) {
             ([hit], Some(n_silent)) => Self::of_shot(hit, n_silent, numerator, denominator),
-            _ => Self::of_hits(hits, numerator, denominator),
+            _ => Self::of_hits_at_rest(hits, n_silent, numerator, denominator),
         }
     }
 
     /// Returns H1 of several hits with the denominator as input. Its variance follows from the
-    /// coherence, pooled over neighbouring lines if there are few hits ([`pooling`]).
+    /// coherence, pooled over neighbouring lines if there are few hits ([`pooling`]). If the step
+    /// of a converter exceeds the noise, what all hits share of its rounding errors is added.
     ///
     /// # Errors
     ///
@@ -116,9 +118,24 @@ impl ResponseRatio {
         numerator: &str,
         denominator: &str,
     ) -> Result<Self, LabioError> {
+        Self::of_hits_at_rest(hits, None, numerator, denominator)
+    }
+
+    fn of_hits_at_rest(
+        hits: &[&Record],
+        n_silent: Option<usize>,
+        numerator: &str,
+        denominator: &str,
+    ) -> Result<Self, LabioError> {
+        let names = [numerator, denominator];
         let spectra = AveragedSpectra::of(hits.iter().copied(), Window::Rectangular)?;
-        let ratio = Self::averaged(&spectra, numerator, denominator, 1.0)?;
-        ratio.with_sensors_of(hits, [numerator, denominator])
+        let mut ratio = Self::averaged(&spectra, numerator, denominator, 1.0)?;
+        if let Some(shared) = rounding::shared_variance(hits, n_silent, &ratio.values, names)? {
+            for (variance, shared) in ratio.variance.iter_mut().zip(shared) {
+                *variance += shared;
+            }
+        }
+        ratio.with_sensors_of(hits, names)
     }
 
     /// Returns the ratio from one shot, with a variance found from the first `n_silent` samples,

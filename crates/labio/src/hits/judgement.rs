@@ -1,10 +1,9 @@
 //! The checks of one hit.
 
 use super::double_hit::second_contact;
-use super::rest::{
-    BEYOND_NOISE, HIT_OVER_PEAK, LEAST_REST, PASSAGE_OVER_PEAK, Rest, onset_of, smallest_step,
-};
+use super::rest::{BEYOND_NOISE, HIT_OVER_PEAK, LEAST_REST, PASSAGE_OVER_PEAK, Rest, onset_of};
 use super::{Criteria, Reason};
+use crate::quantization::smallest_step;
 use crate::spectra::ending::{End, Ending};
 use crate::{LabioError, Quantity, Record};
 

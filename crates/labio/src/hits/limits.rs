@@ -1,8 +1,9 @@
 //! Detection of clipping in peaks that are too short for a run: the same extreme value occurs
 //! repeatedly.
 
-use super::rest::{BEYOND_NOISE, HIT_OVER_PEAK, Rest, onset_of, smallest_step};
+use super::rest::{BEYOND_NOISE, HIT_OVER_PEAK, Rest, onset_of};
 use super::{Criteria, Reason};
+use crate::quantization::smallest_step;
 use crate::{LabioError, Record};
 
 /// Number of converter steps below the extreme within which an unclipped signal has more samples

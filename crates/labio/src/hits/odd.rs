@@ -60,8 +60,8 @@ struct Odd {
 /// hits depart from each other, each with its reason ([`Reason::Departs`]).
 ///
 /// With the response $`H_{-j}`$ of all hits but hit $`j`$, $`P = H_{-j}X_j`$ is the prediction of
-/// the output $`Y_j`$ by the other hits. Three figures are compared with those of the other hits,
-/// each of which is found from the remaining hits:
+/// the output $`Y_j`$ by the other hits. Three numbers of hit $`j`$ are compared with the same
+/// numbers of each other hit, which are also computed from the response of the remaining hits:
 ///
 /// - the gain $`g = \mathrm{Re}\sum\overline{P}Y_j/\sum\lvert P\rvert^2`$, with a limit from
 ///   Student's distribution of the gains of the others at a level of 0.1 % for all hits together;

@@ -1,5 +1,6 @@
 //! Rest level and noise, from statistics that are robust to outliers.
 
+use crate::quantization::smallest_step;
 use crate::{LabioError, Record};
 
 /// Fewest samples for a rest level: with fewer, one outlier in three shifts its median.
@@ -130,19 +131,6 @@ fn median(values: &mut [f64]) -> Option<f64> {
     } else {
         Some(upper)
     }
-}
-
-/// Returns the smallest nonzero difference between consecutive samples: the step of the recorder's
-/// numbers, or less.
-pub(super) fn smallest_step(samples: &[f64]) -> f64 {
-    let mut smallest = f64::INFINITY;
-    for (a, b) in samples.iter().zip(samples.iter().skip(1)) {
-        let step = (b - a).abs();
-        if step > 0.0 && step < smallest {
-            smallest = step;
-        }
-    }
-    if smallest.is_finite() { smallest } else { 0.0 }
 }
 
 /// Returns the index of the first sample that differs from the initial level by more than the noise

@@ -2,6 +2,7 @@
 
 use super::averager::check_same_rate;
 use super::{Detrend, Welch};
+use crate::quantization::step_above_noise;
 use crate::{LabioError, Record, channel};
 use std::f64::consts::PI;
 
@@ -14,6 +15,8 @@ const LONGEST_SEGMENT: usize = 64;
 /// Segments of at most 64 samples, with their mean removed and a Hann window, are averaged over all
 /// hits ([`Welch`]). The density is interpolated between the lines of such a segment; below the
 /// third line, it is that of the third line, because mean removal and window reduce the first two.
+/// Where the noise is too small to change the output of a converter, the noise of its rounding
+/// while the signal moves, step²/12 over all frequencies, is added.
 ///
 /// ```
 /// use labio::{Channel, Provenance, Quantity, Record, RestNoise};
@@ -85,8 +88,11 @@ impl RestNoise {
             check_same_rate(hit.sampling_rate_hz(), first.sampling_rate_hz())?;
             let spectra = welch.spectra(&hit.part(0..n_silent)?)?;
             averages += spectra.effective_averages();
+            let row = hit.channel(channel)?.to_vec();
+            let rounding = step_above_noise(&row, n_silent)
+                .map_or(0.0, |step| step * step / (6.0 * first.sampling_rate_hz()));
             for (sum, value) in density.iter_mut().zip(spectra.power_density(channel)?) {
-                *sum += value;
+                *sum += value + rounding;
             }
         }
         for value in &mut density {

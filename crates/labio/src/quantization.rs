@@ -1,0 +1,38 @@
+//! Step of a converter, as its samples show it.
+
+/// Share of samples at rest that equal the sample before them, from which on a converter hardly
+/// changes its output: Gaussian noise of 0.26 steps about the middle of a step.
+const STILL: f64 = 0.9;
+
+/// Returns the smallest nonzero difference between consecutive samples: the step of the recorder's
+/// numbers, or less.
+pub(crate) fn smallest_step(samples: &[f64]) -> f64 {
+    let mut smallest = f64::INFINITY;
+    for (a, b) in samples.iter().zip(samples.iter().skip(1)) {
+        let step = (b - a).abs();
+        if step > 0.0 && step < smallest {
+            smallest = step;
+        }
+    }
+    if smallest.is_finite() { smallest } else { 0.0 }
+}
+
+/// Returns the step of a converter whose noise is too small to change its output at rest, in the
+/// first `n_rest` of the `samples`; `None` if the noise changes it, or if no sample differs from
+/// another.
+///
+/// The rounding errors of such a record are not noise: they follow the signal, alike in every hit.
+pub(crate) fn step_above_noise(samples: &[f64], n_rest: usize) -> Option<f64> {
+    let rest = samples.get(..n_rest)?;
+    let pairs = rest.len().checked_sub(1).filter(|pairs| *pairs > 0)?;
+    #[allow(
+        clippy::float_cmp,
+        reason = "equal outputs of a converter are equal numbers"
+    )]
+    let still = rest
+        .windows(2)
+        .filter(|pair| matches!(pair, [a, b] if a == b))
+        .count();
+    let step = smallest_step(samples);
+    (still as f64 >= STILL * pairs as f64 && step > 0.0).then_some(step)
+}
