@@ -55,6 +55,12 @@ impl Validity {
         matches!(self, Self::Valid)
     }
 
+    /// Returns true if E' meets all conditions, whatever the error of the loss factor.
+    #[must_use]
+    pub fn storage_modulus_is_valid(&self) -> bool {
+        self.violations().iter().all(Violation::is_of_loss_factor)
+    }
+
     /// Returns the violations, none if valid.
     #[must_use]
     pub fn violations(&self) -> &[Violation] {
@@ -257,6 +263,19 @@ pub enum Violation {
         /// Value that noise alone exceeds on one line in a thousand.
         limit: f64,
     },
+}
+
+impl Violation {
+    /// Returns true for an error of the loss factor above its limit, which leaves E' as it is.
+    #[must_use]
+    pub fn is_of_loss_factor(&self) -> bool {
+        match self {
+            Self::LossWithinNoise { .. } => true,
+            Self::ErrorTooLarge { quantity, .. }
+            | Self::LateralInertiaTooLarge { quantity, .. } => *quantity != "E'",
+            _ => false,
+        }
+    }
 }
 
 /// Checks the conditions (i), (ii) and (iii) on a `propagation_coefficient` γ [1/m] found with a

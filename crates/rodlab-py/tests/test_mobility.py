@@ -107,7 +107,7 @@ def test_a_computed_mobility_is_that_of_the_command_and_of_its_body(tmp_path: Pa
 
 def test_arguments_of_mobilities_are_refused_with_their_place(struck: Path) -> None:
     hits = rodlab.read("hit-*.csv", channels=CHANNELS, folder=struck)
-    with pytest.raises(rodlab.SheetError, match="head_mass.*has the dimension m"):
+    with pytest.raises(rodlab.SheetError, match="head_mass.*has the dimension of a length"):
         mobility.of_hits(hits, head_mass="3 m")
     with pytest.raises(rodlab.SheetError, match="up_to is nan"):
         mobility.of_hits(hits, up_to=float("nan"))

@@ -112,7 +112,7 @@ def test_arguments_are_read_by_the_grammar_of_sheets(polypropylene: Path) -> Non
     hits = hits_of(polypropylene)
     rest: dict[str, Any] = {"diameter": 0.0158, "density": 912.0}
     cases: dict[Any, str] = {
-        "799 kg": "specimen.length: `799 kg` has the dimension kg, expected a length",
+        "799 kg": "specimen.length: `799 kg` has the dimension of a mass (kg), expected a length",
         "799": "specimen.length: `799` has no unit",
         -0.799: "specimen.length: `-0.799 m` is not above 0",
         float("nan"): "length is nan, expected a finite number",

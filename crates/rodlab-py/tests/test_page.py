@@ -35,7 +35,7 @@ def test_the_page_runs_as_written(tmp_path: Path, monkeypatch: pytest.MonkeyPatc
     said = capsys.readouterr().out
     assert "5 hits of 2048 samples" in said
     assert "answered - " in said
-    assert "Force.problem.Impact.velocity: `0.93 m` has the dimension m, expected a velocity" in said
+    assert "Force.problem.Impact.velocity: `0.93 m` has the dimension of a length (m), expected a velocity" in said
     assert "answered\n" in said
     assert (tmp_path / "examples" / "results" / "cone" / "report.html").is_file()
 

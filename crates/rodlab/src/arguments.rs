@@ -109,9 +109,11 @@ pub enum Command {
     },
     /// Compare results by hash with their sheets and files, and likewise the earlier results from
     /// which they were made.
-    #[command(after_help = "Example:\n  rodlab verify shot-result")]
+    #[command(
+        after_help = "Examples:\n  rodlab verify shot-result\n  rodlab verify results --sheets sheets     of `rodlab batch sheets --out results`"
+    )]
     Verify {
-        /// Folders of single results, such as results/cone-1.
+        /// Folders of results, such as results/cone-1, or of campaigns, such as results.
         #[arg(required = true)]
         results: Vec<PathBuf>,
         /// Folder of their sheets; by default the parent folder of each result.

@@ -109,7 +109,7 @@ impl Batch {
         if self.resume
             && let Some(row) = row::current(test, &folder)
         {
-            return Some(row);
+            return Some(Row { kept: true, ..row });
         }
         match finished::finish(
             &test.sheet,
@@ -127,6 +127,8 @@ impl Batch {
                 headline: done.outcome.verdict.headline(&done.outcome.summary),
                 warnings: done.outcome.warnings.len(),
                 quantities: done.outcome.quantities,
+                warnings_in_words: done.outcome.warnings,
+                kept: false,
             }),
             Err(RodlabError::Interrupted) => None,
             Err(error) => {

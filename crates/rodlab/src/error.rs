@@ -171,7 +171,10 @@ fn searched(folder: &Path, field: &str) -> String {
     let is_here = folder == Path::new(".");
     match (is_here, field) {
         (true, "") => "the current folder".to_owned(),
-        (true, field) => format!("the folder of the sheet ({field})"),
+        (true, field) => match std::env::current_dir() {
+            Ok(here) => format!("the folder of the sheet, {} ({field})", here.display()),
+            Err(_) => format!("the folder of the sheet ({field})"),
+        },
         (false, "") => folder.display().to_string(),
         (false, field) => format!("{} ({field})", folder.display()),
     }

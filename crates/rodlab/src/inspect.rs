@@ -16,7 +16,10 @@ pub use levels::Levels;
 use std::path::Path;
 
 use labio::format::{self, Strictness, customary_rate};
-use labio::{Abscissa, ContentHash, Contents, Dimension, LabioError, Ordinate, Provenance, Series};
+use labio::{
+    Abscissa, ContentHash, Contents, Dimension, LabioError, Ordinate, Provenance, Series,
+    SeriesAxis,
+};
 use serde::Serialize;
 
 use crate::digits::{prefix_for, rate, significant};
@@ -117,7 +120,10 @@ pub fn inspect(path: &Path) -> Result<Inspection, RodlabError> {
 pub fn inspect_bytes(bytes: &[u8], path: &str) -> Result<Inspection, RodlabError> {
     let mut contents = format::read_bytes_with(bytes, Strictness::Tolerant)
         .map_err(|error| RodlabError::step(format!("reading {path}"), error))?;
+    let is_table = is_table(&contents);
     let times = contents.series.first().and_then(time_like::step_of);
+    // the rows of a table may be numbered
+    let times = times.filter(|_| !is_table);
     // with this rate, a job reads such a column as the times, and counts the channels after it
     let behind = times.and_then(|step| format::read_bytes_at(bytes, 1.0 / step).ok());
     let behind = behind.filter(|behind| behind.series.len() + 1 == contents.series.len());
@@ -131,7 +137,11 @@ pub fn inspect_bytes(bytes: &[u8], path: &str) -> Result<Inspection, RodlabError
         .zip(1..)
         .map(|(series, number)| InspectedSeries::of(series, number))
         .collect();
-    let mut advice = advice(&contents, &series);
+    let mut advice = if is_table {
+        vec![in_words(&contents)]
+    } else {
+        advice(&contents, &series)
+    };
     if let Some(step) = column_of_times {
         advice.insert(
             0,
@@ -146,7 +156,10 @@ pub fn inspect_bytes(bytes: &[u8], path: &str) -> Result<Inspection, RodlabError
         .series
         .retain(|series| time_like::step_of(series).is_none());
     let rate_is_told = suspicions::complete(&mut contents)?;
-    let found = contents.records(&Provenance::of_bytes(contents.format, bytes));
+    let mut found = contents.records(&Provenance::of_bytes(contents.format, bytes));
+    if is_table {
+        found.records.clear();
+    }
     let records = found
         .records
         .iter()
@@ -248,22 +261,48 @@ fn words_of(name: &str) -> String {
     words
 }
 
-/// Returns true if two columns have units of a modulus, and another column or the abscissa has a
-/// unit of frequency.
-fn is_table_of_moduli(contents: &Contents) -> bool {
-    let of = |unit: Option<&labio::Unit>, symbol: &str| {
+/// Returns true if the series are columns of a table, not time histories: two in units of a modulus
+/// next to a frequency, or one of frequencies or temperatures without times.
+fn is_table(contents: &Contents) -> bool {
+    let of = |axis: &SeriesAxis, symbol: &str| {
         let expected = labio::Unit::parse(symbol).map(|unit| unit.dimension());
-        unit.zip(expected.ok())
-            .is_some_and(|(unit, dimension)| unit.dimension() == dimension)
+        let unit = axis.unit.as_ref().zip(expected.ok());
+        unit.is_some_and(|(unit, dimension)| unit.dimension() == dimension)
     };
     let all = &contents.series;
-    let moduli = all
-        .iter()
-        .filter(|s| of(s.ordinate_axis.unit.as_ref(), "Pa"));
-    let is_frequency = |s: &Series| {
-        of(s.ordinate_axis.unit.as_ref(), "Hz") || of(s.abscissa_axis.unit.as_ref(), "Hz")
+    let count = |symbol: &str| {
+        let columns = all.iter().filter(|s| of(&s.ordinate_axis, symbol));
+        columns.count()
     };
-    moduli.count() >= 2 && all.iter().any(is_frequency)
+    let is_over = |symbol: &str| all.iter().any(|s| of(&s.abscissa_axis, symbol));
+    let is_of_moduli = count("Pa") >= 2 && (count("Hz") > 0 || is_over("Hz"));
+    let is_text = matches!(contents.format, "csv" | "xlsx" | "xls");
+    is_of_moduli || (is_text && !is_over("s") && count("Hz") + count("K") > 0)
+}
+
+/// A table in words, and the job that reads it.
+fn in_words(contents: &Contents) -> String {
+    let first = contents.series.first();
+    let abscissa = first
+        .map(|series| &series.abscissa_axis)
+        .filter(|axis| axis.label != "index");
+    let columns = contents.series.iter().map(|series| &series.ordinate_axis);
+    let units: Vec<&str> = abscissa
+        .into_iter()
+        .chain(columns)
+        .map(|axis| match axis.unit_text.as_str() {
+            "" => "-",
+            unit => unit,
+        })
+        .collect();
+    let n_rows = contents.series.iter().map(|series| series.ordinate.len());
+    format!(
+        "a table of {} columns ({}) and {} rows, not a recording: `rodlab fit` reads it by the names of its columns (`rodlab init fit`); \
+         a recording needs `sampling_rate` in the sheet",
+        units.len(),
+        units.join(", "),
+        n_rows.max().unwrap_or(0)
+    )
 }
 
 /// Statements that a sheet must add to those of the file, and rates that were rounded.
@@ -314,11 +353,6 @@ fn advice(contents: &Contents, inspected: &[InspectedSeries]) -> Vec<String> {
             channels(&without_unit)
         ));
     }
-    if is_table_of_moduli(contents) {
-        advice.push(
-            "moduli next to frequencies: `rodlab fit` reads such a table by the names of its columns (`rodlab init fit`)".to_owned(),
-        );
-    }
     let mut rates: Vec<String> = inspected
         .iter()
         .filter_map(|series| {
@@ -338,7 +372,7 @@ fn advice(contents: &Contents, inspected: &[InspectedSeries]) -> Vec<String> {
 /// `channel 1`, or `channels 1, 2`.
 fn channels(numbers: &[String]) -> String {
     let plural = if numbers.len() == 1 { "" } else { "s" };
-    format!("channel{plural} {}", numbers.join(", "))
+    format!("channel{plural} {}", text::listed(numbers))
 }
 
 /// Returns true if a table has repeated times, whose digits do not determine the step.

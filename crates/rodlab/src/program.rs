@@ -19,7 +19,7 @@ use crate::progress::Bar;
 use crate::sheet::Language;
 use crate::sheet_command::SheetCommand;
 use crate::templates::{self, JobName};
-use crate::verify::{Verified, verify};
+use crate::verify::{Verified, verify_all};
 use crate::view::View;
 use crate::{RodlabError, Standing, output};
 
@@ -148,8 +148,9 @@ fn dispatch(
         Command::Verify { results, sheets } => {
             let found = results
                 .iter()
-                .map(|folder| verify(folder, sheets.as_deref()))
-                .collect::<Result<Vec<_>, _>>()?;
+                .map(|folder| verify_all(folder, sheets.as_deref()))
+                .collect::<Result<Vec<_>, _>>()?
+                .concat();
             if arguments.json {
                 print_json(&found, out)?;
             } else if !arguments.quiet {
@@ -443,6 +444,9 @@ fn conclude(
         out.write_all(summary.to_json()?.as_bytes())
             .map_err(to_terminal)?;
     } else if !arguments.quiet {
+        for remark in summary.remarks() {
+            say(out, &remark)?;
+        }
         say(
             out,
             &format!("{}; {}", summary.sentence(), folder.display()),

@@ -168,16 +168,19 @@ impl Records {
             left_out: Vec::new(),
         };
         let mut lost = None;
+        let mut replaced = Vec::new();
         for found in files::paths(&self.files, folder, &format!("{field}.files"))? {
             let shown = files::relative(&found.path, folder);
             let bytes = input::read(&found.path)?;
             let n_inputs = loaded.inputs.len();
-            lost = lost.or(self.load_bytes(&bytes, shown, field, &mut loaded)?);
+            lost = lost.or(self.load_bytes(&bytes, shown, field, &mut loaded, &mut replaced)?);
             for input in loaded.inputs.iter_mut().skip(n_inputs) {
                 input.pattern = Some(found.pattern.to_owned());
             }
         }
         expect_different_files(&loaded.inputs)?;
+        let warnings = replaced.iter().map(told::ReplacedUnit::warning);
+        loaded.warnings.extend(warnings);
         match lost {
             Some(error) if loaded.records.is_empty() => Err(error),
             _ => Ok(loaded),
@@ -195,13 +198,14 @@ impl Records {
         file: String,
         field: &str,
         loaded: &mut Loaded,
+        replaced: &mut Vec<told::ReplacedUnit>,
     ) -> Result<Option<RodlabError>, RodlabError> {
         let mut contents = match &self.sampling_rate {
             Some(rate) => format::read_bytes_at(bytes, rate.si()),
             None => format::read_bytes(bytes),
         }
         .map_err(|error| RodlabError::step(format!("reading {file}"), error))?;
-        let chosen = self.complete(&mut contents, &file, field, &mut loaded.warnings)?;
+        let chosen = self.complete(&mut contents, &file, field, replaced)?;
         let provenance = Provenance::of_file(Path::new(&file), contents.format, bytes);
         loaded.inputs.push(InputFile {
             path: file.clone(),

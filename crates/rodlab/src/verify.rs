@@ -72,6 +72,55 @@ struct Output {
     sha256: String,
 }
 
+/// Compares the result in `folder` with its files, like [`verify`]; if `folder` is that of a
+/// campaign, all results below it, in order of their names. The folders of a campaign below
+/// `sheets` are those below `folder`.
+///
+/// # Errors
+///
+/// Those of [`verify`]; [`RodlabError::NoFile`] for a folder without results.
+pub fn verify_all(folder: &Path, sheets: Option<&Path>) -> Result<Vec<Verified>, RodlabError> {
+    if folder.join(RESULT).exists() || !folder.is_dir() {
+        return verify(folder, sheets).map(|found| vec![found]);
+    }
+    let mut results = Vec::new();
+    results_below(folder, &mut results)?;
+    if results.is_empty() {
+        return Err(RodlabError::NoFile {
+            pattern: RESULT.to_owned(),
+            folder: folder.to_path_buf(),
+            field: String::new(),
+        });
+    }
+    results.sort();
+    let compared = results.iter().map(|result| {
+        let within = result
+            .parent()
+            .and_then(|one| one.strip_prefix(folder).ok());
+        let own = sheets.map(|sheets| sheets.join(within.unwrap_or(Path::new(""))));
+        verify(result, own.as_deref())
+    });
+    compared.collect()
+}
+
+/// Adds the folders of results below `folder`.
+fn results_below(folder: &Path, results: &mut Vec<PathBuf>) -> Result<(), RodlabError> {
+    let fail = |source| RodlabError::Read {
+        path: folder.to_path_buf(),
+        source,
+    };
+    for entry in std::fs::read_dir(folder).map_err(fail)? {
+        let path = entry.map_err(fail)?.path();
+        if path.join(RESULT).is_file() {
+            results.push(path.clone());
+        }
+        if path.is_dir() {
+            results_below(&path, results)?;
+        }
+    }
+    Ok(())
+}
+
 /// Compares the result in `folder` with its files by their hashes. Its sheet is looked for in
 /// `sheets`, by default next to the folder; inputs are relative to the sheet. If an input is the
 /// material of another result, that result is compared too.
@@ -115,11 +164,15 @@ fn verified(
         of_sheet,
         &written.sheet.sha256,
     );
+    let advise = sheets.is_none() && !of_sheet.join(&written.sheet.file).exists();
     for input in &written.inputs {
         compare("the input", &input.path, of_sheet, &input.sha256);
     }
     for output in &written.outputs {
         compare("its file", &output.file, folder, &output.sha256);
+    }
+    if let Some(sheet) = found.changed.first_mut().filter(|_| advise) {
+        sheet.push_str(" (if it is in another folder, state `--sheets FOLDER`)");
     }
     for input in &written.inputs {
         let material = of_sheet.join(&input.path);

@@ -30,7 +30,9 @@ fn said_of(change: impl Fn(&str) -> String) -> String {
     let done = folder.path().join("modulus-result/result.json").exists();
     // a status of 2 leaves no result, one of 1 leaves what was found
     assert_eq!(done, run.status.code() == Some(1));
+    let here = folder.path().canonicalize().unwrap();
     let words = String::from_utf8(run.stderr).unwrap();
+    let words = words.replace(&here.display().to_string(), "FOLDER");
     let lines: Vec<&str> = words.lines().map(str::trim_end).collect();
     format!(
         "status {}\n{}",
@@ -43,7 +45,7 @@ fn said_of(change: impl Fn(&str) -> String) -> String {
 fn a_missing_file() {
     insta::assert_snapshot!(said_of(|sheet| sheet.replace("hits-*.npy", "hit-*.npy")), @r"
     status 2
-    error: no file matches `hit-*.npy` in the folder of the sheet (source.hits.records.files)
+    error: no file matches `hit-*.npy` in the folder of the sheet, FOLDER (source.hits.records.files)
     ");
 }
 
@@ -51,8 +53,8 @@ fn a_missing_file() {
 fn a_wrong_unit() {
     insta::assert_snapshot!(said_of(|sheet| sheet.replace("799 mm ± 0.3 mm", "799 kg")), @r#"
     status 2
-      × modulus.ron:7:17: Modulus.specimen.length: `799 kg` has the dimension kg,
-      │ expected a length, such as "800 mm", with or without ±
+      × modulus.ron:7:17: Modulus.specimen.length: `799 kg` has the dimension of a
+      │ mass (kg), expected a length, such as "800 mm", with or without ±
        ╭─[modulus.ron:7:17]
      6 │     specimen: (
      7 │         length: "799 kg",
@@ -100,6 +102,26 @@ fn a_sampling_rate_that_nobody_tells() {
     insta::assert_snapshot!(said_of(|sheet| sheet.replace("sampling_rate: \"65.536 kHz\",", "")), @r#"
     status 2
     error: source.hits.records.sampling_rate is not stated, expected the sampling rate, such as "51.2 kHz": hits-1.npy does not state it
+    "#);
+}
+
+#[test]
+fn values_that_only_a_slip_of_the_unit_explains() {
+    let said = [
+        said_of(|sheet| sheet.replace("2.9 gram ± 0.03 gram", "2.9 kg ± 0.03 kg")),
+        said_of(|sheet| sheet.replace("to: \"15 kHz\"", "to: \"40 kHz\"")),
+        said_of(|sheet| {
+            let limits = "    limits: (loss_factor: \"20\"),\n    method:";
+            sheet.replacen("    method:", limits, 1)
+        }),
+    ];
+    insta::assert_snapshot!(said.join("\n"), @r#"
+    status 2
+    error: specimen.accelerometer_mass is `2.9 kg ± 0.03 kg`, 2900 g, more than the specimen, 142.9 g, expected less: gram is the usual unit
+    status 2
+    error: band.to is `40 kHz`, expected at most 32.77 kHz, half the sampling rate
+    status 2
+    error: limits.loss_factor is `20`, 2000 %, expected at most 200 %: did you mean "20 %"?
     "#);
 }
 

@@ -96,8 +96,10 @@ fn one_bad_test_stops_no_other() {
     let run = rodlab(folder.path(), &["batch", "campaign", "--out", "results"]);
     assert_eq!(run.status.code(), Some(2), "{}", text(&run.stderr));
     let said = text(&run.stdout);
-    assert_eq!(said.lines().count(), 8, "{said}");
-    let mut lines: Vec<&str> = said.lines().collect();
+    let (warnings, mut lines): (Vec<&str>, Vec<&str>) =
+        said.lines().partition(|line| line.starts_with("warning"));
+    assert_eq!(lines.len(), 8, "{said}");
+    assert!((1..=6).contains(&warnings.len()), "{said}");
     assert_eq!(
         lines.pop(),
         Some(

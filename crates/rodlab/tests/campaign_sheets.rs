@@ -127,7 +127,7 @@ fn a_plan_that_does_not_fit_its_template_writes_nothing() {
         plan(
             "2 m/s",
             "2 m",
-            "`2 m` has the dimension m, expected a velocity",
+            "`2 m` has the dimension of a length (m), expected a velocity",
         ),
     ];
     for (plan, template, said) in cases {

@@ -435,6 +435,8 @@ fn chain_of_results_is_verified() {
         found.compared > 5 && found.ancestors[0].compared > 8,
         "{found:?}"
     );
+    let all = rodlab::verify::verify_all(folder.path(), Some(folder.path())).unwrap();
+    assert!(all.len() == 2 && all.iter().all(|one| one.is_as_it_was()));
     // the record of the bar was edited, one result was edited by hand, and a sheet is gone
     let shot = folder.path().join("shot-1.npy");
     let mut bytes = fs::read(&shot).unwrap();
@@ -454,7 +456,7 @@ fn chain_of_results_is_verified() {
     assert_eq!(
         verify().changed,
         [
-            "the sheet striker.ron is missing",
+            "the sheet striker.ron is missing (if it is in another folder, state `--sheets FOLDER`)",
             "its file force.csv has changed"
         ]
     );

@@ -261,7 +261,7 @@ fn what_cannot_be_is_refused_where_it_stands() {
     .join("\n");
     insta::assert_snapshot!(refusals, @r#"
     problem.first.elements[1].material is `stel`, expected one of the materials `steel`
-    test.ron:2:103: Force.problem.Impact.first.Chain.elements[1].Rod.diameter: `16 kg` has the dimension kg, expected a length, such as "800 mm", with or without ±
+    test.ron:2:103: Force.problem.Impact.first.Chain.elements[1].Rod.diameter: `16 kg` has the dimension of a mass (kg), expected a length, such as "800 mm", with or without ±
     test.ron:2:172: Force.problem.Impact.velocity: `0 m/s` is not above 0, expected a velocity, such as "0.93 m/s", with or without ±
     test.ron:2:172: Force.problem.Impact.velocity: found the number `1`, expected a velocity with its unit in quotes, such as "0.93 m/s"
     test.ron:2:46: Force.problem.Impact.first.RigidMass: `-1 kg` is not above 0, expected a mass, such as "1.5 kg" or "2.9 gram", with or without ±

@@ -177,7 +177,7 @@ fn what_is_no_level_or_stretch_says_why() {
     insta::assert_snapshot!(said.join("\n"), @r#"
     1:21-1:22: Expected string
     1:23-1:33: `20 stones` has no known unit: `stones` is not among the known symbols, expected a level, such as "20 N"
-    1:39-1:45: `0.5 N` has the dimension m kg s^-2, expected a duration, such as "4 ms", or "4096 samples"
+    1:39-1:45: `0.5 N` has the dimension of a force (m kg s^-2), expected a duration, such as "4 ms", or "4096 samples"
     1:39-1:51: `4.5 samples` is not a whole number of samples, such as "4096 samples"
     1:45: Unexpected missing field named `pre_trigger` in `Trigger`
     1:7-1:18: Unexpected variant named `EveryRecord` in enum `Cut`, expected either `EachRecord` or `Trigger` instead

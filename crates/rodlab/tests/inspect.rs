@@ -95,6 +95,28 @@ fn what_a_file_does_not_tell_is_advised() {
 }
 
 #[test]
+fn a_table_is_no_recording() {
+    let text =
+        "Temperatur [degC];E' [MPa];Frequenz [Hz]\n20;940;0.1\n20;950;1\n30;800;0.1\n30;820;1\n";
+    let inspection = inspect_bytes(text.as_bytes(), "dma.csv").unwrap();
+    assert!(inspection.suspicions.is_empty() && inspection.records.is_empty());
+    insta::assert_snapshot!(inspection.advice.join("\n"), @"a table of 3 columns (degC, MPa, Hz) and 4 rows, not a recording: `rodlab fit` reads it by the names of its columns (`rodlab init fit`); a recording needs `sampling_rate` in the sheet");
+}
+
+#[test]
+fn the_listing_of_many_channels_ends() {
+    let row = |value: u32| (0..30_u32).map(move |k| (value * k % 7).to_string());
+    let rows = (0..40_u32).map(|n| row(n).collect::<Vec<_>>().join(",") + "\n");
+    let names: Vec<String> = (0..30_u32).map(|k| format!("c{k}")).collect();
+    let text = names.join(",") + "\n" + &rows.collect::<String>();
+    let inspection = inspect_bytes(text.as_bytes(), "wide.csv").unwrap();
+    let hidden = inspection.series.len() - 20;
+    let text = inspection.to_text();
+    assert!(text.contains(&format!("\nand {hidden} more\n")), "{text}");
+    assert!(!text.contains("c29"), "{text}");
+}
+
+#[test]
 fn a_row_of_times_is_no_channel() {
     let mut npy = b"\x93NUMPY\x01\x00\x76\x00".to_vec();
     let header = "{'descr': '<f8', 'fortran_order': False, 'shape': (2, 100), }";

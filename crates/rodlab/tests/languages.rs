@@ -210,9 +210,9 @@ channels = [{ name = "struck end", from = true }, { from = 2, unit = "m/s2" }]
 "#;
     insta::assert_snapshot!(mistakes("rod.toml", toml), @r#"
     2:1 titel: there is no field `titel` | did you mean `title`?
-    3:23 report_at[1]: `2 mm` has the dimension m, expected a frequency, such as "51.2 kHz"
+    3:23 report_at[1]: `2 mm` has the dimension of a length (m), expected a frequency, such as "51.2 kHz"
     6:10 specimen.length: `799` has no unit, expected a length, such as "800 mm", with or without ±
-    7:12 specimen.diameter: `15.8 kg` has the dimension kg, expected a length, such as "800 mm", with or without ±
+    7:12 specimen.diameter: `15.8 kg` has the dimension of a mass (kg), expected a length, such as "800 mm", with or without ±
     8:1 specimen.denisty: there is no field `denisty` | did you mean `density`?
     8:11 specimen.denisty: `912 furlong` has no known unit: `furlong` is not among the known symbols, expected a density, such as "1150 kg/m3", with or without ±
     10:1 method.two_pint: the field `free_end` is missing | add a line `free_end = ...`
@@ -266,7 +266,10 @@ fn a_sheet_of_no_language_is_told_what_one_is() {
             "job = \"modulos\"",
             "1:7 : found `modulos`, expected one of `frf`, `modulus`",
         ),
-        ("job = \"frf\"\njob = \"frf\"", "2:1 : duplicate key"),
+        (
+            "job = \"frf\"\njob = \"frf\"",
+            "2:1 : the field `job` is stated twice",
+        ),
         ("job = \"frf\"\ntitle = \"a\nx = \"", "2:"),
         (
             "job = \"frf\"\ntitle = \"C:\\Users\"",

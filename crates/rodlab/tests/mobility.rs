@@ -528,7 +528,7 @@ fn what_cannot_be_is_refused_where_it_stands() {
     source.response is `hammer`, a channel of force, expected a channel of acceleration, velocity or displacement
     complete is stated, expected a free body, whose weighed mass replaces the low-frequency lines
     up_to is 50 Hz, with 3 lines up to it, expected a frequency with at least 8 lines below it
-    test.ron:1:206: Mobility.head_mass: `4 mm` has the dimension m, expected a mass, such as "2.9 gram" or "0 kg", with or without ±
+    test.ron:1:206: Mobility.head_mass: `4 mm` has the dimension of a length (m), expected a mass, such as "2.9 gram" or "0 kg", with or without ±
     test.ron:1:205: Mobility.source.TwoHammers: the field `high` is missing
     source.data_set is not stated, and odd.csv has 0 complex data sets, expected one of the data sets 1 `response`, 2 `other`
     source.file is odd.csv, whose data set is in m/s, expected a response between a force and a motion, such as one in m/s/N

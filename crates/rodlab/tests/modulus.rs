@@ -133,8 +133,12 @@ fn check_causal(outcome: &Outcome, exact: &dyn Fn(f64) -> Complex64) -> (usize, 
 fn the_template_is_a_sheet_that_runs() {
     let folder = TempDir::new().unwrap();
     virtual_rod::write_hits(folder.path(), 6, 2);
-    let template = include_str!("../templates/modulus.ron");
-    let outcome = run(folder.path(), template).unwrap();
+    // these records are one long file, of sensors of 0.5 mV/g
+    let template = include_str!("../templates/modulus.ron")
+        .replace("hit-*.npy", "hits.npy")
+        .replace("10 mV/g", "0.5 mV/g")
+        .replace("        // hits: (cut", "        hits: (cut");
+    let outcome = run(folder.path(), &template).unwrap();
     assert_eq!(outcome.verdict, Verdict::Answered, "{:?}", outcome.summary);
     // two sensitivities of 1 % each, which the lines determine better
     let mut quantities = outcome.quantities.iter();

@@ -127,6 +127,7 @@ fn what_an_array_does_not_tell_is_asked_for() {
             r#"(files: ["hit.npy"], sampling_rate: "1 kHz", channels: [(name: "hammer", from: 1, unit: "furlong")])"#,
             r#"(files: ["hit.npy"], sampling_rate: "1 kHz", channels: [(name: "hammer", from: 2, unit: "V")])"#,
             r#"(files: ["hit.npy"], sampling_rate: "1 kHz", channels: [(name: "hammer", from: 1, unit: "V", sensitivity: "2 pC/N")])"#,
+            r#"(files: ["hit.npy"], sampling_rate: "1 kHz", channels: [(name: "hammer", from: 1, unit: "V", sensitivity: "-2 mV/N")])"#,
             r#"(files: ["hit.npy"], sampling_rate: "1 kHz", channels: [(name: "a", from: 1, unit: "V"), (name: "a", from: 2, unit: "V")])"#,
             r#"(files: ["hit.npy"], sampling_rate: "1 kHz", channels: [])"#,
             r#"(files: [], channels: [(name: "hammer", from: 1)])"#,
@@ -139,7 +140,8 @@ fn what_an_array_does_not_tell_is_asked_for() {
     records.channels[0].from is channel 0, expected a number from 1 to 2 (hit.npy)
     records.channels[0].unit: `furlong` is not a known unit: `furlong` is not among the known symbols
     records.channels[0], hit.npy: series 1 (`[1, :]`) is not a channel of a record: its ordinate is NaN at sample 2, expected finite
-    records.channels[0], hit.npy: a channel recorded in V is in V divided by 1 and pC/N, expected the unit of a channel quantity
+    records.channels[0], hit.npy: the record is in V, expected C for a sensitivity in pC/N: with a charge amplifier, state its gain, such as "10 mV/pC"
+    records.channels[0].sensitivity is -2 mV/N, expected a value above 0: state `inverted` as true for a sensor that points the other way
     records.channels[1].name is `a`, expected a name other than that of channels[0]
     records.channels is empty, expected at least one channel
     records.files is empty, expected the name of at least one file
@@ -212,11 +214,20 @@ fn what_a_file_tells_is_believed_and_contradictions_are_said() {
     assert!((record.sampling_rate_hz() - 1024.0).abs() < 1e-9);
     assert!((record.channel("a").unwrap()[2] - 2.0).abs() < 1e-15);
     insta::assert_snapshot!(loaded.warnings.join("\n"), @"hit.csv states `end A` in g; the unit of the sheet is used instead, V.");
+    fs::write(
+        folder.path().join("next.csv"),
+        "Time (s),hammer (N),end A (g)\n0,0,0\n0.000977,41,1\n0.001954,10,2\n0.002931,0,1\n",
+    )
+    .unwrap();
+    let both = r#"(files: ["*.csv"], sampling_rate: "1024 Hz", channels: [(name: "a", from: "end A", unit: "V")])"#;
+    let loaded = load(folder.path(), both).unwrap();
+    insta::assert_snapshot!(loaded.warnings.join("\n"), @"2 files, the first of them hit.csv, state `end A` in g; the unit of the sheet is used instead, V.");
     let said = refusals(
         folder.path(),
         &[
             r#"(files: ["hit.csv"], sampling_rate: "2048 Hz", channels: [(name: "force", from: "hammer")])"#,
             r#"(files: ["hit.csv"], channels: [(name: "force", from: "hamer")])"#,
+            r#"(files: ["hit.csv"], channels: [(name: "force", from: 3)])"#,
             r#"(files: ["hit.csv"], sampling_rate: "1024 Hz", channels: [(name: "a", from: "end A", unit: "m/s2")])"#,
             r#"(files: ["hit.csv"], sampling_rate: "1024 Hz", channels: [(name: "a", from: "hammer", unit: "strain")])"#,
         ],
@@ -224,6 +235,7 @@ fn what_a_file_tells_is_believed_and_contradictions_are_said() {
     insta::assert_snapshot!(said, @r"
     records.sampling_rate is 2048 Hz, expected 1023.54 Hz, as stated in hit.csv, or the field left out
     records.channels[0].from is `hamer`, expected one of `hammer`, `end A` (hit.csv)
+    records.channels[0].from is channel 3, expected a number from 1 to 2 (hit.csv); the time column is not counted
     records.channels[0].unit is m/s2, expected `g`, as stated in hit.csv, or the field left out; if the unit of the file is wrong, correct it by `gain`
     records.channels[0].unit is a strain of 40.0 (hit.csv), expected at most 10: microstrain is `um/m`
     ");

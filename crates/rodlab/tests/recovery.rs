@@ -301,7 +301,7 @@ fn what_is_wrong_is_said() {
     tests[0].readings.readings (bare.csv) is `a`, a column over `index`, without a unit, expected a column over times, with a unit
     tests[0].readings.readings (times.csv) is `tan d`, expected one of the columns `tan delta`
     paper_procedure.reference is `b`, expected one of the tests `a`
-    FOLDER/test.ron:1:117: Recovery.tests[0].load[0].Constant.stress: `45 mm` has the dimension m, expected a stress, such as "45 MPa" or "0 MPa"
+    FOLDER/test.ron:1:117: Recovery.tests[0].load[0].Constant.stress: `45 mm` has the dimension of a length (m), expected a stress, such as "45 MPa" or "0 MPa"
     "#);
 }
 

@@ -644,7 +644,7 @@ fn what_is_wrong_with_a_plan_is_said() {
     output is `hits.xlsx`, expected the name of a file in the folder of the result with one of the extensions csv, npy, npz, uff, wav
     experiment: ImpactedRod.velocities is empty, expected at least one velocity
     experiment: ImpactedRod.section_distance is 500 mm, expected at most the length of the rod, 402 mm
-    ./test.ron:3:29: Simulate.experiment.ImpactedRod.law.Maxwell.viscosity: `4 MPa` has the dimension m^-1 kg s^-2, expected a viscosity, such as "20 kPa s"
+    ./test.ron:3:29: Simulate.experiment.ImpactedRod.law.Maxwell.viscosity: `4 MPa` has the dimension of a modulus or stress (m^-1 kg s^-2), expected a viscosity, such as "20 kPa s"
     "#);
 }
 

@@ -342,6 +342,24 @@ impl SensorChain {
                 ),
             });
         }
+        if let (None, Transducer::Sensitivity(sensitivity)) = (felt, &self.transducer)
+            && at_transducer == Some(Quantity::Voltage.dimension())
+            && Quantity::Charge
+                .dimension()
+                .quotient(sensitivity.unit().dimension())
+                .and_then(Quantity::of_dimension)
+                .is_some()
+        {
+            return Err(LabioError::UnitMismatch {
+                what: "the record".to_owned(),
+                found: recorded.unit().to_owned(),
+                expected: format!(
+                    "{} for a sensitivity in {}: with a charge amplifier, state its gain, such as \"10 mV/pC\"",
+                    Quantity::Charge.unit(),
+                    sensitivity.unit()
+                ),
+            });
+        }
         felt.ok_or_else(|| LabioError::UnitMismatch {
             what: format!("a channel recorded in {}", recorded.unit()),
             found: match &self.transducer {
@@ -356,7 +374,10 @@ impl SensorChain {
                 }
             },
             expected: match &self.transducer {
-                Transducer::Sensitivity(_) => "the unit of a channel quantity".to_owned(),
+                Transducer::Sensitivity(sensitivity) => format!(
+                    "the unit of a channel quantity{}",
+                    misread(sensitivity.unit().symbol())
+                ),
                 Transducer::Bridge(_) => "a bridge voltage".to_owned(),
             },
         })
@@ -395,6 +416,31 @@ impl SensorChain {
         };
         signal.product(self.gain.unit().dimension())
     }
+}
+
+/// Texts for "per m/s²" on data sheets that are read otherwise, and what they are read as.
+const MISREAD: [(&str, &str); 8] = [
+    ("/ms2", "square milliseconds"),
+    ("/ms^2", "square milliseconds"),
+    ("/ms²", "square milliseconds"),
+    ("/ms-2", "milliseconds to the power -2"),
+    ("/ms^-2", "milliseconds to the power -2"),
+    ("/ms⁻²", "milliseconds to the power -2"),
+    ("/m/s2", "a division by both m and s2"),
+    ("/m/s²", "a division by both m and s²"),
+];
+
+/// Returns the unit that was probably meant by `unit`, to be appended to another sentence; empty if
+/// none was.
+fn misread(unit: &str) -> String {
+    let found = MISREAD.iter().find(|(written, _)| unit.contains(written));
+    found.map_or_else(String::new, |(written, read)| {
+        format!(
+            ": `{}` reads as {read}; for an acceleration write {}",
+            written.trim_start_matches('/'),
+            unit.replacen(written, "/(m/s2)", 1)
+        )
+    })
 }
 
 fn positive(what: &'static str, rating: &Rating) -> Result<(), LabioError> {
@@ -540,20 +586,32 @@ mod tests {
         let accelerometer = SensorChain::of_sensitivity(rating(10.0, "mV/g")).unwrap();
         let bridge = StrainBridge::new(BridgeLayout::Quarter, rating(2.0, "1"), rating(5.0, "V"));
         let gauges = SensorChain::of_bridge(bridge.unwrap());
+        let of = |unit: &str| {
+            let chain = SensorChain::of_sensitivity(rating(1.0, unit)).unwrap();
+            chain.quantity_from(Quantity::Voltage)
+        };
         let refusals = [
             accelerometer.quantity_from(Quantity::Charge),
             gauges.quantity_from(Quantity::Charge),
             SensorChain::of_sensitivity(rating(1.0, "V/s"))
                 .unwrap()
                 .quantity_from(Quantity::Voltage),
+            of("mV/ms2"),
+            of("pC/ms-2"),
+            of("mV/m/s2"),
+            of("pC/g"),
         ]
         .map(|result| result.unwrap_err().to_string())
         .join("\n");
-        insta::assert_snapshot!(refusals, @r"
+        insta::assert_snapshot!(refusals, @r#"
         a channel recorded in C is in C divided by 1 and mV/g, expected the unit of a channel quantity
         a channel recorded in C is in C divided by 1, expected a bridge voltage
         a channel recorded in V is in V divided by 1 and V/s, expected the unit of a channel quantity
-        ");
+        a channel recorded in V is in V divided by 1 and mV/ms2, expected the unit of a channel quantity: `ms2` reads as square milliseconds; for an acceleration write mV/(m/s2)
+        a channel recorded in V is in V divided by 1 and pC/ms-2, expected the unit of a channel quantity: `ms-2` reads as milliseconds to the power -2; for an acceleration write pC/(m/s2)
+        a channel recorded in V is in V divided by 1 and mV/m/s2, expected the unit of a channel quantity: `m/s2` reads as a division by both m and s2; for an acceleration write mV/(m/s2)
+        the record is in V, expected C for a sensitivity in pC/g: with a charge amplifier, state its gain, such as "10 mV/pC"
+        "#);
         assert!(SensorChain::of_sensitivity(rating(-10.0, "mV/g")).is_err());
         assert!(accelerometer.with_gain(rating(0.0, "1")).is_err());
     }

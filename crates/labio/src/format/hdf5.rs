@@ -9,7 +9,7 @@
 //! |---|---|
 //! | vector of numbers `a`, real or complex, of any type | series `a`, in a group `group/a` |
 //! | matrix `a` | a series for each of its rows `a[0, :]`, ..., or of its columns `a[:, 0]`, ... if these are longer |
-//! | array of more axes | a series along its last axis `a[0, 0, :]`, ... |
+//! | array of more axes | a series along its last axis `a[0, 0, :]`, ...; skipped if these are short and many |
 //! | single number, text, attribute of a group | property of the contents |
 //! | attribute of a data set | unit (`units` or `unit`), label (`long_name`), or property of its series |
 //! | variable of MATLAB | as in a file of [version 5](super::mat5): `a(:,1)`, `s.length`, `c{1}` |

@@ -7,7 +7,7 @@
 //! |---|---|
 //! | row or column of numbers `a`, real or complex, of any class | series `a` |
 //! | matrix `a` | a series for each of its columns `a(:,1)`, ..., or of its rows `a(1,:)`, ... if these are longer |
-//! | array of more axes | a series for each of its columns `a(:,1,1)`, ... |
+//! | array of more axes | a series for each of its columns `a(:,1,1)`, ...; skipped if these are short and many |
 //! | single number or text | property of the contents |
 //! | empty array | property of the contents that states this |
 //! | structure `s` | its fields `s.length`, those of an array of structures `s(2).length` |

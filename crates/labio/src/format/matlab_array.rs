@@ -13,7 +13,31 @@ pub(super) struct Array<'a> {
     pub(super) class: &'a str,
 }
 
+/// Largest number of series of an array of more than two axes with a longer axis than that of the
+/// series.
+const MOST_SHORT_SERIES: usize = 256;
+
+/// Returns the shape of an array of more than two axes, such as `6 x 4096 x 2`, if its samples are
+/// not along the axis of the series, which has `length` values: the array would be cut into
+/// thousands of short series.
+pub(super) fn misplaced(shape: &[usize], length: usize) -> Option<String> {
+    let others = shape.iter().product::<usize>() / length.max(1);
+    let is_short = shape.iter().any(|&axis| axis > length);
+    (shape.len() > 2 && is_short && others > MOST_SHORT_SERIES).then(|| {
+        let lengths: Vec<String> = shape.iter().map(usize::to_string).collect();
+        format!("an array of {}", lengths.join(" x "))
+    })
+}
+
 impl<'a> Array<'a> {
+    /// Returns why an array is skipped whose samples are not along its first axis ([`misplaced`]).
+    pub(super) fn misplaced(&self) -> Option<String> {
+        let found = misplaced(self.shape, self.shape.first().copied().unwrap_or(1))?;
+        Some(format!(
+            "{found}, skipped: save one variable per hit, or the samples along the first dimension"
+        ))
+    }
+
     /// Returns a series for each column or, for a matrix that is wider than tall, for each row.
     pub(super) fn series(self, values: &'a Ordinate) -> impl Iterator<Item = Series> + 'a {
         let count: usize = self.shape.iter().product();
@@ -120,4 +144,19 @@ pub(super) fn text_rows<'a>(
         };
         (key, text)
     }))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn samples_belong_along_the_axis_of_the_series() {
+        let found = misplaced(&[6, 4096, 2], 6);
+        assert_eq!(found.as_deref(), Some("an array of 6 x 4096 x 2"));
+        // few series, samples along the first axis, a matrix
+        assert_eq!(misplaced(&[2, 3, 2], 2), None);
+        assert_eq!(misplaced(&[4096, 64, 100], 4096), None);
+        assert_eq!(misplaced(&[4096, 5000], 4096), None);
+    }
 }

@@ -310,6 +310,9 @@ impl<'a, I: Iterator<Item = (u64, &'a str)>> File<'a, I> {
     ) -> Result<(), LabioError> {
         let at = self.place();
         let array = Array { name, shape, class };
+        if let Some(found) = array.misplaced() {
+            return self.reading.property(at, name.to_owned(), found);
+        }
         for series in array.series(values) {
             self.reading.series(at, series)?;
         }

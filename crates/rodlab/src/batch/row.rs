@@ -30,6 +30,12 @@ pub struct Row {
     pub headline: String,
     /// Single numbers of the result.
     pub quantities: Vec<Quantity>,
+    /// The warnings, for the terminal.
+    #[serde(skip)]
+    pub warnings_in_words: Vec<String>,
+    /// True for an earlier result that is still current.
+    #[serde(skip)]
+    pub kept: bool,
 }
 
 impl Row {
@@ -42,6 +48,8 @@ impl Row {
             warnings: 0,
             headline: error.to_owned(),
             quantities: Vec::new(),
+            warnings_in_words: Vec::new(),
+            kept: false,
         }
     }
 
@@ -85,6 +93,8 @@ impl StoredResult {
             warnings: self.warnings.len(),
             headline: self.verdict.headline(&self.summary),
             quantities: self.quantities,
+            warnings_in_words: self.warnings,
+            kept: false,
         }
     }
 }

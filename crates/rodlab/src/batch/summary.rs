@@ -1,5 +1,6 @@
 //! Summary of all tests of a campaign on one page.
 
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -8,6 +9,9 @@ use serde::Serialize;
 use super::row::{self, Row};
 use crate::output::SOFTWARE;
 use crate::{RodlabError, Standing};
+
+/// Largest number of warnings shown on the terminal.
+const MOST_WARNINGS: usize = 5;
 
 /// The rows of a campaign, in order of their names.
 #[derive(Debug, Clone, Serialize)]
@@ -73,6 +77,42 @@ impl Summary {
             counts.join(", "),
             self.with_warnings
         )
+    }
+
+    /// Lines for the terminal above the [`sentence`](Self::sentence): each distinct warning with the
+    /// number of its tests, the most frequent first, and the number of kept results.
+    #[must_use]
+    pub fn remarks(&self) -> Vec<String> {
+        let mut counts: BTreeMap<&str, usize> = BTreeMap::new();
+        for row in &self.tests {
+            let distinct: BTreeSet<&str> =
+                row.warnings_in_words.iter().map(String::as_str).collect();
+            for warning in distinct {
+                *counts.entry(warning).or_default() += 1;
+            }
+        }
+        let mut warnings: Vec<(&str, usize)> = counts.into_iter().collect();
+        warnings.sort_by_key(|(_, count)| std::cmp::Reverse(*count));
+        let of_tests = |count: usize| match count {
+            1 => "1 test".to_owned(),
+            _ => format!("{count} tests"),
+        };
+        let shown = warnings.iter().take(MOST_WARNINGS);
+        let mut lines: Vec<String> = shown
+            .map(|(warning, count)| format!("warning ({}): {warning}", of_tests(*count)))
+            .collect();
+        if warnings.len() > MOST_WARNINGS {
+            let others = warnings.len() - MOST_WARNINGS;
+            lines.push(format!("warnings: {others} more, in the reports"));
+        }
+        let kept = self.tests.iter().filter(|row| row.kept).count();
+        if kept > 0 {
+            lines.push(format!(
+                "{kept} of {} kept: neither sheet, files nor software have changed",
+                of_tests(self.tests.len())
+            ));
+        }
+        lines
     }
 
     /// One CSV line per test.
@@ -263,4 +303,31 @@ fn results_below(
         }
     }
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn warnings_are_shown_once_and_kept_results_are_counted() {
+        let row = |test: &str, warnings: &[&str]| Row {
+            warnings_in_words: warnings.iter().map(ToString::to_string).collect(),
+            kept: test == "b",
+            ..Row::wrong_input(test, "")
+        };
+        let summary = Summary::of(vec![row("a", &["one", "two", "two"]), row("b", &["two"])]);
+        assert_eq!(
+            summary.remarks(),
+            [
+                "warning (2 tests): two",
+                "warning (1 test): one",
+                "1 of 2 tests kept: neither sheet, files nor software have changed"
+            ]
+        );
+        let many = ["1", "2", "3", "4", "5", "6", "7"];
+        let remarks = Summary::of(vec![row("a", &many)]).remarks();
+        assert_eq!(remarks.len(), 6);
+        assert_eq!(remarks[5], "warnings: 2 more, in the reports");
+    }
 }

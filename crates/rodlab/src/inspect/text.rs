@@ -7,6 +7,18 @@ use crate::digits::{hertz, short};
 
 /// Largest number of records listed one by one.
 const MOST_RECORDS: usize = 8;
+/// Largest number of data sets or channels listed one by one.
+const MOST_LISTED: usize = 20;
+
+/// The first names, separated by commas, and the number of the others.
+pub(super) fn listed(names: &[String]) -> String {
+    match names.split_at_checked(MOST_LISTED) {
+        Some((first, others)) if !others.is_empty() => {
+            format!("{} and {} more", first.join(", "), others.len())
+        }
+        _ => names.join(", "),
+    }
+}
 
 impl Inspection {
     /// The inspection as text, one line per data set.
@@ -44,8 +56,11 @@ impl Inspection {
                 ]
                 .map(str::to_owned),
             ];
-            rows.extend(self.series.iter().map(row));
+            rows.extend(self.series.iter().take(MOST_LISTED).map(row));
             aligned(&rows, text)?;
+            if self.series.len() > MOST_LISTED {
+                writeln!(text, "and {} more", self.series.len() - MOST_LISTED)?;
+            }
         }
         if !self.records.is_empty() {
             writeln!(text)?;
@@ -58,7 +73,7 @@ impl Inspection {
             writeln!(
                 text,
                 "record {number}: {} ({} samples, {duration})",
-                record.channels.join(", "),
+                listed(&record.channels),
                 record.samples
             )?;
         }

@@ -191,7 +191,13 @@ pub(crate) fn run(sheet: &FitSheet, context: &JobContext<'_>) -> Result<Outcome,
     outcome.warnings = read.warnings;
     outcome.log = read.log;
     let error_scale = errors::scale(sheet);
-    let all = steps::of(sheet, read.rows, error_scale, &mut outcome)?;
+    let all = steps::of(
+        sheet,
+        read.rows,
+        error_scale,
+        context.language,
+        &mut outcome,
+    )?;
     errors::judge_losses(&mut outcome, &all);
     errors::judge_rises(&mut outcome, &all);
     if all.len() > 1 && sheet.reference_temperature.is_none() {

@@ -15,6 +15,7 @@ mod histories;
 mod lines;
 mod measured;
 mod method;
+mod mistaken;
 mod reasons;
 mod rod;
 mod statement;
@@ -26,6 +27,8 @@ pub use drift::TemperatureSheet;
 pub use measured::{RatioErrors, RatioSheet, RatioValues, SourceSheet, TailSheet};
 pub use method::{GaugeSheet, MethodSheet, QuantitySheet, SectionSheet, SolverSheet, WindowSheet};
 
+use std::f64::consts::PI;
+
 use cmod::ModulusEstimate;
 use cmod::lateral_inertia::CorrectedEstimate;
 use cmod::self_calibration::SelfCalibration;
@@ -36,9 +39,8 @@ use super::About;
 use super::JobContext;
 use crate::digits::short;
 use crate::outcome::Setting;
-use crate::outcome::Verdict;
 use crate::sheet::{
-    AddedMass, BandSheet, Density, Exact, Frequency, Length, PoissonRatio, Ratio, Stated,
+    AddedMass, BandSheet, Density, Exact, Frequency, Length, PoissonRatio, Ratio, Stated, plausible,
 };
 use crate::{Outcome, RodlabError};
 use measured::{Measured, Spectra};
@@ -109,6 +111,23 @@ pub struct SpecimenSheet {
     pub accelerometer_mass: Option<Stated<AddedMass>>,
 }
 
+impl SpecimenSheet {
+    /// Refuses a mass on the end above that of the rod, if its length is stated.
+    fn check_end_mass(&self) -> Result<(), RodlabError> {
+        let (Some(length), Some(mass)) = (&self.length, &self.accelerometer_mass) else {
+            return Ok(());
+        };
+        let value = |stated: &Stated<Length>| stated.with_uncertainty().value;
+        let section = 0.25 * PI * value(&self.diameter).powi(2);
+        plausible::end_mass(
+            mass,
+            mass.with_uncertainty().value,
+            self.density.with_uncertainty().value * section * value(length),
+            "specimen.accelerometer_mass",
+        )
+    }
+}
+
 /// Requirements of a valid line.
 #[derive(Debug, Clone, Default, Deserialize)]
 #[serde(deny_unknown_fields, default)]
@@ -125,6 +144,25 @@ pub struct LimitsSheet {
     pub error_amplification: Option<Exact<Ratio>>,
     /// Smallest coherence, for the two-point method with several hits; not required by default.
     pub coherence: Option<Exact<Ratio>>,
+}
+
+/// Largest limit of a relative error.
+const LARGEST_LIMIT: f64 = 2.0;
+
+impl LimitsSheet {
+    /// Refuses limits of relative errors that allow everything, which usually lack a `%`.
+    fn check(&self) -> Result<(), RodlabError> {
+        for (name, limit) in [
+            ("storage_modulus", &self.storage_modulus),
+            ("loss_factor", &self.loss_factor),
+            ("common_storage_modulus", &self.common_storage_modulus),
+        ] {
+            if let Some(limit) = limit {
+                plausible::limit(limit, LARGEST_LIMIT, format!("limits.{name}"))?;
+            }
+        }
+        Ok(())
+    }
 }
 
 impl ModulusSheet {
@@ -212,6 +250,8 @@ pub(super) fn run_with(
     let mut outcome = Outcome::of("modulus", sheet.title.as_str());
     followed::check(sheet)?;
     rod::check(sheet)?;
+    sheet.specimen.check_end_mass()?;
+    sheet.limits.check()?;
     sheet.checks.level()?;
     if let Some(laws) = &sheet.laws {
         laws.check()?;
@@ -219,6 +259,9 @@ pub(super) fn run_with(
     outcome.settings = sheet.defaults();
     context.progress.begins("reading", 0);
     let mut measured = measured::of(sheet, context, &mut outcome.settings)?;
+    if let (Some(band), Some(rate_hz)) = (&sheet.band, measured.sampling_rate_hz) {
+        plausible::below_nyquist(&band.to, rate_hz, "band.to")?;
+    }
     outcome.inputs = std::mem::take(&mut measured.inputs);
     outcome.log = std::mem::take(&mut measured.log);
     outcome.figures = std::mem::take(&mut measured.figures);
@@ -280,6 +323,10 @@ pub(super) fn run_with(
     }
     let reasons = reasons::of(found.estimate);
     statement::state(&mut outcome, &found, &reasons);
+    if context.draw.is_none() {
+        let mistake = mistaken::sensors(sheet, &measured, spectra, found.estimate)?;
+        outcome.warnings.extend(mistake);
+    }
     outcome.log.extend(reasons.log(found.estimate));
     outcome.tables.push(lines::table(&found, &reasons));
     if context.draw.is_some() {
@@ -303,14 +350,15 @@ pub(super) fn run_with(
     context.progress.begins("checking", 0);
     checks::check(&mut outcome, &as_measured)?;
     context.check_cancelled()?;
-    if sheet.causal && !matches!(outcome.verdict, Verdict::NotAllowed { .. }) {
+    let is_known = found.estimate.valid().next().is_some();
+    if sheet.causal && is_known {
         context.progress.begins("finding the causal modulus", 0);
         let estimate = estimate::causal(sheet, &measured, spectra, found.estimate);
         causal::state(&mut outcome, &found, estimate)?;
         context.check_cancelled()?;
     }
     if let Some(laws) = &sheet.laws
-        && !matches!(outcome.verdict, Verdict::NotAllowed { .. })
+        && is_known
     {
         context.progress.begins("fitting laws", laws.laws.len());
         fitted_laws::fit(&mut outcome, &found, laws, context)?;

@@ -128,6 +128,15 @@ impl ChannelSheet {
     /// correction.
     pub(super) fn chain(&self, field: &str) -> Result<Option<SensorChain>, RodlabError> {
         let refused = |error| RodlabError::step(field, error);
+        if let Some(Sensitivity(rating)) = &self.sensitivity
+            && rating.value() < 0.0
+        {
+            return Err(RodlabError::request(
+                format!("{field}.sensitivity"),
+                format!("{} {}", rating.value(), rating.unit()),
+                "a value above 0: state `inverted` as true for a sensor that points the other way",
+            ));
+        }
         let mut chain = match (&self.sensitivity, &self.bridge) {
             (Some(_), Some(_)) => {
                 return Err(RodlabError::request(

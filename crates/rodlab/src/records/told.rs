@@ -27,6 +27,48 @@ pub(crate) fn step_without_unit(series: &Series) -> Option<f64> {
     }
 }
 
+/// A unit of the sheet that replaces another one in some of the files.
+#[derive(Debug)]
+pub(super) struct ReplacedUnit {
+    /// The files that state the other unit.
+    files: Vec<String>,
+    /// The words after "the file states".
+    statement: String,
+}
+
+impl ReplacedUnit {
+    /// Adds `file` to the files with this statement.
+    fn note(all: &mut Vec<Self>, file: &str, statement: String) {
+        match all.iter_mut().find(|one| one.statement == statement) {
+            Some(one) if one.files.last().is_some_and(|last| last == file) => {}
+            Some(one) => one.files.push(file.to_owned()),
+            None => all.push(Self {
+                files: vec![file.to_owned()],
+                statement,
+            }),
+        }
+    }
+
+    /// The warning, which counts the files if there are several.
+    pub(super) fn warning(&self) -> String {
+        let statement = &self.statement;
+        match self.files.as_slice() {
+            [first, _, ..] => {
+                let n = self.files.len();
+                format!("{n} files, the first of them {first}, state {statement}")
+            }
+            files => format!("{} states {statement}", files.concat()),
+        }
+    }
+}
+
+/// Returns true for a table of rows with a column of times or another abscissa.
+fn has_time_column(contents: &Contents) -> bool {
+    let mut series = contents.series.iter();
+    matches!(contents.format, "csv" | "xlsx" | "xls" | "lvm")
+        && series.any(|series| series.abscissa_axis.label != "index")
+}
+
 impl Records {
     /// Adds to `contents` the sampling rate and the units that `file` does not record and the sheet
     /// states. Returns the series of every channel of the sheet: several if a file contains several
@@ -36,7 +78,7 @@ impl Records {
         contents: &mut Contents,
         file: &str,
         field: &str,
-        warnings: &mut Vec<String>,
+        replaced: &mut Vec<ReplacedUnit>,
     ) -> Result<Vec<Vec<usize>>, RodlabError> {
         let mut chosen = Vec::with_capacity(self.channels.len());
         for (at, channel) in self.channels.iter().enumerate() {
@@ -54,10 +96,16 @@ impl Records {
                     Selector::Number(_) => format!("a number from 1 to {}", contents.series.len()),
                     Selector::Name(_) => format!("one of {}", names.join(", ")),
                 };
+                let hint = match &channel.from {
+                    Selector::Number(_) if has_time_column(contents) => {
+                        "; the time column is not counted"
+                    }
+                    _ => "",
+                };
                 return Err(RodlabError::request(
                     format!("{field}.channels[{at}].from"),
                     channel.from.to_string(),
-                    format!("{expected} ({file})"),
+                    format!("{expected} ({file}){hint}"),
                 ));
             }
             if let Some(other) = namesake(contents, &channel.name, &series) {
@@ -73,11 +121,10 @@ impl Records {
             }
             for &index in &series {
                 self.complete_time(contents, index, file, field)?;
-                self.complete_unit(contents, index, at, file, field, warnings)?;
+                self.complete_unit(contents, index, at, file, field, replaced)?;
             }
             chosen.push(series);
         }
-        warnings.dedup();
         Ok(chosen)
     }
 
@@ -182,7 +229,7 @@ impl Records {
         at: usize,
         file: &str,
         field: &str,
-        warnings: &mut Vec<String>,
+        replaced: &mut Vec<ReplacedUnit>,
     ) -> Result<(), RodlabError> {
         let axis = &mut contents.series[index].ordinate_axis;
         let channel = &self.channels[at];
@@ -216,12 +263,16 @@ impl Records {
                 ));
             }
             if told.dimension() != unit.dimension() {
-                warnings.push(format!(
-                    "{file} states {} in {}; the unit of the sheet is used instead, {}.",
-                    channel.from,
-                    told.symbol(),
-                    unit.symbol()
-                ));
+                ReplacedUnit::note(
+                    replaced,
+                    file,
+                    format!(
+                        "{} in {}; the unit of the sheet is used instead, {}.",
+                        channel.from,
+                        told.symbol(),
+                        unit.symbol()
+                    ),
+                );
             }
         }
         *axis = SeriesAxis {

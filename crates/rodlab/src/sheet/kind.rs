@@ -1,6 +1,6 @@
 //! Kinds of quantities in the fields of a sheet.
 
-use labio::Dimension;
+use labio::{Dimension, Quantity};
 
 /// The kind of quantity of a field.
 pub trait Kind {
@@ -12,10 +12,13 @@ pub trait Kind {
     const DIMENSION: Dimension;
     /// True if zero and negative values are refused.
     const POSITIVE: bool;
+    /// Least and greatest value in SI, and the fault of a value outside, as in "`40` is outside -1
+    /// to 0.5"; by default any value.
+    const RANGE: Option<([f64; 2], &'static str)> = None;
 }
 
 macro_rules! kinds {
-    ($($(#[$doc:meta])* $name:ident: $words:literal, $example:literal, $unit:expr, $positive:literal;)*) => {$(
+    ($($(#[$doc:meta])* $name:ident: $words:literal, $example:literal, $unit:expr, $positive:literal $(, $range:expr)?;)*) => {$(
         $(#[$doc])*
         #[derive(Debug, Clone, Copy)]
         pub enum $name {}
@@ -25,6 +28,7 @@ macro_rules! kinds {
             const EXAMPLE: &'static str = $example;
             const DIMENSION: Dimension = $unit;
             const POSITIVE: bool = $positive;
+            $(const RANGE: Option<([f64; 2], &'static str)> = Some($range);)?
         }
     )*};
 }
@@ -40,10 +44,12 @@ const fn dimension(length: i8, mass: i8, time: i8, temperature: i8) -> Dimension
 }
 
 kinds! {
-    /// A length above 0 \[m\].
-    Length: "a length", "\"800 mm\"", dimension(1, 0, 0, 0), true;
-    /// A coordinate \[m\], of any sign.
-    Coordinate: "a coordinate", "\"0 mm\" or \"-12 mm\"", dimension(1, 0, 0, 0), false;
+    /// A length above 0 \[m\], at most 100 m.
+    Length: "a length", "\"800 mm\"", dimension(1, 0, 0, 0), true,
+        ([0.0, 100.0], "is above 100 m, the limit of a length: mm is the usual unit");
+    /// A coordinate \[m\], of any sign, at most 100 m from 0.
+    Coordinate: "a coordinate", "\"0 mm\" or \"-12 mm\"", dimension(1, 0, 0, 0), false,
+        ([-100.0, 100.0], "is more than 100 m from 0, the limit of a coordinate: mm is the usual unit");
     /// A mass above 0 \[kg\].
     ImpactMass: "a mass", "\"1.5 kg\" or \"2.9 gram\"", dimension(0, 1, 0, 0), true;
     /// A mass of 0 or more \[kg\]; 0 stands for an absent accelerometer.
@@ -76,6 +82,36 @@ kinds! {
     PerKelvin: "a change per degree", "\"-0.004 1/K\" or \"-0.004 1/K ± 0.001 1/K\"", dimension(0, 0, 0, -1), false;
     /// A pure number above 0.
     Ratio: "a pure number", "\"0.094\" or \"9.4 %\"", Dimension::NONE, true;
-    /// A Poisson's ratio, 0 or above.
-    PoissonRatio: "Poisson's ratio", "\"0.40\" or \"0.40 ± 0.02\"", Dimension::NONE, false;
+    /// A Poisson's ratio, from -1 to 0.5.
+    PoissonRatio: "Poisson's ratio", "\"0.40\" or \"0.40 ± 0.02\"", Dimension::NONE, false,
+        ([-1.0, 0.5], "is outside -1 to 0.5");
+}
+
+/// Returns the name of the quantity of this dimension with its article, such as `a mass`, if it has
+/// one.
+pub(super) fn name_of(dimension: Dimension) -> Option<&'static str> {
+    fn of<K: Kind>() -> (Dimension, &'static str) {
+        (K::DIMENSION, K::NAME)
+    }
+    let named = [
+        of::<Length>(),
+        of::<ImpactMass>(),
+        of::<Density>(),
+        of::<Time>(),
+        of::<Frequency>(),
+        of::<Velocity>(),
+        of::<Force>(),
+        of::<Pressure>(),
+        of::<SpecificImpedance>(),
+        of::<Stiffness>(),
+        of::<Viscosity>(),
+        of::<Temperature>(),
+        of::<PerKelvin>(),
+        of::<Ratio>(),
+        (Quantity::Acceleration.dimension(), "an acceleration"),
+        (Quantity::Charge.dimension(), "a charge"),
+        (Quantity::Voltage.dimension(), "a voltage"),
+    ];
+    let found = named.into_iter().find(|(known, _)| *known == dimension);
+    found.map(|(_, name)| name)
 }

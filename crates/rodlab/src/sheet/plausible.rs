@@ -1,9 +1,11 @@
 //! Checks for implausible values, and for counts whose computation would take too long. Both are
 //! refused before anything is computed.
 
-use super::{Density, Length, Stated};
+use std::fmt::Display;
+
+use super::{Density, Exact, Frequency, Length, Ratio, Stated};
 use crate::RodlabError;
-use crate::digits::significant;
+use crate::digits::{hertz, short, significant};
 
 /// Wave speeds of solids \[m/s\], from soft foams to diamond.
 const WAVE_SPEEDS: [f64; 2] = [20.0, 20_000.0];
@@ -72,6 +74,81 @@ pub(crate) fn diameter(
     ))
 }
 
+/// Checks the mass \[kg\] on the end of a specimen, stated at `field`; `specimen` is the mass of the
+/// specimen \[kg\].
+///
+/// # Errors
+///
+/// [`RodlabError::Request`] for a mass above that of the specimen, with both masses.
+pub(crate) fn end_mass(
+    stated: &impl Display,
+    mass: f64,
+    specimen: f64,
+    field: impl Into<String>,
+) -> Result<(), RodlabError> {
+    if mass <= specimen {
+        return Ok(());
+    }
+    let gram = |mass: f64| short(1e3 * mass);
+    Err(RodlabError::request(
+        field,
+        format!(
+            "`{stated}`, {} g, more than the specimen, {} g",
+            gram(mass),
+            gram(specimen)
+        ),
+        "less: gram is the usual unit",
+    ))
+}
+
+/// Checks the limit of a relative error at `field`.
+///
+/// # Errors
+///
+/// [`RodlabError::Request`] for a limit above `most`, with a hint if the `%` was probably forgotten.
+pub(crate) fn limit(
+    stated: &Exact<Ratio>,
+    most: f64,
+    field: impl Into<String>,
+) -> Result<(), RodlabError> {
+    if stated.si() <= most {
+        return Ok(());
+    }
+    let text = stated.to_string();
+    let hint = match text.parse::<f64>() {
+        Ok(_) => format!(": did you mean \"{text} %\"?"),
+        Err(_) => String::new(),
+    };
+    Err(RodlabError::request(
+        field,
+        format!("`{text}`, {} %", short(100.0 * stated.si())),
+        format!("at most {} %{hint}", short(100.0 * most)),
+    ))
+}
+
+/// Relative excess over half the sampling rate that is allowed: rates of files are rounded.
+const ROUNDED_RATE: f64 = 1e-3;
+
+/// Checks that the frequency at `field` is not above half the sampling rate \[Hz\].
+///
+/// # Errors
+///
+/// [`RodlabError::Request`] for a higher frequency.
+pub(crate) fn below_nyquist(
+    stated: &Exact<Frequency>,
+    rate_hz: f64,
+    field: impl Into<String>,
+) -> Result<(), RodlabError> {
+    if stated.si() <= 0.5 * rate_hz * (1.0 + ROUNDED_RATE) {
+        return Ok(());
+    }
+    Err(RodlabError::request(
+        field,
+        format!("`{stated}`"),
+        format!("at most {}, half the sampling rate", hertz(0.5 * rate_hz)),
+    ))
+}
+
 /// Checks a count of `what` stated at `field`.
 ///
 /// # Errors
@@ -95,6 +172,7 @@ pub(crate) fn at_most(
 
 #[cfg(test)]
 mod tests {
+    use super::super::AddedMass;
     use super::*;
 
     #[test]
@@ -112,6 +190,26 @@ mod tests {
             let found = density(&text.parse().unwrap(), "specimen.density");
             assert_eq!(found.is_ok(), is_solid, "{text}");
         }
+        let said = |checked: Result<(), RodlabError>| checked.unwrap_err().to_string();
+        let mass: Stated<AddedMass> = "0.8 kg".parse().unwrap();
+        assert!(end_mass(&mass, 0.8, 0.9, "mass").is_ok());
+        assert_eq!(
+            said(end_mass(&mass, 0.8, 0.08, "specimen.accelerometer_mass")),
+            "specimen.accelerometer_mass is `0.8 kg`, 800 g, more than the specimen, 80 g, expected less: gram is the usual unit"
+        );
+        let of = |text: &str| limit(&text.parse().unwrap(), 2.0, "limits.loss_factor");
+        assert!(of("0.2").is_ok() && of("200 %").is_ok());
+        assert_eq!(
+            said(of("20")),
+            "limits.loss_factor is `20`, 2000 %, expected at most 200 %: did you mean \"20 %\"?"
+        );
+        assert!(!said(of("300 %")).contains("did you mean"));
+        let band = |rate_hz| below_nyquist(&"25.6 kHz".parse().unwrap(), rate_hz, "band.to");
+        assert!(band(51_199.0).is_ok());
+        assert_eq!(
+            said(band(44_100.0)),
+            "band.to is `25.6 kHz`, expected at most 22.05 kHz, half the sampling rate"
+        );
         assert!(at_most(f64::NAN, 10.0, "cells", "cell").is_err());
         let said = at_most(1e9, 2000.0, "cells", "cell")
             .unwrap_err()

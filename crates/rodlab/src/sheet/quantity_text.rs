@@ -76,9 +76,22 @@ pub(crate) fn number_and_unit(text: &str) -> Result<(f64, Unit), String> {
 pub(super) fn number_and_unit_of(text: &str, expected: Dimension) -> Result<(f64, Unit), String> {
     let text = text.trim();
     let (number, unit) = text.split_at(number_of(text).len());
-    let number = number
+    let number: f64 = number
         .parse()
         .map_err(|_| "does not begin with a number".to_owned())?;
+    if let Some(behind) = unit.strip_prefix(',')
+        && behind.starts_with(|next: char| next.is_ascii_digit())
+    {
+        let with_point = text.replacen(',', ".", 1);
+        let digits = behind.chars().take_while(char::is_ascii_digit).count();
+        return Err(if digits == 3 && number.abs() >= 1.0 {
+            // it may separate thousands
+            let without = text.replacen(',', "", 1);
+            format!("has a comma in its number; write {with_point} or {without}")
+        } else {
+            format!("has a decimal comma; write {with_point}")
+        });
+    }
     // a pure number needs no unit
     let unit = if unit.trim().is_empty() { "1" } else { unit };
     let unit = Unit::parse_as(unit, expected).map_err(|error| match error {

@@ -7,7 +7,7 @@ use std::str::FromStr;
 use labio::{Dimension, Unit};
 use serde::de::{self, Deserialize, Deserializer, Visitor};
 
-use super::kind::Kind;
+use super::kind::{Kind, Temperature, name_of};
 use super::quantity_text::{number_and_unit_of, value_and_uncertainty};
 use super::typed::QUANTITY;
 use crate::RodlabError;
@@ -38,7 +38,7 @@ use crate::RodlabError;
 /// let error = "799 kg".parse::<Stated<Length>>().unwrap_err();
 /// assert_eq!(
 ///     error.to_string(),
-///     "`799 kg` has the dimension kg, expected a length, such as \"800 mm\", with or without ±"
+///     "`799 kg` has the dimension of a mass (kg), expected a length, such as \"800 mm\", with or without ±"
 /// );
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
@@ -160,7 +160,7 @@ pub(super) fn parsed<K: Kind>(text: &str) -> Result<ValueWithUncertainty, String
         return Err(if unit.symbol() == "1" {
             "has no unit".to_owned()
         } else {
-            format!("has the dimension {}", unit.dimension())
+            other_dimension::<K>(&unit)
         });
     }
     let value = unit.to_si(number);
@@ -170,6 +170,11 @@ pub(super) fn parsed<K: Kind>(text: &str) -> Result<ValueWithUncertainty, String
     if K::POSITIVE && value <= 0.0 {
         return Err("is not above 0".to_owned());
     }
+    if let Some(([least, most], problem)) = K::RANGE
+        && !(least..=most).contains(&value)
+    {
+        return Err(problem.to_owned());
+    }
     let standard_uncertainty = match uncertainty {
         None => None,
         Some(text) => Some(uncertainty_of::<K>(value, &unit, &text)?),
@@ -178,6 +183,22 @@ pub(super) fn parsed<K: Kind>(text: &str) -> Result<ValueWithUncertainty, String
         value,
         standard_uncertainty,
     })
+}
+
+/// The fault of a unit whose dimension is not that of `K`.
+fn other_dimension<K: Kind>(unit: &Unit) -> String {
+    let dimension = unit.dimension();
+    let found = match name_of(dimension) {
+        Some(name) => format!("has the dimension of {name} ({dimension})"),
+        None => format!("has the dimension {dimension}"),
+    };
+    // `C` is the coulomb, `F` the farad
+    match unit.symbol() {
+        symbol @ ("C" | "F") if K::DIMENSION == Temperature::DIMENSION => {
+            format!("{found}: write deg{symbol}")
+        }
+        _ => found,
+    }
 }
 
 /// Standard uncertainty that `text` states for `value`, which is written in `unit`.
@@ -357,7 +378,10 @@ mod tests {
         let mass: Stated<ImpactMass> = "2.9 g ± 30 mg".parse().unwrap();
         assert!((mass.with_uncertainty().uncertainty() - 3e-5).abs() < 1e-19);
         let wrong = written::<Velocity>("3 g");
-        assert!(wrong.contains("has the dimension m s^-2"), "{wrong}");
+        assert!(
+            wrong.contains("has the dimension of an acceleration (m s^-2)"),
+            "{wrong}"
+        );
     }
 
     #[test]
@@ -383,6 +407,12 @@ mod tests {
             written::<Length>("799 furlong"),
             written::<Length>("799 mm ± 1 kg"),
             written::<Frequency>("51,2 kHz"),
+            written::<Frequency>("51,200 Hz"),
+            written::<Temperature>("50 C"),
+            written::<ImpactMass>("600 N"),
+            written::<Length>("600 m ± 0.2 mm"),
+            written::<Coordinate>("-600 m"),
+            written::<PoissonRatio>("40"),
         ]
         .join("\n");
         insta::assert_snapshot!(errors);

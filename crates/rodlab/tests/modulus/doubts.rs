@@ -34,6 +34,9 @@ fn ends_that_are_interchanged_are_not_allowed_and_say_why() {
         panic!("{:?}", outcome.summary)
     };
     assert!(reason.contains("number of waves in doubt"), "{reason}");
+    let warnings = &outcome.warnings;
+    let mistake = "if the channels of the two ends were interchanged: interchange";
+    assert!(warnings.iter().any(|w| w.contains(mistake)), "{warnings:?}");
 
     // a sensor that points the other way
     let inverted = sheet(TWO_POINT, BAND).replace(
@@ -55,7 +58,6 @@ fn ends_that_are_interchanged_are_not_allowed_and_say_why() {
         "{:?}",
         outcome.summary
     );
-
     // rejected by hand
     let all = sheet(TWO_POINT, BAND).replace(
         "cut: Trigger",
@@ -71,6 +73,29 @@ fn ends_that_are_interchanged_are_not_allowed_and_say_why() {
         "{:?}",
         outcome.summary
     );
+}
+
+/// The loss factor is never known to 0.1 % here; E' is.
+#[test]
+fn the_storage_modulus_is_stated_where_the_loss_factor_is_not_known() {
+    let folder = TempDir::new().unwrap();
+    let rod = virtual_rod::polypropylene();
+    virtual_rod::write_hits(folder.path(), 10, 1993);
+    let limits = "limits: (loss_factor: \"0.1 %\"), report_at: [\"5 kHz\"],";
+    let text = sheet(TWO_POINT, &format!("{BAND}\n{limits}"));
+    let outcome = run(folder.path(), &text).unwrap();
+    assert_eq!(outcome.verdict, Verdict::Answered, "{:?}", outcome.summary);
+    assert!(is_valid(&outcome).iter().all(|valid| !valid));
+    let first = &outcome.summary[0];
+    assert!(first.starts_with("E' = 2.") && first.contains("The loss factor is known on none"));
+    let of = |name: &str| {
+        let mut quantities = outcome.quantities.iter();
+        quantities.find(|q| q.name.starts_with(name)).unwrap()
+    };
+    let (modulus, loss) = (of("storage modulus at 4.99"), of("loss factor at 4.99"));
+    assert!(modulus.valid && !loss.valid);
+    let apart = 1e9 * modulus.value.unwrap() - rod(4992.0).re;
+    assert!(apart.abs() < 3e9 * modulus.standard_error.unwrap()); // three standard errors
 }
 
 /// `hits.npy` of the folder under another name, each sample changed.
@@ -273,7 +298,7 @@ fn what_is_wrong_is_said() {
     finding the modulus: least coherence is 1.2, expected a value from 0 to 1
     source is a ratio, expected hits: MultiPoint needs the spectra of all gauges
     source.ratio.errors.coherence.column (psi.csv) is `gamma`, expected one of the columns `real`, `imaginary`
-    FOLDER/test.ron:1:253: Modulus.source.Ratio.errors.Relative.of_value: `1 mm` has the dimension m, expected a pure number, such as "0.094" or "9.4 %"
+    FOLDER/test.ron:1:253: Modulus.source.Ratio.errors.Relative.of_value: `1 mm` has the dimension of a length (m), expected a pure number, such as "0.094" or "9.4 %"
     source.ratio.values.complex (psi.csv) is `real`, a column of real numbers, expected complex numbers, or `real` and `imaginary` separately
     method.free_end.first.quantity is missing, expected Strain, Displacement, Velocity or Acceleration: a ratio in a file does not state it
     source.ratio.errors.standard_error.column, line 2 is -0.1, expected a standard error of 0 or more

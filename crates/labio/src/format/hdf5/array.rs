@@ -5,7 +5,7 @@ use hdf5_reader::Dataset;
 use super::coordinate::{along, is_scale};
 use super::values::{axis_of, is_text, numbers, shape_of, unpacked};
 use super::{Hierarchy, refused, text_of};
-use crate::format::matlab_array::single;
+use crate::format::matlab_array::{misplaced, single};
 use crate::series::every;
 use crate::{Abscissa, LabioError, Ordinate, Place, Series, SeriesKind};
 
@@ -70,6 +70,10 @@ pub(super) fn read(
     } else {
         (n_others, last, shape.len().saturating_sub(1))
     };
+    if let Some(found) = misplaced(&shape, length) {
+        let text = format!("{found}, skipped: save one data set per hit");
+        return hierarchy.reading.property(at, name.to_owned(), text);
+    }
     let (abscissa, abscissa_axis) = along(dataset, axis, length, name, hierarchy)?;
     for index in 0..n_series {
         let (first, step) = if along_first {

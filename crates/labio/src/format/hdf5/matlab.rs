@@ -168,6 +168,9 @@ fn variable(
             if let Some(text) = single(&values) {
                 return hierarchy.reading.property(at, name.to_owned(), text);
             }
+            if let Some(found) = array.misplaced() {
+                return hierarchy.reading.property(at, name.to_owned(), found);
+            }
             for series in array.series(&values) {
                 hierarchy.reading.series(at, series)?;
             }

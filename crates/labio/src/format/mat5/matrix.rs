@@ -350,6 +350,9 @@ fn numbers(
     if let Some(text) = single(&values) {
         return reading.property(head.at, name, text);
     }
+    if let Some(found) = array.misplaced() {
+        return reading.property(head.at, name, found);
+    }
     for series in array.series(&values) {
         reading.series(head.at, series)?;
     }

@@ -10,7 +10,7 @@ use super::FitSheet;
 use super::columns::Row;
 use crate::digits::{short, significant};
 use crate::records::Selector;
-use crate::sheet::{Exact, Temperature};
+use crate::sheet::{Exact, Language, Temperature};
 use crate::{Outcome, RodlabError};
 
 /// Default of the largest difference between neighbouring temperatures within a step \[K\].
@@ -118,13 +118,14 @@ pub(super) fn of(
     sheet: &FitSheet,
     rows: Vec<Row>,
     scale: ErrorScale,
+    language: Language,
     outcome: &mut Outcome,
 ) -> Result<Vec<Step>, RodlabError> {
     let within = match &sheet.steps {
         Some(StepsSheet::Within(difference)) => {
             if !difference.to_string().trim_end().ends_with('K') {
                 return Err(RodlabError::request(
-                    "steps.Within",
+                    format!("steps.{}", language.name_of("Within")),
                     format!("`{difference}`"),
                     "a difference of temperatures in K, such as \"1 K\"",
                 ));
@@ -154,7 +155,7 @@ pub(super) fn of(
                     celsius(step.range.0),
                     celsius(step.range.1)
                 ),
-                "steps of temperature: state `steps: Column(...)`, `steps: ByFile`, or a smaller `steps: Within(...)`",
+                format!("steps of temperature: state {}", choices(language)),
             ));
         }
         if spread > within && widest.is_none_or(|other| spread > other.range.1 - other.range.0) {
@@ -189,6 +190,16 @@ pub(super) fn of(
         ));
     }
     Ok(steps)
+}
+
+/// The other choices of steps, in the language of the sheet.
+fn choices(language: Language) -> &'static str {
+    match language {
+        Language::Ron => "`steps: Column(...)`, `steps: ByFile`, or a smaller `steps: Within(...)`",
+        Language::Toml | Language::Json => {
+            "`steps.column`, `steps` as \"by_file\", or a smaller `steps.within`"
+        }
+    }
 }
 
 /// Order of a number, as bits that are equal for equal numbers.
@@ -373,4 +384,15 @@ fn evenly_in_logarithm(rows: Vec<Row>, most: usize) -> Vec<Row> {
             is_new
         })
         .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn choices_are_named_as_in_the_sheet() {
+        assert!(choices(Language::Ron).contains("`steps: ByFile`"));
+        assert!(choices(Language::Toml).contains("`steps.column`"));
+    }
 }

@@ -98,6 +98,19 @@ impl Estimated {
         leaks.get(middle).copied().zip(errors.get(middle).copied())
     }
 
+    /// The one of `lines` with the largest relative error by leakage, and this error, where it
+    /// exceeds the random error of the complex line.
+    pub(super) fn largest_leakage(&self, lines: &[usize]) -> Option<(usize, f64)> {
+        let errors = self.response.random_error()?;
+        let leakage = self.leakage.as_ref()?;
+        let exceeding = lines.iter().filter_map(|line| {
+            let (leak, error) = (leakage.get(*line)?, errors.get(*line)?);
+            let random = std::f64::consts::SQRT_2 * error.magnitude;
+            (leak.is_finite() && *leak > random).then_some((*line, *leak))
+        });
+        exceeding.max_by(|a, b| a.1.total_cmp(&b.1))
+    }
+
     /// Returns true if the line is valid.
     pub(super) fn is_valid(&self, line: usize) -> bool {
         self.objections.get(line).is_some_and(Option::is_none)

@@ -287,8 +287,18 @@ pub(super) fn merit(estimated: &Estimated, output: &str, input: &str, band: Band
     } else {
         String::new()
     };
+    let leakage = estimated
+        .largest_leakage(&valid)
+        .map_or_else(String::new, |(line, leakage)| {
+            format!(
+                "; an error {} adds up to {} %, at {}",
+                estimated.cause,
+                short(100.0 * leakage),
+                hertz(response.frequency_hz[line])
+            )
+        });
     let sentence = format!(
-        "{} of `{output}` over `{input}` between {} and {}: {of_errors}{calibration}.",
+        "{} of `{output}` over `{input}` between {} and {}: {of_errors}{leakage}{calibration}.",
         capital(&name_of(response)),
         hertz(band.from_hz),
         hertz(band.to_hz),

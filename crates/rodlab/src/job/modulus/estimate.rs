@@ -52,7 +52,7 @@ pub(super) fn estimate(
 }
 
 /// The modulus with the sensors as stated.
-fn plain(
+pub(super) fn plain(
     sheet: &ModulusSheet,
     measured: &Measured,
     spectra: &Spectra,

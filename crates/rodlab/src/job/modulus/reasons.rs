@@ -130,10 +130,10 @@ impl Reasons {
         named.join(", ")
     }
 
-    /// Remedy for the most frequent reason; `None` if there is no general one.
-    pub(super) fn advice(&self) -> Option<&'static str> {
+    /// Sentence with the remedy for the most frequent reason; `None` if there is no general one.
+    pub(super) fn advice_in_words(&self) -> Option<String> {
         let (reason, _) = self.counts.first()?;
-        advice(reason)
+        Some(format!("For more valid lines: {}.", advice(reason)?))
     }
 
     /// Log entries: one for the valid lines, one for each reason against the other lines, and one
@@ -187,6 +187,20 @@ impl Reasons {
         }
         log
     }
+}
+
+/// Number of lines whose waves are neither too long nor too short for the specimen.
+pub(super) fn n_suitable(estimate: &ModulusEstimate) -> usize {
+    let is_of_wavelength = |violation: &Violation| {
+        matches!(
+            violation,
+            Violation::WavelengthTooLong { .. } | Violation::WavelengthTooShort { .. }
+        )
+    };
+    let lines = estimate.lines().iter();
+    lines
+        .filter(|line| !line.validity.violations().iter().any(is_of_wavelength))
+        .count()
 }
 
 pub(super) fn lines(count: usize) -> String {

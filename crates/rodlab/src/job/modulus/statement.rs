@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use cmod::ModulusLine;
 use cmod::estimate::ErrorSource;
 
-use super::reasons::{Reasons, lines};
+use super::reasons::{Reasons, lines, n_suitable};
 use super::{Found, MethodSheet};
 use crate::Outcome;
 use crate::digits::{hertz, percent, to_error};
@@ -20,6 +20,9 @@ pub(super) fn state(outcome: &mut Outcome, found: &Found<'_>, reasons: &Reasons)
     let all = found.estimate.lines();
     let valid: Vec<&ModulusLine> = found.estimate.valid().collect();
     let (Some(first), Some(last)) = (valid.first(), valid.last()) else {
+        if storage_modulus_alone(outcome, found, reasons) {
+            return;
+        }
         let why = if all.is_empty() {
             found
                 .estimate
@@ -33,29 +36,15 @@ pub(super) fn state(outcome: &mut Outcome, found: &Found<'_>, reasons: &Reasons)
             "none of {} is valid: {why}",
             lines(all.len() + found.estimate.refused().len())
         );
-        outcome
-            .summary
-            .insert(0, format!("There is no modulus: {reason}."));
+        let no_modulus = format!("There is no modulus: {reason}.");
+        outcome.summary.insert(0, no_modulus);
+        outcome.summary.extend(reasons.advice_in_words());
         outcome.refuse(reason);
         at_frequencies(outcome, found, &[]);
         return;
     };
     let named = at_frequencies(outcome, found, &decades(first, last));
-    let middle = (first.frequency_hz * last.frequency_hz).sqrt();
-    let to_middle = |line: &&ModulusLine| (line.frequency_hz / middle).ln().abs();
-    let nearest = |lines: &[&ModulusLine]| -> Option<usize> {
-        let mut best: Option<(usize, f64)> = None;
-        for (index, line) in lines.iter().enumerate() {
-            let distance = to_middle(line);
-            if best.is_none_or(|(_, least)| distance < least) {
-                best = Some((index, distance));
-            }
-        }
-        best.map(|(index, _)| index)
-    };
-    let best = nearest(&named)
-        .and_then(|index| named.get(index))
-        .or_else(|| nearest(&valid).and_then(|index| valid.get(index)));
+    let best = middle_of(&named, first, last).or_else(|| middle_of(&valid, first, last));
     if let Some(line) = best {
         outcome
             .summary
@@ -66,7 +55,7 @@ pub(super) fn state(outcome: &mut Outcome, found: &Found<'_>, reasons: &Reasons)
         format!(
             "Found by {}. Errors are one standard error: random ones are due to noise and independent from line to line, common ones are shared by all lines, {}.",
             found.sheet.method.words(),
-            best.map_or_else(String::new, |line| by_sources(line)),
+            best.map_or_else(String::new, by_sources),
         ),
     );
     if valid.len() < all.len() {
@@ -78,13 +67,73 @@ pub(super) fn state(outcome: &mut Outcome, found: &Found<'_>, reasons: &Reasons)
             "{others} not valid; a line can have several reasons: {}.",
             reasons.commonest(3)
         ));
-        if let Some(advice) = reasons.advice() {
-            outcome
-                .summary
-                .push(format!("For more valid lines: {advice}."));
-        }
+        outcome.summary.extend(reasons.advice_in_words());
     }
     warn(outcome, found, &valid);
+}
+
+/// Returns the line nearest to the middle of the band from `first` to `last`, on a logarithmic axis.
+fn middle_of<'a>(
+    lines: &[&'a ModulusLine],
+    first: &ModulusLine,
+    last: &ModulusLine,
+) -> Option<&'a ModulusLine> {
+    let middle = (first.frequency_hz * last.frequency_hz).sqrt();
+    let distance = |line: &ModulusLine| (line.frequency_hz / middle).ln().abs();
+    let lines = lines.iter().copied();
+    lines.min_by(|a, b| distance(a).total_cmp(&distance(b)))
+}
+
+/// States E' of lines of which only the error of the loss factor exceeds its limit, if no line is
+/// valid; returns false if they are less than half of the lines whose waves have a suitable length:
+/// with a reversed sensor a few lines may be free of other reasons by chance.
+fn storage_modulus_alone(outcome: &mut Outcome, found: &Found<'_>, reasons: &Reasons) -> bool {
+    let all = found.estimate.lines();
+    let known = all
+        .iter()
+        .filter(|line| line.validity.storage_modulus_is_valid());
+    let known: Vec<&ModulusLine> = known.collect();
+    let (Some(first), Some(last)) = (known.first(), known.last()) else {
+        return false;
+    };
+    if 2 * known.len() < n_suitable(found.estimate) {
+        return false;
+    }
+    at_frequencies(outcome, found, &decades(first, last));
+    let Some(line) = middle_of(&known, first, last) else {
+        return false;
+    };
+    let (modulus, unit) = in_pascal(line.modulus.re);
+    let relative = line.standard_error.storage_modulus / line.modulus.re;
+    outcome.summary.insert(
+        0,
+        format!(
+            "E' = {} {unit} ± {} at {}; it is known on {} of {} from {} to {}. The loss factor is known on none of them: at {} it is {} ± {}, and {}.",
+            to_error(modulus, modulus * relative),
+            percent(relative),
+            hertz(line.frequency_hz),
+            known.len(),
+            lines(all.len()),
+            hertz(first.frequency_hz),
+            hertz(last.frequency_hz),
+            hertz(line.frequency_hz),
+            to_error(line.loss_factor, line.standard_error.loss_factor),
+            percent((line.standard_error.loss_factor / line.loss_factor).abs()),
+            line.validity,
+        ),
+    );
+    outcome.summary.insert(1, format!(
+        "Found by {}. Errors are one standard error. A loss factor counts as known if its error is within `limits.loss_factor`, with the certainty of five standard errors.",
+        found.sheet.method.words()
+    ));
+    outcome.summary.extend(reasons.advice_in_words());
+    if found.sheet.laws.is_some() {
+        outcome
+            .warnings
+            .push("No law is fitted, because the loss factor is known on no line.".to_owned());
+    }
+    warn(outcome, found, &known);
+    true
 }
 
 fn answer(
@@ -207,6 +256,8 @@ fn at_frequencies<'a>(
             Some(line) => {
                 if line.validity.is_valid() {
                     valid.push(line);
+                } else if line.validity.storage_modulus_is_valid() {
+                    // a quantity of the line is known
                 } else if asked.is_none() {
                     // a default frequency on an invalid line
                     continue;
@@ -232,29 +283,41 @@ fn at_frequencies<'a>(
 
 fn of_line(outcome: &mut Outcome, line: &ModulusLine) {
     let at = hertz(line.frequency_hz);
-    let valid = line.validity.is_valid();
     let error = &line.standard_error;
     let (_, unit) = in_pascal(line.modulus.re);
     let scale = if unit == "GPa" { 1e-9 } else { 1e-6 };
-    for (name, unit, value, error) in [
+    let (complex, real) = (
+        line.validity.is_valid(),
+        line.validity.storage_modulus_is_valid(),
+    );
+    for (name, unit, value, error, valid) in [
         (
             "storage modulus",
             unit,
             scale * line.modulus.re,
             scale * error.storage_modulus,
+            real,
         ),
         (
             "loss modulus",
             unit,
             scale * line.modulus.im,
             scale * error.loss_modulus,
+            complex,
         ),
-        ("loss factor", "", line.loss_factor, error.loss_factor),
+        (
+            "loss factor",
+            "",
+            line.loss_factor,
+            error.loss_factor,
+            complex,
+        ),
         (
             "phase velocity",
             "m/s",
             line.phase_velocity,
             error.phase_velocity,
+            real,
         ),
     ] {
         outcome.quantities.push(Quantity {
@@ -263,7 +326,11 @@ fn of_line(outcome: &mut Outcome, line: &ModulusLine) {
             value: Some(value),
             standard_error: Some(error),
             valid,
-            verdict: line.validity.to_string(),
+            verdict: if valid {
+                "valid".to_owned()
+            } else {
+                line.validity.to_string()
+            },
         });
     }
 }

@@ -1,5 +1,7 @@
 //! The test of paper A: accelerations of both ends of a rod struck at one of them.
 
+use std::f64::consts::PI;
+
 use labio::Quantity;
 use rodwave::element::Circle;
 use rodwave::experiment::end_accelerations::{EndAccelerationTest, Specimen};
@@ -11,7 +13,7 @@ use super::truth::{self, Truth};
 use super::{Evaluation, Made, Request, StruckRod, analytic};
 use crate::RodlabError;
 use crate::job::JobContext;
-use crate::sheet::{AddedMass, Exact, Length};
+use crate::sheet::{AddedMass, Exact, Length, plausible};
 
 const STRUCK: &str = "struck end";
 const FREE: &str = "free end";
@@ -45,6 +47,12 @@ impl EndAccelerationsSheet {
         self.blows.check(&format!("{FIELD}.blows"), instrument, 2)?;
         let medium = analytic(request, &self.material, &format!("{FIELD}.material"))?;
         let mass = self.accelerometer_mass.as_ref().map_or(0.0, Exact::si);
+        if let Some(stated) = &self.accelerometer_mass {
+            let section = 0.25 * PI * self.diameter.si().powi(2);
+            let specimen = medium.density() * section * self.length.si();
+            let field = format!("{FIELD}.accelerometer_mass");
+            plausible::end_mass(stated, mass, specimen, field)?;
+        }
         let specimen = Specimen {
             section: Circle::of_diameter(self.diameter.si())
                 .map_err(refused)?

@@ -16,7 +16,7 @@ pub(super) fn read(text: &str) -> Result<Node, Vec<Mistake>> {
     if !errors.is_empty() {
         let mistakes = errors.iter();
         return Err(mistakes
-            .map(|error| mistake(error.span().unwrap_or(0..0), error.message()))
+            .map(|error| mistake(text, error.span().unwrap_or(0..0), error.message()))
             .collect());
     }
     let place = table.span();
@@ -26,8 +26,15 @@ pub(super) fn read(text: &str) -> Result<Node, Vec<Mistake>> {
     })
 }
 
-/// The mistake `problem`; a backslash that starts no escape is often one of a path of Windows.
-fn mistake(place: Place, problem: &str) -> Mistake {
+/// The mistake `problem` in `text`; a repeated key is named, and a backslash that starts no escape
+/// is often one of a path of Windows.
+fn mistake(text: &str, place: Place, problem: &str) -> Mistake {
+    if problem == "duplicate key"
+        && let Some(key) = text.get(place.clone())
+    {
+        let name = key.trim_matches(['"', '\'']);
+        return Mistake::new(place, format!("the field `{name}` is stated twice"));
+    }
     if !problem.contains("escaped value") && !problem.contains("unicode") {
         return Mistake::new(place, problem);
     }
