@@ -112,6 +112,14 @@ pub struct CalibratedSource {
 }
 
 impl CalibratedSource {
+    /// Returns the size with its standard error as the lines alone determine them, without the
+    /// stated uncertainty; `None` if they do not.
+    #[must_use]
+    pub fn by_lines_alone(&self) -> Option<(f64, f64)> {
+        let told = 1.0 - self.standard_error * self.standard_error;
+        (told > f64::EPSILON).then(|| (self.size / told, self.standard_error / told.sqrt()))
+    }
+
     /// Returns the size divided by its standard deviation over records whose error is as stated:
     /// beyond about ±3 the record contradicts the stated uncertainty.
     #[must_use]

@@ -64,7 +64,8 @@ impl fmt::Display for FitFlag {
                 deviations,
             } => write!(
                 f,
-                "test `{test}` alone would change {parameter} by {change:.3}, {deviations:.1} standard deviations"
+                "test `{test}` alone would change {} by {change:.3}, {deviations:.1} standard deviations",
+                in_words(parameter)
             ),
             Self::ArrivalOff { test, lag } => write!(
                 f,
@@ -82,7 +83,8 @@ impl fmt::Display for FitFlag {
             ),
             Self::Curved { parameter } => write!(
                 f,
-                "the limits of {parameter} from the data differ from those implied by its standard error"
+                "the limits of {} from the data differ from those implied by its standard error",
+                in_words(parameter)
             ),
             Self::GridTooCoarse {
                 difference,
@@ -94,6 +96,15 @@ impl fmt::Display for FitFlag {
                 100.0 * requested
             ),
         }
+    }
+}
+
+/// Returns the words for the name of a parameter, such as `the logarithm of the modulus` for
+/// `ln_modulus`.
+fn in_words(name: &str) -> String {
+    match name.strip_prefix("ln_") {
+        Some(of) => format!("the logarithm of the {}", of.replace('_', " ")),
+        None => format!("the {}", name.replace('_', " ")),
     }
 }
 

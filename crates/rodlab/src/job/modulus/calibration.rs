@@ -69,12 +69,16 @@ pub(super) fn state(
                 "as stated: the lines do not determine it well".to_owned()
             },
         });
-        let numbers = format!(
-            "{}, stated (0 ± {}) {unit}",
-            with_unit(size, Some(error), unit),
-            short(*stated)
-        );
+        let against_stated = |size: f64, error: f64| {
+            let found = with_unit(size, Some(error), unit);
+            format!("{found}, stated (0 ± {}) {unit}", short(*stated))
+        };
+        let numbers = against_stated(size, error);
         if contradicts(source) {
+            let (size, error) = source
+                .by_lines_alone()
+                .unwrap_or((source.size, source.standard_error));
+            let numbers = against_stated(stated * size, stated * error);
             outcome.doubt(format!(
                 "the lines indicate another {name}, {numbers}: more than its stated uncertainty explains"
             ));

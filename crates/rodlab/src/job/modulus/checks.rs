@@ -273,9 +273,9 @@ fn in_words(made: &CheckOutcome, found: &Found<'_>) -> String {
             "E'' is below 0 by more than its errors allow: the ends may be interchanged, or a channel may be delayed or inverted"
         }
         Check::KramersKronig => {
-            "E' and E'' do not belong to one relaxing material: a mass on an end, or a gain, delay or sign of a channel, that is not as stated, a \
-             record that ends before the rod is at rest, a resonance of a support or a sensor, lateral inertia, or errors that are stated \
-             too small"
+            "E' and E'' do not belong to one relaxing material: the sampling rate, a mass on an end, or a gain, delay or sign of a channel is \
+             not as stated, the record ends before the rod is at rest, a support or a sensor resonates, lateral inertia is not taken out, \
+             or errors are stated too small"
         }
         Check::FreeEndNull => {
             "the gauges do not indicate a free end: a gauge may be elsewhere than stated, wired the other way round or wrongly calibrated, \

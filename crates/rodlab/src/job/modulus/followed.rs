@@ -9,28 +9,28 @@ use crate::sheet::Stated;
 /// Refuses an uncertainty that the method of `sheet` does not propagate.
 pub(super) fn check(sheet: &ModulusSheet) -> Result<(), RodlabError> {
     let (specimen, method) = (&sheet.specimen, &sheet.method);
-    let name = method.name();
+    let name = method.words();
     for (section, field) in method.sections() {
         on_the_end(section, field)?;
     }
     let used = method.use_of_specimen();
     if !used.length {
-        let why = format!("{name} does not use it");
+        let why = format!("it is not used by {name}");
         exact(specimen.length.as_ref(), "specimen.length", &why)?;
     }
     let mass = specimen.accelerometer_mass.as_ref();
     if !used.end_mass {
-        let why = format!("{name} does not propagate it");
+        let why = format!("it is not propagated by {name}");
         exact(mass, "specimen.accelerometer_mass", &why)?;
     }
     // the diameter matters only through that mass
     let has_mass = mass.is_some_and(|mass| mass.with_uncertainty().value > 0.0);
     if !(used.end_mass && has_mass) {
         let why = if used.end_mass {
-            format!("without a mass on the end {name} does not propagate it")
+            "without a mass on the end the modulus does not depend on the diameter".to_owned()
         } else {
             format!(
-                "{name} does not propagate it: the modulus of a thin rod does not depend on it, and for lateral inertia only that of Poisson's ratio is propagated"
+                "it is not propagated by {name}: the modulus of a thin rod does not depend on it, and for lateral inertia only that of Poisson's ratio is propagated"
             )
         };
         exact(Some(&specimen.diameter), "specimen.diameter", &why)?;
