@@ -207,3 +207,40 @@ fn free_vibration_of_several_blows_is_averaged() {
         );
     }
 }
+
+/// Two seconds of a rod whose modes are over after a tenth of them, and one whose decay rate falls to
+/// two thirds when the amplitude is at a third.
+#[test]
+fn free_vibration_that_is_over_early_is_found_and_a_changing_decay_is_named() {
+    let bar = RingingRod::steel(0.02);
+    let n = (2.0 * bar.rate) as usize;
+    let record = RingingRod::recorded(&bar.ringing(n), 1e-3, 3);
+    let method = method(&bar, 5000.0);
+    let poles = method.poles(&[&record[FREE..]], bar.rate).unwrap();
+    assert!(
+        poles.found.len() >= 3 && poles.changing.is_empty(),
+        "{poles:?}"
+    );
+    for line in method.estimate(&poles.found).unwrap().lines() {
+        let truth = bar.modulus_at(Complex64::new(0.0, TAU * line.frequency_hz));
+        let apart = line.loss_factor - truth.im / truth.re;
+        assert!(
+            apart.abs() < 5.0 * line.standard_error.loss_factor,
+            "{line:?}"
+        );
+    }
+    let (omega, decay) = (poles.found[0].s.im, -poles.found[0].s.re);
+    let falling = |t: f64| {
+        // the envelope of quadratic and linear damping together
+        let fallen = (-decay * t).exp();
+        fallen / (1.0 + 0.5 * (1.0 - fallen)) * (omega * t).cos()
+    };
+    let samples: Vec<f64> = (0..n).map(|k| falling(k as f64 / bar.rate)).collect();
+    let record = RingingRod::recorded(&samples, 1e-4, 4);
+    let poles = method.poles(&[&record], bar.rate).unwrap();
+    let changing = poles.changing.first().expect("a decay rate that falls");
+    assert!(
+        changing.order == 1 && changing.later < 0.95 * changing.decay_rate,
+        "{changing:?}"
+    );
+}

@@ -27,6 +27,15 @@ const WIDTHS: f64 = 6.0;
 const UNKNOWNS: usize = 5;
 /// Maximum number of steps of the iteration.
 const MOST_STEPS: usize = 60;
+/// Minimum number of lines from one mode to the next in a record that is cut.
+const LINES_PER_SPACING: f64 = 50.0;
+/// Variance of a mode from a shorter part of the records, relative to that from a longer one, below
+/// which it replaces it.
+const BETTER: f64 = 0.5;
+/// Number of standard errors by which a decay rate has to change to be reported.
+const CHANGES_BEYOND: f64 = 5.0;
+/// Fraction of itself by which a decay rate has to change to be reported.
+const CHANGES: f64 = 0.03;
 /// Fraction of the sampling rate up to which modes are sought.
 const HIGHEST: f64 = 0.45;
 
@@ -52,6 +61,18 @@ pub struct Missing {
     pub frequency_hz: f64,
 }
 
+/// A mode whose decay rate changes while it decays: damping that depends on the amplitude, or two
+/// modes close together.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ChangingDecay {
+    /// Number of the mode, from 1.
+    pub order: u32,
+    /// Decay rate δ from the beginning of the records [1/s].
+    pub decay_rate: f64,
+    /// Decay rate after the amplitude has fallen to 1/e [1/s].
+    pub later: f64,
+}
+
 /// The modes of a rod.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
@@ -64,6 +85,8 @@ pub struct Poles {
     /// more than a tenth of that of the strongest mode: another vibration, or a wave speed that is
     /// far off.
     pub strongest_elsewhere: Option<f64>,
+    /// The modes whose decay is not exponential.
+    pub changing: Vec<ChangingDecay>,
 }
 
 impl Poles {
@@ -81,6 +104,10 @@ impl Poles {
     /// these lines from the residual. The frequency of a mode predicts that of the next mode. The
     /// poles of several records are averaged; if they differ by more than their errors, the
     /// variance of the mean follows from their scatter.
+    ///
+    /// A mode that is over long before the end of the records is drowned there by their noise. The
+    /// first half, quarter, ... of each record is therefore tried too, and replaces a longer part
+    /// if it halves the variance.
     ///
     /// # Errors
     /// [`CmodError::NonPhysical`] for a rate that is not above 0, a sample that is not finite, or
@@ -100,18 +127,30 @@ impl Poles {
                 expected: "at least 64",
             });
         }
-        let spectra: Vec<Spectrum> = records
-            .iter()
-            .map(|record| Spectrum::of(record, rate_hz))
-            .collect::<Result<_, _>>()?;
+        let mut parts: Vec<Vec<Spectrum>> = Vec::new();
+        let spacing_hz = PI * hz_per_phase;
+        let mut divisor = 1;
+        while divisor == 1
+            || (shortest / divisor >= 64
+                && spacing_hz * (shortest / divisor) as f64 >= LINES_PER_SPACING * rate_hz)
+        {
+            let of_part = records.iter().map(|record| {
+                let part = record.get(..record.len() / divisor);
+                Spectrum::of(part.unwrap_or_default(), rate_hz)
+            });
+            parts.push(of_part.collect::<Result<_, _>>()?);
+            divisor *= 2;
+        }
         let mut poles = Self {
             found: Vec::new(),
             missing: Vec::new(),
             strongest_elsewhere: None,
+            changing: Vec::new(),
         };
         let mut per_phase = hz_per_phase;
         let mut taken: Vec<(f64, f64)> = Vec::new();
         let mut lowest = f64::INFINITY;
+        let mut of_first = 0;
         for (order, phase) in (1_u32..).zip(phases) {
             let expected = per_phase * phase;
             let reach = REACH * PI * per_phase;
@@ -119,16 +158,46 @@ impl Poles {
             if expected + reach > HIGHEST * rate_hz {
                 break;
             }
-            let fits: Vec<Fit> = spectra
-                .iter()
-                .filter_map(|spectrum| spectrum.mode(expected, reach))
-                .collect();
-            match mean(&fits) {
-                Some((s, variance, freedom)) => {
+            let mut best: Option<Mean> = None;
+            let mut of_best = 0;
+            for (part, spectra) in parts.iter().enumerate() {
+                let fits = spectra
+                    .iter()
+                    .filter_map(|spectrum| spectrum.mode(expected, reach));
+                let found = mean(&fits.collect::<Vec<_>>());
+                let limit = best.as_ref().map_or(f64::INFINITY, |b| BETTER * b.variance);
+                if let Some(found) = found.filter(|found| found.variance < limit) {
+                    if poles.found.is_empty() {
+                        of_first = part;
+                    }
+                    best = Some(found);
+                    of_best = part;
+                }
+            }
+            match best {
+                Some(Mean {
+                    s,
+                    variance,
+                    freedom,
+                    width_hz,
+                }) => {
                     let frequency_hz = s.im / TAU;
                     per_phase = frequency_hz / phase;
-                    let width = fits.iter().map(|fit| fit.width_hz).fold(0.0, f64::max);
-                    taken.push((frequency_hz, width));
+                    taken.push((frequency_hz, width_hz));
+                    let length = shortest >> of_best;
+                    let later = records.iter().filter_map(|record| {
+                        let part = after_a_decay(record, length, -s.re / rate_hz)?;
+                        let spectrum = Spectrum::of(part, rate_hz).ok()?;
+                        spectrum.mode(frequency_hz, reach)
+                    });
+                    let later = mean(&later.collect::<Vec<_>>());
+                    if let Some(later) = later.filter(|later| differ((s, variance), later)) {
+                        poles.changing.push(ChangingDecay {
+                            order,
+                            decay_rate: -s.re,
+                            later: -later.s.re,
+                        });
+                    }
                     poles.found.push(Pole {
                         order,
                         s,
@@ -142,7 +211,7 @@ impl Poles {
                 }),
             }
         }
-        if let Some(spectrum) = spectra.first() {
+        if let Some(spectrum) = parts.get(of_first).and_then(|spectra| spectra.first()) {
             let from = 0.3 * poles.found.first().map_or(lowest, |pole| pole.s.im / TAU);
             let to = HIGHEST * rate_hz;
             let is_mode = |line: usize| {
@@ -165,8 +234,38 @@ impl Poles {
     }
 }
 
-/// Returns the mean of the poles of several records with its variance and degrees of freedom.
-fn mean(fits: &[Fit]) -> Option<(Complex64, f64, f64)> {
+/// Returns `length` samples of a record, from where a mode that loses `decay` of its amplitude per
+/// sample has fallen to 1/e; `None` if the record is shorter.
+#[expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "a number of samples above 0, and the cast saturates"
+)]
+fn after_a_decay(record: &[f64], length: usize, decay: f64) -> Option<&[f64]> {
+    let from = (decay > 0.0).then(|| decay.recip().ceil() as usize)?;
+    let to = record.len().min(from.saturating_add(length));
+    record.get(from..to).filter(|part| 2 * part.len() >= length)
+}
+
+/// Returns true if the decay rate of a mode changes by more than its error and a small part of it.
+fn differ((s, variance): (Complex64, f64), later: &Mean) -> bool {
+    let apart = (s.re - later.s.re).abs();
+    // half of E|δs|² is that of the decay rate
+    let error = (0.5 * (variance + later.variance)).sqrt();
+    apart > CHANGES_BEYOND * error && apart > CHANGES * s.re.abs()
+}
+
+/// A mode as the mean of several records.
+struct Mean {
+    s: Complex64,
+    variance: f64,
+    freedom: f64,
+    /// Half the width of the widest band of fitted lines \[Hz\].
+    width_hz: f64,
+}
+
+/// Returns the mean of the poles of several records.
+fn mean(fits: &[Fit]) -> Option<Mean> {
     let weights: f64 = fits.iter().map(|fit| fit.variance.recip()).sum();
     let sum: Complex64 = fits.iter().map(|fit| fit.s / fit.variance).sum();
     let freedom: f64 = fits.iter().map(|fit| fit.freedom).sum();
@@ -182,12 +281,17 @@ fn mean(fits: &[Fit]) -> Option<(Complex64, f64, f64)> {
     } else {
         0.0
     };
-    let found = if excess > 1.0 {
-        (mean, excess / weights, 2.0 * repeats)
+    let (variance, freedom) = if excess > 1.0 {
+        (excess / weights, 2.0 * repeats)
     } else {
-        (mean, weights.recip(), freedom)
+        (weights.recip(), freedom)
     };
-    (!fits.is_empty() && mean.is_finite()).then_some(found)
+    (!fits.is_empty() && mean.is_finite()).then(|| Mean {
+        s: mean,
+        variance,
+        freedom,
+        width_hz: fits.iter().map(|fit| fit.width_hz).fold(0.0, f64::max),
+    })
 }
 
 /// A mode of one record.

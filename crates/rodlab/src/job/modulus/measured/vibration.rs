@@ -99,6 +99,15 @@ pub(super) fn modes(
             significant(strongest, 5)
         ));
     }
+    if let Some(mode) = poles.changing.first() {
+        measured.doubts.push(format!(
+            "the decay of mode {} is not exponential: {} 1/s at first, {} 1/s after its amplitude has fallen to 1/e; the damping depends on the \
+             amplitude, a support takes part in it, or two modes are close together",
+            mode.order,
+            significant(mode.decay_rate, 3),
+            significant(mode.later, 3)
+        ));
+    }
     let divisor = poles.found.iter().map(|pole| pole.order).reduce(divisor);
     if let Some(divisor) = divisor
         && divisor > 1
