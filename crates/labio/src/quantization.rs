@@ -4,6 +4,13 @@
 /// changes its output: Gaussian noise of 0.26 steps about the middle of a step.
 const STILL: f64 = 0.9;
 
+/// Smallest step of a converter relative to the largest excursion: 24 bits, of which two are not
+/// used. The numbers of a smaller step are computed ones.
+const FINEST: f64 = 2e-7;
+/// Largest deviation of the outputs of a converter from multiples of its step, in steps: rounding
+/// of factors of calibration, over 22 bits.
+const ROUNDING: f64 = 1e-3;
+
 /// Returns the smallest nonzero difference between consecutive samples: the step of the recorder's
 /// numbers, or less.
 pub(crate) fn smallest_step(samples: &[f64]) -> f64 {
@@ -18,8 +25,8 @@ pub(crate) fn smallest_step(samples: &[f64]) -> f64 {
 }
 
 /// Returns the step of a converter whose noise is too small to change its output at rest, in the
-/// first `n_rest` of the `samples`; `None` if the noise changes it, or if no sample differs from
-/// another.
+/// first `n_rest` of the `samples`; `None` if the noise changes it, or if the samples are not
+/// multiples of a step.
 ///
 /// The rounding errors of such a record are not noise: they follow the signal, alike in every hit.
 pub(crate) fn step_above_noise(samples: &[f64], n_rest: usize) -> Option<f64> {
@@ -33,6 +40,15 @@ pub(crate) fn step_above_noise(samples: &[f64], n_rest: usize) -> Option<f64> {
         .windows(2)
         .filter(|pair| matches!(pair, [a, b] if a == b))
         .count();
-    let step = smallest_step(samples);
-    (still as f64 >= STILL * pairs as f64 && step > 0.0).then_some(step)
+    if (still as f64) < STILL * pairs as f64 {
+        return None;
+    }
+    let (step, level) = (smallest_step(samples), rest.first()?);
+    let excursion = samples.iter().map(|x| (x - level).abs());
+    let finest = FINEST * excursion.fold(0.0, f64::max);
+    let is_multiple = |x: &f64| {
+        let steps = (x - level) / step;
+        (steps - steps.round()).abs() < ROUNDING
+    };
+    (step > finest && samples.iter().all(is_multiple)).then_some(step)
 }
