@@ -16,7 +16,7 @@ fn one_hit_without_a_known_silence_is_not_allowed() {
     let Verdict::NotAllowed { reason } = &outcome.verdict else {
         panic!("{:?}", outcome.summary)
     };
-    insta::assert_snapshot!(reason, @"1 hit is accepted of 1 found, expected at least 2: the coherence of a single hit is always 1. State in `source.hits.silent` how long the record is silent before the blow; the errors of one hit are then determined there");
+    insta::assert_snapshot!(reason, @"1 hit is accepted of 1 found, expected at least 2: the coherence of a single hit is always 1. If the file contains several hits, cut it by `source.hits.hits.cut`. Or state in `source.hits.silent` how long the record is silent before the blow; the errors of one hit are then determined there");
     assert_eq!(outcome.figures.len(), 1);
 }
 

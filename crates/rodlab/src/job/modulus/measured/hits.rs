@@ -2,13 +2,14 @@
 
 use cmod::hit_trend::FEWEST_HITS as FEWEST_HITS_OF_TREND;
 use cmod::multi_point::Quantity;
+use labio::hits::Reason;
 use labio::{AveragedSpectra, Estimator, LabioError, Record, ResponseRatio, Window};
 
 use super::{FirstHit, Measured, Spectra, TailSheet, pulses, vibration};
 use crate::RodlabError;
 use crate::digits::significant;
 use crate::hits::{
-    HitKind, HitsSheet, expect_independent, expect_silence, silent_samples, trigger_of,
+    FoundHit, HitKind, HitsSheet, expect_independent, expect_silence, silent_samples, trigger_of,
 };
 use crate::job::JobContext;
 use crate::job::modulus::method::{self, FromHits, MethodSheet};
@@ -112,9 +113,15 @@ pub(super) fn of_hits(
         1
     };
     if accepted.len() < fewest {
-        let why = if fewest == FEWEST_HITS {
-            ": the coherence of a single hit is always 1. State in `source.hits.silent` how long the record is silent before the blow; the \
-             errors of one hit are then determined there"
+        let rings = |hit: FoundHit<'_>| {
+            let mut reasons = hit.hit.reasons().iter();
+            reasons.any(|reason| matches!(reason, Reason::NotDecayed { .. }))
+        };
+        let why = if found.n_found() > 0 && found.hits().all(rings) {
+            ": the hits end while the rod is still ringing. Record longer, until it is at rest"
+        } else if fewest == FEWEST_HITS {
+            ": the coherence of a single hit is always 1. If the file contains several hits, cut it by `source.hits.hits.cut`. Or state in \
+             `source.hits.silent` how long the record is silent before the blow; the errors of one hit are then determined there"
         } else {
             ""
         };
