@@ -121,7 +121,7 @@ fn values_that_only_a_slip_of_the_unit_explains() {
     status 2
     error: band.to is `40 kHz`, expected at most 32.77 kHz, half the sampling rate
     status 2
-    error: limits.loss_factor is `20`, 2000 %, expected at most 200 %: did you mean "20 %"?
+    error: limits.loss_factor is `20`, 2000 %, expected at most 2 without a unit: did you mean "20 %"?
     "#);
 }
 

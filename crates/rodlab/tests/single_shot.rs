@@ -226,7 +226,7 @@ fn one_shot_has_its_errors_from_the_silence() {
     let Verdict::NotAllowed { reason } = &outcome.verdict else {
         panic!("{:?}", outcome.summary)
     };
-    assert!(reason.contains("State in `source.hits.silent`"), "{reason}");
+    assert!(reason.contains("state in `source.hits.silent`"), "{reason}");
 }
 
 #[test]

@@ -146,11 +146,11 @@ pub struct LimitsSheet {
     pub coherence: Option<Exact<Ratio>>,
 }
 
-/// Largest limit of a relative error.
+/// Largest limit of a relative error that is stated without `%`.
 const LARGEST_LIMIT: f64 = 2.0;
 
 impl LimitsSheet {
-    /// Refuses limits of relative errors that allow everything, which usually lack a `%`.
+    /// Refuses limits of relative errors that lack a `%`.
     fn check(&self) -> Result<(), RodlabError> {
         for (name, limit) in [
             ("storage_modulus", &self.storage_modulus),
