@@ -85,7 +85,7 @@ pub enum ImpulseError {
         to: f64,
     },
     /// The support of the force is too long for its dense equations.
-    #[error("the support contains {found} samples, expected at most {expected}")]
+    #[error("the support of the force contains {found} samples, expected at most {expected}")]
     SupportTooLong {
         /// Length found.
         found: usize,

@@ -1,5 +1,7 @@
 //! Step of a converter, as its samples show it.
 
+use ndarray::ArrayView1;
+
 /// Share of samples at rest that equal the sample before them, from which on a converter hardly
 /// changes its output: Gaussian noise of 0.26 steps about the middle of a step.
 const STILL: f64 = 0.9;
@@ -29,21 +31,23 @@ pub(crate) fn smallest_step(samples: &[f64]) -> f64 {
 /// multiples of a step.
 ///
 /// The rounding errors of such a record are not noise: they follow the signal, alike in every hit.
-pub(crate) fn step_above_noise(samples: &[f64], n_rest: usize) -> Option<f64> {
-    let rest = samples.get(..n_rest)?;
-    let pairs = rest.len().checked_sub(1).filter(|pairs| *pairs > 0)?;
+pub(crate) fn step_above_noise(samples: ArrayView1<'_, f64>, n_rest: usize) -> Option<f64> {
+    let rest = samples.iter().take(n_rest);
+    let n_pairs = rest.len().checked_sub(1).filter(|pairs| *pairs > 0)?;
     #[allow(
         clippy::float_cmp,
         reason = "equal outputs of a converter are equal numbers"
     )]
-    let still = rest
-        .windows(2)
-        .filter(|pair| matches!(pair, [a, b] if a == b))
+    let n_still = rest
+        .clone()
+        .zip(rest.skip(1))
+        .filter(|(a, b)| a == b)
         .count();
-    if (still as f64) < STILL * pairs as f64 {
+    if (n_still as f64) < STILL * n_pairs as f64 {
         return None;
     }
-    let (step, level) = (smallest_step(samples), rest.first()?);
+    let samples = samples.to_vec();
+    let (step, level) = (smallest_step(&samples), samples.first()?);
     let excursion = samples.iter().map(|x| (x - level).abs());
     let finest = FINEST * excursion.fold(0.0, f64::max);
     let is_multiple = |x: &f64| {

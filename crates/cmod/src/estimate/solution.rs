@@ -229,8 +229,8 @@ impl ModulusLine {
 }
 
 /// Returns the error of one-dimensional theory for a `modulus` at kD = `wave_number`: E' is too
-/// small by at most ½ν²(kD/2)² of itself, and E'' is not affected. `None` without a wave, or for
-/// ν = 0.
+/// small by at most the fraction ½ν²(kD/2)², and E'' is not affected. `None` if `wave_number` or ν
+/// is zero.
 fn lateral_inertia(
     modulus: Complex64,
     wave_number: f64,

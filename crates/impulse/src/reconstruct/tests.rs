@@ -555,7 +555,7 @@ fn impossible_requests_are_refused() {
             "a force without tension needs a support, but none is given",
             "a force without tension cannot be regularised by truncation, expected no or Tikhonov regularisation",
             "the discrepancy principle needs the noise of the response, which is not known",
-            "the support contains 5000 samples, expected at most 2048",
+            "the support of the force contains 5000 samples, expected at most 2048",
             "the noise is known for only one of sensor 1 and sensor 0, expected both or neither",
         ]
     );

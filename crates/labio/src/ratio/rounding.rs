@@ -88,8 +88,8 @@ fn coarser(hit: &Record, n_rest: usize, names: [&str; 2]) -> Result<Option<Recor
     let mut coarse = None;
     for name in names {
         let (index, _) = channel::find(hit.channels(), name)?;
-        let row = hit.samples().row(index).to_vec();
-        let (Some(step), Some(level)) = (step_above_noise(&row, n_rest), row.first()) else {
+        let row = hit.channel(name)?;
+        let (Some(step), Some(&level)) = (step_above_noise(row, n_rest), row.first()) else {
             continue;
         };
         let samples = coarse.get_or_insert_with(|| hit.samples().to_owned());

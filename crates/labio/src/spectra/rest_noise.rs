@@ -88,8 +88,7 @@ impl RestNoise {
             check_same_rate(hit.sampling_rate_hz(), first.sampling_rate_hz())?;
             let spectra = welch.spectra(&hit.part(0..n_silent)?)?;
             averages += spectra.effective_averages();
-            let row = hit.channel(channel)?.to_vec();
-            let rounding = step_above_noise(&row, n_silent)
+            let rounding = step_above_noise(hit.channel(channel)?, n_silent)
                 .map_or(0.0, |step| step * step / (6.0 * first.sampling_rate_hz()));
             for (sum, value) in density.iter_mut().zip(spectra.power_density(channel)?) {
                 *sum += value + rounding;

@@ -182,9 +182,9 @@ impl Welch {
     ///
     /// # Errors
     ///
-    /// [`LabioError::TooFewSamples`] if the stream is shorter than a segment,
-    /// [`LabioError::NonFiniteSample`], [`LabioError::CountMismatch`] if the source replaces the
-    /// block that it should fill, any error of the source; otherwise as [`SpectrumAverager::new`]
+    /// [`LabioError::TooFewSamples`] if the stream is shorter than a segment;
+    /// [`LabioError::NonFiniteSample`]; [`LabioError::CountMismatch`] if the source replaces the
+    /// block that it should fill; any error of the source; otherwise as [`SpectrumAverager::new`]
     /// and [`SpectrumAverager::spectra`].
     #[allow(
         clippy::indexing_slicing,

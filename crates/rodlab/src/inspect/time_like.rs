@@ -7,7 +7,8 @@ const OFF: f64 = 0.1;
 /// Minimum number of values; fewer may be evenly spaced by chance.
 const FEWEST: usize = 16;
 
-/// The step of evenly increasing values; `None` for others, or for a data set with a unit.
+/// The step of increasing, evenly spaced values; `None` for other or fewer than [`FEWEST`] values,
+/// and for a data set with a unit.
 pub(super) fn step_of(series: &Series) -> Option<f64> {
     let Ordinate::Real(values) = &series.ordinate else {
         return None;

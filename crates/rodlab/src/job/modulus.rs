@@ -324,7 +324,7 @@ pub(super) fn run_with(
     let reasons = reasons::of(found.estimate);
     statement::state(&mut outcome, &found, &reasons);
     if context.draw.is_none() {
-        let mistake = mistaken::sensors(sheet, &measured, spectra, found.estimate)?;
+        let mistake = mistaken::sensors(sheet, &measured, spectra, found.estimate);
         outcome.warnings.extend(mistake);
     }
     outcome.log.extend(reasons.log(found.estimate));

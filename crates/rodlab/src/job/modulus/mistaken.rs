@@ -7,7 +7,6 @@ use num_complex::Complex64;
 use super::measured::{Measured, Spectra};
 use super::reasons::{lines, n_suitable};
 use super::{MethodSheet, ModulusSheet, estimate};
-use crate::RodlabError;
 
 /// Factor by which a mistake has to raise the number of known lines to be named.
 const MORE: usize = 3;
@@ -47,28 +46,31 @@ pub(super) fn sensors(
     measured: &Measured,
     spectra: &Spectra,
     found: &ModulusEstimate,
-) -> Result<Option<String>, RodlabError> {
+) -> Option<String> {
     let (MethodSheet::TwoPoint { .. }, Spectra::Ratio(ratio)) = (&sheet.method, spectra) else {
-        return Ok(None);
+        return None;
     };
     let n_found = known(found);
     if 2 * n_found >= n_suitable(found) {
-        return Ok(None);
+        return None;
     }
     for mistake in &MISTAKES {
         let corrected = Spectra::Ratio(without(mistake, ratio));
-        let would_be = estimate::plain(sheet, measured, &corrected)?;
+        // a ratio that has no estimate does not explain the lines
+        let Ok(would_be) = estimate::plain(sheet, measured, &corrected) else {
+            continue;
+        };
         let n_known = known(&would_be);
         if n_known >= FEWEST.max(MORE * n_found) && 4 * n_known >= n_suitable(&would_be) {
-            return Ok(Some(format!(
+            return Some(format!(
                 "E' would be known on {} instead of {n_found} if {}: {}.",
                 lines(n_known),
                 mistake.is,
                 mistake.remedy
-            )));
+            ));
         }
     }
-    Ok(None)
+    None
 }
 
 /// Number of lines with a known E'.
