@@ -112,19 +112,21 @@ pub struct SpecimenSheet {
 }
 
 impl SpecimenSheet {
-    /// Refuses a mass on the end above that of the rod, if its length is stated.
-    fn check_end_mass(&self) -> Result<(), RodlabError> {
-        let (Some(length), Some(mass)) = (&self.length, &self.accelerometer_mass) else {
-            return Ok(());
-        };
+    /// Mass of the rod \[kg\], if its length is stated.
+    fn mass(&self) -> Option<f64> {
         let value = |stated: &Stated<Length>| stated.with_uncertainty().value;
         let section = 0.25 * PI * value(&self.diameter).powi(2);
-        plausible::end_mass(
-            mass,
-            mass.with_uncertainty().value,
-            self.density.with_uncertainty().value * section * value(length),
-            "specimen.accelerometer_mass",
-        )
+        let length = value(self.length.as_ref()?);
+        Some(self.density.with_uncertainty().value * section * length)
+    }
+
+    /// Refuses a mass on the end above that of the rod, if its length is stated.
+    fn check_end_mass(&self) -> Result<(), RodlabError> {
+        let (Some(rod), Some(mass)) = (self.mass(), &self.accelerometer_mass) else {
+            return Ok(());
+        };
+        let of_end = mass.with_uncertainty().value;
+        plausible::end_mass(mass, of_end, rod, "specimen.accelerometer_mass")
     }
 }
 

@@ -1,7 +1,5 @@
 //! Results as quantities and sentences.
 
-use std::f64::consts::PI;
-
 use cmod::ModulusLine;
 use cmod::estimate::ErrorSource;
 
@@ -10,7 +8,6 @@ use super::{Found, MethodSheet};
 use crate::Outcome;
 use crate::digits::{hertz, percent, to_error};
 use crate::outcome::Quantity;
-use crate::sheet::{Length, Stated};
 
 /// Largest distance of a line from a requested frequency for which the line is used, as a fraction
 /// of the frequency.
@@ -256,10 +253,9 @@ fn at_frequencies<'a>(
             Some(line) => {
                 if line.validity.is_valid() {
                     valid.push(line);
-                } else if line.validity.storage_modulus_is_valid() {
-                    // a quantity of the line is known
-                } else if asked.is_none() {
-                    // a default frequency on an invalid line
+                }
+                if asked.is_none() && !line.validity.storage_modulus_is_valid() {
+                    // a default frequency on a line of which nothing is known
                     continue;
                 }
                 of_line(outcome, line);
@@ -348,14 +344,11 @@ fn warn(outcome: &mut Outcome, found: &Found<'_>, valid: &[&ModulusLine]) {
                 .to_owned(),
         );
     }
-    if let (MethodSheet::TwoPoint { .. }, None, Some(length)) = (
+    if let (MethodSheet::TwoPoint { .. }, None, Some(mass)) = (
         &found.sheet.method,
         &specimen.accelerometer_mass,
-        &specimen.length,
+        specimen.mass(),
     ) {
-        let value = |stated: &Stated<Length>| stated.with_uncertainty().value;
-        let section = 0.25 * PI * value(&specimen.diameter).powi(2);
-        let mass = specimen.density.with_uncertainty().value * section * value(length);
         // to first order in the ratio of the masses, at the resonances
         let error = 2e-3 / mass;
         let effect = if error < 0.3 {
