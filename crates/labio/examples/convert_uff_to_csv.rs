@@ -1,12 +1,13 @@
-//! Every data set of a universal file as a column of numbers in text.
+//! Converts every data set of a universal file to a column of a text table.
 //!
 //! ```text
 //! cargo run --package labio --example convert_uff_to_csv -- measurement.uff [table.csv]
 //! ```
 //!
-//! writes `table.csv`, or the name of the universal file with `.csv` behind it. Without a file, one
-//! is made: the ring-down of a rod's end, as text and as 58b. A file that can be read only in part
-//! is converted to that extent, and the missing parts are reported.
+//! The program writes `table.csv` or, if no table is named, the name of the universal file with
+//! `.csv` appended. If no universal file is named, the program makes one: the ring-down of a rod's
+//! end, as text and as 58b. Of a partly readable file, it converts the readable part and reports
+//! the missing parts.
 #![allow(
     clippy::print_stdout,
     reason = "an example talks to the one who runs it"

@@ -1,12 +1,12 @@
-//! From hammer hits to an accelerance with its errors, on a virtual body whose accelerance is
+//! Computes an accelerance with its errors from hammer hits on a virtual body whose accelerance is
 //! known.
 //!
 //! ```text
 //! cargo run --release --package labio --example frf_from_hammer_hits [table.csv]
 //! ```
 //!
-//! writes the lines as a table, by default `target/examples/frf_from_hammer_hits.csv`, and a figure
-//! beside it.
+//! The program writes the lines to a table, by default `target/examples/frf_from_hammer_hits.csv`,
+//! and a figure next to it.
 #![allow(
     clippy::print_stdout,
     clippy::indexing_slicing,
@@ -36,7 +36,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     };
     let hits = hammer.strike(5, 1)?;
 
-    // the hammer touches the body for 0.3 ms after sample 100: the rest of its channel is noise
+    // the hammer touches the body for 0.3 ms after sample 100: the rest of the hammer's channel is
+    // noise
     let contact = ForceWindow::new(1.8e-3, 2.5e-3, 2e-4)?;
     let mut averager = SpectrumAverager::for_records_like(&hits[0], Window::Rectangular)?
         .with_force_window("hammer", contact)?;
@@ -141,7 +142,7 @@ fn svg(accelerance: &FrequencyResponse) -> String {
     svg_of(&Figure::new("frf_from_hammer_hits", title, vec![panel]))
 }
 
-/// The path that was given, or one in `target/examples`.
+/// Path from the command line, or the default path in `target/examples`.
 fn table_path() -> Result<PathBuf, Box<dyn Error>> {
     if let Some(path) = std::env::args_os().nth(1) {
         return Ok(path.into());

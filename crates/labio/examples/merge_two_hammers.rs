@@ -1,11 +1,11 @@
-//! One accelerance of two hammers: each line from the larger force (Ödeen 1993, paper E), or
-//! weighed by inverse variances.
+//! Merges the accelerances from two hammers into one: each line from the hammer with the larger
+//! force (Ödeen 1993, paper E), or both hammers weighted by inverse variances.
 //!
 //! ```text
 //! cargo run --release --package labio --example merge_two_hammers [table.csv]
 //! ```
 //!
-//! writes the merged lines with the share of each hammer, by default
+//! The program writes the merged lines with the share of each hammer, by default to
 //! `target/examples/merge_two_hammers.csv`.
 #![allow(
     clippy::print_stdout,
@@ -26,8 +26,8 @@ use labio::{
 };
 
 fn main() -> Result<(), Box<dyn Error>> {
-    // soft and heavy for low frequencies, small and hard for high ones; the ranges of the
-    // amplifiers follow the levels
+    // a heavy hammer with a soft tip for low frequencies, a small one with a hard tip for high
+    // frequencies; the ranges of the amplifiers, and with them the noise, follow the levels
     let heavy = Hammer {
         peak_force: 200.0,
         contact: 1.2e-3,
@@ -102,7 +102,7 @@ impl Band {
         values.iter().sum::<f64>() / values.len() as f64
     }
 
-    /// In percent of the exact accelerance.
+    /// Error of a response, in percent of the exact accelerance.
     fn error(&self, response: &FrequencyResponse) -> f64 {
         let square = |line: usize| {
             let exact = free_body::accelerance(response.frequency_hz[line]);
@@ -130,7 +130,7 @@ fn csv(chosen: &MergedResponse, weighed: &MergedResponse) -> Result<String, Box<
     Ok(text)
 }
 
-/// The path that was given, or one in `target/examples`.
+/// Path from the command line, or the default path in `target/examples`.
 fn table_path() -> Result<PathBuf, Box<dyn Error>> {
     if let Some(path) = std::env::args_os().nth(1) {
         return Ok(path.into());

@@ -1,7 +1,8 @@
-//! A universal file written again, as text or as a 58b: `rewrite_uff58 INPUT OUTPUT
+//! Reads a universal file and writes it as text or as a 58b: `rewrite_uff58 INPUT OUTPUT
 //! text|little-endian|big-endian`.
 //!
-//! `fixtures/reference/pyuff/make.py` runs it, so that pyuff reads what this software writes.
+//! `fixtures/reference/pyuff/make.py` runs this program and lets pyuff read the files that it
+//! writes.
 #![allow(
     clippy::print_stderr,
     reason = "a command-line program talks to its user"

@@ -1,12 +1,13 @@
-//! Spectra of a record that is longer than memory: writes a file of two channels, streams it, and
-//! prints the peak memory.
+//! Computes spectra of a record that is larger than memory: writes a file of two channels, streams
+//! it, and prints the peak memory.
 //!
 //! ```text
 //! cargo run --release --package labio --example stream_long_record [samples per channel [file]]
 //! ```
 //!
-//! The default of 10^8 samples takes 1.6 GB of the folder for temporary files while it runs. A file
-//! that is named is kept, and is read as it is if it has that length.
+//! The default of 10^8 samples needs 1.6 GB in the folder for temporary files while the program
+//! runs. A file named on the command line is kept; if it already has the right length, it is read
+//! without being written again.
 #![allow(
     clippy::print_stdout,
     clippy::indexing_slicing,
@@ -73,7 +74,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// Noise and the filtered noise, with noise of its own, as interleaved little-endian doubles.
+/// Writes noise, and the filtered noise with independent noise added, as interleaved little-endian
+/// doubles.
 fn write_record(path: &Path, n_samples: u64) -> Result<(), Box<dyn Error>> {
     let mut file = BufWriter::with_capacity(1 << 20, File::create(path)?);
     let mut state = 1_u64;
@@ -154,7 +156,7 @@ impl BlockSource for InterleavedFile {
     }
 }
 
-/// The largest resident set of this process \[kB\].
+/// Largest resident set of this process \[kB\].
 fn peak_memory_kb() -> Option<f64> {
     let status = fs::read_to_string("/proc/self/status").ok()?;
     let line = status.lines().find(|line| line.starts_with("VmHWM:"))?;

@@ -147,7 +147,7 @@ impl fmt::Display for Channel {
     }
 }
 
-/// Finds the channel called `name` and its position.
+/// Finds the channel called `name` and its row.
 pub(crate) fn find<'a>(
     channels: &'a [Channel],
     name: &str,

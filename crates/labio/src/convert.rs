@@ -15,8 +15,8 @@ use crate::{Channel, Estimator, FrequencyResponse, LabioError, LineValidity, Qua
 /// | acceleration | accelerance \[1/kg\] | dynamic mass \[kg\] |
 ///
 /// The kinds within a column differ by factors $`s = i\omega`$: velocity is s times displacement.
-/// The two kinds in a row are reciprocals of each other *line by line*: the force/motion kinds are
-/// those of a body that is free at all other points. Blocked force/motion responses are elements of
+/// The two kinds in a row are reciprocals of each other *line by line*: the force/motion kinds
+/// apply to a body that is free at all other points. Blocked force/motion responses are elements of
 /// the inverse of the whole matrix and cannot be found from one response.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum ResponseKind {
@@ -45,8 +45,8 @@ impl ResponseKind {
         Self::DynamicMass,
     ];
 
-    /// Returns the kind of a response from a channel of `input` to one of `output`; `None` unless
-    /// one of them is a force and the other a motion.
+    /// Returns the kind of a response from the quantity `input` to the quantity `output`; `None`
+    /// unless one of them is a force and the other a motion.
     #[must_use]
     pub fn between(input: Quantity, output: Quantity) -> Option<Self> {
         match (input, output) {
@@ -100,7 +100,7 @@ impl fmt::Display for ResponseKind {
 }
 
 impl FrequencyResponse {
-    /// Returns the kind of the response, one of six.
+    /// Returns the kind of the response, one of the six of [`ResponseKind`].
     ///
     /// # Errors
     ///
@@ -129,8 +129,8 @@ impl FrequencyResponse {
     ///
     /// # Errors
     ///
-    /// As [`FrequencyResponse::kind`]; [`LabioError::CountMismatch`] if the lists of the response
-    /// differ in length.
+    /// The errors of [`FrequencyResponse::kind`]; [`LabioError::CountMismatch`] if the lists of the
+    /// response differ in length.
     #[allow(
         clippy::indexing_slicing,
         reason = "`check_lengths` has found one element for each value in every list"
@@ -164,7 +164,8 @@ impl FrequencyResponse {
             }
             converted.values[line] = value;
             if let Some(variance) = &mut converted.variance {
-                // |f|^2 for a factor; |1/H|^2 (var/|H|^2) for a reciprocal. The error of a response that is zero at 0 Hz stays zero.
+                // |f|^2 for a factor; |1/H|^2 (var/|H|^2) for a reciprocal. The error of a response that
+                // is zero at 0 Hz stays zero.
                 let scale = if exchange {
                     (value / self.values[line]).norm_sqr()
                 } else {
@@ -258,7 +259,7 @@ mod tests {
                     (&direct.input, &direct.output)
                 );
                 for line in 1..direct.values.len() {
-                    // a few products and reciprocals
+                    // rounding errors of a few products and reciprocals
                     let relative = (there.values[line] / direct.values[line] - 1.0).norm();
                     assert!(relative < 1e-14);
                     let variance = |r: &FrequencyResponse| r.variance.as_ref().unwrap()[line];
@@ -330,7 +331,7 @@ mod tests {
         averager.add(&hit).unwrap();
         let response = averager.spectra().unwrap().h1("f", "x").unwrap();
         let mobility = response.to_kind(ResponseKind::Mobility).unwrap();
-        // accelerance 3 on every line
+        // the accelerance is 3 on every line
         assert!((mobility.values[0] - 1.5).norm() < 1e-15);
         let s = Complex64::new(2.0, TAU * 2.5);
         assert!((mobility.values[1] - 3.0 / s).norm() < 1e-15);

@@ -8,7 +8,8 @@ use num_complex::Complex64;
 use realfft::{ComplexToReal, RealFftPlanner, RealToComplex};
 
 thread_local! {
-    /// Plans of the lengths in use, kept because the twiddle factors of a long transform cost as much as several transforms.
+    /// Plans of the lengths in use, kept because the twiddle factors of a long transform cost as
+    /// much as several transforms.
     static PLANS: RefCell<Plans> = RefCell::new(Plans::empty());
 }
 

@@ -129,7 +129,7 @@ pub enum LabioError {
         /// Value of the first response.
         expected: String,
     },
-    /// A response is not one of the six between a force and a motion.
+    /// A response is not one of the six kinds between a force and a motion.
     #[error("a response from {input} to {output} is not between a force and a motion")]
     NoResponseKind {
         /// Name and unit of the input.
@@ -162,7 +162,7 @@ pub enum LabioError {
         name: String,
         /// Index of the first channel of that name.
         first: usize,
-        /// Index of the second.
+        /// Index of the second channel of that name.
         second: usize,
     },
     /// No channel has the requested name.
@@ -190,7 +190,7 @@ pub enum LabioError {
     SamplingRateMismatch {
         /// The rate found.
         found_hz: f64,
-        /// The rate of the hits before.
+        /// The rate of the previous hits.
         expected_hz: f64,
     },
     /// The samples are not equally spaced in time.

@@ -131,7 +131,7 @@ pub fn readers() -> &'static [&'static dyn Reader] {
     READERS
 }
 
-/// Returns the reader for a whole file, `bytes`, or `None` if its format is not known.
+/// Returns the reader for the whole file `bytes`, or `None` if its format is not known.
 #[must_use]
 pub fn recognise(bytes: &[u8]) -> Option<&'static dyn Reader> {
     READERS
@@ -154,7 +154,7 @@ pub fn read(path: impl AsRef<Path>) -> Result<Contents, LabioError> {
 ///
 /// # Errors
 ///
-/// As [`read`].
+/// The errors of [`read`].
 pub fn read_with(path: impl AsRef<Path>, strictness: Strictness) -> Result<Contents, LabioError> {
     let path = path.as_ref();
     fs::read(path)
@@ -176,7 +176,7 @@ pub fn read_bytes(bytes: &[u8]) -> Result<Contents, LabioError> {
 ///
 /// # Errors
 ///
-/// As [`read_bytes`].
+/// The errors of [`read_bytes`].
 pub fn read_bytes_with(bytes: &[u8], strictness: Strictness) -> Result<Contents, LabioError> {
     reader_of(bytes)?.read(bytes, strictness)
 }
@@ -185,12 +185,13 @@ pub fn read_bytes_with(bytes: &[u8], strictness: Strictness) -> Result<Contents,
 /// be read.
 ///
 /// Unevenly spaced times, for example times in single precision or with few digits, are replaced by
-/// even ones at this rate if these agree with all of them within half a step. Other abscissae are
-/// read as by [`read_bytes`]; a rate that contradicts them is not an error.
+/// evenly spaced times at this rate if every time differs from its replacement by less than half a
+/// step. Other abscissae are read as by [`read_bytes`]; a rate that contradicts them is not an
+/// error.
 ///
 /// # Errors
 ///
-/// As [`read_bytes`]; [`LabioError::NonPhysical`] for a rate that is not positive;
+/// The errors of [`read_bytes`]; [`LabioError::NonPhysical`] for a rate that is not positive;
 /// [`LabioError::Malformed`] for unevenly spaced times of a table, in a unit of time, that
 /// contradict the rate.
 ///
@@ -252,7 +253,7 @@ fn reader_of(bytes: &[u8]) -> Result<&'static dyn Reader, LabioError> {
 ///
 /// # Errors
 ///
-/// As [`read`].
+/// The errors of [`read`].
 pub fn read_records(path: impl AsRef<Path>) -> Result<SampledTogether, LabioError> {
     let path = path.as_ref();
     let bytes = fs::read(path).map_err(|source| in_file(path, LabioError::Read { source }))?;
@@ -265,8 +266,8 @@ pub fn read_records(path: impl AsRef<Path>) -> Result<SampledTogether, LabioErro
 ///
 /// # Errors
 ///
-/// As [`read`]; [`LabioError::CountMismatch`] for a file without a record or with several; if a
-/// series is in no record, the reason for that.
+/// The errors of [`read`]; [`LabioError::CountMismatch`] for a file without a record or with
+/// several; if a series is in no record, the error that states why.
 pub fn read_record(path: impl AsRef<Path>) -> Result<Record, LabioError> {
     let path = path.as_ref();
     let found = read_records(path)?;

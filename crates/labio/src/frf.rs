@@ -45,14 +45,14 @@ pub enum Estimator {
     /// by the factor $`\sqrt{(1+b)/(1+a)}`$.
     Hv,
     /// Total least squares with the noise that both channels have at rest, $`\alpha = N_x/G_{xx}`$
-    /// and $`\beta = N_y/G_{yy}`$: not biased by the noise of either channel (errors in variables),
+    /// and $`\beta = N_y/G_{yy}`$: not biased by the noise of either channel (errors in variables):
     ///
     /// ```math
     /// H_s = H_1\,\frac{2\beta}{R + \beta - \alpha}, \qquad R = \sqrt{(\beta-\alpha)^2 + 4\alpha\beta\gamma^2} .
     /// ```
     ///
-    /// Only the ratio of the two noise levels matters: the estimate is H1 without noise on the
-    /// input, and H2 without noise on the output. It needs [`AveragedSpectra::with_rest_noise`] for
+    /// Only the ratio of the two noise levels matters: the estimate equals H1 if the input has no
+    /// noise, and H2 if the output has no noise. It needs [`AveragedSpectra::with_rest_noise`] for
     /// both channels.
     Hs,
 }
@@ -87,8 +87,8 @@ pub struct RandomError {
     /// Error of |H|, relative to |H|: $`\varepsilon = \sqrt{(1-\gamma^2)/(2 (n-1) \gamma^2)}`$.
     /// Infinite without coherence; above about 0.2 it is only qualitative.
     pub magnitude: f64,
-    /// Error of the phase \[rad\]: the same number, but at most $`\pi/\sqrt3`$, which means an
-    /// unknown phase.
+    /// Error of the phase \[rad\]: the same number as the error of the magnitude, but at most
+    /// $`\pi/\sqrt3`$, the value for an unknown phase.
     pub phase: f64,
 }
 
@@ -272,7 +272,7 @@ impl FrequencyResponse {
 }
 
 impl AveragedSpectra {
-    /// Returns the frequency response $`H_1 = G_{xy}/G_{xx}`$, for noise on the output.
+    /// Returns the frequency response $`H_1 = G_{xy}/G_{xx}`$, suited to noise on the output.
     ///
     /// # Errors
     ///
@@ -281,7 +281,7 @@ impl AveragedSpectra {
         self.response(Estimator::H1, input, output)
     }
 
-    /// Returns the frequency response $`H_2 = G_{yy}/G_{yx}`$, for noise on the input.
+    /// Returns the frequency response $`H_2 = G_{yy}/G_{yx}`$, suited to noise on the input.
     ///
     /// # Errors
     ///
@@ -290,8 +290,8 @@ impl AveragedSpectra {
         self.response(Estimator::H2, input, output)
     }
 
-    /// Returns the frequency response $`H_v = \sqrt{H_1H_2}`$, for the same relative noise on input
-    /// and output.
+    /// Returns the frequency response $`H_v = \sqrt{H_1H_2}`$, suited to the same relative noise on
+    /// input and output.
     ///
     /// # Errors
     ///
@@ -355,14 +355,13 @@ impl AveragedSpectra {
         Ok(response)
     }
 
-    /// Relative rounding error of a transform, $`\epsilon\log_2 N`$ times the root-mean-square
-    /// line.
+    /// Rounding error of a transform relative to its root-mean-square line, $`\epsilon\log_2 N`$.
     pub(crate) fn transform_rounding(&self) -> f64 {
         f64::EPSILON * (self.n_samples() as f64).log2().max(1.0)
     }
 
-    /// Returns true if both the number of averages and their effective number are that of two or
-    /// more.
+    /// Returns true if there are at least two averages, and their effective number is at least
+    /// [`FEWEST_EFFECTIVE_AVERAGES`].
     pub(crate) fn can_have_coherence(&self) -> bool {
         self.n_averages() >= 2 && self.effective_averages() >= FEWEST_EFFECTIVE_AVERAGES
     }
@@ -421,7 +420,7 @@ impl Estimates {
     }
 }
 
-/// [`Pair::estimates`] as a task that can use the vector instructions of the processor.
+/// Task that computes [`Pair::estimates`] with the vector instructions of the processor.
 struct EstimatesOf<'a> {
     pair: Pair<'a>,
     estimator: Estimator,
@@ -439,7 +438,7 @@ impl pulp::NullaryFnOnce for EstimatesOf<'_> {
     }
 }
 
-/// [`Pair::coherence`] as a task of the same kind.
+/// Task that computes [`Pair::coherence`] with the vector instructions of the processor.
 struct CoherenceOf<'a> {
     pair: &'a Pair<'a>,
     coherence: &'a mut [f64],

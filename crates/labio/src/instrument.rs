@@ -124,7 +124,8 @@ impl Instrument {
     ///
     /// # Validity
     ///
-    /// Signals without content at half the sampling rate that are at rest at both ends.
+    /// Valid for signals that have no content at half the sampling rate and are at rest at both
+    /// ends.
     ///
     /// # Errors
     ///
@@ -179,8 +180,8 @@ impl Instrument {
     ///
     /// # Validity
     ///
-    /// Histories sampled so finely that, after the filter, they have no content at half their
-    /// sampling rate.
+    /// Valid for histories sampled so finely that, after the filter, they have no content at half
+    /// their sampling rate.
     #[must_use]
     pub fn anti_alias(self, filter: AntiAlias) -> Self {
         self.then(Stage::AntiAlias { filter })

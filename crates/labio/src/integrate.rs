@@ -13,9 +13,9 @@ use crate::error::check_positive;
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub enum LowFrequency {
-    /// Treats the history as one period of a periodic one. Its mean is removed, and the integral
-    /// has zero mean: this is exact for a sum of the spectral lines of the record; for a transient
-    /// it is wrong by a constant and, if the mean of the transient was not zero, a ramp.
+    /// Treats the history as one period of a periodic history. Its mean is removed, and the
+    /// integral has zero mean: this is exact for a sum of the spectral lines of the record; for a
+    /// transient it is wrong by a constant and, if the mean of the transient was not zero, a ramp.
     MeanRemoved,
     /// Removes the mean, as [`Self::MeanRemoved`] does, and all lines below the frequency by a
     /// sharp cut-off.

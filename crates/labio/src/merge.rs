@@ -17,8 +17,8 @@ use entering::{
     CLEAR, Entering, bias_at, clear_lines, common_error_at, common_variance, freedom_at, is_above,
 };
 
-/// Largest relative difference between frequencies of tests with the same lines, because sampling
-/// rates may differ slightly.
+/// Largest relative difference between frequencies that count as the same line; the sampling rates
+/// of tests may differ slightly.
 const FREQUENCY_TOLERANCE: f64 = 1e-9;
 
 /// The common response of several tests between the same two points, for example with a heavy and a
@@ -61,7 +61,7 @@ pub struct MergedResponse {
     pub agreement: Vec<Option<Agreement>>,
 }
 
-/// Number of lines on either side whose discrepancies are averaged with that of a line.
+/// Number of lines on each side of a line whose discrepancies are averaged with its own.
 const NEIGHBOURS: usize = 16;
 
 /// Probability that chance alone makes the mean discrepancy of neighbouring lines significant on
@@ -80,7 +80,7 @@ impl MergedResponse {
     ///
     /// # Examples
     ///
-    /// The example program `merge_two_hammers`.
+    /// See the example program `merge_two_hammers`.
     ///
     /// # Errors
     ///
@@ -108,7 +108,7 @@ impl MergedResponse {
     ///
     /// # Errors
     ///
-    /// As [`MergedResponse::by_larger_input`].
+    /// The errors of [`MergedResponse::by_larger_input`].
     pub fn larger_of(
         responses: &[FrequencyResponse],
         levels: &[&[f64]],
@@ -354,7 +354,8 @@ impl MergedResponse {
             if by_chance * known.len() as f64 > BY_CHANCE {
                 continue;
             }
-            // back to squares divided by variances, for which chance gives a discrepancy of 1
+            // converts a discrepancy to a square divided by its variance; the mean discrepancy by
+            // chance is 1
             let square = |discrepancy: f64| {
                 if freedom.is_finite() {
                     0.5 * freedom * (2.0 * discrepancy / freedom).exp_m1()

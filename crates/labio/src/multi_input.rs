@@ -145,10 +145,10 @@ impl AveragedSpectra {
     ///
     /// # Validity
     ///
-    /// Noise on the output only. Linearly dependent inputs cannot be separated: such lines are
-    /// flagged [`LineValidity::DependentInputs`]. A single test in which the ratio of all inputs
-    /// stays the same, such as two shakers driven by one signal, is of this kind for any number of
-    /// averages.
+    /// Valid for noise on the output only. Linearly dependent inputs cannot be separated: such
+    /// lines are flagged [`LineValidity::DependentInputs`]. A single test in which the ratio of all
+    /// inputs stays the same, such as two shakers driven by one signal, is of this kind for any
+    /// number of averages.
     ///
     /// # Errors
     ///

@@ -1,16 +1,16 @@
-//! Step of a converter, as its samples show it.
+//! Step of a converter, found from its samples.
 
 use ndarray::ArrayView1;
 
-/// Share of samples at rest that equal the sample before them, from which on a converter hardly
-/// changes its output: Gaussian noise of 0.26 steps about the middle of a step.
+/// Share of samples at rest that equal the sample before them, above which a converter hardly
+/// changes its output. Gaussian noise of 0.26 steps about the middle of a step gives this share.
 const STILL: f64 = 0.9;
 
 /// Smallest step of a converter relative to the largest excursion: 24 bits, of which two are not
-/// used. The numbers of a smaller step are computed ones.
+/// used. Numbers with a smaller step were computed.
 const FINEST: f64 = 2e-7;
-/// Largest deviation of the outputs of a converter from multiples of its step, in steps: rounding
-/// of factors of calibration, over 22 bits.
+/// Largest deviation of the outputs of a converter from multiples of its step, in steps: it allows
+/// for the rounding of calibration factors, over 22 bits.
 const ROUNDING: f64 = 1e-3;
 
 /// Returns the smallest nonzero difference between consecutive samples: the step of the recorder's
@@ -30,7 +30,8 @@ pub(crate) fn smallest_step(samples: &[f64]) -> f64 {
 /// first `n_rest` of the `samples`; `None` if the noise changes it, or if the samples are not
 /// multiples of a step.
 ///
-/// The rounding errors of such a record are not noise: they follow the signal, alike in every hit.
+/// The rounding errors of such a record are not noise: they follow the signal and are the same in
+/// every hit.
 pub(crate) fn step_above_noise(samples: ArrayView1<'_, f64>, n_rest: usize) -> Option<f64> {
     let rest = samples.iter().take(n_rest);
     let n_pairs = rest.len().checked_sub(1).filter(|pairs| *pairs > 0)?;

@@ -76,7 +76,7 @@ pub struct ResponseRatio {
     pub coherence: Option<Vec<f64>>,
     /// Effective number of averages from which the coherence was computed.
     pub averages: Option<f64>,
-    /// Number of lines per line with independent noise.
+    /// Number of lines for each line with independent noise; see [`pooling::AveragedVariance`].
     pub lines_per_independent_line: f64,
     /// Delay \[s\] of the numerator relative to the denominator, if both are pulses.
     pub delay: Option<f64>,
@@ -91,7 +91,7 @@ impl ResponseRatio {
     ///
     /// # Errors
     ///
-    /// As [`Self::of_hits`] and [`Self::of_shot`].
+    /// The errors of [`Self::of_hits`] and [`Self::of_shot`].
     pub fn of(
         hits: &[&Record],
         n_silent: Option<usize>,
@@ -106,13 +106,14 @@ impl ResponseRatio {
 
     /// Returns H1 of several hits with the denominator as input. Its variance follows from the
     /// coherence, pooled over neighbouring lines if there are few hits ([`pooling`]). If the step
-    /// of a converter exceeds the noise, what all hits share of its rounding errors is added.
+    /// of a converter exceeds the noise, the part of its rounding errors that all hits share is
+    /// added.
     ///
     /// # Errors
     ///
     /// [`LabioError::TooFewAverages`] for fewer than two hits, for which the coherence contains no
-    /// information; [`LabioError::NoNoise`] for hits whose coherence is 1 to rounding; as
-    /// [`AveragedSpectra::of`]; [`LabioError::UnknownChannel`].
+    /// information; [`LabioError::NoNoise`] for hits whose coherence is 1 to rounding;
+    /// [`LabioError::UnknownChannel`]; the errors of [`AveragedSpectra::of`].
     pub fn of_hits(
         hits: &[&Record],
         numerator: &str,
@@ -150,12 +151,13 @@ impl ResponseRatio {
     ///
     /// # Validity
     ///
-    /// Noise that is stationary and independent of the signal: not the noise of a converter that
-    /// hardly changes its output at rest, nor a disturbance that comes with the blow.
+    /// Valid for noise that is stationary and independent of the signal, but not for the noise of a
+    /// converter that hardly changes its output at rest, nor for a disturbance that comes with the
+    /// blow.
     ///
     /// # Errors
     ///
-    /// As [`RestNoise::before`] and [`AveragedSpectra::of`].
+    /// The errors of [`RestNoise::before`] and [`AveragedSpectra::of`].
     pub fn of_shot(
         hit: &Record,
         n_silent: usize,
@@ -184,8 +186,8 @@ impl ResponseRatio {
     ///
     /// # Errors
     ///
-    /// [`LabioError::NonPhysical`] for fewer than two averages, or for a coherence that is not from
-    /// 0 to 1; [`LabioError::CountMismatch`].
+    /// [`LabioError::NonPhysical`] for fewer than two averages, or for a coherence outside 0 to 1;
+    /// [`LabioError::CountMismatch`].
     pub fn from_coherence(
         frequency_hz: Vec<f64>,
         values: Vec<Complex64>,

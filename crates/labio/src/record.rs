@@ -165,7 +165,7 @@ impl Record {
     ///
     /// # Errors
     ///
-    /// As [`Self::calibrated`].
+    /// The errors of [`Self::calibrated`].
     pub fn calibrate<'a>(
         self,
         chains: impl IntoIterator<Item = (&'a str, SensorChain)>,
@@ -293,8 +293,8 @@ impl Record {
     ///
     /// # Validity
     ///
-    /// Signals without content near half the sampling rate that are at rest at both ends; otherwise
-    /// the first and last samples ring.
+    /// Valid for signals that have no content near half the sampling rate and are at rest at both
+    /// ends; otherwise the first and last samples ring.
     ///
     /// # Errors
     ///

@@ -93,8 +93,8 @@ impl RigidBody {
     ///
     /// # Errors
     ///
-    /// As [`FrequencyResponse::to_kind`]; [`LabioError::NonPhysical`] if the band is empty;
-    /// [`LabioError::TooFewSamples`] if the band has fewer than four lines with information.
+    /// The errors of [`FrequencyResponse::to_kind`]; [`LabioError::NonPhysical`] if the band is
+    /// empty; [`LabioError::TooFewSamples`] if the band has fewer than four lines with information.
     #[allow(
         clippy::indexing_slicing,
         reason = "`to_kind` refuses a response whose lists are not of one length, and all lines counted here are among its frequencies"

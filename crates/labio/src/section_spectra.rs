@@ -17,7 +17,7 @@ pub struct SectionSpectra {
     /// Frequencies \[Hz\].
     pub frequency_hz: Vec<f64>,
     /// Spectra of the channels in each hit, `(n_hits, n_channels, n_lines)`, with phases relative
-    /// to the first channel, whose phase is common to all channels of a hit.
+    /// to that of the first channel; this reference is common to all channels of a hit.
     pub tests: Vec<Vec<Vec<Complex64>>>,
     /// Root-mean-square noise of the lines of each channel, `(n_channels, n_lines)`.
     pub noise: Vec<Vec<f64>>,
@@ -36,8 +36,8 @@ impl SectionSpectra {
     ///
     /// # Errors
     ///
-    /// [`LabioError::TooFewAverages`] without a hit or without a channel; as [`RestNoise::before`],
-    /// [`from_rest`] and [`AveragedSpectra::of`].
+    /// [`LabioError::TooFewAverages`] without a hit or without a channel; the errors of
+    /// [`RestNoise::before`], [`from_rest`] and [`AveragedSpectra::of`].
     pub fn of_hits(
         hits: &[&Record],
         channels: &[&str],
@@ -123,7 +123,7 @@ impl SectionSpectra {
         }
     }
 
-    /// Damping added to the hits [1/s].
+    /// Damping added to the hits \[1/s\].
     #[must_use]
     pub fn decay_rate(&self) -> f64 {
         self.added_damping.map_or(0.0, |window| window.decay_rate())

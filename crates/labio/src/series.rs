@@ -61,7 +61,7 @@ pub enum Ordinate {
     Complex(Vec<Complex64>),
 }
 
-/// Returns `n` contiguous copies of values, starting at `first` in steps of `step`: a row or a
+/// Returns a contiguous copy of `n` values, starting at `first` in steps of `step`: a row or a
 /// column of a table.
 pub(crate) fn every<T: Copy>(values: &[T], first: usize, step: usize, n: usize) -> Vec<T> {
     let line = values.iter().skip(first).step_by(step.max(1));
@@ -121,7 +121,7 @@ pub struct Series {
 pub struct Contents {
     /// Name of the format.
     pub format: &'static str,
-    /// Information of the file about itself as a whole.
+    /// Information about the file as a whole.
     pub properties: Vec<(String, String)>,
     /// The data sets, in the order of the file.
     pub series: Vec<Series>,

@@ -67,7 +67,7 @@ impl AveragedSpectra {
     ///
     /// # Errors
     ///
-    /// As [`SpectrumAverager::add`] and [`SpectrumAverager::spectra`].
+    /// The errors of [`SpectrumAverager::add`] and [`SpectrumAverager::spectra`].
     pub fn of<'a>(
         hits: impl IntoIterator<Item = &'a Record>,
         window: Window,
@@ -255,10 +255,10 @@ impl AveragedSpectra {
     ///
     /// # Validity
     ///
-    /// The magnitude of the error, not its sign. On a line away from resonances it is correct to a
-    /// few per cent. At the peak of a resonance of decay rate $`\delta`$ in a record of length
-    /// $`T`$ it is 0.8 of the true error for $`\delta T = 4.6`$ (a remainder of 1 %), and a larger
-    /// part for shorter ringing.
+    /// The result is the magnitude of the error, without its sign. On a line away from resonances
+    /// it is correct to a few per cent. At the peak of a resonance of decay rate $`\delta`$ in a
+    /// record of length $`T`$ it is 0.8 of the true error for $`\delta T = 4.6`$ (a remainder of
+    /// 1 %), and a larger part for shorter ringing.
     ///
     /// # Errors
     ///

@@ -169,7 +169,7 @@ impl Unit {
     ///
     /// # Errors
     ///
-    /// As [`Unit::parse`].
+    /// The errors of [`Unit::parse`].
     ///
     /// # Examples
     ///
@@ -271,7 +271,7 @@ impl Unit {
     ///
     /// # Errors
     ///
-    /// As [`Unit::times`].
+    /// The errors of [`Unit::times`].
     pub fn per(&self, other: &Self) -> Result<Self, LabioError> {
         Self::parse(&format!("{}/{}", self.bracketed(), other.bracketed()))
     }

@@ -62,7 +62,7 @@ pub enum Window {
     FlatTopPeriodic,
     /// Weights of [`Self::FlatTopPeriodic`] over N-1 samples.
     FlatTopSymmetric,
-    /// Flat, with half a Hann window over `taper/2` of the N samples at either end.
+    /// Flat, with half a Hann window over `taper/2` of the N samples at each end.
     TukeyPeriodic {
         /// Tapered part of the samples \[-\], 0 (rectangular) to 1 (Hann).
         taper: f64,
@@ -170,9 +170,9 @@ impl SampledWindow {
     ///
     /// # Validity
     ///
-    /// White Gaussian noise, and noise whose spectrum varies little over the bandwidth of the
-    /// window. At 0 Hz and at the Nyquist frequency, where a spectrum has one component instead of
-    /// two, the variance is twice as large.
+    /// Valid for white Gaussian noise, and for noise whose spectrum varies little over the
+    /// bandwidth of the window. At 0 Hz and at the Nyquist frequency, where a spectrum has one
+    /// component instead of two, the variance is twice as large.
     ///
     /// # Errors
     ///

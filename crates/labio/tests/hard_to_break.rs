@@ -1,5 +1,5 @@
-//! Laws that hold over random records whatever a laboratory brings, and the ends of the range of
-//! numbers.
+//! Properties that hold for random records of any content, and for numbers at the ends of the range
+//! of `f64`.
 
 mod extremes_sizes;
 mod extremes_values;
@@ -37,7 +37,7 @@ pub(crate) fn record(rows: [&[f64]; 2], rate_hz: f64) -> Record {
     .unwrap()
 }
 
-/// Hits of one length, with whatever samples.
+/// Hits of equal length with arbitrary samples.
 pub(crate) fn any_hits(least: usize) -> impl Strategy<Value = (Vec<Record>, f64)> {
     let rate = prop_oneof![1e-3..1e7_f64, Just(51_200.0), Just(1.0 / 3.0)];
     (4..90_usize, least..7, rate).prop_flat_map(|(n, hits, rate)| {

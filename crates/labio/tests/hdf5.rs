@@ -11,7 +11,7 @@ const SHOTS: &[u8] = include_bytes!("../../../fixtures/reference/hdf5/shots.nc")
 const MISSING: &[u8] = include_bytes!("../../../fixtures/reference/hdf5/missing.nc");
 const VALUES: &str = include_str!("../../../fixtures/reference/hdf5/values.csv");
 
-/// Whole files.
+/// Intact files.
 pub(crate) fn whole() -> [Vec<u8>; 3] {
     [MATLAB, RECORDER, SHOTS].map(<[u8]>::to_vec)
 }
@@ -43,7 +43,7 @@ fn all_numbers_are_those_of_the_makers_readers_to_the_bit() {
         let mut seen = 0;
         for row in rows {
             let mut cells = row.splitn(3, ',').skip(1);
-            // a subscript has commas, which the table cannot
+            // a subscript contains commas, which the table replaces by semicolons
             let name = cells.next().unwrap().replace(';', ",");
             let expected: Vec<u64> = cells
                 .next()
@@ -117,7 +117,7 @@ fn coordinates_units_and_texts_come_with_the_series() {
     }
 
     let shots = read(SHOTS);
-    // in single precision: 0.02 ms are even within its rounding
+    // times in single precision: steps of 0.02 ms are even within their rounding
     let force = series(&shots, "force[0, :]");
     assert!(
         matches!(force.abscissa, Abscissa::Even { start: 0.0, step } if (step - 0.02).abs() < 1e-9)
@@ -175,7 +175,7 @@ fn what_is_missing_damaged_or_too_large_is_refused_with_its_name() {
     let limit = MemoryLimit::new(2000);
     let large = read_within(RECORDER, Strictness::Tolerant, limit).unwrap_err();
     assert!(matches!(large, LabioError::MemoryLimit { .. }), "{large}");
-    // every shorter file is refused, or holds what the whole one does
+    // every shorter file is rejected or has the same contents as the whole file
     let whole = read(RECORDER);
     for length in (0..RECORDER.len()).step_by(97) {
         match Hdf5.read(&RECORDER[..length], Strictness::Strict) {

@@ -1,5 +1,5 @@
-//! Every failure of a hit, made on purpose and found with its reason; and the measured records, if
-//! they are there.
+//! Every fault of a hit, made on purpose and found with its reason; also the measured records, if
+//! they are available.
 
 #![allow(
     clippy::unwrap_used,
@@ -57,8 +57,8 @@ fn contact(t: f64) -> f64 {
     }
 }
 
-/// Oscillation that a force sensor of 3 kHz adds after a contact, beginning with a swing to the
-/// other side.
+/// Oscillation that a force sensor with a resonance of 3 kHz adds after a contact, beginning with a
+/// swing to the other side.
 fn ringing(t: f64) -> f64 {
     let t = t - 0.002;
     if t > 0.0 {
@@ -106,7 +106,7 @@ fn reasons(record: &Record) -> Vec<Reason> {
     Criteria::default().judge(record, FORCE, None).unwrap()
 }
 
-/// The one reason, or what was found instead.
+/// Returns the only reason; fails with the list of reasons if there is not exactly one.
 fn only(record: &Record) -> Reason {
     let mut found = reasons(record);
     assert_eq!(found.len(), 1, "{found:#?}");

@@ -1,4 +1,4 @@
-//! Instruments against closed forms: sines, pulses, and the statistics of noise.
+//! Instruments compared with closed forms: sines, pulses, and the statistics of noise.
 
 use std::f64::consts::{PI, TAU};
 
@@ -32,7 +32,7 @@ fn taken(instrument: &Instrument, history: &Record) -> Record {
     instrument.record(history, &mut rng(0)).unwrap().record
 }
 
-/// A tone of one second at its full amplitude, faded in and out over half a second each.
+/// A tone with its full amplitude for one second, faded in and out over half a second each.
 pub(crate) fn tone(frequency_hz: f64) -> impl Fn(f64) -> f64 {
     move |t| {
         let fade = (t.min(2.0 - t) / 0.5).clamp(0.0, 1.0);
@@ -72,9 +72,9 @@ fn a_tone_leaves_the_filter_with_the_gain_and_phase_of_its_polynomial() {
             for k in 19_000..21_000 {
                 let phasor = expected * Complex64::cis(TAU * f * k as f64 / rate_hz);
                 // Half a second of full amplitude is 1256 time constants of the filter: no
-                // transient is left. The fades have next to nothing at half the
-                // sampling rate, where the response is cut off. Roundings of a transform of
-                // 131 072 lines remain, some 1e-14.
+                // transient is left. The fades have hardly any content at half the sampling rate,
+                // where the response is cut off. Rounding errors of a transform of 131 072 lines
+                // remain, some 1e-14.
                 assert!(
                     (a[k] - phasor.re).abs() < 1e-11,
                     "{f} Hz, {k}: {}",
@@ -161,8 +161,8 @@ fn noise_has_its_density_within_the_spread_of_chi_square() {
         for (found, line) in found.into_iter().zip(lines) {
             let expected = spectrum.density(line as f64 * rate_hz / n as f64);
             // A mean of m exponential deviates is χ² with 2m degrees over 2m: a relative spread of
-            // 1/√m, nearly Gaussian at 600; five of them for 33 lines. The window takes
-            // the neighbours in: for f⁻² at line 10 by (1/3)·3/10², 1 %; below, less
+            // 1/√m, nearly Gaussian at 600; the tolerance for 33 lines is five of these. The window
+            // adds part of the neighbouring lines: for f⁻² at line 10 (1/3)·3/10², 1 %; below, less
             // than 4 %.
             let spread = 5.0 / (seeds as f64).sqrt();
             let leakage = if line < 10 { 0.07 } else { 0.01 };
@@ -195,7 +195,7 @@ fn cross_talk_is_the_product_with_its_matrix() {
             8.0 * (t * 16.0).floor()
         }
     });
-    // fractions of powers of two: exact
+    // fractions with powers of two are exact
     let matrix = array![[1.0, 0.125], [-0.5, 0.75]];
     let mixed = taken(&Instrument::new().cross_talk(matrix).unwrap(), &history);
     let (a, b) = (history.channel("a").unwrap(), history.channel("b").unwrap());
@@ -228,7 +228,7 @@ fn gain_offset_and_resolution_are_what_they_say() {
         let t = k as f64 / 1000.0;
         assert!((record.channel("a").unwrap()[k] - (1.5 * t - 0.25)).abs() < 1e-16);
         let b = record.channel("b").unwrap()[k];
-        // a sixty-fourth
+        // the resolution is a sixty-fourth
         assert!((b - t).abs() <= 0.5 / 64.0 && (64.0 * b).fract() == 0.0);
     }
 }
@@ -295,7 +295,8 @@ fn an_overload_is_reported_and_every_stage_is_named() {
         panic!("{:?}", taken.saturations)
     };
     assert_eq!(channel, "a");
-    // |1.25 sin| > 1 for a fraction 1 - (2/π) asin(0.8) = 0.4097 of 400 samples, whole samples at four edges
+    // |1.25 sin| > 1 for a fraction 1 - (2/π) asin(0.8) = 0.4097 of 400 samples, whole samples at
+    // four edges
     assert!(
         (*n_samples as f64 - 0.4097 * 400.0).abs() <= 4.0,
         "{n_samples}"

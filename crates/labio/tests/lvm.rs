@@ -1,5 +1,5 @@
-//! LabVIEW measurement files: dialects written out by hand, and the measured files where they are
-//! at hand.
+//! LabVIEW measurement files: dialects written by hand, and the measured files if they are
+//! available.
 
 use testbed::measured;
 
@@ -12,7 +12,7 @@ use crate::series::{defects, even, property, real, refusals};
 
 const SEPARATORS: [(char, &str); 3] = [('\t', "Tab"), (',', "Comma"), (';', "Semicolon")];
 
-/// A file of which every `|` is the separator.
+/// A file made from `text`, in which every `|` stands for the separator.
 fn file(text: &str, separator: char, name: &str) -> String {
     text.trim_start()
         .replace("{name}", name)
@@ -122,7 +122,7 @@ fn a_column_of_times_that_contradicts_the_tags_is_taken_as_it_stands() {
     let uneven = Abscissa::Uneven(vec![0.0, 0.433333, 0.666667]);
     assert_eq!(contents.series[0].abscissa, uneven);
     assert_eq!(contents.series[2].abscissa, uneven);
-    // the column is that of the first channel, and of those with the same tags
+    // the column of abscissae belongs to the first channel and to those with the same tags
     assert_eq!(contents.series[1].abscissa, even(0.0, 1.0));
 }
 
@@ -134,7 +134,7 @@ fn packets_with_a_column_of_times_start_where_it_says() {
     assert_eq!(contents.series[3].abscissa, even(10.0, 0.333333333));
     let on = "1.000000|8|9|8|\n1.333333|8||8|\n1.666667|8||8|\n";
     let contents = read(&file(&format!("{ONE_X}{on}"), '\t', "Tab")).unwrap();
-    // the slow channel has one sample a packet, and no column of its own
+    // the slow channel has one sample per packet and no abscissa column of its own
     assert_eq!(contents.series.len(), 4);
     assert_eq!(real(&contents, 0), [1.0, 2.0, 3.0, 8.0, 8.0, 8.0]);
 }
@@ -177,7 +177,7 @@ fn segments_have_headers_and_columns_of_their_own() {
     assert_eq!(real(&contents, 1), [4.0, 5.0, 6.0]);
     assert_eq!(contents.series[1].abscissa, even(1.0, 0.2));
     let last = &contents.series[2];
-    // as written, with its possible meanings
+    // the step as written, and the rate that it may represent
     assert_eq!(last.abscissa, even(0.0, 0.000977));
     assert_eq!(
         property(&last.properties, "customary rate"),
@@ -269,7 +269,8 @@ pub(crate) fn whole() -> [Vec<u8>; 3] {
 }
 
 proptest! {
-    /// Whatever is cut off behind the header, a strict reading never returns fewer samples than were announced.
+    /// Wherever a file is cut off after the header, a strict reading never returns fewer samples
+    /// than the header announces.
     #[test]
     fn a_cut_is_noticed(cut in 1..40_usize) {
         let text = file(ONE_X, ',', "Comma");
@@ -286,8 +287,8 @@ fn the_measured_files_read() {
     let Some(folder) = measured::folder() else {
         return;
     };
-    // file; series; samples of the first and the last; step and rate behind it; whether strictly
-    // read, or with one defect
+    // file; number of series; samples of the first and the last; step and the rate that it may
+    // represent; true if a strict reading accepts the file, false if it has one defect
     let (shock, power) = (Some(1.953125e-5), Some("1024 Hz, a power of two"));
     #[rustfmt::skip]
     let rows = [

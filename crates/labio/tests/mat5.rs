@@ -1,4 +1,4 @@
-//! MATLAB files: those that SciPy saves, and bytes put together by hand from the definition in both
+//! MATLAB files: files saved by SciPy, and bytes put together by hand from the definition in both
 //! byte orders.
 
 use labio::format::mat5::Mat5;
@@ -18,7 +18,7 @@ fn read(bytes: &[u8]) -> Result<Contents, LabioError> {
     Mat5.read(bytes, Strictness::Strict)
 }
 
-/// Everything but the description, which holds a date.
+/// Lists all contents except the description, which contains a date.
 pub(crate) fn said(contents: &Contents) -> String {
     let numbers = |ordinate: &Ordinate| match ordinate {
         Ordinate::Real(values) => format!("{values:?}"),
@@ -76,7 +76,7 @@ impl Bytes {
         bytes
     }
 
-    /// At most four bytes within the tag.
+    /// An element of at most four bytes, stored within the tag.
     fn small(&self, kind: u32, data: &[u8]) -> Vec<u8> {
         let mut bytes = self.word(u32::try_from(data.len()).unwrap() << 16 | kind);
         bytes.extend(data);
@@ -185,7 +185,8 @@ fn series(name: &str, abscissa: Abscissa, ordinate: Ordinate, unit: &str) -> Ser
     }
 }
 
-/// The written file is that put together by hand from the definition, and is read back to the bit.
+/// The written file equals the one put together by hand from the definition, and is read back to
+/// the bit.
 #[test]
 fn series_are_written_as_columns_with_abscissae_and_units() {
     let even = Abscissa::Even {
@@ -240,7 +241,7 @@ fn series_are_written_as_columns_with_abscissae_and_units() {
         .map(|series| series.name.as_str())
         .collect();
     assert_eq!(names, ["end_A", "x2"]);
-    // names beside a series are read back
+    // the variables that accompany a series are read back
     let abscissae = back.series.iter().map(|series| &series.abscissa);
     assert!(abscissae.eq(contents.series.iter().map(|series| &series.abscissa)));
     assert_eq!(back.series[0].ordinate_axis.unit_text, "N");
@@ -256,7 +257,7 @@ fn series_are_written_as_columns_with_abscissae_and_units() {
     };
     let bits = |values: &[f64]| values.iter().map(|x| x.to_bits()).collect::<Vec<_>>();
     assert_eq!(bits(values), bits(&forces));
-    // two series of one name, and a name that is taken by an abscissa
+    // two series with the same name, and a property whose name is already that of a unit
     contents.series[1].name = "end A".to_owned();
     contents.properties[0].0 = "end_A_unit".to_owned();
     let mut written = Vec::new();
@@ -268,8 +269,8 @@ fn series_are_written_as_columns_with_abscissae_and_units() {
     );
 }
 
-/// Names that could be those of entries beside a series are changed, in either order, and long
-/// names leave room for them.
+/// Names that equal those of the variables that accompany a series are changed, in either order,
+/// and long names leave room for their endings.
 #[test]
 fn nothing_else_is_taken_for_the_abscissa_or_the_unit_of_a_series() {
     let uneven = || Abscissa::Uneven(vec![3.0, 4.5]);
@@ -319,7 +320,7 @@ fn what_is_no_data_is_refused_or_passed_over() {
     insta::assert_snapshot!(read(SPARSE).unwrap_err(), @"mat5, byte 136: class of `K` is sparse, expected numbers, text, struct or cell");
     let contents = Mat5.read(SPARSE, Strictness::Tolerant).unwrap();
     assert_eq!((contents.series.len(), contents.defects.len()), (1, 1));
-    // a field that is no data leaves its neighbours readable
+    // a field without readable data does not affect its neighbours
     let bytes = LITTLE.file(&[LITTLE.matrix(
         2,
         &[1, 1],

@@ -17,7 +17,7 @@ use proptest::prelude::*;
 
 use crate::series::{axis, even, real, refusals, values};
 
-/// A file as NumPy 2.4 writes it: blanks bring the numbers to byte 128.
+/// A file as NumPy 2.4 writes it: blanks pad the header so that the numbers begin at byte 128.
 fn npy(descr: &str, fortran_order: &str, shape: &str, data: &[u8]) -> Vec<u8> {
     let mut text =
         format!("{{'descr': '{descr}', 'fortran_order': {fortran_order}, 'shape': {shape}, }}");
@@ -326,7 +326,7 @@ fn an_archive_holds_all_that_belongs_to_a_series() {
     "#);
 }
 
-/// An archive of one stored member.
+/// An archive of stored members.
 fn archive(members: &[(&str, Vec<u8>)]) -> Vec<u8> {
     let mut writer = zip::ZipWriter::new(Cursor::new(Vec::new()));
     for (name, bytes) in members {
@@ -397,7 +397,7 @@ fn channels() -> Vec<Channel> {
     ]
 }
 
-/// Times at 1024 Hz and two channels, as the array of a file.
+/// Array of a file with times at 1024 Hz and two channels.
 fn record(n: u32) -> Vec<f64> {
     let row = |f: fn(f64) -> f64| (0..n).map(move |i| f(f64::from(i)));
     row(|i| i / 1024.0)
@@ -495,7 +495,7 @@ fn a_stream_of_something_else_is_refused() {
     ");
 }
 
-/// An array, and archives of ours and of NumPy.
+/// Intact files: an array, an archive of our writer and one of NumPy.
 pub(crate) fn whole() -> [Vec<u8>; 3] {
     let array = npy("<f8", "False", "(3, 8)", &f64s(&record(8)));
     [array, written(&Npz, &described()).unwrap(), SAVED.to_vec()]
@@ -523,7 +523,7 @@ proptest! {
             prop_assert!(real(&back, c).iter().zip(row).all(|(a, b)| a.to_bits() == b.to_bits()));
             prop_assert_eq!(real(&back, c).len(), n);
         }
-        // an array of one axis has no order of memory
+        // an array of one axis has no memory order
         if given.series.len() > 1 {
             prop_assert_eq!(written(&Npy, &back).unwrap(), bytes);
         }

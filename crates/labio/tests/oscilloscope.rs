@@ -1,4 +1,4 @@
-//! Traces of oscilloscopes, beside the readers of the makers and of others.
+//! Traces of oscilloscopes, compared with the readers of the manufacturers and of others.
 
 use labio::format::oscilloscope::{LeCroy, TektronixIsf, TektronixWfm};
 use labio::format::{self, Reader, Strictness};
@@ -18,7 +18,7 @@ pub(crate) const FILES: [(&str, &[u8]); 11] = files!(
 );
 const VALUES: &str = include_str!("../../../fixtures/reference/oscilloscope/values.csv");
 
-/// Whole files of each reader.
+/// Intact files for each reader.
 pub(crate) fn whole() -> Vec<(&'static dyn Reader, Vec<u8>)> {
     FILES
         .iter()
@@ -132,7 +132,7 @@ fn what_is_no_trace_over_time_is_refused_by_name() {
 fn a_file_that_was_cut_is_refused_or_returned_as_far_as_it_goes() {
     for (name, file) in FILES {
         let reader = reader_of(name);
-        // version 3 has texts behind the samples
+        // version 3 has texts after the samples
         let end = if name.ends_with("wfm") {
             let place = [file[0x10], file[0x11], file[0x12], file[0x13]];
             40 + match file[0] {

@@ -1,4 +1,4 @@
-//! No format takes the files of another.
+//! No format recognises the files of another.
 
 use testbed::measured;
 
@@ -38,7 +38,8 @@ fn every_file_has_one_taker() {
             &[],
         ),
         (b"\x89HDF\r\n\x1a\n\0\0\0\0", &["hdf5"]),
-        // its own header states 7.3 as well: the first matching reader reads it
+        // the MATLAB header of this file states 7.3, so two readers recognise it; the first one
+        // reads it
         (crate::hdf5::MATLAB, &["hdf5", "mat5"]),
         (crate::oscilloscope::FILES[0].1, &["wfm"]),
         (crate::oscilloscope::FILES[5].1, &["isf"]),
@@ -84,7 +85,7 @@ fn the_measured_files_have_the_taker_of_their_ending() {
                 Some("csv") => &["csv"],
                 Some("tdms") => &["tdms"],
                 Some("uff") => &["uff58"],
-                // a description in words
+                // a description in words is not data
                 Some("txt") if name.contains("details") => &[],
                 Some("txt") => &["csv"],
                 _ => &[],

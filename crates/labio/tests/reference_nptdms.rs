@@ -1,5 +1,5 @@
-//! TDMS files that npTDMS wrote, and files of layouts that it only reads, against what it reads of
-//! them: `fixtures/reference/nptdms`.
+//! TDMS files that npTDMS wrote, and files of layouts that it can only read, compared with the
+//! values that npTDMS reads: `fixtures/reference/nptdms`.
 
 use labio::format;
 use labio::format::tdms::GROUP;
@@ -42,7 +42,8 @@ fn find<'a>(contents: &'a Contents, group: &str, channel: &str) -> &'a Series {
         .unwrap_or_else(|| panic!("no channel {channel} of {group}"))
 }
 
-/// Every value that npTDMS reads, in its order, and no channel and no value more.
+/// Every value that npTDMS reads is found in the same order, and there is no further channel or
+/// value.
 #[test]
 fn values_are_npt_dms_s() {
     let mut compared = 0;
@@ -68,7 +69,8 @@ fn values_are_npt_dms_s() {
                 Ordinate::Real(values) => values[index].into(),
                 Ordinate::Complex(values) => values[index],
             };
-            // formulas of sensors in another order; roots of a quartic by its eigenvalues there
+            // npTDMS evaluates the formulas of sensors in another order, and finds the roots of a
+            // quartic from eigenvalues
             let rounding = if file == "sensors" {
                 1e-10 * (1e-3 + expected.norm())
             } else {
@@ -104,13 +106,14 @@ fn properties_are_npt_dms_s() {
         };
         let found = found.unwrap_or_else(|| panic!("{line}: no such property"));
         let same = match (found.parse::<f64>(), expected.parse::<f64>()) {
-            // a single, printed with its own digits here and with those of a double by npTDMS
+            // a number in single precision, printed with its own digits here and with those of a
+            // double by npTDMS
             (Ok(found), Ok(expected)) if name == "gain" => {
                 (found - expected).abs() <= f64::from(f32::EPSILON) * expected.abs()
             }
             (Ok(found), Ok(expected)) => found == expected,
             _ => {
-                // Python writes True; a time without zone and with six decimals
+                // Python writes `True`, and a time with six decimals and without a zone
                 found == expected.to_lowercase()
                     || found == expected
                     || found.trim_end_matches(['0', 'Z']) == expected.trim_end_matches('0')
@@ -122,7 +125,7 @@ fn properties_are_npt_dms_s() {
     assert_eq!(compared, PROPERTIES.lines().count() - 1);
 }
 
-/// The properties of a waveform are its axis, as npTDMS's `time_track` has it.
+/// The properties of a waveform give the same axis as the `time_track` of npTDMS.
 #[test]
 fn a_waveform_has_its_axis() {
     let contents = contents("properties");

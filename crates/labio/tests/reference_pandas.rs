@@ -37,7 +37,7 @@ fn rows(file: &str) -> Vec<[f64; 3]> {
 }
 
 /// Separator, decimal mark, encoding, names and units are found; every number is the double that
-/// pandas makes of it.
+/// pandas reads.
 #[test]
 fn cells_are_pandas_s() {
     let mut compared = 0;
@@ -64,8 +64,9 @@ fn cells_are_pandas_s() {
     assert_eq!(compared, 2 * (VALUES.lines().count() - 1));
 }
 
-/// The column of times is an even abscissa in seconds, unless its digits leave the step open: six
-/// decimals hold a step of 20 us in 29 steps to 2 in 1000, and such times are used unchanged.
+/// The column of times is an even abscissa in seconds unless its digits do not determine the step:
+/// six decimals over 29 steps of 20 us determine the step to 2 in 1000, and such times are used
+/// unchanged.
 #[test]
 fn times_are_even_where_they_can_be() {
     for (file, bytes) in FILES {
@@ -75,7 +76,7 @@ fn times_are_even_where_they_can_be() {
         match &contents.series[0].abscissa {
             Abscissa::Even { start, step } => {
                 assert_eq!(*start, 0.0, "{file}");
-                // ten digits of the last time, at the least
+                // the last time has at least ten digits
                 assert!((step * 51_200.0 - 1.0).abs() <= 1e-9, "{file}: {step}");
                 assert_ne!(file, "tab_decimal_comma");
             }

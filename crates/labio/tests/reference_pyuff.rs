@@ -1,4 +1,5 @@
-//! Universal files by pyuff read by this software, and the reverse: `fixtures/reference/pyuff`.
+//! Universal files written by pyuff and read by this software, and the reverse:
+//! `fixtures/reference/pyuff`.
 
 use labio::format::uff58::{ByteOrder, Encoding, Precision, STEP_HALF_UNIT, Uff58Writer};
 use labio::format::{self, Writer};
@@ -75,7 +76,8 @@ fn value(contents: &Contents, data_set: usize, index: usize) -> Complex64 {
     }
 }
 
-/// Compares what we read of `file` with what pyuff read of it; returns the number of points.
+/// Compares the values that we read from `file` with those that pyuff read; returns the number of
+/// points.
 fn compare(table: &str, file: &str) -> usize {
     let contents = format::read_bytes(bytes_of(file)).unwrap();
     let points = points(table, file);
@@ -83,7 +85,7 @@ fn compare(table: &str, file: &str) -> usize {
     assert_eq!(total, points.len(), "{file}");
     for point in &points {
         let what = format!("{file}, data set {}, point {}", point.data_set, point.index);
-        // numbers in text are read to the nearest double by both, those of a 58b are copied
+        // both programs read numbers in text to the nearest double, and copy the numbers of a 58b
         assert_eq!(
             value(&contents, point.data_set, point.index),
             point.y,
@@ -92,7 +94,8 @@ fn compare(table: &str, file: &str) -> usize {
         match &contents.series[point.data_set].abscissa {
             Abscissa::Uneven(x) => assert_eq!(x[point.index], point.x, "{what}"),
             Abscissa::Even { start, step } => {
-                // pyuff adds a step of the header again and again or once: some roundings
+                // pyuff adds the step of the header repeatedly or multiplies it: a few rounding
+                // errors
                 let x = start + step * point.index as f64;
                 assert!((x - point.x).abs() <= 1e-14 * point.x.abs(), "{what}: {x}");
             }
@@ -107,7 +110,7 @@ fn files_of_pyuff_are_read_as_it_reads_them() {
     assert_eq!(compared, VALUES.lines().count() - 1);
 }
 
-/// The headers that pyuff was given, in the script beside the files.
+/// The headers are those that the script next to the files passed to pyuff.
 #[test]
 fn headers_of_pyuff_are_understood() {
     let contents = format::read_bytes(bytes_of("text")).unwrap();
@@ -124,8 +127,8 @@ fn headers_of_pyuff_are_understood() {
     assert_eq!(property("uff58.response_node"), "12");
     assert_eq!(property("uff58.reference_entity"), "HAMMER");
     assert_eq!(property("uff58.reference_direction"), "-1");
-    // 1/8192 s in the six digits that pyuff gives it: the step is wrong by less than the stated
-    // half unit
+    // pyuff writes 1/8192 s with six digits: the error of the step is less than the stated half
+    // unit
     let Abscissa::Even { step, .. } = series.abscissa else {
         panic!("even");
     };
@@ -143,8 +146,8 @@ fn headers_of_pyuff_are_understood() {
     assert_eq!(series.abscissa_axis.unit_text, "Hz");
 }
 
-/// Numbers that pyuff reads of our files are those we read of its: text in 13 digits holds its 12,
-/// binary all.
+/// The numbers that pyuff reads from our files are those that we read from its files: our text of
+/// 13 digits keeps its 12 digits, binary keeps all.
 #[test]
 fn pyuff_reads_what_is_written_here() {
     let mut compared = 0;
@@ -164,7 +167,7 @@ fn pyuff_reads_what_is_written_here() {
     assert_eq!(compared, OURS.lines().count() - 1);
 }
 
-/// The files that pyuff read are those that are written now.
+/// The files that pyuff read are identical to those that the writer produces now.
 #[test]
 fn the_writer_still_writes_these_bytes() {
     for (file, bytes) in WRITTEN {

@@ -1,5 +1,5 @@
-//! WAVE files by scipy.io.wavfile and libsndfile against what libsndfile reads of them:
-//! `fixtures/reference/wav`.
+//! WAVE files written by scipy.io.wavfile and libsndfile, compared with the samples that libsndfile
+//! reads: `fixtures/reference/wav`.
 
 use labio::format;
 
@@ -13,7 +13,7 @@ macro_rules! files {
     };
 }
 
-/// File, encoding that it should be found to have, bytes.
+/// Name, expected encoding and bytes of each file.
 const FILES: [(&str, &str, &[u8]); 11] = files![
     ("scipy_pcm8", "PCM 8 bits"),
     ("scipy_pcm16", "PCM 16 bits"),
@@ -28,7 +28,7 @@ const FILES: [(&str, &str, &[u8]); 11] = files![
     ("sndfile_rf64_pcm24", "PCM 24 bits"),
 ];
 
-/// Both divide integers by a power of two: equal to the last bit.
+/// Both readers divide integers by a power of two: the samples are equal to the last bit.
 #[test]
 fn samples_are_libsndfiles() {
     let mut compared = 0;

@@ -1,5 +1,5 @@
-//! Spectra, coherence, windows and analogue low-passes against SciPy's of the same samples:
-//! `fixtures/reference/scipy`.
+//! Spectra, coherence, windows and analogue low-pass filters, compared with SciPy's for the same
+//! samples: `fixtures/reference/scipy`.
 
 use labio::instrument::AntiAlias;
 use labio::{AveragedSpectra, Detrend, Estimator, Record, Welch, Window};
@@ -23,7 +23,7 @@ fn claims_hold() {
     hold!(report);
 }
 
-/// The values of a quantity of a case, in order.
+/// Values of a quantity of a case, in order.
 fn reference(case: &str, quantity: &str) -> Fallible<Vec<Complex64>> {
     let mut values = Vec::new();
     for row in SPECTRA.lines().skip(1) {
@@ -40,7 +40,7 @@ fn reference(case: &str, quantity: &str) -> Fallible<Vec<Complex64>> {
     Ok(values)
 }
 
-/// Largest difference of a line, relative to it.
+/// Largest relative difference of a line.
 fn apart(found: &[Complex64], expected: &[Complex64]) -> Found {
     if found.len() != expected.len() {
         return Err(format!("{} lines, expected {}", found.len(), expected.len()).into());
@@ -86,7 +86,7 @@ fn windows(report: &mut Claims) {
     );
 }
 
-/// The numbers that the script of the reference makes too, bit for bit.
+/// Generator of the same numbers, bit for bit, as in the script of the reference.
 struct Congruence(u64);
 
 impl Congruence {
@@ -99,8 +99,8 @@ impl Congruence {
     }
 }
 
-/// An input with an offset and a drift, and the input through a filter of first order with noise of
-/// its own.
+/// An input with an offset and a drift, and an output that is the input after a first-order filter,
+/// with independent noise.
 fn samples(n: usize) -> Fallible<Record> {
     let mut congruence = Congruence(1);
     let x: Vec<f64> = (0..n).map(|_| congruence.next()).collect();

@@ -1,4 +1,4 @@
-//! Series put together and taken apart.
+//! Construction of series and access to their parts, for the tests of formats.
 
 use labio::{Abscissa, Contents, LabioError, Ordinate, Series, SeriesAxis, Unit};
 
@@ -30,7 +30,7 @@ pub(crate) fn property<'a>(properties: &'a [(String, String)], name: &str) -> Op
     found.map(|(_, value)| value.as_str())
 }
 
-/// Refusal of each reading, one per line; contents that were read instead are in that line.
+/// Error of each reading, one per line; if a reading succeeds, its line shows the contents.
 pub(crate) fn refusals(read: impl IntoIterator<Item = Result<Contents, LabioError>>) -> String {
     let said = read.into_iter().map(|read| match read {
         Ok(contents) => format!("read {:?}", contents.series),

@@ -118,7 +118,7 @@ fn triggers_and_criteria_are_read_with_their_defaults() {
 #[test]
 fn a_sheet_with_an_impossible_value_is_refused_as_the_constructor_would() {
     let refusal = |error: serde_json::Error| {
-        // the place in the text is serde_json's part
+        // serde_json appends the place in the text
         error
             .to_string()
             .split(" at line")

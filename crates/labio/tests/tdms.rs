@@ -18,7 +18,7 @@ const NEW_LIST: u32 = 4;
 const RAW: u32 = 8;
 const INTERLEAVED: u32 = 32;
 const DAQMX: u32 = 128;
-/// Metadata with a list of objects of their own, and raw data.
+/// Flags of a segment with metadata, a new list of objects and raw data.
 pub(crate) const USUAL: u32 = METADATA | NEW_LIST | RAW;
 
 const NO_DATA: [u8; 4] = [0xff; 4];
@@ -127,7 +127,7 @@ fn daqmx(n: u64, scalers: &[[u32; 4]], widths: &[u32]) -> Vec<u8> {
     bytes
 }
 
-/// Sums and ends of the channels are those that npTDMS 1.13 reads.
+/// The sums and the end values of the channels are those that npTDMS 1.13 reads.
 #[test]
 fn measured_files_are_read_or_refused() {
     let Some(folder) = measured::folder() else {
@@ -154,7 +154,7 @@ fn measured_files_are_read_or_refused() {
             (samples[0], samples[17_999]),
             (f64::from(first), f64::from(last))
         );
-        // 18 000 additions of numbers below 0.1 in another order
+        // rounding errors of 18 000 additions of numbers below 0.1 in another order
         assert!((samples.iter().sum::<f64>() - sum).abs() < 1e-11, "{name}");
         assert_eq!(series.ordinate_axis.unit_text, "g");
         assert_eq!(series.abscissa, even(0.0, 1.0 / 30.0));
@@ -167,7 +167,7 @@ fn measured_files_are_read_or_refused() {
     assert_eq!((record.channels().len(), record.n_samples()), (8, 18_000));
     let first = record.channel("TP_ACC_LAT19_315deg_X").unwrap()[0];
     let expected_first = f64::from(0.005218853_f32) * 9.80665;
-    // one rounding more, since the unit is a ratio
+    // one more rounding error, because the unit is a ratio
     assert!((first - expected_first).abs() <= f64::EPSILON * expected_first);
 
     let faulty = folder.join("faulty_tdms_01.tdms");

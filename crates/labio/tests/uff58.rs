@@ -20,7 +20,7 @@ use num_complex::Complex64;
 
 use crate::series::{even, property, values};
 
-/// Records 1 to 11 with the fields that matter here.
+/// Records 1 to 11 with the fields that these tests use.
 fn header(function_type: u8, data_type: u8, n: usize, even: u8) -> String {
     let mut text = String::from("end A\nNONE\n21-Nov-26 12:00:00\nNONE\nNONE\n");
     writeln!(text, "{function_type:5}         7    0         0 NONE               1   1 rig               2  -3").unwrap();
@@ -44,7 +44,7 @@ fn ascii(function_type: u8, data_type: u8, n: usize, even: u8, rows: &str) -> Ve
     .into_bytes()
 }
 
-/// A 58b with `n_bytes` in its first line and `end` behind its data.
+/// A 58b with `n_bytes` in its first line and `end` after its data.
 fn binary(order: u8, n_bytes: usize, header: &str, data: &[u8], end: &str) -> Vec<u8> {
     let mut bytes = format!(
         "    -1\n    58b{order:6}{:6}{:12}{n_bytes:12}{:6}{:6}{:12}{:12}\n{header}",
@@ -71,8 +71,8 @@ fn only_series(bytes: &[u8]) -> Series {
     contents.series.remove(0)
 }
 
-/// Both samples hold one recording of a microphone, one as text of six digits, one as 32-bit
-/// numbers.
+/// Both files contain the same recording of a microphone, one as text of six digits, the other as
+/// 32-bit numbers.
 #[test]
 fn measured_files_are_read() {
     let Some(folder) = measured::folder() else {
@@ -89,7 +89,7 @@ fn measured_files_are_read() {
         (79_292, 79_292)
     );
     assert_eq!(text.abscissa, binary.abscissa);
-    // the step has 6 digits, which suffice to determine the intended rate
+    // the step has 6 digits, which are sufficient to determine the intended rate
     let Abscissa::Even { step, .. } = text.abscissa else {
         panic!("expected an even abscissa");
     };

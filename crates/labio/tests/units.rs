@@ -1,10 +1,12 @@
-//! Units against a table typed from their definitions, and every compound against its own product.
+//! Units compared with a table typed from their definitions, and every compound with the product of
+//! its factors.
 
 use labio::{Dimension, Quantity, Unit};
 use proptest::prelude::*;
 
-/// Text, exponents of m, kg, s, A, K, and the SI value of one, from the definitions: 1 in = 0.0254 m and 1 ft = 0.3048 m
-/// (1959), 1 lb = 0.45359237 kg, standard gravity 9.80665 m/s² (1901), 1 bar = 1e5 Pa.
+/// Text, exponents of m, kg, s, A, K, and the SI value of one, from the definitions: 1 in = 0.0254
+/// m and 1 ft = 0.3048 m (1959), 1 lb = 0.45359237 kg, standard gravity 9.80665 m/s² (1901), 1 bar
+/// = 1e5 Pa.
 #[rustfmt::skip]
 pub(crate) const TABLE: &[(&str, [i8; 5], f64)] = &[
     // psi: 4.4482216152605 / 0.00064516, to twenty digits
@@ -58,7 +60,7 @@ fn g_is_the_gram_where_a_mass_is_asked_for() {
         let unit = Unit::parse_as(text, expected).unwrap();
         (unit.to_si(1.0), unit.dimension() == expected)
     };
-    // one rounding of each ratio
+    // one rounding error of each ratio
     for (text, like, value) in [
         ("g", "kg", 1e-3),
         ("mg", "kg", 1e-6),
@@ -145,7 +147,7 @@ fn a_unit_knows_its_channel() {
     assert_eq!(quantity("mV/g"), None);
 }
 
-/// A compound as text, with its value multiplied up beside it.
+/// A compound as text, with its dimension and with its value multiplied from its factors.
 fn compounds() -> impl Strategy<Value = (String, Dimension, f64)> {
     let leaves: Vec<(&str, [i8; 5], f64)> = TABLE
         .iter()
@@ -187,9 +189,9 @@ proptest! {
         prop_assume!(text.chars().count() <= 64);
         let unit = Unit::parse(&text).unwrap();
         prop_assert_eq!(unit.dimension(), dimension);
-        // at most 64 roundings on either side
+        // at most 64 rounding errors on each side
         prop_assert!((unit.to_si(1.0) / si - 1.0).abs() < 128.0 * f64::EPSILON, "{} against {}", unit.to_si(1.0), si);
-        // four roundings
+        // four rounding errors
         prop_assert!((unit.of_si(unit.to_si(value)) - value).abs() <= 4.0 * f64::EPSILON * value.abs());
         prop_assert_eq!(Unit::parse(&unit.to_string()).unwrap(), unit);
     }

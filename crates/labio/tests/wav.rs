@@ -91,7 +91,7 @@ fn integers_become_fractions_of_full_scale() {
         ("INAM".to_owned(), "test".to_owned())
     );
 
-    // 8 bits are unsigned, and an odd number of them is padded
+    // samples of 8 bits are unsigned, and an odd number of them is padded
     let bytes = riff(&[
         chunk(b"fmt ", &fmt(1, 1, 8000, 8)),
         chunk(b"data", &[0, 128, 255]),
@@ -99,7 +99,7 @@ fn integers_become_fractions_of_full_scale() {
     assert_eq!(real(&read(&bytes).unwrap(), 0), [-1.0, 0.0, 127.0 / 128.0]);
 }
 
-/// Two samples of 64 bits under the header of a file that could be longer than 4 GiB.
+/// Two samples of 64 bits in a file whose header allows more than 4 GiB.
 fn rf64(id: &[u8; 4]) -> Vec<u8> {
     let mut bytes = id.to_vec();
     bytes.extend([0xff; 4]);
@@ -413,7 +413,7 @@ proptest! {
         prop_assert_eq!(again, bytes);
     }
 
-    /// Every integer of every width comes back as it was.
+    /// Integers of every width are read back unchanged.
     #[test]
     fn integers_round_trip(levels in proptest::collection::vec(any::<i32>(), 1..40), which in 0..4_usize) {
         let (encoding, bits) = [

@@ -1,6 +1,6 @@
-//! Workbooks of Excel: exact numbers, names and units, several worksheets, cells that are no
-//! number, and files that are cut or hostile. The workbooks are written here as the XML that the
-//! standard (ECMA-376) describes.
+//! Workbooks of Excel: exact numbers, names and units, several worksheets, cells that are not
+//! numbers, and files that are cut off or hostile. The workbooks are written here as the XML that
+//! the standard (ECMA-376) describes.
 
 use std::io::{Cursor, Write};
 
@@ -143,7 +143,7 @@ fn numbers_are_read_to_the_bit_with_names_and_units() {
     assert_eq!(bits(real(&contents, 0)), bits(&VALUES));
     let has = |value: &str| contents.properties.iter().any(|(_, own)| own == value);
     assert!(has("notes"), "{:?}", contents.properties);
-    // a rate that the times contradict by nothing
+    // a stated rate that agrees with the times
     let at_rate = format::read_bytes_at(&bytes, 4000.0).unwrap();
     assert_eq!(at_rate.series[0].abscissa, series.abscissa);
 }
@@ -187,7 +187,7 @@ fn what_holds_no_numbers_or_is_another_archive_is_refused() {
     // two cells at the ends of a worksheet are two cells, not ten million million
     let far = r#"<row r="1"><c r="A1"><v>1</v></c></row><row r="1048576"><c r="XFD1048576"><v>2</v></c></row>"#;
     let _ = format::read_bytes(&workbook(&[("far", far)]));
-    // memory for texts is not reserved because a list announces them
+    // no memory is reserved for texts that a list only announces
     let mut archive = zip::ZipWriter::new_append(Cursor::new(workbook(&[("shot", "")]))).unwrap();
     archive
         .start_file("xl/sharedStrings.xml", SimpleFileOptions::default())
@@ -208,7 +208,8 @@ fn what_holds_no_numbers_or_is_another_archive_is_refused() {
     assert!(format::read_bytes(&document).is_err());
 }
 
-/// Cut after every byte, and with every byte changed: an error or numbers, no panic.
+/// Files cut off after every byte, and with every byte changed, give an error or numbers, but no
+/// panic.
 #[test]
 fn broken_workbooks_are_refused() {
     let bytes = workbook(&[("shot", &table(&VALUES))]);

@@ -1,6 +1,6 @@
 //! Workbooks of Excel 97 to 2003: numbers in all of their forms, texts, dates, several worksheets,
-//! files that are cut or changed. The workbooks are written here, byte by byte after [MS-CFB] and
-//! [MS-XLS].
+//! files that are cut off or changed. The workbooks are written here, byte by byte after [MS-CFB]
+//! and [MS-XLS].
 
 use labio::format::workbook::Xls;
 use labio::format::{self, Reader, Strictness};
@@ -115,8 +115,8 @@ fn stream(globals: &[u8], worksheets: &[(&str, Vec<u8>)]) -> Vec<u8> {
     [all, end, bodies].concat()
 }
 
-/// Texts, the second of which changes from one to two bytes a sign where another record continues
-/// it, and has a run of another font.
+/// Texts, the second of which changes from one to two bytes per character where another record
+/// continues it, and has a run of another font.
 fn texts() -> Vec<u8> {
     let first = b"\x09\x00\x00Time [ms]";
     let second = b"\x0a\x00\x08\x01\x00Force ";
@@ -164,7 +164,7 @@ fn short(value: i32) -> [u8; 4] {
     ((value << 2) | 2).to_le_bytes()
 }
 
-/// Names, and five rows with every form of a number.
+/// Names, and five rows with every stored form of a number.
 fn table(style: u16) -> Vec<u8> {
     let hundredth = |value: i32| {
         let mut bytes = short(value);
@@ -229,7 +229,7 @@ fn workbook(style: u16, pad: usize) -> Vec<u8> {
 
 #[test]
 fn old_workbooks_are_read_to_the_bit() {
-    // in small and in large sectors; seconds in quotes are no date
+    // in small and in large sectors; a format with seconds in quotes is not a date
     for bytes in [workbook(0, 0), workbook(3, 5000)] {
         let contents = format::read_bytes(&bytes).unwrap();
         assert_eq!((contents.format, contents.series.len()), ("xls", 1));
@@ -291,12 +291,12 @@ fn what_is_older_or_encrypted_is_refused_with_the_remedy() {
     ));
 }
 
-/// Cut after every byte, and with every byte changed: an error or numbers, no panic and no endless
-/// chain.
+/// Files cut off after every byte, and with every byte changed, give an error or numbers, but no
+/// panic and no endless chain.
 #[test]
 fn broken_old_workbooks_are_refused() {
     for bytes in [workbook(0, 0), workbook(0, 4096)] {
-        // zeros after the last record are no part of it
+        // zeros after the last record are not part of it
         let last = bytes.iter().rposition(|byte| *byte != 0).unwrap();
         for end in 0..last {
             assert!(

@@ -1,5 +1,5 @@
-//! A virtual free body with two modes, and hammers to strike it with: everything about it is known
-//! in closed form.
+//! A virtual free body with two modes, whose response is known in closed form, and the hammers that
+//! strike it.
 
 use std::f64::consts::{PI, TAU};
 
@@ -12,7 +12,7 @@ use rand_distr::{Distribution, StandardNormal};
 
 /// Sampling rate \[Hz\].
 const RATE: f64 = 51_200.0;
-/// Samples a hit: the slowest mode has fallen by 36 nepers at the end.
+/// Number of samples of a hit: the slowest mode has decayed by 36 nepers at the end.
 const N_SAMPLES: usize = 16_384;
 /// Mass of the body \[kg\].
 pub(crate) const MASS: f64 = 2.0;
@@ -51,13 +51,13 @@ impl Mode {
     }
 }
 
-/// Acceleration that a unit impulse leaves behind, after the jump of velocity itself.
+/// Acceleration after a unit impulse, without the jump of the velocity at the impulse.
 fn ringing(time: f64) -> f64 {
     let mode = |mode: &Mode| 2.0 * (mode.residue() * mode.pole() * (mode.pole() * time).exp()).re;
     MODES.iter().map(mode).sum()
 }
 
-/// Sum of the samples of the ringing times $`e^{-i\omega t}`$ \[1/kg\], two geometric series a
+/// Sum of the samples of the ringing times $`e^{-i\omega t}`$ \[1/kg\], two geometric series per
 /// mode; the first sample counts half.
 fn sampled_ringing(frequency_hz: f64) -> Complex64 {
     let omega = TAU * frequency_hz;
@@ -72,17 +72,18 @@ fn sampled_ringing(frequency_hz: f64) -> Complex64 {
     MODES.iter().map(mode).sum()
 }
 
-/// The jump of velocity per impulse \[1/kg\]: such that the sampled body as a whole has its mass.
+/// Jump of the velocity per impulse \[1/kg\], chosen so that the accelerance of the sampled body at
+/// 0 Hz is that of its mass.
 fn jump() -> f64 {
     1.0 / MASS - sampled_ringing(0.0).re
 }
 
-/// The accelerance \[1/kg\] of the body as it is sampled.
+/// Accelerance \[1/kg\] of the sampled body.
 pub(crate) fn accelerance(frequency_hz: f64) -> Complex64 {
     jump() + sampled_ringing(frequency_hz)
 }
 
-/// A hammer with the noise of its measurement.
+/// A hammer, and the noise of the measured force and acceleration.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Hammer {
     /// Mean peak force \[N\]; hits differ by a tenth.
@@ -96,7 +97,7 @@ pub(crate) struct Hammer {
 }
 
 impl Hammer {
-    /// Force and acceleration of `n_hits` hits.
+    /// Returns force and acceleration of `n_hits` hits.
     pub(crate) fn strike(&self, n_hits: usize, seed: u64) -> Result<Vec<Record>, LabioError> {
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
         let mut normal = || -> f64 { StandardNormal.sample(&mut rng) };

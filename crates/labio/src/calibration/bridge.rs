@@ -18,17 +18,17 @@ pub enum BridgeLayout {
         /// Poisson's ratio of the rod \[-\].
         poisson_ratio: f64,
     },
-    /// Two gauges in adjacent arms with strains of opposite sign: bending.
+    /// Two gauges for bending, in adjacent arms with strains of opposite sign.
     HalfBending,
     /// Two axial gauges and two transverse ones, each pair in opposite arms: bending cancels.
     FullPoisson {
         /// Poisson's ratio of the rod \[-\].
         poisson_ratio: f64,
     },
-    /// Four gauges, neighbours with strains of opposite sign: bending.
+    /// Four gauges for bending, with strains of opposite sign in adjacent arms.
     FullBending,
-    /// Two axial gauges and two transverse ones, one of each on either side of a beam, each pair in
-    /// adjacent arms: bending.
+    /// Two axial gauges and two transverse ones for bending, one of each on each side of a beam,
+    /// each pair in adjacent arms.
     FullBendingPoisson {
         /// Poisson's ratio of the beam \[-\].
         poisson_ratio: f64,
@@ -80,8 +80,8 @@ impl BridgeLayout {
 ///
 /// # Validity
 ///
-/// Leads without resistance, gauges of equal resistance and gauge factor, transverse sensitivity
-/// neglected.
+/// Valid for leads without resistance and gauges of equal resistance and gauge factor; the
+/// transverse sensitivity of the gauges is neglected.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(try_from = "StrainBridgeSheet"))]
@@ -145,8 +145,8 @@ impl StrainBridge {
         &self.excitation
     }
 
-    /// Strain \[-\] at the bridge voltage \[V\]; NaN for a voltage that only a gauge of infinite
-    /// resistance would reach.
+    /// Strain \[-\] at the bridge voltage \[V\]; NaN for a voltage that no finite resistance of a
+    /// gauge gives.
     pub(super) fn strain(&self, voltage: f64) -> f64 {
         let x = self
             .layout
@@ -190,7 +190,7 @@ mod tests {
         StrainBridge::new(layout, gauge_factor, excitation).unwrap()
     }
 
-    /// Voltage between the dividers R4-R3 and R1-R2, each from the bottom of the excitation.
+    /// Voltage between the taps of the dividers R4-R3 and R1-R2.
     fn divided(resistances: [f64; 4], excitation: f64) -> f64 {
         let [r1, r2, r3, r4] = resistances;
         excitation * (r3 / (r3 + r4) - r2 / (r1 + r2))
@@ -220,8 +220,8 @@ mod tests {
             for strain in [0.1, 0.002, -0.03] {
                 let arms = change.map(|per_strain| 350.0 * (1.0 + per_strain * 2.1 * strain));
                 let voltage = divided(arms, 5.0);
-                // the difference of two divider ratios near one half loses as many digits as
-                // 1/strain has
+                // the difference of two divider ratios near one half has fewer correct digits: it
+                // loses as many as 1/strain has
                 let tolerance = 1e-12;
                 assert!(
                     (bridge.strain(voltage) / strain - 1.0).abs() < tolerance,

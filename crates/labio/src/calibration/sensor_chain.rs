@@ -61,14 +61,14 @@ pub struct Position {
 /// The measuring chain of one channel: transducer, amplifier and wiring.
 ///
 /// For a transducer of sensitivity $`S`$, an amplifier of gain $`G`$, polarity $`p = \pm 1`$ and a
-/// recorder offset $`u_0`$, the recorded $`u`$ represents
+/// recorder offset $`u_0`$, the recorded number $`u`$ represents the quantity
 ///
 /// ```math
 /// y = p\,\frac{u - u_0}{G\,S}
 /// ```
 ///
 /// and for strain gauges $`p(u-u_0)/G`$ is the voltage of their [`StrainBridge`]. Units are
-/// checked: $`u`$ over $`GS`$ must be a quantity that a channel can have.
+/// checked: $`u`$ divided by $`GS`$ must have the dimension of a [`Quantity`].
 ///
 /// # Examples
 ///
@@ -317,7 +317,7 @@ impl SensorChain {
     ///
     /// # Errors
     ///
-    /// [`LabioError::UnitMismatch`] if no channel has a quantity of that dimension.
+    /// [`LabioError::UnitMismatch`] if the result has the dimension of no [`Quantity`].
     pub fn quantity_from(&self, recorded: Quantity) -> Result<Quantity, LabioError> {
         let at_transducer = recorded.dimension().quotient(self.gain.unit().dimension());
         let felt = match &self.transducer {
@@ -418,7 +418,7 @@ impl SensorChain {
     }
 }
 
-/// Texts for "per m/s²" on data sheets that are read otherwise, and what they are read as.
+/// Spellings of "per m/s²" on data sheets that have another meaning as a unit, and that meaning.
 const MISREAD: [(&str, &str); 8] = [
     ("/ms2", "square milliseconds"),
     ("/ms^2", "square milliseconds"),
@@ -430,8 +430,8 @@ const MISREAD: [(&str, &str); 8] = [
     ("/m/s²", "a division by both m and s²"),
 ];
 
-/// Returns the unit that was probably meant by `unit`, to be appended to another sentence; empty if
-/// none was.
+/// Returns a remark on the unit that was probably meant by `unit`, to be appended to a message;
+/// empty if `unit` contains none of the [`MISREAD`] spellings.
 fn misread(unit: &str) -> String {
     let found = MISREAD.iter().find(|(written, _)| unit.contains(written));
     found.map_or_else(String::new, |(written, read)| {
@@ -527,8 +527,8 @@ mod tests {
             chain.quantity_from(Quantity::Voltage).unwrap(),
             Quantity::Force
         );
-        // 100 N give 400 pC, hence 4 V, which are inverted and shifted by the offset; a few
-        // roundings
+        // 100 N give 400 pC, hence 4 V, which are inverted and shifted by the offset; the
+        // tolerances allow rounding errors
         assert!((chain.recorded_from(100.0) + 3.75).abs() < 1e-14);
         assert!((chain.si_from(-3.75) - 100.0).abs() < 1e-12);
         assert_eq!(
@@ -652,7 +652,7 @@ mod tests {
         #[test]
         fn what_is_recorded_of_a_quantity_stands_for_it(chain in chains(), y in -1e-3..1e-3) {
             let back = chain.si_from(chain.recorded_from(y));
-            // an offset of 1 V costs the digits by which the signal is smaller than 1 V
+            // a signal smaller than the offset of 1 V loses digits in their sum
             let signal = (chain.recorded_from(y) - chain.offset()).abs();
             let lost = 1e-15 * (1.0 + chain.offset().abs() / signal.max(1e-300));
             prop_assert!((back - y).abs() <= 4.0 * lost * y.abs(), "{back} {y}");

@@ -7,7 +7,7 @@
 //! - The dialect ([`CsvDialect`]): the separator and the decimal mark that give the largest block
 //!   of numbers in the first thousand lines; everything above the block is the header. The one
 //!   ambiguous case, a file of `1,5` on every line without names, is rejected.
-//! - A row of names and a row of units right above the numbers. Units may also follow names:
+//! - A row of names and a row of units directly above the numbers. Units may also follow names:
 //!   `Time [s]`, `Time (s)`, `Time/s`, `time_s`. If the numbers are separated by blanks, the names
 //!   may be separated by tabs, semicolons, bars, commas or their units. All other lines of the
 //!   header become properties.
@@ -15,8 +15,8 @@
 //!   and supply the units.
 //! - Complex numbers in one cell, `1.5-2j`.
 //! - The abscissa ([`CsvAbscissa`]): the first column that is called time; otherwise the first
-//!   column of all, if it has a unit of time, is a frequency or an index, or increases evenly in a
-//!   table without names. Otherwise the abscissa is the sample index.
+//!   column of the table, if it has a unit of time, is a frequency or an index, or increases evenly
+//!   in a table without names. Otherwise the abscissa is the sample index.
 //!
 //! # Rounded times
 //!
@@ -29,9 +29,9 @@
 //!
 //! # Strictness
 //!
-//! A strict reading rejects, and a tolerant one skips with a defect: a row unlike the others (left
-//! out), and a cell that is not a number or is empty above other numbers of its column (NaN takes
-//! its place). Columns may end early.
+//! A strict reading rejects the following faults; a tolerant one reports them as defects: a row
+//! unlike the others (it is left out), and a cell that is not a number, or that is empty above
+//! other numbers of its column (its value is NaN). Columns may end early.
 
 mod abscissa;
 mod abscissa_name;
@@ -265,8 +265,8 @@ impl Reader for Csv {
         FORMAT
     }
 
-    /// Returns true if the beginning contains a table. Almost every text with numbers does, so the
-    /// other formats must be tried first.
+    /// Returns true if the beginning of the file contains a table. Almost every text with numbers
+    /// does, so the other formats must be tried first.
     fn recognises(&self, head: &[u8]) -> bool {
         let head = dialect::searched(head);
         let Ok((text, _)) = text::decode(head.get(..head.len() & !1).unwrap_or(head), FORMAT)

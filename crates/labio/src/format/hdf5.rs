@@ -7,9 +7,9 @@
 //!
 //! | data set | becomes |
 //! |---|---|
-//! | vector of numbers `a`, real or complex, of any type | series `a`, in a group `group/a` |
+//! | vector of numbers `a`, real or complex, of any type | series `a`, or `group/a` if it is in a group |
 //! | matrix `a` | a series for each of its rows `a[0, :]`, ..., or of its columns `a[:, 0]`, ... if these are longer |
-//! | array of more axes | a series along its last axis `a[0, 0, :]`, ...; skipped if these are short and many |
+//! | array of more axes | a series along its last axis `a[0, 0, :]`, ...; skipped if there are more than 256 and another axis is longer |
 //! | single number, text, attribute of a group | property of the contents |
 //! | attribute of a data set | unit (`units` or `unit`), label (`long_name`), or property of its series |
 //! | variable of MATLAB | as in a file of [version 5](super::mat5): `a(:,1)`, `s.length`, `c{1}` |
@@ -24,9 +24,10 @@
 //!
 //! # Rejected files
 //!
-//! - Types without a number: other compounds, enumerations, opaque types, integers beyond
-//!   $`2^{53}`$, sparse matrices and MATLAB objects. A strict reading rejects the file; a tolerant
-//!   one skips the data set with a defect. Damaged data sets are treated in the same way.
+//! - Contents that cannot be the numbers of a series: compounds other than complex numbers,
+//!   enumerations, opaque types, integers beyond $`2^{53}`$, sparse matrices and MATLAB objects. A
+//!   strict reading rejects the file; a tolerant one skips the data set with a defect. Damaged data
+//!   sets are treated in the same way.
 //! - Contents beyond a [`MemoryLimit`], in a strict or a tolerant reading.
 //!
 //! Links to other files are not followed.
@@ -95,14 +96,14 @@ impl Reader for Hdf5 {
 ///
 /// # Errors
 ///
-/// Errors of [`Hdf5`] as a [`Reader`]; [`LabioError::MemoryLimit`] beyond the limit.
+/// The errors of [`Hdf5`] as a [`Reader`]; [`LabioError::MemoryLimit`] beyond the limit.
 pub fn read_within(
     bytes: &[u8],
     strictness: Strictness,
     limit: MemoryLimit,
 ) -> Result<Contents, LabioError> {
     let most = usize::try_from(limit.bytes()).unwrap_or(usize::MAX);
-    // each data set is read once: a cache of its chunks would only be a copy
+    // each data set is read once: a cache of its chunks would only take memory
     let options = OpenOptions::default()
         .with_chunk_cache_bytes(0)
         .with_max_read_bytes(most);

@@ -32,10 +32,10 @@
 //!
 //! # Strictness
 //!
-//! A strict reading rejects, and a tolerant one skips with a defect: a packet with fewer rows than
-//! `Samples` announces (the end of a truncated file), a cell that is missing or not a number (NaN
-//! takes its place), a filled cell where a channel has no sample, and a header after the first
-//! segment that cannot be understood.
+//! A strict reading rejects the following faults; a tolerant one reports them as defects: a packet
+//! with fewer rows than `Samples` announces (the end of a truncated file), a cell that is missing
+//! or not a number (its value is NaN), a filled cell where a channel has no sample, and a header
+//! after the first segment that cannot be understood.
 
 mod channel;
 mod rows;

@@ -7,16 +7,16 @@
 //! |---|---|
 //! | row or column of numbers `a`, real or complex, of any class | series `a` |
 //! | matrix `a` | a series for each of its columns `a(:,1)`, ..., or of its rows `a(1,:)`, ... if these are longer |
-//! | array of more axes | a series for each of its columns `a(:,1,1)`, ...; skipped if these are short and many |
+//! | array of more axes | a series for each of its columns `a(:,1,1)`, ...; skipped if there are more than 256 and another axis is longer |
 //! | single number or text | property of the contents |
 //! | empty array | property of the contents that states this |
-//! | structure `s` | its fields `s.length`, those of an array of structures `s(2).length` |
+//! | structure `s` | its fields `s.length`; for an array of structures, `s(2).length` |
 //! | cell array `c` | its cells `c{1}` |
 //!
 //! The abscissa is the sample index from 0, because the file does not state which variable contains
-//! the times. Only in a file of this writer, which its description names, do the variables beside a
-//! series give its abscissa and units. The property `class` of a series names the class of the numbers if it is not
-//! `double`.
+//! the times. A file of this writer, which is recognised by its description, is an exception:
+//! further variables give the abscissa and the units of a series. The property `class` of a series
+//! names the class of the numbers if it is not `double`.
 //!
 //! # Rejected files
 //!
@@ -141,7 +141,7 @@ impl Reader for Mat5 {
 ///
 /// # Errors
 ///
-/// Errors of [`Mat5`] as a [`Reader`]; [`LabioError::MemoryLimit`] beyond the limit.
+/// The errors of [`Mat5`] as a [`Reader`]; [`LabioError::MemoryLimit`] beyond the limit.
 pub fn read_within(
     bytes: &[u8],
     strictness: Strictness,

@@ -13,13 +13,13 @@ pub(super) struct Array<'a> {
     pub(super) class: &'a str,
 }
 
-/// Largest number of series of an array of more than two axes with a longer axis than that of the
-/// series.
+/// Largest number of series made from an array of more than two axes if another axis is longer than
+/// that of the series.
 const MOST_SHORT_SERIES: usize = 256;
 
 /// Returns the shape of an array of more than two axes, such as `6 x 4096 x 2`, if its samples are
-/// not along the axis of the series, which has `length` values: the array would be cut into
-/// thousands of short series.
+/// not along the axis of the series, which has `length` values: the array would be cut into more
+/// than [`MOST_SHORT_SERIES`] short series.
 pub(super) fn misplaced(shape: &[usize], length: usize) -> Option<String> {
     let others = shape.iter().product::<usize>() / length.max(1);
     let is_short = shape.iter().any(|&axis| axis > length);
@@ -30,7 +30,8 @@ pub(super) fn misplaced(shape: &[usize], length: usize) -> Option<String> {
 }
 
 impl<'a> Array<'a> {
-    /// Returns why an array is skipped whose samples are not along its first axis ([`misplaced`]).
+    /// Returns the reason for skipping an array whose samples are not along its first axis
+    /// ([`misplaced`]).
     pub(super) fn misplaced(&self) -> Option<String> {
         let found = misplaced(self.shape, self.shape.first().copied().unwrap_or(1))?;
         Some(format!(

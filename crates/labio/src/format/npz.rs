@@ -1,13 +1,13 @@
 //! `NumPy`'s `.npz`: a ZIP archive of arrays, each with a name.
 //!
-//! Every array of one axis is a series with the name of the array, an array of two axes gives
+//! Every array of one axis is a series with the name of the array; an array of two axes gives
 //! several series (see [`npy`](super::npy)); single numbers and texts are properties of the
 //! contents. Deflated and stored members are read; the writer stores its members.
 //!
 //! # Other information
 //!
-//! The writer stores the other information about the series `F` in separate members. Empty members
-//! are left out; the reader reads them all back:
+//! The writer stores the other information about a series, here called `F`, in separate members,
+//! except those that would be empty. The reader restores the information from these members:
 //!
 //! | member | shape | content |
 //! |---|---|---|
@@ -101,7 +101,7 @@ impl Reader for Npz {
 ///
 /// # Errors
 ///
-/// Errors of [`Npz`] as a [`Reader`]; [`LabioError::MemoryLimit`] beyond the limit.
+/// The errors of [`Npz`] as a [`Reader`]; [`LabioError::MemoryLimit`] beyond the limit.
 pub fn read_within(
     bytes: &[u8],
     strictness: Strictness,

@@ -1,5 +1,5 @@
 //! Variables that Octave saves as text (`save hits.mat a b`, its default), read only. Other
-//! programs write such files too, because this needs no library.
+//! programs write such files too, because the format needs no library.
 //!
 //! # Variables
 //!

@@ -14,7 +14,7 @@ use std::fmt;
 /// in the last place.
 const ARITHMETIC: f64 = 8.0 * f64::EPSILON;
 
-/// Values to either side whose digits show the rounding of a value.
+/// Number of values on each side of a value whose digits show its rounding.
 const NEIGHBOURS: usize = 4;
 
 /// Values of an abscissa as they are written, each with half a unit of its last digit.
@@ -71,8 +71,9 @@ impl WrittenValues {
         }
     }
 
-    /// Limits each half unit to ten times the median of those around it: a value such as `0` among
-    /// `0.0000152588` was written without its trailing zeros, and was not rounded to its last digit.
+    /// Limits each half unit to ten times the median of the half units around it: a value such as
+    /// `0` among `0.0000152588` was written without its trailing zeros, and was not rounded to its
+    /// last digit.
     pub(crate) fn restore_trailing_zeros(&mut self) {
         let same = self.half_units.windows(2).all(|pair| match pair {
             [a, b] => a.to_bits() == b.to_bits(),
@@ -119,9 +120,9 @@ impl WrittenValues {
             .position(|(i, value)| (start + i as f64 * step).to_bits() != value.to_bits())
     }
 
-    /// Returns start and step of the even spacing whose rounded values these are, with the
-    /// uncertainty of the step due to the rounding of the first and last value; `None` if the
-    /// spacing is not even.
+    /// Returns start and step of an even spacing that agrees with all values within their rounding,
+    /// with the uncertainty of the step due to the rounding of the first and last value; `None` if
+    /// the spacing is not even.
     pub(crate) fn even_spacing(&self) -> Option<(f64, Written)> {
         let n = self.values.len();
         let (first, last) = (self.get(0)?, self.get(n.checked_sub(1)?)?);
@@ -171,7 +172,7 @@ impl WrittenValues {
 }
 
 /// Returns the first of `times` if all of them are within half a step of the evenly spaced times
-/// that begin there with this `step`.
+/// that begin there and have this `step`.
 pub(crate) fn start_at_step(times: &[f64], step: f64) -> Option<f64> {
     let start = *times.first()?;
     let within = |(i, time): (usize, &f64)| (time - (start + i as f64 * step)).abs() <= 0.5 * step;
@@ -298,8 +299,8 @@ mod tests {
         );
     }
 
-    /// `%.9g` of a time axis at 65 536 Hz begins with `0`: that it has no decimals must not make
-    /// every rate compatible.
+    /// A time axis at 65 536 Hz printed with `%.9g` begins with `0`: this value without decimals
+    /// must not make every rate compatible.
     #[test]
     fn values_without_their_trailing_zeros_have_the_rounding_of_their_neighbours() {
         let texts = [
@@ -324,7 +325,7 @@ mod tests {
         let (_, step) = column.even_spacing().unwrap();
         assert!((step.value * 65536.0 - 1.0).abs() < 1e-7, "{step:?}");
         assert!(step.half_unit < 1e-6 * step.value, "{step:?}");
-        // half of a step in the middle is not a rounding
+        // a deviation of half a step in the middle is not due to rounding
         let mut texts = texts;
         texts[6] = "9.9e-05";
         let mut jump = written(&texts);

@@ -57,8 +57,8 @@ impl Contents {
     ///
     /// A channel has the name of its series. If the name is empty or common to several channels,
     /// the response's degree of freedom is added, for example `acceleration 3+Z`. A repeated name
-    /// belongs to another hit: the series goes into the first record with the same axis and without
-    /// that name.
+    /// belongs to another hit: the series goes into the first record with the same axis that has no
+    /// channel of that name yet.
     ///
     /// A unit that is missing in the file can be set before the call: set
     /// [`SeriesAxis::unit`](crate::SeriesAxis::unit) in the

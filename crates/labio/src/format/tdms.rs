@@ -4,23 +4,23 @@
 //!
 //! A file is a sequence of segments. Each segment has a lead-in, metadata with changes of the
 //! objects (the file, groups, channels) and raw data of channels, in chunks: one channel after the
-//! other, or interleaved, or as delivered by a DAQmx device. Everything else is as in the previous
-//! segment. Either byte order is read; numbers in the first eight bytes of the lead-in are always
-//! little-endian.
+//! other, or interleaved, or as delivered by a DAQmx device. Whatever the metadata do not mention
+//! is as in the previous segment. Either byte order is read; numbers in the first eight bytes of
+//! the lead-in are always little-endian.
 //!
 //! # Series
 //!
-//! A series is one channel. Its name is that of the channel, its group is the property
-//! `tdms.group`; all properties of the channel follow. The abscissa begins at `wf_start_offset` and
-//! has the step `wf_increment`, in seconds unless `wf_xunit_string` states another unit; without
-//! these properties it is the sample index. The unit of the ordinate is `unit_string`. Properties
-//! of the file become properties of the contents; the names of group properties are preceded by the
-//! name of the group and a slash.
+//! A series is one channel and has its name. The property `tdms.group` is the group of the channel;
+//! all properties of the channel follow. The abscissa begins at `wf_start_offset` and has the step
+//! `wf_increment`, in seconds unless `wf_xunit_string` states another unit; without these
+//! properties it is the sample index. The unit of the ordinate is `unit_string`. Properties of the
+//! file become properties of the contents; the names of group properties are preceded by the name
+//! of the group and a slash.
 //!
 //! Numbers are converted to doubles; 64-bit integers are rounded to 53 bits. Times become seconds
-//! since the first of them, which is the property `tdms.first_time`. Text channels are skipped and
-//! named in the property `tdms.text_channel` of the contents; channels without raw data are named
-//! in `tdms.empty_channel`.
+//! since the first time, which is stored in the property `tdms.first_time`. Text channels are
+//! skipped and named in the property `tdms.text_channel` of the contents; channels without raw data
+//! are named in `tdms.empty_channel`.
 //!
 //! Scales (`NI_Scale[..]`) are applied unless `NI_Scaling_Status` is `scaled`: linear, polynomial,
 //! table (constant beyond its ends), sum and difference, strain gauges in a bridge, resistance

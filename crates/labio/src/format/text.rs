@@ -37,8 +37,9 @@ impl Encoding {
     }
 }
 
-/// Decodes `bytes`: UTF-8, or UTF-16 if there is a byte-order mark of it; everything else is
-/// ISO-8859-1, in which every byte is a character. A byte-order mark is not part of the text.
+/// Decodes `bytes`: UTF-16 if they begin with its byte-order mark, otherwise UTF-8 if they are
+/// valid, otherwise ISO-8859-1, in which every byte is a character. A byte-order mark is not part
+/// of the text.
 pub(crate) fn decode<'a>(
     bytes: &'a [u8],
     format: &'static str,
@@ -222,7 +223,7 @@ pub(crate) fn known_unit(text: &str) -> Option<Unit> {
     Unit::parse(text).ok()
 }
 
-/// Returns half a unit of the last digit written of a finite number: the largest rounding error. A
+/// Returns half a unit of the last written digit of a finite number: the largest rounding error. A
 /// zero with an exponent counts as exact, because any other number would be written with a nonzero
 /// first digit.
 pub(crate) fn half_unit(text: &str, mark: DecimalMark) -> f64 {

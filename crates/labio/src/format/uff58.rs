@@ -19,7 +19,7 @@
 //! | abscissa | record 7 if evenly spaced, else the data |
 //! | labels and texts of units of the axes | records 8 and 9 |
 //! | unit of the ordinate | record 9, divided by that of record 10 if there is one; without texts, from the specific data types and the unit system of data set 164 |
-//! | unit of the abscissa | record 8; s or Hz if it has no text but the specific type of a time or a frequency |
+//! | unit of the abscissa | record 8; without text there, s or Hz if the specific type is that of a time or a frequency |
 //!
 //! Everything else is in the properties, and the writer writes these back: `uff58.id2` to
 //! `uff58.id5`, `uff58.function_id`, `uff58.version`, `uff58.load_case`, `uff58.response_entity`,
@@ -269,8 +269,8 @@ fn data_set(
     if number == 58 {
         return data_set_58(line, binary, lines, contents);
     }
-    // functions can be read without these data sets: those of an unexpected layout are skipped and
-    // listed
+    // functions can be read without these data sets: a data set of an unexpected layout is skipped
+    // and listed
     let mut after = *lines;
     let read = match number {
         164 => surroundings.read_units(&mut after, contents),

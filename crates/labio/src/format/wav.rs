@@ -17,8 +17,8 @@
 //!
 //! # Strictness
 //!
-//! Missing bytes, or bytes after those that the headers announce, are rejected or, in a tolerant
-//! reading, a defect. Existing samples are returned.
+//! A file with missing bytes, or with bytes after those that the headers announce, is rejected. A
+//! tolerant reading reports a defect and returns the existing samples.
 
 mod blocks;
 mod layout;

@@ -11,9 +11,10 @@
 //!
 //! # Strictness
 //!
-//! As for a text table, with the place as row and column of the area of numbers. A cell with a date
-//! or an error (`#DIV/0!`) is not a number. Files that are encrypted or older, and contents beyond
-//! a [`MemoryLimit`], are rejected in a strict or a tolerant reading.
+//! The rules of a text table apply; errors state the place as row and column of the area of
+//! numbers. A cell with a date or an error (`#DIV/0!`) is not a number. Encrypted files, files of
+//! older versions, and contents beyond a [`MemoryLimit`] are rejected in a strict or a tolerant
+//! reading.
 
 mod xls;
 

@@ -41,8 +41,8 @@ impl Departure {
 
 impl FrequencyResponse {
     /// Returns the difference from another estimate on the same lines, evaluated over the lines
-    /// with a coherence above 0.9 in both, or, with fewer than eight of them, in the other. `None`
-    /// without variances, or with fewer than eight lines.
+    /// with a coherence above 0.9 in both estimates or, if there are fewer than eight such lines,
+    /// in the other estimate. `None` without variances, or with fewer than eight lines.
     ///
     /// # Errors
     ///
@@ -79,7 +79,7 @@ impl FrequencyResponse {
             ];
             lines.push((coherences.0 > LEAST_COHERENCE, line));
         }
-        // a window that cuts off most of the input leaves hardly a coherent line
+        // a window that cuts off most of the input leaves hardly any coherent lines
         let coherent = lines.iter().filter(|(coherent, _)| *coherent).count();
         let mut figures: [Vec<f64>; 4] = Default::default();
         for (_, line) in lines
@@ -129,8 +129,8 @@ impl FrequencyResponse {
     ///
     /// # Validity
     ///
-    /// The magnitude of the error, not its sign, for resonances wider than a line. For narrower
-    /// resonances the error is underestimated, but still large.
+    /// The result is the magnitude of the error, without its sign, for resonances wider than a
+    /// line. For narrower resonances the error is underestimated, but still large.
     ///
     /// # Errors
     ///

@@ -475,7 +475,7 @@ mod tests {
                 Err(error) => Err(error),
             }
         });
-        // errors in the old coherence or variance disappear with it
+        // faults of the old coherence or variance disappear when it is replaced
         assert_eq!(
             coherence.map(|answer| answer.map_err(|error| error.to_string())),
             [

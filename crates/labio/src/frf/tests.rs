@@ -170,8 +170,8 @@ fn the_bias_that_is_stated_is_the_bias_that_is_found() {
             };
             let expected = (1.0 + noise) * (1.0 + bias.scatter);
             let found = magnitude(&response);
-            // 4095 lines with a random error of 0.061 each: 0.001; four of these, plus the second
-            // order of the scatter, 1/n
+            // the mean of 4095 lines with a random error of 0.061 each has an error of 0.001; the
+            // tolerance is four of these, plus the second order of the scatter, 1/n
             assert!(
                 (found / expected - 1.0).abs() < 0.006,
                 "{:?} {a} {b}: {found} {expected}",

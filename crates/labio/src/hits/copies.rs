@@ -54,7 +54,7 @@ pub enum Copy {
     },
 }
 
-/// Two hits that differ by less than the noise before them can explain.
+/// Two hits whose difference is smaller than expected from the noise before them.
 #[derive(Debug, Clone, PartialEq)]
 pub struct NearCopy {
     /// Index of the first hit, from 0.
@@ -186,9 +186,9 @@ impl Lines {
     }
 }
 
-/// Returns pairs of `hits` that differ on all `channels` by less than the noise before them can
-/// explain: the same hit rounded, scaled, delayed or resampled. The probability of a false alarm,
-/// for all pairs together, is at most `level`.
+/// Returns pairs of `hits` whose difference on all `channels` is smaller than expected from the
+/// noise before them: the same hit rounded, scaled, delayed or resampled. The probability of a
+/// false alarm, for all pairs together, is at most `level`.
 ///
 /// For each pair and channel, the factor and the delay that bring one hit closest to the other are
 /// found. The difference D of two separate hits is at least the noise of both: on each line
@@ -530,7 +530,7 @@ mod tests {
                 assert_eq!(near(&hits), [], "{noise}");
             }
         }
-        // mains hum and a drift, before and in the hits, much larger than the noise of a line
+        // mains hum and a drift, before and during the hits, much larger than the noise of a line
         for _ in 0..20 {
             let hits: Vec<Record> = (0..5)
                 .map(|_| {

@@ -9,9 +9,9 @@ use crate::{LabioError, Quantity, Record};
 
 /// Number of standard errors by which two levels must differ to be significantly different.
 const LEVELS_APART: f64 = 5.0;
-/// Number of equal parts of a hit: in the last tenth, the hit should be over.
+/// Number of equal parts of a hit; in the last one, the hit should be over.
 const TAIL: usize = 10;
-/// Number of equal parts of a hit: the motion after its end is found from the last quarter.
+/// Number of equal parts of a hit; the motion after its end is found from the last one.
 const QUARTER: usize = 4;
 /// Fraction of its range that an 8-bit converter can still reach.
 const FULL: f64 = 0.99;
@@ -23,7 +23,7 @@ impl Criteria {
     /// than the noise there and by more than a tenth of the largest excursion (a fiftieth for waves
     /// in a bar).
     ///
-    /// The rest level of a channel is the median of its samples before the onset, its noise is 1.48
+    /// The rest level of a channel is the median of its samples before the onset; its noise is 1.48
     /// times their median absolute deviation; both tolerate up to half of the samples as outliers.
     ///
     /// # Validity
@@ -434,15 +434,15 @@ fn only_value(samples: &[f64]) -> Option<f64> {
     samples.iter().all(|x| same(*x, first)).then_some(first)
 }
 
-/// Number of standard deviations of the noise by which neighbouring samples of a smooth crest differ
-/// at most.
+/// Largest difference between neighbouring samples of a smooth crest, in standard deviations of the
+/// noise.
 const LEAP: f64 = 4.0;
 
-/// Probability below which equal samples in noise are no chance.
+/// Probability below which equal samples in noise are not a coincidence.
 const BY_CHANCE: f64 = 1e-6;
 
-/// Returns true if noise of this standard deviation, in steps of the converter, does not leave
-/// `length` samples equal: two are equal with the probability 1/(2√π σ).
+/// Returns true if noise of this standard deviation, in steps of the converter, is unlikely to
+/// leave `length` samples equal: two are equal with the probability 1/(2√π σ).
 fn is_improbable(length: usize, noise: f64) -> bool {
     let equal = 0.5 / (std::f64::consts::PI.sqrt() * noise);
     noise.is_finite() && equal < 0.6 && equal.powf(length as f64 - 1.0) < BY_CHANCE

@@ -125,7 +125,7 @@ impl HitLog {
     ///
     /// # Errors
     ///
-    /// As [`Criteria::judge`].
+    /// The errors of [`Criteria::judge`].
     pub fn of_records(
         records: impl IntoIterator<Item = Record>,
         channel: &str,
@@ -196,7 +196,7 @@ impl HitLog {
         Ok(())
     }
 
-    /// Pads hit `number` to `n_samples` samples that continue its rest ([`padded`](super::padded)).
+    /// Pads hit `number` to `n_samples` samples with its level at rest ([`padded`](super::padded)).
     ///
     /// # Errors
     ///

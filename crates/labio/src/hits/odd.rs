@@ -61,7 +61,7 @@ struct Odd {
 ///
 /// With the response $`H_{-j}`$ of all hits but hit $`j`$, $`P = H_{-j}X_j`$ is the prediction of
 /// the output $`Y_j`$ by the other hits. Three numbers of hit $`j`$ are compared with the same
-/// numbers of each other hit, which are also computed from the response of the remaining hits:
+/// numbers of every other hit, which are computed in the same way without hit $`j`$:
 ///
 /// - the gain $`g = \mathrm{Re}\sum\overline{P}Y_j/\sum\lvert P\rvert^2`$, with a limit from
 ///   Student's distribution of the gains of the others at a level of 0.1 % for all hits together;
@@ -70,14 +70,15 @@ struct Odd {
 /// - the largest sample of $`Y_j - gP`$, which must exceed such a limit and twice the largest of
 ///   the others.
 ///
-/// A departure below half a per cent is ignored. Energies may grow with the square of the impact.
-/// Hits that were found are left out of the search for the next one.
+/// A departure below half a per cent is ignored. A departure whose energy grows with the square of
+/// the impact does not count against the harder hit. Hits that were found are left out of the
+/// search for the next one.
 ///
 /// # Validity
 ///
-/// Four hits or more, most of them correct; with fewer hits nothing is found. Scatter common to the
-/// hits, such as that of the impact position, widens the limits. A fault of the input appears in
-/// all outputs.
+/// The function needs four hits or more, most of them correct; with fewer hits nothing is found.
+/// Scatter common to the hits, such as that of the impact position, widens the limits. A fault of
+/// the input appears in all outputs.
 ///
 /// # Errors
 ///

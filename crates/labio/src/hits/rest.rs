@@ -17,9 +17,9 @@ pub(super) const PASSAGE_OVER_PEAK: f64 = 0.02;
 const PART_AT_REST: f64 = 0.75;
 /// Fewest samples at rest for a level and its noise.
 const FEWEST_AT_REST: usize = 16;
-/// Number of equal parts of a hit: in the last tenth, the body must be at rest.
+/// Number of equal parts of a hit; in the last one, the body must be at rest.
 const TAIL: usize = 10;
-/// Largest deviation from rest in that tenth, as a fraction of the peak.
+/// Largest deviation from rest in the last tenth, as a fraction of the peak.
 const MOST_LEFT: f64 = 1e-3;
 
 /// Returns the number of samples before the impact in which `channels` are at rest in each of
@@ -53,8 +53,8 @@ pub fn samples_at_rest(hits: &[&Record], channels: &[&str]) -> Result<Option<usi
 ///
 /// The body must be at rest: the mean square of each channel about its level in the last tenth must
 /// not exceed twice the mean square of its noise plus the square of a thousandth of its peak. The
-/// padded samples have no noise, but noise at rest is assumed for the whole length, and is
-/// overestimated by their fraction.
+/// padded samples have no noise, but the noise at rest is assumed over the whole length; it is
+/// therefore overestimated by the fraction of padded samples.
 ///
 /// # Errors
 ///
@@ -211,8 +211,8 @@ mod tests {
         assert!((1055..1067).contains(&onset), "{onset}");
     }
 
-    /// A hit of 200 samples at a level of 3, with a blow from sample 100 on; the channel stays off
-    /// its level by `left` afterwards.
+    /// A hit of 200 samples at a level of 3, with a blow from sample 100 on; afterwards the channel
+    /// stays `left` above its level.
     fn hit(left: f64) -> Record {
         let mut samples = ndarray::Array2::from_elem((1, 200), 3.0);
         for (k, x) in samples.iter_mut().enumerate().skip(100) {

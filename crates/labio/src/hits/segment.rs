@@ -92,7 +92,7 @@ pub fn find_hits(
 ///
 /// # Errors
 ///
-/// As [`find_hits`], and the errors of the source; [`LabioError::CountMismatch`] if the source
+/// The errors of [`find_hits`] and of the source; [`LabioError::CountMismatch`] if the source
 /// returns more samples than requested, or replaces the block that it should fill. A hit with a
 /// non-finite sample is rejected with that reason; this is not an error.
 pub fn find_hits_in_blocks(
@@ -265,8 +265,8 @@ impl Cutter {
         let next = self.pending.front().copied().unwrap_or(self.fed);
         let needed_from = next.saturating_sub(self.timing.before);
         let superfluous = needed_from.saturating_sub(self.first);
-        // dropping moves the samples that remain: it waits until half of them can be dropped, so
-        // that a sample moves no more than once on average
+        // dropping moves the remaining samples: it waits until half of the buffer can be dropped,
+        // so that a sample moves no more than once on average
         if 2 * superfluous < self.fed - self.first {
             return;
         }

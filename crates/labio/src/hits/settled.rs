@@ -13,8 +13,8 @@ const FEWEST: usize = 256;
 /// Fewest and most segments from which the noise of a line is measured.
 const FEWEST_SEGMENTS: usize = 4;
 const MOST_SEGMENTS: usize = 16;
-/// Lines on either side of one that are averaged with it, so that a line of hum does not count as
-/// motion. The same number of lines from 0 Hz on is not tested, because of drift.
+/// Number of lines on each side of a line that are averaged with it, so that a line of hum does not
+/// count as motion. The same number of lines from 0 Hz on is not tested, because of drift.
 const NEIGHBOURS: usize = 4;
 /// Probability of counting noise as motion.
 const LEVEL: f64 = 0.01;
@@ -22,15 +22,15 @@ const LEVEL: f64 = 0.01;
 /// Returns the number of samples, a power of two, after which no motion is left in `channels` of
 /// any of `hits`; `None` if it is more than a quarter of the shortest hit.
 ///
-/// The motion has ended after $`n`$ samples if all peaks lie before, and if no line of the next
-/// $`n`$ samples exceeds the noise in the second half of the hit (false alarms: at most 1 % of
-/// hits). The function returns $`2n`$: motion below the noise in the second $`n`$ samples has then
-/// decayed further.
+/// The motion has ended after $`n`$ samples if the peaks of all channels lie within them, and if no
+/// line of the next $`n`$ samples exceeds the noise in the second half of the hit (false alarms: at
+/// most 1 % of hits). The function returns $`2n`$: motion below the noise in the second $`n`$
+/// samples has then decayed further.
 ///
 /// # Validity
 ///
-/// Motions that decay, and stationary noise, with or without hum. Without noise the motion never
-/// ends.
+/// Valid for motions that decay, and for stationary noise, with or without hum. Without noise the
+/// motion never ends.
 ///
 /// # Errors
 ///
@@ -67,7 +67,7 @@ fn peak_of(samples: ArrayView1<'_, f64>) -> usize {
 }
 
 /// Returns true if a line of the samples from `n` to `2n` stands out of the noise in the second
-/// half, with the probability [`LEVEL`] over `n_tests` lines.
+/// half; the probability of a false alarm over `n_tests` lines is [`LEVEL`].
 fn moves(samples: ArrayView1<'_, f64>, n: usize, n_tests: usize) -> bool {
     let mut spectrum = Spectrum::new(n);
     let n_segments = (samples.len() / 2 / n).min(MOST_SEGMENTS);
@@ -126,7 +126,7 @@ mod tests {
     const RATE: f64 = 10e3;
 
     /// A ringing of 400 Hz from sample 200 on with this time constant, in noise of a thousandth of
-    /// its peak and a hum of as much.
+    /// its peak and hum of the same amplitude.
     fn hit(time_constant: f64, n_samples: usize, seed: u64) -> Record {
         let mut noise = Noise::seeded(seed);
         let samples = (0..n_samples).map(|n| {
@@ -146,7 +146,7 @@ mod tests {
     }
 
     /// The power that is cut off is less than a tenth of that of the noise on the line of the
-    /// ringing; and the motion is found to end, in spite of the hum.
+    /// ringing; and the end of the motion is found in spite of the hum.
     #[test]
     fn what_is_left_out_is_below_the_noise_of_its_line() {
         for seed in 0..20 {

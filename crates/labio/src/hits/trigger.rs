@@ -31,8 +31,8 @@ impl Extent {
     ///
     /// # Errors
     ///
-    /// [`LabioError::NonPhysical`] for a time that is negative, not finite, or longer than the
-    /// number of samples that can be counted.
+    /// [`LabioError::NonPhysical`] for a time that is negative, not finite, or longer than 9e15
+    /// samples.
     pub fn samples(self, sampling_rate_hz: f64) -> Result<usize, LabioError> {
         match self {
             Self::Samples(n) => Ok(n),

@@ -45,7 +45,7 @@ impl AntiAlias {
     ///
     /// # Errors
     ///
-    /// As [`AntiAlias::butterworth`].
+    /// The errors of [`AntiAlias::butterworth`].
     pub fn bessel(order: u32, cutoff_hz: f64) -> Result<Self, LabioError> {
         Self::new(Kind::Bessel, order, cutoff_hz)
     }

@@ -8,9 +8,9 @@ use crate::{Coherence, FrequencyResponse, LineValidity};
 /// Probability that noise alone reaches the coherence above which tests are compared.
 pub(super) const CLEAR: f64 = 1e-4;
 
-/// Number of lines on either side over which that coherence is averaged. If lines were chosen by
-/// their own coherence, those with an accidentally small variance would be preferred: with three
-/// hits per test, this made one merge in two disagree.
+/// Number of lines on each side over which the coherence is averaged before this comparison. If
+/// lines were chosen by their own coherence, those with an accidentally small variance would be
+/// preferred: with three hits per test, this made one merge in two disagree.
 const CLEAR_NEIGHBOURS: usize = 8;
 
 /// The tests that contribute to a line.

@@ -299,7 +299,7 @@ fn s6_hammers_of_another_gain_are_told_and_enter_the_error() {
     let common = merged.response.common_error.as_ref().unwrap()[100];
     let expected = (agreement.gain.ln() / 2.0_f64.sqrt()).hypot(0.01);
     assert!((common / expected - 1.0).abs() < 1e-12, "{common}");
-    // sensors with an uncertainty of 10 % explain it
+    // sensors with an uncertainty of 10 % explain this gain
     let merged = MergedResponse::by_inverse_variance(&responses(off, 0.1)).unwrap();
     assert!(merged.agreement[0].unwrap().explains_gain());
     let merged = MergedResponse::by_inverse_variance(&responses(LIGHT, 0.0)).unwrap();
@@ -368,8 +368,8 @@ fn weighing_beats_choosing_and_says_by_how_much() {
         let weighed = MergedResponse::by_inverse_variance(&responses).unwrap();
         let band = 1..400; // below the first zero of the half-sine
         let ratio = error(&chosen.response, band.clone()) / error(&weighed.response, band.clone());
-        // with estimated weights some 10 % of the gain is lost; 399 lines determine the ratio to 7
-        // %, three times which is 21 %
+        // with estimated weights some 10 % of the gain is lost; 399 lines determine the ratio to
+        // 7 %, and the tolerance is three times that, 21 %
         assert!(ratio > 0.69 * gain && ratio < 1.21 * gain, "{ratio} {gain}");
         // the stated variance is the squared error, except for a factor of (n-1)/n and 4/n that the
         // estimated weights hide

@@ -3,8 +3,8 @@
 use super::{DegreesOfFreedom, ResponseRatio};
 use crate::{AveragedSpectra, LabioError, RestNoise};
 
-/// Ratio of energy to noise energy below which a denominator has no ratio with an error to first
-/// order.
+/// Ratio of energy to noise energy of the denominator below which the error of the ratio cannot be
+/// computed to first order; the variance is then infinite.
 const LEAST_ENERGY: f64 = 10.0;
 
 /// A channel with its noise at rest, which the spectra contain for `duration` \[s\]: the duration

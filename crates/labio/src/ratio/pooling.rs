@@ -52,8 +52,8 @@ pub struct AveragedVariance<'a> {
     pub denominator_power: &'a [f64],
     /// Number n of averages, or their effective number.
     pub averages: f64,
-    /// Number of lines per line with independent noise: 1 for spectra of whole records; for a pulse
-    /// that was cut out of an otherwise silent record, the ratio of record duration to window
+    /// Number of lines for each line with independent noise: 1 for spectra of whole records; for a
+    /// pulse that was cut out of an otherwise silent record, the ratio of record duration to window
     /// length.
     pub lines_per_independent_line: f64,
 }

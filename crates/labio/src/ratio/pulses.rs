@@ -85,7 +85,7 @@ impl ResponseRatio {
     /// # Errors
     ///
     /// [`LabioError::TooFewSamples`] for a window that has fewer than three samples or extends
-    /// beyond a hit; as [`Self::of_hits`] and [`Self::of_shot`].
+    /// beyond a hit; the errors of [`Self::of_hits`] and [`Self::of_shot`].
     pub fn of_pulses(
         hits: &[&Record],
         n_silent: Option<usize>,

@@ -1,22 +1,22 @@
 //! Error of an averaged ratio from a converter whose step exceeds the noise of the channel.
 //!
 //! Rounding errors are independent noise if the noise before the converter exceeds a third of its
-//! step. With less noise, they are harmonics of the decaying motion, alike in every hit; the
-//! scatter between hits does not show them, and more hits do not reduce them. They are estimated
-//! by rounding the samples again to twice the step: the ratio changes by the difference of two
-//! such errors, of which the new one is twice as large and comes from an earlier part of the decay.
+//! step. With less noise, they are harmonics of the decaying motion, the same in every hit; the
+//! scatter between hits does not show them, and more hits do not reduce them. They are estimated by
+//! rounding the samples again to twice the step: the ratio changes by the difference of two such
+//! errors, of which the new one is twice as large and comes from an earlier part of the decay.
 
 use num_complex::Complex64;
 
 use crate::quantization::step_above_noise;
 use crate::{AveragedSpectra, LabioError, Record, Window, channel};
 
-/// Samples at rest where the silence of the hits is not known.
+/// Number of samples taken as rest if the silence of the hits is not known.
 const FEWEST_AT_REST: usize = 16;
-/// Number of lines on either side over which the squared change is averaged.
+/// Number of lines on each side over which the squared change is averaged.
 const NEIGHBOURS: usize = 5;
-/// Squared change over the squared error: that of twice the step is four times as large, and
-/// independent of it.
+/// Squared change divided by the squared error: the squared error with twice the step is four times
+/// as large, and the two errors are independent.
 const CHANGE_OVER_ERROR: f64 = 5.0;
 
 /// Sums over the hits, of one line.
@@ -27,8 +27,8 @@ struct Sums {
     energy: f64,
 }
 
-/// Returns E|δΨ|² of every line, of the part of the rounding error that all hits share; `None` if
-/// the noise before the blow of all hits but one exceeds the step.
+/// Returns E|δΨ|² of every line due to the part of the rounding error that all hits share; `None`
+/// unless the step exceeds the noise before the blow in at least two hits.
 pub(super) fn shared_variance(
     hits: &[&Record],
     n_silent: Option<usize>,
@@ -48,7 +48,7 @@ pub(super) fn shared_variance(
     let n_hits = pairs.len() as f64;
     let mut sums = vec![Sums::default(); ratio.len()];
     for (hit, rounded) in &pairs {
-        // left over by the mean ratio in one hit
+        // residual of one hit about the mean ratio
         let rest_of = |hit: &Record| -> Result<_, LabioError> {
             let spectra = AveragedSpectra::of([hit], Window::Rectangular)?;
             let below = spectra.auto(denominator)?;
@@ -66,7 +66,7 @@ pub(super) fn shared_variance(
         }
     }
     let shared = sums.iter().map(|of| {
-        // of the mean change, what the scatter between the hits does not explain
+        // part of the mean change that the scatter between the hits does not explain
         let mean = of.change.norm_sqr();
         let scatter = (of.squares - mean / n_hits).max(0.0) * n_hits / (n_hits - 1.0);
         (mean - scatter) / (of.energy * of.energy)
@@ -82,8 +82,8 @@ pub(super) fn shared_variance(
 }
 
 /// Returns the record with the channels called `names` rounded to twice the step of their
-/// converters, where it exceeds the noise of the first `n_rest` samples; `None` if it does in
-/// neither.
+/// converters, where the step exceeds the noise of the first `n_rest` samples; `None` if it does so
+/// in neither channel.
 fn coarser(hit: &Record, n_rest: usize, names: [&str; 2]) -> Result<Option<Record>, LabioError> {
     let mut coarse = None;
     for name in names {

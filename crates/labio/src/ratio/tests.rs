@@ -292,8 +292,8 @@ fn rounding_that_is_alike_in_all_hits_is_part_of_the_error() {
         }
         squares.iter().sum::<f64>() / squares.len() as f64
     };
-    // 20 tests of some eleven lines, which a test shares; an estimate from one other phase of the
-    // decay
+    // 20 tests of some eleven lines, whose errors are related within a test; the estimate comes
+    // from one other phase of the decay
     let undithered = mean_square(5e-4, 8e-3);
     assert!((0.4..1.4).contains(&undithered), "{undithered}");
     // independent rounding errors: 20 tests of eleven lines and fourteen degrees of freedom

@@ -78,7 +78,7 @@ struct Tails {
     sums: Vec<Vec<Complex64>>,
 }
 
-/// Accumulation of one hit as a task that can use the vector instructions of the processor.
+/// Task that accumulates one hit with the vector instructions of the processor.
 struct Accumulation<'a>(&'a mut SpectrumAverager);
 
 impl pulp::NullaryFnOnce for Accumulation<'_> {
@@ -141,7 +141,7 @@ impl SpectrumAverager {
     ///
     /// # Errors
     ///
-    /// As [`SpectrumAverager::new`].
+    /// The errors of [`SpectrumAverager::new`].
     pub fn for_records_like(record: &Record, window: Window) -> Result<Self, LabioError> {
         Self::new(
             record.channels(),
@@ -564,7 +564,7 @@ impl Averaged<'_> {
                 });
             }
         }
-        // |conj(X) Y| <= (|X|^2 + |Y|^2)/2: finite with the auto-spectra
+        // |conj(X) Y| <= (|X|^2 + |Y|^2)/2: finite if the auto-spectra are
         for lines in &mut cross {
             for (line, value) in lines.iter_mut().enumerate() {
                 *value *= scale(line);

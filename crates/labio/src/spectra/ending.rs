@@ -7,9 +7,9 @@ use super::Detrend;
 use crate::channel;
 use crate::{AddedDamping, LabioError, Quantity, Record};
 
-/// Number of equal parts of a hit: the motion after it is found from the last quarter.
+/// Number of equal parts of a hit; the motion after its end is found from the last one.
 const TAIL: usize = 4;
-/// Fewest samples in that part.
+/// Fewest samples in the last part.
 const LEAST_TAIL: usize = 8;
 
 /// Motion of a body after the end of its record.
@@ -108,8 +108,8 @@ impl Ending {
 /// x_n - u\frac nN + v\,\frac{n(N-n)}{2N} .
 /// ```
 ///
-/// Under an exponential `window` that leaves $`q`$ at the end of the record, the samples, still
-/// without the weights of the window, are exact on all lines:
+/// Under an exponential `window` that leaves $`q`$ at the end of the record, the following samples,
+/// not yet multiplied by the weights of the window, are exact on all lines:
 ///
 /// ```math
 /// x_n + \frac{q}{1-q}\Bigl(u + v\,n + \frac{v\,qN}{1-q}\Bigr) .

@@ -111,8 +111,7 @@ impl RestNoise {
     }
 
     /// Degrees of freedom of the density at one frequency: twice the number of independent
-    /// segments. The relative standard error of the density is the square root of two divided by
-    /// this number.
+    /// segments. The relative standard error of the density is √(2/ν), where ν is this number.
     #[must_use]
     pub fn line_degrees_of_freedom(&self) -> f64 {
         2.0 * self.averages
@@ -120,7 +119,7 @@ impl RestNoise {
 
     /// Degrees of freedom of the mean density over a band of width `bandwidth_hz`: twice the width
     /// times the effective duration of all windowed silences. The relative standard error of that
-    /// mean is the square root of two divided by this number.
+    /// mean is √(2/ν), where ν is this number.
     #[must_use]
     pub fn degrees_of_freedom(&self, bandwidth_hz: f64) -> f64 {
         2.0 * bandwidth_hz * self.duration

@@ -10,26 +10,27 @@ use crate::{AddedDamping, LabioError, Record};
 
 /// Number of equal parts of a hit, the last of which must be quiet if the body is at rest.
 const TAIL: usize = 16;
-/// Fewest samples in that part.
+/// Fewest samples in the last part.
 const LEAST_TAIL: usize = 8;
-/// Root-mean-square values of the silence that white noise does not exceed in a record.
+/// Largest excursion of white noise in a record, in root-mean-square values of the silence.
 const NO_NOISE: f64 = 6.0;
 /// Ratio of remainder to peak that counts as rest, as in the [criteria](crate::hits::Criteria) for
 /// hits.
 const AT_REST: f64 = 0.01;
 /// Largest effect of the motion cut off at the end on the lowest line, divided by the noise there.
 const PART_OF_NOISE: f64 = 0.3;
-/// Multiples of [`EXPONENT_STEP`] that are tried as σT: e^-2 to e^-16 is left at the end.
+/// Multiples of [`EXPONENT_STEP`] that are tried as σT: the window falls to e^-2 to e^-16 at the
+/// end.
 const EXPONENTS: std::ops::RangeInclusive<u32> = 4..=32;
 const EXPONENT_STEP: f64 = 0.5;
 
 /// Returns the exponential window that `hits` need because they end while `channels` ring; it is
-/// the same for all. `None` if all channels have come to rest: within a hundredth of their peak,
-/// within twice the largest excursion in the silence or within six of its root-mean-square values,
-/// in the last sixteenth of the hit, and the mean of that sixteenth is too small to change the
-/// lowest line, unlike the creep behind a long pulse. Unless the first channel to move was also the
-/// last, they must have been quiet for longer than between two of their motions: in a long bar a
-/// wave that has passed a gauge is on its way back to it.
+/// the same for all. `None` if all channels have come to rest: in the last sixteenth of the hit, a
+/// channel is within a hundredth of its peak, within twice the largest excursion in the silence or
+/// within six times the root-mean-square value of the silence, and its mean there is too small to
+/// change the lowest line, unlike the creep after a long pulse. Unless the first channel to move
+/// was also the last, the channels must have been quiet for longer than between two of their
+/// motions: in a long bar, a wave that has passed a gauge is on its way back to it.
 ///
 /// Its decay rate σ is the smallest of a series of values for which the effect of the motion cut
 /// off at the end, $`|x(T)|e^{-\sigma T}/|s|`$ with $`s = \sigma + i\omega`$, is at most three
@@ -38,7 +39,7 @@ const EXPONENT_STEP: f64 = 0.5;
 ///
 /// # Errors
 ///
-/// [`LabioError::UnknownChannel`], and as for [`RestNoise::before`].
+/// [`LabioError::UnknownChannel`]; the errors of [`RestNoise::before`].
 pub fn damping_of_ringing(
     hits: &[&Record],
     channels: &[&str],
@@ -85,9 +86,11 @@ struct Motion {
     quiet: usize,
     /// Number of samples that must be quiet at the end.
     n_tail: usize,
-    /// Largest excursion in that time or, if that is quiet, in one as long as the longest pause.
+    /// Largest excursion in the last `n_tail` samples or, if they are quiet, in the last samples
+    /// over the length of the longest pause.
     at_end: f64,
-    /// Mean of that time from the level before the hit, as of creep; 0 if it may be chance.
+    /// Distance of the mean of the last `n_tail` samples from the level before the hit, for example
+    /// due to creep; 0 if it may be chance.
     level: f64,
 }
 
@@ -137,7 +140,7 @@ impl Motion {
     }
 
     /// Returns true if the motion has not ended; `pause_counts` states whether it may begin again
-    /// after a pause as long as one before.
+    /// after a pause as long as an earlier one.
     fn goes_on(&self, pause_counts: bool) -> bool {
         let pause = if pause_counts { self.longest_pause } else { 0 };
         self.quiet < self.n_tail.max(pause)
@@ -162,7 +165,7 @@ fn is_above_noise(level: f64, density: f64, duration: f64, lowest_hz: f64) -> bo
     cut_off > PART_OF_NOISE * PART_OF_NOISE * density * duration
 }
 
-/// Returns σ for a channel that is at `end` at its end and has noise of this one-sided `density`.
+/// Returns σ for a channel that ends at the value `end` and has noise of this one-sided `density`.
 fn decay_rate(end: f64, density: f64, duration: f64, lowest_hz: f64) -> f64 {
     let rates = EXPONENTS.map(|step| f64::from(step) * EXPONENT_STEP / duration);
     let suffices = |rate: &f64| {
@@ -299,7 +302,7 @@ mod tests {
     }
 
     /// Pulses of 100 samples that begin at these samples after a silence of 300; each is 0.8 times
-    /// that before.
+    /// the one before.
     fn passages(starts: &[usize], n_samples: usize) -> Vec<f64> {
         let mut samples = vec![0.0; n_samples];
         let mut height = 1.0;
@@ -318,13 +321,13 @@ mod tests {
             let damping = damping_of_ringing(&[&hit], &["gauge"], 300, 50.0).unwrap();
             damping.is_some()
         };
-        // the last passage is over for 250 samples, or for 350; the pauses are of 300
+        // the last passage ends 250 or 350 samples before the end; the pauses have 300 samples
         assert!(needs(1550));
         assert!(!needs(1650));
     }
 
-    /// A bar with two gauges: the pulse passes the first, the second, and on its way back the second
-    /// and the first.
+    /// A bar with two gauges: the pulse passes the first, the second, and on its way back the
+    /// second and the first.
     #[test]
     fn a_wave_that_has_left_all_gauges_leaves_them_at_rest() {
         let needs = |starts: [&[usize]; 2]| {
@@ -338,11 +341,11 @@ mod tests {
             damping.is_some()
         };
         assert!(!needs([&[100, 900], &[300, 700]]));
-        // it is on its way from the second gauge to the end
+        // the wave is on its way from the second gauge to the end
         assert!(needs([&[100, 500, 800], &[200, 400, 900]]));
     }
 
-    /// A level of a thousandth of the pulse is at rest for the eye and changes the lowest line.
+    /// A level of a thousandth of the pulse looks like rest, but it changes the lowest line.
     #[test]
     fn creep_behind_a_pulse_is_not_rest() {
         let needs = |level: f64| {

@@ -107,7 +107,7 @@ impl Welch {
     ///
     /// # Errors
     ///
-    /// [`LabioError::TooFewSamples`] if the record is shorter than a segment; otherwise as
+    /// [`LabioError::TooFewSamples`] if the record is shorter than a segment; the errors of
     /// [`SpectrumAverager::new`] and [`SpectrumAverager::spectra`].
     pub fn spectra(&self, record: &Record) -> Result<AveragedSpectra, LabioError> {
         self.spectra_of(&[record])
@@ -119,8 +119,8 @@ impl Welch {
     ///
     /// # Errors
     ///
-    /// [`LabioError::TooFewAverages`] without a record; as [`Welch::spectra`] for each record, and
-    /// [`LabioError::CountMismatch`], [`LabioError::ChannelMismatch`] or
+    /// [`LabioError::TooFewAverages`] without a record; the errors of [`Welch::spectra`] for each
+    /// record; [`LabioError::CountMismatch`], [`LabioError::ChannelMismatch`] or
     /// [`LabioError::SamplingRateMismatch`] for a record that differs from the first.
     pub fn spectra_of(&self, records: &[&Record]) -> Result<AveragedSpectra, LabioError> {
         let Some(first) = records.first() else {
@@ -130,7 +130,7 @@ impl Welch {
                 expected: 1,
             });
         };
-        // before memory is allocated for a segment
+        // checked before memory is allocated for a segment
         let mut lengths = records.iter().map(|record| record.n_samples());
         if let Some(short) = lengths.find(|length| *length < self.n_samples) {
             return Err(self.too_short(short));
@@ -184,7 +184,7 @@ impl Welch {
     ///
     /// [`LabioError::TooFewSamples`] if the stream is shorter than a segment;
     /// [`LabioError::NonFiniteSample`]; [`LabioError::CountMismatch`] if the source replaces the
-    /// block that it should fill; any error of the source; otherwise as [`SpectrumAverager::new`]
+    /// block that it should fill; any error of the source; the errors of [`SpectrumAverager::new`]
     /// and [`SpectrumAverager::spectra`].
     #[allow(
         clippy::indexing_slicing,

@@ -15,9 +15,9 @@ use crate::error::check_positive;
 ///
 /// # Exact removal
 ///
-/// - from a pole: it is displaced by $`-\sigma`$, equally for every mode
+/// - from a pole, which is displaced by $`-\sigma`$, equally for every mode
 ///   ([`AddedDamping::remove_from_pole`]);
-/// - from an impulse response: it is multiplied by $`e^{-\sigma t}`$
+/// - from an impulse response, which is multiplied by $`e^{-\sigma t}`$
 ///   ([`ImpulseResponse::without_added_damping`](crate::ImpulseResponse::without_added_damping));
 /// - from a conversion between motions: the factor is $`s = \sigma + i\omega`$, as in
 ///   [`FrequencyResponse::to_kind`](crate::FrequencyResponse::to_kind).

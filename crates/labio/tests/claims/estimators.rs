@@ -1,4 +1,4 @@
-//! Frequency responses and coherences: known bodies, the bias by noise, random errors.
+//! Frequency responses and coherences: known bodies, the bias due to noise, random errors.
 
 use std::f64::consts::TAU;
 
@@ -24,8 +24,8 @@ fn claims_hold() {
     hold!(report);
 }
 
-/// Circular convolution by direct sum, so that a line of the output is the response times the line
-/// of the input.
+/// Circular convolution by direct summation: a line of the output is the response times the line of
+/// the input.
 fn circular(filter: &[f64], input: &[f64]) -> Vec<f64> {
     let n = input.len();
     let past = |i: usize| {
@@ -38,7 +38,7 @@ fn circular(filter: &[f64], input: &[f64]) -> Vec<f64> {
 }
 
 fn known_bodies(report: &mut Claims) {
-    // the second is a delay of seven samples
+    // the second filter is a delay of seven samples
     const FILTERS: [[f64; 8]; 2] = [
         [0.7, -0.2, 0.0, 0.45, 0.1, 0.0, 0.0, 0.0],
         [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0],

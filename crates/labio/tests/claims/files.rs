@@ -1,5 +1,5 @@
-//! Archives of other software: every name, number and property is what the scripts beside them
-//! saved.
+//! Archives of other software: every name, number and property is the one that the script next to
+//! the archive saved.
 
 use labio::format::mat5::Mat5;
 use labio::format::npz::Npz;
@@ -57,7 +57,7 @@ hits(2).peak = 2
 hits(2).label = b
 mixed{2} = text";
 
-/// Lines of one listing that are not in another, by name.
+/// Number of lines of one listing that are not in the other.
 fn unlike(found: &str, expected: &str) -> f64 {
     let [found, expected] = [found, expected].map(|text| text.trim().lines().collect::<Vec<_>>());
     let mut unlike = found.len().abs_diff(expected.len());

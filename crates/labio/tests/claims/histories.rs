@@ -27,7 +27,7 @@ fn claims_hold() {
     hold!(report);
 }
 
-/// Lines 3 and 7 of a record of n samples at 100 Hz, the p-th derivative.
+/// The p-th derivative of a history with lines 3 and 7 of a record of n samples at 100 Hz.
 fn periodic(n: usize, p: i32) -> Vec<f64> {
     (0..n)
         .map(|i| {
@@ -195,11 +195,11 @@ fn kinds(report: &mut Claims) {
     );
 }
 
-/// Free rod of steel: mass in kg, time of a wave from end to end in s.
+/// Free steel rod: mass in kg, travel time of a wave from end to end in s.
 const MASS: f64 = 3.79;
 const TRANSIT: f64 = 1e-4;
 
-/// Accelerance of its end.
+/// Accelerance of the end of the rod.
 fn rod(omega: f64) -> f64 {
     let x = omega * TRANSIT;
     if x > 0.0 {
@@ -209,8 +209,8 @@ fn rod(omega: f64) -> f64 {
     }
 }
 
-/// A response with the lines of the rod, of an accelerometer that is no good below 40 Hz and has an
-/// error `gain` of sensitivity.
+/// A response of the rod measured with an accelerometer that fails below 40 Hz and whose
+/// sensitivity is wrong by the factor `gain`.
 fn measured(gain: f64, level: f64) -> Fallible<FrequencyResponse> {
     let n = 2000;
     let mut impulse = vec![0.0; n];
@@ -301,7 +301,7 @@ fn rigid_bodies(report: &mut Claims) {
     );
 }
 
-/// Eight hits on a damper whose velocity comes some samples late, with noise on it.
+/// Response from eight hits on a damper whose velocity is `delay` samples late and noisy.
 fn damper(mobility: f64, delay: usize, level: f64) -> Fallible<FrequencyResponse> {
     let n = 256;
     let mut rng = ChaCha8Rng::seed_from_u64(2);

@@ -1,4 +1,4 @@
-//! Hits put together from numbers.
+//! Hits made from given samples.
 
 use labio::{Channel, Provenance, Quantity, Record};
 use ndarray::Array2;
@@ -7,7 +7,7 @@ use rand_distr::{Distribution, StandardNormal};
 
 use testbed::claim::Fallible;
 
-/// A record of channels of one length.
+/// A record of channels of equal length.
 pub(super) fn record(channels: &[(&str, Quantity, &[f64])], rate_hz: f64) -> Fallible<Record> {
     let n = channels.first().map_or(0, |(_, _, samples)| samples.len());
     let samples = Array2::from_shape_fn((channels.len(), n), |(row, n)| channels[row].2[n]);

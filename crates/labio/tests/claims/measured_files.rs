@@ -1,5 +1,5 @@
-//! Every file beside the records: read whole, read but for a part that is named, or refused with
-//! the reason.
+//! Every file in the folder of measured records: read completely, read except for a named part, or
+//! rejected with the reason.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -13,8 +13,9 @@ use testbed::hold;
 
 const SOURCE: &str = "description beside the records";
 
-/// Files of a folder that by the description are whole; have a defect (junk at the end of a table,
-/// fewer rows than announced, times of three digits); are corrupt, or no data at all.
+/// Numbers of files of a folder that, according to the description, are intact; have a defect (junk
+/// at the end of a table, fewer rows than announced, times of three digits); are corrupt or contain
+/// no data.
 const FOLDERS: [(&str, [usize; 3]); 9] = [
     ("hammer", [6, 0, 0]),
     ("lvm", [4, 2, 0]),
@@ -148,7 +149,7 @@ fn files(folder: &Path) -> Ours<Vec<PathBuf>> {
     Ok(paths)
 }
 
-/// A file whose defects, if it has any, do not concern the columns that are asked for.
+/// Contents of a file whose defects, if any, do not affect the requested columns.
 fn contents(path: &Path) -> Ours<Contents> {
     format::read_with(path, Strictness::Tolerant).map_err(|error| match is_absent(&error) {
         true => NotMeasured::Absent(format!("{} does not exist", path.display())),
@@ -156,7 +157,7 @@ fn contents(path: &Path) -> Ours<Contents> {
     })
 }
 
-/// A column of real numbers, which states its unit if it has one.
+/// A column of real numbers, with its unit if the file states one.
 fn real(path: &Path, name: &str, unit: &str) -> Ours<Vec<f64>> {
     let columns = contents(path)?.series;
     let mut named = columns.into_iter().filter(|series| series.name == name);

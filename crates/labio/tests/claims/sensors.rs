@@ -58,7 +58,7 @@ fn units(report: &mut Claims) {
     );
 }
 
-/// Voltage between the dividers R4-R3 and R1-R2, each from the bottom of the excitation.
+/// Voltage between the taps of the dividers R4-R3 and R1-R2.
 fn divided(arms: [f64; 4]) -> f64 {
     let [r1, r2, r3, r4] = arms;
     5.0 * (r3 / (r3 + r4) - r2 / (r1 + r2))
@@ -82,7 +82,7 @@ fn sheets(report: &mut Claims) {
         },
     );
     let poisson_ratio = 0.35;
-    // changes of the four resistors by the axial strain
+    // relative changes of the four resistors per axial strain
     let layouts = [
         (BridgeLayout::Quarter, [0.0, 0.0, 1.0, 0.0]),
         (BridgeLayout::HalfOpposite, [1.0, 0.0, 1.0, 0.0]),
@@ -119,7 +119,7 @@ fn sheets(report: &mut Claims) {
     );
 }
 
-/// Acceleration `of` time in channel `a`.
+/// A history of the acceleration `of` time in channel `a`.
 fn history(rate_hz: f64, n: u32, of: impl Fn(f64) -> f64) -> Fallible<Record> {
     let samples: Vec<f64> = (0..n).map(|k| of(f64::from(k) / rate_hz)).collect();
     record(&[("a", Quantity::Acceleration, &samples)], rate_hz)

@@ -1,4 +1,4 @@
-//! Several inputs at once, and several tests made into one.
+//! Several simultaneous inputs, and several tests merged into one response.
 
 use std::error::Error;
 
@@ -26,8 +26,8 @@ fn claims_hold() {
 
 const GAINS: [f64; 3] = [2.0, -0.5, 1.5];
 
-/// Three inputs, the second with half of the first in it and the third with the first two, through
-/// gains; noise on the output.
+/// Response to three inputs with gains; the second input contains half of the first, and the third
+/// contains parts of the first two; noise on the output.
 fn three_inputs(n: usize, n_hits: u32, level: f64, seed: u64) -> Fallible<MultiInputResponse> {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let channels = ["a", "b", "c", "y"]

@@ -1,5 +1,5 @@
-//! Drop-table shocks, `shock/Test_{001,002,003,017}.lvm`: acceleration of the table and of what
-//! stands on it; the last one is a documented failure. And two hits of a hammer in one LabVIEW
+//! Drop-table shocks, `shock/Test_{001,002,003,017}.lvm`: acceleration of the table and of the
+//! specimen on it; the last file is a documented failure. Also two hits of a hammer in one LabVIEW
 //! file, `hammer/long_single_header_multi_ch.lvm`.
 
 use std::path::Path;
@@ -141,7 +141,7 @@ struct TwoHits {
     least_coherence: f64,
 }
 
-/// The file calls its force an acceleration in g; coherence does not mind.
+/// The file labels its force as an acceleration in g; this does not affect the coherence.
 fn two_hits(data: &Path) -> Ours<TwoHits> {
     let hits = records(&data.join("hammer").join("long_single_header_multi_ch.lvm"))?;
     let (mean_coherence, least_coherence) = coherence_over(&hits, ["F", "m_2"], 50.0, 450.0)?;
@@ -152,7 +152,7 @@ fn two_hits(data: &Path) -> Ours<TwoHits> {
     })
 }
 
-/// Mean and least coherence over lines in `from_hz..to_hz`.
+/// Mean and smallest coherence of the lines in `from_hz..to_hz`.
 fn coherence_over(
     hits: &[Record],
     [input, output]: [&str; 2],

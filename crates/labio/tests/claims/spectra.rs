@@ -1,5 +1,5 @@
-//! Averaged spectra: Parseval's theorem, closed forms, the law of their scatter. They are compared
-//! with SciPy's beside.
+//! Averaged spectra: Parseval's theorem, closed forms, the distribution of their scatter.
+//! `scipy_reference.rs` compares them with SciPy's.
 
 use std::f64::consts::TAU;
 

@@ -1,5 +1,5 @@
-//! Windows: their gains in closed form, what overlap and exponential windows do. Their weights are
-//! compared with SciPy's.
+//! Windows: their gains in closed form, the effect of overlap and of exponential windows.
+//! `scipy_reference.rs` compares their weights with SciPy's.
 
 use std::f64::consts::PI;
 
@@ -109,7 +109,8 @@ fn exponential(report: &mut Claims) {
         )
         .within(2e-15, "rounding of a difference"),
         || {
-            // decay of the body 3 1/s, of the window 4 1/s, damped frequency 24 rad/s: 7-24-25 under the window
+            // decay rates of 3 1/s of the body and 4 1/s of the window, damped frequency 24 rad/s:
+            // a 7-24-25 triangle under the window
             let mode = AddedDamping::new(4.0)?.remove_from_mode(DampedMode {
                 natural_omega: 25.0,
                 damping_ratio: 7.0 / 25.0,

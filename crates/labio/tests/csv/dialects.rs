@@ -17,7 +17,7 @@ fn oscilloscopes_are_read_with_their_preambles() {
     assert_eq!(contents.series[0].abscissa_axis.unit_text, "ms");
     assert_eq!(contents.series[0].kind, SeriesKind::TimeResponse);
 
-    // Tektronix: the interval is given next to times of few digits
+    // Tektronix: the interval is stated next to times with few digits
     let tek = "Model,DPO4034\nSample Interval,4e-10,s\nRecord Length,4\n\nTIME,CH1\n-1.0e-09,0.5\n-6.0e-10,0.6\n-2.0e-10,0.7\n2.0e-10,0.8\n";
     let contents = read(tek).unwrap();
     assert_eq!(contents.series[0].abscissa, even(-1.0e-9, 4e-10));
@@ -62,12 +62,12 @@ fn the_abscissa_is_found_by_name_and_unit() {
         axis("f,H\n0,1\n0.25,2\n0.5,3\n"),
         ("f".to_owned(), even(0.0, 0.25))
     );
-    // a force and a temperature are no abscissae
+    // a force and a temperature are not abscissae
     assert_eq!(
         axis("F,T\n0,1\n1,2\n2,3\n"),
         ("index".to_owned(), even(0.0, 1.0))
     );
-    // without names: only if it increases evenly
+    // a column without a name is the abscissa only if it increases evenly
     assert_eq!(
         axis("0.1,7\n0.2,8\n0.3,7\n"),
         (String::new(), even(0.1, 0.1))
@@ -79,7 +79,7 @@ fn the_abscissa_is_found_by_name_and_unit() {
         axis("t,F\n0,1\n1,2\n4,3\n").1,
         Abscissa::Uneven(vec![0.0, 1.0, 4.0])
     );
-    // one column is no abscissa of nothing
+    // a single column is not an abscissa, because there is nothing else to plot over it
     assert_eq!(axis("t\n0\n1\n4\n").0, "index");
 }
 
@@ -92,7 +92,7 @@ fn names_and_units_are_told_apart() {
         ["F [furlong]", "x []"]
     );
     assert_eq!(columns("Time (s)\tF (N)\n0\t1\n1\t2\n"), ["F [N]"]);
-    // a line above that holds a number is no row of names
+    // a line above the numbers that contains a number is not a row of names
     assert_eq!(columns("Channels,2\ns,V\n0,1\n1,2\n"), ["s []", "V []"]);
     assert_eq!(columns("run 7,left\nt,F\n0,1\n1,2\n"), ["F []"]);
 }
@@ -121,13 +121,13 @@ fn times_in_few_digits_are_no_clock() {
             .collect();
         format!("Time/s,F\n{rows}")
     };
-    // five digits of 51.2 kHz over 0.2 s: the step is known to 5e-5
+    // times at 51.2 kHz with five digits over 0.2 s: the step is known to 5e-5
     let contents = read(column(1.0 / 51200.0, 4, 10_000)).unwrap();
     let Abscissa::Even { step, .. } = contents.series[0].abscissa else {
         panic!("expected an even abscissa")
     };
     assert!((step * 51200.0 - 1.0).abs() < 5e-5);
-    // three digits do not determine it, and this is reported
+    // three digits do not determine the step, and this is reported
     let rough = column(1.0 / 51200.0, 2, 10_000);
     insta::assert_snapshot!(read(&rough).unwrap_err(), @"csv, line 2, column 1: abscissa is repeated values; their digits give the step 1.9501950195019504e-5 to within 5.0e-8, expected a step known to within a relative 0.0001, or a stated step");
     let tolerant = Csv.read(rough.as_bytes(), Strictness::Tolerant).unwrap();
@@ -138,7 +138,7 @@ fn times_in_few_digits_are_no_clock() {
     };
     let step = 1.0 / 51200.0;
     assert_eq!(given(step).unwrap().series[0].abscissa, even(0.0, step));
-    // rounded before they were printed in more digits
+    // times that were rounded before they were printed with more digits
     let twice = b"f,H\n0.0000e0,1\n7.8100e-1,2\n1.5600e0,3\n2.3400e0,4\n";
     let options = CsvOptions::default().with_abscissa(CsvAbscissa::Step(0.78125));
     let contents = read_with(twice, Strictness::Strict, &options).unwrap();
@@ -164,7 +164,7 @@ fn what_is_known_beforehand_overrides_what_is_found() {
             .len(),
         3
     );
-    // a comma that may be either
+    // a comma that may be a separator or a decimal mark
     let single = CsvOptions::default().with_dialect(CsvDialect::new(
         CsvSeparator::Semicolon,
         DecimalMark::Comma,

@@ -2,14 +2,14 @@
 
 use super::*;
 
-/// A pulse in units of the last digit that is written.
+/// A pulse in units of the last written digit.
 fn pulse(k: usize) -> f64 {
     f64::from(u8::try_from(k * k % 251).unwrap()) - 100.0
 }
 
 #[test]
 fn r18_a_preamble_with_empty_rows_stands_beside_its_table() {
-    // as oscilloscopes write it: settings in the first rows, one of which is left empty
+    // a table as oscilloscopes write it: settings in the first rows, one of which is empty
     let settings = [
         "\"Record Length\",400,\"Points\"",
         "\"Sample Interval\",8.00000000e-009,s",
@@ -50,7 +50,7 @@ fn r18_a_preamble_with_empty_rows_stands_beside_its_table() {
             ("Horizontal Offset", "-6.40000000e-007 s"),
         ]
     );
-    // with the channel and its unit among the settings
+    // the settings include the channel and its unit
     let mut file = String::new();
     let settings = [
         "Record Length,4.0e+02,",
@@ -72,7 +72,7 @@ fn r18_a_preamble_with_empty_rows_stands_beside_its_table() {
 
 #[test]
 fn r18_names_above_numbers_between_blanks_keep_their_units() {
-    // as NumPy's savetxt writes it
+    // a table as NumPy's savetxt writes it
     let table: String = (0..200)
         .map(|k| {
             format!(
@@ -112,13 +112,14 @@ fn r18_names_above_numbers_between_blanks_keep_their_units() {
         let expected: Vec<f64> = (0..200).map(|k| 0.25 * pulse(k)).collect();
         assert_eq!(real(&contents, 1), expected);
     }
-    // a name without a unit beside one with it
+    // a name without a unit next to a name with a unit
     let contents = read("# time [ms] count\n0 1\n1 5\n2 7\n").unwrap();
     assert_eq!(names(&contents), ["count []"]);
     assert_eq!(contents.series[0].abscissa_axis.unit_text, "ms");
 }
 
-/// Times of single precision in a wide table, as programs hand them on that keep samples in it.
+/// A table of times in single precision printed with many digits, as written by programs that keep
+/// samples in single precision.
 fn single_precision(separator: &str, header: &str, n: usize, rate_hz: f64, start: f64) -> String {
     let mut file = header.to_owned();
     for k in 0..n {
@@ -155,7 +156,7 @@ fn r18_times_of_single_precision_take_a_stated_rate() {
         assert_eq!(series.abscissa_axis.unit_text, "s");
         assert_eq!(series.ordinate.len(), n);
     }
-    // a rate that leaves the last times behind by more than half a step
+    // a rate from which the last times deviate by more than half a step
     let file = single_precision(",", "Time/s,strain\n", n, rate_hz, start);
     let error = labio::format::read_bytes_at(file.as_bytes(), 31.255e6).unwrap_err();
     assert!(
@@ -164,7 +165,7 @@ fn r18_times_of_single_precision_take_a_stated_rate() {
         "{error}"
     );
     assert!(labio::format::read_bytes_at(file.as_bytes(), 0.0).is_err());
-    // times in three digits that repeat
+    // times with three digits that repeat
     let rounded: String = (0..2000)
         .map(|k| format!("{:.2E},{k}\n", -1.98e-4 + 8e-8 * f64::from(k)))
         .collect();

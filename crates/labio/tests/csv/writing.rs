@@ -1,4 +1,4 @@
-//! Tables that are written, and read again.
+//! Tables that are written and read back.
 
 use proptest::prelude::*;
 
@@ -98,7 +98,7 @@ fn any_series(n: usize) -> impl Strategy<Value = (String, String, Ordinate)> {
 }
 
 fn bits(ordinate: &Ordinate) -> Vec<u64> {
-    // every NaN is written alike
+    // every NaN is written in the same way
     let bits = |x: f64| {
         if x.is_nan() {
             f64::NAN.to_bits()
@@ -138,7 +138,7 @@ proptest! {
                 properties: Vec::new(),
             });
         }
-        // names with blanks around them and tables without samples are refused
+        // names with blanks around them and tables without samples are rejected
         if let Ok(bytes) = write(&contents) {
             let back = read(&bytes).unwrap();
             prop_assert_eq!(back.series.len(), contents.series.len());

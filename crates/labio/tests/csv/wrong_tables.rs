@@ -1,4 +1,4 @@
-//! Tables that are wrong, and texts that are none.
+//! Faulty tables, and texts that are not tables.
 
 use super::*;
 
@@ -50,7 +50,7 @@ fn a_tolerant_reading_lists_what_it_passed_over() {
     csv, line 5, column 2: cell is a number below an empty cell, expected no empty cell above it in the column
     csv, line 6: row is `end of file`, expected a row of 3 numbers
     ");
-    // no more of them than can be read
+    // the number of listed defects is limited
     let junk = format!("t,F\n0,1\n1,2\n{}", "junk\n".repeat(5000));
     let contents = Csv.read(junk.as_bytes(), Strictness::Tolerant).unwrap();
     assert_eq!(contents.defects.len(), 101);
@@ -77,7 +77,7 @@ fn only_tables_are_recognised() {
     ] {
         assert!(!Csv.recognises(bytes));
     }
-    // a head that ends within a row, and within a character of UTF-16
+    // the head of a file that ends within a row or within a UTF-16 character
     let long: String = std::iter::once("t,F\n".to_owned())
         .chain((0..2000).map(|i| format!("{i},{i}.5\n")))
         .collect();

@@ -1,4 +1,4 @@
-//! Ten million samples, and requests that no memory holds.
+//! Ten million samples, and requests that exceed any memory.
 
 use labio::hits::{Criteria, Extent, Reason, Trigger, find_hits, find_hits_in_blocks};
 use labio::{
@@ -9,7 +9,7 @@ use ndarray::{Array2, Axis};
 
 use super::{INPUT, channels, record};
 
-/// Samples of a record read in blocks; the length declared after them is false.
+/// Samples of a record read in blocks, with a wrong stated length.
 struct Played {
     channels: Vec<Channel>,
     samples: Array2<f64>,
@@ -41,15 +41,15 @@ impl BlockSource for Played {
     }
 }
 
-/// A hit every hundred thousand samples of ten million: found, integrated and averaged in one pass
-/// each.
+/// Ten million samples with a hit every hundred thousand, which are found, integrated and averaged
+/// in one pass each.
 #[test]
 fn ten_million_samples() {
     const N: usize = 10_000_000;
     let every = 100_000;
     let samples = Array2::from_shape_fn((1, N), |(_, k)| {
         let since = k % every;
-        // a half sine of 100 samples on a floor of a least significant digit
+        // a half sine of 100 samples on a floor of one least significant digit
         let noise = if k % 3 == 0 { 1e-3 } else { 0.0 };
         if (5000..5100).contains(&since) {
             100.0 * (std::f64::consts::PI * (since - 5000) as f64 / 100.0).sin()

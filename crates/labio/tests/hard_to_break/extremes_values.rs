@@ -1,4 +1,4 @@
-//! Extreme numbers for every argument: each is refused, or its result is finite or flagged.
+//! Extreme numbers for every argument: each is rejected, or its result is finite or flagged.
 
 use labio::hits::{Criteria, Extent, Trigger};
 use labio::instrument::{AntiAlias, Converter, Instrument, NoiseSpectrum};
@@ -257,7 +257,8 @@ fn instruments() {
     }
 }
 
-/// Whatever the unit of a channel makes of the numbers, a line is right or carries no information.
+/// Whatever the magnitude of the numbers in the unit of a channel, a line is right or is flagged as
+/// without information.
 #[test]
 fn spectra_of_tiny_and_huge_samples_are_right_or_flagged() {
     let plain = history();
@@ -352,7 +353,7 @@ fn responses_from_lines() {
                 );
             }
         }
-        // 1/(z (1 + i)) is known for every z that has an inverse
+        // 1/(z (1 + i)) is the expected value for every z that has an inverse
         let inverse = response.to_kind(ResponseKind::DynamicMass).unwrap();
         if inverse.validity[1] == LineValidity::Valid {
             let expected = 0.5 / value;

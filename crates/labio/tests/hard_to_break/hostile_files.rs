@@ -76,7 +76,7 @@ fn r20_a_small_matlab_file_is_not_unpacked_beyond_the_limit() {
     // a property for every empty cell
     let empty = element(14, &[]).repeat(n as usize);
     let cells = array(1, &[n, 1], &long, &[empty]);
-    // a defect for every cell that is none
+    // a defect for every element that is not a cell
     let wrong = element(9, &[]).repeat(n as usize);
     let defects = array(1, &[n, 1], &long, &[wrong]);
     for variable in [tall_text, cells] {
@@ -97,7 +97,7 @@ fn r20_a_caller_sets_the_limit() {
     let numbers = element(2, &vec![7; n as usize]);
     let file = packed(&[array(9, &[1, n], "a", &[numbers])]);
     let read = |bytes| mat5::read_within(&file, Strictness::Strict, MemoryLimit::new(bytes));
-    // 100 000 packed bytes, and a number of eight bytes for each of them
+    // 100 000 unpacked bytes, and a number of eight bytes for each of them
     assert!(matches!(
         read(899_999),
         Err(LabioError::MemoryLimit { limit: 899_999, .. })
@@ -146,7 +146,7 @@ fn r20_a_small_archive_is_not_unpacked_beyond_the_limit() {
         assert!(file.len() < 50_000, "{}", file.len());
         refused_for_memory(&file, |strictness| npz::Npz.read(&file, strictness));
     }
-    // none of which is too much by itself
+    // no single member exceeds the limit
     let members: Vec<(String, Vec<u8>)> = (0..12)
         .map(|i| (format!("a{i}.npy"), npy("|b1", "(400000,)", 400_000)))
         .collect();
@@ -179,7 +179,7 @@ fn history(name: String, start: f64) -> Series {
     }
 }
 
-/// Each of these takes minutes if every series, or every record, is compared with every other.
+/// Each case would take minutes if every series, or every record, were compared with every other.
 #[test]
 fn r20_a_hundred_thousand_series_are_put_together_one_by_one() {
     const N: u32 = 100_000;
@@ -190,7 +190,7 @@ fn r20_a_hundred_thousand_series_are_put_together_one_by_one() {
         assert!(found.left_out.is_empty());
         found.records
     };
-    // hits of one channel, time axes of their own, channels of one record
+    // three cases: hits of one channel, series with different time axes, channels of one record
     let hits = records(&|_| history("force".to_owned(), 0.0));
     assert_eq!(hits.len(), N as usize);
     let axes = records(&|i| history("force".to_owned(), f64::from(i)));

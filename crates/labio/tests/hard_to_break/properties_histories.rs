@@ -7,8 +7,8 @@ use proptest::prelude::*;
 use super::{INPUT, record};
 
 proptest! {
-    /// The derivative of the integral is the history without its mean, and without the line at the Nyquist frequency, which has no
-    /// integral that samples show.
+    /// The derivative of the integral is the history without its mean and without the line at the
+    /// Nyquist frequency, whose integral is zero at every sample.
     #[test]
     fn a_derivative_undoes_an_integral(
         samples in prop::collection::vec(-1e3..1e3_f64, 3..150),
@@ -30,7 +30,7 @@ proptest! {
         }
     }
 
-    /// Trapezoids are linear in the samples and go with the time step.
+    /// The trapezoidal rule is linear in the samples and proportional to the time step.
     #[test]
     fn trapezoids_are_linear(
         a in prop::collection::vec(-1e3..1e3_f64, 40),
@@ -51,7 +51,8 @@ proptest! {
         }
     }
 
-    /// Hits are the same in other units of force: of a power of two to the last bit, judgement included.
+    /// Hits and their checks do not depend on the unit of force; for a factor that is a power of
+    /// two, they are the same to the last bit.
     #[test]
     fn hits_do_not_know_the_unit(
         samples in prop::collection::vec(-3.0..3.0_f64, 30..200),

@@ -18,7 +18,7 @@ fn any_response() -> impl Strategy<Value = FrequencyResponse> {
     let value =
         (-10.0..10.0_f64, -10.0..10.0_f64).prop_map(|(re, im)| Complex64::new(re + 0.01, im));
     let values = prop::collection::vec(value, 3..40);
-    // a mobility in whatever units
+    // a mobility in arbitrary units
     (values, -200..200_i32, 1e-2..1e3_f64).prop_map(|(values, power, spacing)| {
         let factor = 10.0_f64.powi(power);
         response(values.iter().map(|v| v * factor).collect(), spacing)
@@ -26,7 +26,7 @@ fn any_response() -> impl Strategy<Value = FrequencyResponse> {
 }
 
 proptest! {
-    /// There and back over any two kinds, in units that make the numbers as large as they may be.
+    /// Conversion to any two kinds and back, in units that make the numbers very large or small.
     #[test]
     fn kinds_invert_each_other(given in any_response(), via in 0..6_usize, over in 0..6_usize) {
         let back = given.to_kind(ResponseKind::ALL[via]).unwrap().to_kind(ResponseKind::ALL[over]).unwrap()
@@ -34,13 +34,13 @@ proptest! {
         prop_assert_eq!(&back.output, &given.output);
         for line in 1..given.values.len() {
             prop_assert_eq!(back.validity[line], LineValidity::Valid);
-            // a few roundings of products, quotients and powers
+            // rounding errors of a few products, quotients and powers
             let apart = (back.values[line] - given.values[line]).norm();
             prop_assert!(apart < 1e-13 * given.values[line].norm());
         }
     }
 
-    /// A relative error belongs to the line, whatever the kind.
+    /// The relative error of a line is the same for every kind.
     #[test]
     fn relative_errors_survive_every_kind((hits, _) in any_hits(3), via in 0..6_usize) {
         let given = averaged(&hits).h1(INPUT, OUTPUT).unwrap();
@@ -53,7 +53,8 @@ proptest! {
         }
     }
 
-    /// The order of the hammers does not matter, shares are parts, and a test merged with itself stays what it is.
+    /// The order of the hammers does not matter, shares are between 0 and 1, and a test merged with
+    /// itself is unchanged.
     #[test]
     fn hammers_are_equal((first, _) in any_hits(3), seed in 0..1000_u32) {
         let other: Vec<_> = first.iter().map(|hit| {
@@ -82,20 +83,20 @@ proptest! {
         let turned = MergedResponse::by_larger_input(&[&b, &a], Estimator::H1, INPUT, OUTPUT).unwrap();
         for line in 0..x.values.len() {
             let levels = [&a, &b].map(|spectra| spectra.auto(INPUT).unwrap()[line]);
-            // of equals the first named is taken
+            // of tests with equal levels, the first one is used
             if levels[0].to_bits() != levels[1].to_bits() && larger.response.validity[line] == LineValidity::Valid {
                 prop_assert_eq!(larger.response.values[line], turned.response.values[line]);
             }
         }
     }
 
-    /// Lines to impulse response and back, in any units.
+    /// Conversion of lines to an impulse response and back, in any units.
     #[test]
     fn impulse_responses_keep_the_lines(given in any_response()) {
         let mut given = given;
         let last = given.values.len() - 1;
         for line in [0, last] {
-            given.values[line].im = 0.0; // a real history shows no other part of them
+            given.values[line].im = 0.0; // a real history determines only the real part
         }
         let impulse = given.impulse_response().unwrap();
         let largest = given.values.iter().fold(0.0_f64, |top, v| top.max(v.norm()));
@@ -105,7 +106,7 @@ proptest! {
         prop_assert!((0.0..=1.0).contains(&impulse.acausal_part()));
     }
 
-    /// The part ahead of the impulse is a ratio: it has no unit.
+    /// The acausal part is a ratio and does not depend on the unit.
     #[test]
     fn the_acausal_part_has_no_unit(given in any_response(), power in -150..150_i32) {
         let plain: Vec<Complex64> = given.values.iter().map(|v| v / given.values[0].norm()).collect();
@@ -115,7 +116,7 @@ proptest! {
     }
 }
 
-/// Fields are public: arrays that no longer fit are refused and never indexed.
+/// The fields are public: arrays whose lengths no longer match are rejected and never indexed.
 #[test]
 fn a_response_with_arrays_of_unequal_lengths_is_refused() {
     let mut short = response(vec![Complex64::ONE; 5], 1.0)

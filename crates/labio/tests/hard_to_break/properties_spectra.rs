@@ -19,7 +19,8 @@ fn scaled(hit: &Record, factors: [f64; 2]) -> Record {
 }
 
 proptest! {
-    /// Parseval for the mean over hits: exact but for the rounding of sums of a hundred squares.
+    /// Parseval's theorem for the mean over hits: exact except for rounding errors of sums of a
+    /// hundred squares.
     #[test]
     fn the_energy_of_the_lines_is_that_of_the_samples((hits, rate) in any_hits(1)) {
         let spectra = averaged(&hits);
@@ -31,7 +32,8 @@ proptest! {
         }
     }
 
-    /// Schwarz: `|H1| <= |Hv| <= |H2|` with one phase, and a coherence that is a part.
+    /// The Schwarz inequality: `|H1| <= |Hv| <= |H2|` with the same phase, and a coherence between
+    /// 0 and 1.
     #[test]
     fn estimators_keep_their_order((hits, _) in any_hits(2)) {
         let spectra = averaged(&hits);
@@ -48,7 +50,7 @@ proptest! {
             let c = coherence.values[line];
             prop_assert!((0.0..=1.0).contains(&c), "{c}");
             let [h1, hv, h2] = [0, 1, 2].map(|k: usize| responses[k].values[line]);
-            // a rounding of each
+            // one rounding error of each
             let slack = 1.0 + 1e-14;
             prop_assert!(h1.norm() <= hv.norm() * slack && hv.norm() <= h2.norm() * slack);
             prop_assert!((h1.norm() * h2.norm() / hv.norm_sqr() - 1.0).abs() < 1e-12);
@@ -81,7 +83,7 @@ proptest! {
         }
     }
 
-    /// Sums depend on their order by rounding only.
+    /// Sums depend on their order only through rounding errors.
     #[test]
     fn the_order_of_hits_is_lost_in_rounding((hits, _) in any_hits(2), turn in 1..6_usize) {
         let mut turned = hits.clone();
@@ -94,7 +96,7 @@ proptest! {
         }
     }
 
-    /// Input and output are names: H1 one way is the inverse of H2 the other.
+    /// If input and output are exchanged, H1 becomes the inverse of H2.
     #[test]
     fn exchanged_channels_are_reciprocal((hits, _) in any_hits(2)) {
         let spectra = averaged(&hits);
@@ -107,7 +109,8 @@ proptest! {
         }
     }
 
-    /// A long record cut without overlap is its pieces, bit for bit.
+    /// The average over segments without overlap of a long record equals the average over its
+    /// pieces, bit for bit.
     #[test]
     fn a_cut_record_is_its_pieces((hits, rate) in any_hits(2)) {
         let n = hits[0].n_samples();

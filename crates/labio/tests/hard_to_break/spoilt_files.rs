@@ -1,4 +1,4 @@
-//! Bytes that are no file, and files that are spoilt or cut off, are read or refused.
+//! Random bytes, and files that are damaged or cut off, are read or rejected.
 
 use std::io::Cursor;
 
@@ -21,7 +21,7 @@ fn streams(bytes: &[u8]) {
     let _ = wav::Blocks::new(Cursor::new(bytes), &[], &[]);
 }
 
-/// Whole files of each format whose own tests do not spoil them.
+/// Intact files of each format whose own tests do not damage files.
 fn whole() -> Vec<(&'static dyn Reader, Vec<u8>)> {
     let mut files: Vec<(&'static dyn Reader, Vec<u8>)> = Vec::new();
     files.push((&csv::Csv, crate::csv::write(&crate::csv::sample()).unwrap()));

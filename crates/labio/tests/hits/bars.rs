@@ -2,8 +2,8 @@
 
 use super::*;
 
-/// The strain of a section of an elastic bar between two free ends, struck by a striker of constant
-/// section: pulses with a plateau, reversed at every passage, in the numbers of a converter of 256
+/// Strain at a section of an elastic bar between two free ends, struck by a striker of constant
+/// section: pulses with a plateau, reversed at every passage, recorded by a converter with 256
 /// steps over ±1.3. The ends lie 110 and 300 plateaus away.
 fn bar_gauge(noise_over_step: f64, passages: usize, least: f64) -> Vec<f64> {
     let step = 2.6 / 256.0;
@@ -16,7 +16,7 @@ fn bar_gauge(noise_over_step: f64, passages: usize, least: f64) -> Vec<f64> {
     let mut time = 2000.0;
     for passage in 0..passages {
         let sign = if passage % 2 == 0 { -1.0 } else { 1.0 };
-        // the first may be the smallest, as when a specimen lets little through at first
+        // the first passage may be the smallest, as when a specimen transmits little at first
         let height = if passage == 0 {
             least
         } else {
@@ -53,7 +53,7 @@ fn r17_waves_in_a_bar_are_not_judged_as_hits_of_a_hammer() {
     };
     for noise in [0.0, 0.2, 1.5] {
         for least in [1.05, 0.3, 0.12] {
-            // the bar is at rest again after few passages, and rings on after many
+            // the bar is at rest at the end after 2 passages and still rings after 9
             for passages in [2, 9] {
                 let reasons = judged(&Criteria::bar_pulses(), noise, passages, least);
                 assert_eq!(
@@ -177,14 +177,14 @@ fn measured_hits_in_one_long_record_are_found_again() {
         .with_pre_trigger(Extent::Samples(16));
     let log = find_hits(&long.unwrap(), &trigger, &Criteria::default()).unwrap();
     assert_eq!(log.accepted().count(), 5, "{log}");
-    // every hit begins 18 to 20 samples into its second
+    // every hit begins 18 to 20 samples after a full second
     for (number, hit) in log.hits().iter().enumerate() {
         let into = (hit.time() - number as f64) * rate_hz;
         assert!((17.0..21.0).contains(&into.round()), "{log}");
     }
 }
 
-/// The two accelerations of a shock test; a row of text in a comma-separated LVM file, first column
+/// The two accelerations of a shock test, from a comma-separated LVM file whose first column is the
 /// time.
 fn shock(folder: &std::path::Path, number: &str) -> Record {
     let text = std::fs::read(folder.join(format!("shock/Test_{number}.lvm"))).unwrap();

@@ -2,13 +2,13 @@
 
 use super::*;
 
-/// A free body of 2 kg with modes of 310, 640 and 1130 Hz, struck by a squared sine of a tenth of a
-/// kilonewton and 1.2 ms, on a recorder of its own. Its motion is integrated in time, and compared
-/// with the closed form over frequency.
+/// A free body of 2 kg with modes of 310, 640 and 1130 Hz, struck by a squared sine with a peak of
+/// 0.1 kN and a duration of 1.2 ms, on a recorder of its own. Its motion is integrated in time and
+/// compared with the closed form in frequency.
 pub(super) struct Body {
     /// Decay rate of the modes \[1/s\].
     pub(super) decay: f64,
-    /// Noise of force and motion over their peaks.
+    /// Noise of force and motion, divided by their peaks.
     pub(super) noise: f64,
     pub(super) quantity: Quantity,
 }
@@ -19,7 +19,7 @@ impl Body {
     pub(super) const SAMPLES: usize = 4096;
     const BLOW: f64 = 0.0012;
 
-    /// The motion over the force at s.
+    /// Motion divided by force at s.
     pub(super) fn response(&self, s: Complex64) -> Complex64 {
         let receptance = Self::MODES
             .iter()

@@ -2,7 +2,7 @@
 
 use super::*;
 
-/// Five contacts in one record: good, good, double, and one cut at either end.
+/// Five contacts in one record: two good ones, a double one, and one cut off at each end.
 fn long_record() -> Record {
     let n = 60_000;
     let mut rng = ChaCha8Rng::seed_from_u64(8);
@@ -57,7 +57,7 @@ fn a_long_record_is_cut_into_hits_with_their_reasons() {
                           cut at the end: 6602 samples are missing after it
     ");
     let starts: Vec<f64> = log.accepted().map(Record::start_time).collect();
-    // 2 + (10 002 - 400)/10 000, to the rounding of one sum
+    // 2 + (10 002 - 400)/10 000, within the rounding error of one sum
     assert!((starts[0] - 2.9602).abs() < 1e-12 && (starts[1] - 4.4602).abs() < 1e-12);
     let spectra = AveragedSpectra::of(log.accepted(), Window::Rectangular).unwrap();
     assert_eq!(spectra.h1(FORCE, "response").unwrap().n_averages, 2);
@@ -108,7 +108,7 @@ fn a_trigger_that_never_fires_is_an_entry_with_the_reason() {
     ));
 }
 
-/// A record handed out in blocks.
+/// A record that is read in blocks.
 struct InBlocks {
     record: Record,
     at: usize,
@@ -196,7 +196,7 @@ fn a_stream_that_marks_lost_samples_loses_only_that_hit() {
     );
 }
 
-/// Records as ugly as they come: levels, runs, spikes and a few very large numbers.
+/// Irregular records: constant levels, random runs, spikes and very large numbers.
 fn ugly() -> impl Strategy<Value = Vec<f64>> {
     let piece = prop_oneof![
         (-5.0..5.0, 1_usize..20).prop_map(|(level, n)| vec![level; n]),

@@ -1,4 +1,4 @@
-//! Records of bodies that move on or ring beyond the end.
+//! Records of bodies that still move or ring at the end of the record.
 
 use super::body::{Body, record_of};
 use super::*;
@@ -64,7 +64,8 @@ fn s1_a_free_body_that_moves_on_has_the_response_it_has_within_its_errors() {
                 first_exists,
                 "{quantity:?}"
             );
-            // |error|² over its estimate of ten hits is about F(2, 18), mean 1.25 to 1.4 with the estimate of n - 1 of n; a bias adds to it.
+            // |error|² over its estimate of ten hits is about F(2, 18), mean 1.25 to 1.4 with the
+            // estimate of n - 1 of n; a bias adds to it.
             // Beyond 6 lie (1 + 6/9)^-9 = 1 % of the lines; the completion is common to
             // neighbouring lines, which doubles it at most
             let (mean, beyond) = (squares / n, beyond / n);
@@ -78,7 +79,7 @@ fn s1_a_free_body_that_moves_on_has_the_response_it_has_within_its_errors() {
 
 #[test]
 fn s1_a_velocity_that_neither_rests_nor_stays_is_not_decayed() {
-    // it falls to nothing, as on soft cords
+    // the velocity falls to zero, as for a body on soft cords
     let body = Body {
         decay: 35.0,
         noise: 3e-4,
@@ -105,12 +106,12 @@ fn s7_the_end_of_the_record_is_judged_under_the_exponential_window() {
         quantity: Quantity::Acceleration,
     };
     let hit = &body.hits(1, 1)[0];
-    // exp(-4 · 0.37) of the ringing is left
+    // the ringing has decayed to exp(-4 · 0.37)
     assert!(matches!(only(hit), Reason::NotDecayed { .. }));
     let judge = |criteria: Criteria| criteria.judge(hit, FORCE, None).unwrap();
     let weighed = Criteria::default().with_end_weight(1e-3).unwrap();
     assert_eq!(judge(weighed), []);
-    // 5 % of it at the end is not enough
+    // a window under which 5 % of the motion is left at the end is not sufficient
     let little = Criteria::default().with_end_weight(0.2).unwrap();
     assert!(matches!(judge(little)[..], [Reason::NotDecayed { .. }]));
     let by_rate = AddedDamping::to_end_weight(1e-3, hit.duration()).unwrap();
@@ -159,9 +160,9 @@ fn s7_what_the_end_of_the_record_cuts_off_is_stated_line_by_line() {
                 n += 1.0;
             }
         }
-        // the error is that of the end, and the end is stated to a third; with a slope at the end,
-        // which the tapered end determines less well than the whole, to a factor of two. 95 % of
-        // the lines are within twice both errors
+        // the error is caused by the end of the record, and its estimate is correct to a third or,
+        // with a slope at the end, which the tapered end determines less well, to a factor of two;
+        // 95 % of the lines are within twice the combined errors
         let ratio = (stated / squares).sqrt();
         assert!((0.67..2.0).contains(&ratio), "{quantity:?}: {ratio}");
         assert!(within / n > 0.95);

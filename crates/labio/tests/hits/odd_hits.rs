@@ -1,9 +1,10 @@
-//! Clipped peaks, and the odd hit among several.
+//! Clipped peaks, and a hit that differs from the others.
 
 use super::body::{Body, record_of};
 use super::*;
 
-/// Rounded to a converter of `bits` over ±`range` and cut there.
+/// Returns the record rounded by a converter of `bits` bits over ± each of `ranges`, and clipped
+/// there.
 fn converted(record: &Record, bits: i32, ranges: [f64; 2]) -> Record {
     let samples = Array2::from_shape_fn((2, record.n_samples()), |(channel, k)| {
         let range = ranges[channel];
@@ -50,14 +51,14 @@ fn s10_short_peaks_at_a_limit_are_clipped_and_right_ones_are_not() {
             !found.is_empty() && found.iter().all(|(_, reason)| clipped(reason)),
             "{found:?}"
         );
-        // one sample of each force at the limit, which only all five together reveal
+        // one sample of each force is at the limit, which shows only in all five hits together
         let force = judge(16, [0.8, 1.3]);
         assert!(
             force.iter().any(|(_, reason)| !clipped(reason)),
             "{force:?}"
         );
     }
-    // one in a hundred at most
+    // at most one hit in a hundred is rejected
     assert!(accused <= 8, "{accused} of 800 right hits");
 }
 
@@ -129,7 +130,7 @@ fn s11_the_odd_one_of_ten_is_found_and_no_right_one_is_accused() {
             };
             match name {
                 "dead" => assert!(scale.abs() < 0.05),
-                // another 1.1 by noise of 1e-3 over the ten: below a thousandth
+                // noise of 1e-3 over the ten hits changes the gain by less than a thousandth
                 "inverted" => assert!((scale + 1.0).abs() < 0.01),
                 "gain" => assert!((scale - 1.1).abs() < 0.01),
                 "spike" => assert_eq!(*index, Some(2000)),

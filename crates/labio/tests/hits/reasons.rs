@@ -5,7 +5,7 @@ use super::*;
 #[test]
 fn a_good_hit_is_accepted_with_its_noise_and_ringing() {
     assert_eq!(reasons(&hit(|_, _, _, _| {})), []);
-    // and from the other side
+    // the same hit from the other side
     assert_eq!(reasons(&hit(|_, _, f, a| (*f, *a) = (-*f, -*a))), []);
 }
 
@@ -18,7 +18,7 @@ fn a_second_contact_is_found_above_its_limit_only() {
     else {
         panic!("expected a double hit")
     };
-    // noise of 0.05/80 on both peaks; the second lies on the ringing, exp(-28) by then
+    // noise of 0.05/80 on both peaks; the ringing under the second peak has decayed to exp(-28)
     assert!((ratio - 0.2).abs() < 0.005, "{ratio}");
     assert!((separation - 0.03).abs() < 1.5 / RATE_HZ, "{separation}");
     assert_eq!(reasons(&bounce(0.03)), []);
@@ -117,7 +117,7 @@ fn a_signal_that_stands_still_is_a_drop_out() {
         let Reason::DropOut { run, index, .. } = only(&record) else {
             panic!("expected a drop-out")
         };
-        // the value that is held counts with the run
+        // if the last value is held, that sample counts as part of the run
         let expected = if held.is_some() { (25, 600) } else { (26, 599) };
         assert_eq!((run, index), expected);
     }
@@ -140,7 +140,7 @@ fn levels_before_and_after_must_agree() {
 
 #[test]
 fn a_channel_that_rests_far_from_zero_is_refused() {
-    // as the documented failure of a shock test: an amplifier that comes back from 140 000
+    // like the documented failure of a shock test: an amplifier that recovers from 140 000
     let record = hit(|k, _, _, a| *a = *a * 100.0 + 140_000.0 * (-(k as f64) / 3000.0).exp());
     let found = reasons(&record);
     assert!(matches!(found[0], Reason::StaticOffset { .. }), "{found:?}");
@@ -215,9 +215,10 @@ fn a_record_that_begins_too_late_is_refused() {
         *f = sample.map_or(0.0, |(f, _)| *f) + *f * 1e-3;
     };
     let short = hit(steep).part(ONSET - 3..N).unwrap();
-    // three samples and the zero at which the pulse begins, of eight
+    // of the eight samples needed, three and the zero at which the pulse begins exist
     assert_eq!(reasons(&short), [Reason::CutAtStart { missing: 4 }]);
-    // within the contact there is no rest level: the level used for it is not the level at the end
+    // a record that begins within the contact has no rest level: the level used instead differs
+    // from the level at the end
     let late = hit(|_, _, _, _| {}).part(ONSET + 5..N).unwrap();
     let found = reasons(&late);
     assert!(

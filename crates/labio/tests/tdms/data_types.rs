@@ -8,7 +8,8 @@ use crate::series::property as property_of;
 
 const BIG_ENDIAN: u32 = 64;
 
-/// Every byte written out: a group `g` with a channel `a` of two 32-bit integers and one property.
+/// A file with every byte written out: a group `g` with a channel `a` of two 32-bit integers and
+/// one property.
 #[test]
 fn a_file_in_full() {
     let bytes = b"TDSm\x0e\x00\x00\x00\x69\x12\x00\x00\
@@ -107,7 +108,8 @@ fn times_count_from_the_first() {
     assert_eq!(first, Some("2020-04-09T22:10:43.500000000Z"));
 }
 
-/// Beyond what the files of npTDMS hold: the upper half of 64 bits, and a truth value that is no 1.
+/// Cases that the files of npTDMS do not contain: the upper half of 64 bits, and a truth value
+/// other than 1.
 #[test]
 fn the_ends_of_types_become_doubles() {
     let wide: Vec<u8> = [1_u64 << 63, 2].map(u64::to_le_bytes).concat();

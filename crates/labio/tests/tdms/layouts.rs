@@ -10,15 +10,15 @@ fn segments_build_on_those_before() {
     let b = |raw_index: &[u8]| object("/'g'/'b'", raw_index, &[]);
     let file = [
         segment(USUAL, &[a(&numbers(2, 1))], &i16s(&[1])),
-        // nothing new at all
+        // no metadata
         segment(RAW, &[], &i16s(&[2])),
-        // one channel more, behind the one there is
+        // one more channel, after the existing one
         segment(METADATA | RAW, &[b(&numbers(2, 2))], &i16s(&[3, 10, 11])),
-        // both as before, and more of the first
+        // both channels as before, with more samples of the first
         segment(METADATA | RAW, &[a(&numbers(2, 2))], &i16s(&[4, 5, 12, 13])),
-        // the first without data
+        // the first channel without data
         segment(METADATA | RAW, &[a(&NO_DATA)], &i16s(&[14, 15])),
-        // a new list, in which the index of long ago still holds
+        // a new list, in which an earlier index is still valid
         segment(
             USUAL,
             &[b(&AS_BEFORE), a(&AS_BEFORE)],

@@ -1,4 +1,4 @@
-//! Scales that make quantities of raw numbers.
+//! Scales that convert raw numbers to quantities.
 
 use super::*;
 
@@ -60,7 +60,7 @@ fn scales_make_quantities_of_numbers() {
         assert_eq!(of_integers(&of(1, &[coefficients(size)])), expected);
     }
 
-    // in order, and with the raw numbers as everybody's input
+    // each scale after the one before it, and the last scale with the raw numbers as input
     for (source, expected) in [(1, [21.0, 27.0, 33.0]), (u32::MAX, [6.0, 9.0, 12.0])] {
         let chain = [
             linear(0, 1.0, 1.0, Some(u32::MAX)),
@@ -129,7 +129,7 @@ fn two_scalers_of_a_channel_are_added_or_subtracted() {
         ];
         assert_eq!(scaled(&raw_index, &properties, &raw).unwrap(), expected);
     }
-    // one scale, which is the scaler itself
+    // a single scale, which is the scaler itself
     let one = daqmx(3, &[[5, 0, 0, 0]], &[4]);
     assert_eq!(
         scaled(&one, &[index("NI_Number_Of_Scales", 1)], &u32s(&[7, 8, 9])).unwrap(),
@@ -166,7 +166,8 @@ fn scales_of_the_group_and_of_the_file_hold_for_their_channels() {
     );
 }
 
-/// Properties of sensors that are missing or impossible; the values are compared with those of npTDMS.
+/// Properties of sensors that are missing or impossible; the values are compared with those of
+/// npTDMS.
 #[test]
 fn incomplete_and_impossible_sensors_are_refused() {
     let raw = [0x3f, 0xb0, 0, 0, 0, 0, 0, 0]

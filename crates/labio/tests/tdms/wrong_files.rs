@@ -1,4 +1,4 @@
-//! Files that are wrong, cut off or spoilt.
+//! Files that are invalid, cut off or damaged.
 
 use proptest::prelude::*;
 
@@ -119,7 +119,7 @@ fn a_recording_that_was_cut_off_gives_what_is_there() {
         &objects,
         &[i16s(&[1, 2]), f64s(&[0.1]), i16s(&[3, 4])].concat(),
     );
-    // the length of a segment that was never finished
+    // the length stated for a segment that was never finished
     file[12..20].fill(0xff);
     let error = strict(&file).unwrap_err().to_string();
     assert!(error.contains("the recording was cut off"), "{error}");
@@ -127,13 +127,13 @@ fn a_recording_that_was_cut_off_gives_what_is_there() {
     assert_eq!(contents.defects.len(), 1);
     let found: Vec<&[f64]> = contents.series.iter().map(values).collect();
     assert_eq!(found, [&[1.0, 2.0, 3.0, 4.0][..], &[0.1]]);
-    // whole chunks are no defect even then
+    // without a partial chunk, this is not a defect
     file.truncate(file.len() - 4);
     assert_eq!(
         all_values(&file),
         named(&[("a", &[1.0, 2.0]), ("b", &[0.1])])
     );
-    // nor are rows
+    // the same holds for interleaved rows
     let mut rows = segment(USUAL | INTERLEAVED, &objects[..1], &i16s(&[1, 2, 3]));
     rows[12..20].fill(0xff);
     assert_eq!(all_values(&rows), named(&[("a", &[1.0, 2.0, 3.0])]));

@@ -175,8 +175,8 @@ fn a_line_end_before_the_separator_of_58b_is_no_data() {
     }
 }
 
-/// Numbers of bytes that were computed for another type are common: half of it for complex values,
-/// or for double ones.
+/// Stated numbers of bytes that were computed for another type are common, such as half the number
+/// for complex or for double values.
 #[test]
 fn the_number_of_points_decides_where_58b_ends() {
     let data: Vec<u8> = [0.1_f64, 0.2, 0.3, 0.4]

@@ -1,4 +1,4 @@
-//! Series that are written and read again.
+//! Series that are written and read back.
 
 use labio::SeriesAxis;
 use proptest::prelude::*;
@@ -25,7 +25,7 @@ fn texts(width: usize) -> impl Strategy<Value = String> {
         })
 }
 
-/// Numbers of every magnitude that the precision holds.
+/// Numbers of every magnitude that the precision can represent.
 fn numbers(single: bool) -> impl Strategy<Value = f64> {
     let doubles = any::<f64>().prop_filter("finite", |x| x.is_finite());
     prop_oneof![
@@ -45,7 +45,7 @@ fn numbers(single: bool) -> impl Strategy<Value = f64> {
 
 pub(super) fn any_series(single: bool) -> impl Strategy<Value = Series> {
     let points = prop::collection::vec((numbers(single), numbers(single), numbers(single)), 0..40);
-    // a start and a step that the header can hold exactly
+    // a start and a step that the header can represent exactly
     let clock = (-1000_i32..1000, 1_i32..1000);
     (
         points,
@@ -160,7 +160,7 @@ proptest! {
         let read = only_series(&file);
         assert_same_text(&read, &series)?;
         prop_assert_eq!(read.ordinate.len(), series.ordinate.len());
-        // half a unit of the last digit, 13 or 6 of them; an abscissa has 6 beside either
+        // the values agree in all of their 13 or 6 written digits; an abscissa next to them has 6
         let digits = if single { 5 } else { 12 };
         let text = |series: &Series| match &series.ordinate {
             Ordinate::Real(values) => values.iter().map(|x| format!("{x:.digits$e}")).collect::<Vec<_>>(),

@@ -1,4 +1,4 @@
-//! Units and nodes beside functions, in a file as pyuff 2.5.8 writes it.
+//! Data sets of units and nodes in addition to functions, in a file as pyuff 2.5.8 writes it.
 
 use labio::Dimension;
 use labio::format::uff58::{POSITION, REFERENCE_POSITION, UNITS};
@@ -63,7 +63,7 @@ fn units_and_nodes_complete_a_function() {
         Some("0 0 0 m")
     );
 
-    // after its functions as well, and without a denominator
+    // the data sets of units and nodes after the functions, and a function without a denominator
     let (before, functions) = BY_PYUFF.split_at(BY_PYUFF.find("    -1\n    58").unwrap());
     let turned = format!("{functions}{before}").replace("        13 ", "         0 ");
     let contents = strict(turned.as_bytes()).unwrap();
@@ -78,11 +78,11 @@ fn units_that_contradict_or_are_stated_are_not_replaced() {
         let contents = strict(text.as_bytes()).unwrap();
         contents.series[0].ordinate_axis.unit.clone()
     };
-    // a millimetre that is a metre
+    // the unit is a millimetre, but the factor is that of a metre
     assert!(unit(&BY_PYUFF.replace("1.0000000000000000D+03", "1.0000000000000000D+00")).is_none());
-    // units of the user
+    // a unit system defined by the user
     assert!(unit(&BY_PYUFF.replace("        10  ", "         9  ")).is_none());
-    // stated texts
+    // texts of units in the function itself
     let stated = BY_PYUFF
         .replace(
             "        12    0    0    0 NONE                 NONE",

@@ -14,8 +14,8 @@ fn columns_that_touch_are_parted_where_they_end() {
     );
 }
 
-/// A negative number with three digits of exponent fills its twenty columns, and touches whatever
-/// stands before it.
+/// A negative number with three digits of exponent fills its twenty columns and touches the field
+/// before it.
 #[test]
 fn words_for_what_is_not_finite_may_touch_the_next_number() {
     let numbers = [f64::NAN, -1e100, f64::NEG_INFINITY, -2.5e-300];
@@ -39,8 +39,7 @@ fn numbers_that_do_not_keep_to_the_columns_are_parted_by_blanks() {
     );
 }
 
-/// An odd number of points in rows of two: the place of the point that is missing is filled with
-/// zeros.
+/// An odd number of points in rows of two: the place of the missing point is filled with zeros.
 #[test]
 fn zeros_that_fill_the_last_row_are_no_points() {
     let rows = "  5.00000E+00  9.93003E-01 -1.08420E-19  5.03501E+00  1.00135E+00  0.00000E+00\n  1.00000E+02  8.03837E-01  0.00000E+00  0.00000E+00  0.00000E+00  0.00000E+00\n";
@@ -68,7 +67,7 @@ fn a_minus_one_inside_a_data_set_is_no_separator() {
         property(&series.properties, "uff58.response_node"),
         Some("-1")
     );
-    // an ID line that is a separator by itself is still an ID line: records are counted
+    // an ID line that looks like a separator is still an ID line, because records are counted
     let file = file.replace("    -1 was the reading\n", "    -1\n");
     assert_eq!(only_series(file.as_bytes()).name, "-1");
 }

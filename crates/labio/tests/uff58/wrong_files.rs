@@ -1,4 +1,4 @@
-//! Files that are wrong or spoilt, and contents that no file can hold.
+//! Files that are invalid or damaged, and contents that the format cannot represent.
 
 use labio::Place;
 use proptest::prelude::*;

@@ -11,11 +11,11 @@ use crate::format::rounding::{Written, WrittenValues};
 use crate::format::text::{self, DecimalMark};
 use crate::{Abscissa, Contents, Dimension, LabioError, Place, Series, SeriesAxis, SeriesKind};
 
-/// Largest relative uncertainty of a step due to rounding: a frequency is then wrong by less than
-/// one line in ten thousand.
+/// Largest accepted relative uncertainty of a step due to rounding: the error of a frequency is
+/// then less than one line in ten thousand.
 pub const ROUNDED_STEP_TOLERANCE: f64 = 1e-4;
 
-/// The column of the abscissa, before the numbers are read.
+/// Choice of the abscissa column, made before the numbers are read.
 #[derive(Debug)]
 pub(super) struct Choice {
     pub(super) column: Option<usize>,
@@ -214,7 +214,7 @@ fn spacing(
         None => {}
     }
     let first_off = |step: f64| {
-        // numbers may have been rounded before they were printed in more digits
+        // numbers may have been rounded before they were printed with more digits
         let within = Written {
             half_unit: start.half_unit.max(0.5 * step.abs()),
             ..start

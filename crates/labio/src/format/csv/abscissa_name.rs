@@ -1,4 +1,4 @@
-//! Names of an abscissa, and the mark that the writer adds to it.
+//! Names of abscissa columns, and the writer's description of the abscissa.
 
 use std::fmt;
 

@@ -51,7 +51,7 @@ impl Columns {
 ///
 /// # Errors
 ///
-/// Those of [`read_with`](super::read_with), except those of an abscissa.
+/// The errors of [`read_with`](super::read_with), except those that concern an abscissa.
 ///
 /// # Examples
 ///

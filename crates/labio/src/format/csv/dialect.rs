@@ -9,7 +9,7 @@ use super::{CsvDialect, CsvSeparator, header, malformed};
 use crate::format::text::{self, DecimalMark};
 use crate::{LabioError, Place};
 
-/// Number of lines searched, without comments; no header of a laboratory file is longer.
+/// Number of lines searched, not counting comments; headers of laboratory files are shorter.
 pub(super) const LINES_SEARCHED: usize = 1000;
 
 /// Number of rows at which a block of numbers is large enough to be the table.
@@ -124,7 +124,8 @@ fn runs(text: &str, separator: CsvSeparator, mark: DecimalMark) -> Vec<Run> {
     runs
 }
 
-/// Returns the largest run and its dialect; the run starts at the first line with as many cells.
+/// Returns the largest run and its dialect; the run starts at the first line of numbers with the
+/// same count of cells.
 fn largest(text: &str) -> Option<(CsvSeparator, DecimalMark, Run)> {
     let mut best: Option<(CsvSeparator, DecimalMark, Run)> = None;
     for (separator, mark) in CANDIDATES {
@@ -159,7 +160,7 @@ fn largest(text: &str) -> Option<(CsvSeparator, DecimalMark, Run)> {
     best
 }
 
-/// Returns the beginning of a file, within which its table must begin.
+/// Returns the part of a file in which its table must begin.
 pub(super) fn searched(bytes: &[u8]) -> &[u8] {
     if bytes.starts_with(b"\xff\xfe") || bytes.starts_with(b"\xfe\xff") {
         return bytes; // the bytes of UTF-16 do not show where its lines end
@@ -179,9 +180,9 @@ pub(super) fn searched(bytes: &[u8]) -> &[u8] {
     bytes
 }
 
-/// Returns true if every line of `preamble` has numbers in the filled columns of the line that
-/// follows `preamble`, whose first cell is empty: an oscilloscope writes its settings next to the
-/// first rows, in some of them nothing.
+/// Returns true if the lines `preamble` contain settings of an oscilloscope next to the first rows
+/// of the table: the line after them has an empty first cell, and every line of `preamble` has
+/// numbers in the columns that are filled in that line.
 fn stands_beside_preamble(
     text: &str,
     separator: CsvSeparator,
@@ -216,8 +217,8 @@ pub(super) fn holds_table(text: &str) -> bool {
 }
 
 /// Returns true if the cells of a table separated by commas are pairs of an integer and of digits
-/// after a decimal comma, such as `0,0033,-1,25`: no cell has a decimal point, every second cell has
-/// digits only, and one of them begins with a zero, which no integer does.
+/// after a decimal comma, such as `0,0033,-1,25`: no cell has a decimal point, every second cell
+/// has digits only, and one of them begins with a zero, which no integer does.
 fn has_digits_of_fractions(text: &str, dialect: &CsvDialect, run: Run) -> bool {
     if dialect.separator != CsvSeparator::Comma || !run.n_cells.is_multiple_of(2) {
         return false;
@@ -319,7 +320,7 @@ mod tests {
             detect("0,914\n0,537\n").unwrap_err().to_string(),
             "csv, line 1: comma is either a separator or a decimal mark, expected names above the numbers, or an explicit dialect"
         );
-        // four integers in a row, but no integer is written 0033
+        // the cells look like four integers, but no integer is written 0033
         let decimals = "0,0644,0,7247\n0,0033,-0,3823\n";
         let said = detect(decimals).unwrap_err().to_string();
         assert!(

@@ -242,8 +242,8 @@ fn above<'a>(text: &'a str, dialect: &CsvDialect) -> impl Iterator<Item = (u64, 
     text::lines(text).take_while(move |(number, _)| *number <= last)
 }
 
-/// Returns the cells of a header line if there are as many as in the rows of numbers. Names may be
-/// separated in another way than the numbers.
+/// Returns the cells of a header line if there are as many as in the rows of numbers. The separator
+/// of names may differ from that of numbers.
 fn cells_of(line: &str, separator: CsvSeparator, n: usize) -> Option<Vec<Cow<'_, str>>> {
     let bare = line.trim_start_matches(COMMENT_SIGNS);
     let bare = if separator == CsvSeparator::Tab {
@@ -254,7 +254,7 @@ fn cells_of(line: &str, separator: CsvSeparator, n: usize) -> Option<Vec<Cow<'_,
     let mut cells = Vec::new();
     if separator != CsvSeparator::Blanks {
         separator.cut(bare, &mut cells);
-        // a separator at the end of the rows of numbers may be missing from the row of names
+        // the row of names may lack a separator that ends the rows of numbers
         if cells.len() + 1 == n {
             cells.push(Cow::Borrowed(""));
         }
@@ -313,7 +313,7 @@ fn is_bracketed(word: &str) -> bool {
     without_brackets(word).len() < word.len()
 }
 
-/// Finds the rows of names and of units right above the numbers.
+/// Finds the rows of names and of units directly above the numbers.
 pub(super) fn find_names(text: &str, dialect: &mut CsvDialect) -> Result<(), LabioError> {
     let n = Shape::of(text, dialect)?;
     let n_cells = n.n_cells();

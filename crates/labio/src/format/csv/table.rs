@@ -26,8 +26,8 @@ pub(super) struct Shape {
 
 impl Shape {
     /// Finds the columns from the first row of numbers. Cells that are empty there and have no name
-    /// are not columns. Rows right above that have numbers in the same columns, with text next to
-    /// them, belong to the table.
+    /// are not columns. Rows directly above it that have numbers in the same columns, with text
+    /// next to them, belong to the table.
     pub(super) fn of(text: &str, dialect: &CsvDialect) -> Result<Self, LabioError> {
         let mut cells = Vec::new();
         let first = text::lines(text)

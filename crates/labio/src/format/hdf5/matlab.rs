@@ -12,7 +12,7 @@ use super::{DEEPEST, Hierarchy, attribute, malformed, refused};
 use crate::format::matlab_array::{Array, single, text_rows};
 use crate::{LabioError, Ordinate};
 
-/// Group of the cells, and of the fields of structure arrays.
+/// Name of the group that contains the cells and the fields of structure arrays.
 const REFERENCED: &str = "#refs#";
 
 /// Objects in the group [`REFERENCED`], by their addresses.

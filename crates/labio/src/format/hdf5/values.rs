@@ -6,7 +6,7 @@ use num_complex::Complex64;
 use super::{Hierarchy, attribute, malformed, refused};
 use crate::{LabioError, Ordinate, Place, SeriesAxis};
 
-/// Integers of greater magnitude are not all exact as `f64`.
+/// Largest magnitude up to which every integer is exact as `f64`.
 const EXACT_TO: f64 = 9_007_199_254_740_992.0;
 
 /// Label and unit of the numbers of a data set.
@@ -199,14 +199,14 @@ fn complex_fields(kind: &Datatype) -> Option<[Field; 2]> {
     Some([field(real)?, field(imaginary)?])
 }
 
-/// Returns the value that marks samples never written in a netCDF file; `None` for bytes, all
-/// values of which are in use.
+/// Returns the value that marks samples never written in a netCDF file; `None` for bytes, for which
+/// every value can be a sample.
 fn unwritten(kind: &Datatype) -> Option<f64> {
     match kind {
         Datatype::FloatingPoint { .. } => Some(15.0 * 2.0_f64.powi(119)),
         Datatype::FixedPoint { size, signed, .. } if *size > 1 => {
             let bits = 8 * i32::from(*size);
-            // those of 8-byte integers are beyond what a series can represent
+            // the fill values of 8-byte integers are beyond what a series can represent
             Some(match signed {
                 true => 1.0 - 2.0_f64.powi(bits - 1),
                 false => 2.0_f64.powi(bits) - 1.0,

@@ -14,8 +14,8 @@ pub(super) struct Tag<'a> {
     pub(super) values: Vec<&'a str>,
 }
 
-/// Relative rounding of `Delta_X` above which a customary rate is proposed. Below it, a frequency
-/// is wrong by less than a hundredth of a line in ten thousand lines.
+/// Relative rounding of `Delta_X` above which a customary rate is proposed. Below it, the error of
+/// a frequency is less than a hundredth of a line in ten thousand lines.
 const NOTICEABLE_ROUNDING: f64 = 1e-6;
 
 /// Header entries and samples of one channel.
@@ -198,7 +198,7 @@ impl Channel {
         if x.first_off(self.start, step).is_none() {
             return whole(even(self.start.value, step.value));
         }
-        // the packets of a file with one header: each has its own start time
+        // packets of a file in which only the first one has a header: each has its own start time
         let starts: Option<Vec<Written>> = (block > 1)
             .then(|| {
                 (0..n)

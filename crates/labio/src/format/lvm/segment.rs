@@ -52,7 +52,7 @@ impl Segment {
             XColumns::No | XColumns::One => n_channels.checked_add(1),
             XColumns::Multi => n_channels.checked_mul(2),
         };
-        // the labels bound the allocation for the announced channels
+        // the number of labels limits the memory that is allocated for the announced channels
         let Some(width) = width.filter(|&width| width <= labels.len()) else {
             return Err(malformed(
                 Place::Line(label_line),

@@ -1,4 +1,4 @@
-//! Abscissae and units of series, which the writer puts into variables of their own.
+//! Abscissae and units of series, which the writer puts into separate variables.
 
 use std::collections::HashSet;
 
@@ -8,11 +8,12 @@ use crate::{Abscissa, Contents, Ordinate, Series};
 /// Start of the description of files that [`Mat5`](super::Mat5) has written.
 pub(super) const OF_WRITER: &str = "MATLAB 5.0 MAT-file, written by labio";
 
-/// Ends of the names of the variables beside a series.
+/// Endings of the names of the variables that accompany a series.
 pub(super) const BESIDE: [&str; 5] = ["start", "step", "x", "unit", "x_unit"];
 
-/// Gives each series the abscissa and the units that are beside it (`NAME_start` and `NAME_step`,
-/// or `NAME_x`; `NAME_unit`, `NAME_x_unit`), and removes these variables from the contents.
+/// Gives each series the abscissa and the units in the variables that accompany it (`NAME_start`
+/// and `NAME_step`, or `NAME_x`; `NAME_unit`, `NAME_x_unit`), and removes these variables from the
+/// contents.
 pub(super) fn join(contents: &mut Contents) {
     let found: Vec<Beside> = contents
         .series
@@ -39,7 +40,7 @@ pub(super) fn join(contents: &mut Contents) {
     contents.properties.retain(|(key, _)| !used.contains(key));
 }
 
-/// The variables beside one series.
+/// The variables that accompany one series.
 struct Beside {
     abscissa: Option<Abscissa>,
     /// Units of the values and of the abscissae.
@@ -76,7 +77,7 @@ impl Beside {
     }
 }
 
-/// The values of the series called `name`, if it has `length` of them.
+/// The values of the series called `name`, if there are `length` of them.
 fn uneven(series: &[Series], name: &str, length: usize) -> Option<Vec<f64>> {
     let found = series.iter().find(|other| other.name == name)?;
     match &found.ordinate {

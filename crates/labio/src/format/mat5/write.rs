@@ -97,8 +97,8 @@ impl Names {
         self.with(wanted, &[])
     }
 
-    /// Returns a name for a series, and reserves those of the variables [`BESIDE`] it, so that none
-    /// of another series or property is taken for one of them.
+    /// Returns a name for a series, and reserves the names of the variables that accompany it
+    /// ([`BESIDE`]), so that no other series or property gets one of these names.
     fn of_series(&mut self, wanted: &str) -> String {
         self.with(wanted, &BESIDE)
     }

@@ -18,7 +18,7 @@ const BUFFER_BYTES: usize = 1 << 16;
 /// 200 bytes.
 const HEADER_BYTES: u64 = 1 << 16;
 
-/// The rows of an array of `f64` from beginning to end, in memory that does not grow with the file.
+/// Rows of an array of `f64`, read block by block in memory that does not grow with the file.
 ///
 /// The array is little-endian, in C order and of shape `(n_rows, n_samples)`, so that each row is
 /// contiguous in the file; a block is read from each of the rows in turn.
@@ -65,7 +65,7 @@ enum Clock {
 }
 
 impl Clock {
-    /// Number of rows before those of the channels.
+    /// Number of rows before the rows of the channels.
     fn rows(&self) -> u64 {
         match self {
             Self::Times { .. } => 1,
@@ -91,7 +91,7 @@ impl Blocks<File> {
     ///
     /// # Errors
     ///
-    /// As [`Blocks::open`].
+    /// The errors of [`Blocks::open`].
     pub fn open_without_times(
         path: impl AsRef<Path>,
         channels: &[Channel],
@@ -160,7 +160,7 @@ impl<R: Read + Seek> Blocks<R> {
     ///
     /// # Errors
     ///
-    /// As [`Blocks::new`]; also if the rate is not positive.
+    /// The errors of [`Blocks::new`]; [`LabioError::NonPhysical`] if the rate is not positive.
     pub fn without_times(
         source: R,
         channels: &[Channel],

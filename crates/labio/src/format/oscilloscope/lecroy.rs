@@ -64,7 +64,7 @@ impl Reader for LeCroy {
             offset,
             big_endian: false,
         };
-        // as little-endian, the byte-order field reads 0 only in a big-endian file
+        // read as little-endian, the byte-order field is 0 only in a big-endian file
         let order = fields.u16(34, "order of bytes")?;
         fields.big_endian = order == 0;
         let each = match fields.u16(32, "size of a sample")? {

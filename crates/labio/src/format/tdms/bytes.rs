@@ -1,4 +1,4 @@
-//! Reading of bytes from front to back in either byte order, with the offset of each.
+//! Reading of bytes from front to back in either byte order, with the offset of each byte.
 
 use super::malformed;
 use crate::{LabioError, Place};

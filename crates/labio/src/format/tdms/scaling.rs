@@ -265,8 +265,8 @@ impl Scales<'_> {
 
     fn resistance(&self, scale: u32) -> Result<Sensor, LabioError> {
         let name = |name: &str| format!("NI_Scale[{scale}]_RTD_{name}");
-        // number of leads within the measured voltage: two, one if a third wire compensates the
-        // other, none
+        // number of leads within the measured voltage: two of 2 wires, one of 3 wires (the third
+        // compensates the other lead), none of 4 wires
         let n_leads = self.choice(
             &name("Resistance_Configuration"),
             |wires| {

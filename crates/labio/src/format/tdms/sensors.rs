@@ -1,7 +1,7 @@
 //! Scales of strain gauges, resistance thermometers and thermocouples.
 //!
-//! Formulas: the Wheatstone bridge of [`StrainBridge`](crate::StrainBridge), whose sign the vendor's
-//! software inverts; Callendar and Van Dusen (IEC 60751); ITS-90 (NIST Monograph 175).
+//! Formulas: the Wheatstone bridge of [`StrainBridge`](crate::StrainBridge), whose sign the
+//! vendor's software inverts; Callendar and Van Dusen (IEC 60751); ITS-90 (NIST Monograph 175).
 
 use super::thermocouples::Thermocouple;
 use crate::BridgeLayout;

@@ -1,4 +1,5 @@
-//! Reference functions of thermocouples and their approximate inverses (NIST Monograph 175, ITS-90).
+//! Reference functions of thermocouples and their approximate inverses (NIST Monograph 175,
+//! ITS-90).
 
 /// Lower end of a range and the polynomial that is valid from there up to the next range.
 type Part = (f64, &'static [f64]);

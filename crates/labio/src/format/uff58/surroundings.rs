@@ -31,8 +31,8 @@ const SYSTEMS: [(i64, &str, &str); 7] = [
     (10, "mm", "N"),
 ];
 
-/// Relative difference up to which a factor belongs to a unit: factors are written with ten or more
-/// digits, and programs differ in the factors of a pound.
+/// Largest relative difference between a stated factor and that of the named unit: factors are
+/// written with ten or more digits, and programs use different factors for the pound.
 const SAME: f64 = 1e-5;
 
 /// Units and nodes of a file, from data sets other than 58.

@@ -16,8 +16,8 @@ use crate::{BlockSource, Channel, LabioError};
 /// enough for the cache.
 const BUFFER_BYTES: usize = 1 << 16;
 
-/// The samples of a WAVE file from beginning to end, in SI units, in memory that does not grow with
-/// the file.
+/// Samples of a WAVE file in SI units, read block by block in memory that does not grow with the
+/// file.
 ///
 /// # Examples
 ///

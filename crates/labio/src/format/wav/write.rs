@@ -8,9 +8,10 @@ use crate::{Abscissa, Contents, LabioError, Ordinate, Series, SeriesKind};
 
 /// A writer of WAVE files with a chosen encoding.
 ///
-/// The series must be time histories of the same length and rate, a whole number of Hz, that start
-/// at 0 s, and in fractions of full scale if the encoding is PCM. A sample beyond full scale is an
-/// error: nothing is clipped. Files beyond 4 GiB become RF64. Labels of axes are not kept.
+/// The series must be time histories that start at 0 s, of the same length and of the same rate,
+/// which must be a whole number of Hz. For PCM, they must be in fractions of full scale. A sample
+/// beyond full scale is an error: nothing is clipped. Files beyond 4 GiB become RF64. Labels of
+/// axes are not kept.
 ///
 /// # Examples
 ///
@@ -364,8 +365,7 @@ mod tests {
 
     #[test]
     fn beyond_four_gib_the_lengths_stand_in_their_own_chunk() {
-        // the samples of one channel stand in for those of all channels: the header needs only
-        // their number
+        // the samples of one channel are used for all channels: the header needs only their number
         let one = [0.0; 1];
         let checked = Checked {
             samples: vec![&one; 100],

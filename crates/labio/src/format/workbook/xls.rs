@@ -97,7 +97,7 @@ fn worksheet(
     budget: &mut Budget,
 ) -> Result<super::Filled, LabioError> {
     let mut filled = super::Filled::default();
-    // empty rows become lines too, and the cells before others become tabs
+    // empty rows also become lines, and the cells before a filled one become tabs
     let mut count = |n: usize, each: usize| budget.take(n, each, crate::Place::Byte(0), "cells");
     count(usize::from(u16::MAX), 1)?;
     let mut depth = 0_u32;

@@ -13,7 +13,7 @@ const ENTRY: usize = 128;
 /// Sector size of small streams in bytes.
 const SMALL: usize = 64;
 
-/// Sectors of equal size, with the table of the sector that follows each of them.
+/// Sectors of equal size, with the table that gives the next sector of each.
 struct Sectors<'a> {
     data: &'a [u8],
     size: usize,
