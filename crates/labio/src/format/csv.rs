@@ -5,8 +5,8 @@
 //! - The encoding: UTF-8 with or without byte-order mark, UTF-16 with byte-order mark, otherwise
 //!   ISO-8859-1.
 //! - The dialect ([`CsvDialect`]): the separator and the decimal mark that give the largest block
-//!   of numbers in the first thousand lines; everything above the block is the header. The one
-//!   ambiguous case, a file of `1,5` on every line without names, is rejected.
+//!   of numbers in the first thousand lines; everything above the block is the header. Commas
+//!   that may be either, as in a file of `1,5` on every line without names, are rejected.
 //! - A row of names and a row of units directly above the numbers. Units may also follow names:
 //!   `Time [s]`, `Time (s)`, `Time/s`, `time_s`. If the numbers are separated by blanks, the names
 //!   may be separated by tabs, semicolons, bars, commas or their units. All other lines of the

@@ -28,9 +28,10 @@ const EXPONENT_STEP: f64 = 0.5;
 /// the same for all. `None` if all channels have come to rest: in the last sixteenth of the hit, a
 /// channel is within a hundredth of its peak, within twice the largest excursion in the silence or
 /// within six times the root-mean-square value of the silence, and its mean there is too small to
-/// change the lowest line, unlike the creep after a long pulse. Unless the first channel to move
-/// was also the last, the channels must have been quiet for longer than between two of their
-/// motions: in a long bar, a wave that has passed a gauge is on its way back to it.
+/// change the lowest line, unlike the creep after a long pulse. In addition, the channels must have
+/// been quiet for longer than between two of their motions, because in a long bar a wave that has
+/// passed a gauge is on its way back to it; of several channels, this is not required if the first
+/// to move was also the last.
 ///
 /// Its decay rate σ is the smallest of a series of values for which the effect of the motion cut
 /// off at the end, $`|x(T)|e^{-\sigma T}/|s|`$ with $`s = \sigma + i\omega`$, is at most three

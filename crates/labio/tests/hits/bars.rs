@@ -4,7 +4,7 @@ use super::*;
 
 /// Strain at a section of an elastic bar between two free ends, struck by a striker of constant
 /// section: pulses with a plateau, reversed at every passage, recorded by a converter with 256
-/// steps over ±1.3. The ends lie 110 and 300 plateaus away.
+/// steps over ±1.3.
 fn bar_gauge(noise_over_step: f64, passages: usize, least: f64) -> Vec<f64> {
     let step = 2.6 / 256.0;
     let mut rng = ChaCha8Rng::seed_from_u64(3);

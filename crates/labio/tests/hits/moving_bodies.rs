@@ -20,7 +20,7 @@ fn completed(hits: &[Record], window: Option<AddedDamping>) -> AveragedSpectra {
     averager.spectra().unwrap()
 }
 
-/// Lines of the band in which the blow has force: 3 dB over 100 of 2.4 Hz, below 1.2 kHz.
+/// Lines above 0 Hz and below 1.2 kHz, the band in which the blow has force.
 fn band(response: &FrequencyResponse) -> impl Iterator<Item = usize> {
     let n = response.frequency_hz.partition_point(|f| *f < 1200.0);
     1..n
