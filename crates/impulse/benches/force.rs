@@ -1,8 +1,8 @@
 //! Stick force by Fourier transform, kernels, and the march with contact.
 //!
-//! The march is measured for several numbers of steps, beside the direct summation: the former
-//! grows as N log² N, the latter as N². Its lower bound is one convolution of the whole history by
-//! transforms, with the force given; that of the stick force is one transform.
+//! The march is measured for several numbers of steps and compared with direct summation: the march
+//! grows as N log² N, the summation as N². The lower bound of the march is one convolution of the
+//! whole history by transforms, with the force given; that of the stick force is one transform.
 #![allow(
     missing_docs,
     clippy::unwrap_used,
@@ -45,7 +45,8 @@ fn stuck<'a>(
     }
 }
 
-/// Makes one transform from `n` lines to their history, and back if a convolution is meant.
+/// Makes one transform from `n` lines to their history, and back if `back` is true, as in a
+/// convolution.
 fn transforms(n: usize, back: bool) -> impl FnMut() {
     let mut planner = RealFftPlanner::<f64>::new();
     let (inverse, forward) = (planner.plan_fft_inverse(n), planner.plan_fft_forward(n));
@@ -109,7 +110,8 @@ fn stick_with_its_band(criterion: &mut Criterion) {
     });
 }
 
-/// Mobilities that cost nothing, so that the march is what is measured: kernels are made outside.
+/// Measures the march alone: the mobilities cost nothing, and the kernels are computed outside the
+/// measurement.
 fn march(criterion: &mut Criterion) {
     let striker = MobilityLaw::analytic(|s| 1.0 / (0.1 * s))
         .free(0.1)
@@ -153,7 +155,7 @@ fn march(criterion: &mut Criterion) {
     group.finish();
 }
 
-/// The rigid march by sums over all of the past.
+/// The rigid march by sums over the whole past.
 fn directly(kernel: &[f64]) -> Vec<f64> {
     let mut force: Vec<f64> = Vec::with_capacity(kernel.len());
     for n in 0..kernel.len() {

@@ -1,6 +1,6 @@
 //! Force from a measured response of 25 600 samples, one second of a hammer test, with the
 //! regularisation found from the data; and on a support of 256 samples, with and without tension.
-//! The bound is the transform of the response and that of the force.
+//! The lower bound is the transform of the response and that of the force.
 #![allow(
     missing_docs,
     clippy::unwrap_used,
@@ -18,8 +18,8 @@ use realfft::RealFftPlanner;
 const N: usize = 25_600;
 const RATE_HZ: f64 = 25_600.0;
 
-/// A resonator struck by half a sine, with noise from a linear congruence, and its frequency
-/// response.
+/// A resonator struck by half a sine, with noise from a linear congruential generator, and its
+/// frequency response.
 fn data() -> (Vec<f64>, Vec<Complex64>) {
     let (radius, turn) = (0.998_f64, 0.2_f64);
     let mut state = 1_u64;

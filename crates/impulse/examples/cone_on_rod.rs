@@ -1,5 +1,6 @@
-//! The truncated cone of paper E on the long steel rod, by its narrow and by its wide end: faces
-//! that stick, faces that part and meet again, and a wide end that the thin rod dents.
+//! Impact of the truncated cone of paper E, with its narrow or its wide end, on the long steel rod:
+//! with faces that stick, with faces that part and meet again, and with a wide end that the thin
+//! rod dents.
 //!
 //! ```text
 //! cargo run --release --package impulse --example cone_on_rod
@@ -26,7 +27,7 @@ const DURATION: f64 = 3.5e-3;
 const STEP: f64 = 1e-6;
 
 /// A constant loss factor with the propagation coefficient of (Ödeen 1993, paper E, eq. 7) at 3
-/// kHz: eq. 7 itself is no causal law.
+/// kHz: eq. 7 itself is not a causal law.
 fn nylon() -> Result<Medium<ConstantQ>, Box<dyn Error>> {
     let printed = PowerLawPropagation::new(8.818e-5, 0.894, 8.937e-4, 0.970)?;
     let omega = TAU * 3e3;

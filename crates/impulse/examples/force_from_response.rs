@@ -1,6 +1,6 @@
-//! The force of a blow from the accelerations of both faces of the rod that was struck: by dividing
-//! spectra, and by least squares on the time when the force acts, with both sensors, without
-//! tension, with a band that holds the whole history.
+//! The force of a blow from the accelerations of both faces of the struck rod: by dividing spectra,
+//! and by least squares over the time when the force acts, with both sensors, without tension, with
+//! a band that contains the whole history.
 //!
 //! ```text
 //! cargo run --release --package impulse --example force_from_response
@@ -28,7 +28,7 @@ use virtual_body::{Pulse, VirtualBody, noisy, noisy_lines};
 
 /// Noise of the accelerometers at the struck and at the far face [m/s^2].
 const NOISE: [f64; 2] = [80.0, 160.0];
-/// Standard deviation of a line of a frequency response, in parts of it.
+/// Relative standard deviation of a line of a frequency response.
 const RESPONSE_ERROR: f64 = 0.03;
 
 fn main() -> Result<(), Box<dyn Error>> {

@@ -1,5 +1,5 @@
-//! The compound cylinder of paper E on the long steel rod, by its nylon and by its aluminium end:
-//! as the paper computed it, on 1025 lines up to 10 kHz, and without a band limit.
+//! Impact of the compound cylinder of paper E, with its nylon or its aluminium end, on the long
+//! steel rod: as the paper computed it, on 1025 lines up to 10 kHz, and without a band limit.
 //!
 //! ```text
 //! cargo run --release --package impulse --example stack_on_rod
@@ -51,7 +51,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         let impact = Impact::between(&body, &rod).at_velocity(velocity);
         let as_in_paper = impact.stick_force_on_lines(LineBand::PAPER_E)?;
         let peak = as_in_paper.history.peak();
-        // ringing of the jump, 2 % of it and less where the contacts end
+        // the ringing of the jump is 2 % of it, and less where the contacts end
         let ended = separate(&as_in_paper.history, 0.02 * peak.force)?;
         let end = match ended.end {
             ContactEnd::Separated { time } => time,
@@ -85,7 +85,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// The samples from just ahead of the contact on.
+/// Samples from just before the contact on.
 fn line(name: &str, role: Role, history: &ForceHistory) -> Mark {
     let samples = history.force().iter().enumerate();
     let points = samples

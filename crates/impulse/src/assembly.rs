@@ -122,13 +122,14 @@ impl Coupling {
 /// ```
 ///
 /// (Jetmundsen, Bielawa & Flannelly 1988; de Klerk, Rixen & de Jong 2006). Forces, velocities and
-/// joints are along one axis, that of the impact.
+/// joints are along one axis, the axis of the impact.
 ///
 /// # Validity
 ///
-/// The joints bear tension. The mobility of the assembly is known where those of all members are
-/// known. If a member is known on lines, the free vibrations of the assembly must decay within a
-/// period of the lines, and time marching needs a known front impedance at the struck point.
+/// The joints bear tension. The mobility of the assembly is known where the mobilities of all
+/// members are known. If a member is known on lines, the free vibrations of the assembly must decay
+/// within a period of the lines, and time marching needs a known front impedance at the struck
+/// point.
 ///
 /// ```
 /// use std::sync::Arc;
@@ -238,7 +239,7 @@ impl Assembly {
         let bearing: Vec<(&[usize; 2], Complex64)> = of_joints
             .filter_map(|(rows, coupling)| Some((rows, joints(rows, coupling)?)))
             .collect();
-        // B Y e of the struck point, and B Y Bᵀ with the mobilities of the joints
+        // B Y e for the struck point e, and B Y Bᵀ plus the mobilities of the joints
         let across =
             |[one, other]: &[usize; 2], column: usize| y[(*one, column)] - y[(*other, column)];
         let mut opened = Mat::zeros(bearing.len(), 1);

@@ -11,9 +11,9 @@ const FEWEST_STEPS_AFTER: usize = 64;
 /// Momentum and energy of an impact, in the frame in which the second body is at rest before the
 /// impact.
 ///
-/// All values follow from the force and the mobilities. The energy of a body is divided into that
-/// of the motion of its centre of mass and the rest: a mobility does not distinguish vibration from
-/// heat.
+/// All values follow from the force and the mobilities. The energy of a body is divided into the
+/// energy of the motion of its centre of mass and the rest: a mobility does not distinguish
+/// vibration from heat.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct Balance {
@@ -47,8 +47,8 @@ pub struct Balance {
     /// $`(M_1\bar v_1 + J - M_1V)/(M_1V)`$ with the velocity of the face of the first body after
     /// the last contact (mean under a Hann window): a momentum balance independent of
     /// $`v_1 = V - J/M_1`$. `None` without time after the contact or if the first body is not free.
-    /// It is small only if the body rings through several periods in that time, or has come to
-    /// rest.
+    /// The residual is small only if the body rings through several periods in that time, or has
+    /// come to rest.
     pub momentum_residual: Option<f64>,
     /// Coefficient of restitution from the velocities of the faces after the last contact,
     /// $`(\bar v_2 - \bar v_1)/V`$.
@@ -85,8 +85,8 @@ impl Balance {
 /// Momentum and energy of an impact over time, at the ends of the steps, from
 /// [`Prediction::energies`](crate::Prediction::energies).
 ///
-/// The frame is that in which the second body is at rest before the impact. If the first body is
-/// free, all energies at any time add up to its energy before the impact.
+/// In the frame used, the second body is at rest before the impact. If the first body is free, all
+/// energies at any time add up to its energy before the impact.
 #[derive(Debug, Clone)]
 #[non_exhaustive]
 pub struct EnergyHistory {
@@ -163,10 +163,11 @@ fn translation(masses: [Option<f64>; 2], velocities: [Option<f64>; 2]) -> [Optio
     ]
 }
 
-/// Returns the energies of the bodies other than that of the motion of their centres of mass. The
-/// first body has lost $`VJ - J^2/(2M_1)`$ of the latter and the second has gained $`J^2/(2M_2)`$
-/// by the `impulse` J; a term with a mass is absent for a body that is not free. The work `given`
-/// by the first face equals the work `taken` by the second face plus the work on the contact.
+/// Returns the energies of the bodies without the energy of the motion of their centres of mass.
+/// The `impulse` J takes $`VJ - J^2/(2M_1)`$ of that energy from the first body and gives
+/// $`J^2/(2M_2)`$ of it to the second; a term with a mass is absent for a body that is not free.
+/// The work `given` by the first face equals the work `taken` by the second face plus the work on
+/// the contact.
 fn inner_energies(
     velocity: f64,
     masses: [Option<f64>; 2],

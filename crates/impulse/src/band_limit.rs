@@ -19,8 +19,8 @@ const FEWEST_STEPS: f64 = 8.0;
 /// Steps within $`1/f_b`$ for which the effect of the step length is below $`10^{-3}`$ of a jump.
 const STEPS: f64 = 32.0;
 
-/// A zero-phase Gaussian low-pass of unit gain at 0 Hz and $`-3`$ dB at the upper end $`f_b`$ of
-/// the band,
+/// A zero-phase Gaussian low-pass filter of unit gain at 0 Hz and $`-3`$ dB at the upper end
+/// $`f_b`$ of the band,
 ///
 /// ```math
 /// \hat F_b = \hat F\,e^{-\sigma^2\omega^2/2}, \qquad \sigma = \frac{\sqrt{\ln 2}}{2\pi f_b} = \frac{0.1325}{f_b} .
@@ -137,7 +137,7 @@ impl ForceHistory {
     ///
     /// # Validity
     ///
-    /// A force that is smooth over three samples, such as one in a band.
+    /// Valid for a force that is smooth over three samples, such as a force in a band.
     #[must_use]
     pub fn smooth_peak(&self) -> ForcePeak {
         let force = self.force();
@@ -221,7 +221,7 @@ mod tests {
             .unwrap();
         let middle = limited.force().iter().skip(3000).take(2000);
         let largest = middle.fold(0.0_f64, |top, f| top.max(*f));
-        // (h ω)²/24 of the steps, 2.6e-5
+        // error due to the steps: (h ω)²/24 = 2.6e-5
         assert!((largest - 0.5_f64.sqrt()).abs() < 1e-4, "{largest}");
         let long = ForceHistory::new(0.0, 40e-6, vec![1.0; 20]).unwrap();
         assert!(band.apply(&long).is_err());

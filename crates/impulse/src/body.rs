@@ -28,14 +28,14 @@ pub enum Domain {
     /// Right half plane, $`\operatorname{Re} s \ge 0`$, where the law is analytic. Every method
     /// applies.
     RightHalfPlane,
-    /// Real frequencies, as for the power laws of (Ödeen 1993, paper E, eq. 7). Free vibrations
-    /// must decay.
+    /// Real frequencies, as for the power laws (Ödeen 1993, paper E, eq. 7). Free vibrations must
+    /// decay.
     FrequencyAxis,
     /// The lines $`k\,\Delta f`$ of a measurement.
     Lines {
         /// $`\Delta f`$ \[Hz\].
         frequency_step_hz: f64,
-        /// Number of lines, including that at 0 Hz.
+        /// Number of lines, including the line at 0 Hz.
         n_lines: usize,
     },
 }
@@ -85,19 +85,20 @@ impl<B: ImpactBody + ?Sized> ImpactBody for &B {
     }
 }
 
-/// Largest number of lines of a spectrum: a gibibyte.
+/// Largest number of lines of a spectrum, which take one gibibyte.
 const MOST_LINES: usize = 1 << 26;
 
 /// Returns the mobilities \[m/(N s)\] of `body` on the lines $`k\,\Delta f`$, $`k = 0 \ldots n-1`$,
 /// for a [`StickProblem`](crate::StickProblem).
 ///
-/// The element at 0 Hz is set to zero: it is infinite for a free body and never read.
+/// The element at 0 Hz is set to zero: it is never read, and the mobility of a free body is
+/// infinite there.
 ///
 /// # Errors
 ///
 /// [`ImpulseError::NonPhysical`] for the step, or for more than $`2^{26}`$ lines;
-/// [`ImpulseError::GridMismatch`] or [`ImpulseError::LengthMismatch`] for a measured body with
-/// another spacing of its lines or too few lines; errors of the body.
+/// [`ImpulseError::GridMismatch`] or [`ImpulseError::LengthMismatch`] for a measured body whose
+/// lines have another spacing or are too few; errors of the body.
 pub fn lines_of<B: ImpactBody + ?Sized>(
     body: &B,
     frequency_step_hz: f64,

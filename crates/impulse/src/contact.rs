@@ -192,7 +192,8 @@ mod tests {
 
     #[test]
     fn a_pull_of_just_the_threshold_is_still_ringing() {
-        // exactly minus the threshold does not end the contact, one digit more does
+        // a force of exactly minus the threshold does not end the contact, a force one digit lower
+        // does
         let at = separate(&history(&[0.0, 4.0, -0.25, 2.0, 1.0]), 0.25).unwrap();
         assert_eq!(at.end, ContactEnd::InContact);
         let below = separate(&history(&[0.0, 4.0, (-0.25_f64).next_down(), 2.0]), 0.25);
@@ -206,7 +207,7 @@ mod tests {
         ]);
         let impact = separate(&stick, 0.0).unwrap();
         assert_eq!(impact.history.force()[7..], [0.0; 6]);
-        // the first sample of a level bottom counts as the minimum; samples after the contact do
+        // the first sample of a flat minimum counts as the minimum; samples after the contact do
         // not count
         let graze = impact.closest_to_separation.unwrap();
         assert_eq!((graze.time, graze.force), (2.0, 1.0));

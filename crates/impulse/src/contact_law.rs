@@ -107,7 +107,8 @@ impl ContactLaw {
         Self::hertz(4.0 / 3.0 * radius.sqrt() / compliance)
     }
 
-    /// Rejects constants that the constructors would refuse: the variants can be created directly.
+    /// Rejects constants that the constructors would refuse, because the variants can be created
+    /// without a constructor.
     pub(crate) fn check(&self) -> Result<(), ImpulseError> {
         match self {
             Self::Rigid | Self::Tabulated(_) => Ok(()),
@@ -127,7 +128,7 @@ impl ContactLaw {
         }
     }
 
-    /// Returns the approach at which the force vanishes on unloading: the dent, 0 without one.
+    /// Returns the approach at which the force vanishes on unloading: the dent, 0 if there is none.
     pub(crate) fn dent(&self, memory: Memory) -> f64 {
         match self {
             Self::Tabulated(table) => table.dent(memory.deepest),
@@ -246,7 +247,7 @@ mod tests {
                     .map(|k| law.force(memory, from + (f64::from(k) + 0.5) * way) * way)
                     .sum();
                 let work = law.work(memory, from, to);
-                // midpoint rule, kinks of the force in single cells: (way)² dF/dδ
+                // error of the midpoint rule where the force has a kink within a step: (way)² dF/dδ
                 assert!(
                     (work - sum).abs() < 1e-6 * work.abs(),
                     "{law:?} {work} {sum}"

@@ -5,16 +5,16 @@ use std::fmt;
 use num_complex::Complex64;
 use rodwave::fourier::RealFourier;
 
-/// Block length up to which the convolution is summed directly; longer ones use transforms.
+/// Block length up to which the convolution is summed directly; longer blocks use transforms.
 const LEAF: usize = 64;
 
 /// Convolution $`p_n = \sum_{j<n} w_{n-j} x_j`$ with a causal kernel w, where $`x_n`$ is given only
 /// after $`p_n`$ has been computed.
 ///
 /// The triangle of pairs (j, n) is cut into squares that double in size away from the diagonal:
-/// when $`2^p`$ leaves are complete, their effect on as many leaves after them is one Fourier
-/// convolution. N steps cost $`O(N\log^2 N)`$ (Hairer, Lubich & Schlichte, SIAM J. Sci. Stat.
-/// Comput. 6 (1985) 532).
+/// when $`2^p`$ leaves are complete, their effect on as many leaves after them is computed by one
+/// Fourier convolution. N steps cost $`O(N\log^2 N)`$ (Hairer, Lubich & Schlichte, SIAM J. Sci.
+/// Stat. Comput. 6 (1985) 532).
 pub(crate) struct OnlineConvolution<'a> {
     kernel: &'a [f64],
     given: Vec<f64>,

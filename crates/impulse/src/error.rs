@@ -26,7 +26,7 @@ pub enum ImpulseError {
         /// Position of the element, from 0.
         index: usize,
     },
-    /// The length of an array does not match the others.
+    /// The length of an array does not match that of the other arrays.
     #[error("the {what} has {found} elements, expected {expected}")]
     LengthMismatch {
         /// Name of the array.
@@ -46,7 +46,7 @@ pub enum ImpulseError {
         /// Length needed.
         expected: usize,
     },
-    /// The two mobilities cancel: no finite force gives a velocity there.
+    /// The two mobilities cancel at a line: no finite force gives a velocity there.
     #[error("the sum of the mobilities vanishes at line {index}")]
     VanishingMobility {
         /// Index of the spectral line.
@@ -122,7 +122,7 @@ pub enum ImpulseError {
         /// Number of equations.
         size: usize,
     },
-    /// A body of elements has no mobility at this argument.
+    /// A body made of elements has no mobility at this Laplace variable.
     #[error("mobility at s = {s} 1/s: {source}")]
     Body {
         /// The Laplace variable [1/s].
@@ -200,7 +200,7 @@ pub enum ImpulseError {
          expected a contact law between them: the force of a rigid contact is infinite"
     )]
     RigidFaces {
-        /// Ratio of the mobility at ten times a frequency far above the band to that at this
+        /// Mobility at ten times a frequency far above the band, divided by the mobility at this
         /// frequency.
         ratio: f64,
     },

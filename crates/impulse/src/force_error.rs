@@ -12,17 +12,18 @@ use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
 use crate::error::check_probability;
 use crate::{ForceHistory, ImpulseError, fourier};
 
-/// Fewest draws for a 95 % quantile, which would otherwise rest on fewer than ten draws.
+/// Fewest draws for a 95 % quantile: with fewer, it would rest on fewer than ten draws.
 const FEWEST_DRAWS: usize = 200;
 
-/// Largest total size of the draws: two gibibytes.
+/// Largest number of values in all draws together, which take two gibibytes.
 const MOST_NUMBERS: usize = 1 << 28;
 
 /// The random error of a force history, to first order in its causes.
 ///
-/// It is a sum of independent parts: one from circular errors of spectral lines, which has the same
-/// standard deviation at all times of a period; one for each cause common to all times, such as the
-/// impact velocity; one on a support. Each part is Gaussian and correlated over time.
+/// The error is a sum of independent parts: one from circular errors of spectral lines, which has
+/// the same standard deviation at all times of a period; one for each cause common to all times,
+/// such as the impact velocity; one for the samples of a support. Each part is Gaussian and
+/// correlated over time.
 #[derive(Debug, Clone)]
 pub struct ForceError {
     standard_error: Vec<f64>,
@@ -43,7 +44,7 @@ struct LineErrors {
     /// e^{i\omega_k t}`$ over both sides.
     variances: Vec<f64>,
     n_period: usize,
-    /// Range of the samples whose mean is added to all samples, with this sign.
+    /// Range of the samples whose mean is added to all samples, and the sign of this addition.
     reference: Option<(Range<usize>, f64)>,
 }
 
@@ -82,8 +83,8 @@ pub struct ForceBand {
 }
 
 impl ForceBand {
-    /// Fraction of the samples of `force` that are inside the band, over the indices `window`
-    /// (those that exist in both).
+    /// Fraction of the samples of `force` that are inside the band, over those indices of `window`
+    /// that exist in both.
     #[must_use]
     pub fn part_inside(&self, force: &[f64], window: Range<usize>) -> f64 {
         let limits = self.lower.iter().zip(&self.upper).zip(force);
@@ -134,7 +135,7 @@ impl ForceError {
         let lines: Vec<Complex64> = variances.iter().map(|v| (*v).into()).collect();
         let covariance = fourier::to_samples(&lines, n_period);
         let n_samples = self.standard_error.len();
-        // sums of the covariance over lags, periodic
+        // cumulative sums of the periodic covariance over the lags
         let mut sums = vec![0.0; 2 * n_period + 1];
         for lag in 0..2 * n_period {
             sums[lag + 1] = sums[lag] + covariance[lag % n_period];
@@ -399,7 +400,7 @@ pub(crate) fn quantile(values: &[f64], level: f64) -> f64 {
     above.next().map_or(f64::NAN, |(_, value)| *value)
 }
 
-/// Rejects draws of this many numbers each that exceed [`MOST_NUMBERS`] together.
+/// Rejects `n_draws` draws of `numbers_each` numbers each that together exceed [`MOST_NUMBERS`].
 pub(crate) fn check_draws(n_draws: usize, numbers_each: usize) -> Result<(), ImpulseError> {
     if n_draws.saturating_mul(numbers_each) <= MOST_NUMBERS {
         Ok(())
@@ -473,8 +474,8 @@ mod tests {
             samples += pointwise.part_inside(&drawn, 0..48);
             histories += simultaneous.part_inside(&drawn, 0..48).floor();
         }
-        // sqrt(0.05*0.95/2000) = 0.5 %, and as much for the factor; three standard errors of the
-        // sum
+        // sqrt(0.05*0.95/2000) = 0.5 % for these draws, and as much for the factor; the limit for
+        // the histories is three standard errors of the sum
         assert!(
             (samples / f64::from(n_draws) - 0.95).abs() < 0.015,
             "{samples}"
@@ -491,11 +492,11 @@ mod tests {
             .with_common(vec![2.0])
             .with_degrees_of_freedom(3.0);
         let history = ForceHistory::new(0.0, 1.0, vec![0.0]).unwrap();
-        // tables of Student's distribution
+        // from tables of Student's distribution
         let band = error.pointwise(&history, 0.95).unwrap();
         assert!((band.factor - 3.182_446).abs() < 1e-5);
         assert!((band.upper[0] - 6.364_893).abs() < 1e-5);
-        // the whole of a history of one sample; the quantile of 40 000 draws is known to 1.2 %
+        // for one sample both bands are the same; the quantile of 40 000 draws is known to 1.2 %
         let mut random = ChaCha8Rng::seed_from_u64(3);
         let whole = error.simultaneous(&history, 0.95, 0..1, 40_000, &mut random);
         assert!((whole.unwrap().factor / band.factor - 1.0).abs() < 0.05);

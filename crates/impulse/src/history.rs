@@ -5,7 +5,7 @@ use rodwave::band_limited::{SampledHistory, VelocityHistory};
 use crate::ImpulseError;
 use crate::error::{check_positive, check_samples};
 
-/// Points per sample about a peak between samples.
+/// Number of interpolated points per sample around the largest sample.
 const FINER: usize = 32;
 
 /// Equally spaced samples of a force \[N\], positive in compression.
@@ -126,8 +126,9 @@ impl ForceHistory {
     ///
     /// # Validity
     ///
-    /// Samples of a force that has passed the anti-alias filter of a recorder, such as a force that
-    /// was found from responses: up to 0.38 of the sampling rate the interpolation is exact to 2e-5.
+    /// Valid for samples of a force that has passed the anti-alias filter of a recorder, such as a
+    /// force that was found from responses: up to 0.38 of the sampling rate the interpolation is
+    /// exact to 2e-5.
     #[must_use]
     pub fn interpolated_peak(&self) -> ForcePeak {
         let peak = self.peak();

@@ -12,9 +12,9 @@
 //! ```
 //!
 //! The forces $`F_1, F_2`$ and velocities $`v_1, v_2`$ of both faces give stress, strain rate and
-//! strain of the specimen (Kolsky 1949; Gray 2000). Viscoelastic bars have a complex
-//! $`\gamma(\omega)`$ each (Zhao and Gary 1996; Bacon 1998), round metal bars that of Pochhammer
-//! and Chree.
+//! strain of the specimen (Kolsky 1949; Gray 2000). Each viscoelastic bar has a complex
+//! $`\gamma(\omega)`$ of its own (Zhao and Gary 1996; Bacon 1998); round metal bars have that of
+//! Pochhammer and Chree.
 //!
 //! # Method
 //!

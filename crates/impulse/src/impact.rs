@@ -34,7 +34,7 @@ pub use uncertain::{PeakForce, UncertainImpact, UncertainPrediction};
 /// Default number of steps of a prediction.
 const DEFAULT_STEPS: usize = 4096;
 
-/// Standard deviation in intervals of the Gaussian that smooths jumps in the damped transform:
+/// Standard deviation, in intervals, of the Gaussian that smooths jumps in the damped transform:
 /// 3e-14 of the spectrum remains at the Nyquist frequency.
 const SMOOTHING: f64 = 2.5;
 
@@ -45,7 +45,8 @@ const MASS_TOLERANCE: f64 = 1e-3;
 /// Rate at which the mass is checked, multiplied by the duration.
 const AT_REST: f64 = 1e-6;
 
-/// Multiples of the rate at rest at which the apparent mass of a body that is not free must grow.
+/// Multiples of the rate of [`AT_REST`] at which the apparent mass of a body that is not free must
+/// grow.
 const NOT_AT_REST: [f64; 3] = [1.0, 10.0, 100.0];
 
 /// Two bodies, described by their impact faces; created by [`Impact::between`].
@@ -184,8 +185,8 @@ impl<'a> Impact<'a> {
     ///
     /// # Validity
     ///
-    /// Any two bodies. Contact laws other than rigid and linear ones are replaced by the rigid
-    /// contact.
+    /// Valid for any two bodies. Contact laws other than rigid and linear ones are replaced by the
+    /// rigid contact.
     ///
     /// # Errors
     ///
@@ -201,9 +202,9 @@ impl<'a> Impact<'a> {
     ///
     /// # Validity
     ///
-    /// Bodies that are known off the frequency axis, including two finite elastic ones. The error
-    /// away from jumps is $`1.1\cdot10^{-7}`$ of the force one period later, where the period is
-    /// twice the duration. A linear contact is included in the mobilities.
+    /// Valid for bodies that are known off the frequency axis, including two finite elastic bodies.
+    /// The error away from jumps is $`1.1\cdot10^{-7}`$ of the force one period later, where the
+    /// period is twice the duration. A linear contact is included in the mobilities.
     ///
     /// # Errors
     ///
@@ -365,8 +366,8 @@ fn kernel_of(
 }
 
 /// Returns true if the apparent mass is larger at a tenth of one of the frequencies in
-/// [`NOT_AT_REST`] times `rate`. Several are tried, because the mobility of a chain on a support is
-/// lost in rounding if the frequency is too low.
+/// [`NOT_AT_REST`] times `rate`. Several frequencies are tried, because the mobility of a chain on
+/// a support is lost in rounding if the frequency is too low.
 fn grows(
     inertia: &impl Fn(f64) -> Result<Option<f64>, ImpulseError>,
     rate: f64,

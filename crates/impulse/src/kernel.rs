@@ -39,12 +39,12 @@ pub enum Quadrature {
     /// ```
     ///
     /// There is no other approximation: the mobility of the body is exact, work and impulse of the
-    /// force are those on the exact body, and a passive body stays passive. Second order for a
-    /// smooth force; a jump is smeared over its step.
+    /// force are those on the exact body, and a passive body stays passive. The error is of second
+    /// order for a smooth force; a jump is smeared over its step.
     CellAverages,
     /// Lubich's convolution quadrature with the backward differences of second order,
-    /// $`\delta(z) = \tfrac32 - 2z + \tfrac12z^2`$. Second order for a smooth force; damps
-    /// unresolved frequencies.
+    /// $`\delta(z) = \tfrac32 - 2z + \tfrac12z^2`$. The error is of second order for a smooth
+    /// force; unresolved frequencies are damped.
     Bdf2,
     /// Lubich's convolution quadrature with the trapezoidal rule, $`\delta(z) = 2(1-z)/(1+z)`$: no
     /// damping, for elastic bodies; jumps ring.

@@ -122,13 +122,14 @@
 //! - The bodies are linear, there is no friction, and the interface has one velocity (Ödeen 1993,
 //!   paper E, section 2). If the contact area grows with the force, the contact law is nonlinear,
 //!   not the bodies.
-//! - The plain transform finds the force on a period $`1/\Delta f`$ within which it must decay or
-//!   become constant. For two finite elastic bodies its result is flagged as unreliable; use the
-//!   damped transform or time marching for them.
+//! - The plain transform finds the force on a period $`1/\Delta f`$ within which the force must
+//!   decay or become constant. For two finite elastic bodies its result is flagged as unreliable;
+//!   use the damped transform or time marching for them.
 //! - A band limit causes ringing at jumps of the force; time marching smears them over one step.
 //! - If elastic bodies separate without a force, as rods of the same section do, a jump within a
 //!   step leaves spurious contacts of one step.
-//! - The mobility of a body does not distinguish energy that remains as vibration from heat.
+//! - The mobility of a body does not distinguish energy that remains as vibration from energy that
+//!   has become heat.
 //! - The error of a stick force on lines is computed up to the end of the first contact
 //!   ([`StickUncertainty`]); the error of a force by time marching ([`Impact::with_errors`]) comes
 //!   from random draws and covers all contacts.
@@ -190,7 +191,8 @@ pub use stick::{Settlement, StickForce, StickProblem, ZeroLine};
 pub use uncertainty::{EndError, EndVerdict, MonteCarlo, StickUncertainty, contact_band};
 pub use unilateral::ContactInterval;
 
-// Types in signatures, re-exported for dependents of this crate alone in the matching version.
+// Crates whose types appear in signatures, re-exported so that a dependent of this crate can use
+// the matching version.
 pub use {faer, num_complex, rand, rodwave};
 
 #[cfg(doctest)]

@@ -49,7 +49,8 @@ const FEWEST_DEGREES_OF_FREEDOM: f64 = 20.0;
 /// Reconstruction of a force from measured responses $`x_r`$ and known frequency responses $`H_r =
 /// \hat x_r/\hat F`$: the inverse use of the impulse response.
 ///
-/// The force is the minimum over lines k, of both signs of the frequency, and sensors r of
+/// The force minimises the following sum over lines k, of both signs of the frequency, and sensors
+/// r:
 ///
 /// ```math
 /// \sum_k\sum_r w_{rk}\lvert\hat x_{rk} - H_{rk}\hat F_k\rvert^2 + \lambda\sum_k\omega_k^{2p}\lvert\hat F_k\rvert^2 ,
@@ -127,7 +128,7 @@ impl<'a> Reconstruction<'a> {
     ///
     /// [`ImpulseError::NonPhysical`] for the sampling rate; [`ImpulseError::TooShort`] without a
     /// sensor, [`ImpulseError::LengthMismatch`] for responses of different length;
-    /// [`ImpulseError::MixedNoise`] if the noise of some is known, but not of all.
+    /// [`ImpulseError::MixedNoise`] if the noise is known for some sensors, but not for all.
     pub fn of_sensors(
         sensors: Vec<Sensor<'a>>,
         sampling_rate_hz: f64,
@@ -204,9 +205,10 @@ impl<'a> Reconstruction<'a> {
     }
 
     /// Assumes a force like the calibration blows `blows`, with a time and an energy of its own.
-    /// The undetermined components are assumed to be those of the mean blow on a support, zero
-    /// without a support, and to scatter with the mean power of the blows. Without this assumption
-    /// a force beyond the band of the hammer is unbounded. Used only if the noise is known.
+    /// The undetermined components are assumed to scatter with the mean power of the blows, on a
+    /// support about those of the mean blow, without a support about zero. Without this assumption
+    /// a force beyond the band of the hammer is unbounded. The assumption is used only if the noise
+    /// is known.
     #[must_use]
     pub fn like_blows(self, blows: &'a CalibrationLines) -> Self {
         Self {

@@ -13,15 +13,16 @@ use crate::{ForceHistory, ImpulseError, fourier};
 /// Largest relative level of the quiet part of a settled history.
 const SETTLED: f64 = 0.01;
 
-/// The history divided by this number is the part shown before the contact, where the band limit
-/// smears the jump. A quiet part of the same length at the end of the history gives the final value
-/// of the force.
+/// Length of the history divided by the length of the part shown before the contact, where the band
+/// limit smears the jump. A quiet part of the same length at the end of the history gives the final
+/// value of the force.
 const PARTS_AHEAD: usize = 16;
 
-/// Largest number of lines of a spectrum with its interpolation: a gibibyte.
+/// Largest number of lines of a spectrum with its interpolation, which take one gibibyte.
 const MOST_SAMPLES: usize = 1 << 26;
 
-/// A real part counts as passive if it is above minus this fraction of the magnitude (rounding).
+/// Fraction of the magnitude attributed to rounding: a real part counts as passive if it is above
+/// minus this fraction.
 const PASSIVITY_ROUNDING: f64 = 1e-12;
 
 /// Substitute for the line at 0 Hz, where the mobility of a free body is infinite and the step has
@@ -35,7 +36,7 @@ pub enum ZeroLine {
     /// Weighed bodies: the total impulse is $`\hat F(0) = V M`$, with $`1/M = \sum 1/M_i`$ over the
     /// free bodies \[kg\]; a long or a fixed body has no term. This value is the limit of the
     /// accelerance form $`(A_1+A_2)\hat F = V`$, $`A_i = i\omega G_i \to 1/M_i`$. At least one body
-    /// must be free. The best choice if possible.
+    /// must be free. Use this choice if possible.
     EffectiveMass(f64),
     /// Unknown masses, with a force that decays within the period: the constant is the one for
     /// which the force is zero before contact.
@@ -57,7 +58,7 @@ pub enum ZeroLine {
 ///
 /// # Validity
 ///
-/// - The force must settle within the period $`T = 1/\Delta f`$; the rest wraps around to the
+/// - The force must settle within the period $`T = 1/\Delta f`$; a later force wraps around to the
 ///   beginning, which [`StickForce::settlement`] detects. The force between two finite elastic
 ///   bodies does not decay, and their mobilities have poles on the frequency axis: for them the
 ///   method is not valid.
@@ -82,7 +83,7 @@ pub struct StickProblem<'a> {
     pub roll_off_from_hz: Option<f64>,
     /// Number of samples within each interval $`1/(2f_{max})`$; 1 gives as many samples as the
     /// lines define. With more samples the history is interpolated from the lines themselves, which
-    /// is needed to find peaks and zeros: linear interpolation between the samples of one interval
+    /// is needed to find peaks and zeros; linear interpolation between samples at these intervals
     /// misses them.
     pub interpolation: usize,
     /// End of the returned history \[s\]; `None` for the whole period, within which the force must
@@ -94,7 +95,8 @@ pub struct StickProblem<'a> {
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub enum Settlement {
-    /// Settled: late in the history the force is within 1 % of the peak of its final value.
+    /// Settled: late in the history, the root mean square difference between the force and its
+    /// final value is at most 1 % of the peak.
     Settled,
     /// Unsettled: the period $`1/\Delta f`$ is too short, or the bodies have no damping.
     Unsettled {
@@ -115,8 +117,8 @@ pub struct StickForce {
     /// The constant \[N\] that was added to replace the line at 0 Hz.
     pub added_constant: f64,
     /// Number of lines where the sum of the mobilities generates energy,
-    /// $`\operatorname{Re}(G_1+G_2) < 0`$: zero for computed bodies; for measured ones a sign
-    /// of noise or phase errors.
+    /// $`\operatorname{Re}(G_1+G_2) < 0`$: zero for computed bodies; for measured bodies a sign of
+    /// noise or phase errors.
     pub nonpassive_lines: usize,
 }
 
@@ -319,7 +321,7 @@ impl StickProblem<'_> {
         })
     }
 
-    /// Factor on 1/(i omega): V for a step, 2V on the odd lines for a square wave of half height.
+    /// Factor of 1/(i omega): V for a step, 2V on the odd lines for a square wave of half height.
     fn velocity_amplitude(&self, index: usize) -> f64 {
         match self.zero_line {
             ZeroLine::EffectiveMass(_) | ZeroLine::QuietBeforeContact => self.impact_velocity,
@@ -347,7 +349,7 @@ impl StickProblem<'_> {
             ZeroLine::EffectiveMass(_) | ZeroLine::QuietBeforeContact => 0.0,
             ZeroLine::SquareWave => mean(quiet),
         };
-        // relative to the peak: no square then overflows or underflows
+        // relative to the peak, so that no square overflows or underflows
         let peak = history.peak().force.abs();
         let squares: Vec<f64> = quiet
             .iter()
@@ -467,7 +469,7 @@ mod tests {
         2.0 * 0.61 / (n as f64 - 1.0).powi(3)
     }
 
-    /// Ringing of the plain band limit, 1/(pi n), two jumps.
+    /// Ringing of the plain band limit, 1/(pi n), for two jumps.
     fn plain_ringing(n: usize) -> f64 {
         2.0 / (PI * n as f64)
     }
@@ -500,7 +502,7 @@ mod tests {
         let (first, second) = (rod(400.0), rod(1000.0));
         let stick = problem(&first, &second, ZeroLine::QuietBeforeContact, None);
         let stick = stick.solve().unwrap();
-        // the result is a ramp (1 - t/T) F moved to be zero at its end
+        // the result is a ramp (1 - t/T) F shifted so that it is zero at its end
         assert!(matches!(stick.settlement, Settlement::Unsettled { .. }));
     }
 
@@ -524,8 +526,8 @@ mod tests {
                 let stick = problem(&first, &second, zero_line, roll_off);
                 let stick = stick.solve().unwrap();
                 assert_eq!(stick.settlement, Settlement::Settled);
-                // the quiet part fixes the constant to the force there, exp(-17.5) or exp(-10.9) of
-                // the peak
+                // the constant makes the force zero in the quiet part, where it is exp(-17.5) or
+                // exp(-10.9) of the peak
                 let constant = match zero_line {
                     ZeroLine::EffectiveMass(_) => 0.0,
                     ZeroLine::QuietBeforeContact => 2.6e-8,
@@ -545,7 +547,7 @@ mod tests {
         let momentum = mass_kg * VELOCITY;
         let weighed = problem(&first, &second, ZeroLine::EffectiveMass(mass_kg), None);
         let weighed = weighed.solve().unwrap().history.impulse();
-        // determined by the line at 0 Hz: rounding of the sum of 8192 samples
+        // the line at 0 Hz determines the impulse; the rounding of the sum of 8192 samples remains
         assert!((weighed / momentum - 1.0).abs() < 1e-12);
         let roll_off = Some(HIGHEST_HZ / 2.0);
         let unweighed = problem(&first, &second, ZeroLine::QuietBeforeContact, roll_off);
@@ -573,7 +575,7 @@ mod tests {
         // the force jumps to c V at contact
         let jump = damping * VELOCITY;
         let found = deviation(&stick.history, 40, jump, exact);
-        // and wraps around with 3400/1200 exp(-a T) = 1.8e-5 of the jump
+        // and 3400/1200 exp(-a T) = 1.8e-5 of the jump wraps around
         assert!(found < plain_ringing(40) + 1.8e-5, "{found}");
 
         let zero = (PI - (damping * w / (stiffness - damping * a)).atan()) / w;

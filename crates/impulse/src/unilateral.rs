@@ -240,7 +240,8 @@ impl March<'_> {
         if !converged {
             marched.unconverged += 1;
         }
-        // from the equation of motion: the balance of the step is exact for any error of the root
+        // the force follows from the equation of motion, so that the balance of the step is exact
+        // for any error of the root
         let force = ((free - to) / reach).max(0.0);
         let stiffness = 2.0 * (self.law.force(memory, to) - force).abs() / (to - from).abs();
         if stiffness.is_finite() {
@@ -263,7 +264,7 @@ struct ContactLog {
     last: [f64; 2],
     highest: f64,
     /// time within the last step at which the approach fell to the dent, where a compliant contact
-    /// no longer presses, if it did
+    /// no longer presses; `None` if it did not
     parted: Option<f64>,
 }
 

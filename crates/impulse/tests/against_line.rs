@@ -1,4 +1,5 @@
-//! Impacts computed by `rodwave::line` too: characteristics in the time domain, without mobilities.
+//! Impacts compared with `rodwave::line`, which uses characteristics in the time domain, without
+//! mobilities.
 
 use std::f64::consts::FRAC_PI_4;
 
@@ -28,7 +29,7 @@ enum Material {
     Steel,
 }
 
-/// From the impact face.
+/// A piece of a body; pieces are counted from the impact face.
 #[derive(Clone, Copy)]
 struct Piece {
     material: Material,
@@ -36,12 +37,12 @@ struct Piece {
     diameter: f64,
 }
 
-/// An impact by both.
+/// An impact computed by both methods.
 struct Both {
     predicted: Prediction,
-    /// N
+    /// Force by the line \[N\].
     by_line: Vec<f64>,
-    /// s
+    /// Time step \[s\].
     step: f64,
 }
 
@@ -161,7 +162,8 @@ fn by_line(striker: &[Piece], rod: Piece) -> Ours<LineHistory> {
     Ok(Line::new([striker, struck])?.run(0.25e-6, DURATION, &[])?)
 }
 
-/// Without two samples around each jump of either history.
+/// Largest difference of the two histories, relative to the peak, without two samples around each
+/// jump of either history.
 fn away_from_jumps(both: &Both) -> f64 {
     let (found, reference) = (both.predicted.history.force(), &both.by_line);
     let peak = reference.iter().copied().fold(0.0, f64::max);

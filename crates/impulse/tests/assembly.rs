@@ -45,7 +45,7 @@ fn relative(found: Complex64, expected: Complex64) -> f64 {
     (found - expected).norm() / expected.norm()
 }
 
-/// Lossy materials in both domains: rod, spring, rod and mass joined, and as one chain.
+/// Lossy materials in both domains: rod, spring, rod and mass, joined and as one chain.
 #[test]
 fn parts_joined_are_the_chain_of_them() {
     let polymer = Medium::new(1150.0, ConstantQ::new(3e9, 0.1, 1e4).unwrap()).unwrap();
@@ -83,13 +83,13 @@ fn parts_joined_are_the_chain_of_them() {
         Complex64::new(1e5, 0.0),
     ] {
         let expected = chain.mobility_at_s(s).unwrap();
-        // roundings of a difference of mobilities, larger near 0 Hz by the ratio of the masses
+        // rounding of a difference of mobilities, larger near 0 Hz by the ratio of the masses
         assert!(
             relative(joined.mobility_at(s).unwrap(), expected) < 1e-12,
             "{s}"
         );
     }
-    // on the frequency axis, of a law that is not known off it
+    // on the frequency axis, for a law that is not known off it
     let law = PowerLawPropagation::new(8.818e-5, 0.894, 8.937e-4, 0.970).unwrap();
     let nylon = Medium::new(1150.0, law).unwrap();
     let part = |length| {
@@ -161,8 +161,8 @@ fn between_samples(history: &ForceHistory, time: f64) -> f64 {
     force[before] + share * (force[before + 1] - force[before])
 }
 
-/// Three free rods of steel: the first strikes the second, on whose other end the third is, of
-/// another section. The whole force in the band, within a thousandth of its peak.
+/// Three free rods of steel: the first strikes the second, to whose other end the third, of another
+/// section, is joined. The whole force in the band agrees within a thousandth of its peak.
 #[test]
 fn three_rods_in_a_row_are_those_of_a_line() {
     let speed = (MODULUS / DENSITY).sqrt();
@@ -210,8 +210,8 @@ fn three_rods_in_a_row_are_those_of_a_line() {
     assert!(worst < 1e-3 * peak, "{}", worst / peak);
 }
 
-/// A bit by the lines of three mobilities between a rod and the rock, against the same in a row,
-/// with the front of the rod, and its draws.
+/// A bit between a rod and the rock, given by the lines of three mobilities, is compared with the
+/// same bodies in a chain, with its front, which is that of the rod, and with its draws.
 #[test]
 fn a_measured_member_is_the_computed_one() {
     let (step_hz, n_lines) = (25.0, 1025);
@@ -261,11 +261,11 @@ fn a_measured_member_is_the_computed_one() {
     let expected = chain.mobility_at_s(s).unwrap();
     assert!(relative(joined.mobility_at(s).unwrap(), expected) < 1e-12);
     assert!(joined.mobility_at(s * 1.0001).is_err());
-    // the front is that of the rod at high frequency, within (E₁ - E₀)/E₁ over some 1e8 x 20 us
+    // the front is that of the rod at high frequency, within (E₁ - E₀)/E₁ over about 1e8 x 20 us
     let front = joined.front_impedance().unwrap();
     let expected_front = (3e9_f64 * 1150.0).sqrt() * FRAC_PI_4 * 4e-4;
     assert!((front / expected_front - 1.0).abs() < 1e-4, "{front}");
-    // a hammer head of 0.2 kg, by a march on the lines and by one of the computed bodies
+    // a hammer head of 0.2 kg, by a march on the lines and by a march of the computed bodies
     let hammer = MobilityLaw::analytic(|s| 1.0 / (0.2 * s))
         .free(0.2)
         .unwrap();
@@ -285,8 +285,8 @@ fn a_measured_member_is_the_computed_one() {
         (by_lines.1 / computed.1 - 1.0).abs() < 1e-3,
         "{by_lines:?} {computed:?}"
     );
-    // draws: of noise alone each entry for itself; a scale of all lines is that of the assembly of
-    // the rest only in part
+    // draws: with noise alone each entry is drawn independently; a common scale of all lines of the
+    // bit is a scale of the assembly only in part
     let mut random = ChaCha8Rng::seed_from_u64(3);
     let mut squares = 0.0;
     for _ in 0..400 {
@@ -297,7 +297,7 @@ fn a_measured_member_is_the_computed_one() {
     let y = bit.mobilities_at(s).unwrap();
     let far_of_rod = near.mobilities_at(s).unwrap();
     let behind = 1.0 / 900.0;
-    // force on the first point of the bit, over that on the struck face, and on the second
+    // force on the first point of the bit, divided by that on the struck face, and on the second
     let of_bit = y[(0, 0)] - y[(0, 1)] * y[(0, 1)] / (y[(1, 1)] + behind);
     let first = far_of_rod[(0, 1)] / (far_of_rod[(1, 1)] + of_bit);
     let second = -first * y[(0, 1)] / (y[(1, 1)] + behind);
@@ -354,7 +354,7 @@ fn what_is_not_joined_is_named() {
         matches!(error, ImpulseError::GridMismatch { .. }),
         "{error}"
     );
-    // no front is known of a measured face
+    // the front of a measured face is not known
     let members: Vec<SharedSubstructure> = vec![Arc::new(AtFace::of(on(10.0))), mass(1.0)];
     let joined = Assembly::of(members, &[joint], at(0, 0)).unwrap();
     assert!(joined.front_impedance().is_none());

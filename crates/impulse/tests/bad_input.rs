@@ -1,4 +1,4 @@
-//! Refusal of wrong requests: with the reason, and never as a force.
+//! Wrong requests are refused with the reason; none of them yields a force.
 
 use impulse::{
     ContactLaw, Impact, ImpactBody, ImpulseError, Kernel, LineBand, LowFrequency, MeasuredBody,
@@ -117,7 +117,7 @@ fn masses_that_contradict_the_mobility() {
 fn methods_outside_their_domain() {
     let (nylon, steel) = (nylon(), elastic());
     let impact = Impact::between(&nylon, &steel).at_velocity(1.0);
-    // off the frequency axis eq. 7 is not known
+    // eq. 7 is not known off the frequency axis
     for error in [
         impact.stick_force_damped(DURATION, 1e-6).unwrap_err(),
         impact
@@ -237,7 +237,7 @@ fn measured_bodies_on_other_grids() {
         Err(ImpulseError::NonPhysical { value, expected: "a whole number", .. })
             if (value - 1e4 / 3.0).abs() < 1e-6
     ));
-    // and half a period for the time ahead of the impulse
+    // the march also needs half a period for the time before the impulse
     let long = pair.in_steps_of(1e-5).predict(60e-3).unwrap_err();
     assert_eq!(
         long.to_string(),
@@ -252,7 +252,7 @@ fn a_kernel_knows_what_gives_way_at_its_face() {
         n_steps: 256,
     };
     let kernel = Kernel::of(&elastic(), grid, Quadrature::CellAverages).unwrap();
-    // analytic: nothing ahead of the impulse but the alias of the next period, 1.5e-8
+    // an analytic body has nothing before the impulse but the alias of the next period, 1.5e-8
     assert!(kernel.acausal() < 1e-7 * kernel.weights()[0]);
     assert!(kernel.face_compliance().abs() < f64::MIN_POSITIVE);
     let spring = MobilityLaw::analytic(|s| 1e-3 + s / 1e7);
@@ -264,8 +264,8 @@ fn a_kernel_knows_what_gives_way_at_its_face() {
 
 #[test]
 fn a_spring_at_a_face_and_a_curved_contact_share_the_approach() {
-    // first order, the only place; against the same spring as a piece of the contact curve, which
-    // is exact
+    // the only part of first order, compared with the same spring as a piece of the contact curve,
+    // which is exact
     let ground = MobilityLaw::analytic(|s: Complex64| s / 1e7);
     let striker = mass(0.2);
     let both = Impact::between(&striker, &ground)

@@ -34,7 +34,7 @@ fn two_endless_rods(claims: &mut Claims) {
         let (first, second) = (endless_rod(0.010)?, endless_rod(0.014)?);
         let impact = Impact::between(&first, &second).at_velocity(VELOCITY);
         let prediction = impact.by(quadrature).predict(DURATION)?;
-        // nothing is free: no restitution, and the contact goes on
+        // no body is free: there is no restitution, and the contact does not end
         assert_eq!(prediction.balance().restitution, None);
         assert_eq!(prediction.contacts.len(), 1);
         assert_eq!(prediction.contacts[0].end, None);
@@ -142,7 +142,7 @@ fn mass_on_an_endless_rod(claims: &mut Claims) {
     );
 }
 
-/// De Saint-Venant: the shorter of two rods of one section brings Z V/2 for its own round trip and
+/// De Saint-Venant: the shorter of two rods of one section exerts Z V/2 for its own round trip and
 /// is then at rest.
 fn rods_of_different_lengths(claims: &mut Claims) {
     claims.by("De Saint-Venant's impact of two rods of one section, 0.3 m and 0.7 m");
@@ -161,7 +161,7 @@ fn rods_of_different_lengths(claims: &mut Claims) {
     let both = || -> Ours<[Prediction; 2]> { Ok([found(short, long)?, found(long, short)?]) };
     let found = both();
     let exact = |t: f64| if t < trip { plateau } else { 0.0 };
-    // the part of a step that the end of the pulse leaves goes to and fro in the shorter rod
+    // the end of the pulse leaves a part of a step, which travels to and fro in the shorter rod
     let echoes: Vec<f64> = (1..9).map(|k| f64::from(k) * trip).collect();
     for (steps, within) in [
         (
@@ -327,7 +327,8 @@ fn endless_rods_of_a_fractional_material(claims: &mut Claims) {
 }
 
 /// A mass on a rigid wall through a spring, by Hertz's law and through a table that leaves a dent:
-/// half a period, 2.943 of depth over velocity, and a quarter period of either stiffness.
+/// the contact lasts half a period, 2.943 times depth over velocity, and a quarter period of either
+/// stiffness.
 #[test]
 fn f6_soft_contacts_end_within_a_step() {
     let (m, v) = (0.3, 1.7);

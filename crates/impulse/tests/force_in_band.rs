@@ -1,5 +1,5 @@
-//! The force in a band: one number whatever the step and the record; the end of a contact between
-//! samples.
+//! The force in a band does not depend on the step or the record; the end of a contact is found
+//! between samples.
 
 use std::f64::consts::{PI, TAU};
 
@@ -20,7 +20,7 @@ fn circle(diameter_mm: f64) -> Circle {
     Circle::of_diameter(1e-3 * diameter_mm).unwrap()
 }
 
-/// A cone whose impedance grows with frequency without end.
+/// A cone whose impedance grows with frequency without limit.
 fn cone() -> AnalyticChain {
     let nylon = Medium::new(1150.0, ConstantQ::new(2.6e9, 0.094, TAU * 3e3).unwrap()).unwrap();
     AnalyticChain::analytic_from_impact_face()
@@ -53,7 +53,7 @@ fn r07_the_peak_in_the_band_depends_on_neither_step_nor_record() {
         let largest = values.iter().copied().fold(0.0, f64::max);
         (largest - least) / largest
     };
-    // a step of 3 us against sigma of 13 us: (h/sigma)^2/24 of the jump
+    // a step of 3 us with a sigma of 13 us: (h/sigma)^2/24 of the jump
     assert!(spread(&in_band) < 2.5e-3, "{in_band:?}");
     // without a band it does depend on the step
     assert!(spread(&without) > 0.02, "{without:?}");
@@ -101,7 +101,7 @@ fn r23_a_soft_contact_ends_where_its_approach_comes_back_to_zero() {
             .predict(1e-3)
             .unwrap();
         let end = prediction.contacts[0].end.unwrap();
-        // the step in which they part is a fiftieth of what a whole step would leave
+        // the step in which they part leaves an error of at most a fiftieth of a step
         assert!((end - exact).abs() < 0.02 * step, "{step}: {end} {exact}");
     }
 }
@@ -142,7 +142,7 @@ fn r23_the_zero_of_the_force_on_lines_lies_between_their_samples() {
         };
         (time, stick.history.smooth_peak().force)
     };
-    // the same lines with many more samples: nothing but the samples differs
+    // the same lines with many more samples: only the samples differ
     let (exact, peak) = problem(5.0, 401, 256);
     let (fine, fine_peak) = problem(5.0, 401, 16);
     let (coarse, _) = problem(5.0, 401, 1);
@@ -151,10 +151,10 @@ fn r23_the_zero_of_the_force_on_lines_lies_between_their_samples() {
     assert!((coarse - exact).abs() > 1e-6, "{coarse} {exact}");
 }
 
-/// A free rod, whole or with half of its diameter behind a third of its length, of a lossy
-/// material by its exact lines up to 10 and 40 kHz on one like it, with their front impedances,
-/// against the same by the damped transform: the error holds the force at all times, though nothing
-/// else is uncertain, and falls with more lines.
+/// A free rod of a lossy material, plain or with half of its diameter behind a third of its length,
+/// strikes one like it. Both are given by their exact lines up to 10 and 40 kHz with their front
+/// impedances, and the force is compared with that of the damped transform. The error covers the
+/// difference at all times, although nothing else is uncertain, and falls with more lines.
 #[test]
 fn what_the_lines_do_not_tell_is_in_the_error() {
     for is_stepped in [false, true] {
@@ -225,12 +225,13 @@ fn lines_with_the_error_of_those_above(is_stepped: bool) {
                 _ => continue,
             };
             let away = (force - from - (to - from) * position.fract()).abs();
-            // the last ten-thousandth of the peak is that of the truth's own step
+            // a ten-thousandth of the peak is allowed for the error of the reference due to its own
+            // step
             over = over.max((away - 1e-4 * peak) / error);
             apart = apart.max(away / peak);
         }
         assert!(over < 1.96, "{highest_hz}: {over}");
-        // without the echoes above the lines up to 3 % and 0.5 % are missing
+        // without the echoes above the lines, up to 3 % and 0.5 % would be missing
         assert!(apart < within, "{highest_hz}: {apart}");
         let most = found.numerical.iter().copied().fold(0.0, f64::max) / peak;
         assert!(most < 0.25, "{most}");
@@ -250,7 +251,8 @@ fn lines_with_the_error_of_those_above(is_stepped: bool) {
     let flags = impact.predict(duration).unwrap().flags;
     let rings = |flag: &PredictionFlag| matches!(flag, PredictionFlag::Rings { .. });
     assert!(flags.iter().any(rings), "{flags:?}");
-    // and what has come round is in the error, where half of the period is a whole number of steps
+    // the error contains the ringing that has wrapped round if half of the period is a whole number
+    // of steps
     let [with, without] = [2000.0, 2001.0].map(|n_steps| {
         let [first, second] = on_lines(50.0, 10e3);
         let impact = Impact::between(&first, &second).at_velocity(1.0);
@@ -263,7 +265,7 @@ fn lines_with_the_error_of_those_above(is_stepped: bool) {
 }
 
 /// Forty pairs of rods, plain or stepped at a random place up or down, of random lossy materials,
-/// by their exact lines up to 10 kHz and their front impedances, against the same by the damped
+/// given by their exact lines up to 10 kHz and their front impedances, are compared with the damped
 /// transform. Nothing else is uncertain: the errors due to the missing lines have about their
 /// nominal coverage for bodies of all kinds.
 #[test]
@@ -330,8 +332,8 @@ fn the_error_by_lines_holds_for_bodies_of_many_kinds() {
             let away = numbers[k].unwrap() - exact[k].unwrap();
             *inside += i32::from(away.abs() < 1.96 * errors[k].unwrap());
         }
-        // 2.5 is about the factor of a simultaneous band over one contact; the last ten-thousandth
-        // of the peak is that of the truth's own step
+        // 2.5 is about the factor of a simultaneous band over one contact; a ten-thousandth of the
+        // peak is allowed for the error of the reference due to its own step
         let peak = truth.limited.smooth_peak().force;
         let is_inside = found
             .limited

@@ -1,4 +1,4 @@
-//! Laws that hold for whatever bodies meet, and the ends of the range of numbers.
+//! Laws that hold for any two bodies, and numbers at the ends of the floating-point range.
 
 mod extremes_sizes;
 mod extremes_values;
@@ -14,7 +14,7 @@ use rodwave::element::Circle;
 use rodwave::medium::Medium;
 use rodwave::modulus::{ConstantQ, Elastic};
 
-/// A free rod: of steel, or of something that damps.
+/// A free rod: of steel, or of a material with damping.
 pub(crate) fn rod(length: f64, diameter: f64, loss_factor: Option<f64>) -> AnalyticChain {
     let circle = Circle::of_diameter(diameter).unwrap();
     let builder = AnalyticChain::analytic_from_impact_face();

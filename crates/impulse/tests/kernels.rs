@@ -112,8 +112,8 @@ fn a_mass_moves_with_its_momentum(claims: &mut Claims) {
     );
 }
 
-/// Work of a force on a body, h Σ Fₙ (w*F)ₙ, by the size of its terms: of the body itself for a
-/// force that is constant in each step.
+/// Work of a force on a body, h Σ Fₙ (w*F)ₙ, relative to the size of its terms: the work on the
+/// body itself for a force that is constant in each step.
 fn no_force_gains_energy(claims: &mut Claims) {
     claims.by("a passive body gives no energy: sum F_n (w*F)_n >= 0");
     let gained = |body: &dyn ImpactBody, quadratures: &[Quadrature]| -> Ours {
@@ -189,7 +189,7 @@ fn no_force_gains_energy(claims: &mut Claims) {
     );
 }
 
-/// White noise, and slow and alternating forces that look for a weakness.
+/// White noise, and slow and alternating forces chosen to reveal a weakness.
 fn force(seed: u64) -> Vec<f64> {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     (0..GRID.n_steps)

@@ -28,7 +28,7 @@ fn nylon() -> Medium<PowerLawPropagation> {
     Medium::new(1150.0, law).unwrap()
 }
 
-/// A rod of the material of paper E, with which the real part of the upper lines swings about 1/Z.
+/// A rod of the material of paper E, for which the real part of the upper lines swings about 1/Z.
 fn rod() -> Chain {
     Chain::from_impact_face()
         .rod(&nylon(), circle(40.0), 0.300)
@@ -81,7 +81,7 @@ pub(crate) fn measured(mobility: &[Complex64]) -> MeasuredBody {
 
 #[test]
 fn a_delay_between_the_channels_is_acausal_and_active() {
-    // the velocity recorded eight samples too early
+    // the velocity is recorded eight samples too early
     let advanced: Vec<Complex64> = exact()
         .iter()
         .enumerate()
@@ -128,8 +128,8 @@ fn active_lines_within_their_error_are_no_fault() {
     assert_eq!(with.screen().passivity.active_lines, 0);
 }
 
-/// Averages of so many blows of unit force, noise of `level` of the greatest accelerance within the
-/// band on each: the lines, their estimated variances, and their degrees of freedom.
+/// Averages of `hits` blows of unit force, each with noise of `level` times the greatest
+/// accelerance within the band: the lines, their estimated variances, and their degrees of freedom.
 fn struck(exact: &[Complex64], hits: usize, level: f64, seed: u64) -> MeasuredBody {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let mut normal = || -> f64 { StandardNormal.sample(&mut random) };
@@ -153,8 +153,8 @@ fn struck(exact: &[Complex64], hits: usize, level: f64, seed: u64) -> MeasuredBo
         .unwrap()
 }
 
-/// Numbers of `n_bodies` right bodies that are accused of generating energy, of another mass, of a
-/// delay.
+/// Numbers of bodies, out of `n_bodies` faultless ones, that are flagged for generating energy, for
+/// another mass, and for a delay.
 fn accusations(exact: &[Complex64], hits: usize, level: f64, n_bodies: u64) -> [usize; 3] {
     let mut accused = [0; 3];
     for seed in 0..n_bodies {
@@ -186,7 +186,7 @@ fn s12_right_bodies_are_accused_once_in_a_hundred() {
             }
         }
     }
-    // of 360, at a level of 1 %: 3.6 each, and 11 are four standard deviations
+    // at a level of 1 %, 3.6 of 360 are expected for each, and 11 is four standard deviations above
     assert!(all.iter().all(|accused| *accused <= 11), "{all:?}");
 }
 
@@ -227,7 +227,7 @@ fn reciprocity_is_judged_by_the_variances() {
     assert!((other.relative_difference - 0.25 / 1.5).abs() < 0.02);
 }
 
-/// Both directions differ by their noise alone, and their mean has half of its variance.
+/// The two directions differ by their noise alone, and their mean has half of its variance.
 #[test]
 fn the_mean_of_both_directions_has_half_of_the_variance() {
     let exact = exact();
@@ -247,8 +247,8 @@ fn the_mean_of_both_directions_has_half_of_the_variance() {
     assert!(forward.mean_of_directions(&other).is_err());
 }
 
-/// Of noise alone a causal projection takes half of the power, a passive one the real parts below
-/// 0; a body that answers 0.2 ms early moves by far more than its errors.
+/// A causal projection of noise alone removes half of the power, and a passive one removes the real
+/// parts below 0; a body that responds 0.2 ms early changes by far more than its errors.
 #[test]
 fn a_projection_tells_by_how_much_it_moves_the_lines() {
     let exact = exact();
@@ -259,7 +259,7 @@ fn a_projection_tells_by_how_much_it_moves_the_lines() {
     let (lines, variance) = noisy(&exact, 0.1, 3);
     let body = of(&lines, &variance);
     let causal = body.projected(Projection::Causal).change_from(&body);
-    // the noise of the lowest lines is largest and moves its neighbours, too
+    // the noise of the lowest lines is largest and also changes its neighbours
     let in_errors = causal.in_errors.unwrap();
     assert!(in_errors > 0.6 && in_errors < 1.0, "{causal:?}");
     let passive = body.projected(Projection::Passive);
@@ -384,7 +384,7 @@ fn r05_no_mean_over_lines_stands_in_for_the_front_impedance() {
             impact.predict(4e-3).unwrap_err(),
             ImpulseError::NoFrontImpedance
         );
-        // on lines there is a force all the same
+        // on lines the force can be computed nevertheless
         let band = LineBand {
             highest_hz: 10e3,
             n_samples: 2000,
@@ -409,7 +409,8 @@ fn r05_the_true_front_impedance_is_never_contradicted_and_a_wrong_one_is() {
         let right = screened(impedance);
         assert_eq!(right.flags(), [], "{right:?}");
     }
-    // a rod of one section with enough resonances reveals it: a fifth more is another section
+    // a rod of one section with enough resonances reveals it: an impedance a fifth larger means
+    // another section
     let long = Chain::from_impact_face()
         .rod(&nylon(), circle(40.0), 0.900)
         .end(Termination::Free)

@@ -8,7 +8,8 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use virtual_laboratory::{Case, Merging, long_rod, uncertainty};
 
-/// Of the four bands; all four hold with 96 %, and the seed is fixed.
+/// Level of each of the four bands; all four cover with a probability of 96 %, and the seed is
+/// fixed.
 const LEVEL: f64 = 0.99;
 
 #[test]
@@ -50,7 +51,7 @@ fn measured_and_predicted_bodies_give_the_same_force_within_its_band() {
             "{name}: apart by {largest} N, standard error {stated} N, factor {}",
             band.factor
         );
-        // and the band is not idle: the largest of 72 errors is above one standard error
+        // the band is not too wide: the largest of 72 errors is above one standard error
         assert!(largest > stated, "{name}: {largest} {stated}");
 
         let threshold = 0.02 * peak;
@@ -61,7 +62,7 @@ fn measured_and_predicted_bodies_give_the_same_force_within_its_band() {
             continue;
         };
         let end = error.contact_end(&first.history, &impacts[0]).unwrap();
-        // a straight line or nearly: three standard errors
+        // the force is a straight line there or nearly: the limit is three standard errors
         let is_early = matches!(end.verdict, EndVerdict::MayEndEarlier { .. });
         assert!(!is_early, "{name}: {end:?}");
         let apart = (end.time - time).abs();

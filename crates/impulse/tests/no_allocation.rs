@@ -1,4 +1,4 @@
-//! A march allocates its arrays before it begins, and nothing in a step.
+//! A march allocates its arrays before the first step, and nothing during the steps.
 
 use impulse::{ContactLaw, Impact, MobilityLaw};
 use num_complex::Complex64;

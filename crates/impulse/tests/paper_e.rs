@@ -124,7 +124,7 @@ fn check(name: &str, body: &Chain, velocity: f64, expected: Expected) {
     let ContactEnd::Separated { time } = impact.end else {
         panic!("{name}: {:?}", impact.end)
     };
-    // half of a unit of the last printed digit, and as much again for the law and the linear
+    // half a unit of the last printed digit, and as much again for the law and the linear
     // interpolation
     assert!((time - expected.end).abs() < 0.01e-3, "{name}: {time}");
     // The body rebounds: the contact has taken more than its momentum, and less than twice that.
@@ -132,7 +132,7 @@ fn check(name: &str, body: &Chain, velocity: f64, expected: Expected) {
     assert!(taken > 1.0 && taken < 2.0, "{name}: {taken}");
 }
 
-/// Reference values, of an independent computation in one-dimensional theory.
+/// Reference values from an independent computation in one-dimensional theory.
 struct Expected {
     /// Force [N] and time [s].
     peak: Option<(f64, f64)>,
@@ -168,8 +168,8 @@ fn cylinder_with_its_aluminium_end() {
     check("CCB", &cylinder(false), 1.01, expected);
 }
 
-/// Momentum without weighing: where the constant is chosen for a quiet time before contact, the
-/// total impulse of the stick force is M V by the mobility alone.
+/// Momentum without weighing: if the constant is chosen for a quiet time before contact, the total
+/// impulse of the stick force is M V from the mobility alone.
 #[test]
 fn stick_force_stops_the_body() {
     for (name, body, velocity) in [

@@ -1,8 +1,8 @@
 //! The four impacts of paper E with a nylon that is analytic: a constant loss factor at the level
 //! of its eq. 7.
 //!
-//! Expected values were computed apart from this software, by the Laplace transform and a layered
-//! recursion.
+//! Expected values were computed independently of this software, by the Laplace transform and a
+//! layered recursion.
 
 use std::f64::consts::TAU;
 
@@ -26,7 +26,7 @@ use testbed::papers::paper_e::{self, PaperE};
 
 const APART: &str =
     "paper E in one-dimensional theory, computed apart with a nylon of constant loss factor";
-/// The expected values were rounded by a Gaussian of this standard deviation, in s.
+/// Standard deviation of the Gaussian by which the expected values were smoothed, in s.
 const ROUNDED: f64 = 10e-6;
 
 /// A face of a body; peak of the force \[N\]; its time \[s\], unless the peak is the first jump;
@@ -52,7 +52,7 @@ fn claims_hold() {
     hold!(claims);
 }
 
-/// Largest of the numbers that `error` finds of each face.
+/// Largest of the numbers that `error` returns for the faces.
 fn worst(mut error: impl FnMut(&'static str) -> Ours) -> Ours {
     let errors: Ours<Vec<f64>> = CASES.iter().map(|case| error(case.0)).collect();
     Ok(largest(errors?))
@@ -128,7 +128,7 @@ fn predicted(paper: &Ours<PaperE>, name: &str, duration: f64, time_step: f64) ->
     Ok(prediction)
 }
 
-/// By eq. 7 on the frequency axis, which is no causal law.
+/// Computes the contact with eq. 7 on the frequency axis, which is not a causal law.
 fn by_printed_law(
     paper: &Ours<PaperE>,
     name: &str,
@@ -168,7 +168,7 @@ fn peaks_and_ends_of_contact(claims: &mut Claims, paper: &Ours<PaperE>) {
             let peak = stick.peak();
             peaks.push(peak.force - force);
             times.extend(time.map(|time| peak.time - time));
-            // the peak looked for every 5 us
+            // the peak is searched at every 5 us
             let samples = (0..120).map(|k| rounded(&prediction.history, 5e-6 * f64::from(k)));
             marched.push(samples.fold(0.0, f64::max) / force - 1.0);
             let contacts = contacts(&prediction);
@@ -252,8 +252,8 @@ fn first_jumps(claims: &mut Claims, paper: &Ours<PaperE>) {
     );
 }
 
-/// Errata of eq. 3: the wide end of the cone comes down to nothing, leaves and touches again three
-/// times.
+/// Errata of eq. 3: the force on the wide end of the cone falls to zero, and the end separates and
+/// touches again three times.
 fn the_wide_end_of_the_cone_touches_again(claims: &mut Claims, paper: &Ours<PaperE>) {
     claims.by("paper E, eq. 3, erratum: face B of the cone touches again; by 800 slices and steps of 0.25 us, computed apart");
     let found = predicted(paper, "TCB", 8e-3, 1e-6);
@@ -339,7 +339,7 @@ fn rounded(history: &ForceHistory, time: f64) -> f64 {
         / (ROUNDED * TAU.sqrt())
 }
 
-/// Damped transform, means over steps and convolution quadrature, all rounded alike.
+/// Damped transform, means over steps and convolution quadrature, all smoothed alike.
 fn three_ways_agree(claims: &mut Claims, paper: &Ours<PaperE>) {
     claims.by("two ways of solving paper E, eq. 2");
     for (way, quadrature, within) in [
@@ -456,7 +456,7 @@ fn a_body_known_on_lines_only() {
     assert!((impact.balance().impulse / reference.balance().impulse - 1.0).abs() < 2e-3);
 }
 
-/// One-dimensional theory leaves out at the wide end of the cone that the thin rod dents it.
+/// One-dimensional theory neglects that the thin rod dents the wide end of the cone.
 #[test]
 fn local_compliance_takes_the_edge_off_the_first_jump() {
     let paper = paper_e::load().unwrap();

@@ -1,5 +1,5 @@
-//! Forces from virtual responses of a struck rod: made by the Laplace transform on a damped line,
-//! inverted by frequency responses on the axis.
+//! Forces from virtual responses of a struck rod, which are computed by the Laplace transform on a
+//! damped line and inverted with frequency responses on the axis.
 
 use crate::virtual_body;
 
@@ -28,7 +28,7 @@ const SUPPORT: TimeInterval = TimeInterval {
 };
 /// Noise of the accelerometers [m/s^2]: about 1 and 2 % of their signals.
 const NOISE: [f64; 2] = [80.0, 160.0];
-/// Standard deviation of a line of a frequency response, in parts of it.
+/// Relative standard deviation of a line of a frequency response.
 const RESPONSE_ERROR: f64 = 0.02;
 const SEEDS: u64 = 120;
 
@@ -115,9 +115,9 @@ fn bands_cover_the_true_force_at_their_level() {
             squares.push(squared.iter().sum::<f64>() / squared.len() as f64);
         }
         let case = format!("{n_sensors} sensors, support {support:?}");
-        // Errors of neighbouring samples go together, so that the part inside scatters between
-        // seeds by 0.09 to 0.13, and the mean square by 0.8 to 1 (300 other seeds). 3.3
-        // standard errors of a mean: one in a thousand.
+        // Errors of neighbouring samples are correlated, so that the part inside scatters between
+        // seeds by 0.09 to 0.13, and the mean square by 0.8 to 1 (300 other seeds). The limits are
+        // 3.3 standard errors of a mean: one in a thousand.
         let n = SEEDS as f64;
         let mean = |values: &[f64]| values.iter().sum::<f64>() / n;
         let (inside, squares) = (mean(&inside), mean(&squares));
@@ -156,7 +156,7 @@ fn a_body_that_is_another_one_is_seen_in_the_residual() {
     assert!(wrong > 1.5, "{wrong}");
 }
 
-/// The far face with a slow sensor gives little information on high frequencies: only a regularised
+/// The far face with a slow sensor gives little information at high frequencies: only a regularised
 /// force is near the truth, with or without the condition of no tension.
 #[test]
 fn a_slow_sensor_needs_regularisation() {

@@ -51,10 +51,10 @@ fn a_mass_on_a_viscoelastic_rod() {
         let error = |(time, force): &(f64, f64)| (at(&prediction.history, *time) - force).abs();
         reference.iter().map(error).fold(0.0, f64::max) / peak
     });
-    // The front decays as exp(-c t^0.35). A force that is constant in a step gets its second
-    // derivative wrong, by the square of the step: most at the first of the times, which is ten
-    // steps behind the front, and there by (1/10)²/24 of the few per cent by which the force has
-    // fallen.
+    // The front decays as exp(-c t^0.35). A force that is constant in a step has an error in
+    // proportion to its second derivative and to the square of the step. The error is largest at
+    // the first of the times, which is ten steps behind the front: there it is (1/10)²/24 of the
+    // few per cent by which the force has fallen.
     assert!(errors[1] < 3e-5, "{errors:?}");
     assert!(errors[0] / errors[1] > 3.0, "{errors:?}");
 }

@@ -6,11 +6,11 @@
 //! | four tests, three parameters | a joint fit from scratch, solver error below 0.1 % of V0 | 0.1 s |
 //! | a hundred starts, two parameters | a tenth of a search from 1000 starts | 1 s |
 //! | one test, noise of both histories | errors in variables with the transfer of a nonlinear rod | |
-//! | responses of the four tests | the bound of a joint fit: what one of its steps marches | |
+//! | responses of the four tests | the lower bound of a joint fit: the responses computed in one of its steps | |
 //! | five laws, two tests | a selection with its evidence | 0.3 s |
 //!
 //! The feature `rayon` spreads tests and starts over the cores. The number of tests of a fit and of
-//! laws of a selection vary in groups of their own.
+//! laws of a selection are varied in separate groups.
 #![allow(
     missing_docs,
     clippy::unwrap_used,
@@ -107,7 +107,7 @@ fn fits(criterion: &mut Criterion) {
     group.finish();
 }
 
-/// Of two rods of Maxwell-Norton at two velocities, with noise that is stated.
+/// Selection of a law for two Maxwell-Norton rods at two velocities, with stated noise.
 fn selection(criterion: &mut Criterion) {
     let truth = MaxwellNorton::new(2.108, 7e13).unwrap();
     let tests = [10.0, 25.0].map(|velocity| {

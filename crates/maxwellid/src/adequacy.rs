@@ -17,10 +17,10 @@
 //!
 //! # Unspecified choices
 //! The paper does not state the basis, gain, order and number of passes, nor the treatment of
-//! values outside 0 to 1. Here they are settings; values are returned unchanged. With a constant in
-//! the basis and one recursion for all classes, the P_i of the first form sum to one in the limit.
-//! The values of Table 3 sum to 1.04 to 1.76, so they are not this limit, and no setting here is
-//! tuned to them.
+//! values outside 0 to 1. Here they are settings; values outside 0 to 1 are returned unchanged.
+//! With a constant in the basis and one recursion for all classes, the P_i of the first form sum to
+//! one in the limit. The values of Table 3 sum to 1.04 to 1.76, so they are not this limit, and no
+//! setting here is tuned to them.
 //! # Limitations
 //! The measures are not used for decisions: with sixty samples per law such a classifier is right
 //! in about half of the cases, even without noise. Decisions come from [`crate::selection`].
@@ -91,7 +91,7 @@ pub struct RobbinsMonro {
 }
 
 impl Default for RobbinsMonro {
-    /// Returns least mean square, a₀ = 1, three hundred passes, averaged.
+    /// Returns these settings: least mean square, a₀ = 1, three hundred passes, averaged weights.
     fn default() -> Self {
         Self {
             correction: Correction::LeastMeanSquare,
@@ -368,8 +368,8 @@ mod tests {
         }
     }
 
-    /// The criterion of the increments is the mean of |r - wφ|, which their weights minimise: it is
-    /// less than the criterion of the least-squares weights.
+    /// The increment correction minimises the mean of |r - wφ|: this mean is less for its weights
+    /// than for the least-squares weights.
     #[test]
     fn increments_tend_to_the_median() {
         let (features, classes) = cloud();

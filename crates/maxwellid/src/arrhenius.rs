@@ -10,8 +10,8 @@
 //! Tests at several temperatures then determine Q in addition to the parameters of the law at T₀.
 //!
 //! # Validity
-//! The model holds for one mechanism and a temperature-independent modulus, as over some tens of
-//! kelvin away from a transition.
+//! The model holds for one mechanism and a temperature-independent modulus, for example over some
+//! tens of kelvin at temperatures away from a transition.
 //!
 //! Theory: `docs/theory/model-identification.md#tests-at-several-temperatures`.
 
@@ -302,7 +302,7 @@ mod tests {
                 let found = model.linearised_response(rod, &cold).unwrap();
                 let expected = law.linearised_response(rod, &warm).unwrap();
                 let pairs = found.velocity.iter().zip(&expected.velocity);
-                // ten digits of a rate
+                // the rate is stated with ten digits
                 assert!(pairs.clone().all(|(a, b)| (a - b).abs() < 1e-8), "{law:?}");
                 let of = |energy: f64| {
                     let mut at = cold.clone();
@@ -316,7 +316,7 @@ mod tests {
                     .fold(0.0_f64, |top, v| top.max(v.abs()));
                 let by_energy = found.by_parameter.last().unwrap();
                 for ((above, below), by) in above.iter().zip(&below).zip(by_energy) {
-                    // a change of 100 J/mol, of a response per 1 J/mol
+                    // difference quotient over 100 J/mol, for the derivative per 1 J/mol
                     assert!(
                         ((above - below) / 100.0 - by).abs() < 1e-9 * largest,
                         "{law:?}"

@@ -87,7 +87,8 @@ impl<L: IdentifiableLaw> BranchedRod<L> {
     }
 
     /// Adds a linear Maxwell branch, up to two in all. With a spring, this is the solid of Zhu,
-    /// Wang and Tang with one nonlinear dashpot. A flat loss factor takes no further branch.
+    /// Wang and Tang with one nonlinear dashpot. A material of flat loss factor takes no further
+    /// branch.
     #[must_use]
     pub fn with_linear_branch(self) -> Self {
         Self {
@@ -285,7 +286,7 @@ impl<L: IdentifiableLaw> RodModel for BranchedRod<L> {
     }
 
     /// A standard solid contains the linear one, Maxwell's law and the elastic rod; a rod of flat
-    /// loss the last two.
+    /// loss contains the last two.
     fn special_case(&self, series: &PronySeries) -> Option<SpecialCase> {
         let (share, time) = match series.branches.as_slice() {
             [] => (NO_SHARE, UNRELAXED),

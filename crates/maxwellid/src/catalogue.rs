@@ -26,10 +26,10 @@ use crate::specimen::SpecimenSensitivity;
 /// | Gurevich-Rabinovich | activation stress m, rate at 10 MPa |
 /// | Eyring | activation stress σ*, rate at 10 MPa |
 /// | Zhu-Wang-Tang | shares and relaxation times of two branches |
-/// | Zener with a nonlinear dashpot | share of the spring, and those of the dashpot |
-/// | Maxwell beside Norton or Gurevich-Rabinovich | share and relaxation time of the linear branch, and those of the other |
-/// | Zhu-Wang-Tang with Norton's dashpot | shares of the branches, relaxation time of the linear one, and those of the other |
-/// | flat loss beside Norton or Gurevich-Rabinovich | share of the nonlinear branch, loss factor of the linear ones, and those of the dashpot |
+/// | Zener with a nonlinear dashpot | share of the spring, and the parameters of the dashpot |
+/// | Maxwell beside Norton or Gurevich-Rabinovich | share and relaxation time of the linear branch, and the parameters of the nonlinear dashpot |
+/// | Zhu-Wang-Tang with Norton's dashpot | shares of the branches, relaxation time of the linear one, and the parameters of the nonlinear dashpot |
+/// | flat loss beside Norton or Gurevich-Rabinovich | share of the nonlinear branch, loss factor of the linear ones, and the parameters of the dashpot |
 ///
 /// Maxwell, Norton and Gurevich-Rabinovich are the laws of (Ödeen 1993, paper D, Table 1).
 ///
@@ -84,8 +84,8 @@ pub enum Law {
     FlatLossAndGurevichRabinovich,
 }
 
-/// Prior range of the logarithm of the share of a nonlinear branch by that of its neighbour: 0.02 to
-/// 5.
+/// Prior range of the logarithm of the share of a nonlinear branch divided by that of its
+/// neighbour: 0.02 to 5.
 const SHARE: Option<(f64, f64)> = Some((-3.912_023, 1.609_438));
 
 /// Prior range of ln(σ_ref/σ*) of Eyring's dashpot: σ* from 20 to 1 MPa.
@@ -101,18 +101,18 @@ const EXPONENT: Option<(f64, f64)> = Some((0.25, 3.75));
 /// Prior range of σ_ref/m of the dashpot of Gurevich and Rabinovich: m down to 2.9 MPa.
 const SHARPNESS: Option<(f64, f64)> = Some((-0.5, 3.5));
 
-/// A model as it takes part in a comparison.
+/// A model as used in a comparison.
 pub(crate) struct Compared {
     pub(crate) model: Arc<dyn RodModel>,
-    /// Prior ranges of the parameters except ln E; `None` for one that follows from the duration of
-    /// the record.
+    /// Prior ranges of the parameters except ln E; `None` for a range that follows from the
+    /// duration of the record.
     pub(crate) ranges: Vec<Option<(f64, f64)>>,
     /// True for a linear model whose loss factor may be nearly constant over a decade.
     pub(crate) is_flat_loss: bool,
 }
 
 impl Compared {
-    /// Returns the model of the catalogue itself, in these ranges.
+    /// Returns the model of the catalogue itself, with these ranges.
     pub(crate) fn itself(law: Law, ranges: Vec<Option<(f64, f64)>>) -> Self {
         Self {
             model: Arc::new(law),
@@ -121,7 +121,7 @@ impl Compared {
         }
     }
 
-    /// Returns a linear law in its own ranges.
+    /// Returns a linear law with its own ranges.
     pub(crate) fn linear(law: impl LinearLaw + 'static) -> Self {
         Self {
             ranges: law.ranges().into_iter().map(Some).collect(),
@@ -170,7 +170,7 @@ impl Law {
         let all = -NO_SHARE.ln();
         let middle = |(low, high): (f64, f64)| 0.5 * (low + high);
         match self {
-            // of a linear branch of no share any relaxation time
+            // a linear branch with a share of zero may have any relaxation time
             Self::MaxwellAndNorton | Self::MaxwellAndGurevichRabinovich => {
                 (vec![all, middle(TIME_RANGE)], "without its linear branch")
             }
@@ -212,7 +212,7 @@ impl Law {
         Compared::itself(self, ranges)
     }
 
-    /// The model at the shape from which its parameters start.
+    /// Returns the model with the shape at which a search for its parameters starts.
     #[expect(
         clippy::expect_used,
         reason = "rates and stresses are positive constants"

@@ -26,7 +26,7 @@
 //! Δ + Δ/4 + .. = 4Δ/3 is missing. This correction is added, with the standard uncertainty Δ.
 //!
 //! # Validity
-//! The response is linear in gain errors of some per cent, and in length errors up to the distance
+//! The response is linear in gain errors of a few per cent, and in length errors up to the distance
 //! that a wave travels in a tenth of its rise time. The density of all rods of one material has one
 //! error, which scales the results: [`crate::SpecimenUncertainty`].
 //!
@@ -189,8 +189,8 @@ pub(crate) fn are_moved(tests: &[RodTest], before: &[f64], delays: &[f64]) -> bo
     each.any(|(test, (b, d))| (d - b).abs() * test.sampling_rate_hz >= DELAY_SETTLED)
 }
 
-/// Missing part of the response to a front on its grid, over the change on a grid of a quarter of
-/// the spacing, for an error of first order.
+/// Missing part of the response to a front on its grid, divided by the change on a grid of a
+/// quarter of the spacing, for an error of first order.
 const MISSING_OF_FRONT: f64 = 4.0 / 3.0;
 
 /// One column of the covariance, prepared for its factor.
@@ -346,7 +346,7 @@ impl CommonErrors {
         each.position(|known| known.as_ref().is_some_and(same))
     }
 
-    /// Index of the column of `error`, which is new if no test before had that error.
+    /// Index of the column of `error`, a new column if no earlier test has that error.
     fn place_of(&mut self, error: &CommonError, samples: usize) -> usize {
         self.known_place_of(error)
             .unwrap_or_else(|| self.new_place(Some(error.clone()), samples))

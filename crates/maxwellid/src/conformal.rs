@@ -9,12 +9,12 @@
 //! ```
 //!
 //! is a p-value with only one assumption about distributions: under law i, y is exchangeable with
-//! its samples. Then p_i <= ε has a probability of at most ε. If all p_i are small, none of the
-//! laws is adequate; if several are large, the data do not decide. The p_i do not sum to one, and
-//! are not probabilities of laws; those come from [`crate::selection`].
+//! the samples of that law. Then p_i <= ε has a probability of at most ε. If all p_i are small,
+//! none of the laws is adequate; if several are large, the data do not decide. The p_i do not sum
+//! to one, and are not probabilities of laws; those come from [`crate::selection`].
 //!
-//! Exchangeable means: drawn from the same ranges, with the same noise. Samples without noise
-//! reject every noisy measurement.
+//! Exchangeable means: drawn from the same ranges, with the same noise. With samples that contain
+//! no noise, every noisy measurement is rejected.
 //!
 //! Theory: `docs/theory/adequacy.md#conformal-p-values`.
 

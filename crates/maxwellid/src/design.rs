@@ -14,8 +14,8 @@
 //! parameters and yet fit each other.
 //!
 //! # Validity
-//! Expectations at the present estimates, from the linearised problem, without the difference of
-//! Occam's factors (of order one).
+//! The results are expectations at the present estimates, from the linearised problem, without the
+//! difference of Occam's factors (of order one).
 //!
 //! Theory: `docs/theory/model-identification.md#planning-of-further-tests`.
 
@@ -127,7 +127,7 @@ impl PlannedTest {
     /// a rod of the same length.
     ///
     /// # Errors
-    /// As [`RodTest::with_recorder`].
+    /// The errors of [`RodTest::with_recorder`].
     pub fn with_instruments_of(mut self, test: &RodTest) -> Result<Self, MaxwellidError> {
         self.test.noise.clone_from(&test.noise);
         self.test.common_errors.clone_from(&test.common_errors);
@@ -148,7 +148,7 @@ impl PlannedTest {
     /// Sets the noise [m/s] of the instruments.
     ///
     /// # Errors
-    /// As [`RodTest::with_noise`].
+    /// The errors of [`RodTest::with_noise`].
     pub fn with_noise(self, excitation: f64, response: f64) -> Result<Self, MaxwellidError> {
         Ok(Self {
             test: self.test.with_noise(excitation, response)?,
@@ -209,7 +209,7 @@ impl Design<'_> {
     /// # Errors
     /// [`MaxwellidError::NoCandidate`] if the law does not exist at its parameters;
     /// [`MaxwellidError::InconsistentModel`] if the number of parameters is not that of the law;
-    /// [`MaxwellidError::NoTest`], [`MaxwellidError::NoArrival`] without a test made.
+    /// [`MaxwellidError::NoTest`], [`MaxwellidError::NoArrival`] without an existing test.
     #[allow(
         clippy::indexing_slicing,
         reason = "a right singular vector has an entry for each deviation of the prior"
@@ -247,10 +247,10 @@ impl Design<'_> {
     }
 
     /// Returns the expected ln of the Bayes factor of `truth` over `rival`, including the tests
-    /// `planned`; without planned tests, that of the existing ones.
+    /// `planned`; without planned tests, for the existing tests alone.
     ///
     /// # Errors
-    /// As [`Self::deviations`].
+    /// The errors of [`Self::deviations`].
     pub fn separation(
         &self,
         truth: Estimated<'_>,
@@ -277,7 +277,7 @@ impl Design<'_> {
     /// off-diagonal entry near 0 cannot be distinguished.
     ///
     /// # Errors
-    /// As [`Self::separation`].
+    /// The errors of [`Self::separation`].
     pub fn separations(&self, laws: &[Estimated<'_>]) -> Result<Vec<Vec<f64>>, MaxwellidError> {
         laws.iter()
             .map(|truth| {
@@ -291,7 +291,7 @@ impl Design<'_> {
     /// Ranks the planned tests by their separation of two laws, the best first.
     ///
     /// # Errors
-    /// As [`Self::separation`].
+    /// The errors of [`Self::separation`].
     pub fn rank(
         &self,
         truth: Estimated<'_>,
@@ -310,7 +310,7 @@ impl Design<'_> {
         Ok(ranked)
     }
 
-    /// Tests made and planned, with the responses of a law.
+    /// Existing and planned tests, with the responses of a law.
     fn of_law(
         &self,
         law: Estimated<'_>,

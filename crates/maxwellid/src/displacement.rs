@@ -28,14 +28,14 @@ impl RodTest {
     /// from the striker.
     ///
     /// The velocities begin and end half the width of the differentiator inside the record. Samples
-    /// are not used from the first clipped one on, beyond the range or constant away from rest: the
-    /// record of the excitation ends there, and the window of comparison ends at the clipping of
-    /// either history. [`RodTest::flags`] reports it. The noise of the velocities is white noise of
-    /// the displacements, filtered by the differentiator.
+    /// are not used from the first clipped sample on, which is beyond the range or constant away
+    /// from rest: the record of the excitation ends there, and the window of comparison ends at the
+    /// clipping of either history. [`RodTest::flags`] reports it. The noise of the velocities is
+    /// white noise of the displacements, filtered by the differentiator.
     ///
     /// # Errors
-    /// As [`RodTest::new`], [`RodTest::with_noise_of_quiet_part`] where `noise` is `None`, and
-    /// [`MaxwellidError::ClippedTooEarly`] if nothing usable remains.
+    /// The errors of [`RodTest::new`], those of [`RodTest::with_noise_of_quiet_part`] where `noise`
+    /// is `None`, and [`MaxwellidError::ClippedTooEarly`] if nothing usable remains.
     pub fn from_displacements(
         data: RodTestData,
         transducers: &DisplacementTransducers,

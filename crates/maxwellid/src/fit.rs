@@ -152,7 +152,7 @@ impl<M: RodModel> Fit<M> {
     }
 
     /// Sets the number of starts, spread over 30 % of E and, around each candidate of the model,
-    /// two step limits of the other parameters; the lowest minimum is kept.
+    /// over two step limits of the other parameters; the lowest minimum is kept.
     /// [`Identification::starts`] lists their results. [`Self::to`] rejects 0.
     #[must_use]
     pub fn with_starts(mut self, count: usize) -> Self {
@@ -412,8 +412,8 @@ impl<M: RodModel> Fit<M> {
         if !(modulus.is_finite() && modulus > 0.0) {
             return Err(start_error(modulus));
         }
-        // a wrong unit of density or length; otherwise a wave that crosses the rod a million times
-        // would be computed
+        // a modulus out of these bounds comes from a wrong unit of density or length; without this
+        // check, a wave that crosses the rod a million times would be computed
         let (low, high) = MODULUS_BOUNDS;
         if !(low..=high).contains(&modulus) {
             return Err(MaxwellidError::Start {

@@ -19,11 +19,11 @@ use crate::least_squares::{
 /// Number of Robbins-Monro iterations before the change of method.
 const ROBBINS_MONRO: u32 = 3;
 
-/// Length of the first step over the largest change of the parameters.
+/// Length of the first step divided by the largest change of the parameters.
 const FIRST_STEP: f64 = 0.5;
 
 /// Pre-assigned tolerance of the rate of improvement: largest change of a parameter in one
-/// iteration over its limit.
+/// iteration divided by its limit.
 const TOLERANCE: f64 = 1e-7;
 
 const ITERATIONS: usize = 300;
@@ -48,7 +48,7 @@ pub(crate) fn minimise(
     for m in 1..=ROBBINS_MONRO {
         iterations += 1;
         let mut gain = first_gain / f64::from(m);
-        // damped: a step out of the model, or uphill, is halved
+        // damping: a step out of the model, or uphill, is halved
         for _ in 0..HALVINGS {
             let step: Vec<f64> = search.gradient.iter().map(|g| -gain * g).collect();
             if gain.is_finite() && search.moved(&step, search.value) {
@@ -119,7 +119,7 @@ struct Search<'a> {
     problem: &'a dyn LeastSquares,
     limits: Vec<f64>,
     bounds: Vec<(f64, f64)>,
-    /// θ over the step limits
+    /// θ divided by the step limits
     position: Vec<f64>,
     here: Linearisation,
     value: f64,

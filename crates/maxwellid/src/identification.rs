@@ -24,8 +24,8 @@ use crate::start::StartOutcome;
 pub struct Identification<M> {
     model: M,
     parameters: Vec<f64>,
-    /// Linearisation over V0, with respect to θ. Gain, offset and the nuisances of the iteration
-    /// are eliminated or, if there is a white linearisation, fixed.
+    /// Linearisation, divided by V0, with respect to θ. Gain, offset and the nuisances of the
+    /// iteration are eliminated or, if there is a white linearisation, fixed.
     pub(crate) linearisation: Linearisation,
     /// White linearisation with respect to θ, with all nuisances eliminated; only if the noise was
     /// stated.
@@ -67,7 +67,7 @@ impl<L: IdentifiableLaw> Identification<L> {
     /// The law at the minimum.
     #[must_use]
     pub fn law(&self) -> L {
-        // the residual exists at these parameters, and therefore the law
+        // the residual exists at these parameters, and therefore the law exists too
         self.parameters
             .get(1..)
             .and_then(|of_law| self.model.with_parameters(of_law).ok())
@@ -510,7 +510,7 @@ fn without_nuisances(linearisation: &Linearisation, of_model: usize) -> Linearis
     linearisation
 }
 
-/// The residual over V0 at a white minimum, with its derivatives with respect to θ alone.
+/// The residual divided by V0 at a white minimum, with its derivatives with respect to θ alone.
 fn over_impact_velocity<M: RodModel>(
     problem: &TestResidual<'_, M>,
     minimum: &Minimum,

@@ -145,8 +145,8 @@ impl Minimum {
 
     /// Parameters at which start and minimum would coincide, by the secant through two renewals of
     /// a problem: this one, from `start`, and the `last` one, given by its start and its minimum.
-    /// Lengths are in standard errors (Anderson 1965, of depth one). The minimum if there is no
-    /// `last` renewal.
+    /// Lengths are in standard errors (Anderson 1965, of depth one). Returns the minimum if there
+    /// is no `last` renewal.
     pub(crate) fn meeting(&self, start: &[f64], last: Option<(&[f64], &[f64])>) -> Vec<f64> {
         let end = &self.parameters;
         let Some((last_start, last_end)) = last else {
@@ -178,8 +178,8 @@ impl Minimum {
 }
 
 /// Limits of the factor on the change between two renewals. The lower limit is the factor for an
-/// iteration whose error falls to three quarters per renewal, the upper limit that for an iteration
-/// whose error changes sign and grows.
+/// iteration whose error falls to three quarters per renewal, the upper limit is that for an
+/// iteration whose error changes sign and grows.
 const SECANT: (f64, f64) = (-3.0, 1.0);
 
 pub(crate) fn sum_of_squares(residual: &[f64]) -> f64 {
@@ -312,7 +312,7 @@ pub(crate) fn minimise_to(
                 damping *= 4.0;
                 continue;
             }
-            // for a quadratic function
+            // exact for a quadratic function
             let predicted = svd.predicted_reduction(damping) * part * (2.0 - part);
             if !rejected && predicted < reduction * value {
                 termination = no_reduction;
@@ -355,7 +355,7 @@ pub(crate) fn minimise_to(
                         let shorter = predicted / (reached - value + 2.0 * predicted);
                         part *= shorter.clamp(0.1, 0.5);
                     }
-                    // less damping than the smallest singular value has no effect
+                    // a damping far below the square of the smallest singular value has no effect
                     _ => damping = (8.0 * damping).max(LEAST_EFFECT * svd.smallest_square()),
                 }
                 rejected = true;
@@ -391,8 +391,8 @@ pub(crate) fn within(parameters: &[f64], bounds: &[(f64, f64)]) -> Vec<f64> {
         .collect()
 }
 
-/// Step limits, 0 for a parameter at a bound beyond which the sum of squares falls; and true if
-/// such a parameter has bounds that differ.
+/// Step limits, 0 for a parameter at a bound beyond which the sum of squares falls; and true if the
+/// lower and the upper bound of such a parameter differ.
 fn free_directions(
     here: &Linearisation,
     parameters: &[f64],

@@ -168,8 +168,8 @@ pub trait LinearLaw: Debug + Send + Sync {
     /// It must be real for real s and analytic for Re s > 0.
     fn shape(&self, s: Complex64, parameters: &[f64]) -> Option<Complex64>;
 
-    /// E(s)/E at each of `arguments`, for one p; `None` where the law does not exist. By default from
-    /// [`Self::shape`].
+    /// E(s)/E at each of `arguments`, for one p; `None` where the law does not exist. By default,
+    /// the values come from [`Self::shape`].
     fn shapes(&self, arguments: &[Complex64], parameters: &[f64]) -> Option<Vec<Complex64>> {
         let each = arguments.iter().map(|s| self.shape(*s, parameters));
         each.collect()

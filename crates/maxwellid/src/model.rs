@@ -56,7 +56,7 @@ pub struct LinearisedResponse {
 /// # Requirements
 /// The first component of θ is ln E \[Pa\], where E is the modulus that gives the front speed; a
 /// fit starts with E from the time of flight. The derivatives are those of [`Self::response`], to
-/// at least three digits. Everything is a function of θ: the trait has no state. The numbers of
+/// at least three digits. All results are functions of θ: the trait has no state. The numbers of
 /// names, step limits, bounds and starting values must equal the number of parameters; a response
 /// has one entry per time, and its derivatives one such column per parameter. A response of another
 /// length counts as missing.
@@ -126,7 +126,7 @@ pub trait RodModel: Debug + Send + Sync {
 
     /// ∂v_r/∂v_e at the times of `rod` with respect to the samples with these indices, one column
     /// per sample, for changes of the order of `change` [m/s]; `None` where θ is outside the model.
-    /// By default from differences of [`Self::response`].
+    /// By default, they come from differences of [`Self::response`].
     fn by_samples(
         &self,
         rod: &DrivenRod<'_>,

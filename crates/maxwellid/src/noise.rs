@@ -69,8 +69,8 @@ pub(crate) const QUIET_SAMPLES: usize = 16;
 /// itself and the precursor of an anti-aliasing filter.
 const PRECURSOR: usize = 10;
 
-/// Standard deviation about their mean of the samples before the first rise, and their number,
-/// which is the error if it is too small.
+/// Returns the standard deviation of the samples before the first rise about their mean, and their
+/// number; if there are too few, their number is the error.
 #[expect(
     clippy::cast_precision_loss,
     clippy::cast_possible_truncation,
@@ -114,7 +114,7 @@ impl RodTest {
     /// Sets the noise of both histories, white or not.
     ///
     /// # Errors
-    /// As [`Self::with_noise`].
+    /// The errors of [`Self::with_noise`].
     pub fn with_history_noise(mut self, noise: TestNoise) -> Result<Self, MaxwellidError> {
         for (history, of_history, least) in [
             ("excitation", &noise.excitation, true),
@@ -227,11 +227,13 @@ mod tests {
                 .powi(2);
             above += f64::from(u8::from(exceeds_noise(chi_square, 90.0, Some(30.0))));
         }
-        // scatter of ln s^2 is about 2/ν: 1/15 as stated, 1/60 pooled; that of 4000 draws is 2 %
+        // the variance of ln s^2 is about 2/ν: 1/15 as stated, 1/60 pooled; the ratio from 4000
+        // draws is known to 2 %
         let ratio = pooled / as_stated;
         assert!((0.2..0.32).contains(&ratio), "{ratio}");
-        // correct records are called misfits in some per cent of the draws, as F with few degrees
-        // has a long tail; in 22 % if the noise is taken as known
+        // correct records are called misfits in less than 3 % of the draws, because F with few
+        // degrees of freedom has a long tail; they would be in 22 % if the noise were taken as
+        // known
         assert!(above / f64::from(draws) < 0.03, "{above}");
         assert!(exceeds_noise(90.0 * 3.0, 90.0, Some(30.0)));
         assert!((residual_variance(80.0, 90.0, None) - 1.0).abs() < 1e-15);

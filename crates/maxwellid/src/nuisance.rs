@@ -21,7 +21,7 @@ pub enum Freedom {
     Fixed,
     /// Unknown.
     Free,
-    /// Known with the standard deviation of the calibration. Needs tests with stated noise.
+    /// Known with the standard deviation of the calibration. It requires tests with stated noise.
     Within(f64),
 }
 
@@ -155,7 +155,8 @@ pub struct NuisanceEstimate {
     pub standard_error: f64,
 }
 
-/// Orthonormal columns by the Gram-Schmidt process, twice for accuracy, with its triangular matrix.
+/// Orthonormal columns by the Gram-Schmidt process, applied twice for accuracy, with its triangular
+/// matrix.
 pub(crate) struct Orthonormal {
     columns: Vec<Vec<f64>>,
     /// R, upper triangle by columns.

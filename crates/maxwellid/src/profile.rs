@@ -11,8 +11,8 @@
 //!
 //! # Validity
 //! χ² is that of [`crate::Fit`] in the same problem: known noise of both histories, and the most
-//! probable excitation, which is held along the profile. The threshold follows the variance of the
-//! residual like the errors.
+//! probable excitation, which is held along the profile. Like the errors, the threshold is scaled
+//! by the variance of the residual.
 //!
 //! Theory: `docs/theory/model-identification.md#profiles`.
 
@@ -37,7 +37,8 @@ use crate::vectors::dot;
 /// Quantile of chi-square of one degree of freedom at 95 %.
 pub(crate) const THRESHOLD: f64 = 3.841_458_820_694_124;
 
-/// Factor of the searched range over the range of the candidate, within the bounds of the model.
+/// Width of the searched range divided by that of the range of the candidate, before the bounds of
+/// the model limit it.
 const WIDER: f64 = 3.0;
 
 /// Profile of one parameter.
@@ -111,7 +112,7 @@ impl Profile {
 /// from starts, special cases and the profiles themselves.
 ///
 /// # Errors
-/// [`MaxwellidError`] as [`crate::selection::Selection::compare`].
+/// [`MaxwellidError`], as for [`crate::selection::Selection::compare`].
 pub fn profiles(
     candidate: &Candidate,
     tests: &[RodTest],
@@ -144,8 +145,8 @@ impl<M: RodModel + Clone> Fit<M> {
     /// of it.
     ///
     /// # Errors
-    /// As [`Fit::to`]; [`MaxwellidError::InconsistentModel`] for a candidate with another number of
-    /// parameters; [`MaxwellidError::NoiseUnknown`] without stated noise.
+    /// The errors of [`Fit::to`]; [`MaxwellidError::InconsistentModel`] for a candidate with
+    /// another number of parameters; [`MaxwellidError::NoiseUnknown`] without stated noise.
     pub fn with_profiles(
         &self,
         candidate: &Candidate,
@@ -350,8 +351,8 @@ fn slope(linearisation: &Linearisation, index: usize) -> f64 {
 /// nearly linear, and a bisection at every third step.
 const REFINEMENTS: usize = 24;
 
-/// Remaining relative reduction of χ² at a point of the profile: a thousandth if χ² is some
-/// hundreds.
+/// Remaining relative reduction of χ² at a point of the profile; in absolute terms this is less
+/// than a thousandth if χ² is some hundreds.
 const REDUCTION: f64 = 1e-6;
 
 /// Tolerance of the profile about the threshold at an end: 0.02 of 3.84 are 0.0025 of a standard
@@ -565,7 +566,7 @@ mod tests {
         let Verdict::BoundedAbove(upper) = bounded.verdict else {
             panic!("{:?}", bounded.verdict)
         };
-        // 0.02 of 3.84 in the profile, 0.005 in b
+        // a tolerance of 0.02 of 3.84 in the profile, which is 0.005 in b
         assert!((upper - expected).abs() < 0.006, "{upper} {expected}");
         assert!(bounded.contains(-13.0) && !bounded.contains(0.0));
         let closed = |b: f64| 100.0 / (1.0 + 4.0 * (-2.0 * b).exp());

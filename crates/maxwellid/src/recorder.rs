@@ -19,8 +19,8 @@
 //! # Validity
 //! The noise must be stated ([`RodTest::with_noise`] and similar methods). A signal below a third
 //! of the noise is not detected, and may still bias E by a standard error: [`NarrowedBand`] tests
-//! the estimate itself. The default cut-off is the usual one of recorders, the sampling rate over
-//! 2.56.
+//! the estimate itself. The default cut-off is the usual one of recorders, the sampling rate
+//! divided by 2.56.
 //!
 //! Where the filter is known, [`RodTest::with_recorder`] makes it part of the model, and the check
 //! is unnecessary.
@@ -43,7 +43,7 @@ use crate::error::MaxwellidError;
 use crate::test::RodTest;
 use crate::whitening::mirrored_spectrum;
 
-/// Usual ratio of sampling rate and cut-off of recorders.
+/// Usual ratio of the sampling rate of a recorder to its cut-off.
 pub const USUAL_RATIO: f64 = 2.56;
 
 /// Fraction of the cut-off from which power counts.
@@ -59,7 +59,7 @@ pub struct RecorderCheck {
     pub cutoff_hz: f64,
     /// True if the cut-off is assumed from the sampling rate.
     pub is_assumed: bool,
-    /// Power of the signal over that of the noise, from 0.6 of the cut-off to the cut-off;
+    /// Power of the signal divided by that of the noise, from 0.6 of the cut-off to the cut-off;
     /// infinite without noise.
     pub signal_to_noise: f64,
     /// Standard error of that ratio without signal.
@@ -199,7 +199,7 @@ mod tests {
             );
             let smooth = RecorderCheck::of(&front(64e-6, seed), Some(17_900.0)).unwrap();
             assert!(!smooth.is_biased(), "{smooth}");
-            // twenty of some forty lines
+            // twenty tests of about forty lines each
             assert!(smooth.signal_to_noise.abs() < 0.8, "{smooth}");
         }
     }

@@ -1,5 +1,5 @@
-//! Residual of the direct problem: simulated minus measured response of all tests, over V0 or over
-//! its standard deviation.
+//! Residual of the direct problem: simulated minus measured response of all tests, divided by V0 or
+//! by its standard deviation.
 
 use rodwave::band_limited::SampledHistory;
 
@@ -142,7 +142,7 @@ impl<'a, M: RodModel> TestResidual<'a, M> {
         })
     }
 
-    /// The samples of a response of a test.
+    /// Samples of a test from the response of its rod.
     fn seen(&self, test: usize, response: Vec<f64>) -> Option<Vec<f64>> {
         Some(match self.weightings.get(test) {
             Some(weighting) => weighting.seen(self.tests.get(test)?, response),
@@ -427,8 +427,8 @@ impl<'a, M: RodModel> TestResidual<'a, M> {
         Some(self)
     }
 
-    /// Residual over V0 with the nuisances and the most likely errors of the white residuals, with
-    /// derivatives with respect to θ and the nuisances of the iteration.
+    /// Residual divided by V0, for the nuisances and the most likely errors of the white residuals,
+    /// with derivatives with respect to θ and the nuisances of the iteration.
     pub(crate) fn over_impact_velocity(&self, parameters: &[f64]) -> Option<Linearisation> {
         let linear = self.linear_nuisances(parameters)?;
         let mut residual = Vec::with_capacity(self.samples());

@@ -3,8 +3,8 @@
 //!
 //! A standard sample is the response of one law, with parameters from its stated ranges, to the
 //! excitation of the given tests (Ödeen 1993, paper D, section 2.2); other tests need new samples.
-//! The pattern is that of eq. (9), y^k = |v_e(t_k) - v_r(t_k)|, over V0, or the signed difference,
-//! which contains more information.
+//! The pattern is that of eq. (9), y^k = |v_e(t_k) - v_r(t_k)|, divided by V0, or the signed
+//! difference, which contains more information.
 //!
 //! # Unspecified choices
 //! The paper specifies neither the ranges and their sampling, nor the instants t_k, nor a
@@ -184,7 +184,7 @@ fn radical_inverse(mut index: usize, base: u32) -> f64 {
 #[derive(Debug, Clone, PartialEq)]
 pub struct KarhunenLoeve {
     mean: Vec<f64>,
-    /// Components over their standard deviations.
+    /// Components divided by their standard deviations.
     axes: Vec<Vec<f64>>,
     explained: f64,
 }
@@ -267,7 +267,8 @@ mod tests {
         for base in [2, 3, 5] {
             let mut values: Vec<f64> = (1..=60).map(|k| radical_inverse(k, base)).collect();
             values.sort_by(f64::total_cmp);
-            // no gap wider than that of 60 points in cells of the base's last complete power
+            // no gap is wider than that of 60 points in the cells of the last complete power of the
+            // base
             let gap = values
                 .windows(2)
                 .fold(0.0_f64, |top, w| top.max(w[1] - w[0]));

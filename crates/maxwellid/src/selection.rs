@@ -12,12 +12,12 @@
 //! Z_i = ∫ L π dθ ,    P(M_i) = w_i Z_i / Σ w_k Z_k
 //! ```
 //!
-//! with L the likelihood of the residual, whose covariance C contains the noise of both histories,
-//! that of the excitation propagated through each candidate's rod at its most probable excitation,
-//! and w the prior weights of the laws. Excitation and covariance are renewed until χ² no longer
-//! changes, for every candidate. A parameter that the data do not determine costs nothing; a
-//! parameter that they determine costs the logarithm of the factor by which they narrow it (Occam's
-//! factor).
+//! with L the likelihood of the residual and w the prior weights of the laws. The covariance C of
+//! the residual contains the noise of both histories; the noise of the excitation is propagated
+//! through each candidate's rod at its most probable excitation. Excitation and covariance are
+//! renewed until χ² no longer changes, for every candidate. A parameter that the data do not
+//! determine does not reduce ln Z; a parameter that they determine reduces it by the logarithm of
+//! the factor by which they narrow the prior (Occam's factor).
 //!
 //! Grids are refined until the error of the solver is small compared with the noise; otherwise it
 //! would refute the right law in records of low noise.
@@ -168,9 +168,9 @@ impl Selection {
         Self { further, ..self }
     }
 
-    /// Sets the number of samples at rest from which the noise of the tests was estimated: their
-    /// common factor is then uncertain and is marginalised. With 0 only the ratios are known,
-    /// and no law can be refuted by its misfit.
+    /// Sets the number of samples at rest from which the noise of the tests was estimated. The
+    /// common factor of the noise is then uncertain and is marginalised. With 0 only the ratios of
+    /// the noise levels are known, and no law can be refuted by its misfit.
     ///
     /// # Errors
     /// [`MaxwellidError::Setting`] unless it is finite and not negative.
@@ -188,8 +188,8 @@ impl Selection {
         })
     }
 
-    /// Sets the longest cell of grids \[m\]. Cells are shorter, down to 0.5 mm, where the error of
-    /// the grid is not small against the noise.
+    /// Sets the longest cell of a grid \[m\]. Cells are shorter, down to 0.5 mm, where the error of
+    /// the grid is not small compared with the noise.
     ///
     /// # Errors
     /// [`MaxwellidError::Setting`] unless it is finite and above 0.
@@ -295,8 +295,8 @@ impl Selection {
         all.concluded(tests, &ground, &found, &mut weighed)
     }
 
-    /// The comparison on grids that are fine enough for the noise, with what [`Self::found`] returns
-    /// there.
+    /// The comparison on grids that are fine enough for the noise, with the result of
+    /// [`Self::found`] there.
     fn resolved(
         &self,
         tests: &[RodTest],
@@ -315,8 +315,8 @@ impl Selection {
         Ok((resolved, found))
     }
 
-    /// A shorter cell \[m\], if the error of the present grid is not small against the noise for a
-    /// nonlinear law that may explain the data as well as the best without this error.
+    /// A shorter cell \[m\], if the error of the present grid is not small compared with the noise
+    /// for a nonlinear law that, without this error, may explain the data as well as the best law.
     fn finer_cell(
         &self,
         tests: &[RodTest],
@@ -330,7 +330,7 @@ impl Selection {
             .filter_map(|(candidate, found)| {
                 let found = found.as_ref()?;
                 let error = self.grid_error(candidate, (tests, ground), found)?;
-                // the residual without the error of the grid is no shorter than this
+                // the residual without the error of the grid is no smaller than this
                 let rest = (found.likeliest.chi_square.sqrt() - error.sqrt()).max(0.0);
                 (rest * rest <= best + 2.0 * BEYOND_COMPARISON).then_some(error)
             })
@@ -389,7 +389,7 @@ impl Selection {
         for linear in [true, false] {
             let mut order: Vec<usize> = (first..self.candidates.len()).collect();
             order.retain(|index| self.candidates[*index].model.is_linear() == linear);
-            // independent of the order in which they are stated
+            // independent of the order in which the candidates are stated
             order.sort_by_key(|index| {
                 let candidate = &self.candidates[*index];
                 (size(candidate), candidate.name())
@@ -514,7 +514,7 @@ struct Found {
     likeliest: Likeliest,
 }
 
-/// The best fit of all.
+/// The best fit of all candidates.
 fn least(found: &[Option<Found>]) -> Option<&Likeliest> {
     let fits = found.iter().flatten().map(|found| &found.likeliest);
     fits.min_by(|a, b| a.chi_square.total_cmp(&b.chi_square))

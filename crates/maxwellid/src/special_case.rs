@@ -1,9 +1,9 @@
 //! Special cases: one law as the limit of another.
 //!
 //! The common form of linear laws is a Prony series, E(s)/E = w₀ + Σ wᵢ sτᵢ/(1 + sτᵢ). A model that
-//! has this form at some of its parameters returns it by [`RodModel::prony`], and one that contains
-//! a series as a limit returns its parameters by [`RodModel::special_case`]. A fit of the general
-//! law that starts there is never worse than a fit of the special law.
+//! has this form for some values of its parameters returns it by [`RodModel::prony`], and one that
+//! contains a series as a limit returns its parameters by [`RodModel::special_case`]. A fit of the
+//! general law that starts there is never worse than a fit of the special law.
 //!
 //! [`RodModel::prony`]: crate::RodModel::prony
 //! [`RodModel::special_case`]: crate::RodModel::special_case

@@ -70,7 +70,7 @@ pub struct SpecimenUncertainty {
 }
 
 impl SpecimenUncertainty {
-    /// Creates the relative standard uncertainties of `length` and `density`; 0 for an exact one.
+    /// Creates the relative standard uncertainties of `length` and `density`; 0 for an exact value.
     ///
     /// # Errors
     /// [`MaxwellidError::Setting`] unless both are finite and not below 0.

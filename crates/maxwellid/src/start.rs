@@ -108,8 +108,8 @@ const SMALLEST_LAG: usize = 2;
 const BETTER: f64 = 0.1;
 
 /// Returns the delay \[s\], in addition to the one found, for which the simulated response agrees
-/// best with the measured one, if it is more than sampling and noise can explain, in the test with
-/// the best agreement.
+/// best with the measured one, and the test with the best agreement; `None` if sampling and noise
+/// can explain the delay.
 ///
 /// The correlation is that of the differences of neighbouring samples, in which fronts dominate.
 #[expect(

@@ -347,7 +347,7 @@ impl RodTest {
     /// Returns Young's modulus \[Pa\] from the time of flight: the delay between the half heights
     /// of the two first rises.
     ///
-    /// Accurate to some per cent: the error is the rise time relative to the transit time.
+    /// Accurate to a few per cent: the relative error is the rise time divided by the transit time.
     ///
     /// # Errors
     /// [`MaxwellidError::NoArrival`] if a history never rises, or the response does not rise after
@@ -462,7 +462,7 @@ pub(crate) fn check_together(tests: &[RodTest]) -> Result<(), MaxwellidError> {
         .collect::<Result<_, _>>()?;
     let mut sorted = moduli.clone();
     sorted.sort_by(f64::total_cmp);
-    // the upper one of two: they are symmetric
+    // of two tests the upper one, because their comparison is symmetric
     let Some(median) = sorted.get(sorted.len() / 2).copied() else {
         return Err(MaxwellidError::NoTest);
     };

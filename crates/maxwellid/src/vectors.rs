@@ -2,7 +2,7 @@
 
 use faer::ColRef;
 
-/// Σ aᵢ bᵢ over the shorter of both.
+/// Σ aᵢ bᵢ over the length of the shorter one.
 pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
     let count = a.len().min(b.len());
     match (a.get(..count), b.get(..count)) {

@@ -128,8 +128,8 @@ impl Differentiator {
             .unwrap_or(0.5)
     }
 
-    /// (Σ d_j²)^½: standard deviation of the velocity over the product of the standard deviation of
-    /// a white noise of the displacement and the sampling rate.
+    /// (Σ d_j²)^½: standard deviation of the velocity divided by the product of the standard
+    /// deviation of a white noise of the displacement and the sampling rate.
     #[must_use]
     pub fn noise_gain(&self) -> f64 {
         self.autocovariance(0).sqrt()
@@ -148,8 +148,8 @@ impl Differentiator {
 
     /// Returns the velocity [m/s] of a displacement \[m\] sampled at `rate_hz` \[Hz\]. The first
     /// velocity belongs to the displacement of index `half_width`, the last one to the displacement
-    /// `half_width` samples before the last: no extrapolation. Empty for a record shorter than the
-    /// filter.
+    /// `half_width` samples before the last: no extrapolation. The result is empty for a record
+    /// shorter than the filter.
     #[must_use]
     #[allow(
         clippy::indexing_slicing,

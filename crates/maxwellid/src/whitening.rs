@@ -1,19 +1,19 @@
 //! Noise of both histories in the residual, and the most likely excitation.
 //!
-//! The simulated response is that to the *measured* excitation v_e = u + e, so that the residual
-//! S(v_e; θ) - v_r contains the noise of the response and, through the rod, that of the excitation.
-//! With H = ∂S/∂u, the rod linearised about its motion, its covariance is C = C_r + H C_e Hᵀ. The
-//! factor L of C = L Lᵀ whitens it.
+//! The simulated response is the response to the *measured* excitation v_e = u + e, so that the
+//! residual S(v_e; θ) - v_r contains the noise of the response and, through the rod, the noise of
+//! the excitation. With H = ∂S/∂u, the rod linearised about its motion, the covariance of the
+//! residual is C = C_r + H C_e Hᵀ. The factor L of C = L Lᵀ whitens it.
 //!
 //! Weighting alone leaves a bias: the derivatives ∂S/∂θ are evaluated at v_e and are therefore
 //! correlated with the residual. The maximum of the joint likelihood of θ *and* u removes it:
 //! linearised about a present estimate û the residual is S(û; θ) + H (v_e - û) - v_r, with the same
 //! covariance, and û follows from it as v_e - C_e Hᵀ C⁻¹ (residual), whose error is independent of
-//! the residual. Alternating the two is the Gauss-Newton iteration for the joint problem; it also
-//! keeps the noise out of the nonlinear law. The remaining noise in û still counts as signal in the
-//! derivatives, mainly in ∂S/∂ln E, which is a derivative in time: the linearisation is therefore
-//! about û after a Wiener filter. This has no effect on the residual, which to first order does not
-//! depend on the excitation about which it is linearised.
+//! the residual. Alternating between θ and u is the Gauss-Newton iteration for the joint problem;
+//! it also keeps the noise out of the nonlinear law. The remaining noise in û still counts as
+//! signal in the derivatives, mainly in ∂S/∂ln E, which is a derivative in time: the linearisation
+//! is therefore about û after a Wiener filter. This has no effect on the residual, which to first
+//! order does not depend on the excitation about which it is linearised.
 //!
 //! Above the highest frequency with a signal in either history the excitation is known to be zero:
 //! H is followed by a low-pass, so that the noise of v_e there does not enter the residual.
@@ -59,8 +59,9 @@ const TRANSFER_CELL: f64 = 4e-3;
 /// Smallest cell chosen for the transfer \[m\].
 const SHORTEST_TRANSFER_CELL: f64 = 0.25e-3;
 
-/// Time step of that grid relative to the time between the points of the excitation. The pulse of a
-/// point lasts no longer than this time, so a longer step would miss some pulses.
+/// Time step of the grid for the transfer, relative to the time between the points of the
+/// excitation. The pulse of a point lasts no longer than this time, so a longer step would miss
+/// some pulses.
 const STEP_OF_POINTS: f64 = 0.6;
 
 /// Returns the cell for the transfer of points at `rate_hz` \[Hz\].
@@ -167,7 +168,7 @@ impl Transfer {
     ) -> Option<Self> {
         let mut transfer = Self::at_all_frequencies(model, parameters, test, about)?;
         let band = match test.drive(model.is_linear()) {
-            // the prior of the excitation limits it
+            // the prior of the excitation already limits its band
             Some(_) => None,
             None => SignalBand::of(test),
         };
@@ -190,12 +191,13 @@ impl Transfer {
     ) -> Option<Self> {
         let seen = Seen::of(test, model.is_linear());
         let times = delayed(&seen.times(test), delay);
-        // rows before the filter, columns
+        // numbers of rows before the filter, and of columns
         let window = times.len();
         let samples = samples_of(excitation, window);
         let cell = transfer_cell(test, parameters, seen.rate_hz)?;
         if model.is_linear() {
-            // one column, shifted: from a sample late enough for the whole interpolation
+            // H consists of one column, shifted; it is computed for a sample late enough for the
+            // whole interpolation
             let lead = SampledHistory::HALF_WIDTH;
             let base = vec![0.0; excitation.len() + lead];
             let times: Vec<f64> = (0..window + lead)
@@ -235,7 +237,7 @@ impl Transfer {
         let change = noise.map_or(0.0, HistoryNoise::standard_deviation);
         let change = change.max(LEAST_CHANGE * test.impact_velocity);
         let columns = model.by_samples(&rod, parameters, &places, change)?;
-        // interpolation at equal delay and filter commute
+        // interpolation at equal delay commutes with the filter
         let columns = columns.into_iter().map(|column| seen.at_points(column));
         let columns: Vec<Vec<f64>> = columns.collect();
         let every = seen.every();

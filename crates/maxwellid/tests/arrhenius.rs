@@ -19,8 +19,8 @@ fn test(velocity: f64, temperature: f64, seed: u64) -> RodTest {
 }
 
 /// Law, parameters at the reference temperature and activation energy come back from three tests at
-/// two temperatures within their errors; the same tests without their temperatures are no Norton
-/// rod.
+/// two temperatures within their errors; without their temperatures, the same tests do not agree
+/// with a Norton rod.
 #[test]
 fn an_activation_energy_is_found_with_the_law() {
     let conditions = [(5.0, 293.15), (20.0, 293.15), (10.0, 318.15)];
@@ -42,7 +42,7 @@ fn an_activation_energy_is_found_with_the_law() {
     let named = comparison.law().unwrap();
     assert_eq!(named.law, Some(Law::Norton), "{:?}", comparison.decision);
     assert!(named.adequacy.unwrap() > 1e-3);
-    // a factor of 13 of the rates
+    // the rates differ by a factor of 13
     let without = compared(laws.map(Candidate::of).to_vec());
     assert!(without.law().is_none(), "{:?}", without.decision);
 

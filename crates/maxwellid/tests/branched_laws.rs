@@ -13,14 +13,14 @@ use virtual_tests::{
     with_spring,
 };
 
-/// Noise over V0. With 1 % the law without a spring keeps 6 % of the probability of one draw.
+/// Noise divided by V0. With 1 % the law without a spring keeps 6 % of the probability in one draw.
 const NOISE: f64 = 0.005;
 
 fn norton(rate: f64) -> MaxwellNorton {
     MaxwellNorton::from_reference_rate(2.0, rate, 10e6).unwrap()
 }
 
-/// Error of an estimate over its standard error.
+/// Error of an estimate divided by its standard error.
 fn score(estimate: &Estimate, truth: f64) -> f64 {
     let off = match estimate.scale {
         Scale::Ratio => (estimate.value / truth).ln(),
@@ -54,8 +54,9 @@ fn left(comparison: &Comparison) -> Vec<Law> {
     laws.collect()
 }
 
-/// A third and three fifths of the modulus in the spring: with three fifths Norton's law alone explains
-/// the data by a misfit of some per cent, and was named as long as no law had an equilibrium.
+/// A third and three fifths of the modulus in the spring: with three fifths Norton's law alone
+/// explains the data with a misfit of some per cent, and it was named as long as no law had an
+/// equilibrium.
 #[test]
 fn a_solid_with_an_equilibrium_is_named() {
     for share in [0.3, 0.6] {
@@ -67,7 +68,7 @@ fn a_solid_with_an_equilibrium_is_named() {
     }
 }
 
-/// A law without a spring is still named, or left beside the one that contains it.
+/// A law without a spring is still named, or in question together with the law that contains it.
 #[test]
 fn a_law_without_an_equilibrium_is_not_lost() {
     let exact = at_two_velocities(|velocity| by_the_chain(&norton(8.0), velocity));
@@ -109,7 +110,7 @@ fn errors_of_a_solid_cover() {
     for parameter in 0..4 {
         let squares = found.iter().map(|scores| scores[parameter].powi(2));
         let mean = squares.sum::<f64>() / count;
-        // 20 squares have a mean of 1 ± 0.32; three of them
+        // 20 squares have a mean of 1 ± 0.32; the limits are three of these
         assert!((0.2..2.0).contains(&mean), "{parameter}: {mean} {found:?}");
     }
 }
@@ -134,13 +135,13 @@ fn check_beside_a_branch(material: &GeneralisedMaxwell, law: Law, truths: &[(&st
     for (index, (symbol, _)) in truths.iter().enumerate() {
         let squares = found.iter().map(|scores| scores[index].powi(2));
         let mean = squares.sum::<f64>() / found.len() as f64;
-        // four squares have a mean of 1 ± 0.71; three of them
+        // four squares have a mean of 1 ± 0.71; the limit is three of these
         assert!(mean < 3.1, "{law:?}, {symbol}: {mean} {found:?}");
     }
 }
 
-/// A flat loss factor of 0.05, of 22 branches. E is not compared: the two spectra end at different
-/// frequencies.
+/// A flat loss factor of 0.05, made of 22 branches. E is not compared: the two spectra end at
+/// different frequencies.
 #[test]
 fn a_flat_loss_beside_a_nonlinear_branch_is_recovered() {
     let truths = [("tan delta", 0.05), ("kappa", 2.0), ("F(10 MPa)", 60.0)];

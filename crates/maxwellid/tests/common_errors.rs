@@ -1,5 +1,5 @@
-//! Errors of rods and transducers that are the same for many samples: coverage, what tests share,
-//! and transducers that err beyond what is stated of them.
+//! Errors of rods and transducers that are the same for many samples: coverage, errors that tests
+//! share, and transducers with errors beyond the stated ones.
 
 use maxwellid::common_error::{CommonErrorEstimate, with_unstated_transducers};
 use maxwellid::selection::{Candidate, Decision, Selection};
@@ -102,8 +102,8 @@ fn intervals_cover_errors_of_lengths_and_transducers() {
     assert!(without > 10.0, "{without}");
 }
 
-/// E is proportional to the square of the length: ±0.4 % in length is ±0.8 % in E of one rod,
-/// however often it is struck, and half as much of four rods.
+/// E is proportional to the square of the length: ±0.4 % in length is ±0.8 % in E for one rod,
+/// however often it is struck, and half as much for four rods.
 #[test]
 fn tests_of_one_rod_share_the_error_of_its_length() {
     let rod = rod(0.3, V0);
@@ -120,7 +120,7 @@ fn tests_of_one_rod_share_the_error_of_its_length() {
         found.estimates[0].standard_error
     };
     let (one, four) = (error_of(["A"; 4]), error_of(["A", "B", "C", "D"]));
-    // noise adds to both; without errors of length it is some 0.05 %
+    // noise adds to both; without errors of length the standard error is about 0.05 %
     assert!((one - 8e-3).abs() < 1e-4, "{one}");
     assert!((four - 4e-3).abs() < 1e-4, "{four}");
 }

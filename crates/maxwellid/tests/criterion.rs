@@ -46,8 +46,8 @@ fn criterion<L: InelasticLaw>(records: &[RodTestData], modulus: f64, law: &L) ->
     })
 }
 
-/// Eq. 12 and the error δ below Table 4, and that the identified parameters are where H is least.
-/// (Ödeen 1993, paper D, eqs. 10, 11 and 12).
+/// Eq. 12, the error δ below Table 4, and the minimum of H at the identified parameters. (Ödeen
+/// 1993, paper D, eqs. 10, 11 and 12).
 #[test]
 fn parameters_make_the_sum_of_squares_least_and_the_error_is_its_root() {
     let records = records(&Maxwell::new(4e6).unwrap());
@@ -60,7 +60,7 @@ fn parameters_make_the_sum_of_squares_least_and_the_error_is_its_root() {
         .to(&tests)
         .unwrap();
     let estimates = fit.identifiability(Noise::FromResidual).unwrap().estimates;
-    // errors of the logarithm
+    // errors of the logarithms
     let [(modulus, of_modulus), (viscosity, of_viscosity)] = [0, 1].map(|index| {
         let estimate = &estimates[index];
         (estimate.value, estimate.value * estimate.standard_error)
@@ -76,8 +76,8 @@ fn parameters_make_the_sum_of_squares_least_and_the_error_is_its_root() {
         "{delta} {}",
         fit.relative_error()
     );
-    // 2e-3 of the response itself, and that of the excitation twice over for each of the up to
-    // eight times that the wave comes to the free end of the short rod within the window
+    // 2e-3 of the response itself, and twice that of the excitation for each of up to eight
+    // arrivals of the wave at the free end of the short rod within the window
     assert!((2e-3..2e-3 * 33f64.sqrt()).contains(&delta), "{delta}");
     // The bottom of a parabola through three points a twentieth of a standard error apart, from
     // where the search has stopped: where a step would lower H by less than 1e-10 of itself,
@@ -128,8 +128,8 @@ fn gradient_is_that_of_the_sum_of_squares() {
             criterion(&records, p[0], &law(&p)).0
         };
         let difference = (side(1.0) - side(-1.0)) / (2e-4 * at[index]);
-        // differences err by (1e-4)² times a third derivative: of E some hundreds, of κ up to (κ ln
-        // σ_ref)² = 1e3
+        // the error of the differences is (1e-4)² times a third derivative: some hundreds for E, up
+        // to (κ ln σ_ref)² = 1e3 for κ
         assert!(
             (difference / gradient[index] - 1.0).abs() < 1e-4,
             "{index}: {difference} {}",
@@ -138,8 +138,7 @@ fn gradient_is_that_of_the_sum_of_squares() {
     }
 }
 
-/// Eq. 9, over V0.
-/// (Ödeen 1993, paper D, eq. 9).
+/// Eq. 9, divided by V0. (Ödeen 1993, paper D, eq. 9).
 #[test]
 fn pattern_is_the_difference_of_the_two_velocities() {
     let [data, _] = records(&Maxwell::new(4e6).unwrap());

@@ -1,4 +1,4 @@
-//! Laws that hold for whatever rod was struck, and the ends of the range of numbers.
+//! Laws that hold for any struck rod, and numbers at the ends of the floating-point range.
 
 mod extremes_values;
 #[path = "../../rodwave/tests/hard_to_break/hostile.rs"]

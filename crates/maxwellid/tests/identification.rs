@@ -266,7 +266,7 @@ fn exponent_through_recorder(rate_hz: f64, truth: &MaxwellNorton) -> f64 {
             cutoff_hz: rate_hz * 16.0 / 51.2,
         },
         samples_before: 32,
-        // 2.5 ms
+        // samples in 2.5 ms
         samples_after: (2.5e-3 * rate_hz) as usize,
         transducer_range: 0.020,
     };
@@ -287,9 +287,9 @@ fn exponent_through_recorder(rate_hz: f64, truth: &MaxwellNorton) -> f64 {
 fn a_filter_after_a_nonlinear_rod_biases_its_exponent_until_it_passes_the_front() {
     let truth = MaxwellNorton::new(2.108, 7e13).unwrap();
     let at = |factor: f64| exponent_through_recorder(factor * 51_200.0, &truth);
-    // The bias is no defect of the inversion: it goes with the rise time of the filter. Measured:
-    // 1.38, 1.85, 1.97, each the same to 0.01 on grids of half the cell. (A cell of 4 mm at the
-    // highest rate gives 2.07: its own error, and twice the residual.)
+    // The bias is not a defect of the inversion: it depends on the rise time of the filter.
+    // Measured: 1.38, 1.85, 1.97, each the same to 0.01 on grids of half the cell. (A cell of 4 mm
+    // at the highest rate gives 2.07, with an error of its own and twice the residual.)
     let exponents = [at(1.0), at(4.0), at(16.0)];
     assert!(exponents[0] < 2.108 - 0.5, "{exponents:?}");
     assert!(exponents[1] > exponents[0] + 0.2, "{exponents:?}");
@@ -304,7 +304,7 @@ fn standard_errors_scale_with_the_noise() {
     let at = |noise| fit.identifiability(Noise::Known(noise)).unwrap().estimates[1].standard_error;
     // a linearised error is proportional to the noise, to rounding
     assert!((at(0.04) / at(0.02) - 2.0).abs() < 1e-12);
-    // and the residual of the fit is the floor
+    // the residual of the fit is the lower limit of the noise
     let floor = fit.identifiability(Noise::Known(0.0)).unwrap();
     assert!(floor.noise >= fit.relative_error());
 }
@@ -370,7 +370,7 @@ fn bad_tests_are_refused_with_the_name_and_the_value() {
 
 #[test]
 fn a_report_says_what_was_learnt_and_what_was_not() {
-    // the words; the digits are proved elsewhere
+    // only the words are compared; the digits are tested elsewhere
     let words = |text: String| text.replace(|c: char| c.is_ascii_digit(), "0");
     let damped = independent_test(3.209e9, &Maxwell::new(4e6).unwrap());
     let fit = Fit::of(Maxwell::new(1e6).unwrap()).to(&[damped]).unwrap();

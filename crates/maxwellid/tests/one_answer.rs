@@ -1,4 +1,4 @@
-//! The estimate, its errors and its profile are of one minimum.
+//! The estimate, its errors and its profile belong to one minimum.
 
 use crate::virtual_tests;
 
@@ -9,7 +9,8 @@ use maxwellid::{Fit, Law, MaxwellidError, Noise, RodModel, RodTest, Verdict};
 use rodwave::inelastic::{Maxwell, MaxwellNorton};
 use virtual_tests::{MODULUS, by_the_chain, in_order, in_parallel, noisy, rounded};
 
-/// From one velocity in two per cent of noise, where minima are flat and there are several.
+/// Tests at one velocity with two per cent of noise, for which minima are flat and there are
+/// several.
 #[test]
 fn r13_an_estimate_lies_at_the_bottom_of_its_own_profiles() {
     let truth = MaxwellNorton::from_reference_rate(2.0, 8.0, 10e6).unwrap();
@@ -60,7 +61,7 @@ fn r13_the_error_of_a_viscosity_reaches_both_ends_of_its_profile() {
         let judged = found.identifiability(Noise::Stated).unwrap();
         let mut estimates = judged.estimates.iter();
         let viscosity = estimates.find(|e| e.symbol == "eta").unwrap();
-        // the reference rate is 10 MPa over the viscosity
+        // the reference rate is 10 MPa divided by the viscosity
         let low = 10e6 / profiles[1].upper.unwrap().exp();
         let high = 10e6 / profiles[1].lower.unwrap().exp();
         let half = 1.96 * viscosity.standard_error * viscosity.value;
@@ -73,8 +74,8 @@ fn r13_the_error_of_a_viscosity_reaches_both_ends_of_its_profile() {
     }
 }
 
-/// A start at the wrong exponent and rate of a valley: profiles that meet a lower point take the
-/// fit along.
+/// A start at the wrong exponent and rate of a valley: if a profile finds a lower point, the fit
+/// continues from it.
 #[test]
 fn r13_a_fit_goes_on_from_the_lowest_point_that_is_known() {
     let truth = MaxwellNorton::from_reference_rate(2.0, 8.0, 10e6).unwrap();
@@ -94,8 +95,8 @@ fn r13_a_fit_goes_on_from_the_lowest_point_that_is_known() {
 }
 
 /// The weights and the most likely excitation are those of the estimate, whatever a fit starts
-/// from: for these seeds starts of their own led to exponents of 0.79, 1.10 and 0.74, and starts at
-/// the truth of 2.0 to 2.53, 1.74 and 1.89.
+/// from: for these seeds the usual starts led to exponents of 0.79, 1.10 and 0.74, and starts at
+/// the true exponent of 2.0 led to 2.53, 1.74 and 1.89.
 #[test]
 fn r13_two_starts_lead_to_one_estimate() {
     let truth = MaxwellNorton::from_reference_rate(2.0, 8.0, 10e6).unwrap();
@@ -150,8 +151,9 @@ fn r10_one_recording_is_not_two_tests() {
     assert!(fit.to(&[test, other]).is_ok());
 }
 
-/// Behind a flat striker the filter of the recorder biases a Norton rod, and the estimate moves on
-/// a narrower band; behind one that is rounded by 30 us nothing is lost, and it stays.
+/// With a flat striker the filter of the recorder biases the estimate of a Norton rod, and the
+/// estimate changes on a narrower band; with a striker that is rounded by 30 us nothing is lost,
+/// and the estimate stays the same.
 #[test]
 fn r02_a_narrower_band_moves_an_estimate_that_the_recorder_biases() {
     let truth = MaxwellNorton::from_reference_rate(2.0, 8.0, 10e6).unwrap();
@@ -178,10 +180,11 @@ fn r02_a_narrower_band_moves_an_estimate_that_the_recorder_biases() {
     }
 }
 
-/// Of one velocity in two per cent of noise the excitation follows the exponent: fits end at 0.35
-/// for a true 2, with a rate that is off by 5 to 19 of its standard errors and straight for fixed
-/// weights and excitation. Renewed at the ends of the intervals they show that the errors have no
-/// meaning. In half a per cent of noise the exponent is identified.
+/// At one velocity with two per cent of noise the excitation compensates for the exponent: fits end
+/// at 0.35 for a true 2, with a rate that is off by 5 to 19 of its standard errors, although χ²
+/// agrees with these errors for fixed weights and excitation. With weights and excitation renewed
+/// at the ends of the intervals, χ² shows that the errors have no meaning. With half a per cent of
+/// noise the exponent is identified.
 #[test]
 fn r13_what_the_excitation_follows_is_not_identified() {
     let truth = MaxwellNorton::from_reference_rate(2.0, 8.0, 10e6).unwrap();
@@ -190,7 +193,7 @@ fn r13_what_the_excitation_follows_is_not_identified() {
     let expected = RodModel::parameters(&truth, MODULUS);
     let of_round = (50_038..50_044).map(|seed| (&round, 0.02, seed));
     let cases: Vec<_> = of_round.chain([(&sharp, 0.005, 50_000)]).collect();
-    // exponent and logarithm of the rate: their errors in standard errors, where they are called
+    // exponent and logarithm of the rate: their errors in standard errors, where they count as
     // identified
     let identified = in_parallel(&cases, |(exact, noise, seed)| {
         let tests = [noisy(exact, *noise, *seed)];

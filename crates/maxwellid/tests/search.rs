@@ -109,7 +109,7 @@ fn the_grid_is_as_fine_as_the_accuracy_asks_for() {
         assert!(fit.cell() < last, "{accuracy}: {}", fit.cell());
         last = fit.cell();
     }
-    // and the difference that is stated is that to a finer grid
+    // the stated difference is that from a finer grid
     let fit = Fit::of(truth)
         .with_cell(8e-3)
         .to(std::slice::from_ref(&test))
@@ -149,8 +149,8 @@ fn the_excitation_between_its_samples_is_known_to_a_thousandth() {
         of_linear += ((linear(t) - truth) / 10.0).powi(2);
     }
     let rms = |sum: f64| (sum / f64::from(points)).sqrt();
-    // 0.1 % of V0 is asked for; a straight line between the samples of a flat projectile errs ten
-    // times as much
+    // 0.1 % of V0 is requested; a straight line between the samples of a flat projectile has ten
+    // times that error
     assert!(worst < 1e-3, "{worst}");
     assert!(rms(squares) < 1e-4, "{}", rms(squares));
     assert!(rms(of_linear) > 10.0 * rms(squares), "{}", rms(of_linear));
@@ -211,7 +211,7 @@ fn laws_are_models_and_say_whether_they_are_linear() {
             assert!(low < *t && *t < high);
         }
     }
-    // the linear law is inside the bounds, no wall
+    // the linear law is inside the bounds, not at one of them
     assert!(norton.bounds()[1].0 < 1.0 && rabinovich.bounds()[1].0 < 0.0);
     let stated = RodModel::stated(&norton, &RodModel::parameters(&norton, 2e9));
     assert_eq!(stated[0].symbol, "E");

@@ -10,7 +10,7 @@ use virtual_tests::{
     by_the_chain, by_the_line, compare, constant_q_stack, in_parallel, named, noisy, sampled_fast,
 };
 
-/// Polypropylene with damping that acts: a relaxation time of 0.5 ms at 10 MPa.
+/// Polypropylene with noticeable damping: a relaxation time of 0.5 ms at 10 MPa.
 fn norton() -> MaxwellNorton {
     MaxwellNorton::from_reference_rate(2.0, 8.0, 10e6).unwrap()
 }
@@ -25,7 +25,7 @@ fn a_norton_law_is_named_from_two_velocities() {
     let comparisons = in_parallel(&seeds, |seed| compare(Candidate::standard(), &exact, *seed));
     let names: Vec<String> = comparisons.iter().map(named).collect();
     let right = names.iter().filter(|name| *name == "Maxwell-Norton");
-    // nine of ten: all of the usual four
+    // nine of ten, or all of the usual four
     assert!(10 * right.count() >= 9 * names.len(), "{names:?}");
     for comparison in &comparisons {
         let law = &comparison.laws[6];
@@ -35,7 +35,7 @@ fn a_norton_law_is_named_from_two_velocities() {
             "{:?}",
             law.parameters
         );
-        // 288 samples less 3 parameters, ± 24, with four standard deviations
+        // 288 samples minus 3 parameters, ± 24, with four standard deviations
         assert!((law.chi_square - 285.0).abs() < 96.0, "{}", law.chi_square);
         assert!(comparison.advice.is_empty(), "{:?}", comparison.advice);
     }
@@ -62,8 +62,8 @@ fn one_velocity_is_not_enough_while_a_linear_law_explains_the_data() {
     }
 }
 
-/// Without competitors of flat loss, as in the paper, linear data of constant Q are refuted; and
-/// where they are not, nothing is named.
+/// Without competitors of flat loss, as in the paper, linear data of constant Q are refuted; where
+/// they are not refuted, no law is named.
 #[test]
 fn without_linear_competitors_nothing_is_called_nonlinear() {
     let only =
@@ -91,12 +91,12 @@ fn without_linear_competitors_nothing_is_called_nonlinear() {
     );
 }
 
-/// The level of the noise unknown: the same order of laws, nothing refuted; estimated from a few
-/// samples: less sure than known.
+/// Noise of unknown level leaves the order of the laws unchanged and refutes none of them. Noise
+/// estimated from a few samples refutes less surely than known noise.
 #[test]
 fn noise_that_is_not_known_refutes_less() {
     let exact = by_the_line(&constant_q_stack(0.07), 10.0);
-    // the stated noise is half of what it is
+    // the stated noise is half of the true noise
     let test = noisy(&exact, 0.01, 9).with_noise(0.05, 0.05).unwrap();
     let laws = || vec![Candidate::of(Law::Maxwell), Candidate::of(Law::ConstantQ)];
     let known = Selection::new(laws()).unwrap();
@@ -107,7 +107,7 @@ fn noise_that_is_not_known_refutes_less() {
     let estimated = with(20.0).compare(&tests).unwrap();
     assert!(estimated.laws[1].adequacy.unwrap() < 1e-3, "{estimated:?}");
     let of_known = known.compare(&tests).unwrap();
-    // half the noise: χ² is four times the samples, which twenty samples of rest refute less surely
+    // half the noise: χ² is four times the samples, which twenty samples at rest refute less surely
     // than a known level
     assert!(of_known.laws[1].adequacy.unwrap() < estimated.laws[1].adequacy.unwrap());
 }
@@ -140,9 +140,9 @@ fn requests_without_sense_are_refused() {
     );
 }
 
-/// Noise of 3 % on records in which three quarters of the frequencies have no signal: a law may not
-/// be preferred because it happens to filter the noise of the excitation well. Without a limit of
-/// the excitation to the signal, Maxwell's law was left out in seven of 24 such tests.
+/// Noise of 3 % on records in which three quarters of the frequencies have no signal: a law must
+/// not be preferred because it happens to filter the noise of the excitation well. Without a limit
+/// of the excitation to the signal, Maxwell's law was left out in seven of 24 such tests.
 #[test]
 fn noise_beyond_the_signal_does_not_choose_a_law() {
     let laws = [

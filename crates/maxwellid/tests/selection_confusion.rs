@@ -53,11 +53,11 @@ fn laws_are_confused_with_their_limits_only_and_probabilities_are_honest() {
         }
     }
     let count = cases.len() as f64;
-    // the Brier score of eight equal probabilities is 0.875; five classes of near certainty leave
-    // what one in ten wrong does
+    // the Brier score of eight equal probabilities is 0.875; with five classes of near certainty,
+    // the limit is the score of one wrong answer in ten
     assert!(score / count < 0.4, "{} {confusion:?}", score / count);
     assert!(of_truth / count > 0.6, "{} {confusion:?}", of_truth / count);
-    // no law of another kind is ever named: linear for nonlinear or the reverse
+    // no law of the other kind is named: linear for nonlinear or the reverse
     let nonlinear = |name: &str| name.contains("Norton") || name.contains("Gurevich");
     for (truth, verdict) in confusion.keys() {
         let is_named = !(verdict == "cannot tell" || verdict == "none");

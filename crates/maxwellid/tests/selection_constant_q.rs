@@ -9,8 +9,8 @@ use virtual_tests::{MODULUS, by_the_line, compare, constant_q_stack, in_parallel
 
 const LOSS_FACTORS: [f64; 4] = [0.03, 0.05, 0.07, 0.10];
 
-/// The generator keeps to its name: a loss factor constant to 1 % from 0.2 to 20 kHz, the modulus
-/// to 0.2 % that of Kjartansson.
+/// The generator has a loss factor constant to 1 % from 0.2 to 20 kHz, and the modulus of
+/// Kjartansson's law to 0.2 %.
 #[test]
 fn the_stack_of_branches_has_a_constant_loss_factor() {
     let reference = std::f64::consts::TAU * 4e3;
@@ -44,7 +44,8 @@ fn constant_q_at_one_velocity_is_not_called_nonlinear() {
         .filter(|c| c.is_nonlinear_verdict())
         .count();
     assert_eq!(nonlinear, 0);
-    // and the right law, or indistinguishable laws of flat loss, are not refuted: 0.1 % each
+    // the right law, or laws of flat loss that cannot be distinguished from it, are not refuted:
+    // 0.1 % each
     let refuted = comparisons.iter().filter(|c| named(c) == "none").count();
     assert_eq!(refuted, 0);
     for comparison in &comparisons {

@@ -108,7 +108,7 @@ fn r01_no_law_is_worse_than_its_special_case() {
     )
     .unwrap();
     let norton = MaxwellNorton::from_reference_rate(3.0, 20.0, 10e6).unwrap();
-    // in the first and the last two branches do not find one branch by their own starts
+    // in the first and the last case, two branches do not find one branch from their own starts
     let data = [
         (NOISE, 100, by_the_chain(&Maxwell::new(2e6).unwrap(), 10.0)),
         (NOISE, 20, by_the_line(&zener, 10.0)),
@@ -141,13 +141,13 @@ fn r01_no_law_is_worse_than_its_special_case() {
             );
         }
     }
-    // made by a Zener rod, two branches of which one is unbounded are that rod
+    // for data of a Zener rod, two branches of which one is unbounded are that rod
     let two = law(&comparisons[1], Law::TwoMaxwellBranches);
     assert_eq!(
         two.with_limit(),
         "two Maxwell branches, of which one has an unbounded relaxation time: Zener"
     );
-    // made by a Norton rod, the spring beside it is not asked for
+    // for data of a Norton rod, the spring beside it is not needed
     let solid = law(&comparisons[2], Law::ZenerNorton);
     assert_eq!(
         solid

@@ -65,7 +65,7 @@ fn histories<L: InelasticLaw>(law: &L) -> RodTestData {
 
 fn estimates(model: &Arc<dyn RodModel>, data: &RodTestData) -> Vec<Estimate> {
     let test = RodTest::new(data.clone()).unwrap().with_noise(0.05, 0.05);
-    // as many cells for both lengths
+    // the number of cells is the same for both lengths
     Fit::of(model.clone())
         .with_cell(LENGTH / 39.5)
         .to(&[test.unwrap()])

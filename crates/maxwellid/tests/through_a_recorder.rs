@@ -30,7 +30,7 @@ const MODULUS: f64 = 3e9;
 const LENGTH: f64 = 0.394;
 const RATE: f64 = 51_200.0;
 const CUTOFF: f64 = 17_920.0;
-/// Samples before the contact, and all.
+/// Number of samples before the contact, and in all.
 const BEFORE: usize = 40;
 const SAMPLES: usize = 168;
 
@@ -51,8 +51,8 @@ fn butterworth() -> RecorderFilter {
     .unwrap()
 }
 
-/// The samples of a history at (k + 1/2) `step` behind the filter, `late` \[s\]: x'' + (ω/Q) x' + ω² x = ω² u for
-/// each section by the method of Runge and Kutta, u linear in each step.
+/// Returns the samples behind the filter, `late` \[s\], of a history at (k + 1/2) `step`: x'' +
+/// (ω/Q) x' + ω² x = ω² u for each section by the method of Runge and Kutta, u linear in each step.
 fn recorded(history: &[f64], step: f64, late: f64) -> Vec<f64> {
     let omega = std::f64::consts::TAU * CUTOFF;
     let mut passed: Vec<f64> = std::iter::once(0.0)
@@ -103,7 +103,7 @@ fn struck<L: InelasticLaw>(law: &L, velocity: f64) -> [Vec<f64>; 2] {
     struck_and_late(law, velocity, 0.0)
 }
 
-/// The same with the response recorded `late` \[s\].
+/// Returns the histories of [`struck`] with the response recorded `late` \[s\].
 fn struck_and_late<L: InelasticLaw>(law: &L, velocity: f64, late: f64) -> [Vec<f64>; 2] {
     let history = ImpactTest {
         striker: Striker {
@@ -163,8 +163,8 @@ fn rabinovich() -> MaxwellGurevichRabinovich {
     MaxwellGurevichRabinovich::new(5e6, 8e6).unwrap()
 }
 
-/// Differences from the truth, in standard errors, of a law fitted to as many pairs of tests at 3 and
-/// 27 m/s with this noise.
+/// Differences from the truth, in standard errors, of a law fitted to each of `pairs` pairs of
+/// tests at 3 and 27 m/s with this noise.
 fn off_of_pairs<L: InelasticLaw + maxwellid::IdentifiableLaw>(
     law: &L,
     noise: f64,
@@ -190,8 +190,8 @@ fn off_of_pairs<L: InelasticLaw + maxwellid::IdentifiableLaw>(
     })
 }
 
-/// The mean square of (found - true)/error of eight pairs is that of right errors. Of 40 pairs it is
-/// 1.1, 0.8, 1.1 (E, shape and rate of Norton) and 1.5, 0.8, 1.0 (Gurevich-Rabinovich).
+/// The mean square of (found - true)/error of eight pairs agrees with correct errors. Of 40 pairs
+/// it is 1.1, 0.8, 1.1 (E, shape and rate of Norton) and 1.5, 0.8, 1.0 (Gurevich-Rabinovich).
 #[test]
 fn parameters_come_back_within_their_errors() {
     let pairs = [
@@ -203,15 +203,15 @@ fn parameters_come_back_within_their_errors() {
             let all: Vec<f64> = found.iter().map(|of| of[parameter]).collect();
             let mean = all.iter().map(|z| z * z).sum::<f64>() / all.len() as f64;
             println!("{parameter}: {mean:.2} {all:.2?}");
-            // chi-square of 8 over 8: 0.17 to 2.74 with a probability of 0.99
+            // chi-square of 8 divided by 8: 0.17 to 2.74 with a probability of 0.99
             assert!((0.17..2.74).contains(&mean), "{parameter}: {mean} {all:?}");
         }
     }
 }
 
-/// With an eighth of the noise a front that the grid of the excitation rounds would show: E, shape and
-/// rate of Gurevich-Rabinovich were off by 9, 7.5 and 6.5 standard errors (root mean square), E of
-/// Norton by 6.5. What is left of it, 0.1 % of E, is 2.2 of them.
+/// With an eighth of the noise, the rounding of a front by the grid of the excitation would be
+/// noticeable: E, shape and rate of Gurevich-Rabinovich were off by 9, 7.5 and 6.5 standard errors
+/// (root mean square), E of Norton by 6.5. The remaining error, 0.1 % of E, is 2.2 standard errors.
 #[test]
 fn a_front_between_two_points_of_the_grid_biases_no_parameter() {
     let pairs = [
@@ -225,7 +225,7 @@ fn a_front_between_two_points_of_the_grid_biases_no_parameter() {
     }
 }
 
-/// The law that is named, or those that are left.
+/// The law that is named, or those that are in question.
 fn left(comparison: &Comparison) -> Vec<Law> {
     let left = match &comparison.decision {
         Decision::Law { candidate, .. } => vec![*candidate],
@@ -236,9 +236,9 @@ fn left(comparison: &Comparison) -> Vec<Law> {
     laws.flatten().collect()
 }
 
-/// The law of pairs of tests at 3 and 27 m/s is named, or is among those left. Of twelve pairs each
-/// with seven candidates Norton was named in 11 and left in 1, Gurevich- Rabinovich likewise,
-/// Maxwell left in 12 beside laws that contain it.
+/// The law of pairs of tests at 3 and 27 m/s is named, or is among those in question. In twelve
+/// pairs each, with seven candidates, Norton was named in 11 and in question in 1,
+/// Gurevich-Rabinovich likewise; Maxwell was in question in 12, together with laws that contain it.
 #[test]
 fn the_law_is_named_or_left() {
     fn named<L: InelasticLaw>(truth: &L, law: Law) -> usize {
@@ -254,7 +254,7 @@ fn the_law_is_named_or_left() {
                         .unwrap()
                 })
                 .collect();
-            // further branches cost as much as all others
+            // further branches take as much time as all others
             let branches = [Law::TwoMaxwellBranches, Law::ThreeMaxwellBranches];
             let laws = Law::STANDARD
                 .into_iter()
@@ -274,10 +274,10 @@ fn the_law_is_named_or_left() {
     named(&Maxwell::new(4e6).unwrap(), Law::Maxwell);
 }
 
-/// A delay between the transducers of two thirds of a sample, of which ±5 us are stated, is found
-/// with the parameters, by the fit and by the comparison of laws. With the transfer from excitation
-/// to a response without delay the delay was off by five standard errors, and of eight such tests
-/// the comparison left no law.
+/// A delay between the transducers of two thirds of a sample, with a stated uncertainty of ±5 us,
+/// is found with the parameters, by the fit and by the comparison of laws. With the transfer from
+/// excitation to a response without delay the delay was off by five standard errors, and in eight
+/// such tests the comparison rejected every law.
 #[test]
 fn a_delay_of_most_of_a_sample_is_found() {
     fn checked<L: InelasticLaw + maxwellid::IdentifiableLaw>(truth: &L, law: Law) {

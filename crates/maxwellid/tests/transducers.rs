@@ -75,7 +75,7 @@ fn intervals_from_noisy_displacements_cover_and_scatter_as_stated() {
         );
     }
     // 24 draws of a probability 0.95: fewer than 20 happens once in 200; their mean square is
-    // chi-squared over 24
+    // chi-squared divided by 24
     assert!(covered >= 20, "{covered} of {seeds}");
     let mean_square = squares / seeds as f64;
     assert!((0.35..2.1).contains(&mean_square), "{mean_square}");
@@ -136,7 +136,7 @@ fn a_displacement_out_of_range_ends_the_window_and_is_flagged() {
         assert!(test.response().len() <= expected - 6);
         let text = test.flags()[test.flags().len() - 1].to_string();
         assert!(text.starts_with("the transducer of the response is out of range from"));
-        // a window cannot be drawn beyond it
+        // a window cannot extend beyond it
         let samples = test.response().len();
         let end = test.times()[samples - 1];
         if let Ok(longer) = test.clone().with_window(end + 2.0 / RATE) {
@@ -203,8 +203,8 @@ fn a_calibration_holds_what_the_data_cannot_see() {
         .unwrap()
         .with_noise(0.05, 0.05)
         .unwrap();
-    // both gains of a linear rod: only their product is seen; a calibration of 1 % and 3 % shares
-    // it out
+    // of the two gains of a linear rod only the product is observable; calibrations of 1 % and 3 %
+    // divide it between them
     let fit = Fit::of(Maxwell::new(1e6).unwrap())
         .with_nuisances(Nuisances {
             response_gain: Freedom::Within(0.01),
@@ -220,14 +220,14 @@ fn a_calibration_holds_what_the_data_cannot_see() {
         (excitation.name, response.name),
         ("excitation gain", "response gain")
     );
-    // the one that is known better keeps its uncertainty, the other is tied to it by the data
+    // the gain that is known better keeps its uncertainty, the other is tied to it by the data
     assert!(
         ratio_error(response.standard_error, 0.01) < 0.15,
         "{response:?} {excitation:?}"
     );
     assert!(excitation.standard_error < 0.015, "{excitation:?}");
     assert!((response.value - 1.0).abs() < 0.02 && (excitation.value - 1.0).abs() < 0.03);
-    // an unknown gain costs knowledge of the damping, a calibrated one less
+    // an unknown gain makes the damping less certain, a calibrated gain less so
     let error = |freedom| {
         let fit = Fit::of(Maxwell::new(1e6).unwrap())
             .with_nuisances(Nuisances {
@@ -365,7 +365,7 @@ fn noise_stated_too_low_is_found_out() {
     assert!(
         matches!(wrong.flags()[0], FitFlag::ResidualAboveNoise { ratio } if (ratio - 2.5).abs() < 0.5)
     );
-    // the errors are those of the residual, not of the statement
+    // the errors follow from the residual, not from the stated noise
     let error = |fit: &maxwellid::Identification<Maxwell>| {
         fit.identifiability(Noise::Stated).unwrap().estimates[1].standard_error
     };

@@ -33,8 +33,8 @@ fn the_interval_of_a_linear_rod_contains_the_linear_limit() {
     );
 }
 
-/// An elastic rod in two per cent of noise: a relaxation time is excluded below a bound, none above
-/// it, and no exponent at all.
+/// An elastic rod with two per cent of noise: a relaxation time is excluded below a bound, none
+/// above it, and no exponent at all.
 #[test]
 fn damping_that_is_not_there_is_bounded_on_one_side() {
     let exact = by_the_chain(&Elastic, 10.0);
@@ -43,7 +43,8 @@ fn damping_that_is_not_there_is_bounded_on_one_side() {
     let Verdict::BoundedBelow(least) = time.verdict else {
         panic!("{}", time.reason())
     };
-    // the window is 2.8 ms: a relaxation time of as much would take a tenth of a wave on its way
+    // the window is 2.8 ms: a relaxation time of the same length would take a tenth of a wave on
+    // its way
     assert!(least > 1e-3_f64.ln() && least < 1.0_f64.ln(), "{least}");
     let kappa = profile(Law::Norton, &test, 1);
     assert_eq!(
@@ -83,8 +84,8 @@ fn a_faster_test_separates_what_a_repetition_does_not() {
     // at half the velocity a power law of κ = 2 damps half as much: less than a repetition
     assert!(ranked[0].1 > 3.0 * repetition, "{ranked:?}");
 
-    // a repetition takes an error down by the root of two, a second velocity that of the exponent
-    // by more
+    // a repetition reduces an error by the root of two, a second velocity reduces that of the
+    // exponent by more
     let before = design.deviations(law, &[]).unwrap();
     let repeated = design.deviations(law, &planned[..1]).unwrap();
     let faster = design.deviations(law, &planned[2..]).unwrap();
@@ -106,7 +107,7 @@ fn a_faster_test_separates_what_a_repetition_does_not() {
         );
     }
     assert!(faster[1] < 0.7 * repeated[1], "{faster:?} {repeated:?}");
-    // three more of the same: four times the information
+    // three more tests of the same kind: four times the information
     let thrice = vec![planned[0].clone(); 3];
     let three = design.deviations(law, &thrice).unwrap();
     for (before, three) in before.iter().zip(&three) {

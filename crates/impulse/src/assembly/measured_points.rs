@@ -19,12 +19,13 @@ pub struct MeasuredPoints {
 
 impl MeasuredPoints {
     /// Creates a member of `n_points` points from the upper triangle of its mobilities, by rows:
-    /// for two points, the mobility of the first point, the one between both points, and that of
-    /// the second point. The behaviour at low frequency is that of the first entry.
+    /// for two points, the mobility of the first point, the mobility between the two points, and
+    /// the mobility of the second point. The behaviour at low frequency is taken from the first
+    /// entry.
     ///
     /// # Errors
     ///
-    /// [`ImpulseError::LengthMismatch`] for another number of entries or of lines;
+    /// [`ImpulseError::LengthMismatch`] for a wrong number of entries or of lines;
     /// [`ImpulseError::GridMismatch`].
     pub fn of(n_points: usize, entries: Vec<MeasuredBody>) -> Result<Self, ImpulseError> {
         let expected = n_points * (n_points + 1) / 2;

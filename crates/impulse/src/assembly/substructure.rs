@@ -23,8 +23,8 @@ pub trait Substructure {
     fn n_points(&self) -> usize;
 
     /// Returns the mobilities \[m/(N s)\] of the points at `s` [1/s], `(n_points, n_points)`: entry
-    /// (i, k) is the velocity of point i over the force on point k, in the same direction for all
-    /// points. The matrix is symmetric.
+    /// (i, k) is the velocity of point i divided by the force on point k, in the same direction for
+    /// all points. The matrix is symmetric.
     ///
     /// # Errors
     ///
@@ -153,8 +153,8 @@ fn of_faces(
     }))
 }
 
-/// Rate [1/s] at which the front of a computed member is evaluated: in a member of a centimetre the
-/// waves decay before they return.
+/// Rate [1/s] at which the front of a computed member is evaluated: in a member one centimetre long
+/// the waves decay before they return.
 const FRONT: f64 = 1e8;
 
 /// Growth of the mobility over a decade above which the front counts as a massless spring.

@@ -1,4 +1,4 @@
-//! Bodies of elements, computed in one-dimensional theory.
+//! Bodies made of elements, computed with one-dimensional theory.
 
 use num_complex::Complex64;
 use rodwave::Chain;

@@ -362,10 +362,10 @@ impl MeasuredBody {
         self.given_front
     }
 
-    /// Draws a body with random errors: of each line by its variance, circular and independent; of
-    /// the scale of all lines by the relative standard error `scale`; of the delay of the response
-    /// after the force by the standard error `delay` \[s\]; of a weighed mass and of the front
-    /// impedance by their standard errors.
+    /// Draws a body with random errors: independent circular errors of the lines, from their
+    /// variances; an error of the scale of all lines, with the relative standard error `scale`; of
+    /// the delay of the response after the force, with the standard error `delay` \[s\]; of a
+    /// weighed mass and of the front impedance, with their standard errors.
     ///
     /// # Errors
     ///
@@ -429,8 +429,8 @@ impl MeasuredBody {
         Ok(drawn)
     }
 
-    /// Returns $`G - 1/(i\omega M) - 1/Z`$, the decaying part, line by line. Apart from $`-1/Z`$,
-    /// it vanishes in proportion to $`\omega`$ for a free body.
+    /// Returns $`G - 1/(i\omega M) - 1/Z`$, the decaying part, line by line. For a free body it
+    /// vanishes in proportion to $`\omega`$, apart from the term $`-1/Z`$.
     pub(crate) fn remainder(&self, conductance: f64) -> Vec<Complex64> {
         let lines = self.mobility.iter().enumerate();
         lines
@@ -455,7 +455,7 @@ impl MeasuredBody {
 
     /// Returns the body with its lines below `from_hz` replaced by those of the weighed mass,
     /// $`i\omega G = (1 - e\omega^2)/M`$, where $`e`$ is fitted to the lines from `from_hz` to
-    /// `to_hz`. Their variance becomes that of the mass.
+    /// `to_hz`. The relative variance of the replaced lines becomes that of the mass.
     ///
     /// # Validity
     ///
@@ -477,7 +477,7 @@ impl MeasuredBody {
         crate::error::check_interval("band of a nearly rigid body [Hz]", from_hz, to_hz)?;
         // least squares for (Re(iωGM) - 1) = -e ω²
         let (mut moment, mut square, mut found) = (0.0, 0.0, 0);
-        // relative to the last line: no fourth power then overflows or underflows
+        // frequencies relative to the last line, so that no fourth power overflows or underflows
         let unit = self.omega(self.mobility.len() - 1);
         for (line, value) in self.mobility.iter().enumerate().skip(1) {
             let frequency_hz = line as f64 * self.frequency_step_hz;

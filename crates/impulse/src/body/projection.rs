@@ -5,7 +5,7 @@ use num_complex::Complex64;
 use super::measured::LowFrequency;
 use crate::{MeasuredBody, fourier};
 
-/// Largest number of alternations between both sets.
+/// Largest number of alternations between the causal and the passive set.
 const ALTERNATIONS: usize = 50;
 
 /// Relative change of the body by an alternation, below which the alternations end.
@@ -17,9 +17,9 @@ const SETTLED: f64 = 1e-9;
 pub enum Projection {
     /// Bodies that do not respond before the impulse.
     ///
-    /// The rigid-body motion and the instantaneous response, $`1/Z`$, are subtracted, the second
-    /// half of the period is set to zero as the time before the impulse, and both are added
-    /// again. Noise loses half of its power.
+    /// The rigid-body motion and the instantaneous response, $`1/Z`$, are subtracted; the second
+    /// half of the period, which is the time before the impulse, is set to zero; the two subtracted
+    /// parts are added again. Noise loses half of its power.
     ///
     /// Validity: free vibrations must decay within half a period $`1/(2\Delta f)`$. A band limit
     /// smears jumps into the time before the impulse: this part is removed too, so that lines near

@@ -25,9 +25,9 @@ impl Reciprocity {
     /// Compares `forward` and `backward` \[m/(N s)\] with their `variances` \[(m/(N s))²\], all
     /// `(n_lines)` from 0 Hz.
     ///
-    /// The variance of the difference of a line is the sum of both variances. For reciprocal lines
-    /// the squared magnitude of the difference, divided by this sum, is exponentially distributed;
-    /// it exceeds 4² once in nine million.
+    /// At each line, the variance of the difference is the sum of the two variances. For reciprocal
+    /// lines the squared magnitude of the difference, divided by this sum, is exponentially
+    /// distributed; it exceeds 4² once in nine million.
     ///
     /// # Errors
     ///
@@ -55,7 +55,7 @@ impl Reciprocity {
         for &variance in variances[0].iter().chain(variances[1]) {
             check_not_negative("variance of a mobility [(m/(N s))^2]", variance)?;
         }
-        // relative to the largest line: no square then overflows or underflows
+        // relative to the largest line, so that no square overflows or underflows
         let lines = forward.iter().chain(backward);
         let largest = lines
             .filter(|line| line.is_finite())

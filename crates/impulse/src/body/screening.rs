@@ -13,7 +13,8 @@ use crate::fourier;
 use finding::{LEVEL, below};
 use num_complex::Complex64;
 
-/// Number of standard uncertainties of the delay within which a line does not count as active.
+/// Number of standard uncertainties of the delay; a line that a delay within this range would make
+/// passive does not count as active.
 const DELAYS: f64 = 3.0;
 
 /// Numbers of neighbouring lines whose mean real part is tested.
@@ -25,7 +26,8 @@ const DELAY_STEPS: i32 = 16;
 /// Number of excluded lags next to the impulse, over which the roll-off smears jumps.
 const NEAR_IMPULSE: usize = 4;
 
-/// A real part counts as negative if it is below minus this fraction of the magnitude (rounding).
+/// Fraction of the magnitude attributed to rounding: a real part counts as negative only if it is
+/// below minus this fraction.
 const ROUNDING: f64 = 1e-9;
 
 /// Phase error at the last nearly rigid line, for the tolerance of the delay: up to 1.3e-3 for rods
@@ -41,8 +43,8 @@ const SMOOTH: usize = 5;
 /// Fewest nearly rigid lines: one more than the fitted terms.
 const FEWEST_RIGID: usize = TERMS + 1;
 
-/// Ratio of real to imaginary part below which the lowest lines are those of a rigid or a fixed
-/// body.
+/// Ratio of real to imaginary part below which the lowest lines count as those of a rigid or a
+/// fixed body.
 const RIGID: f64 = 0.5;
 
 /// Fewest resonance spacings from which the scatter of their means is found.
@@ -59,8 +61,8 @@ const LEAST_SWING: f64 = 0.3;
 const NEARLY_RIGID: f64 = 0.85;
 
 impl MeasuredBody {
-    /// Tests the mobility for causality, passivity, and the correct mass at low and front impedance
-    /// at high frequency.
+    /// Tests the mobility for causality, passivity, the mass at low frequency, and the front
+    /// impedance at high frequency.
     #[must_use]
     pub fn screen(&self) -> Screening {
         let (mass, delay) = self.rigid_lines();
@@ -86,7 +88,7 @@ impl MeasuredBody {
             .collect();
         let n_samples = 2 * (rolled.len() - 1);
         let mut samples = fourier::to_samples(&rolled, n_samples);
-        // relative to the largest: no square then overflows or underflows
+        // relative to the largest sample, so that no square overflows or underflows
         let largest = samples.iter().fold(0.0_f64, |top, g| top.max(g.abs()));
         if largest > 0.0 {
             samples.iter_mut().for_each(|g| *g /= largest);
@@ -102,7 +104,8 @@ impl MeasuredBody {
             let noise: f64 = lines
                 .map(|(line, variance)| 2.0 * variance / largest / largest * roll_off(line).powi(2))
                 .sum();
-            // distributed evenly over the period; samples are unscaled sums over both sides
+            // the noise is distributed evenly over the period; the samples are unscaled sums over
+            // both sides of the spectrum
             share(noise * (n_samples / 2 - near) as f64)
         });
         Causality {
@@ -159,7 +162,7 @@ impl MeasuredBody {
                 .rev()
                 .map(|halvings| highest * 0.5_f64.powi(halvings))
                 .find(|delay| is_seen(*delay))?;
-            // to a few percent
+            // four halvings find the delay to a few percent
             let (mut unseen, mut seen) = (0.5 * first, first);
             for _ in 0..4 {
                 let middle = 0.5 * (unseen + seen);
@@ -230,7 +233,7 @@ impl MeasuredBody {
                     continue;
                 }
                 let distance = value / square.sqrt();
-                // also an infinite distance for lines without variance
+                // an infinite distance, of lines without variance, also counts
                 if below(distance, square * square / by_freedom) < LEVEL / n_trials as f64 {
                     let from = index * width;
                     add(from, from + width, from + width / 2, -distance);
@@ -268,7 +271,7 @@ impl MeasuredBody {
             .iter()
             .take_while(|mean| *mean / start > NEARLY_RIGID);
         let mut n_lines = above.count() + SMOOTH - 1;
-        // the fit, not the noise of one line, determines the end of the lines
+        // the end of the nearly rigid lines follows from the fit, because a single line is noisy
         let mut fitted = None;
         for _ in 0..5 {
             let rigid = accelerance.get(..n_lines).unwrap_or_default();
@@ -330,9 +333,9 @@ struct Fit {
 }
 
 impl Fit {
-    /// Fits rows and their values: modified Gram-Schmidt from the last term to the first, whose
-    /// independent part remains at the end. `None` for fewer than [`FEWEST_RIGID`] rows or for
-    /// dependent terms.
+    /// Fits rows to their values by modified Gram-Schmidt orthogonalisation from the last term to
+    /// the first, of which the part independent of the other terms remains. Returns `None` for
+    /// fewer than [`FEWEST_RIGID`] rows or for dependent terms.
     fn of(rows: impl Iterator<Item = ([f64; TERMS], f64)>) -> Option<Self> {
         let (mut columns, mut values) = ([const { Vec::new() }; TERMS], Vec::new());
         for (row, value) in rows {

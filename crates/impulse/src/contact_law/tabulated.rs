@@ -5,12 +5,12 @@ use crate::ImpulseError;
 /// A piecewise linear force-approach curve, with optionally stiffer unloading.
 ///
 /// Loading follows the curve and, beyond its last point, the extension of the last piece. Without
-/// an unloading stiffness, unloading follows the same path. With one, the force falls from the end
-/// of loading to zero along a straight line of that stiffness and leaves a dent; reloading follows
-/// the same straight line. The energy between the two paths is lost.
+/// an unloading stiffness, unloading follows the same path. With an unloading stiffness, the force
+/// falls from the end of loading to zero along a straight line of that stiffness and leaves a dent;
+/// reloading follows the same straight line. The energy between the two paths is lost.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TabulatedContact {
-    /// (δ, F), the first (0, 0)
+    /// points (δ, F), the first of them (0, 0)
     points: Vec<(f64, f64)>,
     /// energy up to each point
     energy: Vec<f64>,
@@ -178,7 +178,7 @@ mod tests {
     #[test]
     fn unloading_leaves_a_dent() {
         let hysteretic = curve().unloading_with(2.0).unwrap();
-        // from (3, 3) with 2: zero at 1.5
+        // unloading from (3, 3) with a slope of 2 reaches zero at 1.5
         for (delta, force) in [(3.0, 3.0), (2.5, 2.0), (1.5, 0.0), (0.7, 0.0)] {
             assert!(
                 (hysteretic.force(3.0, delta) - force).abs() < 1e-14,

@@ -11,7 +11,7 @@ pub struct Arrival {
     pub time: f64,
     /// Standard error of the time, from noise and sampling \[s\].
     pub standard_error: f64,
-    /// Duration of the front \[s\], if all of it rises as from 10 % to 50 % of the peak.
+    /// Duration of the front \[s\], extrapolated from its rise between 10 % and 50 % of the peak.
     pub rise: f64,
     /// The peak, with its sign.
     pub peak: f64,

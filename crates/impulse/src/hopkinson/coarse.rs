@@ -11,8 +11,8 @@ const PER_PERIOD: f64 = 4.0;
 const FEWEST: usize = 64;
 
 /// A record whose samples are means of several samples, with its plan. Histories in the band keep
-/// their amplitude to 10 % at the last line of the band, which is enough for errors, and cost less
-/// in proportion.
+/// their amplitude to 10 % at the last line of the band, which suffices for errors, and the cost
+/// falls in proportion to the number of samples.
 pub(super) struct Coarse {
     pub(super) plan: Plan,
     pub(super) record: HopkinsonRecord,

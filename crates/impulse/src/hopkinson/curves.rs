@@ -110,8 +110,8 @@ pub(super) fn lines_of(
 /// \sigma_t = \sigma(1 \pm \varepsilon) ,\qquad \varepsilon_t = \pm\ln(1 \pm \varepsilon) ,
 /// ```
 ///
-/// the upper sign for tension, the lower for compression. In torsion true and engineering values
-/// are the same.
+/// with the upper sign for tension and the lower sign for compression. In torsion true and
+/// engineering values are the same.
 pub(super) fn evaluate(
     setup: &Setup,
     lines: &[BarLines; 2],

@@ -11,8 +11,8 @@ use super::shot::HopkinsonTest;
 use super::source::Side;
 use super::specimen::Loading;
 
-/// Difference between the fronts of the reflected and the incident wave relative to the rise of the
-/// latter, up to which the specimen may be the reason.
+/// Largest difference between the fronts of the reflected and the incident wave, relative to the
+/// rise of the latter, for which the specimen may be the reason.
 const OF_RISE: f64 = 0.5;
 
 /// Largest relative difference of the wave speed between passages.
@@ -22,11 +22,11 @@ const FORCES: f64 = 0.03;
 const FORCES_APART: f64 = 5.0;
 /// Largest pull of a face in compression, relative to the largest force.
 const PULL: f64 = 0.05;
-/// Largest strain of a bar: metals and glassy polymers are elastic up to some 2 %.
+/// Largest strain of a bar: metals and glassy polymers are elastic up to about 2 %.
 const BAR_STRAIN: f64 = 0.03;
 /// Smallest strain of a pulse for which gauges are used.
 const LEAST_STRAIN: f64 = 5e-6;
-/// Smallest ratio of the reflected to the incident wave.
+/// Smallest ratio of the reflected to the incident wave; below it the specimen hardly deforms.
 const REFLECTED: f64 = 0.05;
 
 /// Largest force at the end of the record, relative to the largest, that shows that the loading is
@@ -69,7 +69,7 @@ pub enum Finding {
         /// Mean of the incident wave at the end of its window, divided by its largest value.
         part: f64,
     },
-    /// The record ends while the specimen is loaded or, a remark, during its unloading.
+    /// The record ends while the specimen is loaded (a problem) or during its unloading (a remark).
     RecordEnds {
         /// Force at the end, divided by its largest value.
         part: f64,
@@ -107,7 +107,7 @@ pub enum Finding {
     },
     /// The specimen is never in equilibrium.
     NoEquilibrium {
-        /// Median size of the index while the specimen is loaded.
+        /// Median magnitude of the index while the specimen is loaded.
         index: f64,
     },
     /// Equilibrium was assumed and cannot be checked.
@@ -320,7 +320,8 @@ fn passages(
         let late = second.time - first.time;
         let error = first.standard_error.hypot(second.standard_error);
         // a specimen reflects a front of another shape: in virtual shots with ramps, half sines and
-        // triangles it begins up to 0.43 of the rise later, on a creeping one 0.13 of it earlier
+        // triangles the reflected front begins up to 0.43 of the rise later, on a creeping specimen
+        // 0.13 of the rise earlier
         let allowed = (SPEED * expected).max(OF_RISE * first.rise);
         if late.abs() > allowed + 5.0 * error {
             findings.push(Finding::WaveSpeed {

@@ -138,7 +138,7 @@ impl QuietNoise {
 
 /// Returns the first of the `silent` samples that differs from the mean of their first eighth by
 /// more than twenty standard deviations of this eighth and more than a twentieth of the largest
-/// sample of the record. Hum and drift do not differ by so much.
+/// sample of the record. Hum and drift stay below these limits.
 pub(super) fn first_disturbed(samples: &[f64], silent: usize) -> Option<usize> {
     let quiet = samples.get(..silent).unwrap_or(samples);
     let beginning = quiet.get(..quiet.len() / 8)?;

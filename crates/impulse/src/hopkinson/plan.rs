@@ -121,7 +121,8 @@ impl Plan {
             (given.first_sample as f64 - guard).max(given.silent.min(given.first_sample) as f64);
         let at_face = start + samples(far[0] / speeds[0]);
         let end = given.n_samples as f64;
-        // the band limit reaches ahead by about a period of its end; two are kept
+        // the band limit smears a pulse ahead by about one period of the frequency at the end of
+        // the band; two periods are kept
         let edge = 2.0 * rate / band_hz;
 
         let incident_end = (start + alone).min(end);

@@ -267,8 +267,8 @@ impl HopkinsonResult {
 
     /// Returns the largest stress and the half width of the interval in which the largest stress of
     /// the specimen lies with the probability `level`: it contains the largest values of both edges
-    /// of the band of single samples. If the stress rises up to the unloading, the sample of the
-    /// largest stress is hardly uncertain, while those after it are.
+    /// of the band of single samples. If the stress rises until the unloading, the sample of the
+    /// largest stress is hardly uncertain, but the samples after it are.
     ///
     /// # Errors
     ///
@@ -312,7 +312,7 @@ impl HopkinsonResult {
                 start = Some(at);
             }
         }
-        // a few samples at the end are no equilibrium
+        // equilibrium over less than the last fifth of the loaded samples does not count
         let enough = |at: &usize| {
             (self.loaded.end - at) as f64 >= 0.2 * self.loaded.len() as f64
                 && separation != WaveSeparation::Balanced

@@ -29,7 +29,7 @@ impl BarLines {
     pub(super) fn of(bar: &HopkinsonBar, plan: &Plan, torsion: bool) -> Result<Self, ImpulseError> {
         let radius = 0.5 * bar.diameter.value;
         let area = std::f64::consts::PI * radius * radius;
-        // a torque M = G J/R times the strain at the surface, J/R = A R/2
+        // the torque is M = G J/R times the strain at the surface, with J/R = A R/2
         let (section, per_velocity) = if torsion {
             (0.5 * area * radius, 1.0 / radius)
         } else {
@@ -43,7 +43,7 @@ impl BarLines {
         };
         for line in 0..plan.weight.len() {
             let (gamma, speed) = if line == 0 {
-                // the mean of the line reaches halfway to the next
+                // line 0 stands for the frequencies up to halfway to the next line
                 let omega = 0.5 * plan.omega(1);
                 let speed = Complex64::new(0.0, omega) / bar.propagation(omega)?;
                 (Complex64::ZERO, Complex64::from((speed * speed).re.sqrt()))

@@ -15,7 +15,7 @@ pub enum Side {
 }
 
 impl Side {
-    /// Both bars, in the order of their arrays.
+    /// Both bars, in the order of the arrays.
     pub const BOTH: [Self; 2] = [Self::Incident, Self::Transmitted];
 
     fn index(self) -> usize {
@@ -39,11 +39,11 @@ impl fmt::Display for Side {
 #[derive(Debug, Clone, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Source {
-    /// Gauge factor, bridge and amplifier of a gauge, from 0.
+    /// Gauge factor, bridge and amplifier of a gauge; gauges are counted from 0.
     GaugeFactor(Side, usize),
     /// Distance of a gauge from the specimen.
     GaugePosition(Side, usize),
-    /// Time of a gauge relative to the others.
+    /// Time of the record of a gauge relative to the others.
     Delay(Side, usize),
     /// Diameter of a bar.
     Diameter(Side),
@@ -251,7 +251,7 @@ impl Setup {
             }
             Source::Tail => moved.tail = standard * self.tail_uncertainty,
             Source::LevelOfReflected => moved.level = standard * self.tail_uncertainty,
-            // acts on the histories, not on a value of the test
+            // this source acts on the histories, not on a value of the test
             Source::AboveBand => {}
             Source::SpecimenLength => move_known(&mut moved.specimen.length),
             Source::SpecimenDiameter => move_known(&mut moved.specimen.diameter),

@@ -40,7 +40,7 @@ impl StudentFactors {
     }
 
     /// Returns the half width of the band for a standard `error`, whose random part `random` has
-    /// the degrees of freedom.
+    /// the given degrees of freedom.
     #[expect(
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,

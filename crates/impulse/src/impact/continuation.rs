@@ -42,9 +42,10 @@ const ROUNDING: f64 = 1e-10;
 ///
 /// The wave that returns to a face of front impedance Z is $`R = (ZG - 1)/(ZG + 1)`$ times the one
 /// that left it. Each echo of delay $`\tau`$ is a term $`a\,e^{-i\omega\tau}`$ of R whose amplitude
-/// changes slowly with frequency: R is a sum of damped exponentials over the lines, which continues
-/// above them. No exponential may grow, and |R| stays at most 1, so that the continued body is
-/// passive. R is rolled off to 0, the front impedance, over fifteen times the measured lines.
+/// changes slowly with frequency: R is a sum of damped exponentials over the lines, and this sum
+/// continues above the lines. No exponential may grow, and |R| stays at most 1, so that the
+/// continued body is passive. R is rolled off to 0, its value for the front impedance alone, over
+/// fifteen times the measured lines.
 pub(super) struct Continued<'a> {
     body: &'a dyn ImpactBody,
     frequency_step_hz: f64,
@@ -54,8 +55,8 @@ pub(super) struct Continued<'a> {
 }
 
 impl<'a> Continued<'a> {
-    /// Continues a body that is known on lines; `None` for another body, without a front impedance,
-    /// or if the lines are too few or not finite.
+    /// Continues a body that is known on lines; `None` for a body of another kind, without a front
+    /// impedance, or if the lines are too few or not finite.
     pub(super) fn of(body: &'a dyn ImpactBody, known: Known) -> Result<Option<Self>, ImpulseError> {
         let (
             Domain::Lines {
@@ -81,7 +82,7 @@ impl<'a> Continued<'a> {
             .collect::<Result<Vec<_>, ImpulseError>>()?;
         let stride = reflection.len().div_ceil(3 * HIGHEST_ORDER).max(1);
         let order = reflection.len() / (3 * stride);
-        // the kernel refuses a line that is not finite, with its index
+        // the kernel rejects a line that is not finite and reports its index
         let all_finite = reflection.iter().all(|line: &Complex64| line.is_finite());
         if order < FEWEST || !all_finite {
             return Ok(None);
@@ -186,7 +187,7 @@ fn continued(
         }
     }
     let eigen = covariance.self_adjoint_eigen(Side::Lower).ok()?;
-    // in ascending order
+    // the eigenvalues are in ascending order
     let powers: Vec<f64> = eigen
         .S()
         .column_vector()

@@ -81,7 +81,7 @@ pub struct DiscreteImpact {
     law: ContactLaw,
     /// the contact law as it was given, without springs at the faces
     given_law: ContactLaw,
-    /// compliance \[m/N\] of springs at the faces that are in the sum, not in the law
+    /// compliance \[m/N\] of springs at the faces, which are part of `kernel` and not of the law
     springs: f64,
     /// mobility \[m/(N s)\] of both faces far above the band, and a decade higher
     beyond: [f64; 2],
@@ -119,7 +119,8 @@ impl DiscreteImpact {
                 ContactLaw::linear(1.0 / (compliance + 1.0 / stiffness))?
             }
             law => {
-                // the spring in series by backward differences, the only first-order part
+                // the spring in series is discretised by backward differences, the only part of
+                // first order
                 let jump = compliance / kernels[0].grid().time_step;
                 for (weight, change) in kernel.iter_mut().zip([jump, -jump]) {
                     *weight += change;

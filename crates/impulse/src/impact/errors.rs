@@ -81,7 +81,7 @@ impl fmt::Debug for DrawnImpact {
     }
 }
 
-/// A source of draws of an uncertain impact; [`ImpactErrors`] is one for errors that are
+/// A source of draws of an uncertain impact; [`ImpactErrors`] is the source for errors that are
 /// independent of each other.
 pub trait ImpactDraws {
     /// Error of a draw.
@@ -97,7 +97,8 @@ pub trait ImpactDraws {
     /// An error ends the prediction.
     fn draw(&mut self, velocity: f64) -> Result<DrawnImpact, Self::Error>;
 
-    /// Called between marches; an error ends a long prediction.
+    /// Checks whether the prediction is cancelled. It is called between marches; an error ends a
+    /// long prediction.
     ///
     /// # Errors
     ///

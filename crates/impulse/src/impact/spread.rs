@@ -31,8 +31,8 @@ pub struct Spread {
     pub limited: Vec<f64>,
     /// Standard deviation of the force without a band limit, at its times \[N\].
     pub force: Vec<f64>,
-    /// Standard deviations of the force in the band \[N\] due to one source alone, the others as
-    /// stated, over up to 48 draws; one entry per drawn source.
+    /// Standard deviations of the force in the band \[N\] due to one source alone, with the others
+    /// as stated, over up to 48 draws; one entry per drawn source.
     pub parts: Vec<(ImpactSource, Vec<f64>)>,
     /// Largest ratio of the deviation of the force in the band to its standard deviation, one per
     /// draw, in ascending order.

@@ -43,7 +43,8 @@ pub struct PeakForce {
     pub time: f64,
     /// Standard error of the force \[N\]; without draws, the numerical error alone.
     pub standard_error: f64,
-    /// Degrees of freedom of the standard error: the draws less one; infinite without draws.
+    /// Degrees of freedom of the standard error: the number of draws minus one; infinite without
+    /// draws.
     pub degrees_of_freedom: f64,
 }
 
@@ -67,8 +68,8 @@ impl PeakForce {
     }
 }
 
-/// Force, contacts and balance of an impact, the force in its band, and the errors of all; created
-/// by [`UncertainImpact::predict`].
+/// Force, contacts and balance of an impact, the force in its band, and the errors of all these;
+/// created by [`UncertainImpact::predict`].
 #[derive(Debug, Clone)]
 #[non_exhaustive]
 pub struct UncertainPrediction {
@@ -81,11 +82,11 @@ pub struct UncertainPrediction {
     /// The force in the band.
     pub limited: ForceHistory,
     /// Numerical error \[N\] of the force in the band, at its times: twice its change with half the
-    /// step, combined with its changes if parts of the lines of measured bodies are left out (root
-    /// mean square over a period of the last line).
+    /// step, combined with its changes when parts of the lines of measured bodies are left out
+    /// (root mean square over a period of the last line).
     pub numerical: Vec<f64>,
-    /// Numerical errors of the scalar results; that of the end of the contact is no less than that of
-    /// a time which is known to a step.
+    /// Numerical errors of the scalar results; the error of the end of the contact is no less than
+    /// that of a time known to one step.
     pub numerical_numbers: ImpactNumbers,
     /// Standard deviations over the draws; `None` without draws.
     pub spread: Option<Spread>,
@@ -103,8 +104,8 @@ impl<'a> Impact<'a> {
         }
     }
 
-    /// Upper end of the lines of the measured bodies \[Hz\], the lower one of two; infinite if both
-    /// bodies are computed.
+    /// Upper end of the lines of the measured bodies \[Hz\], the lower one if both bodies are
+    /// measured; infinite if both bodies are computed.
     fn highest_measured_hz(&self) -> f64 {
         self.lines()
             .map(|(frequency_step_hz, n_lines)| frequency_step_hz * (n_lines as f64 - 1.0))
@@ -166,8 +167,8 @@ impl<D: ImpactDraws> UncertainImpact<'_, D> {
         let check_for = if longer { 2.0 } else { 1.0 } * duration;
         let check = self::run(&self.discretised(0.5 * step, check_for)?, band)?;
         self.errors.check_cancelled()?;
-        // for first order the finer step leaves the same error as the difference, for second order
-        // a third of it
+        // the error left by the finer step equals the difference for a method of first order, and
+        // is a third of it for second order
         let twice = |a: f64, b: f64| 2.0 * (a - b).abs();
         let at_times = resampled(&check.limited, check.limited.force(), &run.limited);
         let pairs = run.limited.force().iter().zip(at_times);
@@ -224,10 +225,10 @@ impl<D: ImpactDraws> UncertainImpact<'_, D> {
         self.impact.clone().in_steps_of(step).discretised(duration)
     }
 
-    /// Returns the stated impact and its march with the step of the draws: the longest of those
-    /// from the step that resolves `band` down to `step` with which the peak without a band and the
-    /// end of the last contact are those of `run`, which has the step `step`. A step as long as the
-    /// pulse would give a peak that depends on the impulse alone, whatever is drawn.
+    /// Returns the stated impact and its march with the step of the draws. This is the longest
+    /// step, between the step that resolves `band` and the step `step` of `run`, with which the
+    /// peak without a band limit and the end of the last contact agree with those of `run`. A step
+    /// as long as the pulse would give a peak that depends on the impulse alone, whatever is drawn.
     fn for_draws(
         &self,
         (step, run): (f64, &Run),

@@ -14,8 +14,8 @@ use crate::{Domain, ImpactBody, ImpulseError, fourier};
 /// the kink; the change decreases with the fifth power of the distance from the kink.
 pub(super) const BANDS: usize = 8;
 
-/// aT_p on the line Re s = a: the alias of the next period is e^{-18} = 1.5e-8, and the rounding
-/// grows by e^9 up to the middle of the period, where the weights end.
+/// Damping aT_p over the period on the line Re s = a: the alias of the next period is e^{-18} =
+/// 1.5e-8, and the rounding grows by e^9 up to the middle of the period, where the weights end.
 const DAMPING_OVER_PERIOD: f64 = 18.0;
 
 /// Number of steps over which the roll-off of the bands smears events at time 0.
@@ -25,7 +25,7 @@ const SMEARED: usize = 16;
 /// axis. Free vibrations may take three durations to decay.
 const AXIS_PERIODS: usize = 8;
 
-/// Largest number of points of the period of a measured body: a gibibyte.
+/// Largest number of points of the period of a measured body, which take one gibibyte.
 const MOST_POINTS: f64 = 134_217_728.0;
 
 pub(super) fn weights<B: ImpactBody + ?Sized>(
@@ -172,7 +172,8 @@ fn measured_points(frequency_step_hz: f64, grid: TimeGrid) -> Result<usize, Impu
     Ok(points)
 }
 
-/// $`(2\sinh(sh/2)/(sh))^2`$, without cancellation at low and with exact zeros at high frequency.
+/// $`(2\sinh(sh/2)/(sh))^2`$, without cancellation at low frequency and with exact zeros at high
+/// frequency.
 fn average(s: Complex64, time_step: f64, line: usize, n_points: usize) -> Complex64 {
     let half = 0.5 * s * time_step;
     if half == Complex64::ZERO {

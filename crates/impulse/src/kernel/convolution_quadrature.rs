@@ -20,8 +20,8 @@ pub(super) fn weights<B: ImpactBody + ?Sized>(
     let radius = f64::EPSILON.powf(0.5 / n_points as f64);
     let mut lines = Vec::with_capacity(grid.n_steps + 1);
     for line in 0..=grid.n_steps {
-        // the other half of the circle is conjugate; the kernel e^{+} of the inverse transform
-        // reverses its direction
+        // the other half of the circle is conjugate; the inverse transform has the kernel e^{+}, so
+        // the circle is traversed in the opposite direction
         let z = Complex64::from_polar(radius, -TAU * line as f64 / n_points as f64);
         let delta = match quadrature {
             Quadrature::Trapezoid => 2.0 * (1.0 - z) / (1.0 + z),

@@ -19,7 +19,7 @@ const RINGS_AFTER: usize = 13;
 ///
 /// # Validity
 ///
-/// Blows of the same hammer and tip on the same body.
+/// Valid for blows of the same hammer and tip on the same body.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct BlowSpan {
@@ -61,7 +61,7 @@ impl BlowSpan {
         Ok((!forces.is_empty()).then_some(span))
     }
 
-    /// Span `times` as long on either side.
+    /// Span `times` times as long on either side.
     #[must_use]
     pub fn longer(self, times: usize) -> Self {
         Self {

@@ -25,14 +25,15 @@ pub struct CalibrationBlow<'a> {
 /// The scatter between blows, $`\sigma^2(t) = a^2 + b^2F^2(t)`$.
 ///
 /// The variance of an averaged frequency response treats the errors of its lines as independent.
-/// Differences between blows, such as position and direction, change all lines together and
-/// dominate the error if few blows are alike. Blows with a measured force reveal this: each is
-/// reconstructed with the frequency response of the others, and the difference is the error itself.
+/// Differences between blows, such as those of position and direction, change all lines together
+/// and dominate the error if few blows are alike. Blows with a measured force reveal this: each is
+/// reconstructed with the frequency response of the others, and its difference from the measured
+/// force is the error itself.
 ///
 /// # Validity
 ///
 /// The evaluated blow must be like the calibration blows. Errors within one blow are correlated, so
-/// that the number of degrees of freedom is the number of blows less one, and bands use Student's
+/// that the number of degrees of freedom is the number of blows minus one, and bands use Student's
 /// distribution. The correlation of the error over time is not known from so few blows; draws treat
 /// the samples as independent, so that a simultaneous band is somewhat too wide.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -124,7 +125,8 @@ impl CalibrationScatter {
             }
         }
         let additive = quiet / n_quiet as f64;
-        // an error during the force below that without force is due to the scatter of the estimate
+        // an error during the force that is smaller than the error without force is due to the
+        // scatter of the estimate
         let with_force = (loud - additive * n_loud as f64).max(0.0);
         let scatter = Self {
             without_force: additive.sqrt(),
@@ -142,10 +144,10 @@ impl CalibrationScatter {
         }
     }
 
-    /// Returns the error of `history`, reconstructed like the blows, over the samples `window`: that
-    /// `known` from noise and the shape of the blow, and where it is smaller than the scatter, an
-    /// independent error that makes up the difference. Without a known error it is zero outside the
-    /// window.
+    /// Returns the error of `history`, reconstructed like the blows, over the samples `window`: the
+    /// error `known` from noise and the shape of the blow and, where that is smaller than the
+    /// scatter, an independent error that makes up the difference. Without a known error, the error
+    /// is zero outside the window.
     #[must_use]
     pub fn error(
         &self,
@@ -204,7 +206,7 @@ pub struct CalibrationLines {
     /// [`Reconstruction::like_blows`](crate::Reconstruction::like_blows).
     pub power: Vec<f64>,
     /// Mean spectrum of the forces \[N\], the common part of the blows. Each force is moved to the
-    /// time and scaled to the size of the hardest one, and stretched to the mean duration.
+    /// time and scaled to the size of the hardest blow, and stretched to the mean duration.
     pub mean_blow: Vec<Complex64>,
     /// Spectra of the differences of these forces from the mean \[N\].
     pub differences: Vec<Vec<Complex64>>,
@@ -292,12 +294,12 @@ mod tests {
         let lines = CalibrationLines::of(&[0.5; 5], &[force; 4]).unwrap();
         for ((noise, variance), power) in lines.noise.iter().zip(&lines.variance).zip(&lines.power)
         {
-            // 4 · 0.5, a quarter of it, and 1
+            // noise 4 · 0.5, variance a quarter of it, power 1
             assert!((noise - 2.0).abs() < 1e-12, "{noise}");
             assert!((variance - 0.5).abs() < 1e-12, "{variance}");
             assert!((power - 1.0).abs() < 1e-12, "{power}");
         }
-        // the mean of the known lines, and NaN on an unknown line
+        // the noise is the mean over the known lines, and NaN on an unknown line
         let lines = CalibrationLines::of(&[0.2, 0.4, f64::NAN, 0.6, 0.8], &[force; 4]).unwrap();
         assert!((lines.noise[0] - 2.0).abs() < 1e-12 && lines.noise[2].is_nan());
         assert!(CalibrationLines::of(&[0.5; 5], &[force; 1]).is_err());
@@ -306,8 +308,8 @@ mod tests {
 
     #[test]
     fn the_two_parts_of_a_known_scatter_come_back() {
-        // errors of 2 N everywhere and of 3 % of the force, of alternating sign, so that there is
-        // no chance in it
+        // errors of 2 N everywhere and of 3 % of the force, of alternating sign, so that nothing is
+        // random
         let force: Vec<f64> = (0..60).map(|n| if n < 20 { 0.0 } else { 500.0 }).collect();
         let blows: Vec<(ForceHistory, Vec<f64>)> = [1.0, -1.0, 1.0, -1.0]
             .into_iter()
@@ -339,7 +341,7 @@ mod tests {
         assert!((error.standard_error()[15] - 2.0).abs() < 1e-12);
         assert!((error.standard_error()[30] - 2.0_f64.hypot(15.0)).abs() < 1e-12);
         assert!(error.standard_error()[5].abs() < f64::MIN_POSITIVE);
-        // three degrees of freedom
+        // Student's factor for three degrees of freedom
         let band = error.pointwise(blows[0].reconstructed, 0.95).unwrap();
         assert!((band.factor - 3.182_446).abs() < 1e-5);
         assert!(CalibrationScatter::of(&blows[..2], 10..50).is_err());

@@ -11,8 +11,8 @@ use crate::error::check_positive;
 const POINTS: usize = 81;
 /// Factor by which the curve extends beyond the strongest component.
 const BEYOND: f64 = 10.0;
-/// Factor by which the curve extends below the weakest component: such a regularisation removes
-/// less than a part in a million and equals none.
+/// Factor by which the curve extends below the weakest component: the regularisation there removes
+/// less than a part in a million, which equals none.
 const AS_NONE: f64 = 1e-6;
 /// Relative difference below which scores count as equal.
 const FLAT: f64 = 1e-9;
@@ -130,7 +130,7 @@ fn lowest(curve: &[CurvePoint], score: Option<&dyn Fn(f64) -> f64>) -> (f64, Cho
         .clone()
         .map(|(_, p)| p.score)
         .fold(f64::INFINITY, f64::min);
-    // the weakest regularisation among scores that differ by rounding
+    // choose the weakest regularisation among those whose scores differ only by rounding
     let best = scored
         .clone()
         .find(|(_, p)| p.score <= least + FLAT * least.abs());

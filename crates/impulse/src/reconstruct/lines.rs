@@ -127,10 +127,10 @@ impl Transformed<'_> {
         if !(lines.power[line].is_finite() && lines.cross[line].is_finite()) {
             return Err(ImpulseError::SpectrumOverflow { index: line });
         }
-        // a significant line has a mean above zero with its neighbours
+        // the mean over a significant line and its neighbours is above zero
         let is_told = self.errors.is_some() && n_told > 0;
         if !is_told && lines.power[line] < LEAST_POWER {
-            // its digits are lost: the line gives no force
+            // the digits of the power are lost: the line gives no force
             lines.power[line] = 0.0;
             lines.cross[line] = Complex64::ZERO;
             return Ok(Some(match reason {
@@ -275,8 +275,8 @@ impl Transformed<'_> {
         sensors.map(of_sensor).sum()
     }
 
-    /// Returns the power of a force on every line; on a support without the zeros that the support
-    /// cannot resolve.
+    /// Returns the power of a force on every line; on a support, the mean over the neighbouring
+    /// lines that the support cannot resolve.
     pub(super) fn power_of(&self, force: &[Complex64]) -> Vec<f64> {
         let power: Vec<f64> = force.iter().map(Complex64::norm_sqr).collect();
         match &self.errors {
@@ -293,7 +293,7 @@ impl Transformed<'_> {
     /// Returns ‖x - h*F‖/‖x‖ over all sensors and the included lines of each, by Parseval's
     /// relation.
     pub(super) fn relative_residual(&self, force: &[Complex64]) -> f64 {
-        // relative to the largest line: no square then overflows or underflows
+        // relative to the largest line, so that no square overflows or underflows
         let lines = self.responses.iter().flatten();
         let largest = lines.fold(0.0_f64, |top, x| top.max(x.norm()));
         let (mut left, mut all) = (0.0, 0.0);

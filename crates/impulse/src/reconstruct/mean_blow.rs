@@ -67,8 +67,8 @@ struct Alignment {
     ln_stretch: f64,
 }
 
-/// Samples kept on either side in addition to a blow and its length on either side: filters of
-/// recorders ring for fewer samples.
+/// Samples kept on either side, in addition to a blow and to its own length on either side: filters
+/// of recorders ring for fewer samples.
 const BESIDE: usize = 64;
 
 /// A blow, interpolated between its samples; zero far from it.
@@ -153,7 +153,7 @@ impl MeanBlow {
         let largest = self.fine[self.top];
         let exponent = |at: usize| {
             let part = self.fine[at] / largest;
-            // the limit at zero, where forces are rounded or ring
+            // for forces that are rounded to zero or ring below it, the limit at zero is taken
             if part > 0.0 {
                 self.fine[at] * part.ln()
             } else {
@@ -232,8 +232,8 @@ impl MeanBlow {
                 let pairs = ahead.iter().zip(&behind);
                 pairs.map(|(a, b)| (a - b) / (2.0 * step)).collect()
             };
-            // the size is linear, and so is its part of the step: derivatives are those of the blow
-            // at size 1
+            // the size enters linearly, and the solution gives it directly: derivatives are those
+            // of the blow at size 1
             let columns = [of(at), by(0, 0.25), by(1, 0.02)];
             let sum = |a: &[f64], b: &[f64]| -> f64 { a.iter().zip(b).map(|(a, b)| a * b).sum() };
             let matrix = Mat::from_fn(3, 3, |i, j| sum(&columns[i], &columns[j]));

@@ -21,9 +21,9 @@ pub enum Regularisation {
         /// Source of $`\lambda`$.
         parameter: Parameter,
     },
-    /// Truncation to well-determined components: lines with $`\mu = \sum_r w_r|H_r|^2 \ge
-    /// \lambda`$, or, with a support, the components of the force along the eigenvectors with
-    /// such a $`\mu`$ (truncated singular values).
+    /// Truncation to well-determined components: lines with
+    /// $`\mu = \sum_r w_r|H_r|^2 \ge \lambda`$, or, with a support, the components of the force
+    /// along the eigenvectors whose $`\mu`$ meets this condition (truncated singular values).
     Truncated {
         /// Source of $`\lambda`$.
         parameter: Parameter,

@@ -11,7 +11,7 @@ pub struct ReconstructedForce {
     pub history: ForceHistory,
     /// The regularisation used.
     pub regularisation: Regularisation,
-    /// The parameter of the regularisation and its source; `None` without one.
+    /// The parameter of the regularisation and its source; `None` without a parameter.
     pub parameter: Option<ChosenParameter>,
     /// The error of the force: the noise of the responses and the variance of the frequency
     /// responses, propagated by the linear method, and the part removed by the regularisation. If
@@ -26,8 +26,8 @@ pub struct ReconstructedForce {
     /// on a support, the force without regularisation is like the calibration blows, and the
     /// estimate is the difference from that force; otherwise it is $`-(1-\varphi)\hat F`$ of the
     /// force found, as a history. The true force is near the force minus this estimate. The
-    /// estimate includes only the force that was found: if a line is lost altogether, it is too
-    /// small. The error of the force contains the estimate. All zero without regularisation.
+    /// estimate includes only the force that was found: if a line is lost altogether, the estimate
+    /// is too small. The error of the force contains the estimate. All zero without regularisation.
     pub regularisation_bias: Vec<f64>,
     /// Unexplained part of the responses, $`\|x - h*F\|/\|x\|`$ over all lines with a known
     /// frequency response.
@@ -110,9 +110,10 @@ pub struct CurvePoint {
     pub degrees_of_freedom: f64,
     /// Number of real data minus the degrees of freedom.
     pub freedom_left: f64,
-    /// Score of the method: the function that cross validation minimises; minus the curvature of
-    /// the L-curve or minus its distance from the chord (minimum); or the relative discrepancy
-    /// (zero).
+    /// Score of the method. The method seeks its minimum: of the function of cross validation, of
+    /// minus the curvature of the L-curve, or of minus the distance of the L-curve from its chord.
+    /// For the discrepancy principle, the score is the relative discrepancy, and the method seeks
+    /// its zero.
     pub score: f64,
 }
 
@@ -167,8 +168,8 @@ pub enum PivotingEnd {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum ExclusionReason {
-    /// Excluded by the caller, for example because of an unknown frequency response, or its noise
-    /// or variance is not a number.
+    /// Excluded by the caller, for example because of an unknown frequency response, or because its
+    /// noise or variance is not a number.
     LeftOut,
     /// Outside the band.
     OutsideBand,
@@ -221,7 +222,7 @@ impl ResponseEnd {
         if peak == 0.0 {
             return Self::DiedOut;
         }
-        // relative to the peak: no square then overflows or underflows
+        // relative to the peak, so that no square overflows or underflows
         let mean_square = end.iter().map(|x| (x / peak).powi(2)).sum::<f64>() / n_end as f64;
         let relative_level = mean_square.sqrt();
         if relative_level > Self::DIED_OUT {
@@ -244,8 +245,8 @@ impl ResponseEnd {
     }
 }
 
-/// Intervals of a number of a force without tension, with the probabilities 0.683, that of one
-/// standard error, and 0.95.
+/// Intervals of a number that follows from a force without tension, with the probabilities 0.683,
+/// that of one standard error, and 0.95.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct ProfileInterval {

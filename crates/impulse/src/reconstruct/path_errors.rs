@@ -4,13 +4,14 @@ use super::lines::{Transformed, weight};
 
 /// Fewest lines over which a share is estimated.
 const FEWEST_LINES: usize = 9;
-/// Most lines over which a share is estimated: more only cost time.
+/// Most lines over which a share is estimated: more lines only cost time.
 const MOST_LINES: usize = 513;
 /// Number of standard deviations by which the mean square of a frequency response must exceed that
 /// of its errors to be significant.
 const TELLS: f64 = 4.0;
 
-/// Errors of frequency responses, and the assumed force where these are not significant.
+/// Errors of frequency responses, and the assumed force where the frequency responses are not
+/// significant.
 ///
 /// With a measured $`H = H_0 + \delta H`$ the sum of $`w|H|^2`$ over the lines of a support is too
 /// large by the sum of $`w\,\mathrm{var} H`$, and the force too small. Without this part the sum is
@@ -123,8 +124,8 @@ impl PathErrors {
         self.prior.iter().map(of).collect()
     }
 
-    /// Returns the power of a force on every line, without the zeros that its support cannot
-    /// resolve.
+    /// Returns the power of a force on every line, as the mean over the neighbouring lines that its
+    /// support cannot resolve.
     pub(super) fn resolved_power(&self, power: &[f64]) -> Vec<f64> {
         mean_about(power, self.half)
     }

@@ -32,8 +32,9 @@ impl Constrained {
     /// without the condition on t by at most the square of a standard normal quantile, where noise
     /// has the weighted variance `noise`. The interval is widened by the `bias` of the number.
     ///
-    /// Every t belongs to a multiplier $`\nu`$, the minimum with $`b + \nu l`$ in place of b. If
-    /// samples are held at zero, the true limit is a mixture of chi-squares below this one.
+    /// Every t belongs to a multiplier $`\nu`$: t is the number at the minimum with $`b + \nu l`$
+    /// in place of b. If samples are held at zero, the true limit is a mixture of chi-squares below
+    /// this one.
     pub(super) fn interval(
         &self,
         weights: &[f64],
@@ -67,7 +68,7 @@ impl Constrained {
                 .then(|| (dot(weights, &force), self.cost(&force) - least))
         };
         // the cost grows as the square of the multiplier, in proportion to the variance of the
-        // number, until a sample becomes or leaves zero
+        // number, until a sample becomes zero or ceases to be zero
         let curvature: f64 = (0..weights.len())
             .map(|i| weights[i] * weights[i] * self.matrix[(i, i)])
             .sum::<f64>()

@@ -80,9 +80,10 @@ impl Solved {
     }
 
     /// Expected sum of squares of the residual after a force on a support is fitted to noise that
-    /// decays with a window and has the weighted variance 1. The fit removes more of the noise early
-    /// in the record. $`n - 2\operatorname{tr} GC + \operatorname{tr} GQGC`$ with the gain G, the
-    /// normal matrix Q without its penalty, and the covariance C of the right-hand side.
+    /// decays with a window and has the weighted variance 1. The fit removes more of the noise
+    /// early in the record. The sum is $`n - 2\operatorname{tr} GC + \operatorname{tr} GQGC`$ with
+    /// the gain G, the normal matrix Q without its penalty, and the covariance C of the right-hand
+    /// side.
     pub(super) fn freedom_left(
         &self,
         transformed: &Transformed<'_>,

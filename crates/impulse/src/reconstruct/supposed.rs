@@ -53,7 +53,8 @@ pub(super) struct CalibrationShape {
 }
 
 impl CalibrationShape {
-    /// Takes the spectra of the mean and of the differences, of records of `n_samples` samples.
+    /// Creates the shape from the spectra of the mean and of the differences, for records of
+    /// `n_samples` samples.
     pub(super) fn of(mean: &[Complex64], differences: &[Vec<Complex64>], n_samples: usize) -> Self {
         let mean = MeanBlow::of(mean, n_samples);
         let differences = differences.iter();
@@ -105,7 +106,7 @@ struct Shape {
     ln_probability: f64,
 }
 
-/// The determined values less those of a blow, their derivatives with respect to its parameters,
+/// The determined values minus those of a blow, their derivatives with respect to its parameters,
 /// and the prior precisions of the parameters.
 struct Linearised {
     residual: Vec<f64>,
@@ -228,7 +229,8 @@ impl Problem<'_> {
     }
 
     /// Returns the least variance of the shape of a blow that differs from the calibration blows as
-    /// far as the determined components show: what differs to first order also differs beyond it.
+    /// far as the determined components show: a blow that differs to first order also differs
+    /// beyond first order.
     fn beyond_deformation(
         &self,
         blow: Blow,
@@ -269,7 +271,7 @@ impl Problem<'_> {
         self.told.iter().map(of).collect()
     }
 
-    /// Returns the determined values less those of a blow.
+    /// Returns the determined values minus those of a blow.
     fn residual(&self, blow: Blow) -> Vec<f64> {
         let told = self.told.iter().zip(self.components(&self.samples(blow)));
         told.map(|(told, own)| told.value - own).collect()

@@ -49,8 +49,8 @@ fn half_sine() -> Vec<f64> {
         .collect()
 }
 
-/// Reproducible noise of root mean square 1: a sum of many incommensurate sines would not be white,
-/// so that this is the linear congruential generator of Park and Miller, made uniform.
+/// Reproducible uniform noise of root mean square 1, from the linear congruential generator of Park
+/// and Miller. A sum of many incommensurate sines would not be white.
 fn noise(seed: u64) -> Vec<f64> {
     let mut state = seed;
     (0..N)
@@ -125,8 +125,8 @@ fn noise_is_amplified_by_the_stated_gain() {
             stated = found.noise_gain;
         }
         let found = (squares / n_trials as f64).sqrt() / level;
-        // four times 1/sqrt(2 * 4000) = 4.5 %: 20 trials of 2000 samples, which the gain correlates
-        // to no fewer than a tenth of independent ones
+        // four times 1/sqrt(2 * 4000) = 4.5 %: 20 trials of 2000 samples, which the gain
+        // correlates; they count as no fewer than a tenth as many independent ones
         assert!((found / stated - 1.0).abs() < 0.045, "{found} {stated}");
     }
 }
@@ -160,7 +160,7 @@ fn a_missing_mean_is_recovered_from_where_the_force_is_nothing() {
         .without_lines([0]);
     let without = problem.clone().solve().unwrap();
     let mean = force.iter().sum::<f64>() / N as f64;
-    // without a support the mean is missing, no more and no less
+    // without a support the mean is missing, and nothing else
     assert!((error(&without, &force) - mean).abs() < 1e-9);
     assert_eq!(
         without.excluded,
@@ -192,7 +192,7 @@ fn a_band_keeps_its_lines_and_names_the_others() {
         .within(band)
         .solve()
         .unwrap();
-    // lines are 5 Hz apart, 0..=200 are in
+    // lines are 5 Hz apart, and lines 0..=200 are in the band
     assert_eq!(found.excluded.len(), 800);
     assert_eq!(found.excluded[0].index, 201);
     assert!(
@@ -266,7 +266,7 @@ fn noisy(response: &[f64], level: f64, seed: u64) -> Vec<f64> {
     pairs.map(|(x, e)| x + level * e).collect()
 }
 
-/// Lines of a response that was integrated twice: it contains little of high frequencies, so that a
+/// Lines of a response that was integrated twice: it contains little at high frequencies, so that a
 /// division needs regularisation.
 fn integrated() -> (Vec<f64>, Vec<Complex64>) {
     let leak = 0.97;
@@ -325,9 +325,9 @@ fn the_chosen_parameter_is_near_the_best() {
         let best = best.fold(f64::INFINITY, f64::min);
         assert!(best < 0.1 * plain, "{best} {plain}: nothing to choose");
         let chosen = [
-            // known properties of the methods: validation is nearly best, discrepancy smooths too
-            // much, and at the corner of the L-curve the noise has only just ceased to dominate the
-            // norm: a tenth of it in amplitude remains here
+            // known properties of the methods: cross validation is nearly best, the discrepancy
+            // principle smooths too much, and at the corner of the L-curve the noise has only just
+            // ceased to dominate the norm: a tenth of it in amplitude remains here
             (Parameter::GeneralisedCrossValidation, 1.15),
             (Parameter::Discrepancy, 1.6),
             (Parameter::LCurve, 0.1 * plain / best),
@@ -366,7 +366,7 @@ fn the_curvature_is_that_of_the_curve() {
         let cross = first[0] * second[1] - first[1] * second[0];
         let numerical = cross / first[0].hypot(first[1]).powi(3);
         let found = modes.curvature(log.exp());
-        // central differences: step^2, and rounding divided by step^2
+        // error of central differences: step^2, and rounding divided by step^2
         let tolerance = 1e-5 * numerical.abs().max(1.0);
         assert!(
             (found - numerical).abs() < tolerance,
@@ -413,8 +413,8 @@ fn two_sensors_are_weighed_by_their_noise_on_every_line() {
     }
 }
 
-/// Compares with the conditions of the minimum, checked here with sums in time, and with descent
-/// along the gradient.
+/// Compares the force with the conditions of the minimum, checked here with sums in time, and with
+/// descent along the gradient.
 #[test]
 fn a_force_without_tension_is_the_minimum() {
     let (force, h) = (half_sine(), frequency_response());

@@ -24,14 +24,14 @@ pub struct EndError {
     pub verdict: EndVerdict,
 }
 
-/// Linearity of the end of a contact in the force.
+/// Linearity of the relation between the end of a contact and the force.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub enum EndVerdict {
     /// The force is linear within two standard errors of the end.
     Linear,
     /// The force is not linear there, or the record ends there. The distribution of the end is
-    /// skew; Monte Carlo shows it.
+    /// skewed; a Monte Carlo computation shows it.
     Curved {
         /// Deviation two standard errors from the end, in standard errors of the force there;
         /// infinite beyond the record.

@@ -29,8 +29,9 @@ pub struct MonteCarlo {
 }
 
 impl StickUncertainty<'_> {
-    /// Solves `problem` for `n_draws` draws: Gaussian, circular and independent between lines for
-    /// the mobilities. [`separate`] finds the end of each contact with `threshold` \[N\].
+    /// Solves `problem` for `n_draws` Gaussian draws of its inputs; those of the mobilities are
+    /// circular and independent between lines. [`separate`] finds the end of each contact with
+    /// `threshold` \[N\].
     ///
     /// # Errors
     ///

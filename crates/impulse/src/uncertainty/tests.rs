@@ -73,7 +73,7 @@ fn linear_propagation_and_draws_agree() {
             assert!((drawn / linear - 1.0).abs() < 0.08, "{n}: {drawn} {linear}");
         }
         for (mean, force) in drawn.stick_mean.iter().zip(stick.history.force()) {
-            // four times the error of a mean, and the same second order
+            // four times the error of a mean, and the same second-order part
             assert!((mean - force).abs() < 0.01 * peak, "{mean} {force}");
         }
 
@@ -85,8 +85,8 @@ fn linear_propagation_and_draws_agree() {
         let mean = ends.iter().sum::<f64>() / ends.len() as f64;
         let squares: f64 = ends.iter().map(|t| (t - mean).powi(2)).sum();
         let deviation = (squares / (ends.len() as f64 - 1.0)).sqrt();
-        // four times 1.8 %; the interpolation of the end between samples and the curvature, as much
-        // again
+        // four times 1.8 %, and as much again for the interpolation of the end between samples and
+        // for the curvature
         let ratio = deviation / end.standard_error;
         assert!((ratio - 1.0).abs() < 0.14, "{deviation} {end:?}");
         assert!(
@@ -115,8 +115,8 @@ fn linear_propagation_and_draws_agree() {
             .map(|force| band.part_inside(force, begin..contact.end))
             .sum();
         let inside = inside / f64::from(1500);
-        // the scales correlate the errors over the contact: as if from some hundred draws, three
-        // times 0.7 %
+        // the scales correlate the errors over the contact, so that the fraction is as uncertain as
+        // that of several hundred draws: three times 0.7 %
         assert!((inside - 0.95).abs() < 0.02, "{inside}");
         let by_draws = drawn.contact_band(0.95).unwrap();
         let at = stick.history.index_near(0.5 * end.time).unwrap();
@@ -144,7 +144,7 @@ fn common_causes_act_as_differences_of_the_force_say() {
     let small = 1e-6;
     let scaled =
         |of: &[Complex64]| -> Vec<Complex64> { of.iter().map(|g| g * (1.0 + small)).collect() };
-    // a nanosecond turns the last line by 3e-4
+    // a delay of a nanosecond turns the last line by 3e-4
     let late = |of: &[Complex64]| -> Vec<Complex64> {
         let lines = of.iter().enumerate();
         let phase = |line: usize| TAU * STEP_HZ * line as f64 * 1e-3 * small;

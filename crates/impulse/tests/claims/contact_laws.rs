@@ -1,4 +1,4 @@
-//! Faces that give way: springs, Hertz, a curve with another way back.
+//! Compliant faces: springs, Hertz, a curve with another unloading path.
 
 use std::f64::consts::PI;
 
@@ -258,7 +258,7 @@ fn sphere_on_an_endless_rod(claims: &mut Claims) {
     };
     let both = || -> Ours<[Prediction; 2]> { Ok([found(400)?, found(1000)?]) };
     let found = both();
-    // the samples are means: those at the middle of their steps
+    // the samples are means over the steps, at the middle of the steps
     let worst = |p: &Prediction, every: usize| {
         let samples = p.history.force().iter().enumerate();
         largest(samples.map(|(n, force)| (force - exact[n * every + every / 2]) / peak))
@@ -273,8 +273,8 @@ fn sphere_on_an_endless_rod(claims: &mut Claims) {
         ),
         of(&found, |[_, fine]| fine.peak().force),
     );
-    // its mean of t^{3/2} is 0.4, the middle 0.354, of (V h)^{3/2} K; the other steps fall with the
-    // square of h
+    // in the first step the mean of t^{3/2} is 0.4 and its value in the middle 0.354, times (V
+    // h)^{3/2} K; the errors of the other steps fall with the square of h
     claims.deviation(
         "sphere on an endless rod: force in steps of 1 us, over what the mean of the first step is from its middle",
         Within(1.1, "the first step is the worst"),

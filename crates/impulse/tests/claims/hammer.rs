@@ -1,8 +1,8 @@
 //! Five hits of one impact-hammer test, `hammer/measurements_{1..5}.npy`: force and acceleration,
 //! one second each.
 //!
-//! The checks go the whole way: file, record, averaged spectra, H1 and coherence, and back from a
-//! response to its force.
+//! The checks cover the whole chain: file, record, averaged spectra, H1 and coherence, and the
+//! reconstruction of a force from its response.
 
 use std::ops::Range;
 use std::path::Path;
@@ -24,7 +24,7 @@ const SOURCE: &str = "description beside the records";
 const TARGET: &str = "target of the software: every hit from the other four";
 /// The hit whose force is predicted from the others.
 const PREDICTED: usize = 4;
-/// Of the band around a predicted force.
+/// Level of the band around a predicted force.
 const BAND_LEVEL: f64 = 0.95;
 /// Lines searched on either side of a resonance; the nearest two are 459 Hz apart.
 const SEARCH_HZ: f64 = 50.0;
@@ -173,26 +173,27 @@ struct Measured {
     frequency_hz: Vec<f64>,
     coherence: Vec<f64>,
     response: FrequencyResponse,
-    /// Of every hit from the four others.
+    /// Predictions of every hit from the four others.
     predictions: [Prediction; 5],
 }
 
 /// A force reconstructed from its response and the frequency response of other hits, against the
 /// measured force.
 struct Prediction {
-    /// Line by line, all over the record.
+    /// Errors of the division line by line, over the whole record.
     by_division: Errors,
-    /// By least squares on the samples where it acts, weighed by the noise of the lines.
+    /// Errors of least squares on the samples where the force acts, weighted by the noise of the
+    /// lines.
     on_support: Errors,
-    /// Samples of the support where the measured force is in the band.
+    /// Percentage of the samples of the support at which the measured force is in the band.
     covered_percent: f64,
-    /// Of the band, in percent of the peak.
+    /// Half width of the band at the peak, in percent of the peak.
     half_width_at_peak: f64,
-    /// Error of the peak over the half width of the band there.
+    /// Error of the peak divided by the half width of the band there.
     peak_over_band: f64,
 }
 
-/// In percent of the peak.
+/// Errors in percent of the peak.
 struct Errors {
     of_peak: f64,
     rms: f64,
@@ -326,8 +327,8 @@ impl Prediction {
             .map(|(_, hit)| hit)
             .collect();
         let (window, found) = force_of(&hits[predicted], &others)?;
-        // each of the others from the remaining three: what such a prediction misses, on the
-        // samples where it acts
+        // each of the other hits predicted from the remaining three: the error of such a prediction
+        // on the samples where the force acts
         let blows = (0..others.len())
             .map(|index| {
                 let mut remaining = others.clone();
@@ -378,10 +379,10 @@ impl Prediction {
     }
 }
 
-/// The force of `hit` from its response and the other hits, as `rodlab force` does by default:
-/// their average is the frequency response, what they scatter is the noise of each line, and the
-/// force acts as long as theirs about the peak that division finds. The samples of that support,
-/// and the force.
+/// Reconstructs the force of `hit` from its response and the other hits, as `rodlab force` does by
+/// default: their average is the frequency response, their scatter is the noise of each line, and
+/// the force acts as long as theirs, around the peak found by division. Returns the samples of that
+/// support, and the force.
 fn force_of(
     hit: &Record,
     others: &[&Record],

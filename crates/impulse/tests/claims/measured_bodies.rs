@@ -83,7 +83,7 @@ fn completed_lines() -> Ours {
     let variance: Vec<f64> = spoilt.iter().map(|line| 1e-4 * line.norm_sqr()).collect();
     let body = measured(&spoilt).with_variance(&variance)?;
     let completed = body.completed_below(100.0, 400.0)?;
-    // the variance of the balance, and that of the lines above
+    // the variance from the weighing, and that of the lines above
     let variance = completed
         .variance()
         .ok_or_else(|| missing("the variance"))?;
@@ -116,7 +116,7 @@ fn noise_after_projection() -> Ours {
     Ok(power(after.mobility(), clean.mobility()) / power(before.mobility(), &exact))
 }
 
-/// The gauge feels the body and 5 g below it.
+/// A gauge measures the force on the body and on 5 g below the gauge.
 fn bare_face() -> Ours {
     let exact = exact();
     let below = 5e-3;

@@ -1,5 +1,5 @@
-//! Forces from virtual responses of a struck rod: made by the Laplace transform on a damped line,
-//! inverted by frequency responses on the axis.
+//! Forces from virtual responses of a struck rod, which are computed by the Laplace transform on a
+//! damped line and inverted with frequency responses on the axis.
 
 use std::f64::consts::TAU;
 
@@ -30,9 +30,9 @@ const SUPPORT: TimeInterval = TimeInterval {
     from: 0.35e-3,
     to: 1.25e-3,
 };
-/// Of the accelerometers, in m/s².
+/// Noise of the accelerometers, in m/s².
 const NOISE: [f64; 2] = [80.0, 160.0];
-/// Standard deviation of a line of a frequency response, in parts of it.
+/// Relative standard deviation of a line of a frequency response.
 const RESPONSE_ERROR: f64 = 0.02;
 const SEEDS: u64 = 60;
 
@@ -151,7 +151,7 @@ fn struck() -> Ours<Faces> {
         Ok(fine.iter().step_by(FINER).take(SAMPLES).copied().collect())
     };
     let lines = |far: bool| -> Ours<Vec<Complex64>> {
-        // a free body at rest: the acceleration of its mass
+        // the accelerance of a free body at 0 Hz is that of its mass
         let mass = chain.free_mass().ok_or_else(|| missing("the mass"))?;
         let mut lines = vec![Complex64::from(1.0 / mass)];
         for line in 1..=SAMPLES / 2 {
@@ -254,7 +254,8 @@ fn noisy(values: &[f64], level: f64, random: &mut ChaCha8Rng) -> Vec<f64> {
     values.iter().map(|x| x + level * normal()).collect()
 }
 
-/// Circular errors of these variances; real ones at 0 Hz and at the Nyquist frequency.
+/// Lines with circular errors of these variances; the errors at 0 Hz and at the Nyquist frequency
+/// are real.
 fn noisy_lines(lines: &[Complex64], variances: &[f64], random: &mut ChaCha8Rng) -> Vec<Complex64> {
     let last = lines.len() - 1;
     let mut normal = || -> f64 { random.sample(StandardNormal) };

@@ -18,7 +18,7 @@ const VELOCITY: f64 = 1.5;
 const MASS: f64 = 0.3;
 const IMPEDANCE: f64 = 900.0;
 const DRAWS: usize = 1500;
-/// Below this force the faces have parted, in N.
+/// Force below which the faces have parted, in N.
 const THRESHOLD: f64 = 20.0;
 
 #[test]
@@ -189,8 +189,8 @@ fn by_differences(claims: &mut Claims, bodies: &Bodies) {
     );
 }
 
-/// The line at 0 Hz left out moves the force by -V M/T. Of the force, which decays as e^(-1211
-/// t/s), nothing is left after 20 ms.
+/// Leaving out the line at 0 Hz shifts the force by -V M/T. The force, which decays as e^(-1211
+/// t/s), has vanished after 20 ms.
 fn constant_of_the_zero_line(claims: &mut Claims) {
     claims.by("impulse of a body that is stopped, F(0) = V M");
     let step_hz = 50.0;

@@ -1,4 +1,4 @@
-//! Requests that no memory holds, bodies from a millimetre to a kilometre, and bands at their
+//! Requests that exceed any memory, bodies from a millimetre to a kilometre, and bands at their
 //! limits.
 
 use std::ops::Range;
@@ -114,8 +114,8 @@ fn draws_that_no_memory_holds_are_refused() {
     );
 }
 
-/// From a millimetre to a kilometre a steel rod on an endless one gives its momentum in one round
-/// trip.
+/// A steel rod of a length from a millimetre to a kilometre transfers its momentum to an endless
+/// rod in one round trip.
 #[test]
 fn rods_from_a_millimetre_to_a_kilometre() {
     let speed = (206e9_f64 / 7780.0).sqrt();
@@ -133,7 +133,8 @@ fn rods_from_a_millimetre_to_a_kilometre() {
             "{length}"
         );
         let last = found.contacts.first().unwrap().end.unwrap();
-        // a step of 6e-4 before it, and some behind in which the rest of the front goes to and fro
+        // from one step of 6e-4 before the round trip to several steps after it, in which the rest
+        // of the front travels to and fro
         assert!(
             (-6e-4..5e-3).contains(&(last / round_trip - 1.0)),
             "{length}: {:?}",

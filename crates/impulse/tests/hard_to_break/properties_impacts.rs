@@ -43,7 +43,8 @@ fn has_parted(prediction: &Prediction) -> bool {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(24))]
 
-    /// Faces never pull, no body makes energy, what is lost is lost in bodies and contact, and the pair does not part faster than it met.
+    /// Faces never pull, no body generates energy, energy is lost only in the bodies and the
+    /// contact, and the pair does not part faster than it met.
     #[test]
     fn passive_bodies_keep_the_balances(
         kinds in [0..4_usize, 0..4_usize],
@@ -88,7 +89,7 @@ proptest! {
         prop_assert_eq!(there.history.force(), back.history.force());
         let faces = [&there, &back].map(|p| p.face_velocity.clone());
         for (one, other) in faces[0][0].iter().zip(&faces[1][1]) {
-            // v1 = V - u1 here is u2 there: in the frame of the other body
+            // v1 = V - u1 here is u2 there, in the frame of the other body
             prop_assert!((one - (1.0 - other)).abs() < 1e-12);
         }
     }
@@ -148,8 +149,9 @@ proptest! {
         let found = Impact::between(&first, &second).at_velocity(1.0)
             .in_steps_of(share * round_trip).predict(1.6 * round_trip).unwrap();
         let exact = 0.5 * impedance * round_trip;
-        // Of the front a part of a step is left, which presses for a part of a step: 0.0058 of what a step gives was the most
-        // of 9000 steps, and a front that falls in the wrong step would be seen as 1.
+        // A part of a step of the front remains, which presses for a part of a step: the largest
+        // effect in 9000 steps was 0.0058 of that of a whole step. A front that falls in the wrong
+        // step would give 1.
         prop_assert!((found.balance().impulse / exact - 1.0).abs() < 0.01 * share, "{}", found.balance().impulse / exact);
         let last = found.contacts.first().unwrap().end.unwrap();
         // The front falls within one step of the round trip; the remainder travels to and fro

@@ -1,4 +1,4 @@
-//! A reconstruction is linear in the response and goes with it in time.
+//! A reconstruction is linear in the response and shifts with it in time.
 
 use impulse::{Parameter, Penalty, Reconstruction, Regularisation};
 use num_complex::Complex64;

@@ -1,4 +1,4 @@
-//! Results that must come out without any statistics.
+//! Results that can be checked without statistics.
 
 use std::sync::Arc;
 
@@ -25,7 +25,7 @@ fn hopkinson_bars_without_a_specimen_have_equal_forces() {
         .zip(&band)
         .filter(|(d, band)| d.abs() > **band)
         .count();
-    // one in a hundred, in groups by the band limit
+    // one sample in a hundred lies outside, in groups because of the band limit
     assert!(
         outside * 20 < difference.len(),
         "{outside} of {}",

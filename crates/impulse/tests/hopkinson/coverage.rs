@@ -1,4 +1,4 @@
-//! Bands against the truth over many laboratories, each with errors of its own.
+//! Coverage of the truth by the bands over many laboratories, each with errors of its own.
 
 use impulse::hopkinson::{
     BarMaterial, Curve, HopkinsonResult, HopkinsonTest, Known, MaterialVariation, MeanCurve,
@@ -135,8 +135,9 @@ fn covered(rig: &HopkinsonRig, specimen: Segment, diameter: f64, seeds: u64) -> 
     inside.map(|n| n / all)
 }
 
-/// Laboratories in a test. With 50 independent ones and 95 % the fraction scatters by 3 %: 87 % is
-/// two and a half of these below, and a band of two thirds of the width covers 81 %.
+/// Laboratories in a test. With 50 independent laboratories and 95 % the fraction scatters by 3 %:
+/// 87 % is two and a half times this scatter below 95 %, and a band of two thirds of the width
+/// covers 81 %.
 const SEEDS: u64 = 50;
 const POWER: &str =
     "50 laboratories with common errors of their own: 3 % standard deviation of a fraction of 95 %";
@@ -226,8 +227,8 @@ fn hopkinson_linear_errors_are_those_of_draws() {
     assert!(said.contains("number of draws"), "{said}");
 }
 
-/// Three shots of each laboratory: bars, gauges and recorder err alike in all of them, specimens
-/// and noise do not.
+/// Three shots of each laboratory: the errors of bars, gauges and recorder are the same in all of
+/// them, those of specimens and noise are not.
 #[test]
 fn hopkinson_mean_of_shots_covers_the_curve_of_the_specimens() {
     let rig = rig::nylon();
@@ -302,7 +303,7 @@ fn hopkinson_mean_of_shots_covers_the_curve_of_the_specimens() {
         Ok(ratio),
     );
     claims.hold("impulse", "hopkinson-mean-of-shots");
-    // the shared errors are most of it: a band of the scatter alone does not cover
+    // the shared errors are most of the error: a band of the scatter alone does not cover
     assert!(of_one < 0.75 * all, "{of_one} of {all}");
 }
 

@@ -1,4 +1,4 @@
-//! Mistakes of a laboratory, each with the objection that names it, and what is refused at once.
+//! Mistakes of a laboratory, each with the finding that names it, and inputs that are refused.
 
 use impulse::ImpulseError;
 use std::sync::Arc;
@@ -76,7 +76,7 @@ fn hopkinson_strains_in_another_unit_are_named() {
     assert!(finding.forbids() && said.contains("gauge factor"), "{said}");
 }
 
-/// The gauge factor of the transmitted bar a quarter too large: its force is 1.25 times the true
+/// The gauge factor of the transmitted bar is a quarter too large: its force is 1.25 times the true
 /// one.
 #[test]
 fn hopkinson_a_wrong_gauge_factor_is_named_by_the_ratio_of_the_forces() {
@@ -97,9 +97,9 @@ fn hopkinson_a_wrong_gauge_factor_is_named_by_the_ratio_of_the_forces() {
     assert!(!finding.forbids() && said.contains("0.8"), "{said}");
 }
 
-/// Density and modulus for a wave speed 15 % too high: the reflected wave comes 15 % later than said.
-/// One of 8 % could be the front of a specimen here, where the wave rises within 0.12 ms; it is found
-/// by the forces of the two faces.
+/// Density and modulus for a wave speed 15 % too high: the reflected wave arrives 15 % later than
+/// stated. A delay of 8 % could be due to the front of a specimen here, where the wave rises within
+/// 0.12 ms; such an error is found from the forces of the two faces.
 #[test]
 fn hopkinson_a_wrong_wave_speed_is_named_with_the_one_found() {
     let with = |factor: f64| {
@@ -117,7 +117,7 @@ fn hopkinson_a_wrong_wave_speed_is_named_with_the_one_found() {
         _ => None,
     });
     let (ratio, said) = speed.unwrap_or_else(|| panic!("{findings:?}"));
-    // fronts that creep arrive with some per cent of their own
+    // fronts of a creeping specimen shift the arrival by some per cent
     assert!((ratio - 1.15).abs() < 0.03, "{said}");
 }
 
@@ -134,7 +134,7 @@ fn hopkinson_a_slow_front_is_no_wrong_wave_speed() {
     }
 }
 
-/// The recorder of the transmitted bar 60 us ahead.
+/// The recorder of the transmitted bar is 60 us ahead.
 #[test]
 fn hopkinson_a_channel_ahead_of_the_others_is_named_and_alignment_takes_its_lag() {
     let ahead = |record: &mut HopkinsonRecord| {
@@ -148,7 +148,8 @@ fn hopkinson_a_channel_ahead_of_the_others_is_named_and_alignment_takes_its_lag(
         _ => None,
     });
     let (by, said) = early.unwrap_or_else(|| panic!("{findings:?}"));
-    // where the force exceeds a quarter of its peak a delayed rise costs some microseconds
+    // a delayed rise shifts the time at which the force exceeds a quarter of its peak by some
+    // microseconds
     assert!((by - 60e-6).abs() < 15e-6, "{said}");
     let (mut test, mut record) = shot();
     let right = rig::evaluated(&test, &record);
@@ -186,7 +187,7 @@ fn hopkinson_a_law_that_ends_below_the_band_is_named() {
         said.contains("9000 Hz") && said.contains("5000 Hz"),
         "{said}"
     );
-    // without a stated end the band ends there
+    // without a stated end, the band ends where the law does
     let (mut test, record) = shot();
     for bar in &mut test.bars {
         bar.material = bar.material.clone().known_to(5e3);
@@ -261,8 +262,8 @@ fn hopkinson_a_band_in_which_waves_have_died_out_is_named() {
     );
 }
 
-/// The incident gauge 0.04 m nearer than stated: the reflected wave is carried to the face too early,
-/// and the face seems to pull.
+/// The incident gauge is 0.04 m nearer than stated: the reflected wave is propagated to the face
+/// too early, and the face seems to pull.
 #[test]
 fn hopkinson_a_face_that_pulls_is_named() {
     let findings = found(|test, _| test.bars[0].gauges[0].distance.value += 0.04);
@@ -294,7 +295,7 @@ fn hopkinson_torsion_has_the_stress_of_a_torque() {
     let expected = 0.25 * rig.diameter * per_torque * rig::area(outer);
     let middle = in_compression.loaded.start + in_compression.loaded.len() / 2;
     let at = |result: &HopkinsonResult| result.curves.of(Curve::Stress)[middle];
-    // one record by one law: the same lines but for factors
+    // one record by one law: the same lines except for factors
     let ratio = at(&in_torsion) / at(&in_compression);
     assert!((ratio / expected - 1.0).abs() < 1e-9, "{ratio} {expected}");
     // stress goes with 1/(r² t), and the mean radius falls by half of what the wall grows
@@ -347,7 +348,8 @@ fn hopkinson_sources_of_errors_are_named() {
     }
     let own = result.common.iter().filter(|e| e.source.is_of_one_shot());
     assert_eq!(own.count(), 2);
-    // a diameter 1e-5 of 14e-3 too large makes the area, and the stress, twice that wrong
+    // a diameter of 14e-3 that is 1e-5 too large gives the area, and the stress, twice the relative
+    // error
     let effect = result
         .common
         .iter()
@@ -361,7 +363,7 @@ fn hopkinson_sources_of_errors_are_named() {
     );
 }
 
-/// Sheets and records that cannot be evaluated, each with a part of the refusal.
+/// Sheets and records that cannot be evaluated, each with a part of the message.
 #[test]
 fn hopkinson_sheets_and_records_that_cannot_be_are_refused() {
     type Change = fn(&mut HopkinsonTest, &mut HopkinsonRecord);
@@ -462,7 +464,7 @@ fn hopkinson_sheets_and_records_that_cannot_be_are_refused() {
         };
         assert!(said.contains(expected), "{number}: {said}");
     }
-    // the transmitted bar answers first where the records are exchanged
+    // the transmitted bar responds first if the records are exchanged
     let (test, mut record) = (good.clone(), record.clone());
     record.gauges.swap(0, 1);
     let mut random = ChaCha8Rng::seed_from_u64(1);

@@ -1,5 +1,5 @@
-//! Pulses longer than the way from the gauge to the specimen and back: two gauges, a free end, the
-//! force of the other face.
+//! Pulses longer than the way from the gauge to the specimen and back, evaluated with two gauges, a
+//! free end, or the force of the other face.
 
 use impulse::hopkinson::{Finding, HopkinsonTest, WaveSeparation};
 use testbed::hopkinson::HopkinsonRig;
@@ -17,8 +17,8 @@ fn long_pulse(gauges: [Vec<f64>; 2]) -> HopkinsonRig {
     }
 }
 
-/// Worst differences of stress and strain from the truth, over the largest, and the time of the
-/// result.
+/// Worst differences of stress and strain from the truth, relative to the largest value, and the
+/// time of the result.
 fn worst(rig: &HopkinsonRig, change: impl Fn(&mut HopkinsonTest)) -> ([f64; 2], f64, Vec<Finding>) {
     let (specimen, diameter) = (rig::norton(), 0.014);
     let length = specimen.length();
@@ -49,8 +49,8 @@ fn hopkinson_one_gauge_a_bar_with_a_free_end_goes_beyond_one_transit() {
     let (far, time, findings) = worst(&rig, |test| {
         test.separation = [WaveSeparation::Balanced, WaveSeparation::FreeEnd];
     });
-    // the force of the incident face is supposed to be that of the other: off by the transit of the
-    // specimen
+    // the force of the incident face is assumed to be that of the other: the error is that of the
+    // transit through the specimen
     assert!(
         far[0] < 0.05 && far[1] < 0.05 && time > 1.3e-3,
         "{far:?} {time}"
@@ -60,7 +60,7 @@ fn hopkinson_one_gauge_a_bar_with_a_free_end_goes_beyond_one_transit() {
         "{findings:?}"
     );
 
-    // separation by passages gives no result, and an error
+    // separation by passages gives only a short result, and a finding
     let (_, short, findings) = worst(&rig, |_| {});
     assert!(short < 0.7e-3, "{short}");
     assert!(

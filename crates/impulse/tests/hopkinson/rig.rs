@@ -121,7 +121,7 @@ pub(crate) fn record(
     HopkinsonRecord {
         rate_hz: RATE,
         gauges: truth.recorded(RATE, errors, seed),
-        // the pulse reaches no gauge before
+        // the pulse reaches no gauge before this time
         silent: (0.9 * truth.before * RATE) as usize,
     }
 }
@@ -131,7 +131,8 @@ pub(crate) fn evaluated(test: &HopkinsonTest, record: &HopkinsonRecord) -> Hopki
     test.evaluate(record, &mut random).unwrap()
 }
 
-/// Worst differences of stress and strain from the truth over the loaded time, over the largest.
+/// Worst differences of stress and strain from the truth over the loaded time, relative to the
+/// largest value.
 pub(crate) fn worst(
     truth: &HopkinsonTruth,
     result: &HopkinsonResult,

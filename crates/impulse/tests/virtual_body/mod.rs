@@ -91,7 +91,7 @@ impl VirtualBody {
                 let omega = TAU * line as f64 * self.sampling_rate_hz / self.n_samples as f64;
                 Ok(Complex64::new(0.0, omega) * mobility(omega)?)
             });
-            // a free body at rest: the acceleration of its mass
+            // the accelerance of a free body at 0 Hz is that of its mass
             let mass = chain.free_mass().unwrap_or(f64::NAN);
             std::iter::once(Ok(Complex64::from(1.0 / mass)))
                 .chain(above)

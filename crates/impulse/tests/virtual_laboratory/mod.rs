@@ -4,7 +4,7 @@
 //!
 //! The blows are made by the Laplace transform on a damped line (`rodwave::experiment`); sensors,
 //! filter and noise are those of `labio`. Nylon-6 has a constant loss factor at the level of the
-//! paper's eq. 7, which is no law of causal histories itself.
+//! paper's eq. 7, which is itself not causal.
 
 use std::error::Error;
 use std::f64::consts::TAU;
@@ -61,16 +61,16 @@ struct Hammer {
     length: f64,
     diameter: f64,
     swing_degrees: f64,
-    /// Of its contact with the head [N/m]; not in the paper.
+    /// Stiffness of its contact with the head [N/m]; not in the paper.
     stiffness: f64,
 }
 
 /// Choice of the response among those of the two hammers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Merging {
-    /// Response of the larger force (as the paper).
+    /// Response of the larger force (as in the paper).
     LargerForce,
-    /// Both, by their variances.
+    /// Mean of both responses, weighted by their inverse variances.
     InverseVariance,
 }
 
@@ -254,7 +254,7 @@ impl Case {
     }
 }
 
-/// The predicted mobility of the long rod: it counts as endless.
+/// The predicted mobility of the long rod, which counts as endless.
 pub(crate) fn long_rod() -> Outcome<Vec<Complex64>> {
     let steel = Medium::new(7780.0, Elastic::new(206e9)?)?;
     let rod = Chain::from_impact_face().end(Termination::semi_infinite(

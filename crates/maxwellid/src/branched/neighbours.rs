@@ -39,11 +39,11 @@ const SPECTRUM: (f64, f64, usize) = (1e-6, 5e-3, 7);
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Neighbours {
     /// A spring, linear Maxwell branches, or both, each with its share. Parameters: the logarithms
-    /// of the ratios of all further shares, that of the nonlinear branch last, to the first one, and
-    /// of the relaxation times.
+    /// of the ratios of all other shares to the first one, with that of the nonlinear branch last,
+    /// and of the relaxation times.
     Branches { spring: bool, linear: usize },
-    /// The branches of a flat loss factor d. Parameters: the logarithm of the share of the nonlinear
-    /// branch over that of all others, and ln d.
+    /// The branches of a flat loss factor d. Parameters: the logarithm of the share of the
+    /// nonlinear branch divided by that of all others, and ln d.
     ///
     /// With a = 2/π atan d the spectrum of (iω)^a is sin(πa)/π τ^(-a) per ln τ. It is summed by the
     /// trapezoidal rule. A spring replaces the slower part of the spectrum; the first and last
@@ -62,7 +62,8 @@ pub(super) struct Composition {
 }
 
 impl Neighbours {
-    /// A linear Maxwell branch more, as far as there can be more.
+    /// Returns the neighbours with one more linear Maxwell branch, up to [`MOST_LINEAR`] in all; a
+    /// flat loss factor stays unchanged.
     pub(super) fn with_linear_branch(self) -> Self {
         match self {
             Self::Branches { spring, linear } => Self::Branches {
@@ -115,8 +116,8 @@ impl Neighbours {
         self.names().iter().map(of).collect()
     }
 
-    /// Parameters at which the nonlinear branch has the share `ratio` over that of the first
-    /// component, and its share of all. Linear branches start with a tenth of that component.
+    /// Parameters at which the share of the nonlinear branch is `ratio` times that of the first
+    /// component, and its share of the total. Linear branches start with a tenth of that component.
     pub(super) fn start(self, ratio: f64) -> (Vec<f64>, f64) {
         let others = self.ratios() - 1;
         let parameters = std::iter::repeat_n(0.1_f64.ln(), others)
@@ -141,8 +142,8 @@ impl Neighbours {
         }
     }
 
-    /// The shares and times at these parameters; `None` for another number of them, and where a
-    /// share is beyond the range of numbers.
+    /// The shares and times at these parameters; `None` for a wrong number of parameters, and where
+    /// a share is outside the floating-point range.
     pub(super) fn at(self, parameters: &[f64]) -> Option<Composition> {
         match self {
             Self::Branches { spring, .. } => {
@@ -198,7 +199,8 @@ impl Neighbours {
                         time,
                     })
                     .collect();
-                // dw/dx of the law is w (1 - w), and that of the others takes it from them alike
+                // dw/dx of the law is w (1 - w); the others lose this amount in proportion to their
+                // shares
                 let by_ratio = linear.iter().map(|branch| -of_law * branch.share);
                 let by_ratio = by_ratio.chain([of_law * of_others]).collect();
                 let pairs = growth.iter().zip(&weights).skip(1);
@@ -296,8 +298,8 @@ fn moved(shares: &[f64], k: usize) -> Vec<f64> {
         .collect()
 }
 
-/// Weights of the branches of a flat loss factor, the spring first, and their derivatives with respect
-/// to its logarithm.
+/// Weights of the branches of a flat loss factor, the spring first, and their derivatives with
+/// respect to the logarithm of that factor.
 struct Spectrum {
     times: Vec<f64>,
     weights: Vec<f64>,
@@ -315,7 +317,8 @@ impl Spectrum {
         let times: Vec<f64> = (0..count)
             .map(|index| first * (step * index as f64).exp())
             .collect();
-        // times in units of the last one; each weight with its logarithmic derivative by a
+        // times in units of the last one; each weight with its logarithmic derivative with respect
+        // to a
         let relative = |time: f64| (time / last).ln();
         let edge = 0.5 * step;
         let mut branches: Vec<(f64, f64)> = times
@@ -332,11 +335,12 @@ impl Spectrum {
                 *own = sum;
             }
         };
-        // faster than the first: a dashpot, whose loss the first branch has
+        // the part faster than the first branch: a dashpot, whose loss the first branch includes
         let log = relative(first) - edge;
         let faster = scale * ((1.0 - a) * log - relative(first)).exp() / (1.0 - a);
         add(0, faster, of_scale - log + 1.0 / (1.0 - a));
-        // slower than the last: a spring with some loss, which the last branch has
+        // the part slower than the last branch: a spring with some loss, which the last branch
+        // includes
         let slower = scale * (-(1.0 + a) * edge).exp() / (1.0 + a);
         let slower_by_a = of_scale - edge - 1.0 / (1.0 + a);
         add(count - 1, slower, slower_by_a);

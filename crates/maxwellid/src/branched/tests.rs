@@ -114,7 +114,7 @@ fn derivatives_are_those_of_differences() {
         driven(2e-3, |rod| {
             let linearised = model.linearised_response(rod, parameters).unwrap();
             let plain = model.response(rod, parameters).unwrap();
-            // the same march but for rounding
+            // the same march except for rounding
             assert!(largest_difference(&linearised.velocity, &plain) < 1e-9);
             assert_eq!(linearised.by_parameter.len(), parameters.len());
             let names = model.parameter_names();
@@ -304,7 +304,7 @@ fn derivatives_by_samples_are_those_of_differences() {
         (model.by_samples(rod, &theta, &places, 0.0), differences)
     });
     for (found, expected) in found.unwrap().iter().zip(&expected.unwrap()) {
-        // differences of 1e-4 of 8 m/s: 5e-5 relative of the curvature
+        // differences over 1e-4 of 8 m/s: a relative error of 5e-5 due to the curvature
         assert!(largest_difference(found, expected) < 2e-4);
     }
 }

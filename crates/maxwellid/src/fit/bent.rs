@@ -1,4 +1,4 @@
-//! Intervals whose ends lack the rise of χ², with renewed weights and excitation, that the standard
+//! Intervals at whose ends χ², with renewed weights and excitation, does not rise as the standard
 //! errors imply.
 
 use super::{Course, Fit, Lowest, value};
@@ -11,8 +11,8 @@ use crate::selection::DISTINCT_VELOCITIES;
 use crate::test::RodTest;
 
 /// Noise of the excitation relative to the impact velocity above which other shapes are tried next
-/// to a minimum. At 0.01 the mean square of errors over standard errors of 200 fits is at most 1.3,
-/// which excludes minima that are off by ten standard errors.
+/// to a minimum. At 0.01 the mean square of the ratio of error to standard error of 200 fits is at
+/// most 1.3, which excludes minima that are off by ten standard errors.
 const NOISY: f64 = 0.015;
 
 /// Offsets of the other shapes that are tried, in step limits.

@@ -45,13 +45,13 @@ const ROUNDS: usize = 24;
 /// Remaining relative reduction of the sum of squares at which a preliminary minimum ends.
 const PRELIMINARY: f64 = 1e-4;
 
-/// Remaining relative reduction of a white sum of squares at a minimum: a thousandth of a variance
-/// for some hundred samples.
+/// Remaining relative reduction of a white sum of squares at a minimum; for about a hundred samples
+/// this is a thousandth of a variance.
 const WHITE: f64 = 1e-5;
 
 /// Number of successive renewals of the transfer that change the parameters by more than [`NEARER`]
-/// times the least change before: they do not converge. This happens to laws that do not explain
-/// the data.
+/// times the least change before, from which the renewals count as not converging. This happens
+/// with laws that do not explain the data.
 const NO_NEARER: usize = 3;
 const NEARER: f64 = 0.9;
 
@@ -213,7 +213,8 @@ impl<M: RodModel> Fit<M> {
         }
     }
 
-    /// The requested accuracy, or that required by the stated noise if smaller.
+    /// Returns the requested accuracy, or the accuracy that the stated noise requires if that is
+    /// smaller.
     #[expect(
         clippy::cast_precision_loss,
         reason = "sample counts are far below 2^52"
@@ -229,9 +230,9 @@ impl<M: RodModel> Fit<M> {
             .fold(self.accuracy, f64::min)
     }
 
-    /// Largest rms difference over V0, among the tests, between the responses with `cell` and with
-    /// half of it. The excitations are those about which `problem` is linearised: the noise of a
-    /// measured excitation would need a finer grid than the motion of the rod.
+    /// Largest rms difference, divided by V0, among the tests, between the responses with `cell`
+    /// and with half of it. The excitations are those about which `problem` is linearised: the
+    /// noise of a measured excitation would need a finer grid than the motion of the rod.
     pub(super) fn grid_difference(
         problem: &TestResidual<'_, M>,
         of_model: &[f64],
@@ -271,7 +272,8 @@ impl<M: RodModel> Fit<M> {
         // start and minimum of the previous renewal of the transfer
         let mut renewal: Option<(Vec<f64>, Vec<f64>)> = None;
         let bounds = problem.bounds();
-        // if the record itself drives the rod, the alternation converges, and a secant may miss it
+        // if the record itself drives the rod, the alternation converges, and a secant may miss its
+        // limit
         let has_drive = |test: &RodTest| test.drive(false).is_some();
         let follows_secant = !self.model.is_linear() && tests.iter().any(has_drive);
         for _ in 0..ROUNDS {

@@ -95,7 +95,8 @@ fn the_transfer_resolves_points_closer_than_a_usual_cell() {
         .map(|(a, b)| 50.0 * (a - b))
         .collect();
     let off: Vec<f64> = expected.iter().zip(&found).map(|(a, b)| a - b).collect();
-    // columns at every few points and a step of 0.6 points; with cells of 4 mm half of the wiggle is lost
+    // columns at every few points and a step of 0.6 points; with cells of 4 mm half of the small
+    // change is lost
     let relative = root_mean_square(&off) / root_mean_square(&expected);
     assert!(relative < 0.05, "{relative}");
 }
@@ -278,7 +279,7 @@ fn a_grid_is_refined_until_it_is_fine_enough() {
     let (cell, minimum, _, flags) = refined(of_usual / 12.0);
     assert!(near(cell, DEFAULT_CELL / 4.0) && flags.is_empty());
     assert_eq!(minimum.parameters.len(), 2);
-    // no grid is fine enough for rounding, and a flag reports this
+    // no grid reaches an accuracy near rounding, and a flag reports this
     let (cell, _, difference, flags) = refined(1e-12);
     assert!(near(cell, SHORTEST_CELL));
     assert_eq!(
@@ -346,8 +347,8 @@ fn the_alternation_ends_where_nothing_moves() {
     for _ in 0..3 {
         at = weighted(&at.parameters).0;
     }
-    // From the solution one round confirms the transfer and one that nothing moves: one iteration
-    // each.
+    // Started at the solution, one round confirms the transfer, and one confirms that nothing
+    // moves: one iteration each.
     let (again, iterations) = weighted(&at.parameters);
     assert_eq!(iterations, 2);
     assert!(again.movement(&at.parameters) < SETTLED);

@@ -6,7 +6,7 @@ use num_complex::Complex64;
 use rodwave::band_limited::VelocityHistory;
 use rodwave::fourier::RealFourier;
 
-/// aT_p: the alias of the next period is damped by e^{-16} = 1.1e-7.
+/// Damping aT_p over the period: the alias of the next period is damped by e^{-16} = 1.1e-7.
 const DAMPING_OVER_PERIOD: f64 = 16.0;
 
 /// Points per sample. The interpolation between samples passes nothing above 0.62 of the sampling

@@ -195,9 +195,9 @@ fn secant_and_tangent(z: Complex64) -> (Complex64, Complex64) {
 
 /// Times at which a history is evaluated.
 enum Times<'a> {
-    /// `rest` times 0, then `count` samples from sample `first` on, all at a part δ of an interval
-    /// after the sample. This is exact: `advance` is the factor e^{sδ} of each line, none for δ =
-    /// 0.
+    /// Zero at the first `rest` times, then `count` samples from sample `first` on, each evaluated
+    /// a fraction δ of an interval after the sample. This is exact: `advance` is the factor e^{sδ}
+    /// of each line, empty for δ = 0.
     AtSamples {
         rest: usize,
         first: usize,

@@ -91,7 +91,7 @@ fn without_relaxation_the_waves_are_those_of_d_alembert() {
                 .sum()
         })
         .collect();
-    // the stated interpolation between samples, 2e-5 of 8 m/s, doubled
+    // the stated error of the interpolation between samples, 2e-5 of 8 m/s, doubled
     let difference = largest_difference(&found, &expected);
     assert!(difference < 3e-4, "{difference}");
 }
@@ -116,7 +116,7 @@ fn one_branch_is_the_maxwell_rod_of_the_characteristics() {
         largest_difference(&found, &response)
     };
     let errors = [error(50), error(100), error(800)];
-    // second order until the interpolation of the excitation is left
+    // second order, down to the error of the interpolation of the excitation
     assert!(errors[0] / errors[1] > 3.0, "{errors:?}");
     assert!(errors[2] < 3e-4, "{errors:?}");
 }
@@ -189,7 +189,7 @@ fn branches_in_parallel_are_those_of_the_line() {
     .0;
     let errors = [4e-6, 2e-6, 0.5e-6]
         .map(|step| largest_difference(&found, &by_the_line(&three, &history, step)));
-    // second order, down to the interpolation between samples
+    // second order, down to the error of the interpolation between samples
     assert!(errors[0] / errors[1] > 3.0, "{errors:?}");
     assert!(errors[2] < 6e-4, "{errors:?}");
 }

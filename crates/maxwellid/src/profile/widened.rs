@@ -38,7 +38,7 @@ impl Profile {
                     let off = (value - y) / error;
                     (rise + off * off, 2.0 * off / error)
                 });
-                // the derivative of a minimum is the derivative with the minimum at its place
+                // the derivative of the minimum is the derivative with y held at the minimum
                 let (rise, slope) = each
                     .min_by(|a, b| a.0.total_cmp(&b.0))
                     .unwrap_or((f64::INFINITY, f64::NAN));
@@ -126,7 +126,7 @@ mod tests {
         let wide = profile.with_specimen_uncertainty(&specimen);
         let expected = THRESHOLD.sqrt() * data.hypot(by_specimen);
         for (at, found) in profile.smooth_curve() {
-            // a parabola to rounding of its values, up to 50
+            // a parabola, to the rounding of values up to 50
             assert!((found - rise(at)).abs() < 1e-10, "{at} {found}");
         }
         // ends are searched on 64 points per fifth of the interval: the maximum is flat

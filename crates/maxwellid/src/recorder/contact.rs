@@ -6,13 +6,13 @@ use faer::{Accum, Mat, Par, Side};
 
 use crate::recorder::filter::Observation;
 
-/// Correlation of the steps at the begin and at the next point, between which a contact begins: two
-/// parts of one step. Without correlation they ring, and with one step the front is on a point: of
-/// blows in closed form the errors over their standard errors are 7, 2.4 and, so, 0.8 (root mean
-/// square).
+/// Correlation of the steps at the two points between which a contact begins: they are two parts of
+/// one step. Without correlation the estimate rings, and with one step only the front lies on a
+/// point: for blows in closed form the root mean square of error over standard error is 7 without
+/// correlation, 2.4 with one step, and 0.8 with this correlation.
 const OF_ONE_STEP: f64 = 0.8;
 
-/// The covariance of the two steps, in h², times two numbers.
+/// Returns the covariance of the two steps, in h², times two numbers.
 pub(super) fn in_step([first, second]: [f64; 2]) -> [f64; 2] {
     [first + OF_ONE_STEP * second, OF_ONE_STEP * first + second]
 }
@@ -26,7 +26,7 @@ pub(super) struct Contact {
     pub(super) memory: f64,
     /// Variance q of the change of velocity in one point [m²/s²].
     pub(super) change: f64,
-    /// Variance h² of the steps at the begin and at the next point [m²/s²].
+    /// Variance h² of the steps at `begin` and at the next point [m²/s²].
     pub(super) step: f64,
 }
 
@@ -35,7 +35,7 @@ pub(super) fn value_at(values: &[f64], index: usize) -> f64 {
 }
 
 impl Contact {
-    /// B w: what a change w of each point makes of the velocity.
+    /// Returns B w: the velocity that results from a change w of each point.
     pub(super) fn moved(&self, changes: impl Iterator<Item = f64>) -> Vec<f64> {
         let (mut sum, mut delayed) = (0.0, 0.0);
         changes
@@ -51,7 +51,7 @@ impl Contact {
             .collect()
     }
 
-    /// Bᵀ y.
+    /// Returns Bᵀ y.
     pub(super) fn moved_back(&self, values: &[f64]) -> Vec<f64> {
         let (mut sum, mut delayed) = (0.0, 0.0);
         let mut back: Vec<f64> = values
@@ -67,7 +67,7 @@ impl Contact {
         back
     }
 
-    /// D w: the covariance of the changes times a history.
+    /// Returns D w: the covariance of the changes times a history.
     pub(super) fn correlated(&self, mut values: Vec<f64>) -> Vec<f64> {
         let at = |point: usize| value_at(&values, point);
         let steps = in_step([at(self.begin), at(self.begin + 1)]);
@@ -106,7 +106,7 @@ impl Contact {
         Some(self.mean_by(&factor, &shown, record, points))
     }
 
-    /// Σ Gᵀ K⁻¹ v_e.
+    /// Returns Σ Gᵀ K⁻¹ v_e.
     fn mean_by(&self, factor: &Llt<f64>, shown: &Shown, record: &[f64], points: usize) -> Vec<f64> {
         let solved = factor.solve(&Mat::from_fn(record.len(), 1, |i, _| value_at(record, i)));
         let mut back = vec![0.0; points];
@@ -132,7 +132,7 @@ impl Contact {
         let shown = Shown::of(self.memory, (points, record.len()), seen);
         let factor = shown.covariance(self, (0, noise)).llt(Side::Lower).ok()?;
         let mean = self.mean_by(&factor, &shown, record, points);
-        // earlier samples show nothing, and rows of V are those of the others
+        // earlier samples contain nothing of the excitation; V has rows for the others only
         let shows = |sample: &usize| shown.point(*sample) >= first;
         let from = (0..record.len()).find(shows).unwrap_or(record.len());
         // Σ Gᵀ, a column for each sample
@@ -179,10 +179,9 @@ impl Contact {
     }
 }
 
-/// G B: what samples show of steps, smoothed by a contact of one time constant.
+/// G B: the response of the samples to steps that are smoothed by a contact of one time constant.
 pub(super) struct Shown {
-    /// The response to a step at the first point, by the point since then that a sample shows,
-    /// newest first.
+    /// The response to a step at the first point, one entry per point since the step, newest first.
     newest_first: Vec<f64>,
     /// Σ s(t) s(t + lag) over t up to each point, for lags of whole samples.
     products: Vec<Vec<f64>>,
@@ -191,8 +190,8 @@ pub(super) struct Shown {
 }
 
 impl Shown {
-    /// The response for a memory e^{-1/τ} over `points` points after the step, which `samples`
-    /// samples show.
+    /// Computes the response for a memory e^{-1/τ}, over `points` points after the step and for
+    /// `samples` samples.
     pub(super) fn of(memory: f64, (points, samples): (usize, usize), seen: &Observation) -> Self {
         let step = seen.of_step(memory, points);
         let every = seen.every();
@@ -215,7 +214,7 @@ impl Shown {
         }
     }
 
-    /// The point that a sample shows.
+    /// Latest point of the grid that affects a sample.
     fn point(&self, sample: usize) -> usize {
         sample * self.every + self.lead
     }
@@ -227,7 +226,7 @@ impl Shown {
         place.map_or(0.0, |place| value_at(&self.newest_first, place))
     }
 
-    /// The parts of a sample by the steps at all points, from the first point on.
+    /// The contributions to a sample of the steps at all points, from the first point on.
     fn row(&self, sample: usize) -> &[f64] {
         let from = self
             .newest_first
@@ -243,7 +242,7 @@ impl Shown {
         (from, noise): (usize, &Mat<f64>),
     ) -> Mat<f64> {
         let count = noise.nrows();
-        // points since the begin of the contact that a sample shows
+        // points from the beginning of the contact to the latest one that affects a sample
         let since = |i: usize| self.point(from + i).checked_sub(contact.begin);
         let steps = |since: Option<usize>| {
             let at = |since: Option<usize>| since.map_or(0.0, |since| self.at(since));
@@ -267,7 +266,8 @@ impl Shown {
     }
 }
 
-/// Mean of the excitation over `contacts` with their probabilities, from the `means` given each.
+/// Mean of the excitation over `contacts` with their probabilities, from the `means` given each
+/// contact.
 pub(super) fn mixed_mean(contacts: &[(f64, Contact)], means: &[Vec<f64>]) -> Vec<f64> {
     let mut sum = vec![0.0; means.first().map_or(0, Vec::len)];
     for ((weight, _), own) in contacts.iter().zip(means) {
@@ -278,8 +278,8 @@ pub(super) fn mixed_mean(contacts: &[(f64, Contact)], means: &[Vec<f64>]) -> Vec
 }
 
 /// Mean and covariance at `points` points over `contacts` with their probabilities: P = Σ p (P_i +
-/// (u_i - u)(u_i - u)ᵀ) about u = Σ p u_i. `given` returns for a contact what [`Contact::given`]
-/// does, from the point that is its second argument on.
+/// (u_i - u)(u_i - u)ᵀ) about u = Σ p u_i. For a contact, `given` returns the result of
+/// [`Contact::given`], from the point on that is its second argument.
 pub(super) fn mixed(
     contacts: &[(f64, Contact)],
     points: usize,

@@ -155,7 +155,7 @@ impl RecorderFilter {
         }
     }
 
-    /// The filter for histories at `rate_hz` \[Hz\], `every` points of which make a sample.
+    /// The filter for histories at `rate_hz` \[Hz\] with `every` points per sample.
     pub(crate) fn observation(&self, rate_hz: f64, every: usize) -> Observation {
         let kernel = match &self.kind {
             Kind::LinearPhase(recorder) => impulse_of(*recorder, rate_hz),
@@ -176,8 +176,8 @@ fn check_cutoff(cutoff_hz: f64) -> Result<(), MaxwellidError> {
     })
 }
 
-/// Number of points of the transform of a response: an impulse response of some hundred points and
-/// its ringing.
+/// Number of points of the transform of a response, which must hold an impulse response of some
+/// hundred points and its ringing.
 const POINTS: usize = 8192;
 
 /// Part of the sum of magnitudes of an impulse response that is cut off at either end.
@@ -186,7 +186,8 @@ const CUT_OFF: f64 = 1e-5;
 /// Share of half of the rate from which a response fades to zero.
 const FADES_FROM: f64 = 0.6;
 
-/// Gain at a share of half of the rate: a response that ended there at once would ring without end.
+/// Gain at a share of half of the rate: a response that is cut off abruptly there would ring
+/// without end.
 fn fading(share: f64) -> f64 {
     let beyond = ((share - FADES_FROM) / (1.0 - FADES_FROM)).clamp(0.0, 1.0);
     0.5 + 0.5 * (std::f64::consts::PI * beyond).cos()
@@ -224,7 +225,7 @@ fn impulse_of(recorder: Recorder, rate_hz: f64) -> Observation {
     Observation::of(&kernel, reach)
 }
 
-/// Samples of a history on a finer grid behind a filter.
+/// Filter and sampler of a history on a grid that is finer than the samples.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Observation {
     /// Impulse response per point of the grid; the sum is 1.
@@ -249,8 +250,8 @@ impl Observation {
         }
     }
 
-    /// A kernel whose time 0 is at `origin`, cut where nothing is left, with unit gain at frequency
-    /// 0.
+    /// A kernel whose time 0 is at `origin`, cut where less than [`CUT_OFF`] remains, with unit
+    /// gain at frequency 0.
     fn of(kernel: &[f64], origin: usize) -> Self {
         let total: f64 = kernel.iter().map(|g| g.abs()).sum();
         let cut = |magnitudes: &mut dyn Iterator<Item = &f64>| {
@@ -304,7 +305,7 @@ impl Observation {
         }
     }
 
-    /// Delay of the filter at frequency 0, in points, 0 of one that looks ahead further.
+    /// Delay of the filter at frequency 0, in points, 0 for a filter that looks ahead further.
     #[expect(
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,
@@ -316,7 +317,8 @@ impl Observation {
         (moment - self.lead as f64).round().max(0.0) as usize
     }
 
-    /// The filtered 1 - `memory`^(n + 1) of points n from 0 on, from point -lead on.
+    /// Returns the filtered history 1 - `memory`^(n + 1) of the points n from 0 on, starting at
+    /// point -lead.
     pub(crate) fn of_step(&self, memory: f64, count: usize) -> Vec<f64> {
         let (mut sum, mut rest) = (0.0, 0.0);
         let kernel = self.kernel.iter().copied().chain(std::iter::repeat(0.0));
@@ -335,8 +337,8 @@ impl Observation {
         samples.saturating_sub(1) * self.every + 1 + self.lead
     }
 
-    /// The samples of `history`, which is at rest before its first point; [`Self::points`] of it
-    /// make the number of samples.
+    /// Returns the samples of `history`, which is at rest before its first point; [`Self::points`]
+    /// is the length of the history for a number of samples.
     pub(crate) fn of_history(&self, history: &[f64]) -> Vec<f64> {
         let count = match history.len().checked_sub(1 + self.lead) {
             Some(points) => points / self.every + 1,
@@ -344,7 +346,7 @@ impl Observation {
         };
         (0..count)
             .map(|sample| {
-                // lag l at point `now + lead - l`
+                // lag l is at point `now + lead - l`
                 let newest = sample * self.every + self.lead;
                 let known = history.get(..=newest).unwrap_or(history);
                 let count = known.len().min(self.kernel.len());
@@ -355,7 +357,7 @@ impl Observation {
             .collect()
     }
 
-    /// G P Gᵀ of a covariance P of points.
+    /// Returns G P Gᵀ of a covariance P of points.
     pub(crate) fn of_covariance(&self, covariance: &Mat<f64>) -> Mat<f64> {
         let columns = 0..covariance.ncols();
         let rows: Vec<Vec<f64>> = columns
@@ -377,8 +379,8 @@ impl Observation {
         })
     }
 
-    /// Returns this filter followed by a symmetric filter of the weights `taps` at the samples, of
-    /// which every `keep`-th sample is kept.
+    /// Returns this filter followed by a symmetric filter with the weights `taps` at the samples,
+    /// of which only every `keep`-th sample is kept.
     pub(crate) fn followed_by(&self, taps: &[f64], keep: usize) -> Self {
         let reach = taps.len() / 2;
         let mut kernel = vec![0.0; self.kernel.len() + (taps.len().max(1) - 1) * self.every];
@@ -480,7 +482,7 @@ mod tests {
     fn a_covariance_is_that_of_filtered_draws() {
         let seen = two_poles(20e3).observation(RATE, 2);
         let points = seen.points(12);
-        // a rank of two
+        // a covariance of rank two
         let roots: Vec<Vec<f64>> = [0.3, 0.07]
             .map(|w: f64| (0..points).map(|k| (w * k as f64).sin()).collect())
             .to_vec();

@@ -5,7 +5,8 @@ use faer::{Mat, Side};
 use crate::recorder::contact::{Contact, Shown, value_at};
 use crate::recorder::filter::Observation;
 
-/// Samples that a front is followed after its half height: its rise and the ringing of the filter.
+/// Number of samples after the half height for which a front is followed: its rise and the ringing
+/// of the filter.
 const AFTER: usize = 64;
 
 /// Samples of rest before the earliest start of the contact.
@@ -20,16 +21,16 @@ const ABOVE_NOISE: f64 = 3.0;
 /// Time constants of the contact that are tried, in points.
 const TIME_CONSTANTS: [f64; 7] = [0.25, 0.5, 1.0, 1.5, 2.5, 4.0, 8.0];
 
-/// Powers of two by which the variance of a change is tried.
+/// Powers of two of the variances of a change that are tried.
 const OCTAVES: std::ops::RangeInclusive<i32> = -10..=3;
 
-/// Rounds over begin, time constant and variance.
+/// Rounds over beginning, time constant and variance.
 const ROUNDS: usize = 4;
 
 /// Most contacts that are mixed: an estimate of each takes a tenth of a second.
 const MOST_CONTACTS: usize = 16;
 
-/// Probability over that of the most likely contact below which one is left out.
+/// Probability relative to that of the most likely contact below which a contact is left out.
 const LEAST_WEIGHT: f64 = 0.01;
 
 /// The part of a record about its front, from which the prior is found.
@@ -124,14 +125,14 @@ impl<'a> Front<'a> {
         Some(best)
     }
 
-    /// The contacts of other begin and time constant that the record leaves likely beside the
-    /// `best`, with their probabilities.
+    /// Returns the contacts with any beginning and time constant that are likely given the record,
+    /// with their probabilities; `best` is the most likely one.
     pub(super) fn likely(&self, best: Contact) -> Vec<(f64, Contact)> {
         self.likely_of(best, TIME_CONSTANTS.into_iter())
     }
 
-    /// The contacts that are likely on a grid of `points` points for each of the one on which
-    /// `coarse` are.
+    /// Returns the likely contacts on a grid that has `points` points for each point of the grid of
+    /// the `coarse` contacts.
     pub(super) fn likely_on_finer_grid(
         mut self,
         coarse: &[(f64, Contact)],
@@ -142,7 +143,7 @@ impl<'a> Front<'a> {
         self.begins = points * first.saturating_sub(1)..points * (last + 2);
         let (_, best) = coarse.first()?;
         let longest = TIME_CONSTANTS.into_iter().next_back()?;
-        // of the same contacts, whose time constants are longer in points of this grid
+        // the contacts are the same, and their time constants are longer in points of this grid
         let longer = [2.0, 4.0].map(|factor| factor * longest);
         let constants = TIME_CONSTANTS.into_iter().chain(longer);
         Some(self.likely_of(best.on_finer_grid(points), constants))

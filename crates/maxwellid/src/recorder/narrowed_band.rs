@@ -14,9 +14,9 @@
 //! σ_n² - σ² is taken as at least [`LEAST_SHARE`]² σ², so that a difference within the error of the
 //! estimate itself raises no alarm. A parameter whose error on the narrower band exceeds
 //! [`IDENTIFIED_BELOW`] is left out. The test does not detect the loss beyond the cut-off itself,
-//! only that between [`KEPT`] of it and the whole. Half of the band would be too narrow: for a
-//! pulse rounded by 30 us the exponent of a Norton rod then falls by three standard errors,
-//! although the whole band loses nothing.
+//! only the loss between [`KEPT`] of the cut-off and the cut-off. Half of the band would be too
+//! narrow: for a pulse rounded by 30 us the exponent of a Norton rod then falls by three standard
+//! errors, although the whole band loses nothing.
 //!
 //! Theory: `docs/theory/identification.md#bias-due-to-the-recorders-filter`.
 
@@ -42,7 +42,7 @@ pub const LEVEL: f64 = 0.01;
 /// Least standard error of a difference, in standard errors of the estimate.
 pub const LEAST_SHARE: f64 = 1.0;
 
-/// Edge of the stop band of the filter over its cut-off, where its gain is a half.
+/// Edge of the stop band of the filter divided by its cut-off, where its gain is a half.
 const STOP: f64 = 1.28;
 
 /// Comparison of an estimate on the narrower band with that on the whole band.
@@ -133,10 +133,10 @@ impl std::fmt::Display for NarrowedBand {
 impl<M: RodModel + Clone> Fit<M> {
     /// Fits the model to `tests` on [`KEPT`] of their band, starting from `found`, and compares the
     /// estimates. `cutoffs_hz` are those of the recorders \[Hz\], `None` if not known or part of
-    /// the model; the narrower band then is part of it too.
+    /// the model; the narrower band becomes part of the model if the recorder is.
     ///
     /// # Errors
-    /// As [`Fit::to`]; [`MaxwellidError::NoiseUnknown`] without stated noise;
+    /// The errors of [`Fit::to`]; [`MaxwellidError::NoiseUnknown`] without stated noise;
     /// [`MaxwellidError::Decomposition`] where the errors of either fit cannot be found.
     pub fn on_narrowed_band(
         &self,
@@ -246,7 +246,7 @@ fn low_passed(test: &RodTest, cutoff: f64) -> Result<RodTest, MaxwellidError> {
         response: of_history(&noise.response),
     })?;
     let narrow = match test.unfiltered_excitation() {
-        // the filter of the recorder and this one, in one
+        // the filter of the recorder and this one, combined
         Some(unfiltered) => {
             let seen = unfiltered.observations();
             let seen = seen.map(|seen| seen.followed_by(&taps, keep));
@@ -265,7 +265,7 @@ fn low_passed(test: &RodTest, cutoff: f64) -> Result<RodTest, MaxwellidError> {
 }
 
 /// Windowed sinc (Hamming): gain 1 at frequency 0, a half at `share` of the sampling rate, and less
-/// than 0.3 % from [`STOP`] times that on.
+/// than 0.3 % from [`STOP`] times that share on.
 #[expect(
     clippy::cast_precision_loss,
     clippy::cast_possible_truncation,
@@ -333,7 +333,7 @@ mod tests {
         for share in [0.07, 0.2, 0.7 / 2.56] {
             let taps = taps(share);
             assert!((gain(&taps, 0.0) - 1.0).abs() < 1e-12);
-            // a half at the cut-off, for a window that is narrow against the band
+            // a half at the cut-off, for a window that is narrow compared with the band
             assert!((gain(&taps, share) - 0.5).abs() < 5e-3, "{share}");
             // side lobes of a Hamming window: -53 dB; where the transition begins they add up to
             // twice that
@@ -392,7 +392,8 @@ mod tests {
                 },
             ],
         };
-        // 3, 4, 5; two parameters, the normal's 0.005 to either side at 2.807 for a level of 0.01
+        // errors in the ratio 3, 4, 5; two parameters: at a level of 0.01 each has a probability of
+        // 0.005 outside ±2.807
         assert!((band(0.04, 0.03, 0.05).differences[0].z() - 1.0).abs() < 1e-12);
         assert!(band(-0.04 * 2.82, 0.03, 0.05).is_sensitive(1));
         assert!(!band(-0.04 * 2.80, 0.03, 0.05).is_sensitive(1));

@@ -2,8 +2,8 @@
 //!
 //! # Problem
 //! The record of the excitation u is v_e = G u + e, with filter and sampler G and noise e. A
-//! nonlinear rod must be driven by u: its dissipation follows the full stress of a front, which G
-//! reduces.
+//! nonlinear rod must be driven by u: its dissipation depends on the full stress of a front, which
+//! G reduces.
 //!
 //! # Method
 //! u is estimated on a grid of [`FINER`] points per sample, with a normal prior: at rest until the
@@ -109,8 +109,7 @@ struct OnGrid {
     seen: Observation,
 }
 
-/// An excitation that is known with a covariance, and what the recorder shows of the response to
-/// it.
+/// An excitation that is known with a covariance, and the filter and sampler of the response to it.
 #[derive(Debug, Clone)]
 pub(crate) struct Drive {
     /// Points per second \[Hz\].
@@ -134,9 +133,9 @@ impl Drive {
 }
 
 impl UnfilteredExcitation {
-    /// Estimates the excitation of `test` from its `record` with `noise`, whose samples follow each
-    /// other at `rate_hz` \[Hz\] and reach half of the first rise at sample `half_rise`. `seen`
-    /// is the filter at [`FINER`] points per sample or a multiple.
+    /// Estimates the excitation of `test` from its `record` with `noise`. The record has the
+    /// sampling rate `rate_hz` \[Hz\] and reaches half of the first rise at sample `half_rise`.
+    /// `seen` is the filter at [`FINER`] points per sample or a multiple.
     pub(crate) fn of(
         test: &str,
         record: &[f64],
@@ -219,8 +218,8 @@ impl UnfilteredExcitation {
         self.drive.rate_hz
     }
 
-    /// Most likely velocity [m/s], given the record alone, the first point at the time of the first
-    /// sample.
+    /// Most likely velocity [m/s], given the record alone; the first point is at the time of the
+    /// first sample.
     #[must_use]
     pub fn velocity(&self) -> &[f64] {
         &self.drive.mean
@@ -280,7 +279,8 @@ impl fmt::Display for UnfilteredExcitation {
 }
 
 impl FinerFront {
-    /// The excitation of a `record` whose contacts on the coarser grid are `likely`, of this mean.
+    /// Estimates the excitation of a `record` on the finer grid; `likely` are its contacts on the
+    /// coarser grid, and `mean` is its excitation there.
     fn of(
         record: &[f64],
         (noise, half_rise): (&Mat<f64>, f64),
@@ -299,7 +299,7 @@ impl FinerFront {
         })
     }
 
-    /// Response of `rod` as the recorder shows it in the window of a test, on the finer grid less
+    /// Response of `rod` as the recorder shows it in the window of a test, on the finer grid minus
     /// that on the other [m/s], both delayed by `delay` \[s\]; `None` if the model does not exist.
     pub(crate) fn difference<M: RodModel + ?Sized>(
         &self,
@@ -325,7 +325,7 @@ impl OnGrid {
         })
     }
 
-    /// Response of `rod`, delayed by `delay` \[s\], in so many samples of its record [m/s].
+    /// Response of `rod`, delayed by `delay` \[s\], in this many samples of its record [m/s].
     fn response<M: RodModel + ?Sized>(
         &self,
         (model, parameters): (&M, &[f64]),
@@ -389,8 +389,8 @@ impl RodTest {
         self.seen_through(filter, observations)
     }
 
-    /// The test with a filter and its observation from [`FINER`] points per sample or a multiple,
-    /// and from [`STILL_FINER`] times as many.
+    /// Returns the test with a filter. The `observations` are the filter at [`FINER`] points per
+    /// sample or a multiple, and at [`STILL_FINER`] times as many.
     pub(crate) fn seen_through(
         self,
         filter: &RecorderFilter,
@@ -468,7 +468,8 @@ mod tests {
         }
     }
 
-    /// A blow at `begin` \[s\]: rise by 8 us, decay by 60 us.
+    /// A blow at `begin` \[s\] that rises with a time constant of 8 us and decays with one of 60
+    /// us.
     fn blow(time: f64, begin: f64) -> f64 {
         let since = (time - begin).max(0.0);
         10.0 * ((-since / 60e-6).exp() - (-since / 8e-6).exp())
@@ -521,7 +522,7 @@ mod tests {
         let of_w = factor.solve(Mat::<f64>::identity(moving, moving));
         for point in 0..points {
             let expected: f64 = (0..moving).map(|i| w[(i, 0)] * moves[i][point]).sum();
-            // two ways around a system of condition 1e5
+            // two solutions of a system of condition 1e5
             assert!((mean[point] - expected).abs() < 1e-9, "{point}");
             for other in 0..points {
                 let expected: f64 = (0..moving)
@@ -549,9 +550,9 @@ mod tests {
         }
     }
 
-    /// The response of two poles to a blow, by the closed form of its three exponentials, and what
-    /// is found of it: the blow itself within its standard errors, above all at the front, of
-    /// which the record shows little.
+    /// The response of two poles to a blow, by the closed form of its three exponentials. The
+    /// estimate is the blow itself within its standard errors, above all at the front, of which the
+    /// record shows little.
     #[test]
     fn a_blow_is_found_within_its_standard_errors() {
         let a = std::f64::consts::TAU * CUTOFF;
@@ -581,7 +582,7 @@ mod tests {
                 ),
             )
             .unwrap();
-            // a sample
+            // one sample
             assert!(
                 (found.begin() - begin).abs() < 20e-6,
                 "{}",
@@ -597,7 +598,7 @@ mod tests {
             // of 1/((1 + iω 60 us)(1 + iω 8 us)) a quarter (root mean square) lies above 16 kHz
             assert!((0.1..0.6).contains(&found.share_above_cutoff()), "{found}");
         }
-        // errors of one record are not independent: twenty of them
+        // the errors of one record are not independent; there are twenty records
         let mean: f64 = squares / count;
         assert!((0.2..1.5).contains(&mean), "{mean}");
     }

@@ -47,7 +47,7 @@ impl Prior {
 }
 
 impl Candidate {
-    /// Prior standard deviation of ln E: the time of flight is accurate to some per cent, and the
+    /// Prior standard deviation of ln E: the time of flight is accurate to a few per cent, and the
     /// modulus of a dispersive law at its reference frequency differs from that of the front.
     pub const LN_MODULUS_DEVIATION: f64 = 0.15;
 
@@ -127,7 +127,7 @@ impl Candidate {
     /// decade.
     ///
     /// # Errors
-    /// As [`Self::inelastic`].
+    /// The errors of [`Self::inelastic`].
     pub fn of_model(
         model: Arc<dyn RodModel>,
         ranges: &[(f64, f64)],

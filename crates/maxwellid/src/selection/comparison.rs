@@ -33,7 +33,7 @@ impl Comparison {
         self.law().is_some_and(|law| !law.is_linear)
     }
 
-    /// Returns true if a nonlinear law is left, or if no law explains the data.
+    /// Returns true if a nonlinear law is in question, or if no law explains the data.
     pub(super) fn asks_for_nonlinear_laws(&self) -> bool {
         let is_nonlinear = |place: &usize| self.laws.get(*place).is_some_and(|law| !law.is_linear);
         match &self.decision {

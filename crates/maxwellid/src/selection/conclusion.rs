@@ -32,9 +32,9 @@ pub(super) struct Weighed {
 }
 
 impl Selection {
-    /// The comparison from the results for each candidate. `weighed` are the fits and evidences of
-    /// earlier candidates, which stay valid as long as the noise is the same, and becomes those of
-    /// all.
+    /// The comparison from the results for each candidate. `weighed` contains the fits and
+    /// evidences of earlier candidates, which stay valid as long as the noise is the same; those of
+    /// all candidates replace them.
     pub(super) fn concluded(
         &self,
         tests: &[RodTest],

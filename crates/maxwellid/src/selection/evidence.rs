@@ -1,17 +1,17 @@
 //! The evidence of one candidate, Z = ∫ L π dθ, by importance sampling.
 //!
-//! Laplace's method approximates L π by a normal about its maximum. This fails if the data bound a
-//! parameter on one side only, such as a relaxation time that is too long to be visible: beyond the
-//! bound only the prior remains. Here the normal is only the start of a proposal. Along the columns
-//! of its Cholesky factor the proposal is a product of t distributions with four degrees of freedom
-//! and separate scales on either side (Geweke, *Econometrica* **57** (1989) 1317), so that its
-//! tails are heavier than those of L π. If that does not suffice, each further batch of points is
-//! drawn from t distributions about the point of greatest weight, along the axes of Laplace's
-//! covariance at that point: there L π is largest relative to all previous proposals (Hoogerheide,
-//! Kaashoek & van Dijk, *J. Econometrics* **139** (2007) 154). Every point is weighted against the
-//! mixture of all proposals (Cornuet, Marin, Mira & Robert, *Scand. J. Stat.* **39** (2012) 798).
-//! The points are those of an additive recurrence: they are not random, and do not depend on the
-//! order of tests and candidates.
+//! Laplace's method approximates L π by a normal density about its maximum. This fails if the data
+//! bound a parameter on one side only, such as a relaxation time that is too long to be visible:
+//! beyond the bound only the prior remains. Here the normal is only the start of a proposal. Along
+//! the columns of its Cholesky factor the proposal is a product of t distributions with four
+//! degrees of freedom and separate scales on either side (Geweke, *Econometrica* **57** (1989)
+//! 1317), so that its tails are heavier than those of L π. If that does not suffice, each further
+//! batch of points is drawn from t distributions about the point of greatest weight, along the axes
+//! of Laplace's covariance at that point: there L π is largest relative to all previous proposals
+//! (Hoogerheide, Kaashoek & van Dijk, *J. Econometrics* **139** (2007) 154). Every point is
+//! weighted against the mixture of all proposals (Cornuet, Marin, Mira & Robert, *Scand. J. Stat.*
+//! **39** (2012) 798). The points are those of an additive recurrence: they are not random, and do
+//! not depend on the order of tests and candidates.
 
 use crate::least_squares::{LeastSquares, ScaledDecomposition, sum_of_squares};
 use crate::parallel::map_in_order;
@@ -39,7 +39,7 @@ const MOST_POINTS: usize = 4096;
 /// proposal is found.
 const DISTANCES: [f64; 3] = [1.0, 2.5, 5.0];
 
-/// Number of points, the heaviest first, at which a further proposal is tried.
+/// Number of points, in descending order of weight, at which a further proposal is tried.
 const MOST_TRIED: usize = 4;
 
 /// Step along a ridge in standard deviations, and the largest fall of ln L π along it, less than
@@ -150,7 +150,7 @@ impl Integrand<'_> {
         });
         let mut scales = vec![[SCALES.0; 2]; axes];
         for ((axis, at), drop) in places.iter().zip(drops) {
-            // a normal of this scale drops by the same amount
+            // a normal density of this scale drops by the same amount
             let scale = at.abs() / (2.0 * drop.max(1e-9)).sqrt();
             if let Some([below, above]) = scales.get_mut(*axis) {
                 let side = if *at < 0.0 { below } else { above };
@@ -212,7 +212,8 @@ pub(crate) fn evidence(
         }
         let mut by_weight: Vec<_> = sample.points.iter().zip(&ln_weights).collect();
         by_weight.sort_by(|(_, a), (_, b)| b.total_cmp(a));
-        // the heaviest point that can be linearised; if there is none, the last proposal continues
+        // the point of greatest weight that can be linearised; if there is none, the last proposal
+        // continues
         let next = by_weight
             .iter()
             .take(MOST_TRIED)
@@ -248,7 +249,7 @@ impl Sample {
         self.proposals.push((count as f64, proposal));
     }
 
-    /// Logarithms of the integrand over the density of the mixture of all proposals.
+    /// Logarithms of the integrand divided by the density of the mixture of all proposals.
     fn ln_weights(&self) -> Vec<f64> {
         let all: f64 = self.proposals.iter().map(|(count, _)| count).sum();
         let ln_density = |z: &Vec<f64>| {

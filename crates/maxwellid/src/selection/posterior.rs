@@ -170,11 +170,12 @@ const LINEAR_STARTS: usize = 4;
 const RENEWALS: usize = 16;
 
 /// Number of successive renewals that move the parameters, in standard errors, by no less than an
-/// earlier renewal: they do not converge. This happens to laws that do not explain the data.
+/// earlier renewal, from which the renewals count as not converging. This happens with laws that do
+/// not explain the data.
 const NO_NEARER: usize = 3;
 
-/// Relative reduction of χ² that ends a fit: 1e-6 of some hundreds moves parameters by a hundredth
-/// of their errors.
+/// Relative reduction of χ² that ends a fit: 1e-6 of a χ² of some hundreds moves parameters by a
+/// hundredth of their errors.
 const REDUCTION: f64 = 1e-6;
 
 /// Remaining relative reduction of χ² at which minima are distinguished.
@@ -187,8 +188,8 @@ const SETTLED: f64 = 0.02;
 /// then known to a ten-thousandth.
 const SETTLED_SHARE: f64 = 1e-4;
 
-/// Largest further fall of χ² over the fall by the last renewal, if each renewal lowers χ² by three
-/// quarters of the fall before.
+/// Largest further fall of χ² divided by the fall by the last renewal, if each renewal lowers χ² by
+/// three quarters of the fall before.
 const STILL_FALLS: f64 = 3.0;
 
 /// Change of the parameters, in standard errors, up to which a fit that was settled before counts
@@ -361,7 +362,7 @@ impl Contest<'_> {
         Ok(best.map(|probable| Searched { probable, of_case }))
     }
 
-    /// The parameters of a special case, and the same parameters with those beyond the prior moved
+    /// The parameters of a special case, and the same parameters with those outside the prior moved
     /// back into it.
     fn starts_of(&self, case: &Limiting<'_>) -> Vec<Vec<f64>> {
         let back = |deviations: f64| -> Vec<f64> {
@@ -610,7 +611,7 @@ impl Posterior {
         self.chi_square + self.prior_square
     }
 
-    /// The more probable of two.
+    /// Returns the more probable of two fits.
     pub(crate) fn better(one: Option<Self>, other: Option<Self>) -> Option<Self> {
         match (one, other) {
             (Some(one), Some(other)) if other.misfit() < one.misfit() => Some(other),

@@ -88,7 +88,7 @@ impl<'a> SeenTests<'a> {
         about.cleaned(tests, at)?.finished(tests, at)
     }
 
-    /// The tests at other parameters near by, where transfers and covariances are still valid,
+    /// The tests at other parameters nearby, where transfers and covariances are still valid,
     /// starting from the present excitations.
     pub(crate) fn moved_to(self, tests: &[RodTest], at: AtParameters<'_>) -> Option<Self> {
         self.cleaned(tests, at)?.finished(tests, at)
@@ -106,7 +106,7 @@ impl<'a> SeenTests<'a> {
     /// The tests with their most likely delays and excitations.
     fn cleaned(mut self, tests: &[RodTest], at: AtParameters<'_>) -> Option<Self> {
         let mut white = Vec::new();
-        // these are the common errors of other parameters
+        // the present common errors belong to other parameters
         self.common = CommonErrors::default();
         for _ in 0..DELAYS {
             self = self.with_common_errors(tests, at)?;

@@ -70,8 +70,9 @@ fn a_record_of_little_noise_is_judged_on_finer_grids() {
     assert!(found.laws[0].probability > 0.95, "{found}");
 }
 
-/// Several records of one rod: the true law is named with the modulus and the time put in, a law
-/// with one parameter less is refuted, and a law that contains it is not worse than it.
+/// Several records of one rod: the true law is named with the modulus and the relaxation time of
+/// the simulation, a law with one parameter less is refuted, and a law that contains it is not
+/// worse than the true law.
 #[test]
 fn a_short_record_of_a_maxwell_rod_names_it() {
     let maxwell = Maxwell::new(1.5e6).unwrap();
@@ -397,7 +398,7 @@ fn one_velocity_names_no_nonlinear_law_beside_a_flat_loss_that_explains() {
             reason
         }
     );
-    // the law with flat loss that explains best; a misfit without a probability refutes nothing
+    // the flat-loss law that explains the data best; a misfit without a probability refutes nothing
     for (flat, expected) in [
         ([Some(1e-3), Some(1e-4)], (1, 1e-3)),
         ([Some(0.02), Some(0.3)], (2, 0.3)),
@@ -474,9 +475,9 @@ fn advice_names_the_velocity_and_the_correlation() {
     }
 }
 
-/// Four standard deviations of each parameter are within its range, that of ln E about the value
-/// from the time of flight; a linear law starts at its prior mean and a standard deviation to
-/// either side.
+/// The range of each parameter is four standard deviations wide, that of ln E about the value from
+/// the time of flight; a linear law starts at its prior mean and one standard deviation to either
+/// side.
 #[test]
 fn a_prior_is_normal_of_a_quarter_of_its_range() {
     let standard = Candidate::standard();
@@ -570,8 +571,8 @@ fn levels_are_probabilities() {
     assert!(selection.with_cell(0.01).is_ok());
 }
 
-/// Further candidates enter if a nonlinear law is left or no law explains the data, and otherwise
-/// not.
+/// Further candidates enter if a nonlinear law is in question or no law explains the data, and
+/// otherwise not.
 #[test]
 fn further_candidates_enter_where_a_nonlinear_law_is_in_question() {
     let compared = |laws: &[Law], test: RodTest| {

@@ -6,9 +6,9 @@ use super::{Advice, ComparedLaw, Comparison, Decision, Doubt, Selection};
 /// most about 1.3.
 const CORRELATED_FROM: f64 = 1.5;
 
-/// Probability of all laws together that a tie leaves out, as a fraction of the probability that all
-/// others may have where one law is named. With 5 % noise and the whole of it, three ties in a
-/// hundred left the true law out.
+/// Total probability of the laws that a tie leaves out, as a fraction of the probability that all
+/// others may have where one law is named. With 5 % noise and the whole of that probability, three
+/// ties in a hundred left the true law out.
 const LEFT_OUT: f64 = 0.2;
 
 impl Selection {

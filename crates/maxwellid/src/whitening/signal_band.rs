@@ -9,15 +9,15 @@ use crate::test::RodTest;
 /// Width of the transition of the low-pass, as a fraction of half of the sampling rate.
 const TRANSITION: f64 = 0.1;
 
-/// Weights of the low-pass on either side of the middle one: Hann's window gives the transition
-/// above.
+/// Weights of the low-pass on either side of the middle one: Hann's window gives this
+/// [`TRANSITION`].
 const HALF_LENGTH: usize = 31;
 
 /// Number of standard deviations of chance by which the mean power of a block of lines exceeds the
 /// noise if there is a signal. With four, noise alone passed for a signal in one of twenty records.
 const ABOVE_CHANCE: f64 = 6.0;
 
-/// Number of blocks into which a spectrum is divided at most.
+/// Largest number of blocks into which a spectrum is divided.
 const BLOCKS: usize = 20;
 
 /// Noise power relative to its largest value below which a line has no noise.
@@ -45,7 +45,8 @@ impl SignalBand {
         Self::up_to(edge.max(upper_edge(response, &noise.response)))
     }
 
-    /// Passes frequencies up to `edge`, a fraction of half of the sampling rate.
+    /// Creates the low-pass that passes frequencies up to `edge`, a fraction of half of the
+    /// sampling rate.
     #[expect(clippy::cast_precision_loss, reason = "some tens of weights")]
     fn up_to(edge: f64) -> Option<Self> {
         if edge + 2.0 * TRANSITION > 1.0 {
@@ -103,7 +104,8 @@ impl SignalBand {
     }
 }
 
-/// Sample of a history of `count` that continues it at the place `at` by its mirror image.
+/// Index of the sample of a history of `count` samples that continues it at the place `at` by its
+/// mirror image.
 fn mirrored(at: usize, count: usize) -> usize {
     let last = count - 1;
     if at <= last { at } else { 2 * last - at }

@@ -52,7 +52,7 @@ pub(super) fn wiener_filtered(history: &[f64], noise: &HistoryNoise) -> Vec<f64>
 
 /// Fourier transform of a history that is continued by its mirror image, which is real.
 struct Mirrored {
-    /// Transform of a period, the history forth and back.
+    /// Transform of a period, the history forwards and backwards.
     fourier: RealFourier,
     /// Spectrum with one line per sample, up to half of the sampling rate [m/s].
     spectrum: Vec<f64>,
@@ -81,7 +81,7 @@ impl Mirrored {
         let samples = fourier.samples();
         samples.fill(0.0);
         for (lag, covariance) in covariance.enumerate() {
-            // at lag 0 once, at each other lag before and behind
+            // lag 0 occurs once, each other lag before and behind
             let behind = (lag > 0).then_some(period - lag);
             for place in [Some(lag), behind].into_iter().flatten() {
                 if let Some(sample) = samples.get_mut(place) {

@@ -9,13 +9,13 @@ use testbed::claim::{Claims, Ours, Within, missing, of};
 use testbed::difference::largest;
 use testbed::hold;
 
-/// Of either history, in m/s: 1 % of the impact velocity.
+/// Noise of either history, in m/s: 1 % of the impact velocity.
 const NOISE: f64 = 0.1;
 const SEEDS: u64 = 100;
 
-/// Of the parameter that is farthest off: part of the intervals that hold the truth less 0.95, mean
-/// of errors in standard errors and of their squares less 1. Mean ratio of residual to stated
-/// noise.
+/// Results for the parameter that is farthest off: the fraction of the intervals that contain the
+/// truth minus 0.95, the mean of the errors in standard errors, and the mean of their squares minus
+/// 1; also the mean ratio of residual to stated noise.
 struct Covered {
     inside: f64,
     mean: f64,

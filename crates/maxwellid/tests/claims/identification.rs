@@ -194,7 +194,7 @@ fn ways(claims: &mut Claims) {
     );
 }
 
-/// Number of parameters identified besides E, of a test at 2 % of noise.
+/// Number of parameters identified besides E, from a test with 2 % noise.
 fn identified<L: IdentifiableLaw>(modulus: f64, truth: &L, start: L) -> Ours {
     let test = RodTest::new(struck(modulus, truth, VELOCITY, 128)?)?;
     let fit = Fit::of(start).to(&[test])?;

@@ -18,7 +18,7 @@ use testbed::hold;
 const SAMPLES: usize = 160;
 const DENSITY: f64 = 912.0;
 const LENGTH: f64 = 0.394;
-/// Of the pulse, in m/s.
+/// Peak of the pulse, in m/s.
 const PEAK: f64 = 8.0;
 
 #[test]

@@ -42,7 +42,7 @@ fn norton() -> Ours<MaxwellNorton> {
     Ok(MaxwellNorton::from_reference_rate(2.0, 8.0, 10e6)?)
 }
 
-/// With noise of so much of the impact velocity on both histories, stated.
+/// Returns a test with stated noise of `level` times the impact velocity on both histories.
 fn with_noise(clean: &RodTestData, level: f64, seed: u64) -> Ours<RodTest> {
     let deviation = level * clean.impact_velocity;
     Ok(RodTest::new(noisy(clean, deviation, seed))?.with_noise(deviation, deviation)?)
@@ -142,7 +142,7 @@ fn flat_loss(loss_factor: f64) -> Ours<GeneralisedMaxwell> {
     Ok(GeneralisedMaxwell::new(spring, branches.collect())?)
 }
 
-/// The line's response to the excitation of a rod of nearly the same damping.
+/// Response of the line to the excitation of a rod of nearly the same damping.
 fn linear_rod(material: &GeneralisedMaxwell) -> Ours<RodTestData> {
     let record = recorded(MODULUS, &Maxwell::new(4e6)?, 10.0, 128)?;
     let segment = Segment::prony(LENGTH, 1e-4, DENSITY, material)?;

@@ -1,5 +1,5 @@
 //! Paper D, Table A1: output of the direct problem as input of the identification. A round trip, as
-//! in the paper: the solver that inverts has made the data, which proves the search and nothing
+//! in the paper: the inverting solver has generated the data, which tests the search and nothing
 //! else.
 
 use maxwellid::{Fit, IdentifiableLaw, Noise, RodTest, RodTestData};

@@ -100,7 +100,7 @@ fn differentiator(claims: &mut Claims) {
     );
 }
 
-/// A gain of 1.03, an offset of 0.05 m/s, two samples late.
+/// A response with a gain of 1.03 and an offset of 0.05 m/s, two samples late.
 fn nuisances(claims: &mut Claims) {
     claims.by("transducer with a known gain, offset and delay on a virtual rod without noise");
     let found = || -> Ours<[f64; 5]> {

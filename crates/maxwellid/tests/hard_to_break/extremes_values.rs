@@ -1,4 +1,5 @@
-//! Hostile numbers at every door: each is refused by name, or what comes of it is finite.
+//! Extreme numbers for every argument: each is refused with an error that names it, or its result
+//! is finite.
 
 use maxwellid::adequacy::{RobbinsMonro, Weights};
 use maxwellid::conformal::p_values;
@@ -203,7 +204,7 @@ fn selections_profiles_and_designs() {
         candidate.clone().with_prior_weight(x).map(|_| Vec::new())
     });
     assert!(Selection::new(Vec::new()).is_err());
-    // patterns of other tests are no patterns of these
+    // patterns of other tests are refused
     let samples =
         StandardSamples::of(std::slice::from_ref(&candidate), &noisy, 4, Pattern::Signed).unwrap();
     let projection = samples.projection(1).unwrap();

@@ -1,4 +1,4 @@
-//! Every filter that can be asked for differentiates every polynomial of its degree.
+//! Every permitted filter differentiates every polynomial of its degree.
 
 use maxwellid::Differentiator;
 

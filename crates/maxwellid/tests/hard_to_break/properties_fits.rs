@@ -64,7 +64,8 @@ fn the_order_of_tests_is_lost_in_rounding() {
         };
         let (a, b) = (fitted(&there), fitted(&back));
         for (a, b) in a.parameters().iter().zip(b.parameters()) {
-            // the iteration ends where the sum of squares falls no more: half of its digits
+            // the iteration ends where the sum of squares falls no more, which leaves half of the
+            // digits
             assert!((a - b).abs() < 1e-6, "{a} {b}");
         }
     }

@@ -81,7 +81,8 @@ proptest! {
                     model.response(&rod, &parameters).unwrap()
                 };
                 let (up, down) = (moved(1.0), moved(-1.0));
-                // nodes of the grid in time move with E over a sample here and there, where the difference has a kink that the slope has not
+                // with a change of E, nodes of the grid in time pass single samples, where the
+                // difference has a kink that the derivative does not have
                 let square = |values: &mut dyn Iterator<Item = f64>| values.map(|v| v * v).sum::<f64>();
                 let differences = up.iter().zip(&down).map(|(up, down)| (up - down) / (2.0 * step));
                 let apart = square(&mut differences.zip(column).map(|(difference, c)| difference - c));
@@ -102,7 +103,7 @@ proptest! {
         scaled[0] += stress.ln();
         *scaled.last_mut().unwrap() += time.ln();
         let maxwell = Maxwell::from_reference_rate(20.0, STRESS).unwrap();
-        // r = σ_ref/η at the same reference stress: η goes with stress and time
+        // r = σ_ref/η at the same reference stress: η scales with stress and time
         let of_maxwell = maxwell.parameters(MODULUS);
         let scaled_maxwell = vec![of_maxwell[0] + stress.ln(), of_maxwell[1] - (stress * time).ln()];
         for (model, one, other) in [
@@ -118,7 +119,7 @@ proptest! {
         }
     }
 
-    /// Linear laws: twice the blow is twice the answer.
+    /// Linear laws: twice the excitation gives twice the response.
     #[test]
     fn linear_laws_superpose(power in -40..40_i32) {
         let factor = 2.0_f64.powi(power);

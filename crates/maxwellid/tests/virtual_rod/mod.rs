@@ -102,7 +102,7 @@ impl VirtualRod {
         }
     }
 
-    /// With white noise of `deviation` [m/s] on both histories.
+    /// Returns the record with white noise of `deviation` [m/s] on both histories.
     pub(crate) fn noisy(&self, deviation: f64, seed: u64) -> RodTestData {
         let mut data = self.data.clone();
         add_noise(&mut data, deviation, seed);

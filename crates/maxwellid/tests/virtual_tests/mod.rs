@@ -243,7 +243,7 @@ pub(crate) fn without_stated_noise(exact: &Exact) -> RodTest {
 }
 
 /// Compares the candidates on tests with noise of 1 % of V0 on both histories. With cells of 8 mm
-/// the scheme errs by less than 1e-3 of V0, a tenth of that.
+/// the error of the scheme is less than 1e-3 of V0, a tenth of the noise.
 pub(crate) fn compare(candidates: Vec<Candidate>, exact: &[Exact], seed: u64) -> Comparison {
     let count = u64::try_from(exact.len()).unwrap();
     let tests: Vec<_> = exact
@@ -283,7 +283,8 @@ pub(crate) fn in_parallel<T: Sync, R: Send>(cases: &[T], of: impl Fn(&T) -> R + 
     })
 }
 
-/// Striker, rod, filter, samples: both histories through the recorder.
+/// A test in physical order, striker, rod, filter, samples: both histories pass through the
+/// recorder.
 pub(crate) fn in_order<L: InelasticLaw>(law: &L, velocity: f64) -> Exact {
     let record = struck(law, velocity);
     Exact {
@@ -294,8 +295,9 @@ pub(crate) fn in_order<L: InelasticLaw>(law: &L, velocity: f64) -> Exact {
     }
 }
 
-/// The near end behind a rounded striker: that of a flat one, smoothed by a normal density of
-/// `deviation` \[s\]. The lumped chain is driven by the samples, so that a recorder loses nothing.
+/// A test with a rounded striker: the excitation is that of a flat striker, smoothed by a normal
+/// density of `deviation` \[s\]. The lumped chain is driven by the samples, so that a recorder
+/// loses nothing.
 pub(crate) fn rounded<L: InelasticLaw>(law: &L, velocity: f64, deviation: f64) -> Exact {
     let record = struck(law, velocity);
     let sharp = &record.excitation_before_sampling;

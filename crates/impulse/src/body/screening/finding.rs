@@ -166,7 +166,7 @@ impl Screening {
                 let error = own.hypot(weighed_error);
                 let freedom = mass.degrees_of_freedom * (error / own).powi(4);
                 let allowed = least_doubted(error, freedom, MASS_TOLERANCE * weighed);
-                // a negative or infinite mass is wrong for any error; the lines determine 1/M
+                // a negative or infinite mass is wrong whatever its error; the lines determine 1/M
                 let difference = (weighed / mass.apparent - 1.0).abs() * weighed;
                 if mass.apparent <= 0.0 || !(0.0..=allowed).contains(&difference) {
                     flags.push(ScreeningFlag::MassContradicted {

@@ -14,9 +14,10 @@ const TWO_SIDED: f64 = 1.96;
 
 impl<D: ImpactDraws> UncertainImpact<'_, D> {
     /// Returns the errors of the force in the band, at its times, and of the numbers. They combine
-    /// the changes without the echoes above the lines, with the upper third of the lines replaced
-    /// by a continuation of the others, and, if a body rings for longer than half of its period,
-    /// with every second line alone. `None` if no body is measured.
+    /// the changes of the prediction in two or three cases: without the echoes above the lines;
+    /// with the upper third of the lines replaced by a continuation of the others; and, if a body
+    /// rings for longer than half of its period, with every second line alone. `None` if no body is
+    /// measured.
     ///
     /// If half of the period is shorter than two histories or is not a whole number of steps,
     /// ringing does not enter the errors and is only flagged.
@@ -59,7 +60,7 @@ impl<D: ImpactDraws> UncertainImpact<'_, D> {
         Ok(errors)
     }
 
-    /// Returns the standard error of the force in the band \[N\] from its difference to `other`,
+    /// Returns the standard error of the force in the band \[N\] from its difference from `other`,
     /// which rings: the root mean square of the difference over a period of the last line.
     #[expect(
         clippy::cast_possible_truncation,

@@ -52,7 +52,7 @@ fn without_errors_the_march_is_the_plain_one() {
     assert_eq!(found.prediction.history, plain.history);
     assert!(found.spread.is_none() && found.errors().is_none());
     assert!(found.simultaneous(0.95).unwrap().is_none());
-    // the error of the step alone, which is second order in a smooth force
+    // only the error of the step remains, which is of second order for a smooth force
     let peak = found.peak();
     assert!(peak.standard_error < 1e-3 * peak.force);
     close(
@@ -92,8 +92,8 @@ fn an_error_of_the_velocity_scales_the_force() {
 }
 
 /// F = Z V exp(-Zt/M): an error of the velocity scales it, and an error of the impedance changes it
-/// by the relative amount 1 - Zt/M. The squares of the errors from the sources add up to that of
-/// the whole error.
+/// by the relative amount 1 - Zt/M. The squares of the errors from the sources add up to the square
+/// of the whole error.
 #[test]
 fn the_sources_of_a_band_are_those_of_the_closed_form() {
     let (mass, long) = (mass(), rod(IMPEDANCE));
@@ -114,8 +114,8 @@ fn the_sources_of_a_band_are_those_of_the_closed_form() {
         let force = IMPEDANCE * VELOCITY * (-IMPEDANCE * time / MASS).exp();
         let exact = [0.03 * (1.0 - IMPEDANCE * time / MASS).abs(), 0.02];
         for ((_, part), exact) in spread.parts.iter().zip(exact) {
-            // three times 10 %, the relative error of a standard deviation from 48 draws; near M/Z
-            // the second order
+            // three times 10 %, the relative error of a standard deviation from 48 draws; near t =
+            // M/Z the second order remains
             assert!(
                 (part[at] / force - exact).abs() < 0.3 * exact + 1e-3,
                 "{time}: {exact}"
@@ -126,7 +126,7 @@ fn the_sources_of_a_band_are_those_of_the_closed_form() {
     }
 }
 
-/// A mass on a spring before a wall: the peak is V √(kM), and the contact lasts π √(M/k), also if
+/// A mass on a spring before a wall: the peak is V √(kM), and the contact lasts π √(M/k), even if
 /// the step that resolves the band is as long as the contact.
 #[test]
 fn an_error_of_the_contact_is_that_of_its_closed_form() {
@@ -162,7 +162,7 @@ fn contact_with_an_error(band: BandLimit) {
     assert!(errors.restitution.unwrap() < 1e-3, "{errors:?}");
 }
 
-/// A rigid mass on an endless rod is never pushed off; one on a spring before a wall is.
+/// A rigid mass on an endless rod is never pushed off; a mass on a spring before a wall is.
 #[test]
 fn a_force_that_fades_has_no_end() {
     let (mass, rod, wall) = (mass(), rod(IMPEDANCE), wall());

@@ -38,7 +38,7 @@ impl Default for HammerTest {
     }
 }
 
-/// Deviations of a reconstruction in its own standard errors, of peak, impulse and samples, and the
+/// Deviations of peak, impulse and samples of a reconstruction, in its own standard errors, and the
 /// deviation of the peak in N.
 struct Off {
     peak: f64,
@@ -204,9 +204,9 @@ fn seeds() -> u64 {
 /// Hammer tests of a blow of ten samples at three levels of noise, with a path from five blows. The
 /// durations of all blows scatter by 5 %, and the powers of the cosine by 10 %.
 ///
-/// Results of 400 tests each, without regularisation and with that of the generalised cross
-/// validation: peaks within 71-73 and 93-96 %, impulses within 64-67 and 94-97 %, samples with
-/// force within 69-73 and 94-96 %. Samples without force, where the assumed blow has no force
+/// Shares within one and 1.96 standard errors in 400 tests each, without regularisation and with
+/// that of the generalised cross validation: peaks 71-73 and 93-96 %, impulses 64-67 and 94-97 %,
+/// samples with force 69-73 and 94-96 %. Samples without force, where the assumed blow has no force
 /// either, have smaller deviations than stated: 94-98 and 100 %.
 #[test]
 fn f1_peak_and_impulse_are_within_their_errors() {
@@ -246,7 +246,7 @@ fn f1_peak_and_impulse_are_within_their_errors() {
 }
 
 /// The peak is not rounded off, although the plain normal equations reduce it by 17 N of 300 N, and
-/// noise of 1 % hides everything of a blow of ten samples but its duration.
+/// noise of 1 % hides everything but the duration of a blow of ten samples.
 #[test]
 fn f1_noise_of_the_path_does_not_shrink_the_force() {
     let test = HammerTest::default();
@@ -257,7 +257,7 @@ fn f1_noise_of_the_path_does_not_shrink_the_force() {
         found.history.peak().force - truth.iter().fold(0.0_f64, |top, f| top.max(*f))
     }));
     assert!(old < -12.0, "{old} N: there is nothing to correct");
-    // 3.6 and 13 N in the root mean square of 200 others: four times the error of their mean
+    // the root mean square of 200 other tests is 3.6 and 13 N: four times the error of their mean
     for (level, most) in [(0.003, 2.4), (0.01, 8.5)] {
         let test = HammerTest {
             level,
@@ -289,8 +289,8 @@ fn f1_a_blow_of_another_duration_is_found() {
             .collect();
         let off = rms(all.iter().map(|off| off.newton));
         let [one, two] = within(all.iter().map(|off| off.peak));
-        // from 200 tests: 3.0 N, 55 and 85 % for the shortest blow, 2.2 N, 71 and 93 % for that of
-        // 0.93
+        // from 200 tests: 3.0 N, 55 and 85 % for the shortest blow, 2.2 N, 71 and 93 % for the blow
+        // of 0.93 of the duration
         assert!(off < 5.0, "{stretch}: {off} N");
         assert!(one > 0.35 && two > 0.68, "{stretch}: {one} {two}");
     }
@@ -322,8 +322,8 @@ fn f4_the_error_of_a_regularised_force_holds_its_bias() {
     assert!(all.iter().filter(|off| off.peak.abs() < 1.96).count() >= 36);
 }
 
-/// The profile of a force without tension contains the peak, and is narrower than the error with
-/// tension.
+/// The profile interval of a force without tension contains the peak, and is narrower than the
+/// error with tension.
 #[test]
 fn f4_the_peak_without_tension_has_an_interval_by_profile() {
     let test = HammerTest::default();
@@ -345,7 +345,7 @@ fn f4_the_peak_without_tension_has_an_interval_by_profile() {
             0.5 * (interval.standard[1] - interval.standard[0]) / with_tension / f64::from(n);
     }
     println!("{inside:?} of {n}, {narrower}");
-    // 71 and 98 % of 200, 0.91 of the width with tension; from forty, 68 % is known to 7 %
+    // in 200 tests 71 and 98 %, 0.91 of the width with tension; from forty, 68 % is known to 7 %
     assert!(
         20 * inside[0] > 9 * n && 20 * inside[1] > 17 * n,
         "{inside:?}"
@@ -399,8 +399,8 @@ fn f4_a_choice_can_be_no_regularisation() {
             })
             .solve()
             .unwrap();
-        // noise over signal, 0.5^2 by 30/2 500^2/2000, of 500 N is 0.07 N; a tenth of the strength
-        // would be 45 N
+        // noise over signal, 0.5^2 by 30/2 500^2/2000, of 500 N is 0.07 N; a parameter of a tenth
+        // of the strength would give 45 N
         let off = found.history.force()[54] - response[54];
         assert!(off.abs() < 0.5, "{parameter:?}: {off} N");
     }
@@ -460,7 +460,7 @@ fn s4_the_force_comes_by_a_path_under_an_exponential_window() {
 #[test]
 fn s4_white_noise_is_followed_through_the_window() {
     use rand::{RngExt, SeedableRng};
-    // 1e-7 is left at the end: nothing wraps round
+    // 1e-7 of the response is left at the end of the record: nothing wraps round
     let (radius, decay_rate, level) = (0.9995, 80.0, 0.4);
     let mut impulse = vec![0.0; N];
     impulse[0] = 1.0;
@@ -515,7 +515,8 @@ fn s4_white_noise_is_followed_through_the_window() {
             let part = |limit: f64| {
                 off.iter().filter(|z| z.abs() < limit).count() as f64 / off.len() as f64
             };
-            // some 300 to 1800 independent numbers: 68.3 +- 2.7 and 95.0 +- 1.3 %, three times
+            // about 300 to 1800 independent numbers: 68.3 +- 2.7 and 95.0 +- 1.3 %, the limits are
+            // three times these errors
             assert!(
                 (part(1.0) - 0.683).abs() < 0.08,
                 "{at} {index} {}",

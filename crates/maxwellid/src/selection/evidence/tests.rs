@@ -18,7 +18,7 @@ use crate::test::RodTest;
 fn step_of(axes: usize, is_linear: bool) -> f64 {
     match (axes, is_linear) {
         (0..=2, _) => 0.2,
-        // a response that costs little
+        // the response of a linear law costs little
         (_, true) => 0.3,
         (_, false) => 0.5,
     }
@@ -117,8 +117,8 @@ fn laplace_has_the_evidence_of_a_normal_posterior() {
     }
 }
 
-/// Data that determine E: a prior two standard deviations off costs half of its square, in all
-/// three computations.
+/// Data that determine E: a prior that is off by two standard deviations reduces ln Z by half of
+/// the square of that number, in all three computations.
 #[test]
 fn a_prior_that_is_off_costs_half_its_square() {
     let test = [test_of(&Elastic, 0.005, 3)];
@@ -133,7 +133,7 @@ fn a_prior_that_is_off_costs_half_its_square() {
     }
 }
 
-/// Candidates with so many parameters, where the data determine them and where they do not.
+/// Candidates with this many parameters, for data that determine them and for data that do not.
 fn assert_as_by_a_grid(parameters: usize) {
     let maxwell = Maxwell::new(1.5e6).unwrap();
     let norton = MaxwellNorton::from_reference_rate(2.0, 12.0, 10e6).unwrap();
@@ -238,7 +238,7 @@ fn skewed() -> Proposal {
 }
 
 /// The density of a proposal integrates to one, and its points are distributed accordingly: a third
-/// of them is below the centre along the first axis, the share of the scale on that side.
+/// of them are below the centre along the first axis, the share of the scale on that side.
 #[test]
 fn points_of_a_proposal_are_distributed_by_its_density() {
     let proposal = skewed();
@@ -252,7 +252,7 @@ fn points_of_a_proposal_are_distributed_by_its_density() {
             below += if z[0] < 0.5 { share } else { 0.0 };
         }
     }
-    // the part beyond ±60 is some 1e-5 of t with four degrees of freedom
+    // about 1e-5 of t with four degrees of freedom is beyond ±60
     assert!((all - 1.0).abs() < 1e-3, "{all}");
     assert!((below - 1.0 / 3.0).abs() < 1e-3, "{below}");
     let steps = recurrence_steps(2);
@@ -268,7 +268,7 @@ fn points_of_a_proposal_are_distributed_by_its_density() {
     let quartile = t4_quantile(0.75);
     let within = share(&|z| z[0] > 0.5 - 1.5 * quartile && z[0] < 0.5 + 3.0 * quartile);
     assert!((within - 0.5).abs() < 2e-3, "{within}");
-    // along the second axis a third of the points is below the line of the first axis
+    // along the second axis a third of the points are below the line of the first axis
     let along = |z: &[f64]| solved(&proposal.factor, &[z[0] - 0.5, z[1] + 1.0])[1];
     assert!((share(&|z| along(z) < 0.0) - 1.0 / 3.0).abs() < 2e-3);
     let row = proposal.covariances(1).unwrap();

@@ -14,8 +14,9 @@ fn a_misfit_is_settled_by_a_hundredth_of_evidence_or_a_ten_thousandth_of_itself(
     assert!(is_settled(10_000.0, 10_000.9) && !is_settled(10_000.0, 10_001.1));
 }
 
-/// Misfit of a start for a record whose noise hides the response: it is that of the prior, four at
-/// two standard deviations. The rest of the misfit varies with the inverse square of the noise.
+/// Misfit of a start for a record whose noise hides the response: the misfit is that of the prior,
+/// four at two standard deviations. The rest of the misfit varies with the inverse square of the
+/// noise.
 #[test]
 fn a_start_is_judged_by_the_records_and_by_the_prior() {
     let test = test_of(&Elastic, 0.005, 3);
@@ -39,8 +40,8 @@ fn a_start_is_judged_by_the_records_and_by_the_prior() {
     assert!(at_truth < 0.1 * at_start, "{at_truth} {at_start}");
 }
 
-/// A special case that leads to no better minimum is not taken, whatever χ² it promised; a case
-/// that promises no better χ² is not even followed.
+/// A special case that leads to no better minimum is not taken, whatever its stated χ²; a case
+/// whose stated χ² is not better is not followed.
 #[test]
 fn the_likeliest_parameters_are_those_of_the_least_misfit() {
     let tests = [test_of(&Maxwell::new(1.5e6).unwrap(), 0.005, 20)];
@@ -64,7 +65,7 @@ fn the_likeliest_parameters_are_those_of_the_least_misfit() {
     for (a, b) in found.parameters.iter().zip(&alone.parameters) {
         assert!((a - b).abs() < 1e-4, "{a} {b}");
     }
-    // a case that promises no better χ² than the fit is not even followed
+    // a case whose stated χ² is not better than that of the fit is not followed
     let worse = [limiting(vec![0.0, 0.0], alone.chi_square)];
     let found = contest.likeliest(&probable, &worse).unwrap().unwrap();
     assert_eq!(found.parameters, alone.parameters);
