@@ -73,7 +73,7 @@ impl BandLimit {
     }
 
     /// Time step \[s\] that resolves the band: $`1/(32f_b)`$, for which the force in the band
-    /// depends on the step by at most some thousandths of a jump.
+    /// depends on the step by less than a thousandth of a jump.
     #[must_use]
     pub fn time_step(self) -> f64 {
         1.0 / (STEPS * self.upper_hz)

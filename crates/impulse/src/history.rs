@@ -16,7 +16,7 @@ pub struct ForceHistory {
     force: Vec<f64>,
 }
 
-/// The largest force of a history, as sampled.
+/// The largest force of a history, at a sample or interpolated between samples.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct ForcePeak {

@@ -367,8 +367,7 @@ fn f6_soft_contacts_end_within_a_step() {
                 .predict(1.1 * time)
                 .unwrap();
             let error = (found.contacts[0].end.unwrap() - time) / step;
-            // of second order: 0.82 to 1.02 steps over their number, of which two decimals are
-            // stated
+            // of second order: the error in steps times their number is 0.82 to 1.02
             assert!((error * steps - 0.9).abs() < 0.2, "{what} {steps} {error}");
         }
     }

@@ -257,7 +257,7 @@ pub(crate) const LOG_MODULUS_STEP: f64 = 0.1;
 /// Bounds of E \[Pa\]: from softer than any gel to stiffer than diamond.
 pub(crate) const MODULUS_BOUNDS: (f64, f64) = (1e3, 1e13);
 
-/// Largest number of cells of a grid: its characteristics alone take as many megabytes.
+/// Largest number of cells of a grid, a million.
 const MOST_CELLS: f64 = 1_048_576.0;
 
 /// Rejects a cell that is not a length, or so short that the grid of a rod of `length` \[m\]

@@ -134,8 +134,7 @@ impl<'a, M: RodModel> TestResidual<'a, M> {
         Some(simulated)
     }
 
-    /// S at the times of the samples minus the delay minus `shift` \[s\], with the correction for a
-    /// cleaned excitation if requested.
+    /// Returns S at the times of the samples minus the delay minus `shift` \[s\].
     fn velocity(&self, test: usize, of_model: &[f64], own: &[f64], shift: f64) -> Option<Vec<f64>> {
         self.driven(test, own, shift, |rod| {
             self.seen(test, response_of(self.model, rod, of_model)?)

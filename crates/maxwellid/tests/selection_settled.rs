@@ -60,9 +60,9 @@ fn assert_same(one: &Comparison, other: &Comparison) {
     }
 }
 
-/// Rods of constant loss factor, each test alone and any two together: 0.95 quantile of chi-square
-/// of the two parameters that the second test could have had to itself, in three pairs at the level
-/// of 1e-4 in all.
+/// Rods of constant loss factor, each test alone and any two together: the joint χ² exceeds the sum
+/// of the two by no more than chi-square of the two parameters that the second test shares, at a
+/// level of 1e-4.
 #[test]
 fn r01_constant_q_is_named_by_tests_alone_and_together_in_any_order() {
     let exact = [3.0, 10.0, 27.0].map(|v| by_the_line(&constant_q_stack(0.07), v));

@@ -215,8 +215,8 @@ fn hopkinson_linear_errors_are_those_of_draws() {
         let linear = result.standard_error(curve);
         for at in places(&result) {
             let ratio = drawn.of(curve)[at] / linear[at];
-            // 2.2 % of the deviation of 1000 draws, 7 % of that of 100 draws of the noise, four
-            // times
+            // the deviation of 1000 draws is known to 2.2 %, that of 100 draws of the noise to 7 %:
+            // twice their combination
             assert!((ratio - 1.0).abs() < 0.15, "{curve:?} {at}: {ratio}");
         }
     }
