@@ -1,4 +1,5 @@
-//! Tells the linker of macOS that Python is found when the module is imported.
+//! Build script: the linker of macOS must accept symbols of Python that are resolved when the
+//! module is imported.
 
 fn main() {
     pyo3_build_config::add_extension_module_link_args();

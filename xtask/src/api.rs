@@ -1,9 +1,9 @@
 //! `cargo xtask api`: the public interface of each library crate, one item per line, in `docs/api`.
 //!
-//! The items are those that rustdoc finds, with all features. It writes them as JSON, which a
-//! stable rustdoc does only with `RUSTC_BOOTSTRAP`. In the environment of cargo this variable would
-//! cause build scripts of dependencies to run again; therefore cargo calls this program as rustdoc,
-//! and only rustdoc gets the variable.
+//! The items are those that rustdoc finds, with all features. Its JSON output needs
+//! `RUSTC_BOOTSTRAP` with a stable rustdoc. In the environment of cargo, this variable would make
+//! build scripts of dependencies run again. Therefore cargo calls this program as its rustdoc, and
+//! only the real rustdoc gets the variable.
 
 mod listing;
 
@@ -16,10 +16,10 @@ use crate::outside::{LIBRARIES, Program};
 use listing::Listing;
 use testbed::generated::{ensure_file_contents, workspace_root};
 
-/// Environment variable with the rustdoc to be called, where this program is called as rustdoc.
+/// Environment variable that names the rustdoc to be called when this program is called as rustdoc.
 const RUSTDOC: &str = "XTASK_RUSTDOC";
 
-/// Errors of a public interface, or of reading it.
+/// Errors in a public interface, or in reading it.
 #[derive(Debug, thiserror::Error)]
 enum ApiError {
     #[error(
@@ -33,7 +33,7 @@ enum ApiError {
     NotNameable(String),
 }
 
-/// Writes the listings, or with `check` compares them.
+/// Writes the listings; with `check`, compares them.
 pub(crate) fn run(check: bool) -> Outcome {
     let root = workspace_root();
     let workspace = Metadata::of(root, &[])?;
@@ -42,7 +42,8 @@ pub(crate) fn run(check: bool) -> Outcome {
     for library in &LIBRARIES {
         let krate = library.name;
         let program = Program::write(root, krate, &workspace)?;
-        // cargo's files are shared, those of rustdoc are separate from the pages of `cargo doc`
+        // cargo's own files are shared; the output of rustdoc is kept apart from the pages of
+        // `cargo doc`
         let written = target_folder().join("outside").join("json");
         call(
             program
@@ -84,7 +85,8 @@ fn rustdoc() -> OsString {
     std::env::var_os("RUSTDOC").unwrap_or_else(|| "rustdoc".into())
 }
 
-/// Calls rustdoc as cargo has called this program, if it was called by cargo.
+/// Calls rustdoc with the arguments that cargo gave to this program; `None` if cargo did not call
+/// it.
 pub(crate) fn as_rustdoc() -> Option<ExitCode> {
     let rustdoc = std::env::var_os(RUSTDOC)?;
     let ended = Command::new(&rustdoc)

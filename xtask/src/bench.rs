@@ -1,9 +1,9 @@
-//! `cargo xtask bench`: docs/performance.md, every target with the results of this software and of
-//! others for the same task.
+//! `cargo xtask bench`: docs/performance.md, with every target, the results of this software, and
+//! those of other software for the same task.
 //!
 //! docs/performance.ron contains the targets with their reasons, docs/performance-measured.ron the
-//! numbers of the last complete run. The page is made from both, so that it can be checked without
-//! running anything. Times need a quiet machine; the instructions of the hottest kernels do not.
+//! numbers of the last complete run. The page is made from both files and can be checked without a
+//! run. Times need an idle machine; the instruction counts of the hottest kernels do not.
 
 mod criterion;
 mod error;
@@ -35,7 +35,7 @@ const COMMAND: &str = "cargo xtask bench";
 const TARGETS: &str = "docs/performance.ron";
 /// Measured results.
 const MEASURED: &str = "docs/performance-measured.ron";
-/// Page made from both.
+/// Page made from these two files.
 const PAGE: &str = "docs/performance.md";
 /// Folder for the files of the runs, below the root.
 const WORK: &str = "target/bench";
@@ -45,16 +45,16 @@ const WORK: &str = "target/bench";
 pub(crate) enum Task {
     /// Run everything and write numbers and page.
     Measure,
-    /// Run everything for a shorter time and write a page beside the repository's.
+    /// Run everything for a shorter time and write a page next to that of the repository.
     Try,
-    /// Run nothing, and make the page from the existing numbers.
+    /// Run nothing, and write the page again from the existing numbers.
     Page,
-    /// Run nothing.
+    /// Run nothing, and check that the page is current.
     Check,
-    /// Count instructions and take them for reference.
+    /// Count instructions and store them as the reference.
     Count,
-    /// Count instructions and compare them with the reference; if that is impossible, fail or
-    /// report it.
+    /// Count instructions and compare them with the reference. If that is impossible, fail, or with
+    /// `where_possible` report it.
     CompareCounts { where_possible: bool },
 }
 
@@ -172,7 +172,7 @@ pub(crate) fn run(task: Task) -> Outcome {
     Ok(())
 }
 
-/// Prints the essential part of the page.
+/// Prints the most important part of the page.
 fn say(page: &str, path: &str) {
     let tally = page.lines().skip_while(|line| !line.starts_with("| "));
     for line in tally.take_while(|line| !line.starts_with("## ")) {
@@ -181,7 +181,7 @@ fn say(page: &str, path: &str) {
     println!("{path}");
 }
 
-/// Checks that every program named in a row is run.
+/// Checks that every program named in a row exists.
 fn known_programs(targets: &Targets, path: &Path) -> Result<(), BenchError> {
     for (what, of) in targets.quantities() {
         if let Quantity::Process(name) | Quantity::Memory(name) = of
@@ -200,7 +200,7 @@ fn known_programs(targets: &Targets, path: &Path) -> Result<(), BenchError> {
     Ok(())
 }
 
-/// Checks that every missed target, and every growth beyond its limit, has a reason.
+/// Checks that a reason is given for every missed target and for every growth beyond its limit.
 fn reasons(targets: &Targets, measured: &Measured, path: &Path) -> Result<(), BenchError> {
     let results = result::results(targets, measured)?.into_iter().flatten();
     let rows = targets.rows().zip(results).filter_map(|(row, result)| {
@@ -224,7 +224,7 @@ fn reasons(targets: &Targets, measured: &Measured, path: &Path) -> Result<(), Be
     }
 }
 
-/// Checks that the benchmark programs and kernels of the sources are those that were measured.
+/// Checks that the benchmark programs and kernels in the sources are those that were measured.
 fn same_benchmarks(root: &Path, measured: &Measured) -> Result<(), BenchError> {
     let benches = criterion::programs(root)?;
     let there: Vec<String> = benches
@@ -264,8 +264,8 @@ fn same_benchmarks(root: &Path, measured: &Measured) -> Result<(), BenchError> {
     }
 }
 
-/// Runs all benchmarks, programs and, if valgrind is installed, kernels; otherwise the counts are
-/// those of `before`.
+/// Runs all benchmarks and programs, and the kernels if valgrind is installed; otherwise the counts
+/// of `before` are kept.
 fn measure(root: &Path, pace: Pace, before: Measured) -> Result<Measured, BenchError> {
     let machine = machine::machine(pace == Pace::Quick);
     let work = root.join(WORK);

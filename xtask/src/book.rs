@@ -1,9 +1,9 @@
-//! `cargo xtask book`: the pages of `docs` as one book in `target/book`, by mdBook, with equations
-//! as MathML.
+//! `cargo xtask book`: the pages of `docs` as a book in `target/book`, made by mdBook, with
+//! equations as MathML.
 //!
 //! The pages are written for Git hosts, with `` $`x`$ `` and `math` fences. `docs/book.toml` names
-//! this program as a preprocessor, so that `mdbook build docs` and `mdbook serve docs` set the
-//! equations too.
+//! this program as a preprocessor; `mdbook build docs` and `mdbook serve docs` therefore convert
+//! the equations too.
 
 mod check;
 mod math;
@@ -43,8 +43,8 @@ enum BookError {
     Warnings(String),
 }
 
-/// Checks the pages and, unless `check` is set, builds the book. With `if_installed`, a machine
-/// without mdbook gives a remark and no error.
+/// Checks the pages and, unless `check` is set, builds the book. With `if_installed`, a missing
+/// mdbook is reported and is not an error.
 pub(crate) fn run(check: bool, if_installed: bool, tasks: Vec<String>) -> Outcome {
     let root = workspace_root();
     let (faults, tally) = Book::read(root, tasks)?.check();
@@ -71,7 +71,7 @@ pub(crate) fn run(check: bool, if_installed: bool, tasks: Vec<String>) -> Outcom
     }
 }
 
-/// Runs mdBook on a copy of the pages, to which pages that are not generated yet are added.
+/// Runs mdBook on a copy of the pages, to which placeholders for pages not yet generated are added.
 fn build(root: &Path) -> Result<PathBuf, BookError> {
     let pages = root.join("target").join("book-pages");
     let book = root.join("target").join("book");
@@ -95,7 +95,7 @@ fn build(root: &Path) -> Result<PathBuf, BookError> {
         .arg(&pages)
         .arg("--dest-dir")
         .arg(&book)
-        // this program itself, instead of the one that cargo would have to build first
+        // this program itself; cargo would have to build the one that book.toml names first
         .env(
             "MDBOOK_PREPROCESSOR__EQUATIONS__COMMAND",
             format!("'{}' book-equations", this.display()),

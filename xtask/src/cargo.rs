@@ -12,9 +12,10 @@ pub(crate) fn cargo() -> Command {
     Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()))
 }
 
-/// Returns the folder of cargo's compiled files for this workspace.
+/// Returns the folder in which cargo puts the compiled files of this workspace.
 pub(crate) fn target_folder() -> PathBuf {
-    // a relative one is relative to the folder of the call to cargo, in which a task runs too
+    // a relative path starts from the folder in which cargo was called, which is also that of the
+    // task
     let named = std::env::var_os("CARGO_TARGET_DIR").map(std::path::absolute);
     match named {
         Some(Ok(folder)) => folder,
@@ -83,7 +84,7 @@ fn call(command: &Command) -> String {
     format!("{program} {}", words.join(" "))
 }
 
-/// Packages and their dependencies, as far as a task needs them.
+/// Packages and their dependencies: the fields of `cargo metadata` that a task needs.
 #[derive(Debug, Deserialize)]
 pub(crate) struct Metadata {
     pub(crate) packages: Vec<Package>,
@@ -103,7 +104,7 @@ pub(crate) struct Package {
     pub(crate) repository: Option<String>,
     pub(crate) keywords: Vec<String>,
     pub(crate) categories: Vec<String>,
-    /// Registries for publication: an empty list is `publish = false`.
+    /// Registries to which the package may be published: an empty list is `publish = false`.
     pub(crate) publish: Option<Vec<String>>,
     pub(crate) features: std::collections::BTreeMap<String, Vec<String>>,
     pub(crate) targets: Vec<Target>,
@@ -111,7 +112,7 @@ pub(crate) struct Package {
 }
 
 impl Package {
-    /// Returns true if the package runs in the compiler, and is therefore no part of a program.
+    /// Returns true if the package runs in the compiler and is not part of the program.
     pub(crate) fn is_macro(&self) -> bool {
         self.targets
             .iter()
@@ -151,15 +152,15 @@ pub(crate) struct Edge {
 
 #[derive(Debug, Deserialize)]
 pub(crate) struct EdgeKind {
-    /// `None` for a dependency of the program itself, else `build` or `dev`.
+    /// `None` for a dependency of the program itself, otherwise `build` or `dev`.
     pub(crate) kind: Option<String>,
-    /// Platforms of the dependency, if not all.
+    /// Platforms of the dependency; `None` for all.
     pub(crate) target: Option<String>,
 }
 
 impl Metadata {
-    /// Returns the metadata of the package whose manifest lies in `folder`, without network access,
-    /// and with `selection` of features.
+    /// Returns the metadata of the package whose manifest is in `folder`, with the `selection` of
+    /// features and without network access.
     pub(crate) fn of(folder: &Path, selection: &[&str]) -> Result<Self, CargoError> {
         let mut command = cargo();
         command
@@ -177,14 +178,14 @@ impl Metadata {
         self.packages.iter().find(|package| package.id == id)
     }
 
-    /// Returns the package of this name with a path and without a registry.
+    /// Returns the package with this name that has a path and no registry.
     pub(crate) fn local(&self, name: &str) -> Option<&Package> {
         self.packages
             .iter()
             .find(|package| package.name == name && package.id.starts_with("path+"))
     }
 
-    /// Returns the direct dependencies of `id`, along edges accepted by `follows`.
+    /// Returns the direct dependencies of `id` along the edges that `follows` accepts.
     pub(crate) fn below<'a>(
         &'a self,
         id: &str,

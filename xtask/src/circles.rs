@@ -1,9 +1,11 @@
-//! Circles of modules: within a crate, arrows go downhill. A test, run with all others.
+//! Circles, that is, cyclic dependencies between the modules of a crate. A test, run with all
+//! others.
 //!
-//! A file and the files below it are one module; a circle is one of modules beside each other, such
-//! as `estimate` that uses `free_end` and is used by it. An arrow leads to the file that declares a
-//! name, whatever `pub use` it came through. Paths are read where they begin with `crate`, `self`,
-//! `super` or a module below, in `use` and elsewhere; tests are left out.
+//! A file together with the files below it is one module. A circle leads through modules with the
+//! same parent, such as `estimate`, which uses `free_end` and is used by it. An arrow leads to the
+//! file that declares a name, whatever `pub use` makes the name visible. Paths are read if they
+//! begin with `crate`, `self`, `super` or a module below, in `use` and elsewhere. Tests are left
+//! out.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
@@ -12,8 +14,8 @@ use std::path::Path;
 use testbed::generated::workspace_root;
 use testbed::papers::files;
 
-/// Arrows uphill that close the circles there are, by the folder of the modules. The list may only
-/// become shorter.
+/// Arrows that close the existing circles, by the folder of the modules. Entries may only be
+/// removed from this list.
 const KNOWN: &[&str] = &[
     "crates/impulse/src/hopkinson: result -> finding",
     "crates/impulse/src/hopkinson: shot -> finding",
@@ -37,14 +39,14 @@ const KNOWN: &[&str] = &[
     "crates/rodlab/src: output -> report",
 ];
 
-/// Names from the root of the crate.
+/// Names of a path, starting at the root of the crate.
 type Names = Vec<String>;
 
-/// Source of a file without comments, tests and `use`.
+/// Source of a file, without comments, tests and `use`.
 #[derive(Default)]
 struct Module {
     code: String,
-    /// Imported paths with the name that they have here, and whether they are visible elsewhere.
+    /// Imported paths, with the name that each has here and true if it is visible elsewhere.
     imports: Vec<(Names, String, bool)>,
 }
 
@@ -67,7 +69,7 @@ impl Module {
         module
     }
 
-    /// Paths in the code, of two names or more.
+    /// Returns the paths in the code that consist of two names or more.
     fn paths(&self) -> impl Iterator<Item = Names> {
         let pieces = self
             .code
@@ -79,7 +81,7 @@ impl Module {
     }
 }
 
-/// Position of a word.
+/// Returns the position of a whole word.
 fn word(text: &str, wanted: &str) -> Option<usize> {
     let part = |c: Option<char>| c.is_some_and(|c| c.is_alphanumeric() || c == '_');
     text.match_indices(wanted).map(|(at, _)| at).find(|at| {
@@ -87,7 +89,7 @@ fn word(text: &str, wanted: &str) -> Option<usize> {
     })
 }
 
-/// Calls `found` with each path of the tree of a `use`, and its name.
+/// Calls `found` with each path in the tree of a `use`, and with the name it gets.
 fn leaves(above: &[String], tree: &str, found: &mut impl FnMut(Names, String)) {
     let tree = tree.trim();
     let (head, branches) = tree.split_once('{').unwrap_or((tree, ""));
@@ -126,7 +128,8 @@ fn leaves(above: &[String], tree: &str, found: &mut impl FnMut(Names, String)) {
     }
 }
 
-/// The source without comments and without items for tests, which end at their own indentation.
+/// Returns the source without comments and without test items; such an item ends at its own
+/// indentation.
 fn without_tests(source: &str) -> String {
     let mut bare = String::new();
     let mut inside: Option<&str> = None;
@@ -143,7 +146,7 @@ fn without_tests(source: &str) -> String {
     bare
 }
 
-/// Modules of a crate by their names; the root has none.
+/// Modules of a crate by their names; the root has the empty name.
 struct Modules(BTreeMap<Names, Module>);
 
 impl Modules {
@@ -171,7 +174,7 @@ impl Modules {
         Self(modules)
     }
 
-    /// The path from the root; `None` for one that leads out of the crate.
+    /// Returns the path from the root; `None` if it leads out of the crate.
     fn absolute(&self, from: &[String], path: &[String]) -> Option<Names> {
         let ups = path.iter().take_while(|name| *name == "super").count();
         let (base, rest) = match path.first()?.as_str() {
@@ -184,7 +187,7 @@ impl Modules {
         Some([base, rest].concat())
     }
 
-    /// The module that declares what a path leads to.
+    /// Returns the module that declares the item at the end of a path.
     fn declares(&self, path: &[String], mut hops: usize) -> Option<Names> {
         let known = (0..=path.len())
             .rev()
@@ -211,7 +214,7 @@ impl Modules {
         Some(through.unwrap_or_else(|| module.to_vec()))
     }
 
-    /// Modules that a module uses, each with a name that it takes from there.
+    /// Returns the modules that a module uses, each with a name that is used from it.
     fn used(&self, from: &Names) -> BTreeMap<Names, String> {
         let module = &self.0[from];
         let imports = module
@@ -231,8 +234,8 @@ impl Modules {
             .collect()
     }
 
-    /// Arrows between modules beside each other, by the module above them, each with one of its
-    /// causes.
+    /// Returns the arrows between modules with the same parent, by the parent; each arrow has one
+    /// of its causes.
     fn arrows(&self) -> BTreeMap<Names, Arrows> {
         let mut arrows: BTreeMap<Names, Arrows> = BTreeMap::new();
         for from in self.0.keys() {
@@ -253,7 +256,7 @@ impl Modules {
 /// Arrows from one module to another, with a cause.
 type Arrows = BTreeMap<(String, String), String>;
 
-/// The arrows on circles: those with a way back.
+/// Returns the arrows that are part of a circle: a way leads back from their end to their start.
 fn on_circles(mut arrows: Arrows) -> Arrows {
     let all: Vec<_> = arrows.keys().cloned().collect();
     arrows.retain(|(from, to), _| {
@@ -328,7 +331,7 @@ fn a_circle_is_found_through_what_hides_it() {
         found,
         ["a::inner uses Thing of b", "b uses Renamed of a::inner"]
     );
-    // a module and its part, a re-export that is not used, a comment and a test are none
+    // a module and its part, an unused re-export, a comment and a test do not form circles
     let none = of(&[
         (lib, "mod a; mod b;"),
         (

@@ -1,10 +1,10 @@
 //! `cargo xtask faults [NAME...]`: restores former faults one at a time, and runs the tests that
-//! must fail with each.
+//! must fail with each of them.
 //!
-//! `xtask/faults/faults.ron` lists them, `xtask/faults/NAME.patch` restores one. The tree, without
-//! the files that git ignores, is copied below the folder of compiled files and built there with a
-//! separate folder; only crates changed by a patch are compiled again. A patch that does not apply,
-//! a program that does not compile, and a test that passes or does not exist are errors.
+//! `xtask/faults/faults.ron` lists the faults; `xtask/faults/NAME.patch` restores one of them. The
+//! tree, without the files that git ignores, is copied to the folder of compiled files and built in
+//! a separate folder there; only crates that a patch changes are compiled again. A patch that does
+//! not apply, a program that does not compile, and a test that passes or does not exist are errors.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -18,7 +18,7 @@ use crate::cargo::{CargoError, cargo, run as run_command, target_folder};
 use testbed::generated::workspace_root;
 use testbed::ron_text::parse_ron;
 
-/// Patches and their list, from the root of the workspace.
+/// Folder of the patches and their list, relative to the root of the workspace.
 const FOLDER: &str = "xtask/faults";
 
 /// Former fault, and the tests that detect it.
@@ -29,7 +29,7 @@ struct Fault {
     patch: String,
     /// Description in one sentence.
     fault: String,
-    /// Tests that fail with it.
+    /// Tests that fail when the fault is restored.
     seen_by: Vec<Seen>,
 }
 
@@ -39,7 +39,7 @@ struct Fault {
 struct Seen {
     package: String,
     program: Program,
-    /// Tests by their full path in the program.
+    /// Names of the tests, as full paths in the program.
     tests: Vec<String>,
 }
 
@@ -78,8 +78,8 @@ enum FaultsError {
     NoTest { package: String, test: String },
 }
 
-/// Restores the faults of these `names`, or all, and requires their tests to fail; with `check`
-/// only requires each patch to apply.
+/// Restores the faults named in `names`, or all if it is empty, and requires that their tests fail.
+/// With `check`, only requires that each patch applies.
 pub(crate) fn run(names: &[String], check: bool) -> Outcome {
     let root = workspace_root();
     let faults = listed(root)?;
@@ -128,7 +128,7 @@ pub(crate) fn run(names: &[String], check: bool) -> Outcome {
     Ok(())
 }
 
-/// Returns the list, which names every patch of the folder, and at least one test for each.
+/// Returns the list. It must contain every patch of the folder, each with one test at least.
 fn listed(root: &Path) -> Result<Vec<Fault>, Box<dyn std::error::Error>> {
     let folder = root.join(FOLDER);
     let list = folder.join("faults.ron");
@@ -155,7 +155,7 @@ fn listed(root: &Path) -> Result<Vec<Fault>, Box<dyn std::error::Error>> {
     Ok(faults)
 }
 
-/// Requires functions of the names of these tests in their package.
+/// Requires that the package contains functions with the names of these tests.
 fn has_tests(root: &Path, seen: &Seen) -> Result<(), FaultsError> {
     let folder = root.join("crates").join(&seen.package);
     let read = |path: &PathBuf| fs::read_to_string(path);
@@ -177,7 +177,7 @@ fn has_tests(root: &Path, seen: &Seen) -> Result<(), FaultsError> {
     Ok(())
 }
 
-/// Creates a call of git in `folder`, which is not treated as part of a repository above it.
+/// Creates a call of git in `folder` that does not treat it as part of a repository above it.
 fn git(folder: &Path) -> Command {
     let mut git = Command::new("git");
     git.current_dir(folder);
@@ -185,14 +185,14 @@ fn git(folder: &Path) -> Command {
     git
 }
 
-/// Makes `copy` equal to the tree of `root` without the files that git ignores. An unchanged file
-/// keeps its time, so that it is not compiled again.
+/// Makes `copy` equal to the tree of `root`, without the files that git ignores. An unchanged file
+/// keeps its time and is therefore not compiled again.
 fn mirror(root: &Path, copy: &Path) -> Outcome {
     let every = ["--cached", "--others", "--exclude-standard"];
     let files = run_command(git(root).args(["ls-files", "-z"]).args(every))?.output;
     for file in files.split_terminator('\0') {
         let (from, to) = (root.join(file), copy.join(file));
-        // a deleted file is listed until the deletion is committed
+        // git lists a deleted file until the deletion is committed
         let Ok(contents) = fs::read(&from) else {
             let _ = fs::remove_file(&to);
             continue;
@@ -207,7 +207,7 @@ fn mirror(root: &Path, copy: &Path) -> Outcome {
     Ok(())
 }
 
-/// Returns the output of the tests in `tree`, where `fault` has been restored.
+/// Returns the output of the tests in `tree`, in which `fault` has been restored.
 fn said_by_tests(tree: &Path, fault: &Fault, seen: &Seen) -> Result<String, FaultsError> {
     let program = match seen.program {
         Program::Lib => &["--lib"][..],

@@ -1,8 +1,8 @@
 //! `cargo xtask fixtures`: golden files from the transcribed tables.
 //!
-//! Reads every table of `fixtures/papers`, converts units and rounding to SI, and writes one golden
-//! file per table. None of our numerical code is called: a fixture must be independent of the code
-//! that it tests. Each table is read by a test.
+//! The task reads every table of `fixtures/papers`, converts units and rounding to SI, and writes
+//! one golden file per table. It calls none of our numerical code: a fixture must be independent of
+//! the code that it tests. Each table must be read by a test.
 
 mod reference;
 
@@ -18,14 +18,14 @@ use crate::Outcome;
 
 /// Command that makes the golden files.
 const COMMAND: &str = "cargo xtask fixtures";
-/// Folder of the golden files, from the root of the workspace.
+/// Folder of the golden files, relative to the root of the workspace.
 const GOLDEN: &str = "fixtures/golden";
 
-/// Table of the numbers of the survey.
+/// Table of the numbers in the survey.
 const SURVEY: &str = "survey_constants.ron";
 
-/// Writes the golden files, or with `check` fails where one is missing, out of date, or belongs to
-/// no table.
+/// Writes the golden files. With `check`, fails if a golden file is missing, not current, or
+/// belongs to no table.
 pub(crate) fn run(check: bool) -> Outcome {
     let root = workspace_root();
     let tables = transcribed_tables(root)?;
@@ -44,7 +44,8 @@ pub(crate) fn run(check: bool) -> Outcome {
     refuse_orphans(&golden, &expected)?;
     paper_d::load()?;
     let tests = reference::tests(root)?;
-    // values repeated in the survey are compared with the papers' tables where they are read
+    // the values that the survey repeats are compared with the tables of the papers when they are
+    // read
     let is_read = |name: &OsString| name == SURVEY || tests.contains(&*name.to_string_lossy());
     if let Some(name) = expected.iter().find(|name| !is_read(name)) {
         return Err(Box::new(FixtureError::NotRead {
@@ -64,7 +65,7 @@ pub(crate) fn run(check: bool) -> Outcome {
     Ok(())
 }
 
-/// Fails for a file of `folder` that is not in `expected`.
+/// Fails if `folder` contains a file that is not in `expected`.
 fn refuse_orphans(folder: &Path, expected: &BTreeSet<OsString>) -> Result<(), FixtureError> {
     match files(folder)?
         .into_iter()

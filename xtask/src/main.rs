@@ -1,6 +1,6 @@
 //! Tasks of this workspace: `cargo xtask <task>`.
 //!
-//! Each task has its own file. The tasks compose the library crates; a step that a second program
+//! Each task has its own file. The tasks combine the library crates. A step that a second program
 //! would need belongs in a library, not here.
 #![allow(
     clippy::print_stdout,
@@ -46,17 +46,17 @@ struct Arguments {
 enum Task {
     /// Write fixtures/golden from the transcribed tables of fixtures/papers.
     Fixtures {
-        /// Change nothing; fail, naming the command to run, where a golden file is not what would
-        /// be written.
+        /// Change nothing; fail if a golden file is not what would be written, and name the command
+        /// to run.
         #[arg(long)]
         check: bool,
     },
-    /// Restore former faults, each in a copy of the tree, and require that the tests that detect it
-    /// fail.
+    /// Restore former faults, each in a copy of the tree, and require that the tests that detect
+    /// the fault fail.
     Faults {
-        /// Faults by the names of their patches; all, if none is named.
+        /// Faults by the names of their patches; all faults if none is named.
         names: Vec<String>,
-        /// Compile nothing; fail where a patch does not apply to the tree.
+        /// Compile nothing; fail if a patch does not apply to the tree.
         #[arg(long)]
         check: bool,
     },
@@ -74,88 +74,89 @@ enum Task {
     /// Reproduce the figures of paper E (impact force from impulse responses) on virtual bodies and
     /// measurements.
     ReproducePaperE(Comparison),
-    /// Reproduce every paper and print what each shows.
+    /// Reproduce every paper and print its findings.
     ReproduceAll(Comparison),
     /// Check the pages of docs and make a book of them in target/book.
     Book {
-        /// Only check: every page in the summary, no dead link or anchor, equations that can be
-        /// set, names that exist.
+        /// Only check: every page is in the summary, no link or anchor is dead, equations can be
+        /// converted, names exist.
         #[arg(long)]
         check: bool,
         /// Build if mdbook is installed; otherwise report that it is missing.
         #[arg(long, conflicts_with = "check")]
         if_installed: bool,
     },
-    /// Run cargo doc, set the equations in its pages, and link them to those of the book.
+    /// Run cargo doc, convert the equations in its pages, and link the pages to those of the book.
     Doc,
-    /// Preprocessor that mdBook calls for the equations.
+    /// Preprocessor for the equations, which mdBook calls.
     #[command(hide = true)]
     BookEquations {
         #[command(subcommand)]
         question: Option<Question>,
     },
-    /// Write docs/traceability.md: every numbered item of the thesis, its code and its proof.
+    /// Write docs/traceability.md: every numbered item of the thesis, with its code and its proof.
     Traceability {
-        /// Change nothing; fail where the page is not what would be written.
+        /// Change nothing; fail if the page is not what would be written.
         #[arg(long)]
         check: bool,
     },
-    /// Build a program outside the workspace on each library crate alone, and write
-    /// docs/dependencies.md with its dependencies.
+    /// Build a program outside the workspace with each library crate alone, and write
+    /// docs/dependencies.md with the dependencies of each crate.
     Outside {
-        /// Change nothing in the repository; fail where the page is not what would be written.
+        /// Change nothing in the repository; fail if the page is not what would be written.
         #[arg(long)]
         check: bool,
     },
-    /// Write docs/api: everything public of each library crate.
+    /// Write docs/api: all public items of each library crate.
     Api {
-        /// Change nothing in the repository; fail where a listing is not what would be written.
+        /// Change nothing in the repository; fail if a listing is not what would be written.
         #[arg(long)]
         check: bool,
     },
-    /// Check what would be packaged of each crate, its manifest, and the oldest Rust that it can
-    /// have.
+    /// Check the contents of the package of each crate, its manifest, and the oldest Rust that it
+    /// can use.
     Package,
-    /// Run the benchmarks and whole programs, count instructions, and write docs/performance.md; it
-    /// needs an idle machine.
+    /// Run the benchmarks and whole programs, count instructions, and write docs/performance.md.
+    /// The machine must be idle.
     Bench(Measurement),
-    /// One kernel, once, for callgrind.
+    /// Run one kernel once, for callgrind.
     #[command(hide = true)]
     BenchKernel { name: String },
-    /// Compute everything that the software claims and write it next to what is known otherwise:
-    /// docs/validation.md.
+    /// Compute every claim of the software and write it next to the value known from another
+    /// source: docs/validation.md.
     Validate {
-        /// Folder of measured records; without it, everything that needs one is listed as skipped.
+        /// Folder of measured records; without it, everything that needs a record is listed as
+        /// skipped.
         #[arg(long, env = "RODLAB_DATA")]
         data: Option<PathBuf>,
-        /// Change nothing in the repository; fail, naming the claims, where docs/validation.md is
-        /// not what would be written.
+        /// Change nothing in the repository; fail if docs/validation.md is not what would be
+        /// written, and name the claims that differ.
         #[arg(long)]
         check: bool,
     },
 }
 
-/// First question of mdBook to a preprocessor.
+/// First question that mdBook asks a preprocessor.
 #[derive(Subcommand)]
 enum Question {
-    /// Report whether a renderer is supported, as exit status.
+    /// Report by the exit status whether a renderer is supported.
     Supports { renderer: String },
 }
 
 #[derive(clap::Args)]
 struct Measurement {
-    /// Run nothing; fail where docs/performance.md is not what its numbers give, or benchmarks are
-    /// not those of the sources.
+    /// Run nothing; fail if docs/performance.md is not what its numbers give, or if its benchmarks
+    /// are not those of the sources.
     #[arg(long)]
     check: bool,
     /// Measure for a shorter time and write the page to target/bench.
     #[arg(long, conflicts_with_all = ["check", "instructions"])]
     quick: bool,
-    /// Only write the page again, from the numbers of the last run.
+    /// Only write the page again from the numbers of the last run.
     #[arg(long, conflicts_with_all = ["check", "quick", "instructions"])]
     page: bool,
-    /// Only count the instructions of the hottest kernels, by callgrind; with --check compare them
-    /// with the page's.
+    /// Only count the instructions of the hottest kernels, by callgrind; with --check, compare them
+    /// with those of the page.
     #[arg(long)]
     instructions: bool,
     /// Count nothing, and report it, if valgrind or the machine and compiler of the reference are
@@ -181,7 +182,7 @@ impl Measurement {
 
 #[derive(clap::Args)]
 struct Comparison {
-    /// Compare the result with the snapshot in the repository; exit status 1 on drift.
+    /// Compare the result with the snapshot in the repository; the exit status is 1 if they differ.
     #[arg(long)]
     check: bool,
     /// Accept the result as the new snapshot.
@@ -244,7 +245,7 @@ fn main() -> ExitCode {
     }
 }
 
-/// Returns the task names of `cargo xtask`.
+/// Returns the names of the tasks of `cargo xtask`.
 fn tasks() -> Vec<String> {
     Arguments::command()
         .get_subcommands()
@@ -252,5 +253,6 @@ fn tasks() -> Vec<String> {
         .collect()
 }
 
-/// Result of every task: nothing, or an error that states what, where, found and expected.
+/// Result of every task: nothing, or an error that states what is wrong, where, what was found and
+/// what was expected.
 type Outcome = Result<(), Box<dyn std::error::Error>>;

@@ -1,11 +1,11 @@
-//! `cargo xtask outside`: a program outside the workspace on each library crate alone, and
+//! `cargo xtask outside`: a program outside the workspace with each library crate alone, and
 //! `docs/dependencies.md`.
 //!
-//! The program is the README of the crate: its `toml` block is the manifest, its `rust` block
-//! `main.rs`. It is a separate workspace, so that no feature and no dependency of a neighbour is
-//! included, uses the versions of our `Cargo.lock`, and is checked without warnings, with the
-//! features of the crate and without. The output of cargo is stored beside that of the workspace: a
-//! dependency with the same features is not compiled twice.
+//! The program is the README of the crate: its `toml` block is the manifest, its `rust` block is
+//! `main.rs`. The program is a separate workspace, which excludes features and dependencies of
+//! other crates. It uses the versions of our `Cargo.lock` and must compile without warnings, with
+//! and without the features of the crate. The output of cargo is stored next to that of the
+//! workspace: a dependency with the same features is not compiled twice.
 
 mod page;
 mod program;
@@ -18,14 +18,14 @@ use testbed::generated::{ensure_file_contents, workspace_root};
 pub(crate) use program::Program;
 use pulled_in::PulledIn;
 
-/// Library crate, and those of our crates on which it may depend.
+/// Library crate, with the crates of ours on which it may depend.
 #[derive(Debug)]
 pub(crate) struct Library {
     pub(crate) name: &'static str,
     ours: &'static [&'static str],
 }
 
-/// Library crates. `rodlab` is not included: it is a program, and its library is internal.
+/// Library crates. `rodlab` is not included, because it is a program with an internal library.
 pub(crate) const LIBRARIES: [Library; 5] = [
     Library {
         name: "rodwave",
@@ -49,7 +49,7 @@ pub(crate) const LIBRARIES: [Library; 5] = [
     },
 ];
 
-/// Dependencies of the command, of tests or of tasks that no library may have.
+/// Dependencies of the command, of tests or of tasks, which no library may have.
 const NOT_FOR_LIBRARIES: [&str; 12] = [
     "clap",
     "criterion",
@@ -65,14 +65,13 @@ const NOT_FOR_LIBRARIES: [&str; 12] = [
     "tempfile",
 ];
 
-/// Dependencies that are included only with the feature of that name.
+/// Dependencies that may be included only by the feature with the same name.
 const BY_FEATURE_ONLY: [&str; 2] = ["rayon", "serde"];
 
-/// Features that may include one of [`BY_FEATURE_ONLY`] besides that of its name: calamine needs
-/// serde.
+/// Other features that may include one of [`BY_FEATURE_ONLY`]: calamine needs serde.
 const ALSO_BY_FEATURE: [(&str, &str); 1] = [("workbook", "serde")];
 
-/// Dependencies of a library crate alone, and with each of its features.
+/// Dependencies of a library crate, by default and with each of its features.
 #[derive(Debug)]
 struct Alone<'a> {
     library: &'a Library,
@@ -80,14 +79,14 @@ struct Alone<'a> {
     by_feature: Vec<(String, PulledIn)>,
 }
 
-/// Errors of a crate as a dependency.
+/// Errors of a crate that is used as a dependency.
 #[derive(Debug, thiserror::Error)]
 enum OutsideError {
     #[error("{0} crates pull in what they must not:\n{1}")]
     PulledIn(usize, String),
 }
 
-/// Builds the programs and writes the page, or with `check` compares it.
+/// Builds the programs and writes the page; with `check`, compares the page.
 pub(crate) fn run(check: bool) -> Outcome {
     let root = workspace_root();
     let workspace = Metadata::of(root, &[])?;
@@ -130,7 +129,7 @@ pub(crate) fn run(check: bool) -> Outcome {
 }
 
 impl PulledIn {
-    /// Returns the dependencies that are not allowed, with `feature` or without any.
+    /// Returns the dependencies that are not allowed, with `feature` or without any feature.
     fn faults(&self, library: &Library, feature: Option<&str>) -> Vec<String> {
         let name = library.name;
         let alone = feature.map_or_else(String::new, |feature| format!(" with `{feature}`"));

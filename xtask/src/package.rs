@@ -1,8 +1,8 @@
-//! `cargo xtask package`: the contents of the package of each crate, and the entries of its
+//! `cargo xtask package`: checks the contents of the package of each crate, and the entries of its
 //! manifest that a registry requires.
 //!
-//! Nothing is published. A package is used by vendors and distributions, and it shows the files
-//! needed to build a crate: it contains no test data, and its sources read nothing outside of it.
+//! Nothing is published. Vendors and distributions use packages. A package also shows which files a
+//! crate needs to be built: it contains no test data, and its sources read nothing outside it.
 
 mod oldest;
 
@@ -13,7 +13,7 @@ use crate::Outcome;
 use crate::cargo::{Metadata, Package, cargo, run as call};
 use testbed::generated::workspace_root;
 
-/// Files of every package; cargo adds the first three itself.
+/// Files that every package contains; cargo adds the first three.
 const FILES: [&str; 8] = [
     ".cargo_vcs_info.json",
     "Cargo.lock",
@@ -25,19 +25,19 @@ const FILES: [&str; 8] = [
     "src/lib.rs",
 ];
 
-/// Contents of a crate, by the folder and the endings of its files.
+/// Folders of a package, with the extensions of their files.
 const FOLDERS: [(&str, &[&str]); 4] = [
-    // the page of a report has its template, style and script beside the code, a unit test its
-    // snapshot; a snapshot to be decided ends in `.new`
+    // a report has its template, style and script next to the code; a unit test has its snapshot;
+    // an undecided snapshot ends in `.new`
     ("src/", &["rs", "html", "css", "js", "snap"]),
     ("benches/", &["rs"]),
-    // sheets and records of the command
+    // sheets and records for the command
     ("examples/", &["rs", "md", "toml", "ron", "npy", "csv"]),
     ("templates/", &["toml", "ron"]),
 ];
 
-/// Maximum size of a package \[bytes\]: a registry accepts 10 MB compressed; this is close to the
-/// largest of ours.
+/// Largest size of a package \[bytes\]: a registry accepts 10 MB compressed; this limit is close to
+/// the largest of ours.
 const LARGEST: u64 = 4_000_000;
 
 /// Faults of a package.
@@ -53,7 +53,7 @@ pub(crate) fn run() -> Outcome {
     for package in crates(&workspace) {
         let said = call(
             cargo()
-                // uncommitted files would be packaged too
+                // uncommitted files are packaged too
                 .args([
                     "package",
                     "--list",
@@ -99,8 +99,8 @@ pub(crate) fn run() -> Outcome {
     }
 }
 
-/// Returns the crates of the workspace for other users: all except the tasks, the common code of
-/// tests, and the Python package, which is shipped as a wheel.
+/// Returns the crates of the workspace that are for other users: all except the tasks, the common
+/// code of tests, and the Python package, which is distributed as a wheel.
 fn crates(workspace: &Metadata) -> impl Iterator<Item = &Package> {
     workspace
         .workspace_members
@@ -109,7 +109,7 @@ fn crates(workspace: &Metadata) -> impl Iterator<Item = &Package> {
         .filter(|package| !["rodlab-py", "testbed", "xtask"].contains(&package.name.as_str()))
 }
 
-/// Returns files that are missing, and files that do not belong in a package.
+/// Returns the files that are missing and the files that do not belong in a package.
 fn of_files(files: &[&str]) -> Vec<String> {
     let missing = FILES
         .iter()
@@ -173,7 +173,7 @@ fn of_manifest(package: &Package) -> Vec<String> {
     faults
 }
 
-/// Returns wrong licences, sources that read outside of the package, and excess size.
+/// Returns wrong licences, sources that read files outside the package, and a size above the limit.
 fn of_contents(root: &Path, folder: &Path, files: &[&str]) -> Vec<String> {
     let mut faults = Vec::new();
     for licence in ["LICENSE-APACHE", "LICENSE-MIT"] {
@@ -198,7 +198,7 @@ fn of_contents(root: &Path, folder: &Path, files: &[&str]) -> Vec<String> {
     faults
 }
 
-/// Returns the files outside of a package that its `file` includes or reads.
+/// Returns the files outside a package that its `file` includes or reads.
 fn outside(file: &str, text: &str) -> Vec<String> {
     let depth = file.matches('/').count();
     let mut faults = Vec::new();

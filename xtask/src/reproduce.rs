@@ -1,8 +1,8 @@
-//! `cargo xtask reproduce-paper-x` and `cargo xtask reproduce-all`: the papers' tables and figures,
-//! recomputed.
+//! `cargo xtask reproduce-paper-x` and `cargo xtask reproduce-all`: the tables and figures of the
+//! papers, computed again.
 //!
-//! A paper provides a [`Reproduction`]; this module contains the common part: the places of files,
-//! the comparison with the snapshot, the printed output.
+//! The module of each paper provides a [`Reproduction`]. This module contains the common part: the
+//! paths of files, the comparison with the snapshot, the printed output.
 
 pub(crate) mod number;
 mod paper_a;
@@ -36,7 +36,7 @@ pub(crate) enum Paper {
 }
 
 impl Paper {
-    /// Papers in the order of the thesis.
+    /// Papers, in the order of the thesis.
     pub(crate) const ALL: [Self; 5] = [Self::A, Self::B, Self::C, Self::D, Self::E];
 
     fn letter(self) -> &'static str {
@@ -76,17 +76,17 @@ pub(crate) enum Keep {
 pub(crate) struct Reproduction {
     /// Heading of the page.
     pub(crate) title: String,
-    /// Introduction: the virtual parts, the applied errata.
+    /// Introduction: the virtual parts and the errata applied.
     pub(crate) introduction: String,
     /// Tables and the text between them, as Markdown.
     pub(crate) body: String,
     /// Conclusions: agreements and their limits, in sentences written from the numbers.
     pub(crate) conclusion: Vec<String>,
-    /// Every number of the tables.
+    /// All numbers of the tables.
     pub(crate) summary: Value,
-    /// Other files by name: figures and tables for calculations.
+    /// Other files by name: figures, and tables for further computation.
     pub(crate) files: Vec<(String, String)>,
-    /// Figure that the README or the documentation shows, with its path from the root of the
+    /// Figure shown by the README or the documentation, with its path relative to the root of the
     /// workspace.
     pub(crate) shown: Option<Shown>,
 }
@@ -117,7 +117,8 @@ fn drawn(name: &str, title: &str, panels: Vec<Panel>) -> (String, String) {
     (format!("{name}.svg"), svg)
 }
 
-/// Reproduces `papers`; a single paper is printed as a whole page, several as their shown parts.
+/// Reproduces `papers`. A single paper is printed as a whole page; of several, only the shown parts
+/// are printed.
 pub(crate) fn run(papers: &[Paper], keep: Keep) -> Outcome {
     for paper in papers {
         let began = Instant::now();
@@ -150,7 +151,7 @@ pub(crate) fn run(papers: &[Paper], keep: Keep) -> Outcome {
                 if accept { "Accepted as" } else { "Agrees with" }
             );
         }
-        // to the terminal and not into a file: the files are the same on every machine
+        // printed to the terminal and not to a file: the files are the same on every machine
         println!("({:.1} s)\n", began.elapsed().as_secs_f64());
     }
     Ok(())

@@ -1,8 +1,8 @@
 //! Comparison of a result with its snapshot in the repository.
 //!
-//! A snapshot guards against drift; it is no proof. Numbers are compared to a relative tolerance,
-//! because the last digits of exp and ln differ between machines, and keys in [`NOT_COMPARED`] are
-//! omitted, because they depend on those digits.
+//! A snapshot guards against unintended changes; it proves nothing. Numbers are compared with a
+//! relative tolerance, because the last digits of exp and ln differ between machines. Keys in
+//! [`NOT_COMPARED`] depend on those digits and are omitted.
 
 use std::fs;
 use std::path::Path;
@@ -11,19 +11,20 @@ use serde_json::Value;
 
 use testbed::generated::{GeneratedError, write_whole};
 
-/// Largest relative difference that does not count as drift: far below every printed digit, far
+/// Largest relative difference that does not count as a change: far below every printed digit, far
 /// above rounding.
 const RELATIVE: f64 = 1e-3;
 
-/// Additional absolute tolerance for errors: smaller ones are rounding and the last digits of a
-/// machine.
+/// Additional absolute tolerance for errors: smaller values consist of rounding and of the last
+/// digits of a machine.
 const ABSOLUTE_OF_ERRORS: f64 = 1e-5;
 
-/// Keys with errors: ratios, or differences of exponents.
+/// Keys whose values are errors: ratios, or differences of exponents.
 const ERRORS: [&str; 2] = ["relative_error", "standard_error"];
 
-/// Keys whose values are shown but not compared: where an iteration stopped in an undetermined
-/// direction, residuals at the level of rounding, and values derived from compared keys.
+/// Keys whose values are shown but not compared: the point where an iteration stopped in an
+/// undetermined direction, residuals at the level of rounding, and values derived from compared
+/// keys.
 const NOT_COMPARED: [&str; 4] = ["stopped_at", "iterations", "at_rounding", "deviation"];
 
 /// The result differs from the snapshot.
@@ -111,8 +112,8 @@ fn differ(at: &str, expected: &Value, found: &Value, differences: &mut Vec<Strin
     }
 }
 
-/// Returns the same value with every number rounded to six significant digits, so that a snapshot's
-/// history stays readable.
+/// Returns the same value with every number rounded to six significant digits, which keeps the
+/// history of a snapshot readable.
 fn rounded(value: &Value) -> Value {
     match value {
         Value::Number(number) if number.is_f64() => number

@@ -1,8 +1,8 @@
 //! `cargo xtask traceability`: docs/traceability.md, every numbered item of the thesis with its
 //! code and its proof.
 //!
-//! Both are found by their citations: the implementation of an equation cites it in its
-//! documentation, and so does the test or the source of a claim that proves it. Tables and figures
+//! Code and proof are found by their citations: the implementation of an equation cites it in its
+//! documentation, and so does the test or the source of a claim that proves it. A table or figure
 //! may instead be reproduced by code that compares its numbers with a snapshot.
 
 mod citation;
@@ -35,8 +35,8 @@ pub(crate) struct Traced {
 }
 
 impl Traced {
-    /// Returns the fault of an item without code or proof. The survey repeats the papers; a table
-    /// or figure may be reproduced.
+    /// Returns the fault of an item that lacks code or proof. Items of the survey are exempt,
+    /// because it repeats the papers; for a table or figure, a reproduction is sufficient.
     fn fault(&self) -> Option<Fault> {
         if self.item.part == Part::Survey || !self.item.has_number() {
             return None;
@@ -56,8 +56,8 @@ impl Traced {
     }
 }
 
-/// Writes the page, or with `check` fails if it is out of date. Fails where an item has no code or
-/// no proof.
+/// Writes the page; with `check`, fails if the page is not current. Also fails if an item has no
+/// code or no proof.
 pub(crate) fn run(check: bool) -> Outcome {
     let root = workspace_root();
     let mut items: Vec<Traced> = numbered::all()

@@ -1,15 +1,15 @@
 //! `cargo xtask validate`: all claims of the software, compared with results from other sources.
 //!
-//! The claims are assertions of the integration tests, which write a row for each below the folder
-//! named by `RODLAB_CLAIMS`. The expected values are independent of ours: the printed tables of the
-//! thesis, closed forms, conservation, the output of other software, measured records. This task
-//! runs these tests and combines the rows in the page `docs/validation.md`; all digits are
-//! in `target/validate/claims`. If `RODLAB_CLAIMS` is set already, its rows are those of completed
-//! tests, and none is run again.
+//! The claims are assertions of the integration tests. The tests write a row for each claim to the
+//! folder named by `RODLAB_CLAIMS`. The expected values are independent of ours: the printed tables
+//! of the thesis, closed forms, conservation laws, the output of other software, measured records.
+//! This task runs these tests and combines the rows in the page `docs/validation.md`; all digits
+//! are in `target/validate/claims`. If `RODLAB_CLAIMS` is already set, the rows in its folder are
+//! those of completed tests, and no test is run again.
 //!
-//! A claim without its record is skipped, with the reason, and its row on the page is unchanged; a
-//! failed claim makes the task fail. With `--check` the page is compared and not written. The
-//! counts of faults are not computed here, but by the tests of the command.
+//! A claim whose record is missing is skipped with a reason, and its row on the page is unchanged.
+//! A failed claim makes the task fail. With `--check`, the page is compared and not written. The
+//! counts of faults are not computed here but by the tests of the command.
 
 mod drift;
 mod faults;
@@ -30,9 +30,9 @@ use crate::cargo::{cargo, target_folder};
 
 /// Command that writes the page.
 const COMMAND: &str = "cargo xtask validate --data FOLDER";
-/// Path of the page, from the root of the workspace.
+/// Path of the page, relative to the root of the workspace.
 const PAGE: &str = "docs/validation.md";
-/// Sections of the page in their order: one per crate, and the measured records.
+/// Sections of the page, in their order: one per crate, and one for the measured records.
 const SECTIONS: [&str; 6] = [
     "rodwave",
     "labio",
@@ -62,15 +62,15 @@ enum ValidationError {
     Rows { path: PathBuf, reason: String },
 }
 
-/// Claims of one crate, or of the measured records.
+/// Claims of one crate, or those of the measured records.
 #[derive(Debug)]
 struct Section {
     name: &'static str,
     report: Claims,
 }
 
-/// Returns rows of completed tests or, if there are none, of tests that are run now, and the exit
-/// status of these.
+/// Returns the folder with the rows of completed tests. If there are none, runs the tests now and
+/// also returns their exit status.
 fn rows(data: Option<&Path>) -> Result<(PathBuf, Option<i32>), Box<dyn std::error::Error>> {
     if let Some(folder) = env::var_os(FOLDER) {
         return Ok((folder.into(), Some(0)));
@@ -137,8 +137,8 @@ pub(crate) fn run(data: Option<&Path>, check: bool) -> Outcome {
         .filter(|check| check.verdict == Verdict::Fail)
         .count();
     let total = sections.iter().map(|s| s.report.checks.len()).sum();
-    // a test that panicked before its claims were asserted leaves no rows, which a page written now
-    // would lose
+    // a test that panicked before its claims were asserted leaves no rows; a page written now would
+    // lose them
     if ended != Some(0) && failed == 0 {
         return Err(Box::new(ValidationError::Tests(ended)));
     }
@@ -159,7 +159,7 @@ pub(crate) fn run(data: Option<&Path>, check: bool) -> Outcome {
     Ok(())
 }
 
-/// Returns the page in the repository; an empty one if there is none.
+/// Returns the page in the repository, or an empty page if there is none.
 fn committed(path: &Path) -> Result<Page, GeneratedError> {
     match fs::read_to_string(path) {
         Ok(text) => Ok(Page::read(&text)),
@@ -171,7 +171,7 @@ fn committed(path: &Path) -> Result<Page, GeneratedError> {
     }
 }
 
-/// Checks that the words of claims are unique, since these identify them.
+/// Checks that the descriptions of the claims are unique, because they identify the claims.
 fn all_different(sections: &[Section]) -> Result<(), ValidationError> {
     for section in sections {
         let mut claims: Vec<&str> = section
@@ -191,7 +191,8 @@ fn all_different(sections: &[Section]) -> Result<(), ValidationError> {
     Ok(())
 }
 
-/// Prints the number of claims per crate, every failed row, and the reasons for skipping others.
+/// Prints the number of claims per crate, every failed row, and the reasons why claims were
+/// skipped.
 fn print_summary(sections: &[Section], page: &Page) {
     print!("{}", page.tally());
     for section in sections {

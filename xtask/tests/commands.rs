@@ -1,5 +1,5 @@
-//! The tasks by their names. With this program cargo builds the tasks beside the tests, in one
-//! profile, and the gate runs them from there.
+//! Calls of the tasks by their names. Because this test needs the program, cargo builds the tasks
+//! together with the tests, in one profile; the gate runs them from there.
 #![allow(clippy::unwrap_used, reason = "a failing test should say so at once")]
 
 use std::collections::BTreeSet;

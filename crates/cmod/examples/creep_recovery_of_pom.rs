@@ -5,7 +5,7 @@
 //! cargo run --release --package cmod --example creep_recovery_of_pom
 //! ```
 //!
-//! prints what five tests and one test determine, and writes
+//! The program prints what five tests together and one test alone determine, and writes
 //! `target/examples/creep_recovery_of_pom.svg`.
 #![allow(
     clippy::print_stdout,
@@ -26,7 +26,7 @@ use rodfigure::{Axis, Figure, Mark, Panel, Role};
 
 const FREQUENCY_HZ: f64 = 10e3;
 const VIRGIN_LOSS_FACTOR: f64 = 0.025;
-/// Standard error of a loss factor, 5 % of the virgin one.
+/// Standard error of a loss factor, 5 % of the virgin loss factor.
 const STANDARD_ERROR: f64 = 1.25e-3;
 const TIMES: [f64; 12] = [
     60.0, 120.0, 200.0, 300.0, 450.0, 700.0, 1100.0, 1800.0, 3000.0, 5000.0, 9000.0, 18000.0,
@@ -46,8 +46,9 @@ const PRINTED: ThreeElementParameters = ThreeElementParameters {
     exponent: 1.8,
 };
 
-/// Strain of the dashpot after `duration` under `stress`, by the midpoint rule: the readings come
-/// from the differential equation and not from the closed form that is fitted to them.
+/// Returns the strain of the dashpot after `duration` under `stress`, by the midpoint rule. The
+/// readings are thus computed from the differential equation and not from the closed form that is
+/// fitted to them.
 fn march(mut strain: f64, stress: f64, duration: f64) -> f64 {
     let rate = |strain: f64| {
         let s = stress - PRINTED.parallel_modulus * strain;

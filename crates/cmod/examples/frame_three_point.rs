@@ -1,11 +1,12 @@
 //! Virtual experiment of paper B: a polypropylene bar between two cantilever beams is struck, and
-//! its modulus is found from the strains at three equidistant sections and, beside it, at five.
+//! its modulus is determined from the strains at three equidistant sections and, for comparison, at
+//! five sections.
 //!
 //! ```text
 //! cargo run --release --package cmod --example frame_three_point
 //! ```
 //!
-//! writes `target/examples/frame_three_point.svg`.
+//! The program writes `target/examples/frame_three_point.svg`.
 #![allow(
     clippy::print_stdout,
     clippy::indexing_slicing,
@@ -31,11 +32,12 @@ use rodwave::modulus::ConstantQ;
 const DENSITY: f64 = 919.0;
 const DIAMETER: f64 = 0.016;
 const LENGTH: f64 = 0.800;
-/// Blows on the bar.
+/// Number of blows on the bar.
 const TESTS: usize = 10;
-/// Error of one strain, by the root mean square of all on its line.
+/// Error of one strain, relative to the root mean square of all strains on its line.
 const NOISE: f64 = 0.01;
-/// Gauges of paper B are equidistant; the distance is our choice. Two more remove what is singular.
+/// Positions of the gauges. The gauges of paper B are equidistant; the distance is our choice. Two
+/// more gauges remove the singular lines.
 const POSITIONS: [f64; 5] = [0.25, 0.29, 0.40, 0.48, 0.55];
 const EQUIDISTANT: [usize; 3] = [0, 2, 4];
 
@@ -67,7 +69,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         .collect();
 
     let five: Vec<&[Vec<Complex64>]> = tests.iter().map(Vec::as_slice).collect();
-    // the figure shows the errors: none is too large for it
+    // no line is invalid because of its error, because the figure shows the errors
     let any_error = AcceptanceLimits::NONE;
     let five_gauges = MultiPoint::new(rod(POSITIONS.to_vec()))?
         .with_limits(any_error)?
@@ -140,7 +142,7 @@ fn rod(positions: Vec<f64>) -> GaugedRod {
     }
 }
 
-/// Strains with circular Gaussian noise of its own on every gauge.
+/// Returns the strains with circular Gaussian noise, which is independent for every gauge.
 fn measured(
     strains: &[Vec<Complex64>],
     noise: &[f64],
@@ -157,7 +159,7 @@ fn measured(
     strains.iter().map(&mut spectrum).collect()
 }
 
-/// Points with bars of one standard error.
+/// Returns points with error bars of one standard error.
 fn points(
     name: &str,
     role: Role,

@@ -1,11 +1,11 @@
-//! Figure 3 of paper A on a virtual rod: the modulus of one rod of polypropylene by the two-point
-//! method and related methods, each with its standard errors, and the outcome of the checks.
+//! Figure 3 of paper A for a virtual rod: the modulus of one rod of polypropylene by the two-point
+//! method and by related methods, each with its standard errors, and the outcome of the checks.
 //!
 //! ```text
 //! cargo run --release --package cmod --example neighbouring_methods
 //! ```
 //!
-//! writes `target/examples/neighbouring_methods.svg`.
+//! The program writes `target/examples/neighbouring_methods.svg`.
 #![allow(
     clippy::print_stdout,
     clippy::indexing_slicing,
@@ -38,7 +38,7 @@ const DENSITY: f64 = 903.0;
 const ACCELEROMETER: f64 = 2.9e-3;
 /// Distances of three strain gauges from the free end.
 const GAUGES: [f64; 3] = [0.5, 0.35, 0.22];
-/// Error of a spectrum by its size.
+/// Error of a spectrum, relative to its size.
 const NOISE: f64 = 2e-3;
 
 fn main() -> Result<(), Box<dyn Error>> {
@@ -49,7 +49,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let frequency_hz: Vec<f64> = (1..=500_u32).map(|j| 20.0 * f64::from(j)).collect();
     let mut random = ChaCha8Rng::seed_from_u64(1993);
 
-    // accelerations of the ends, forces at the gauges (strains but for a factor), waves at the
+    // accelerations of the ends, forces at the gauges (proportional to the strains), waves at the
     // gauges
     let mut ends = [Spectrum::default(), Spectrum::default()];
     let mut gauges = [const { Spectrum::new() }; 3];
@@ -163,7 +163,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// A measured spectrum and its noise.
+/// Measured spectrum and its noise.
 #[derive(Clone, Default)]
 struct Spectrum {
     values: Vec<Complex64>,
@@ -178,7 +178,7 @@ impl Spectrum {
         }
     }
 
-    /// One more line, with an error without preferred phase.
+    /// Adds a line, with an error without preferred phase.
     fn add(&mut self, value: Complex64, random: &mut ChaCha8Rng) {
         let noise = NOISE * value.norm();
         let re: f64 = StandardNormal.sample(random);
@@ -193,7 +193,8 @@ impl Spectrum {
     }
 }
 
-/// Valid lines of a method, every fourth with its bar of one standard error.
+/// Returns the valid lines of a method, with an error bar of one standard error on every fourth
+/// line.
 fn points(estimate: &ModulusEstimate, role: Role, value: fn(&ModulusLine) -> (f64, f64)) -> Mark {
     let stride = if estimate.lines().len() > 50 { 4 } else { 1 };
     let points = estimate.valid().step_by(stride).map(|line| {

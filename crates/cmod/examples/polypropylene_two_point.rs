@@ -1,11 +1,11 @@
 //! Virtual test 6 of paper A: a polypropylene rod is struck ten times, the accelerations of its
-//! ends are recorded with noise and twelve bits, and its modulus is found with bands of error.
+//! ends are recorded with noise and twelve bits, and its modulus is determined with error bands.
 //!
 //! ```text
 //! cargo run --release --package cmod --example polypropylene_two_point
 //! ```
 //!
-//! writes `target/examples/polypropylene_two_point.svg`.
+//! The program writes `target/examples/polypropylene_two_point.svg`.
 #![allow(
     clippy::print_stdout,
     clippy::indexing_slicing,
@@ -30,14 +30,14 @@ use rodwave::medium::Medium;
 use rodwave::modulus::ConstantQ;
 use rodwave::synthesis::DampedSynthesis;
 
-/// Paper A, Table 2 and section 3.
+/// Specimen according to paper A, Table 2 and section 3.
 const SPECIMEN: Specimen = Specimen {
     length: 0.799,
     diameter: 0.0158,
     density: 912.0,
     accelerometer_mass: 2.9e-3,
 };
-/// Half a unit of the last printed digit, as a uniform distribution.
+/// Uncertainties of half a unit of the last printed digit, uniformly distributed.
 const UNCERTAINTY: SpecimenUncertainty = SpecimenUncertainty {
     length: 0.29e-3,
     diameter: 0.029e-3,
@@ -89,7 +89,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// Ten blows of 100 N and 80 µs on the rod, through filter, noise and converter, averaged.
+/// Returns the averaged frequency response of ten blows of 100 N and 80 µs on the rod, recorded
+/// with filter, noise and converter.
 fn recorded(polypropylene: &Medium<ConstantQ>) -> Result<FrequencyResponse, Box<dyn Error>> {
     let rig = end_accelerations::Specimen {
         section: Circle::of_diameter(SPECIMEN.diameter)?.into(),
@@ -107,7 +108,7 @@ fn recorded(polypropylene: &Medium<ConstantQ>) -> Result<FrequencyResponse, Box<
         ("struck end", exact.impacted_end),
         ("free end", exact.free_end),
     ];
-    // the recorder runs for a millisecond before the blow
+    // the record begins a millisecond before the blow
     let lead = count / 64;
     let samples = Array2::from_shape_fn((2, count), |(channel, sample)| {
         let history = &ends[channel].1;
@@ -123,7 +124,7 @@ fn recorded(polypropylene: &Medium<ConstantQ>) -> Result<FrequencyResponse, Box<
     let mut instrument = Instrument::new();
     for (name, samples) in &ends {
         let peak = samples.iter().fold(0.0_f64, |peak, a| peak.max(a.abs()));
-        // 2e-4 of the peak over the band of the history
+        // noise of 2e-4 of the peak over the band of the history
         let density = (2e-4 * peak).powi(2) / (0.5 * RATE_HZ);
         instrument = instrument
             .noise(*name, NoiseSpectrum::white(density)?)
@@ -141,7 +142,8 @@ fn recorded(polypropylene: &Medium<ConstantQ>) -> Result<FrequencyResponse, Box<
     Ok(averager.spectra()?.h1("free end", "struck end")?)
 }
 
-/// The material, valid lines with their band, and the others in grey; `scale` from SI to the axis.
+/// Draws the exact material, the valid lines with their band, and the other lines in grey; `scale`
+/// converts from SI units to the axis.
 fn panel(axis: Axis, curve: &Curve, scale: f64, exact: &dyn Fn(f64) -> f64) -> Panel {
     let mut marks = Vec::new();
     for segment in &curve.segments {
@@ -166,7 +168,7 @@ fn panel(axis: Axis, curve: &Curve, scale: f64, exact: &dyn Fn(f64) -> f64) -> P
     Panel::new(("frequency", "kHz"), axis, marks)
 }
 
-/// Prints the number of valid lines, and the faults of some of the others.
+/// Prints the number of valid lines, and the violations of some of the invalid lines.
 fn report(estimate: &ModulusEstimate) {
     let valid = estimate.valid().count();
     println!(

@@ -1,13 +1,13 @@
-//! A virtual temperature sweep in the range of Test 6 of paper A, 20 to 140 °C: moduli from 400 Hz
-//! to 10 kHz with 1 % noise are shifted to one curve, the shifts explained, laws compared at one
-//! temperature, and the series written as cards.
+//! Virtual temperature sweep in the range of Test 6 of paper A, 20 to 140 °C. Moduli from 400 Hz to
+//! 10 kHz with 1 % noise are shifted to one curve, shift laws are fitted, laws are compared at one
+//! temperature, and the series is written as cards.
 //!
 //! ```text
 //! cargo run --release --package cmod --example prony_master_curve
 //! ```
 //!
-//! writes `target/examples/prony_master_curve.svg`. The paper prints no numbers; the material, a
-//! fractional Zener model that shifts by Williams, Landel and Ferry, is our choice.
+//! The program writes `target/examples/prony_master_curve.svg`. The paper prints no numbers; the
+//! material, a fractional Zener model that shifts by Williams, Landel and Ferry, is our choice.
 #![allow(
     clippy::print_stdout,
     clippy::indexing_slicing,
@@ -28,9 +28,9 @@ use rand_distr::{Distribution, StandardNormal};
 use rodfigure::{Axis, Figure, Mark, Panel, Role};
 use rodwave::modulus::{ComplexModulus, FractionalZener};
 
-/// 20 to 140 °C.
+/// Number of temperatures, from 20 to 140 °C.
 const TEMPERATURES: u32 = 13;
-/// Index of 80 °C.
+/// Index of the reference temperature, 80 °C.
 const REFERENCE: usize = 6;
 const C1: f64 = 9.0;
 const C2: f64 = 190.0;

@@ -20,33 +20,33 @@
 //! This is Table 1 of paper A, re-derived because its layout is lost in print.
 //!
 //! The quadrant determines kL up to multiples of 2π. At low losses noise moves φ into the
-//! neighbouring quadrant on every line near kL = nπ. Therefore no line is assigned its branch from
-//! its ratio alone: γ(ω) is inferred from all lines together, and the root nearest to it is then
-//! chosen on each line.
+//! neighbouring quadrant on every line near kL = nπ. Therefore the branch of a line is not
+//! determined from its ratio alone: γ(ω) is inferred from all lines together, and on each line the
+//! root nearest to γ(ω) is then chosen.
 //!
 //! # Inference
 //! The state consists of γ and dγ/dω, which change smoothly with frequency: dγ/dω varies by 15 %
 //! per e-fold of frequency. At the first line dγ/dω equals γ/ω within 5 %, apart from the
 //! dispersion that causality couples to damping. The measured Ψ of a line is the Ψ of the state
 //! plus noise of known variance; one line in a hundred may be an outlier. Every root of the first
-//! well-determined lines starts a course, that is, a possible γ(ω). A Kalman filter follows the
-//! course, which is weighted by how well it predicts the next lines; after a gap in which the phase
-//! is lost, the course branches. The courses left at the last line are smoothed back to the first.
-//! The method is that of Viterbi, with forward and backward recursion and with a normal
-//! distribution in place of each discrete state.
+//! well-determined lines starts a course, that is, a possible γ(ω). A Kalman filter follows each
+//! course, and the course is weighted by how well it predicts the next lines. After a gap in which
+//! the phase is lost, the course branches. The courses that remain at the last line are smoothed
+//! back to the first line. The method is that of Viterbi, with forward and backward recursion, but
+//! with a normal distribution in place of each discrete state.
 //!
 //! The result per line is a root and its [confidence](TrackedLine::confidence): the probability
-//! that the true γℓ is nearer to this root than to any other. Below [`LEAST_CONFIDENCE`] the line
-//! is [doubtful](BranchDoubt).
+//! that the true γℓ, with ℓ = L for a specimen of length L, is nearer to this root than to any
+//! other. Below [`LEAST_CONFIDENCE`] the line is [doubtful](BranchDoubt).
 //!
 //! # Limits
-//! - The number of waves below the first line cannot be determined if 5 % of it is half a wave or
-//!   more. Several speeds are then equally probable, and every line is doubtful unless there is an
-//!   anchor: a wave speed, a known branch, or a second specimen of another length
+//! - The number of waves below the first line cannot be determined if 5 % of this number is half a
+//!   wave or more. Several speeds are then equally probable, and every line is doubtful unless
+//!   there is an anchor: a wave speed, a known branch, or a second specimen of another length
 //!   ([`BranchTracker`]).
-//! - Lines farther apart than half a wave: the wave number is assumed to advance by less than π
-//!   between the two closest lines. The transit time through the specimen must be less than half
-//!   the length of the record.
+//! - Lines farther apart than half a wave: kL is assumed to advance by less than π between the two
+//!   closest lines. The transit time through the specimen must therefore be less than half the
+//!   length of the record.
 //! - Jumps. A stretch of lines that no smooth curve explains is doubtful; if it is longer than half
 //!   a wave, so are all following lines.
 //!
@@ -91,11 +91,11 @@ pub struct FreeEndRoot {
 }
 
 impl FreeEndRoot {
-    /// Solves for the acceleration ratio Ψ = â₁/â₂.
+    /// Solves the equation for the acceleration ratio Ψ = â₁/â₂.
     ///
-    /// C - A and C + A are sinh² αL and sin² kL. The smaller is computed from their product B², so
-    /// that neither loses digits, and β from sine and cosine, so that it keeps its digits near
-    /// π/2.
+    /// C - A and C + A are sinh² αL and sin² kL. The smaller of the two is computed from their
+    /// product B², so that neither loses digits. β is computed from its sine and cosine, so that it
+    /// keeps its digits near π/2.
     #[must_use]
     pub fn of(acceleration_ratio: Complex64) -> Self {
         if acceleration_ratio.l1_norm() > HUGE {
@@ -122,12 +122,12 @@ impl FreeEndRoot {
         }
     }
 
-    /// Solves e^x/2 = Ψ instead, with an error far below rounding, where the squares of Ψ would
-    /// overflow.
+    /// Solves e^x/2 = Ψ, for a ratio Ψ whose squares would overflow. The error of this
+    /// approximation is far below rounding.
     fn of_huge(acceleration_ratio: Complex64) -> Self {
         let phase = acceleration_ratio.arg();
         Self {
-            // a quarter, because the magnitude itself may overflow
+            // the factor 0.25 prevents overflow of the magnitude itself
             damping_length: (0.25 * acceleration_ratio).norm().ln() + 3.0 * LN_2,
             angle: phase.abs().min(PI - phase.abs()),
             principal_phase: phase,
@@ -235,7 +235,8 @@ mod tests {
                 let ratio = gamma_length.cosh();
                 let root = FreeEndRoot::of(ratio);
                 let other = ratio.acosh();
-                // 1e-12: acosh forms differences of order 1 near Ψ = ±1, where |sinh γL| >= 0.05.
+                // the tolerance is 1e-12, because acosh forms differences of order 1 near Ψ = ±1,
+                // where |sinh γL| >= 0.05.
                 assert!((root.damping_length - other.re.abs()).abs() < 1e-12);
                 assert!((root.principal_phase - gamma_length.im).abs() < 1e-12);
             }
@@ -254,7 +255,7 @@ mod tests {
         }
     }
 
-    /// Equations 3 and 4 as printed (Ödeen 1993, paper B, eqs. 8 and 9).
+    /// Compares with equations 3 and 4 as printed (Ödeen 1993, paper B, eqs. 8 and 9).
     #[test]
     fn closed_form_is_that_of_paper_a() {
         for (r, phi) in [
@@ -274,8 +275,8 @@ mod tests {
         }
     }
 
-    /// Near Ψ = ±1 and near the imaginary axis the printed arcsine has half of the digits; this
-    /// solution has all.
+    /// Near Ψ = ±1 and near the imaginary axis the printed arcsine loses half of its digits; this
+    /// solution keeps them all.
     #[test]
     fn closed_form_keeps_its_digits_at_the_quadrant_borders() {
         for phase in [1e-9, FRAC_PI_2 - 1e-9, FRAC_PI_2 + 1e-9] {
@@ -299,7 +300,7 @@ mod tests {
             let gamma_length = Complex64::new(0.2, 0.05 + 0.1 * f64::from(j));
             let root = FreeEndRoot::of(gamma_length.cosh());
             let branch = Branch::at(gamma_length.im);
-            // A few roundings of kL <= 20.
+            // The tolerance is a few roundings of kL <= 20.
             assert!((root.on(branch) - gamma_length).norm() < 1e-14 * (1.0 + gamma_length.norm()));
         }
     }

@@ -1,46 +1,48 @@
 //! Causal estimate: the relaxing material nearest to all lines of a measurement at once.
 //!
-//! A modulus that is found line by line ignores that the lines belong to one material. The modulus
-//! of a material whose stress relaxes, such as a polymer, is
+//! A modulus determined separately for each line does not use the fact that all lines belong to one
+//! material. The modulus of a material whose stress relaxes, such as a polymer, is
 //!
 //! ```text
 //! E(s) = E∞ + ∫ H(τ) sτ/(1 + sτ) d(ln τ) ,    E∞, H >= 0 ,    s = iω ,
 //! ```
 //!
-//! a convex cone. [`CausalEstimate`] is the point of this cone that is nearest to the measured
-//! values in units of their errors, with the common errors free within their uncertainties:
+//! These moduli form a convex cone. [`CausalEstimate`] is the point of this cone that is nearest to
+//! the measured values in units of their errors. The common errors are free parameters within their
+//! uncertainties:
 //!
 //! ```text
 //! min Σ|Ψ_j - (1 + Σ_s ξ_s r_sj) Ψ(γ_j)|²/σ_j² + ½ Σ ξ_s² ,    γ_j = iω_j √(ρ/E(iω_j)) ,
 //! ```
 //!
 //! where Ψ(γ) stands for the ratio, or the gauge spectra, of a rod with the propagation coefficient
-//! γ. The unknown is the material, not the modulus of a line: where Ψ does not depend on γ to first
-//! order, for example at the resonances of a rod, the line adds little, and the other lines
-//! determine the modulus there.
+//! γ. The unknown is the material, not the modulus of a line. Where Ψ does not depend on γ to first
+//! order, for example at the resonances of a rod, the line itself contributes little, and the other
+//! lines determine the modulus.
 //!
 //! # Method
-//! Ψ is linearised about the present material, and the linear problem is solved by non-negative
+//! Ψ is linearised about the current material, and the linear problem is solved by non-negative
 //! least squares on a fine grid of relaxation times, from two decades above the band to two decades
 //! below. Both steps are repeated until the material no longer changes. The common errors of the
-//! measured quantities are removed from these quantities; the errors of the specimen enter to first
-//! order.
+//! measured quantities are subtracted from these quantities; the errors of the specimen enter to
+//! first order.
 //!
 //! # Errors
-//! The projection is not a linear function of the values: which relaxation times are occupied
-//! depends on them, and no modulus becomes negative. The covariance is computed from projections of
-//! random draws of the noise and of the common errors about the material found. Its random part is
-//! correlated from line to line, so a causal estimate is not a
+//! The projection is not a linear function of the values: the values determine which relaxation
+//! times are occupied, and no modulus becomes negative. The covariance is computed from projections
+//! of random draws of the noise and of the common errors about the estimated material. Its random
+//! part is correlated from line to line, so a causal estimate is not a
 //! [`ModulusEstimate`](crate::ModulusEstimate); [`CausalEstimate::covariance_between`] returns the
 //! covariance between two frequencies.
 //!
-//! The distance between lines and material shows whether data and causality agree, as
-//! [`checks::kramers_kronig`](crate::checks::kramers_kronig) does for moduli of single lines.
+//! The distance between the lines and the material shows whether the data agree with causality.
+//! [`checks::kramers_kronig`](crate::checks::kramers_kronig) tests the same for moduli of single
+//! lines.
 //!
 //! # Limits
 //! Waves that are not one-dimensional, a nonlinear material or two temperatures in one measurement
-//! have no such modulus; the estimate then contradicts its lines. There is no estimate outside the
-//! band of the lines, because the cone hardly bounds the modulus there.
+//! are not described by such a modulus; the estimate then contradicts the lines. There is no
+//! estimate outside the band of the lines, because there the cone hardly bounds the modulus.
 //!
 //! Reference: Collet, Gary & Lundberg, *J. Appl. Mech.* **80** (2013) 011018, for the conditions
 //! that causality and thermodynamics impose on discrete data.
@@ -69,7 +71,7 @@ use projection::{Projection, Value, Whitened};
 /// Minimum number of lines for an estimate.
 const FEWEST_LINES: usize = 3;
 
-/// Relaxing material nearest to all lines of a measurement, with its errors.
+/// Relaxing material nearest to all lines of a measurement, with the errors of its modulus.
 #[derive(Debug, Clone)]
 #[must_use]
 pub struct CausalEstimate {
@@ -90,9 +92,9 @@ pub struct CausalLine {
     pub index: usize,
     /// Frequency \[Hz\].
     pub frequency_hz: f64,
-    /// Distance of the measured value, after subtraction of the common errors found, from the
-    /// estimate, in standard errors of the line: the root mean square of real and imaginary part, 1
-    /// for noise alone.
+    /// Distance between the estimate and the measured value, after subtraction of the common errors
+    /// found, in standard errors of the line. It is the root mean square of the real and the
+    /// imaginary part, and 1 for noise alone.
     pub distance: f64,
 }
 
@@ -124,8 +126,8 @@ impl CausalEstimate {
     /// ```
     ///
     /// # Errors
-    /// [`CmodError::TooFewReadings`] below three points; [`CmodError::MustOscillate`] for moduli
-    /// over time; [`CmodError::NoCausalEstimate`] where numbers overflow.
+    /// [`CmodError::TooFewReadings`] for fewer than three points; [`CmodError::MustOscillate`] for
+    /// moduli over time; [`CmodError::NoCausalEstimate`] if numbers overflow.
     pub fn new(data: &ModulusData) -> Result<Self, CmodError> {
         if data.has_times() {
             return Err(CmodError::MustOscillate {
@@ -199,7 +201,7 @@ impl CausalEstimate {
     /// covariance.
     ///
     /// # Errors
-    /// [`CmodError::NonPhysical`] for a frequency outside of [`band_hz`](Self::band_hz).
+    /// [`CmodError::NonPhysical`] for a frequency outside the [band](Self::band_hz).
     pub fn at(&self, frequency_hz: f64) -> Result<PredictedModulus, CmodError> {
         let place = self.place(frequency_hz)?;
         let changes = self.draws.random_changes(place);
@@ -214,10 +216,10 @@ impl CausalEstimate {
     }
 
     /// Returns the covariance \[Pa²\] of (E', E'') at the first frequency, by rows, with (E', E'')
-    /// at the second, from all sources.
+    /// at the second frequency, from all sources of error.
     ///
     /// # Errors
-    /// Those of [`at`](Self::at).
+    /// The errors of [`at`](Self::at).
     pub fn covariance_between(
         &self,
         first_hz: f64,
@@ -232,7 +234,7 @@ impl CausalEstimate {
         ))
     }
 
-    /// Returns a random covariance, enlarged by the effect of estimated variances.
+    /// Returns a random covariance, enlarged because the variances are estimated.
     fn with_scatter(&self, covariance: [[f64; 2]; 2]) -> [[f64; 2]; 2] {
         covariance.map(|row| row.map(|entry| self.scatter.of_covariance * entry))
     }
@@ -257,7 +259,8 @@ impl CausalEstimate {
     }
 
     /// Returns the material as a generalised Maxwell model. Its branches only represent the modulus
-    /// in the band; they are not the relaxations of the material and have no errors.
+    /// in the band; they are not the relaxations of the material, and no errors are stated for
+    /// them.
     ///
     /// # Errors
     /// [`CmodError::NoCausalEstimate`] for a material without stiffness.
@@ -274,7 +277,8 @@ impl CausalEstimate {
     }
 
     /// Returns the size of each common error found from the lines, with its standard error. The
-    /// common part of the covariance of [`at`](Self::at) is due to the errors that remain.
+    /// common part of the covariance of [`at`](Self::at) is due to the errors that remain after
+    /// this correction.
     #[must_use]
     pub fn sources(&self) -> &[CalibratedSource] {
         &self.sources
@@ -288,23 +292,24 @@ impl CausalEstimate {
     }
 
     /// Returns the mean of χ² over draws of the stated errors about the material: twice the number
-    /// of lines, reduced because the material adapts to their noise.
+    /// of lines, reduced because the estimated material adapts to the noise of the lines.
     #[must_use]
     pub fn degrees_of_freedom(&self) -> f64 {
         self.draws.degrees_of_freedom
     }
 
-    /// Returns the root mean square distance of the lines from the material, in their standard
-    /// errors: 1 or a little less for noise alone.
+    /// Returns the root mean square distance of the lines from the material, in standard errors of
+    /// the lines: 1 or slightly less for noise alone.
     #[must_use]
     #[expect(clippy::cast_precision_loss, reason = "lines are far fewer than 2^52")]
     pub fn distance(&self) -> f64 {
         (self.chi_squared() / (2.0 * self.lines.len() as f64)).sqrt()
     }
 
-    /// Returns the probability of a contradiction at least as large, if a relaxing material was
-    /// measured and the stated errors are right: in χ², or in one of the [sizes](Self::sources) of
-    /// the common errors, which χ² of many lines hides. A small value means that data and causality
+    /// Returns the probability of a contradiction at least as large, under the assumption that a
+    /// relaxing material was measured and the stated errors are right. The contradiction is
+    /// measured by χ² and by each of the [sizes](Self::sources) of the common errors, because χ² of
+    /// many lines hides a single large size. A small probability means that data and causality
     /// disagree.
     #[must_use]
     #[expect(
@@ -354,7 +359,8 @@ fn enough(lines: usize) -> Result<(), CmodError> {
     Ok(())
 }
 
-/// Returns Σ of the products of the parts of `first`, by rows, with those of `second`.
+/// Returns the sums of the products of the real and imaginary parts of `first` (rows) with those of
+/// `second` (columns).
 fn products(first: &[Complex64], second: &[Complex64]) -> [[f64; 2]; 2] {
     let mut sum = [[0.0; 2]; 2];
     for (a, b) in first.iter().zip(second) {

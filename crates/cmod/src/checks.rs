@@ -1,9 +1,9 @@
 //! Checks of a record and of a modulus that need no reference.
 //!
-//! Some conditions hold for any material. Each check measures the violation of one condition and
-//! computes the p-value: the probability that noise alone, at the level found in the data, causes
-//! at least as large a violation. The check fails if the p-value is below the chosen level. No
-//! threshold is set by hand.
+//! Every correct record or modulus fulfils certain conditions, whatever the material. Each check
+//! measures the violation of one condition and computes the p-value: the probability that noise
+//! alone, at the level found in the data, causes at least as large a violation. The check fails if
+//! the p-value is below the chosen level. No threshold is set by hand.
 //!
 //! | check | condition | causes of a violation |
 //! |---|---|---|
@@ -18,9 +18,9 @@
 //! applies to each check separately: if a correct record undergoes k checks at the level p, at
 //! least one fails by chance with a probability of up to 1 - (1 - p)^k, at most kp.
 //!
-//! Where the noise was estimated, from few hits or a short quiet part, every check takes its
-//! degrees of freedom into account: Fisher's and Student's distributions replace chi-square and the
-//! normal distribution.
+//! If the noise was estimated from few hits or from a short quiet part of the record, every check
+//! takes the degrees of freedom of this estimate into account: Fisher's and Student's distributions
+//! replace chi-square and the normal distribution.
 //!
 //! Theory: `docs/theory/checks-without-truth.md`.
 
@@ -49,7 +49,7 @@ pub const USUAL_LEVEL: f64 = 0.01;
 pub enum Check {
     /// No force at the free end except that of its mass.
     FreeEndNull,
-    /// No signal before the fastest wave.
+    /// No signal before the fastest wave can arrive.
     Causality,
     /// The first wave has the same sign in all channels.
     Polarity,
@@ -89,7 +89,7 @@ pub enum CheckVerdict {
 pub struct CheckOutcome {
     /// Condition that was checked.
     pub check: Check,
-    /// Measure of the violation, as the check defines it.
+    /// Measure of the violation, as defined by the check.
     pub statistic: f64,
     /// Average statistic of noise alone.
     pub noise_floor: f64,
@@ -101,7 +101,7 @@ pub struct CheckOutcome {
     /// Place of the largest violation: the position of a line in the measured arrays, or a
     /// channel, from 0.
     pub worst: Option<usize>,
-    /// The verdict.
+    /// Verdict at this level.
     pub verdict: CheckVerdict,
 }
 
@@ -194,7 +194,7 @@ fn student_tail_below(value: f64, degrees_of_freedom: Option<f64>) -> f64 {
     )
 }
 
-/// Returns P(the least of `count` independent p-values is below `p_value`).
+/// Returns the probability that the smallest of `count` independent p-values is below `p_value`.
 fn of_the_least(p_value: f64, count: usize) -> f64 {
     -(count as f64 * (-p_value).ln_1p()).exp_m1()
 }
@@ -205,8 +205,8 @@ mod tests {
 
     #[test]
     fn tails_are_those_of_tables() {
-        // 99.9 % of chi-square with 4 and 100 degrees of freedom, 95 % of F(5, 10), 2.5 % of the
-        // normal distribution
+        // from tables: 99.9 % of chi-square with 4 and 100 degrees of freedom, 95 % of F(5, 10),
+        // 2.5 % of the normal distribution
         assert!((chi_square_tail(18.467, 4.0) - 1e-3).abs() < 1e-6);
         assert!((chi_square_tail(149.449, 100.0) - 1e-3).abs() < 1e-6);
         assert!((fisher_tail(3.3258, 5.0, 10.0) - 0.05).abs() < 1e-5);
@@ -214,7 +214,7 @@ mod tests {
         // 2.5 % of Student's distribution with 4 degrees of freedom
         assert!((student_tail_below(-2.776445, Some(4.0)) - 0.025).abs() < 1e-7);
         assert!((student_tail_below(-1.959964, None) - 0.025).abs() < 1e-7);
-        // 1 - (1 - p)^n, also for p far below rounding of 1
+        // 1 - (1 - p)^n, also for p far below the rounding error of 1
         assert!((of_the_least(0.1, 3) - 0.271).abs() < 1e-15);
         assert!((of_the_least(1e-20, 10) - 1e-19).abs() < 1e-33);
     }

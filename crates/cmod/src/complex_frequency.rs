@@ -1,4 +1,4 @@
-//! Lines of records to which damping was added before the transform.
+//! Frequency lines of records to which damping was added before the transform.
 
 use std::f64::consts::TAU;
 
@@ -6,12 +6,12 @@ use num_complex::Complex64;
 use rodwave::RodwaveError;
 use rodwave::medium::modulus_from_propagation;
 
-/// Line s = σ + iω of the Laplace transform, which is the Fourier transform of e^{-σt} times the
-/// record.
+/// Line s = σ + iω of the Laplace transform of a record; this transform is the Fourier transform of
+/// e^{-σt} times the record.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct ComplexFrequency {
     hz: f64,
-    /// σ [1/s].
+    /// Added damping σ [1/s].
     added_damping: f64,
 }
 

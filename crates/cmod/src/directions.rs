@@ -8,9 +8,9 @@ pub(crate) struct Directions {
     /// Singular values in descending order, one per parameter; 0 where there are fewer residuals
     /// than parameters, and at the level of rounding.
     pub(crate) singular_values: Vec<f64>,
-    /// `vectors[k]` belongs to `singular_values[k]`.
+    /// Right singular vectors; `vectors[k]` belongs to `singular_values[k]`.
     pub(crate) vectors: Vec<Vec<f64>>,
-    /// Uᵀ r.
+    /// Product Uᵀ r with the residual r.
     pub(crate) projected: Vec<f64>,
 }
 
@@ -28,8 +28,8 @@ impl Directions {
         entry: impl Fn(usize, usize) -> Option<f64>,
         rank: f64,
     ) -> Option<Self> {
-        // empty rows at the end do not change the singular values, and make their number equal to
-        // that of the parameters
+        // empty rows at the end do not change the singular values, but make the number of singular
+        // values equal to the number of parameters
         let rows = residual.len().max(parameters);
         let matrix = Mat::from_fn(rows, parameters, |i, j| entry(i, j).unwrap_or(0.0));
         let svd = matrix.thin_svd().ok()?;
@@ -59,7 +59,7 @@ impl Directions {
         self.singular_values.iter().filter(|s| **s > 0.0).count()
     }
 
-    /// Returns gᵀ (JᵀJ)⁻¹ h; infinite, with a sign, where g and h have a component along an
+    /// Returns gᵀ (JᵀJ)⁻¹ h; infinite, with a sign, if g and h have a component along an
     /// undetermined direction.
     pub(crate) fn covariance(&self, g: &[f64], h: &[f64]) -> f64 {
         let along = |a: &[f64], b: &[f64]| -> f64 { a.iter().zip(b).map(|(a, b)| a * b).sum() };
@@ -72,8 +72,8 @@ impl Directions {
                 if *s > 0.0 {
                     a * b / (s * s)
                 } else if a.abs() <= 1e-6 * length(g) || b.abs() <= 1e-6 * length(h) {
-                    // the vectors of singular values at the level of rounding are not more accurate
-                    // than this
+                    // the vectors of singular values at the level of rounding have an error of this
+                    // size
                     0.0
                 } else {
                     f64::INFINITY * (a * b).signum()

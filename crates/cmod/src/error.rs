@@ -1,4 +1,4 @@
-//! Errors that this crate returns.
+//! Error type of this crate.
 
 use rodwave::digits::significant;
 use thiserror::Error;
@@ -6,7 +6,7 @@ use thiserror::Error;
 /// Reason for refusing a specimen or a set of measured lines as a whole.
 ///
 /// A single bad line is not an error: it is listed in
-/// [`ModulusEstimate::refused`](crate::ModulusEstimate::refused), or lists its violations in
+/// [`ModulusEstimate::refused`](crate::ModulusEstimate::refused), or its violations are listed in
 /// [`ModulusLine::validity`](crate::ModulusLine).
 #[derive(Debug, Clone, PartialEq, Error)]
 #[non_exhaustive]
@@ -18,7 +18,7 @@ pub enum CmodError {
         quantity: &'static str,
         /// Value found.
         value: f64,
-        /// Violated condition, such as `a finite value above 0`.
+        /// Condition that the value violates, such as `a finite value above 0`.
         expected: &'static str,
     },
     /// Arrays that belong together differ in length.
@@ -31,14 +31,14 @@ pub enum CmodError {
         /// Number of frequencies.
         expected: usize,
     },
-    /// The public fields of a result were changed and no longer fit together.
+    /// The public fields of a result were changed and are no longer consistent.
     #[error("the changed result has {found} {what}, expected at least {expected}")]
     ChangedResult {
-        /// Counted items.
+        /// Name of the items that were counted.
         what: &'static str,
-        /// Count found.
+        /// Number of items found.
         found: usize,
-        /// Count required by the other fields.
+        /// Number of items that the other fields require.
         expected: usize,
     },
     /// There are no lines to evaluate.
@@ -52,7 +52,7 @@ pub enum CmodError {
         /// Value found \[Hz\].
         frequency_hz: f64,
     },
-    /// The frequencies do not increase, as is needed to follow the branch of the wave number from
+    /// The frequencies do not increase, as required to follow the branch of the wave number from
     /// line to line.
     #[error(
         "frequency of line {index} is {frequency_hz} Hz, expected more than the {previous_hz} Hz of the previous line"
@@ -65,7 +65,7 @@ pub enum CmodError {
         /// Value of the previous line \[Hz\].
         previous_hz: f64,
     },
-    /// A ratio is NaN or infinite, where a sequence of lines without gaps is needed.
+    /// A ratio is NaN or infinite, although the sequence of lines must have no gaps.
     #[error("acceleration ratio of line {index} is {ratio}, expected a finite value")]
     NonFiniteRatio {
         /// Position of the line, from 0.
@@ -154,18 +154,18 @@ pub enum CmodError {
     /// Two spectra of a ratio have different numbers of tests.
     #[error("numerator has {found} tests, expected {expected}, as many as the denominator")]
     TestCount {
-        /// Tests of the numerator.
+        /// Number of tests of the numerator.
         found: usize,
-        /// Tests of the denominator.
+        /// Number of tests of the denominator.
         expected: usize,
     },
     /// The chosen sections have a ratio that does not depend on the material.
     #[error("{what}, expected sections whose ratio depends on the material")]
     NoInformation {
-        /// Reason.
+        /// Reason why the ratio does not depend on the material.
         what: &'static str,
     },
-    /// There is no noise to compare with.
+    /// The noise with which a value must be compared is 0.
     #[error("{what} {index} is 0, expected noise to compare with")]
     NoNoise {
         /// Quantity that is 0, such as `the noise of line`.
@@ -176,7 +176,7 @@ pub enum CmodError {
     /// A history is too short for the request.
     #[error("{what} has {found} samples, expected at least {expected}")]
     TooFewSamples {
-        /// Stretch and history concerned.
+        /// Part of the history that is too short.
         what: &'static str,
         /// Number of samples found.
         found: usize,
@@ -201,18 +201,18 @@ pub enum CmodError {
         /// Value found.
         coherence: f64,
     },
-    /// The averages are too few to estimate a variance.
+    /// There are too few averages to estimate a variance.
     #[error(
         "{found} averages, expected at least 2: the coherence of one is 1 whatever was measured"
     )]
     TooFewAverages {
-        /// Number found.
+        /// Number of averages found.
         found: f64,
     },
     /// A load history has no segments.
     #[error("no load segment")]
     NoLoad,
-    /// The response to a load needed too many or too small steps.
+    /// The integration of the response to a load needed too many or too small steps.
     #[error(
         "response to load segment {segment} could not be integrated beyond {time} s into it, expected model rates that are low enough for its duration"
     )]
@@ -243,15 +243,15 @@ pub enum CmodError {
         index: usize,
         /// Value found.
         value: f64,
-        /// Violated condition.
+        /// Condition that the value violates.
         expected: &'static str,
     },
-    /// The readings are too few for the request.
+    /// There are too few readings for the request.
     #[error("{found} readings, expected at least {expected}")]
     TooFewReadings {
-        /// Number found.
+        /// Number of readings found.
         found: usize,
-        /// Number needed.
+        /// Number of readings needed.
         expected: usize,
     },
     /// The test from which the fit starts does not exist.
@@ -262,7 +262,7 @@ pub enum CmodError {
         /// Number of tests.
         count: usize,
     },
-    /// No parameters explain the readings: no start for the iteration was found.
+    /// No starting parameters that explain the readings were found for the iteration.
     #[error("no starting parameters found, expected a loss factor that is raised after the load")]
     NoStart,
     /// No relaxing material could be fitted to the lines.
@@ -279,7 +279,7 @@ pub enum CmodError {
         quantity: &'static str,
         /// Value found.
         value: f64,
-        /// Violated condition.
+        /// Condition that the value violates.
         expected: &'static str,
     },
     /// The moduli over time do not determine the parameters of a law, or the law has no response
@@ -289,10 +289,10 @@ pub enum CmodError {
         /// Name of the law.
         law: String,
     },
-    /// Moduli over time where moduli over frequency are needed.
+    /// Moduli over time were given, but moduli over frequency are needed.
     #[error("moduli over time in {what}, expected moduli over frequency alone")]
     MustOscillate {
-        /// Use of the moduli.
+        /// Purpose for which the moduli were given.
         what: &'static str,
     },
     /// No parameters of a law have a finite sum of squares.
@@ -323,7 +323,7 @@ pub enum CmodError {
         "name of the material is {name:?}, expected a letter and up to 79 letters, digits, hyphens or underscores"
     )]
     CardName {
-        /// Name found.
+        /// Name that was given.
         name: String,
     },
     /// A card was requested for a fitted law that is not a Prony series.
@@ -331,7 +331,7 @@ pub enum CmodError {
         "the fitted law is {law}, expected a generalised Maxwell law: a card is a Prony series"
     )]
     CardLaw {
-        /// Fitted law.
+        /// Name of the fitted law.
         law: String,
     },
     /// A theory of lateral inertia for round rods was requested for a rod that is not round.

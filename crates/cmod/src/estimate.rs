@@ -47,7 +47,7 @@ pub struct ModulusEstimate {
     refused: Vec<RefusedLine>,
 }
 
-/// The name of an estimation method, such as `two-point method`.
+/// Name of an estimation method, such as `two-point method`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct Method(pub(crate) &'static str);
 
@@ -115,7 +115,7 @@ impl ModulusEstimate {
         &self.lines
     }
 
-    /// Returns the estimate on the lines between two frequencies \[Hz\], both included.
+    /// Returns the estimate restricted to the lines between two frequencies \[Hz\], both included.
     #[must_use]
     pub fn within(&self, from_hz: f64, to_hz: f64) -> Self {
         let band = from_hz..=to_hz;
@@ -140,16 +140,16 @@ impl ModulusEstimate {
         self.lines.iter().filter(|line| line.validity.is_valid())
     }
 
-    /// Returns the informative lines, without those whose branch, convergence or linearised error
-    /// is in doubt, and without those that two waves do not explain. Lines of negative damping are
-    /// included, because otherwise no check could detect them.
+    /// Returns the informative lines without the lines that two waves do not explain. A line is
+    /// informative unless its branch, its convergence or its linearised error is in doubt. Lines of
+    /// negative damping are included, because otherwise no check could detect negative damping.
     pub(crate) fn telling(&self) -> impl Iterator<Item = &ModulusLine> {
         let misfit = |violation: &Violation| matches!(violation, Violation::Misfit { .. });
         self.telling_but_for_misfit()
             .filter(move |line| !line.validity.violations().iter().any(misfit))
     }
 
-    /// Returns the informative lines, including those that two waves do not explain.
+    /// Returns the informative lines, including the lines that two waves do not explain.
     pub(crate) fn telling_but_for_misfit(&self) -> impl Iterator<Item = &ModulusLine> {
         self.lines.iter().filter(|line| line.is_informative())
     }
@@ -179,13 +179,15 @@ pub struct ModulusLine {
     pub phase_velocity: f64,
     /// Standard errors of this line from all sources, random and common, to first order.
     pub standard_error: StandardError,
-    /// Covariances from which the standard errors follow, random and systematic parts apart.
+    /// Covariances from which the standard errors follow, with random and systematic parts
+    /// separate.
     pub uncertainty: Uncertainty,
     /// |dE/E| divided by |dΨ/Ψ|: amplification of the relative error of the measured quantity in
-    /// the modulus. For several gauges, this quantity is their root mean square.
+    /// the modulus. For several gauges, the measured quantity is the root mean square of the
+    /// gauges.
     pub error_amplification: f64,
     /// Ratio of the second-order to the first-order part of the random error, at one standard
-    /// error: the part missing from the standard errors.
+    /// error. The second-order part is not contained in the standard errors.
     pub second_order: f64,
     /// Root in closed form with its branch, from which the solution starts: for the two-point
     /// method, the root without end mass; for the three-point method, the solution itself. `None`
@@ -204,22 +206,22 @@ impl ModulusLine {
         self.uncertainty.total_covariance().modulus
     }
 
-    /// Returns the standard errors due to noise alone: independent from line to line.
+    /// Returns the standard errors due to noise alone; they are independent from line to line.
     #[must_use]
     pub fn random_error(&self) -> StandardError {
         self.standard_error_of(&self.uncertainty.random)
     }
 
-    /// Returns the standard errors due to the common sources alone, specimen and theory: the same
-    /// error on all lines.
+    /// Returns the standard errors due to the common sources alone, that is, specimen and theory. A
+    /// common source acts on all lines.
     #[must_use]
     pub fn systematic_error(&self) -> StandardError {
         self.standard_error_of(&self.uncertainty.systematic_covariance())
     }
 
-    /// Returns the greatest errors due to lateral inertia that was not removed; 0 if none is left.
-    /// It is a bound, not a standard error: E' is too small and E''/E' too large by at most
-    /// this amount.
+    /// Returns the largest possible errors due to lateral inertia that was not removed; 0 if all of
+    /// it was removed. They are bounds, not standard errors: E' is too small and E''/E' too large
+    /// by at most these amounts.
     #[must_use]
     pub fn lateral_inertia_bound(&self) -> StandardError {
         self.standard_error_of(&LineCovariance {
@@ -273,11 +275,11 @@ impl ModulusLine {
     }
 }
 
-/// Termination of the solution of one line.
+/// Reason why the solution of one line ended.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub enum Termination {
-    /// Formula without iteration.
+    /// The solution follows from a formula, without iteration.
     ClosedForm,
     /// The last step, or the residual, is of the order of rounding.
     Converged {
@@ -319,7 +321,7 @@ pub struct RefusedLine {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Refusal {
-    /// At 0 Hz both ends move alike for any material: Ψ = 1.
+    /// At 0 Hz both ends have the same motion for any material: Ψ = 1.
     #[error("a line at 0 Hz contains no information on the modulus")]
     ZeroFrequency,
     /// The ratio, or its variance, is NaN or infinite, for example where an auto-spectrum is 0.
@@ -328,32 +330,31 @@ pub enum Refusal {
     /// A value of a gauge is NaN or infinite.
     #[error("a spectrum or its noise is not finite")]
     SpectrumNotFinite,
-    /// The noise of some gauges is 0 and that of others is not: the former would have infinite
-    /// weight.
+    /// The noise of some gauges is 0 and the noise of others is not. Gauges without noise would
+    /// have infinite weight.
     #[error("the noise of some gauges is 0, expected that of all gauges or of none")]
     NoiseOfSomeGauges,
     /// Any wave number explains the line: there is no signal, a node at the middle gauge, or gauges
     /// that cannot separate the two waves.
     #[error("the gauges do not determine a wave number")]
     Undetermined,
-    /// The wave is not on the first branch of the theory with which lateral inertia was to be
-    /// removed.
+    /// The wave is not on the first branch of the theory that was chosen to remove lateral inertia.
     #[error("lateral inertia: the wave is beyond the first branch of the theory")]
     LateralInertia,
-    /// Damping was added to the records, and the lines are too few to continue the modulus to the
+    /// Damping was added to the records, and there are too few lines to continue the modulus to the
     /// real frequency.
     #[error(
         "too few lines to determine how the modulus varies, which is needed to remove the added damping"
     )]
     NotContinued,
-    /// The lines are too far apart to read a resonance.
+    /// The lines are too far apart to determine a resonance.
     #[error(
         "{found} lines within 0.3 rad of the resonance, expected at least {expected}: a longer record has more lines"
     )]
     FewLinesAtResonance {
-        /// Lines near the resonance.
+        /// Number of lines near the resonance.
         found: usize,
-        /// Fewest lines.
+        /// Required number of lines.
         expected: usize,
     },
     /// The iteration diverged to infinity, or to γ = 0, where there is no modulus.

@@ -2,29 +2,30 @@
 //! as used in Ödeen 1993, papers A and B).
 //!
 //! Beyond the free end there is no force except the inertia of a mass m that may be attached to it.
-//! With the distance d from the end and u along the rod towards it,
+//! With the distance d from the end, and the displacement u positive towards the end,
 //!
 //! ```text
 //! û(d) = û(0) [cosh γd + lγ sinh γd] ,    ε̂(d) = -γ û(0) [sinh γd + lγ cosh γd] ,    l = m/(ρA) ,
 //! ```
 //!
-//! Velocity and acceleration are v̂ = iωû and â = -ω²û. The ratio of any two of them at any two
-//! distances depends on γ and not on the impact. For two strains without end mass it is
+//! Velocity and acceleration are v̂ = iωû and â = -ω²û. The ratio of any two of these quantities at
+//! any two distances depends on γ and not on the impact. For two strains without end mass it is
 //!
 //! ```text
 //! Ψ = ε̂₁/ε̂₂ = sinh γd₁/sinh γd₂ ,    and for d₁ = 2d₂    cosh γd₂ = Ψ/2 :
 //! ```
 //!
-//! the closed form of Lundberg and Blanc, which paper A uses for its free end (eqs. 3-4) and paper
-//! B for its three gauges, with r for r/2 (eqs. 8-9). Other distances and end masses are solved by
-//! iteration. The two-point method uses the ratio of two accelerations, d₁ = L and d₂ = 0.
+//! This is the closed form of Lundberg and Blanc, which paper A uses for its free end (eqs. 3-4)
+//! and paper B for its three gauges, with r in place of r/2 (eqs. 8-9). For other distances and end
+//! masses the equation is solved by iteration. The two-point method uses the ratio of two
+//! accelerations, with d₁ = L and d₂ = 0.
 //!
-//! One strain gauge and an accelerometer on the free end are such a pair, too: Bacon's method
-//! ([`OneGauge`](crate::OneGauge)) requires separate pulses, this method allows overlapping ones.
+//! One strain gauge and an accelerometer on the free end are also such a pair. Bacon's method
+//! ([`OneGauge`](crate::OneGauge)) requires separate pulses; this method allows overlapping pulses.
 //!
 //! # Singular lines
-//! With Ψ = g(γ), γ is not determined where g' = 0: for d₁ = 2d₂ at kd₂ = nπ. Near these points the
-//! error is large, and the lines are marked.
+//! With Ψ = g(γ), γ is not determined where g' = 0; for d₁ = 2d₂ this is at kd₂ = nπ. Near these
+//! points the error is large, and the lines are marked.
 //!
 //! Theory: `docs/theory/neighbouring-methods.md`.
 
@@ -44,7 +45,8 @@ use crate::estimate::{ErrorSource, Method, ModulusEstimate};
 use crate::multi_point::Quantity;
 use crate::section_ratio::{Changed, RatioLines, RatioMethod, RodOfRatio, SectionRatio, Settings};
 
-/// Relative difference up to which d₁ = 2d₂ counts as fulfilled: rounding of distances in metres.
+/// Relative difference up to which d₁ = 2d₂ counts as fulfilled: it covers the rounding of
+/// distances in metres.
 const EQUAL: f64 = 1e-12;
 
 /// Section with its measured quantity.
@@ -99,12 +101,13 @@ pub struct FreeEnd {
 setters! { FreeEnd: wave_speed, uncertainty, limits }
 
 impl FreeEnd {
-    /// Creates the method for the ratio of the quantity at `first` to that at `second`.
+    /// Creates the method for the ratio of the quantity at `first` to the quantity at `second`.
     ///
     /// # Errors
     /// [`CmodError::NonPhysical`] for the rod, and for a distance that is not finite or below 0;
     /// [`CmodError::NoInformation`] if both sections are at the same distance and measure two
-    /// motions or two strains, or if one is the strain of a free end without mass, which is 0.
+    /// motions or two strains, or if one of them measures the strain of a free end without mass,
+    /// which is 0.
     pub fn new(
         rod: RodWithFreeEnd,
         first: EndSection,
@@ -140,7 +143,7 @@ impl FreeEnd {
     /// at the increasing frequencies `frequency_hz` \[Hz\]. All three arrays have one entry per
     /// line.
     ///
-    /// `variance` is E|δΨ|², of real and imaginary part together, of an error without preferred
+    /// `variance` is E|δΨ|², of real and imaginary part together, for an error without preferred
     /// phase, as computed by [`RatioOfSpectra`](crate::RatioOfSpectra); 0 stands for data without
     /// noise. The result has, to first order,
     ///
@@ -167,8 +170,8 @@ impl FreeEnd {
         ))
     }
 
-    /// Returns û or ε̂ of a section divided by û(0), with the powers of iω and -γ that the two
-    /// sections do not share.
+    /// Returns û or ε̂ of a section divided by û(0), including the factors iω and -γ that are not
+    /// common to both sections.
     fn jet(&self, section: EndSection, gamma: Complex64, omega: f64) -> Jet {
         let [first, second] = &self.sections;
         let shape = FreeEndShape {
@@ -247,7 +250,7 @@ impl SectionRatio for FreeEnd {
             (second.distance == 0.0).then_some((ratio, first.distance))
         }?;
         let root = nearest_inverse_cosh(cosh, expected * distance);
-        // γ and -γ are the same root; the one of the forward wave is chosen
+        // γ and -γ are equivalent roots; the root of the forward wave is chosen
         let root = if root.im < 0.0 { -root } else { root };
         Some(root / distance)
     }

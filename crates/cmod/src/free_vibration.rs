@@ -1,19 +1,19 @@
 //! Modulus from the free vibration of a rod: frequency and decay of its longitudinal modes.
 //!
-//! A rod that hangs free and was struck at an end rings in its modes, each $`e^{s_n t}`$ with
-//! $`s_n = -\delta_n + i\omega_n`$. For a rod with a free end and a mass m at the other end,
+//! A rod that hangs free and is struck at one end vibrates in its modes $`e^{s_n t}`$ with $`s_n =
+//! -\delta_n + i\omega_n`$. For a rod with a free end and a mass m at the other end,
 //!
 //! ```text
 //! γ(s_n) L = iκ_n ,    tan κ_n = -μκ_n ,    μ = m/(ρAL) ,    κ_n = nπ without a mass,
 //! E(s_n) = ρ s_n²/γ² = -ρ (s_n L/κ_n)² :    E' = ρ(L/κ_n)²(ω_n² - δ_n²) ,    E'' = 2ρ(L/κ_n)² ω_n δ_n .
 //! ```
 //!
-//! The decay gives loss factors of 1e-5, which the ratio of two sensors cannot resolve. Each mode
-//! is fitted on the lines around it ([`Poles`]), whether or not it still rings when the record
-//! ends; no window is applied to these lines. From $`s_n`$ to $`i\omega_n`$ the modulus is
-//! continued as a power of s with the loss angle found,
-//! $`E(i\omega) = E(s)(i\omega/s)^{2\varphi/\pi}`$; the effect is of the order of the square of the
-//! loss factor. The method is suited to metals, ceramics and glasses.
+//! From the decay, loss factors of 1e-5 can be determined, which the ratio of two sensors cannot
+//! resolve. Each mode is fitted on the lines around it ([`Poles`]), without a window, even if the
+//! mode has not decayed when the record ends. The modulus is continued from $`s_n`$ to
+//! $`i\omega_n`$ as a power of s with the measured loss angle, $`E(i\omega) =
+//! E(s)(i\omega/s)^{2\varphi/\pi}`$; the effect is of the order of the square of the loss factor.
+//! The method is suited to metals, ceramics and glasses.
 //!
 //! Any energy that leaves the rod, through supports, cables or sound, is counted as loss of the
 //! material.
@@ -75,7 +75,7 @@ setters! { FreeVibration: uncertainty, limits }
 
 impl FreeVibration {
     /// Creates the method for a rod of this `length` L \[m\], with a guess of the wave speed [m/s],
-    /// by which the modes are numbered; it must be accurate to a fifth.
+    /// from which the modes are numbered. The guess must be accurate to a fifth.
     ///
     /// # Errors
     /// [`CmodError::NonPhysical`] for the rod, and unless length and wave speed are finite and
@@ -93,10 +93,10 @@ impl FreeVibration {
     }
 
     /// Returns the poles of the modes in records of the free vibration of one or several blows,
-    /// each of any quantity at any section.
+    /// each record of any quantity at any section.
     ///
     /// # Errors
-    /// Those of [`Poles::of`].
+    /// The errors of [`Poles::of`].
     pub fn poles(&self, records: &[&[f64]], rate_hz: f64) -> Result<Poles, CmodError> {
         let phases = (1..).map(|order| self.phase(order));
         Poles::of(
@@ -107,7 +107,7 @@ impl FreeVibration {
         )
     }
 
-    /// Returns the complex modulus at the poles, each at the frequency of its vibration.
+    /// Returns the complex modulus of each pole at the frequency of its vibration.
     ///
     /// # Errors
     /// [`CmodError`] for impossible limits or degrees of freedom.
@@ -129,7 +129,7 @@ impl FreeVibration {
         let mass = self.rod.length_of_end_mass() / self.length;
         let mut phase = free - (mass * free).atan();
         for _ in 0..50 {
-            // sin κ + μκ cos κ, which has no pole
+            // the equation is solved in the form sin κ + μκ cos κ = 0, which has no pole
             let (sin, cos) = phase.sin_cos();
             let slope = cos + mass * (cos - phase * sin);
             let step = (sin + mass * phase * cos) / slope;
@@ -141,11 +141,11 @@ impl FreeVibration {
         phase
     }
 
-    /// Returns γ at the frequency of the vibration such that E = -ρω²/γ² is the modulus continued
-    /// from the pole to iω.
+    /// Returns γ at the frequency of the vibration for which -ρω²/γ² is the modulus that is
+    /// continued from the pole to iω.
     fn gamma(&self, pole: &Pole) -> Complex64 {
         let gamma = Complex64::new(0.0, self.phase(pole.order) / self.length);
-        // E = ρs²/γ²: the same modulus has γ iω/s at iω
+        // E = ρs²/γ²: at iω the same modulus belongs to γ iω/s
         let turn = Complex64::new(0.0, pole.s.im) / pole.s;
         let loss_angle = -2.0 * turn.arg();
         gamma * turn * turn.powf(-loss_angle / PI)
@@ -164,7 +164,7 @@ impl FreeVibration {
             diameter: self.rod.diameter,
             random: ComplexCovariance::circular(pole.variance).through(gamma / pole.s),
             systematic: self.shifts(pole, gamma, modulus),
-            // |dE/E| divided by the relative error of the pole
+            // this is |dE/E| divided by the relative error of the pole
             error_amplification: 2.0,
             second_order: pole.variance / pole.s.norm_sqr(),
             distance: self.length,

@@ -1,7 +1,7 @@
-//! Trend of the modulus over the hits of a test, for example due to temperature or a mounting that
-//! works loose.
+//! Trend of the modulus over the hits of a test, for example due to temperature or to a mounting
+//! that becomes loose.
 //!
-//! The modulus from each of the n hits alone is less accurate by √n than that of all hits. Its
+//! The modulus from one of n hits is less accurate by √n than the modulus from all hits. Its
 //! relative deviation from the modulus of all hits is averaged over the valid lines, with weights
 //! from their random errors,
 //!
@@ -9,8 +9,8 @@
 //! ε_k = Σ_j w_j Re δ_kj / Σ_j w_j ,   w_j = |E_j|²/σ_j² ,   δ_kj = (E_kj - E_j)/E_j ,
 //! ```
 //!
-//! so that errors of the specimen and of the sensors cancel to first order. From ratios of spectra
-//! Ψ, the deviation of a line is linearised about the modulus of all hits,
+//! Errors of the specimen and of the sensors cancel to first order. For ratios of spectra Ψ, the
+//! deviation of a line is linearised about the modulus of all hits,
 //!
 //! ```text
 //! δ_kj = -2 (Ψ_kj - Ψ_j) (dγ/dΨ)_j / γ_j .
@@ -28,30 +28,31 @@ use crate::section_ratio::RatioMethod;
 
 /// Minimum number of hits for a slope with a standard error.
 pub const FEWEST_HITS: usize = 4;
-/// Largest relative deviation of a line that is used; a larger one means that the line is on
-/// another branch, or that the deviation is not linear in the ratio.
+/// Largest relative deviation with which a line is used. A larger deviation means that the line is
+/// on another branch, or that the deviation is not linear in the ratio.
 const LARGEST_DEVIATION: f64 = 0.2;
 
 /// Trend of the modulus over hits.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct HitTrend {
-    /// Relative deviation of the modulus of each hit from that of all hits.
+    /// Relative deviation of the modulus of each hit from the modulus of all hits.
     pub deviations: Vec<f64>,
-    /// Relative change of the modulus per unit of the number, time or temperature of the hits.
+    /// Relative change of the modulus per unit of the number, time or temperature against which the
+    /// deviations are fitted.
     pub slope: f64,
     /// Standard error of the slope, from the scatter about the line.
     pub standard_error: f64,
-    /// Probability of a slope at least as large without a trend.
+    /// Probability of a slope at least as large if there is no trend.
     pub p_value: f64,
 }
 
 impl HitTrend {
-    /// Finds the trend of the deviations of the hits ([`deviation`], [`deviations`]) with their
-    /// numbers, times or temperatures `over`.
+    /// Fits the trend of the `deviations` of the hits ([`deviation`], [`deviations`]) against their
+    /// numbers, times or temperatures, `over`.
     ///
-    /// `None` for fewer than four hits, if all values of `over` are equal, or if there is no
-    /// scatter.
+    /// Returns `None` for fewer than four hits, if all values of `over` are equal, or if there is
+    /// no scatter.
     ///
     /// # Errors
     /// [`CmodError::LengthMismatch`] unless there is a value of `over` for each hit.
@@ -85,8 +86,8 @@ impl HitTrend {
     }
 }
 
-/// Returns the relative deviation ε of the modulus of one hit from that of all hits; `None` if they
-/// have no usable line in common.
+/// Returns the relative deviation ε of the modulus of one `hit` from the modulus of `all` hits;
+/// `None` if the two have no usable line in common.
 #[must_use]
 pub fn deviation(all: &ModulusEstimate, hit: &ModulusEstimate) -> Option<f64> {
     let mut of_hit = hit.lines().iter().peekable();
@@ -100,10 +101,10 @@ pub fn deviation(all: &ModulusEstimate, hit: &ModulusEstimate) -> Option<f64> {
     mean.value()
 }
 
-/// Returns the relative deviations ε of the modulus of each hit from that of all hits, to first
-/// order in the deviation of its ratios from those of all hits, `ratios`. All ratios have one entry
-/// per line used for the estimate. `None` if `method` has no derivative at a valid line, or a hit
-/// has no usable line.
+/// Returns the relative deviations ε of the modulus of each hit from the modulus of all hits, to
+/// first order in the deviation of the ratios of the hit from the `ratios` of all hits. All ratios
+/// have one entry per line used for the estimate. Returns `None` if `method` has no derivative at a
+/// valid line, or if a hit has no usable line.
 #[must_use]
 pub fn deviations(
     method: &dyn RatioMethod,
@@ -124,7 +125,7 @@ pub fn deviations(
     means.iter().map(WeightedMean::value).collect()
 }
 
-/// |E|²/σ².
+/// Returns the weight |E|²/σ² of a line.
 fn weight(line: &ModulusLine) -> f64 {
     line.modulus.norm_sqr() / line.uncertainty.random.modulus.mean_square()
 }
@@ -159,7 +160,7 @@ mod tests {
     use crate::{Specimen, TwoPoint};
 
     /// Hits on a rod whose modulus differs from hit to hit, with the ratio cosh γL in closed form:
-    /// both ways return the differences.
+    /// both functions return the differences of the moduli.
     #[test]
     fn deviations_of_hits_are_the_differences_of_their_moduli() {
         let specimen = Specimen {
@@ -199,12 +200,12 @@ mod tests {
         let hits: Vec<&[Complex64]> = hits.iter().map(Vec::as_slice).collect();
         let found = deviations(&method, &all, &of_all, &hits).unwrap();
         for ((found, change), hit) in found.iter().zip(changes).zip(hits) {
-            // second order: (γL δ)², γL up to 7
+            // the error is of second order, (γL δ)² with γL up to 7
             assert!((found - change).abs() < 1e-7, "{found} {change}");
             let by_estimates = deviation(&all, &estimate(hit)).unwrap();
             assert!((by_estimates - change).abs() < 1e-9, "{by_estimates}");
         }
-        // without a line of its own a hit has no deviation
+        // a hit without a usable line has no deviation
         let silent = vec![Complex64::new(f64::NAN, 0.0); of_all.len()];
         assert_eq!(deviations(&method, &all, &of_all, &[&silent]), None);
     }

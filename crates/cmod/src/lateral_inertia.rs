@@ -1,8 +1,8 @@
 //! Removal of lateral inertia from an estimate, with Poisson's ratio and its uncertainty.
 //!
 //! All methods of this crate determine γ and compute E = -ρω²/γ² from it, which neglects the
-//! lateral motion of the rod: E is an *apparent* modulus, too small for short waves.
-//! [`LateralInertia`] computes the modulus from the same γ by one theory over the whole band
+//! lateral motion of the rod: E is an *apparent* modulus, which is too small for short waves.
+//! [`LateralInertia`] computes the modulus from the same γ by a single theory for the whole band
 //! ([`rodwave::slenderness`]):
 //!
 //! | section | theory | modulus | error left in E' |
@@ -10,21 +10,21 @@
 //! | round | Pochhammer and Chree | the exact frequency equation, solved for E | none |
 //! | rectangular | Love and Rayleigh | E + ρν²k_p²ω², k_p² = (b² + h²)/12 | 0.2 % at λ = 5 D, 1 % at 3.2 D of a circle of the same k_p |
 //!
-//! A different theory for each wavelength would cause a step in E' where two of them meet, which no
-//! causal material has.
+//! A different theory for each wavelength would cause a step in E' where two theories meet. No
+//! causal material has such a step.
 //!
 //! # Errors
-//! The random error is propagated through the theory, δE = (dE/dγ) δγ. Poisson's ratio is one
-//! number for all lines: its error is a common error, δE = (∂E/∂ν) δν at constant γ, added to the
-//! common errors of the specimen as a separate source, [`ErrorSource::PoissonRatio`]. To leading
-//! order it is 2δν/ν times the correction. The errors of the specimen in the estimate are
-//! propagated through the theory as well: through γ like the random errors, and a density that is
-//! wrong by 1 % makes the corrected modulus wrong by 1 %. Errors of the correction due to the
-//! diameter, 2δD/D times the correction, are neglected.
+//! The random error is propagated through the theory, δE = (dE/dγ) δγ. Poisson's ratio is the same
+//! number on all lines. Its error is therefore a common error, δE = (∂E/∂ν) δν at constant γ, and
+//! is added to the common errors of the specimen as a separate source,
+//! [`ErrorSource::PoissonRatio`]. To leading order this error is 2δν/ν times the correction. The
+//! errors of the specimen in the estimate are also propagated through the theory: errors of γ like
+//! the random errors, and a density that is wrong by 1 % makes the corrected modulus wrong by 1 %.
+//! The error of the correction due to the diameter, 2δD/D times the correction, is neglected.
 //!
-//! The bound on lateral inertia of the estimate ([`ErrorSource::LateralInertia`]) is replaced by
-//! the remaining error of the theory, [`LineCorrection::remaining_error`]. The lines are then
-//! judged again by the [limits](ModulusEstimate::limits) of the estimate.
+//! The bound on the effect of lateral inertia on the estimate ([`ErrorSource::LateralInertia`]) is
+//! replaced by the remaining error of the theory, [`LineCorrection::remaining_error`]. The lines
+//! are then judged again by the [limits](ModulusEstimate::limits) of the estimate.
 //!
 //! Theory: `docs/theory/slenderness.md#correction-of-an-estimate`.
 
@@ -43,11 +43,11 @@ use crate::estimate::{
 use crate::validity::Violation;
 
 /// Relative step in γ of the central difference for dE/dγ: E is analytic in γ, and its third
-/// derivative with respect to γ is of the order of E/γ³, so truncation and rounding are both near
-/// 1e-10.
+/// derivative with respect to γ is of the order of E/γ³. The relative errors of truncation and
+/// rounding are therefore both near 1e-10.
 const STEP: f64 = 1e-5;
 
-/// Correction of lateral inertia for a uniform rod with its Poisson's ratio.
+/// Correction of lateral inertia for a uniform rod of known Poisson's ratio.
 ///
 /// ```
 /// use cmod::{LateralInertia, PulsedRod, SeparatePulses};
@@ -80,15 +80,15 @@ pub struct LateralInertia {
 /// Cross-section of the rod.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Section {
-    /// D \[m\].
+    /// Diameter D \[m\].
     Round { diameter: f64 },
-    /// b and h \[m\].
+    /// Width b and height h \[m\].
     Rectangular { width: f64, height: f64 },
 }
 
 impl Section {
-    /// Returns the diameter of the circle with the polar radius of gyration of the section, k_p² =
-    /// D²/8 \[m\].
+    /// Returns the diameter D \[m\] of the circle with the same polar radius of gyration as the
+    /// section, k_p² = D²/8.
     fn diameter(self) -> f64 {
         match self {
             Self::Round { diameter } => diameter,
@@ -105,7 +105,7 @@ impl Section {
     }
 }
 
-/// Estimate without lateral inertia.
+/// Estimate from which lateral inertia has been removed.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct CorrectedEstimate {
@@ -114,28 +114,28 @@ pub struct CorrectedEstimate {
     corrections: Vec<LineCorrection>,
 }
 
-/// Correction of one line.
+/// Correction of the modulus of one line.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct LineCorrection {
     /// Theory used.
     pub theory: Theory,
-    /// λ/D; for a rectangle D is the diameter of the circle with the same polar radius of
+    /// Ratio λ/D; for a rectangle D is the diameter of the circle with the same polar radius of
     /// gyration.
     pub wavelength_in_diameters: f64,
     /// Apparent modulus before the correction \[Pa\].
     pub apparent_modulus: Complex64,
-    /// ∂E/∂ν at constant γ \[Pa\].
+    /// Derivative ∂E/∂ν at constant γ \[Pa\].
     pub by_poisson_ratio: Complex64,
-    /// Relative error of E' left by the theory, (E'_found - E')/E', for low losses: the bound on a
-    /// common error of the line with [`ErrorSource::LateralInertia`]. For a rectangle it is that of
-    /// a circle with the same polar radius of gyration, which is about right for sections about as
-    /// wide as high.
+    /// Relative error of E' that remains after the correction, (E'_found - E')/E', for low losses.
+    /// It is the bound on the common error [`ErrorSource::LateralInertia`] of the line. For a
+    /// rectangle the value of a circle with the same polar radius of gyration is used, which is a
+    /// good approximation for sections about as wide as high.
     pub remaining_error: f64,
 }
 
 impl CorrectedEstimate {
-    /// Returns the rod and Poisson's ratio.
+    /// Returns the correction that was applied, with the rod and Poisson's ratio.
     #[must_use]
     pub fn settings(&self) -> &LateralInertia {
         &self.settings
@@ -157,7 +157,7 @@ impl CorrectedEstimate {
 
 impl LateralInertia {
     /// Creates the correction for a round rod of `diameter` D \[m\], `density` ρ [kg/m³] and
-    /// `poisson_ratio` ν, taken as exact.
+    /// `poisson_ratio` ν. All three are taken as exact.
     ///
     /// # Errors
     /// [`CmodError::NonPhysical`] unless diameter and density are finite and above 0 and 0 <= ν <=
@@ -168,7 +168,7 @@ impl LateralInertia {
     }
 
     /// Creates the correction for a rectangular section, `width` b by `height` h \[m\], of
-    /// `density` ρ [kg/m³] and `poisson_ratio` ν, taken as exact.
+    /// `density` ρ [kg/m³] and `poisson_ratio` ν. All of them are taken as exact.
     ///
     /// # Errors
     /// [`CmodError::NonPhysical`] unless width, height and density are finite and above 0 and 0 <=
@@ -206,7 +206,7 @@ impl LateralInertia {
         })
     }
 
-    /// Sets the standard uncertainty of ν.
+    /// Sets the standard uncertainty of Poisson's ratio ν.
     ///
     /// # Errors
     /// [`CmodError::NonPhysical`] unless the uncertainty is finite and not negative.
@@ -216,8 +216,8 @@ impl LateralInertia {
         Ok(self)
     }
 
-    /// Sets the theory, for comparisons; the default is that of Pochhammer and Chree for a round
-    /// rod, that of Love for others.
+    /// Sets the theory, for comparisons; the default is the theory of Pochhammer and Chree for a
+    /// round rod and the theory of Love for a rectangle.
     #[must_use]
     pub fn with_theory(mut self, theory: Theory) -> Self {
         self.theory = Some(theory);
@@ -227,13 +227,13 @@ impl LateralInertia {
     /// Removes lateral inertia from every line of an `estimate`.
     ///
     /// A corrected line is no longer judged by the condition λ > 5D, which concerns the error that
-    /// has been removed. The error limits are applied again; all other violations stay. A line
+    /// has been removed. The error limits are applied again; all other violations are kept. A line
     /// without a wavelength, or beyond the first branch of the theory, is refused as
     /// [`Refusal::LateralInertia`].
     ///
     /// # Errors
-    /// [`CmodError::NonPhysical`] for a diameter or a density for which γ²D² or ρω²D² overflow or
-    /// underflow; [`CmodError::TheoryOfRoundRods`] if the theory of Pochhammer and Chree is set
+    /// [`CmodError::NonPhysical`] for a diameter or a density with which γ²D² or ρω²D² overflows or
+    /// underflows; [`CmodError::TheoryOfRoundRods`] if the theory of Pochhammer and Chree is set
     /// for a rectangle.
     pub fn correct(&self, estimate: &ModulusEstimate) -> Result<CorrectedEstimate, CmodError> {
         let diameter = self.section.diameter();
@@ -298,8 +298,8 @@ impl LateralInertia {
         })
     }
 
-    /// Returns the common errors added by the correction: of Poisson's ratio, and of the theory
-    /// itself.
+    /// Returns the common errors added by the correction, which are due to Poisson's ratio and to
+    /// the theory itself.
     fn shifts(
         &self,
         line: &ModulusLine,
@@ -310,8 +310,8 @@ impl LateralInertia {
         let uncertainty = self.poisson_ratio_uncertainty;
         if uncertainty > 0.0 && corrected.is_corrected {
             let first = corrected.by_poisson_ratio * uncertainty;
-            // ½ρω²a²δν² ξ² with ξ of variance 1 has the root mean square √3/2 ρω²a²δν²: the only
-            // term for ν = 0
+            // ½ρω²a²δν² ξ² with ξ of variance 1 has the root mean square √3/2 ρω²a²δν²; it is the
+            // only term if ν = 0
             let inertia = TAU * line.frequency_hz * 0.5 * self.section.diameter();
             let second = 0.75_f64.sqrt() * self.density * (inertia * uncertainty).powi(2);
             shifts.push(SystematicShift::new(
@@ -320,7 +320,7 @@ impl LateralInertia {
                 Complex64::ZERO,
             ));
         }
-        // elementary theory leaves E'' unaffected; the error of Love's theory is its next term,
+        // elementary theory has no error of E''; the error of Love's theory is its next term,
         // proportional to K²E ~ conj(E)
         let left = correction.remaining_error.abs();
         if left > 0.0 {
@@ -335,10 +335,10 @@ impl LateralInertia {
     }
 }
 
-/// E of one line from one theory.
+/// Modulus of one line from one theory.
 struct Corrected {
     modulus: Complex64,
-    /// Ratio of dE/dγ to that of elementary theory, -2E_apparent/γ.
+    /// Ratio of dE/dγ to its value in elementary theory, -2E_apparent/γ.
     factor: Complex64,
     by_poisson_ratio: Complex64,
     is_corrected: bool,
@@ -366,8 +366,8 @@ impl Corrected {
         let found = at(gamma)?;
         let (larger, smaller) = (at(gamma * (1.0 + STEP))?, at(gamma * (1.0 - STEP))?);
         let slope = (larger.modulus - smaller.modulus) / (2.0 * STEP);
-        // the density of the estimate may differ from that of the theory: the ratio of moduli is
-        // independent of it
+        // the density of the estimate may differ from the density of the theory; the ratio of the
+        // moduli is independent of the density
         let scale = line.modulus / found.apparent_modulus;
         Some(Self {
             modulus: found.modulus * scale,
@@ -377,7 +377,7 @@ impl Corrected {
         })
     }
 
-    /// Propagates a common error of the apparent modulus to the corrected one: errors that act
+    /// Propagates a common error of the apparent modulus to the corrected modulus. Errors that act
     /// through γ are multiplied by the factor of the random errors, and a relative error of the
     /// modulus remains the same relative error of the corrected modulus.
     fn through(&self, shift: SystematicShift, line: &ModulusLine) -> SystematicShift {

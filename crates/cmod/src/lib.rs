@@ -9,8 +9,8 @@
 //! ```
 //!
 //! Given the motion of two sections as functions of frequency, the complex modulus E(ω) is sought.
-//! It is one complex number per line, found from one complex equation per line, without any
-//! assumption on the form of E(ω).
+//! E(ω) is one complex number per line. It is found from one complex equation per line, without any
+//! assumption about the form of E(ω).
 //!
 //! # Method
 //! The two-point method of paper A, [`TwoPoint`], uses the two ends of a rod. The accelerations of
@@ -21,32 +21,32 @@
 //! ```
 //!
 //! with m the mass of the accelerometer at the free end. The equation has infinitely many roots γ.
-//! For μ = 0 all are known in closed form, and the right one is that with k continuous and
-//! increasing from 0, which is inferred from all lines together ([`branch`]). From there the mass
-//! is increased in steps, and the root is followed ([`two_point`]). The variance of Ψ follows from
-//! the coherence of several blows ([`TwoPoint::estimate_averaged`]). Each line has its covariances,
+//! For μ = 0 all roots are known in closed form. The right root is the one whose k is continuous
+//! and increases from 0; it is inferred from all lines together ([`branch`]). From this root the
+//! mass is increased in steps, and the root is followed ([`two_point`]). The variance of Ψ follows
+//! from the coherence of several blows ([`TwoPoint::estimate_averaged`]). Each line has covariances
 //! due to noise and due to the specimen ([`estimate`]), and a verdict ([`validity`]): a valid line
 //! has E' within 1 % and the loss factor within 5 %, unless other limits are set.
 //!
-//! A member of a structure whose ends are unknown needs three equidistant gauges, [`ThreePoint`]
-//! (paper B), or three or more at any positions, [`MultiPoint`], by least squares over one test or
-//! several. Each line also gives the two waves ([`multi_point`]).
+//! [`ThreePoint`] (paper B) evaluates three equidistant gauges on a member of a structure whose
+//! ends are unknown. [`MultiPoint`] evaluates three or more gauges at any positions, by least
+//! squares over one test or several. Each line also gives the two waves ([`multi_point`]).
 //!
-//! Further methods allow comparison on one rod: two sections and a free end ([`FreeEnd`]), separate
-//! pulses ([`SeparatePulses`], [`OneGauge`]), resonances ([`Resonances`]). All give the same kind
-//! of result ([`estimate`]), from which [`LateralInertia`] can be removed, and [`checks`] detect
-//! wrong records without a reference.
+//! Further methods allow comparisons on the same rod: two sections and a free end ([`FreeEnd`]),
+//! separate pulses ([`SeparatePulses`], [`OneGauge`]), resonances ([`Resonances`]). All methods
+//! give the same kind of result ([`estimate`]). [`LateralInertia`] can be removed from it, and
+//! [`checks`] detect wrong records without a reference.
 //!
-//! Paper C is treated separately: the loss factor after a creep load, the model that explains it,
-//! and the fit of its parameters ([`recovery`]).
+//! [`recovery`] treats paper C: the loss factor after a creep load, the model that explains it, and
+//! the fit of its parameters.
 //!
-//! For use in programs a modulus is described by a law: [`rheology`] fits laws, determines which of
-//! their parameters are identified, shifts moduli at several temperatures to a master curve and
-//! writes material cards.
+//! For use in other programs, a modulus is described by a law: [`rheology`] fits laws, determines
+//! which of their parameters are identified, shifts moduli at several temperatures to a master
+//! curve and writes material cards.
 //!
 //! # Example
-//! Polypropylene in Test 6 of paper A; the accelerations of rod and accelerometer are computed by
-//! transition matrices.
+//! Polypropylene rod of Test 6 of paper A. The accelerations of the rod with its accelerometer are
+//! computed with transition matrices.
 //!
 //! ```
 //! use cmod::estimate::BudgetedQuantity;
@@ -96,35 +96,35 @@
 //!
 //! # Conventions
 //! Time factor e^{+iωt}, forward transform with e^{-iωt}: E'' >= 0, α >= 0, k > 0 for ω > 0. SI
-//! units. Spectra with the other kernel must be conjugated first; otherwise the lines fail with α <
-//! 0 and a doubtful branch.
+//! units. Spectra computed with the kernel e^{+iωt} must be conjugated first; otherwise the lines
+//! fail with α < 0 and a doubtful branch.
 //!
 //! # Errata of paper A
 //! - **Table 1**: the layout is lost in print. The integers s and n are derived anew, see
 //!   [`branch`].
 //! - **Equation 5**: Newton's iteration from γ₀L converges to a wrong root where the losses are low
-//!   and the mass ratio is not. For a rod of PA6 with a fifth of its real loss, 800 mm long, with
-//!   μ = 0.036 and no noise, the iteration does so on 294 of 1572 lines between 362 Hz and 20 kHz,
-//!   15 of them undetected by conditions (i)-(iii). Continuation in μ finds no wrong root there,
-//!   nor at 0.5 % and 2 % of noise, except for lines where noise brings two roots together, which
-//!   are marked. Newton's iteration is kept as [`Solver::Newton`].
+//!   but the mass ratio is not. For a rod of PA6 with a fifth of its real loss, 800 mm long, with μ
+//!   = 0.036 and no noise, the iteration does so on 294 of 1572 lines between 362 Hz and 20 kHz, 15
+//!   of them undetected by conditions (i)-(iii). Continuation in μ finds no wrong root there, nor
+//!   at 0.5 % and 2 % of noise, except for lines where noise brings two roots together, which are
+//!   marked. Newton's iteration is kept as [`Solver::Newton`].
 //! - **Equation 4**: correct, but the printed differences lose digits for low losses;
 //!   [`branch::FreeEndRoot`] evaluates the same numbers without loss of digits.
 //! - **Section 3**: noise in a₂ multiplies Ψ, as the ratio of cross-spectrum to auto-spectrum of
-//!   a₂, by 1/(1 + noise/signal). The bias is in the given ratio, not in its evaluation here;
-//!   the coherence bounds it ([`two_point::variance_from_coherence`]).
+//!   a₂, by 1/(1 + noise/signal). The bias is in the ratio given to this crate, not in its
+//!   evaluation; the coherence bounds it ([`two_point::variance_from_coherence`]).
 //!
 //! The errata of paper C are in [`recovery`].
 //!
 //! # Limits
-//! - No transforms, averages or coherence: the input is Ψ(ω) and its variance, or the spectra of
-//!   gauges and their noise.
-//! - The methods neglect lateral inertia: a bound on it is part of the common errors and used to
-//!   judge lines. [`lateral_inertia`] removes it from an estimate afterwards.
-//! - The errors are of first order. Where the second order matters, near kL = nπ at low losses and
-//!   at low frequency, the line is marked, not corrected.
-//! - Waves are counted where a smooth wave number explains the lines. Where they cannot be counted
-//!   the lines are marked: see [`branch`] for remedies.
+//! - The crate computes no transforms, averages or coherence: the input is Ψ(ω) and its variance,
+//!   or the spectra of gauges and their noise.
+//! - The methods neglect lateral inertia: a bound on its effect is part of the common errors and is
+//!   used to judge lines. [`lateral_inertia`] removes it from an estimate afterwards.
+//! - The errors are propagated to first order. Where the second order matters, near kL = nπ at low
+//!   losses and at low frequency, the line is marked, not corrected.
+//! - Waves are counted only where a smooth wave number explains the lines. Lines on which they
+//!   cannot be counted are marked; see [`branch`] for remedies.
 //!
 //! Theory: `docs/theory/two-point-method.md`, `docs/theory/branches.md`,
 //! `docs/theory/multi-point-method.md`, `docs/theory/neighbouring-methods.md`,

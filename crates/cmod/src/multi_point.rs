@@ -7,16 +7,16 @@
 //! q̂(x) = P e^{-γx} + N e^{γx} ,
 //! ```
 //!
-//! so that three gauges suffice for P, N and γ. For three at equal distances there is a closed
-//! form, [`ThreePoint`]. Any positions and any number of gauges are solved by least squares,
-//! [`MultiPoint`]: P and N are eliminated on every line, and γ minimises the residual. Tests can be
-//! evaluated together: each has its own P and N.
+//! Three gauges therefore suffice to determine P, N and γ. For three gauges at equal distances
+//! there is a closed form, [`ThreePoint`]. For any positions and any number of gauges,
+//! [`MultiPoint`] solves by least squares: P and N are eliminated on every line, and γ minimises
+//! the residual. Several tests can be evaluated together, each with its own P and N.
 //!
 //! # Singular lines
-//! Gauges that all lie on a grid of spacing a cannot separate the waves where ka = nπ. Nor do three
-//! gauges determine γ where a node is at the middle gauge. Unequal distances without a large common
-//! divisor, and more gauges, avoid both problems; [`advice`] predicts the errors of a set of
-//! positions. Near 0 Hz only a wider aperture helps.
+//! Gauges that all lie on a grid of spacing a cannot separate the two waves where ka = nπ. Three
+//! gauges do not determine γ if a node is at the middle gauge. Unequal distances without a large
+//! common divisor, and more gauges, avoid both problems; [`advice`] predicts the errors of a set of
+//! positions. Near 0 Hz only a larger distance between the outer gauges reduces the errors.
 //!
 //! Theory: `docs/theory/multi-point-method.md`.
 
@@ -54,7 +54,7 @@ use projection::{Projection, TestWaves};
 use spectra::WhiteLine;
 use waves::LineOfWaves;
 
-/// Maximum ratio of noise to signal of a valid line, root mean squares of all gauges: 10 dB.
+/// Maximum ratio of noise to signal of a valid line, as root mean squares over all gauges; 10 dB.
 pub const MOST_NOISE: f64 = 0.3;
 
 /// Method for three or more gauges at any positions, by least squares.
@@ -91,13 +91,13 @@ pub struct MultiPoint {
     uncertainty: GaugeUncertainty,
     /// True if the last position is that of a free end.
     has_free_end: bool,
-    /// Mass on that end \[kg\].
+    /// Mass on the free end \[kg\].
     end_mass: f64,
-    /// σ [1/s].
+    /// Added damping σ [1/s].
     added_damping: f64,
 }
 
-/// Settings of the methods for gauges; each method sets those that it has.
+/// Settings of the methods for gauges; each method uses some of them.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 struct GaugeSettings {
     wave_speed: Option<f64>,
@@ -127,16 +127,16 @@ impl MultiPoint {
     }
 
     /// Creates the method for a `rod` with two or more gauges before its free end at `free_end`
-    /// \[m\], where the strain is 0 and a motion has zero slope. It can evaluate a single shot on a
-    /// long bar with two gauges, even where the waves overlap:
+    /// \[m\], where the strain is 0 and the slope of a motion is 0. The method can evaluate a
+    /// single shot on a long bar with two gauges, even where the waves overlap:
     ///
     /// ```text
     /// ε̂₁/ε̂₂ = sinh γd₁/sinh γd₂ ,    d = `free_end` - x .
     /// ```
     ///
     /// # Errors
-    /// Those of [`Self::new`]; [`CmodError::NonPhysical`] for an end that is not beyond the last
-    /// gauge.
+    /// The errors of [`Self::new`]; [`CmodError::NonPhysical`] for an end that is not beyond the
+    /// last gauge.
     pub fn before_free_end(mut rod: GaugedRod, free_end: f64) -> Result<Self, CmodError> {
         if rod.positions.len() < 2 {
             return Err(CmodError::GaugeCount {
@@ -158,9 +158,9 @@ impl MultiPoint {
         })
     }
 
-    /// Sets the `mass` \[kg\] on the end, an accelerometer for example. The force at the end is
-    /// then the inertia force of the mass, and with ℓ = m/(ρA), the length of rod that has the same
-    /// mass,
+    /// Sets the `mass` \[kg\] on the free end, for example of an accelerometer. The force at the
+    /// end is then the inertia force of the mass, and with ℓ = m/(ρA), the length of rod that has
+    /// the same mass,
     ///
     /// ```text
     /// ε̂₁/ε̂₂ = (sinh γd₁ + ℓγ cosh γd₁)/(sinh γd₂ + ℓγ cosh γd₂) .
@@ -182,16 +182,18 @@ impl MultiPoint {
         Ok(self)
     }
 
-    /// Sets the damping σ [1/s] that was added to the records before their transform, by a factor
-    /// e^{-σt} on all gauges alike: for records that end while the rod rings. The spectra, and
-    /// the modulus that follows from them, are then values on the lines s = σ + iω,
+    /// Sets the damping σ [1/s] that was added to the records before their transform, by the same
+    /// factor e^{-σt} on all gauges. It is used for records that end while the rod still vibrates.
+    /// The spectra, and the modulus that follows from them, are then values on the lines s = σ +
+    /// iω,
     ///
     /// ```text
     /// E(s) = ρs²/γ(s)² .
     /// ```
     ///
     /// The modulus is [continued](crate::self_calibration#added-damping) to E(iω) along a smooth
-    /// and causal modulus through all lines. The waves are still those on the lines s.
+    /// and causal modulus through all lines. The waves are not continued: they are values on the
+    /// lines s.
     ///
     /// # Errors
     /// [`CmodError::NonPhysical`] unless the damping is finite and not negative.
@@ -246,7 +248,8 @@ impl MultiPoint {
                 self.rod.diameter,
                 self.rod.aperture(),
             )?;
-            // the fits and waves of lines without a modulus on the axis are removed with them
+            // the fits and waves of lines without a modulus on the axis are removed together with
+            // these lines
             let is_kept = |line: &ModulusLine| {
                 let place = continued
                     .lines()
@@ -266,7 +269,7 @@ impl MultiPoint {
         Ok(estimate)
     }
 
-    /// Returns the number of gauges, without a free end.
+    /// Returns the number of gauges, not counting a free end.
     fn n_gauges(&self) -> usize {
         self.rod.positions.len() - usize::from(self.has_free_end)
     }
@@ -361,7 +364,7 @@ impl MultiPoint {
         })
     }
 
-    /// Returns the chi-square that noise alone exceeds on one line in a thousand.
+    /// Returns the limit of chi-square that noise alone exceeds on one line in a thousand.
     fn most_misfit(&self, degrees_of_freedom: usize) -> Result<f64, CmodError> {
         let Some(noise) = self
             .settings
@@ -392,7 +395,7 @@ impl MultiPoint {
         let minimum = projection
             .minimise(expectation.gamma(omega), white)
             .ok_or(Refusal::Undetermined)?;
-        // γ and -γ are the same pair of waves.
+        // γ and -γ describe the same pair of waves.
         let (gamma, evaluated_at) = if minimum.gamma.im < 0.0 {
             (-minimum.gamma, None)
         } else {
@@ -406,7 +409,7 @@ impl MultiPoint {
         let chi_square = (white.variance > 0.0 && degrees_of_freedom > 0)
             .then_some(2.0 * details.objective.misfit);
         if minimum.termination.was_successful() && !doubt.is_some_and(|d| d.is_ambiguous()) {
-            // A line that two waves do not explain must not affect the next ones.
+            // A line that two waves do not explain must not affect the following lines.
             let excess = chi_square.map_or(1.0, |chi| (chi / degrees_of_freedom as f64).max(1.0));
             expectation.update(omega, gamma, details.objective.information / excess);
         }
@@ -474,8 +477,9 @@ impl MultiPoint {
     }
 }
 
-/// Returns the value that noise alone exceeds on one line in a thousand (Wilson and Hilferty's cube
-/// root; up to 2.4 % too high at 2 degrees of freedom, less above).
+/// Returns the value of chi-square that noise alone exceeds on one line in a thousand, by the
+/// cube-root approximation of Wilson and Hilferty. It is up to 2.4 % too high at 2 degrees of
+/// freedom, and less at more degrees of freedom.
 fn chi_square_limit(degrees_of_freedom: usize) -> f64 {
     const NORMAL_QUANTILE: f64 = 3.0902;
     let n = degrees_of_freedom as f64;
@@ -515,7 +519,7 @@ impl MultiPointEstimate {
     /// or test.
     ///
     /// The section may be outside the range of the gauges, provided that the rod is uniform up to
-    /// there.
+    /// the section.
     #[must_use]
     pub fn waves(
         &self,
@@ -545,13 +549,13 @@ impl MultiPointEstimate {
 #[derive(Debug, Clone, Copy)]
 #[non_exhaustive]
 pub struct LineFit {
-    /// E|δγ|² [1/m²], half of it for each of α and k, which are uncorrelated.
+    /// Variance E|δγ|² [1/m²]. Half of it is due to α and half to k, which are uncorrelated.
     pub propagation_variance: f64,
-    /// Twice the sum of squares of the residuals divided by noise: chi-square distributed. `None`
-    /// without noise or without redundancy.
+    /// Twice the sum of squares of the residuals divided by the noise, which has the chi-square
+    /// distribution; `None` if the noise is 0 or the gauges have no redundancy.
     pub chi_square: Option<f64>,
-    /// Degrees of freedom of chi-square: 2(M(n - 2) - 1) for M tests with n gauges, including a
-    /// free end that is used.
+    /// Degrees of freedom of chi-square: 2(M(n - 2) - 1) for M tests with n gauges, where a free
+    /// end that is used counts as a gauge.
     pub degrees_of_freedom: usize,
     /// Ratio of the second-order error of γ to its standard error.
     pub second_order: f64,
@@ -562,8 +566,8 @@ pub struct LineFit {
 mod tests {
     use super::*;
 
-    /// Quantiles of 99.9 % from tables of the chi-square distribution; 2 degrees of freedom: 2 ln
-    /// 1000.
+    /// Quantiles of 99.9 % from tables of the chi-square distribution; for 2 degrees of freedom the
+    /// quantile is 2 ln 1000.
     #[test]
     fn one_line_in_a_thousand_exceeds_the_limit() {
         for (degrees_of_freedom, quantile) in [

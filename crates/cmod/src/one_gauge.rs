@@ -2,14 +2,15 @@
 //! Mechanics* 38, 1998).
 //!
 //! A gauge at the distance d from the free end measures the incident pulse and later the reflected
-//! one, each cut out of the record with its own window. With a mass m on the end and l = m/(ρA),
+//! pulse. Each of them is cut out of the record with its own window. With a mass m on the end and l
+//! = m/(ρA),
 //!
 //! ```text
 //! H = ε̂_r/ε̂_i = -e^{-2γd} (1 - lγ)/(1 + lγ) ,    v̂_r/v̂_i = +e^{-2γd} (1 - lγ)/(1 + lγ)
 //! ```
 //!
-//! where lγ = iωm/Z is the ratio of the impedance of the mass to that of the rod. Without a mass
-//! the closed form is α = -ln|H|/2d and k = -arg(-H)/2d, the phase continued from 0 Hz.
+//! where lγ = iωm/Z is the ratio of the impedance of the mass to the impedance of the rod. Without
+//! a mass the closed form is α = -ln|H|/2d and k = -arg(-H)/2d, with the phase continued from 0 Hz.
 //!
 //! # Errors
 //! With noise of variance σ² in both spectra, and without a mass,
@@ -18,11 +19,11 @@
 //! E|δγ|² = σ²/(4d²|ε̂_i|²) · (1 + 1/|H|²)
 //! ```
 //!
-//! which is least for 2x = 1 + e^{-4x}, x = αd = 0.55: the pulse has then lost two thirds of its
-//! amplitude.
+//! The variance is least for 2x = 1 + e^{-4x}, that is, x = αd = 0.55. The reflected pulse has then
+//! lost two thirds of its amplitude.
 //!
 //! Pulses that overlap at the gauge cannot be cut out. If the motion of the free end or of the
-//! section is recorded as well, the pulses need not be separated: see [`FreeEnd`](crate::FreeEnd).
+//! section is also recorded, the pulses need not be separated: see [`FreeEnd`](crate::FreeEnd).
 //!
 //! Theory: `docs/theory/neighbouring-methods.md`.
 
@@ -85,7 +86,7 @@ impl OneGauge {
     /// its `variance` E|δH|², at the increasing frequencies `frequency_hz` \[Hz\]. All arrays
     /// have one entry per line.
     ///
-    /// Both spectra have the same origin of time, whatever their windows.
+    /// Both spectra must have the same origin of time, whatever their windows are.
     ///
     /// # Errors
     /// [`CmodError::NoLines`], [`CmodError::LengthMismatch`], [`CmodError::Frequency`],
@@ -184,7 +185,7 @@ mod tests {
         );
     }
 
-    /// Optimum of the documented variance: 2x = 1 + e^{-4x}.
+    /// Compares the optimum of the documented variance with 2x = 1 + e^{-4x}.
     #[test]
     fn best_distance_is_where_the_pulse_has_lost_two_thirds() {
         // E|δγ|² ~ (1 + e^{4αd})/d² at fixed α = 1
@@ -193,7 +194,7 @@ mod tests {
             .map(|j| 1e-3 * f64::from(j))
             .min_by(|a, b| variance(*a).total_cmp(&variance(*b)));
         let best = best.unwrap();
-        // Tolerance: the grid step of 1e-3 times the slope of the condition.
+        // The tolerance is the grid step of 1e-3 times the slope of the condition.
         assert!((2.0 * best - 1.0 - (-4.0 * best).exp()).abs() < 3e-3);
         assert!((best - 0.55).abs() < 6e-3);
     }

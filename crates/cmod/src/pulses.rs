@@ -8,23 +8,23 @@
 //! H = q̂₂/q̂₁ = e^{-γL} ,    α = -ln|H|/L ,    k = -arg H/L
 //! ```
 //!
-//! with the phase continued from 0 Hz. There is no singular line and no boundary condition, which
-//! makes the method a good reference for the others; the rod must be long compared with its pulse.
+//! with the phase continued from 0 Hz. There is no singular line and no boundary condition, so the
+//! method is a good reference for the other methods. The rod must be long compared with the pulse.
 //!
 //! # Errors
-//! With noise of σ₁² and σ₂² in the two spectra,
+//! With noise of variance σ₁² and σ₂² in the two spectra,
 //!
 //! ```text
 //! E|δγ|² = E|δH|²/(L²|H|²) = (σ₁²/|q̂₁|² + σ₂²/|q̂₂|²)/L²
 //! ```
 //!
-//! independent of k: the relative error of E decreases as 1/(kL). For equal noise and a fixed first
-//! section, it is least for αL = 1 + e^{-2αL}, αL = 1.11.
+//! This variance is independent of k, so the relative error of E decreases as 1/(kL). For equal
+//! noise and a fixed first section, the error is least for αL = 1 + e^{-2αL}, αL = 1.11.
 //!
 //! A window that cuts off a tail, or begins on the tail of another pulse, causes an error of about
-//! the value at the cut divided by ω, which is the first term of the integral over the missing
-//! part. This error must be added to the noise of the spectrum. It exceeds the noise at low
-//! frequency in materials with losses, whose pulses have long tails.
+//! the value at the cut divided by ω, the first term of the integral over the missing part. This
+//! error must be added to the noise of the spectrum. It exceeds the noise at low frequency in
+//! materials with losses, whose pulses have long tails.
 //!
 //! Theory: `docs/theory/neighbouring-methods.md`.
 
@@ -151,7 +151,7 @@ impl SectionRatio for SeparatePulses {
     }
 }
 
-/// Returns the root of e^{-γd} = H nearest to `expected`; infinite for H = 0.
+/// Returns the root γ of e^{-γd} = H that is nearest to `expected`; it is infinite for H = 0.
 pub(crate) fn nearest_logarithm(ratio: Complex64, distance: f64, expected: Complex64) -> Complex64 {
     let principal = -ratio.ln();
     let turns = ((expected.im * distance - principal.im) / TAU).round();
@@ -219,7 +219,7 @@ mod tests {
         );
     }
 
-    /// A few lines far above 0 Hz fit several speeds: all lines are in doubt, unless the speed is
+    /// Four lines far above 0 Hz fit several speeds, so all lines are in doubt unless the speed is
     /// approximately known.
     #[test]
     fn few_lines_need_a_guess_of_the_speed() {
@@ -237,7 +237,7 @@ mod tests {
         let guided = method.with_wave_speed(1600.0).unwrap();
         let guided = guided.estimate(&frequency_hz, &ratio, &[1e-8; 4]).unwrap();
         assert_eq!(guided.valid().count(), 4);
-        // Tolerance: rounding of e^{-γL}, multiplied by γL.
+        // The tolerance is the rounding error of e^{-γL}, multiplied by γL.
         assert!((guided.lines()[0].propagation_coefficient - gamma(9000.0)).norm() < 1e-13 * 40.0);
     }
 

@@ -1,9 +1,9 @@
 //! Creep recovery: the loss factor of a polymer after a load, and the nonlinear dashpot that
-//! explains it (paper C).
+//! explains this loss factor (paper C).
 //!
 //! # Model
-//! A spring E₁ in series with the pair of a spring E₂ and a power-law dashpot. With σ_d the stress
-//! of the dashpot,
+//! The model is a spring E₁ in series with a pair of elements in parallel: a spring E₂ and a
+//! power-law dashpot. With σ_d the stress of the dashpot,
 //!
 //! ```text
 //! dε_d/dt = B sgn(σ_d) |σ_d|^(m+1)                                    (Ödeen 1993, paper C, eq. 1)
@@ -12,38 +12,38 @@
 //! tan δ = E₁ωη/[E₂(E₁+E₂) + (ωη)²] → E₁/(ωη)                          (eq. 3, for E₂(E₁+E₂) ≪ (ωη)²)
 //! ```
 //!
-//! Under a constant stress, the parallel spring gradually takes over the stress of the dashpot.
-//! After unloading, the spring drives the dashpot back; as the stress of the dashpot decays, so
-//! does the excess of the loss factor ([`Recovery`]):
+//! Under a constant stress, the stress of the dashpot is gradually transferred to the parallel
+//! spring. After unloading, the spring drives the dashpot back. The stress of the dashpot decays,
+//! and the increase of the loss factor decays with it ([`Recovery`]):
 //!
 //! ```text
 //! Δtan δ = Δtan δᵢ/(1 + t/t_r) ,   Δtan δᵢ = E₁(m+1)/(E₂ ω m t_r)      (eqs. 4, 5)
 //! t_r = (t₁/m) [σ_a/E₂ - {m t_a/t₁ + (σ_a/E₂)^(-m)}^(-1/m)]^(-m) ,   t₁ = 1/(B E₂^(m+1))
 //! ```
 //!
-//! for a stress σ_a applied for a time t_a. Any other load history is integrated ([`LoadHistory`]);
-//! only the stress of the dashpot at unloading depends on the history, so eq. 4 holds after every
-//! load.
+//! These equations hold for a stress σ_a applied for a time t_a. Any other load history is
+//! integrated ([`LoadHistory`]). Only the stress of the dashpot at unloading depends on the
+//! history, so eq. 4 holds after every load.
 //!
 //! # Errata
 //! - **Equation 5** is printed with t₁/(m\[..\]^(-m)), the outer exponent on the wrong side of the
-//!   fraction; that gives t_r near 10¹⁴ s for the printed parameters and a change of 10⁻¹⁰ %. The
-//!   form above follows from eqs. 1-3.
+//!   fraction; as printed, the equation gives t_r near 10¹⁴ s for the printed parameters and a
+//!   change of 10⁻¹⁰ %. The form above follows from eqs. 1-3.
 //! - **Equation 5**, Δtan δᵢ: the product E₂ ω m t_r is printed E₂ ω_m t_r.
 //! - **B** is printed in Pa s^-2.8; by eq. 1 its unit is Pa^-(m+1) s^-1.
-//! - **The survey** (section 3.3) puts E₁ parallel to the dashpot and E₂ in series. That makes |E*|
-//!   tend to E₂ = 13.1 kPa.
+//! - **The survey** (section 3.3) puts E₁ parallel to the dashpot and E₂ in series. With this
+//!   arrangement |E*| would tend to E₂ = 13.1 kPa.
 //!
 //! # Identifiability
-//! One test gives two numbers, Δtan δᵢ and t_r, for the three parameters E₂, B and m; two loads are
-//! needed. E₁ does not follow from the loss factor at all: multiplying E₁ and E₂ by a factor and
-//! dividing B by it changes nothing. E₁ must be the measured modulus of the virgin material. See
-//! [`fit`].
+//! One test gives two numbers, Δtan δᵢ and t_r, for the three parameters E₂, B and m, so two loads
+//! are needed. E₁ does not follow from the loss factor at all: multiplying E₁ and E₂ by a factor
+//! and dividing B by the same factor does not change the loss factor. E₁ must be the measured
+//! modulus of the virgin material. See [`fit`].
 //!
 //! # Validity
 //! The model is qualitative: the value E₂ = 13100 Pa of the paper implies strains of hundreds,
-//! which no rod reached, and the predicted change of |E| is far below the measured one. The paper
-//! states both. The model describes only the loss factor at one frequency.
+//! which no rod reached, and the predicted change of |E| is far below the measured change. The
+//! paper states both. The model describes only the loss factor at one frequency.
 //!
 //! Theory: `docs/theory/creep-recovery.md`.
 
@@ -74,11 +74,12 @@ pub struct ThreeElementParameters {
     pub parallel_modulus: f64,
     /// Coefficient B of the dashpot [Pa^-(m+1) s^-1].
     pub coefficient: f64,
-    /// Exponent m of the dashpot; 0 for a Newtonian one.
+    /// Exponent m of the dashpot; 0 for a Newtonian dashpot.
     pub exponent: f64,
 }
 
-/// Spring in series with the pair of a spring and a power-law dashpot (paper C, Figure 1).
+/// Three-element model: a spring in series with a parallel pair of a spring and a power-law dashpot
+/// (paper C, Figure 1).
 ///
 /// ```
 /// use cmod::recovery::{LoadHistory, ThreeElement, ThreeElementParameters};
@@ -134,7 +135,7 @@ impl ThreeElement {
     }
 
     /// Returns 1/η = B(m+1)|σ_d|^m [1/(Pa s)] at `dashpot_stress` \[Pa\]: finite at rest, where η
-    /// is not.
+    /// is infinite if m > 0.
     #[must_use]
     pub fn differential_fluidity(&self, dashpot_stress: f64) -> f64 {
         let ThreeElementParameters {
@@ -153,13 +154,14 @@ impl ThreeElement {
     }
 
     /// Returns the differential modulus E* \[Pa\] for a small perturbation of angular frequency
-    /// `omega` \[rad/s\] about `dashpot_stress` \[Pa\]; exact, 1/E* = 1/E₁ + 1/(E₂ + iωη).
+    /// `omega` \[rad/s\] about `dashpot_stress` \[Pa\], from 1/E* = 1/E₁ + 1/(E₂ + iωη), without
+    /// approximation.
     #[must_use]
     pub fn complex_modulus(&self, omega: f64, dashpot_stress: f64) -> Complex64 {
         self.parameters.series_modulus / (1.0 + self.relative_compliance(omega, dashpot_stress))
     }
 
-    /// Returns the loss factor tan δ = E''/E' of [`complex_modulus`](Self::complex_modulus),
+    /// Returns the loss factor tan δ = E''/E' of the [complex modulus](Self::complex_modulus),
     /// without the loss of the virgin material.
     #[must_use]
     pub fn loss_factor(&self, omega: f64, dashpot_stress: f64) -> f64 {
@@ -172,17 +174,17 @@ impl ThreeElement {
         e1 * (fluidity / omega) / (1.0 + (e2 * fluidity / omega) * ((e1 + e2) * fluidity / omega))
     }
 
-    /// Returns Δtan δ = E₁/(ωη), the loss factor at high frequency (paper C, eq. 3). `omega`
-    /// \[rad/s\], `dashpot_stress` \[Pa\].
+    /// Returns Δtan δ = E₁/(ωη), the loss factor at high frequency (paper C, eq. 3), for `omega` in
+    /// \[rad/s\] and `dashpot_stress` in \[Pa\].
     ///
-    /// The value exceeds [`loss_factor`](Self::loss_factor) by the fraction E₂(E₁+E₂)/(ωη)².
+    /// This value exceeds [`loss_factor`](Self::loss_factor) by the fraction E₂(E₁+E₂)/(ωη)².
     #[must_use]
     pub fn loss_factor_change(&self, omega: f64, dashpot_stress: f64) -> f64 {
         self.parameters.series_modulus * self.differential_fluidity(dashpot_stress) / omega
     }
 
-    /// Returns the change |E*|/E₁ - 1 of the absolute value of the modulus, accurate also where the
-    /// change is small.
+    /// Returns the change |E*|/E₁ - 1 of the absolute value of the modulus, which is also accurate
+    /// if the change is small.
     #[must_use]
     pub fn modulus_change(&self, omega: f64, dashpot_stress: f64) -> f64 {
         let z = self.relative_compliance(omega, dashpot_stress);
@@ -195,7 +197,7 @@ impl ThreeElement {
     ///
     /// # Errors
     /// [`CmodError::LoadNotIntegrated`] if a load that is not piecewise constant takes too many
-    /// steps; [`CmodError::NonPhysical`] where stress or rate overflow.
+    /// steps; [`CmodError::NonPhysical`] if a stress or a rate overflows.
     pub fn recovery(&self, load: &LoadHistory) -> Result<Recovery, CmodError> {
         Recovery::after(*self, load)
     }
@@ -207,7 +209,7 @@ impl ThreeElement {
             / Complex64::new(self.parameters.parallel_modulus * fluidity, omega)
     }
 
-    /// Returns the pair of spring and dashpot, with its rate at `reference_stress`.
+    /// Returns the parallel pair of spring and dashpot, with the rate at `reference_stress`.
     fn dashpot(&self, reference_stress: f64) -> Dashpot {
         let ThreeElementParameters {
             parallel_modulus,
@@ -234,7 +236,7 @@ mod tests {
         exponent: 1.8,
     };
 
-    /// (Ödeen 1993, paper C, eq. 2).
+    /// Compares the viscosity with the slope of eq. 1 (Ödeen 1993, paper C, eq. 2).
     #[test]
     fn viscosity_is_the_slope_of_the_power_law() {
         let model = ThreeElement::new(PRINTED).unwrap();
@@ -278,7 +280,8 @@ mod tests {
         );
     }
 
-    /// (Ödeen 1993, paper C, eq. 3).
+    /// Compares the form for high frequency with the exact loss factor (Ödeen 1993, paper C, eq.
+    /// 3).
     #[test]
     fn high_frequency_form_errs_as_stated() {
         let model = ThreeElement::new(PRINTED).unwrap();

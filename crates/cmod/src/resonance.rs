@@ -1,20 +1,21 @@
 //! Modulus at the resonances of a rod with one free end (Norris and Young; cited by Ödeen 1993,
-//! paper A, as origin of its eq. 1).
+//! paper A, as the origin of eq. 1).
 //!
 //! A rod is driven at one end and free at the other, and the accelerations of both ends are
-//! compared where they are a quarter of a period out of phase:
+//! compared at the frequencies at which they are a quarter of a period out of phase:
 //!
 //! ```text
 //! Ψ = â₁/â₂ = cosh γL + μ γL sinh γL ,    Re Ψ(f_n) = 0 ,    n = 1, 2, ...
 //! ```
 //!
-//! Without end mass kL = (n - ½)π and sinh αL = |Ψ|, so that only a frequency and an amplitude must
-//! be read. With a mass the equation is solved for γ as in the two-point method.
+//! Without end mass kL = (n - ½)π and sinh αL = |Ψ|, so only a frequency and an amplitude must be
+//! determined. With a mass the equation is solved for γ as in the two-point method.
 //!
 //! The crossings of Re Ψ are numbered by [`crate::branch`] and determined from a polynomial of
 //! third degree through the lines within 0.3 rad in kL of the crossing. The polynomial averages the
-//! noise of these lines; its truncation error, less than 5e-5/n of E, is the model error of the
-//! method. Between the resonances the method gives no result; the two-point method does.
+//! noise of these lines; the truncation error of the polynomial, less than 5e-5/n of E, is the
+//! model error of the method. Unlike the two-point method, this method gives no result between the
+//! resonances.
 //!
 //! Theory: `docs/theory/neighbouring-methods.md#resonances`.
 
@@ -38,7 +39,7 @@ use local_polynomial::LocalPolynomial;
 const HALF_WIDTH: f64 = 0.3;
 /// Number of steps in which the end mass is increased.
 const MASS_STEPS: u32 = 10;
-/// Minimum number of lines: four coefficients, and three lines more to average noise.
+/// Minimum number of lines: four for the coefficients, and three more to average the noise.
 const FEWEST_LINES: usize = 7;
 
 /// Method for the modulus at the resonances of a rod that is driven at one end.
@@ -83,15 +84,15 @@ impl Resonances {
         })
     }
 
-    /// Returns the complex modulus at the resonances within the band, from `acceleration_ratio` Ψ =
-    /// â₁/â₂ of driven to free end, and its `variance` E|δΨ|², at the increasing frequencies
-    /// `frequency_hz` \[Hz\].
+    /// Returns the complex modulus at the resonances within the band, from the `acceleration_ratio`
+    /// Ψ = â₁/â₂ of the driven to the free end and its `variance` E|δΨ|², at the increasing
+    /// frequencies `frequency_hz` \[Hz\].
     ///
-    /// Each resonance is a line of the result, at its own frequency; its index is that of the
-    /// nearest measured line. At least seven measured lines must be within 0.3 rad of it in kL,
-    /// otherwise the resonance is refused as
-    /// [`Refusal::FewLinesAtResonance`]. The error of the polynomial at
-    /// the resonance, from the variances of its lines, is propagated as in the two-point method:
+    /// Each resonance is a line of the result, at the frequency of the resonance and with the index
+    /// of the nearest measured line. At least seven measured lines must be within 0.3 rad of the
+    /// resonance in kL; otherwise the resonance is refused as [`Refusal::FewLinesAtResonance`]. The
+    /// error of the polynomial at the resonance, from the variances of its lines, is propagated as
+    /// in the two-point method:
     ///
     /// ```text
     /// E|δE|² = |2E/(γL f'(γL))|² E|δΨ|²
@@ -113,8 +114,8 @@ impl Resonances {
         ))
     }
 
-    /// Returns the method for the ratio of the accelerations of the two ends. Of their distances,
-    /// only that of the driven end is uncertain.
+    /// Returns the method for the ratio of the accelerations of the two ends. Only the distance of
+    /// the driven end is uncertain.
     fn equation(&self, rod: RodWithFreeEnd) -> Result<FreeEnd, CmodError> {
         let [first, second] = [self.length, 0.0].map(|distance| EndSection {
             distance,
@@ -123,8 +124,8 @@ impl Resonances {
         FreeEnd::new(rod, first, second)?.with_uncertainty(self.settings.uncertainty)
     }
 
-    /// Solves for the root, starting from the closed form without mass and increasing the mass in
-    /// steps.
+    /// Solves for the root, starting from the closed form without end mass and increasing the mass
+    /// in [`MASS_STEPS`] steps.
     fn root(&self, crossing: &Crossing, resonance: &MeasuredRatio<'_>) -> Option<Root> {
         let sign = if crossing.order.is_multiple_of(2) {
             -1.0
@@ -169,8 +170,9 @@ impl Resonances {
                 let lines = measured.iter().zip(&roots);
                 lines.filter(|(_, root)| (root.gamma_length.im - phase).abs() < FRAC_PI_2)
             };
-            // Noise moves single lines to the wrong side: the crossing is placed so that as many lines
-            // are before it as have a phase below that of the crossing.
+            // Noise moves single lines to the wrong side of the crossing. The crossing is placed
+            // such that the number of lines before it equals the number of lines whose phase is
+            // below the phase of the crossing.
             let below = near()
                 .filter(|(_, root)| root.gamma_length.im < phase)
                 .count();
@@ -196,12 +198,13 @@ impl Resonances {
 }
 
 impl RatioMethod for Resonances {
-    /// Returns the modulus at the resonances. Its errors have the degrees of freedom of the
-    /// variances used for a resonance.
+    /// Returns the modulus at the resonances. The errors of each resonance have the degrees of
+    /// freedom of the variances from which they are computed.
     fn estimate_ratio(&self, lines: &RatioLines<'_>) -> Result<ModulusEstimate, CmodError> {
         let limits = self.settings.limits;
         let mut estimate = ModulusEstimate::empty(Method("resonances"), limits);
-        // lines that cannot be evaluated are dropped: they are not missed resonances
+        // lines that cannot be evaluated are omitted and not reported as refused, because they are
+        // not resonances
         let measured = section_ratio::usable(lines, "ratio", &mut estimate.clone())?;
         let equation = self.equation(self.rod)?;
         for crossing in self.crossings(&measured)? {
@@ -226,7 +229,7 @@ impl RatioMethod for Resonances {
 
 /// Approximate zero of Re Ψ.
 struct Crossing {
-    /// n, from 1.
+    /// Number n of the resonance, from 1.
     order: u32,
     frequency_hz: f64,
     /// Index of the nearest measured line.
@@ -240,8 +243,8 @@ impl Crossing {
         (f64::from(self.order) - 0.5) * PI
     }
 
-    /// Returns frequency, Ψ and its variance where Re Ψ = 0, from a polynomial through the
-    /// surrounding lines.
+    /// Returns the frequency at which Re Ψ = 0, with Ψ and its variance at this frequency, from a
+    /// polynomial through the surrounding lines.
     fn read<'a>(&self, measured: &[MeasuredRatio<'a>]) -> Result<MeasuredRatio<'a>, Refusal> {
         let half_width = self.frequency_hz * HALF_WIDTH / self.phase();
         let within =
@@ -253,8 +256,8 @@ impl Crossing {
                 expected: FEWEST_LINES,
             });
         }
-        // Equal weights without noise, and where the variances are estimates: the weight of a line
-        // must not be random.
+        // The weights are equal if there is no noise, and also if the variances are estimates,
+        // because the weight of a line must not be random.
         let is_known = points
             .iter()
             .all(|line| line.variance > 0.0 && line.freedom.is_none());
@@ -291,7 +294,7 @@ impl Crossing {
 
 /// Returns the degrees of freedom of the sum of `parts` of the variance, one per point.
 /// Neighbouring lines that share an estimate contribute only their own degrees of freedom, but the
-/// sum has at least those of a single line.
+/// sum has at least the degrees of freedom of a single line.
 fn freedom_of_sum(points: &[&MeasuredRatio<'_>], parts: &[f64]) -> Option<VarianceFreedom> {
     let (mut squares, mut least) = (0.0, f64::INFINITY);
     for (point, part) in points.iter().zip(parts) {
@@ -301,7 +304,7 @@ fn freedom_of_sum(points: &[&MeasuredRatio<'_>], parts: &[f64]) -> Option<Varian
     }
     let sum: f64 = parts.iter().sum();
     let own = sum * sum / squares;
-    // parts that are all 0 have no noise
+    // if all parts are 0 there is no noise
     let own = if own.is_finite() { own } else { least };
     Some(VarianceFreedom {
         line: own.max(least),
@@ -334,7 +337,8 @@ mod tests {
         );
     }
 
-    /// Lines too far apart for their polynomial are refused one by one, with the frequency.
+    /// Resonances whose lines are too far apart for the polynomial are refused one by one, each
+    /// with its frequency.
     #[test]
     fn coarse_lines_are_refused() {
         let rod = RodWithFreeEnd {

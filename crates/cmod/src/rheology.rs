@@ -2,14 +2,14 @@
 //!
 //! # Problem
 //! A measurement gives a complex modulus per line with the covariance of its random error, and, for
-//! each source of a common error, one vector with an entry per line ([`ModulusData`]). Material
+//! each source of a common error, a vector with one entry per line ([`ModulusData`]). Material
 //! models of simulation programs need a law with a few parameters. This module finds the law, its
 //! parameters and their identifiability.
 //!
 //! # Method
-//! χ² = Σ δᵀC⁻¹δ is minimised, where δ is (Re, Im) of the law minus the measured modulus and C the
-//! covariance of the random error of the line: by [`RheologicalFit`] for a law with a fixed number
-//! of parameters, by [`PronyFit`] for a generalised Maxwell model of unknown order, by
+//! χ² = Σ δᵀC⁻¹δ is minimised, where δ is (Re, Im) of the law minus the measured modulus and C is
+//! the covariance of the random error of the line. [`RheologicalFit`] does this for a law with a
+//! fixed number of parameters, [`PronyFit`] for a generalised Maxwell model of unknown order, and
 //! [`Comparison`] for several laws. Each parameter has an error, an interval, and a [`Verdict`]
 //! with the [`Reason`] if the data do not determine it. χ² and the [`Whiteness`] of the residuals
 //! test whether the law describes the material.
@@ -19,8 +19,8 @@
 //! fitted law with its errors is a [`MeasuredLaw`].
 //!
 //! # Example
-//! Fractional Zener model with deviations of some tenths of a per cent: the residuals of Zener's
-//! model are not noise, and the data prefer the fractional one.
+//! The data are moduli of a fractional Zener model with deviations of some tenths of a per cent.
+//! The comparison selects the fractional Zener model; the residuals of Zener's model are not white.
 //!
 //! ```
 //! use cmod::rheology::{Comparison, FitOptions, Law, ModulusData, ModulusPoint};
@@ -52,12 +52,12 @@
 //!
 //! # Limits
 //! - The random errors of the lines are assumed to be independent of each other. Common errors,
-//!   such as that of the density, are propagated to the parameters to first order; they do not
-//!   change the law at the minimum.
-//! - A change of temperature is assumed only to shift the law: a material whose laws differ in form
-//!   at two temperatures has no master curve, which χ² detects.
-//! - No continuous relaxation spectrum is determined, which is an ill-posed problem: a Prony series
-//!   with few branches is the solution supported by the data.
+//!   such as an error of the density, are propagated to the parameters to first order; they do not
+//!   change the fitted parameters.
+//! - A change of temperature is assumed only to shift the law. A material whose law has another
+//!   form at another temperature has no master curve; χ² detects this.
+//! - No continuous relaxation spectrum is determined, because this is an ill-posed problem; the
+//!   data support a Prony series with few branches.
 //!
 //! Theory: `docs/theory/rheological-fits.md`.
 
@@ -108,8 +108,8 @@ pub use shift_law::{Arrhenius, GAS_CONSTANT, ShiftLaws, Wlf};
 pub use sweep::TemperatureSweep;
 pub use whiteness::Whiteness;
 
-/// Returns intercept and slope of the straight line through points; `None` for fewer than two
-/// different abscissas.
+/// Returns the intercept and the slope of the straight line fitted to points; `None` for fewer than
+/// two different abscissas.
 fn straight_line(points: &[(f64, f64)]) -> Option<(f64, f64)> {
     let n = count(points.len());
     let x: f64 = points.iter().map(|(x, _)| x / n).sum();
@@ -119,7 +119,7 @@ fn straight_line(points: &[(f64, f64)]) -> Option<(f64, f64)> {
     (points.len() >= 2 && xx > 0.0).then(|| (y - x * xy / xx, xy / xx))
 }
 
-/// Converts a number of items to a float.
+/// Converts a number of items to a floating-point number.
 #[expect(
     clippy::cast_precision_loss,
     reason = "numbers of lines and parameters are far below 2^52"

@@ -1,28 +1,28 @@
-//! Modulus from the ratio of two quantities of a rod, each a known function of γ up to one common
-//! amplitude.
+//! Modulus from the ratio of two quantities of a rod, each of which is a known function of γ times
+//! a common amplitude.
 //!
-//! Where the boundary condition on one side of the sections is known, or the waves in the two
-//! directions have been separated, one complex amplitude per line remains, which cancels in the
-//! ratio of two measurements:
+//! If the boundary condition on one side of the sections is known, or if the waves in the two
+//! directions have been separated, only one complex amplitude per line is unknown. It cancels in
+//! the ratio of two measurements:
 //!
 //! ```text
 //! Ψ = q̂₁/q̂₂ = f₁(γ)/f₂(γ) = g(γ)
 //! ```
 //!
-//! with f₁ and f₂ entire functions of γ. [`FreeEnd`](crate::FreeEnd),
+//! where f₁ and f₂ are entire functions of γ. [`FreeEnd`](crate::FreeEnd),
 //! [`SeparatePulses`](crate::SeparatePulses) and [`OneGauge`](crate::OneGauge) differ only in f₁
-//! and f₂. At each line Newton's iteration solves f₁ - Ψf₂ = 0, starting at the γ/ω expected from
-//! the previous lines, and the first lines start from one wave speed that explains them together.
-//! The followed quantity is γ itself, not the phase of Ψ, and lines with little information on γ
-//! have little weight.
+//! and f₂. On each line Newton's iteration solves f₁ - Ψf₂ = 0, starting at the γ/ω expected from
+//! the previous lines, and the first lines start from one wave speed that explains all of them. The
+//! quantity that is followed from line to line is γ itself, not the phase of Ψ, and lines with
+//! little information on γ have little weight.
 //!
 //! # Errors of the result
 //! An error δΨ changes γ by δγ = δΨ/g'(γ), and the modulus by δE = -2E δγ/γ. With a circular error
-//! of variance E|δΨ|² these errors are circular, too. The second-order error of E is the fraction
-//! ½|g''/g'² + 3/(γg')| σ of the first-order error, σ² = E|δΨ|². A line is marked where this
-//! exceeds a tenth, as near a multiple of half a wave between two sections. The uncertainties of
-//! the rod and its sections, [`SectionUncertainty`], and of the sensors, [`RatioError`], are the
-//! systematic part.
+//! of variance E|δΨ|² these errors are also circular. The second-order error of E is the fraction
+//! ½|g''/g'² + 3/(γg')| σ of the first-order error, with σ² = E|δΨ|². A line is marked if this
+//! fraction exceeds a tenth, as it does near a multiple of half a wave between two sections. The
+//! systematic part of the error is due to the uncertainties of the rod and its sections,
+//! [`SectionUncertainty`], and of the sensors, [`RatioError`].
 //!
 //! Theory: `docs/theory/neighbouring-methods.md#common-equation`.
 
@@ -56,13 +56,13 @@ use rodwave::medium::modulus_from_propagation;
 
 /// Maximum number of Newton steps.
 const MOST_STEPS: u32 = 50;
-/// Relative size of a Newton step below which the next one would be below rounding.
+/// Relative size of a Newton step below which the next step would be below rounding.
 const SMALLEST_STEP: f64 = 1e-12;
-/// Other starts, as advance of the phase, that are tried where the first iteration ends a quarter
-/// wave away or diverges.
+/// Other starting points, as advances of the phase, that are tried if the first iteration diverges
+/// or ends a quarter wave away.
 const OTHER_STARTS: [f64; 4] = [-0.25 * PI, 0.25 * PI, -0.5 * PI, 0.5 * PI];
 
-/// g(γ) = f₁/f₂ of one arrangement of sections.
+/// Equation g(γ) = f₁/f₂ of one arrangement of sections.
 pub(crate) trait SectionRatio: Sized {
     const METHOD: Method;
 
@@ -73,16 +73,17 @@ pub(crate) trait SectionRatio: Sized {
     /// Returns the distance for counting half waves \[m\], which is the length of condition (ii).
     fn distance(&self) -> f64;
 
-    /// Returns the properties of the rod that are not in the ratio.
+    /// Returns the properties of the rod on which the ratio does not depend.
     fn rod(&self) -> RodOfRatio;
 
-    /// Returns the settings: guess, uncertainties and limits.
+    /// Returns the settings: guess of the wave speed, uncertainties and limits.
     fn settings(&self) -> &Settings;
 
-    /// Returns the method with each uncertain quantity of the ratio increased and decreased.
+    /// Returns changed copies of the method: each uncertain quantity of the ratio is increased once
+    /// and decreased once.
     fn changed(&self) -> Vec<Changed<Self>>;
 
-    /// Returns the root of g(γ) = Ψ that is nearest to `expected`, where there is a closed form.
+    /// Returns the root of g(γ) = Ψ that is nearest to `expected`, if there is a closed form.
     fn closed_form(&self, _ratio: Complex64, _expected: Complex64) -> Option<Complex64> {
         None
     }
@@ -93,15 +94,16 @@ pub trait RatioMethod {
     /// Returns the complex modulus from a ratio with its variance and common errors.
     ///
     /// # Errors
-    /// Those of the method.
+    /// The errors of the method that implements the trait.
     fn estimate_ratio(&self, lines: &RatioLines<'_>) -> Result<ModulusEstimate, CmodError>;
 
-    /// Returns Ψ of a rod with the propagation coefficient `gamma`, and its derivatives. `None`
-    /// where a value is not finite.
+    /// Returns Ψ of a rod with the propagation coefficient `gamma`, and its derivatives; `None` if
+    /// a value is not finite.
     fn ratio_about(&self, frequency_hz: f64, gamma: Complex64) -> Option<RatioAbout>;
 
     /// Returns the method with the mass on the free end reduced by `size` of its standard
-    /// uncertainties. `None` if the mass has no uncertainty, or the reduced mass would be negative.
+    /// uncertainties. Returns `None` if the mass has no uncertainty, or the reduced mass would be
+    /// negative.
     fn without_error_of_mass(&self, _size: f64) -> Option<Box<dyn RatioMethod + '_>> {
         None
     }
@@ -111,11 +113,11 @@ pub trait RatioMethod {
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct RatioAbout {
-    /// Ψ = g(γ).
+    /// Ratio Ψ = g(γ).
     pub ratio: Complex64,
-    /// dγ/dΨ [1/m].
+    /// Derivative dγ/dΨ [1/m].
     pub by_ratio: Complex64,
-    /// E = -ρω²/γ² \[Pa\].
+    /// Modulus E = -ρω²/γ² \[Pa\].
     pub modulus: Complex64,
     /// Shifts due to the uncertainties of the rod and its sections.
     pub shifts: Vec<SystematicShift>,
@@ -170,12 +172,12 @@ impl<T: SectionRatio> RatioMethod for T {
     }
 }
 
-/// Properties of a rod on which its ratios do not depend, but the modulus and its validity do.
+/// Properties of a rod that affect the modulus and its validity, but not the ratios.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct RodOfRatio {
-    /// D \[m\].
+    /// Diameter D \[m\].
     pub(crate) diameter: f64,
-    /// ρ [kg/m³].
+    /// Density ρ [kg/m³].
     pub(crate) density: f64,
 }
 
@@ -185,9 +187,9 @@ pub(crate) struct MeasuredRatio<'a> {
     pub(crate) index: usize,
     pub(crate) frequency_hz: f64,
     pub(crate) ratio: Complex64,
-    /// E|δΨ|².
+    /// Variance E|δΨ|².
     pub(crate) variance: f64,
-    /// Degrees of freedom of the variance, if it is not known.
+    /// Degrees of freedom of the variance, if the variance is an estimate.
     pub(crate) freedom: Option<VarianceFreedom>,
     pub(crate) coherence: Option<f64>,
     /// Errors of the ratios of all lines; the entry of this line is at `index`.
@@ -199,15 +201,15 @@ impl MeasuredRatio<'_> {
         TAU * self.frequency_hz
     }
 
-    /// Returns E|δΨ|² due to noise and sensors, for counting waves.
+    /// Returns E|δΨ|² due to noise and sensor errors; it is used to count waves.
     pub(crate) fn whole_variance(&self) -> f64 {
         self.variance + ratio_error::variance(self.common, self.index, self.ratio)
     }
 }
 
-/// Returns the branch of each of these ratios of the accelerations of two ends, the free one with
-/// `mass_ratio` times the mass of the rod; none without lines. Waves are counted where neither noise
-/// nor sensor errors prevent it.
+/// Returns the branch of each ratio of the accelerations of the two ends of a rod, with a mass of
+/// `mass_ratio` times the mass of the rod on the free end. Without lines the list is empty. Waves
+/// are counted where neither noise nor sensor errors prevent this.
 pub(crate) fn branches(
     measured: &[MeasuredRatio<'_>],
     length: f64,
@@ -229,8 +231,8 @@ pub(crate) fn branches(
     record.resolve(&BranchTracker::new())
 }
 
-/// Returns the lines that can be evaluated, and refuses the others in the `estimate`; `name` is the
-/// name of the ratio.
+/// Returns the lines that can be evaluated, and adds the other lines to the `estimate` as refused;
+/// `name` is the name of the ratio.
 pub(crate) fn usable<'a>(
     lines: &RatioLines<'a>,
     name: &'static str,
@@ -270,8 +272,9 @@ fn solve(
     let root = root(equation, measured, expected).ok_or(Refusal::NoRoot)?;
     let doubt = expectation.doubt(omega, root.gamma);
     let slope = slope(equation, root.gamma, omega);
-    // Without noise, any small fraction of Ψ serves; the second term gives a node in the numerator
-    // no more weight than its neighbours.
+    // If there is no noise, the variance is set to a small fraction of |Ψ|², whose size is
+    // unimportant. The second term prevents a node in the numerator from having more weight than
+    // its neighbours.
     let variance = if measured.variance > 0.0 {
         measured.variance
     } else {
@@ -285,13 +288,13 @@ fn solve(
     solved(equation, measured, root, doubts.into_iter().collect())
 }
 
-/// Returns g with its derivatives.
+/// Returns g(γ) with its derivatives.
 fn slope(equation: &impl SectionRatio, gamma: Complex64, omega: f64) -> Jet {
     let [first, second] = equation.jets(gamma, omega);
     first / second
 }
 
-/// Returns the line of a root, with its errors.
+/// Returns the result of a line for its root, with the errors.
 pub(crate) fn solved(
     equation: &impl SectionRatio,
     measured: &MeasuredRatio<'_>,
@@ -332,14 +335,14 @@ pub(crate) fn solved(
     })
 }
 
-/// Root of f₁ - Ψf₂ = 0.
+/// Root γ of f₁ - Ψf₂ = 0.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Root {
     pub(crate) gamma: Complex64,
     pub(crate) termination: Termination,
 }
 
-/// Returns the root nearest to the expected one.
+/// Returns the root nearest to the expected root.
 pub(crate) fn root(
     equation: &impl SectionRatio,
     measured: &MeasuredRatio<'_>,
@@ -365,7 +368,7 @@ pub(crate) fn root(
         }
     };
     // Near g' = 0 there is a second root near the first, and the iteration may have converged to
-    // either.
+    // either of them.
     let with_beside = |root: Root| {
         let [upper, lower] = equation.jets(root.gamma, measured.omega());
         let ratio = upper / lower;
@@ -387,12 +390,12 @@ pub(crate) fn root(
         .fold(first, better)
 }
 
-/// Runs Newton's iteration; `None` if it diverges to infinity or to γ = 0, where there is no
-/// modulus.
+/// Runs Newton's iteration; returns `None` if it diverges to infinity or to γ = 0, where there is
+/// no modulus.
 ///
-/// f₁ - Ψf₂ has no poles, but where f₁ and f₂ vanish together, as for sections on a grid, it has a
-/// root that does not depend on Ψ. If the iteration converges to this root, it is repeated on
-/// f₁/f₂ - Ψ, which has no such root.
+/// f₁ - Ψf₂ has no poles, but if f₁ and f₂ vanish together, as for sections on a grid, it has a
+/// root that does not depend on Ψ. If the iteration converges to this root, it is repeated on the
+/// form f₁/f₂ - Ψ, which has no such root.
 fn newton(
     equation: &impl SectionRatio,
     measured: &MeasuredRatio<'_>,
@@ -456,7 +459,7 @@ fn iterate(
             let [first, second] = equation.jets(gamma, omega);
             let (upper, lower) = (first.value, measured.ratio * second.value);
             let residual = (upper - lower).norm() / (upper.norm() + lower.norm());
-            // Where γ and -γ are both roots, the wave that travels forward is chosen.
+            // If γ and -γ are both roots, the root of the forward wave is chosen.
             return Some(Root {
                 gamma: if gamma.im < 0.0 && is_even(equation, gamma, omega) {
                     -gamma

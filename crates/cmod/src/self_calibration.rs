@@ -1,20 +1,20 @@
-//! Self-calibration, the estimation of common errors from the lines: gain ratio and delay of two
-//! sensors, sensitivities and positions of gauges.
+//! Self-calibration: estimation of common errors from the lines, such as the gain ratio and the
+//! delay of two sensors, or the sensitivities and positions of gauges.
 //!
-//! A common error distorts the modulus in a way prescribed by its source: an error of the ratio of
-//! two sensitivities makes E oscillate with every half wave in the rod, and a delay does the same a
-//! quarter of a period later. The modulus of a material cannot oscillate like this. It is smooth
-//! and causal,
+//! A common error distorts the modulus in a way that depends on its source. An error of the ratio
+//! of two sensitivities makes E oscillate with every half wave in the rod; a delay causes the same
+//! oscillation, shifted by a quarter of a period. The modulus of a material cannot oscillate like
+//! this. It is smooth and causal,
 //!
 //! ```text
 //! E(ω) = a + bω² + cω i + Σ_k e_k iωτ_k/(1 + iωτ_k) ,
 //! ```
 //!
-//! with fixed relaxation times τ_k a factor of 1.5 apart, from a thousand times below the band to a
-//! thousand times above, and real coefficients of any sign; bω² represents lateral inertia. The
-//! prior of the coefficients is that no term is larger in the band than about ten times the
-//! modulus. With the stated uncertainties as priors of the sizes ξ of the errors (in standard
-//! uncertainties), coefficients and sizes follow from weighted least squares,
+//! with fixed relaxation times τ_k, a factor of 1.5 apart, from a thousand times below the band to
+//! a thousand times above, and real coefficients of any sign. The term bω² represents lateral
+//! inertia. The prior of the coefficients is that no term in the band is larger than about ten
+//! times the modulus. The stated uncertainties are the priors of the sizes ξ of the errors, in
+//! standard uncertainties. Coefficients and sizes follow from weighted least squares,
 //!
 //! ```text
 //! Σ|E_j - Σ_s ξ_s g_sj - E(ω_j)|²/σ_j² + ½ Σ ξ_s² + ½ Σ (coefficients/10|E|)² → min ,
@@ -30,22 +30,22 @@
 //! P = (I + JᵀJ/s²)⁻¹ ,
 //! ```
 //!
-//! with J the whitened shifts without the part that a smooth modulus can represent, and s² the mean
-//! square of the residual, if it exceeds the noise. Errors that the record does not determine keep
-//! their stated uncertainty. The remaining errors are correlated; they are stated as independent
-//! errors, the columns of the Cholesky factor of P: the error of a source includes the correlated
-//! part of the sources after it.
+//! where J contains the whitened shifts without the part that a smooth modulus can represent, and
+//! s² is the mean square of the residual relative to the noise, or 1 if that is larger. Errors that
+//! the record does not determine keep their stated uncertainty. The remaining errors are
+//! correlated. They are stated as independent errors, the columns of the Cholesky factor of P; the
+//! error of a source therefore includes the correlated part of the errors of the sources after it.
 //!
 //! # Added damping
-//! Where damping σ was [added](crate::MultiPoint::with_added_damping) to records that end while the
-//! rod rings, the lines are those of s = σ + iω, which replaces iω in the smooth modulus. The same
-//! modulus continues each line to the axis,
+//! If damping σ was [added](crate::MultiPoint::with_added_damping) to records that end while the
+//! rod still vibrates, the lines are at s = σ + iω, and s replaces iω in the smooth modulus. The
+//! smooth modulus continues each line to the axis,
 //!
 //! ```text
 //! E(iω) = E(s) + [E_smooth(iω) - E_smooth(s)] ,
 //! ```
 //!
-//! with the error of the difference from the posterior covariance of the coefficients.
+//! and the error of the difference follows from the posterior covariance of the coefficients.
 //!
 //! Theory: `docs/theory/self-calibration.md`.
 
@@ -66,29 +66,30 @@ use posterior::Posterior;
 use smooth::Smoothing;
 use vectors::length;
 
-/// Maximum number of rounds of correction and estimate.
+/// Maximum number of rounds, each of a correction and a new estimate.
 const MOST_ROUNDS: usize = 12;
-/// Maximum number of selections of the lines that are used.
+/// Maximum number of times that the lines to be used are selected.
 const MOST_SELECTIONS: usize = 4;
-/// Sizes of a delay or of a ratio of sensitivities from which the lines are solved again where a
-/// start from 0 is not informative.
+/// Sizes of a delay or of a ratio of sensitivities from which the lines are solved again if the
+/// start from 0 leaves too few informative lines.
 const OTHER_STARTS: [f64; 4] = [-1.0, 1.0, -2.0, 2.0];
 /// Mean square of the residual, relative to the noise, up to which it counts as noise.
 const EXPLAINED: f64 = 1.5;
 /// Maximum change of the sizes, in standard errors, for convergence.
 const SETTLED: f64 = 0.02;
-/// Maximum change after the last selection of lines; above it there is no result.
+/// Maximum change after the last selection of lines; above this change there is no result.
 const NEARLY_SETTLED: f64 = 0.3;
 /// Maximum number of lines that are used, evenly spaced.
 const MOST_LINES: usize = 1000;
 /// Standard deviation of the largest contribution of a term of the smooth modulus in the band,
-/// relative to the largest modulus there.
+/// relative to the largest modulus in the band.
 const LARGEST_TERM: f64 = 10.0;
-/// Maximum random error of a line that is used, relative to the modulus: with a larger error, the
-/// modulus is not linear in the ratio.
+/// Maximum random error of a line that is used, relative to the modulus. With a larger error, the
+/// modulus is not a linear function of the ratio.
 const LARGEST_ERROR: f64 = 0.03;
 
-/// Estimate whose common errors were determined from its own lines, as far as possible.
+/// Estimate whose common errors were determined from its own lines, to the extent that the lines
+/// determine them.
 #[derive(Debug, Clone)]
 #[non_exhaustive]
 pub struct SelfCalibration {
@@ -105,23 +106,23 @@ pub struct SelfCalibration {
 pub struct CalibratedSource {
     /// Source of the error.
     pub source: ErrorSource,
-    /// Size of the error, in stated standard uncertainties.
+    /// Estimated size of the error, in units of the stated standard uncertainty.
     pub size: f64,
-    /// Standard error of the size; 1 if the record does not determine it.
+    /// Standard error of the size in the same unit; 1 if the record does not determine it.
     pub standard_error: f64,
 }
 
 impl CalibratedSource {
-    /// Returns the size with its standard error as the lines alone determine them, without the
-    /// stated uncertainty; `None` if they do not.
+    /// Returns the size and its standard error from the lines alone, without the stated
+    /// uncertainty; `None` if the lines do not determine the size.
     #[must_use]
     pub fn by_lines_alone(&self) -> Option<(f64, f64)> {
         let told = 1.0 - self.standard_error * self.standard_error;
         (told > f64::EPSILON).then(|| (self.size / told, self.standard_error / told.sqrt()))
     }
 
-    /// Returns the size divided by its standard deviation over records whose error is as stated:
-    /// beyond about ±3 the record contradicts the stated uncertainty.
+    /// Returns the size divided by the standard deviation that it has over records if the stated
+    /// uncertainty is right. Beyond about ±3 the record contradicts the stated uncertainty.
     #[must_use]
     pub fn discrepancy(&self) -> f64 {
         let told = 1.0 - self.standard_error * self.standard_error;
@@ -134,53 +135,53 @@ impl CalibratedSource {
 }
 
 impl SelfCalibration {
-    /// Returns the estimate without the errors found, with the remaining errors as its common
-    /// errors.
+    /// Returns the estimate after removal of the errors that were found; its common errors are the
+    /// remaining errors.
     #[must_use]
     pub fn estimate(&self) -> &ModulusEstimate {
         &self.estimate
     }
 
     /// Returns the mean square of the residual from a smooth modulus and the errors, relative to
-    /// the noise: 1 for noise alone. Where it is larger, the standard errors of the sizes are
+    /// the noise: 1 for noise alone. If it is larger than 1, the standard errors of the sizes are
     /// larger by its square root.
     #[must_use]
     pub fn mean_square(&self) -> f64 {
         self.mean_square
     }
 
-    /// Returns true if at least half of the lines are informative, and their residual is little
-    /// more than noise.
+    /// Returns true if at least half of the lines are informative, and the mean square of their
+    /// residual is at most [`EXPLAINED`] times the noise.
     fn explains_all(&self) -> bool {
         2 * self.lines >= self.estimate.lines().len() && self.mean_square <= EXPLAINED
     }
 
-    /// Returns the rank among results from other starts: the number of lines, less where the
-    /// residual exceeds noise.
+    /// Returns the rank among results from other starting points: the number of informative lines,
+    /// divided by the mean square of the residual if the residual exceeds the noise.
     fn rank(&self) -> f64 {
         self.lines as f64 / self.mean_square.max(1.0)
     }
 
-    /// Returns the calibration of every source: those of the measured quantities before those of
-    /// the specimen.
+    /// Returns the calibration of every source; the sources of the measured quantities precede
+    /// those of the specimen.
     #[must_use]
     pub fn sources(&self) -> &[CalibratedSource] {
         &self.sources
     }
 }
 
-/// Measured data, with the errors of their sources.
+/// Measured data with their sources of error, from which a modulus can be estimated.
 pub(crate) trait Experiment {
-    /// Returns the damping σ that was added to the records \[1/s\]: the modulus is that on the
+    /// Returns the damping σ that was added to the records \[1/s\]: the modulus is then on the
     /// lines s = σ + iω.
     fn added_damping(&self) -> f64;
 
     /// Returns the estimate from the measured data after removal of errors of the sizes `removed`.
     fn estimate(&self, removed: &[f64]) -> Result<ModulusEstimate, CmodError>;
 
-    /// Linearises one `line` about a rod with the propagation coefficient `gamma`: to first order
-    /// in the difference between the measured values and those of that rod. `None` where these
-    /// values are not finite.
+    /// Linearises one `line` about a rod with the propagation coefficient `gamma`, to first order
+    /// in the difference between the measured values and the values of this rod. Returns `None` if
+    /// the values of the rod are not finite.
     fn linearised(
         &self,
         line: &ModulusLine,
@@ -190,12 +191,12 @@ pub(crate) trait Experiment {
 }
 
 /// Solves for the errors of the `measured` sources, which the experiment removes from the measured
-/// data, and of all others of the estimate.
+/// data, and of all other sources of the estimate.
 ///
-/// With a large delay, or with a wrong ratio at the resonances of a rod of low loss, few lines can be
-/// distinguished from other branches and from their neighbours. Where fewer than half of the lines
-/// are informative, or their residual exceeds noise, the sizes of [`OTHER_STARTS`] are tried as well,
-/// and the result of the highest rank is returned.
+/// With a large delay, or with a wrong ratio at the resonances of a rod of low loss, the branch is
+/// certain on few lines. If fewer than half of the lines are informative, or if their residual
+/// exceeds the noise, the sizes of [`OTHER_STARTS`] are also tried, and the result of the highest
+/// rank is returned.
 pub(crate) fn found(
     measured: &[ErrorSource],
     experiment: &impl Experiment,
@@ -227,22 +228,22 @@ pub(crate) fn found(
     Ok(best)
 }
 
-/// Solves for the errors from the sizes `removed`.
+/// Solves for the errors, starting from the sizes `removed`.
 fn found_from(
     mut removed: Vec<f64>,
     measured: &[ErrorSource],
     experiment: &impl Experiment,
 ) -> Result<Option<SelfCalibration>, CmodError> {
-    // of the lines used, by their index
+    // smooth modulus of the lines used in the previous round, by their index
     let mut smooth_before: Vec<(usize, Complex64)> = Vec::new();
     for selection in 1.. {
         let estimate = match experiment.estimate(&removed) {
             Ok(estimate) => estimate,
-            // without the errors found so far the record is no longer valid
+            // after removal of the errors found so far the record is no longer valid
             Err(_) if selection > 1 => return Ok(None),
             Err(error) => return Err(error),
         };
-        // a line that has no value about a smooth modulus contains no information
+        // a line that cannot be linearised about the smooth modulus contains no information
         let about = |line: &ModulusLine, gamma, removed: &[f64]| {
             let linearised = experiment.linearised(line, gamma, removed)?;
             let is_finite = linearised.modulus.is_finite() && linearised.variance > 0.0;
@@ -251,7 +252,7 @@ fn found_from(
         let mut lines = taking_part(&estimate);
         let mut linearised: Vec<LinearisedLine> = Vec::with_capacity(lines.len());
         if smooth_before.is_empty() {
-            // about the noisy lines, with their errors
+            // the first linearisation is about the noisy lines, including their errors
             lines.retain(|line| {
                 let line = about(line, line.propagation_coefficient, &removed);
                 line.map(|line| linearised.push(line)).is_some()
@@ -322,13 +323,13 @@ pub(crate) fn gamma_of(line: &ModulusLine, modulus: Complex64) -> Complex64 {
     line.propagation_coefficient * (line.modulus / modulus).sqrt()
 }
 
-/// Returns the values of lines with their indices.
+/// Returns the `values` of the `lines` together with the indices of the lines.
 fn of_lines(lines: &[&ModulusLine], values: &[Complex64]) -> Vec<(usize, Complex64)> {
     let indices = lines.iter().map(|line| line.index);
     indices.zip(values.iter().copied()).collect()
 }
 
-/// Returns the value of the line nearest to the line of this `index`.
+/// Returns the value of the line nearest to the line with this `index`.
 pub(crate) fn nearest<T: Copy>(lines: &[(usize, T)], index: usize) -> Option<T> {
     let after = lines.partition_point(|(other, _)| *other < index);
     let around = lines.get(after.saturating_sub(1)..(after + 1).min(lines.len()))?;
@@ -336,8 +337,8 @@ pub(crate) fn nearest<T: Copy>(lines: &[(usize, T)], index: usize) -> Option<T> 
     next.map(|(_, value)| *value)
 }
 
-/// Returns the informative lines. Lines whose gauges contradict each other are included: errors of
-/// the gauges may be the reason.
+/// Returns the informative lines. Lines whose gauges contradict each other are included, because
+/// errors of the gauges may be the reason.
 pub(crate) fn telling(estimate: &ModulusEstimate) -> impl Iterator<Item = &ModulusLine> {
     estimate.telling_but_for_misfit().filter(|line| {
         let error = line.uncertainty.random.modulus.mean_square().sqrt();
@@ -345,16 +346,17 @@ pub(crate) fn telling(estimate: &ModulusEstimate) -> impl Iterator<Item = &Modul
     })
 }
 
-/// Returns about [`MOST_LINES`] of these lines at most, chosen by their index among all lines: a
-/// line that becomes informative does not change the choice of the others.
+/// Returns at most about [`MOST_LINES`] of the informative lines. They are chosen by their index
+/// among all lines, so that a line that becomes informative does not change the choice of the other
+/// lines.
 fn taking_part(estimate: &ModulusEstimate) -> Vec<&ModulusLine> {
     let stride = telling(estimate).count().div_ceil(MOST_LINES).max(1);
     let chosen = telling(estimate).filter(|line| line.index % stride == 0);
     chosen.collect()
 }
 
-/// Returns the calibration with the `estimate`, from which errors of the sizes `removed` were
-/// removed before, corrected for the rest of the errors found.
+/// Returns the calibration with a corrected `estimate`. Errors of the sizes `removed` have already
+/// been removed from the estimate; the rest of the errors found is removed here.
 fn calibration(
     found: &Posterior,
     estimate: &ModulusEstimate,

@@ -1,6 +1,6 @@
 //! Setters shared by several methods.
 
-/// Writes the setters of the named settings of a method, which keeps them in its field `settings`.
+/// Writes the setters of the named settings of a method, which stores them in its field `settings`.
 macro_rules! setters {
     ($method:ty: $($setting:ident),+) => {
         impl $method {
@@ -21,11 +21,11 @@ macro_rules! setters {
     };
     (@ delay) => {
         /// Sets the `delay` \[s\] of the later pulse relative to the earlier one, for example
-        /// between the centres of their energy. Only the phase beyond this delay is then counted in
-        /// waves from line to line, so that the record need not be several delays long: this phase
-        /// must advance by less than π per line, as it does where the record is longer than twice
-        /// the difference of the group delays of the band. γ is unchanged: nothing is subtracted
-        /// from the ratio.
+        /// between the centres of their energy. Waves are then counted from line to line only in
+        /// the phase beyond this delay, so the record need not be several delays long. The phase
+        /// beyond the delay must advance by less than π per line; this is so if the record is
+        /// longer than twice the difference of the group delays in the band. The delay does not
+        /// change γ, because it is not subtracted from the ratio.
         ///
         /// # Errors
         /// [`CmodError::NonPhysical`] unless the delay is finite and above 0.
@@ -36,9 +36,9 @@ macro_rules! setters {
         }
     };
     (@ uncertainty) => {
-        /// Sets the standard uncertainties of the rod and its sections: the systematic part of the
-        /// errors. For a method with one length of the rod, `distance` is the uncertainty of this
-        /// length.
+        /// Sets the standard uncertainties of the rod and its sections, which are the systematic
+        /// part of the errors. For a method with one length of the rod, `distance` is the
+        /// uncertainty of this length.
         ///
         /// # Errors
         /// [`CmodError::NonPhysical`] unless all uncertainties are finite and not negative.
@@ -53,10 +53,10 @@ macro_rules! setters {
     (@ noise_freedom) => {
         /// Sets the degrees of freedom of a measured noise, per gauge and line. The errors then
         /// have the degrees of freedom of the sum of the variances over the gauges, and a misfit is
-        /// judged by Fisher's distribution with those of one gauge.
+        /// judged by Fisher's distribution with the degrees of freedom of one gauge.
         ///
         /// # Errors
-        /// [`CmodError::NonPhysical`] unless they are finite and above 0.
+        /// [`CmodError::NonPhysical`] unless the degrees of freedom are finite and above 0.
         pub fn with_noise_freedom(
             mut self,
             freedom: $crate::estimate::VarianceFreedom,
@@ -66,11 +66,12 @@ macro_rules! setters {
         }
     };
     (@ limits) => {
-        /// Sets the error limits that a valid line must meet. The coherence is not checked here.
+        /// Sets the error limits that a valid line must meet. The limit of the coherence has no
+        /// effect in this method.
         ///
         /// # Errors
-        /// [`CmodError::NonPhysical`] for limits that are NaN or not above 0, or a least coherence
-        /// that is not from 0 to 1.
+        /// [`CmodError::NonPhysical`] for limits that are NaN or not above 0, or for a least
+        /// coherence outside the range from 0 to 1.
         pub fn with_limits(
             mut self,
             limits: $crate::validity::AcceptanceLimits,

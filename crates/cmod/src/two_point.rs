@@ -1,16 +1,16 @@
 //! Two-point method: the modulus from the accelerations of the two ends of an impacted specimen.
 //!
 //! A rod hangs from thin cords, is struck at one end, and carries an accelerometer of mass m at
-//! each end (Ödeen 1993, paper A). Beyond the accelerometer of the free end there is no force,
-//! hence (eq. 1)
+//! each end (Ödeen 1993, paper A). Beyond the accelerometer of the free end there is no force.
+//! Therefore (eq. 1)
 //!
 //! ```text
 //! Ψ = â₁/â₂ = cosh γL + μ γL sinh γL ,    μ = m/(ρAL)
 //! ```
 //!
-//! where â₁ belongs to the **impacted** end and â₂ to the **free** end: the end with the known
-//! boundary condition is in the denominator. A heavy accelerometer at the impacted end changes the
-//! impact, not the ratio.
+//! where â₁ belongs to the **impacted** end and â₂ to the **free** end: the denominator is the end
+//! with the known boundary condition. A heavy accelerometer at the impacted end changes the impact,
+//! but not the ratio.
 //!
 //! Theory: `docs/theory/two-point-method.md`.
 
@@ -42,16 +42,17 @@ use end_mass::Slopes;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[non_exhaustive]
 pub enum Solver {
-    /// Continuation in the mass ratio. It follows the branch at low losses, too. Where two roots
-    /// come near each other, the one nearest to the root expected from all lines together is used.
+    /// Continuation in the mass ratio. It also follows the branch at low losses. Where two roots
+    /// come near each other, the root nearest to the value expected from all lines together is
+    /// used.
     #[default]
     Continuation,
     /// Newton's iteration from the solution without end mass, as printed (paper A, eq. 5). It is
-    /// kept for comparison: at low losses it converges at some lines to a wrong root, which
+    /// kept for comparison: at low losses it converges on some lines to a wrong root, which
     /// conditions (i)-(iii) do not always reveal.
     Newton,
-    /// Series in the mass ratio to four terms (paper A, eqs. 6-7), valid where two and four terms
-    /// differ by at most one third.
+    /// Series in the mass ratio to four terms (paper A, eqs. 6-7), valid where the results of two
+    /// and of four terms differ by at most one third.
     Series,
 }
 
@@ -107,7 +108,8 @@ impl TwoPoint {
         self
     }
 
-    /// Sets the standard uncertainties of the specimen: the systematic part of the errors.
+    /// Sets the standard uncertainties of the specimen, which are the systematic part of the
+    /// errors.
     ///
     /// # Errors
     /// [`CmodError::NonPhysical`] unless all uncertainties are finite and not negative.
@@ -141,27 +143,27 @@ impl TwoPoint {
     /// Sets the error limits that a valid line must meet.
     ///
     /// # Errors
-    /// [`CmodError::NonPhysical`] for limits that are NaN or not above 0, or a least coherence that
-    /// is not from 0 to 1.
+    /// [`CmodError::NonPhysical`] for limits that are NaN or not above 0, or for a least coherence
+    /// outside the range from 0 to 1.
     pub fn with_limits(mut self, limits: AcceptanceLimits) -> Result<Self, CmodError> {
         self.limits = limits.check()?;
         Ok(self)
     }
 
-    /// Returns the complex modulus from `acceleration_ratio` Ψ = â₁/â₂ of impacted to free end, at
-    /// the increasing frequencies `frequency_hz` \[Hz\].
+    /// Returns the complex modulus from the `acceleration_ratio` Ψ = â₁/â₂ of the impacted to the
+    /// free end, at the increasing frequencies `frequency_hz` \[Hz\].
     ///
-    /// `variance` is the known E|δΨ|², of real and imaginary part together, of an error without
+    /// `variance` is the known E|δΨ|², of real and imaginary part together, for an error without
     /// preferred phase; 0 means data without noise. For a variance from the coherence of a few
-    /// blows, use [`TwoPoint::estimate_averaged`]. The errors of the result follow to first order,
+    /// blows, use [`TwoPoint::estimate_averaged`]. To first order the errors of the result are
     ///
     /// ```text
     /// dE/E = dρ/ρ + 2 dL/L - 2 dx/x ,    dx = (dΨ - x sinh x dμ)/f'(x) ,    x = γL ,
     /// dμ/μ = dm/m - dρ/ρ - dL/L - 2 dD/D .
     /// ```
     ///
-    /// They are large near kL = nπ, where f' is small, and for kL → 0. Where the second order in dΨ
-    /// matters, the line is marked as [near to a singular one](Violation::NearSingular).
+    /// They are large near kL = nπ, where f' is small, and for kL → 0. If the second order in dΨ is
+    /// not negligible, the line is marked as [near to a singular line](Violation::NearSingular).
     ///
     /// All three arrays have one entry per line. The lines must be dense enough to count the half
     /// waves in the specimen, see [`crate::branch`]. A line at 0 Hz and lines that are not finite
@@ -184,11 +186,11 @@ impl TwoPoint {
     }
 
     /// Returns the complex modulus from spectra averaged over several blows: the variance follows
-    /// from their coherence by [`variance_from_coherence`], and the errors have 2(n - 1)
-    /// degrees of freedom.
+    /// from the coherence by [`variance_from_coherence`], and the errors have 2(n - 1) degrees of
+    /// freedom.
     ///
     /// # Errors
-    /// Those of [`TwoPoint::estimate`] and [`variance_from_coherence`].
+    /// The errors of [`TwoPoint::estimate`] and [`variance_from_coherence`].
     pub fn estimate_averaged(
         &self,
         averaged: &AveragedRatio<'_>,
@@ -317,13 +319,13 @@ impl TwoPoint {
         let length = uncertainty.length / specimen.length;
         let diameter = uncertainty.diameter / specimen.diameter;
         let density = uncertainty.density / specimen.density;
-        // not relative: the mass itself may be 0
+        // the uncertainty of the mass is not relative, because the mass itself may be 0
         let mass =
             uncertainty.accelerometer_mass / (specimen.density * specimen.area() * specimen.length);
         let mass_ratio = specimen.mass_ratio();
-        // dx/x for dμ = 1
+        // change dx/x of the root for dμ = 1
         let root = -slopes.by_mass_ratio / (slopes.first * gamma * specimen.length);
-        // each with its dμ, dL/L and dρ/ρ
+        // each source with its dμ, dL/L and dρ/ρ
         let sources = [
             (ErrorSource::Length, -mass_ratio * length, length, 0.0),
             (
@@ -335,7 +337,7 @@ impl TwoPoint {
             (ErrorSource::Density, -mass_ratio * density, 0.0, density),
             (ErrorSource::AccelerometerMass, mass, 0.0, 0.0),
         ];
-        // with room for the error of one-dimensional theory
+        // with capacity for the error of one-dimensional theory
         let mut shifts = Vec::with_capacity(sources.len() + 1);
         let known = sources.into_iter().zip([length, diameter, density, mass]);
         let known = known.filter(|(_, uncertainty)| *uncertainty > 0.0);
@@ -408,8 +410,8 @@ fn bend(gamma_length: Complex64, slopes: &Slopes) -> f64 {
     0.5 * (3.0 / (gamma_length * first) + slopes.second / (first * first)).norm()
 }
 
-/// Criterion of paper A, section 5: E' and E'' of two terms and of four may not differ by more than
-/// one third.
+/// Applies the criterion of paper A, section 5: E' and E'' from two terms and from four terms may
+/// not differ by more than one third.
 fn series_truncated(two: Complex64, four: Complex64) -> Option<Violation> {
     let storage_change = (two.re - four.re).abs() / four.re.abs();
     let loss_change = (two.im - four.im).abs() / four.im.abs();
@@ -534,10 +536,10 @@ mod tests {
         );
         let kept: Vec<_> = estimate.lines().iter().map(|line| line.index).collect();
         assert_eq!(kept, [1, 4]);
-        // a result without lines is valid, too
+        // a result without lines is also valid
         let nothing = method.estimate(&[0.0], &[Complex64::ONE], &[0.0]).unwrap();
         assert!(nothing.lines().is_empty() && nothing.refused().len() == 1);
-        // rigid: Ψ = 1 at a frequency above 0 leaves γ = 0
+        // a rigid specimen: Ψ = 1 at a frequency above 0 gives γ = 0
         let rigid = method
             .estimate(&[100.0], &[Complex64::ONE], &[0.0])
             .unwrap();

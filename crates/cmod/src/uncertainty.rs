@@ -1,4 +1,5 @@
-//! Uncertainty of a line: random errors, systematic errors common to all lines, and both together.
+//! Uncertainty of a line: random errors, systematic errors that are common to all lines, and the
+//! total.
 
 mod coverage;
 
@@ -13,7 +14,8 @@ use crate::error::CmodError;
 pub(crate) use coverage::PROBABILITY_WITHIN;
 pub use coverage::coverage_factor;
 
-/// Covariance of real and imaginary part of a complex quantity, in the square of its unit.
+/// Covariance of the real and the imaginary part of a complex quantity, in the square of the unit
+/// of the quantity.
 ///
 /// ```
 /// use cmod::estimate::ComplexCovariance;
@@ -30,13 +32,13 @@ pub struct ComplexCovariance {
     pub real: f64,
     /// Variance of the imaginary part.
     pub imaginary: f64,
-    /// Covariance of the two.
+    /// Covariance of the real and the imaginary part.
     pub mixed: f64,
 }
 
 impl ComplexCovariance {
-    /// Returns the covariance of an error δz without preferred phase with E|δz|² = `mean_square`:
-    /// half for each part, uncorrelated.
+    /// Returns the covariance of an error δz without preferred phase with E|δz|² = `mean_square`.
+    /// Each part has half of it, and the parts are uncorrelated.
     #[must_use]
     pub fn circular(mean_square: f64) -> Self {
         Self {
@@ -46,8 +48,8 @@ impl ComplexCovariance {
         }
     }
 
-    /// Returns the covariance of an error δz = `shift` · ξ with one real ξ of variance 1: real and
-    /// imaginary part are fully correlated.
+    /// Returns the covariance of an error δz = `shift` · ξ with one real ξ of variance 1. The real
+    /// and the imaginary part are fully correlated.
     #[must_use]
     pub fn of_shift(shift: Complex64) -> Self {
         Self {
@@ -80,7 +82,8 @@ impl ComplexCovariance {
     }
 
     /// Returns the variance of a real function of z with the derivatives `by_real` and
-    /// `by_imaginary`, to first order. Clamped at 0 against rounding of a singular covariance.
+    /// `by_imaginary`, to first order. The result is clamped at 0, because rounding can make it
+    /// negative if the covariance is singular.
     #[must_use]
     pub fn variance_of(&self, by_real: f64, by_imaginary: f64) -> f64 {
         let variance = by_real * by_real * self.real
@@ -89,7 +92,8 @@ impl ComplexCovariance {
         if variance < 0.0 { 0.0 } else { variance }
     }
 
-    /// Returns the correlation of the parts, from -1 to 1; 0 if one of them is exact.
+    /// Returns the correlation of the real and the imaginary part, from -1 to 1; 0 if one of the
+    /// parts is exact.
     #[must_use]
     pub fn correlation(&self) -> f64 {
         let size = (self.real * self.imaginary).sqrt();
@@ -111,7 +115,7 @@ impl Add for ComplexCovariance {
 }
 
 /// Source of a common error: a quantity that is known only within an uncertainty, with the same
-/// error at all lines.
+/// error on all lines.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 #[non_exhaustive]
@@ -124,36 +128,36 @@ pub enum ErrorSource {
     Density,
     /// Mass of the accelerometer at the free end.
     AccelerometerMass,
-    /// Distance of a section, counted from 0 in the order of the method.
+    /// Distance of a section; the sections are counted from 0 in the order of the method.
     Section(usize),
-    /// Position of a gauge, counted from 0.
+    /// Position of a gauge; the gauges are counted from 0.
     GaugePosition(usize),
     /// Ratio of the sensitivities of two sensors.
     GainRatio,
     /// Delay of one channel relative to the other.
     Delay,
-    /// Sensitivity of a gauge, counted from 0.
+    /// Sensitivity of a gauge; the gauges are counted from 0.
     GaugeFactor(usize),
-    /// Delay of the channel of a gauge, counted from 0.
+    /// Delay of the channel of a gauge; the gauges are counted from 0.
     GaugeDelay(usize),
     /// Position of a free end whose condition is used.
     FreeEnd,
-    /// Change of the modulus with temperature, where it was converted to another temperature.
+    /// Change of the modulus with temperature, if the modulus was converted to another temperature.
     Temperature,
-    /// Poisson's ratio, where lateral inertia has been removed.
+    /// Poisson's ratio, if lateral inertia has been removed.
     PoissonRatio,
-    /// Lateral inertia left in the modulus by the theory of the waves: all of it in one-dimensional
-    /// theory.
+    /// Lateral inertia that remains in the modulus because of the theory of the waves. With
+    /// one-dimensional theory all of it remains.
     LateralInertia,
-    /// Scale of the modulus: force, displacement and dimensions of the specimen in an instrument
-    /// that returns moduli.
+    /// Scale of the modulus, due to the force, the displacement and the dimensions of the specimen
+    /// in an instrument that measures moduli.
     ModulusScale,
-    /// Joint error of the shifts and factors of a master curve: independent combinations of them,
+    /// Joint error of the shifts and factors of a master curve; their independent combinations are
     /// counted from 0.
     MasterCurve(usize),
 }
 
-/// Sections and gauges are numbered from 1.
+/// In the text, sections and gauges are numbered from 1.
 impl fmt::Display for ErrorSource {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         formatter.write_str(match self {
@@ -191,27 +195,27 @@ impl fmt::Display for ErrorSource {
     }
 }
 
-/// Error of a line if one source is wrong by its standard uncertainty. The error of a source is one
-/// number for all lines: the resulting errors of two lines i and j have the covariance Re δEᵢ Re
-/// δEⱼ, and so on.
+/// Error of a line if one source is wrong by its standard uncertainty. The error of a source is the
+/// same on all lines. Therefore the errors of the real parts of lines i and j have the covariance
+/// Re δEᵢ Re δEⱼ, and the other parts have covariances of the same form.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct SystematicShift {
     /// Uncertain quantity.
     pub source: ErrorSource,
-    /// δE \[Pa\].
+    /// Shift δE of the modulus \[Pa\].
     pub modulus: Complex64,
-    /// δγ [1/m].
+    /// Shift δγ of the propagation coefficient [1/m].
     pub propagation_coefficient: Complex64,
 }
 
 /// Standard deviation about 0 of a one-sided error that is uniformly distributed from 0 to its
-/// bound, as a fraction of the bound: 1/√3. An error at the bound itself is 1.73 standard
+/// bound, as a fraction of the bound: 1/√3. An error equal to the bound is 1.73 standard
 /// deviations.
 const OF_BOUND: f64 = 0.577_350_269_189_625_8;
 
 impl SystematicShift {
-    /// Returns the shift due to lateral inertia that makes a modulus too small by at most `bound`
+    /// Returns the shift due to lateral inertia, which makes a modulus too small by at most `bound`
     /// \[Pa\].
     pub(crate) fn of_lateral_inertia(bound: Complex64) -> Self {
         Self::new(
@@ -234,7 +238,7 @@ impl SystematicShift {
     }
 }
 
-/// Covariances of the modulus and of the propagation coefficient from the same errors.
+/// Covariances of the modulus and of the propagation coefficient, both due to the same errors.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct LineCovariance {
@@ -244,19 +248,20 @@ pub struct LineCovariance {
     pub propagation_coefficient: ComplexCovariance,
 }
 
-/// Uncertainty of one line, by its causes.
+/// Uncertainty of one line, separated by cause.
 #[derive(Debug, Clone, PartialEq, Default)]
 #[non_exhaustive]
 pub struct Uncertainty {
-    /// Covariance due to the noise of the measured quantities: independent from line to line.
+    /// Covariance due to the noise of the measured quantities, which is independent from line to
+    /// line.
     pub random: LineCovariance,
-    /// Common errors, one per source: of the specimen and of the theory of its waves. Each is fully
-    /// correlated between lines, and independent of the other sources.
+    /// Common errors, one per source, of the specimen and of the theory of its waves. Each of them
+    /// is fully correlated between lines, and independent of the other sources.
     pub systematic: Vec<SystematicShift>,
     /// Degrees of freedom of the estimated variance of the noise; `None` if the variance is known.
     pub degrees_of_freedom: Option<f64>,
     /// Contribution of the line to the degrees of freedom of all lines, less than
-    /// `degrees_of_freedom` where neighbours share an estimate, see
+    /// `degrees_of_freedom` if neighbouring lines share an estimate, see
     /// [`VarianceFreedom`](crate::estimate::VarianceFreedom); `None` if the variance is known.
     pub own_degrees_of_freedom: Option<f64>,
 }
@@ -284,8 +289,9 @@ impl Uncertainty {
     }
 
     /// Returns the covariance of one line due to all common errors that have a standard
-    /// uncertainty. Lateral inertia that was not removed has a [bound](Self::lateral_inertia_bound)
-    /// of known sign instead, stated next to the standard errors.
+    /// uncertainty. Lateral inertia that was not removed is not included: it has a
+    /// [bound](Self::lateral_inertia_bound) of known sign, which is stated next to the standard
+    /// errors.
     #[must_use]
     pub fn systematic_covariance(&self) -> LineCovariance {
         let none = LineCovariance::default();
@@ -299,9 +305,10 @@ impl Uncertainty {
             })
     }
 
-    /// Returns the greatest error \[Pa\] by which lateral inertia that was not removed makes the
-    /// modulus too small; 0 if none is left. The shift of [`ErrorSource::LateralInertia`] is 1/√3
-    /// of the bound, the standard deviation of an error anywhere from 0 to this bound.
+    /// Returns the largest error \[Pa\] by which lateral inertia that was not removed can make the
+    /// modulus too small; 0 if all of it was removed. The shift of [`ErrorSource::LateralInertia`]
+    /// is 1/√3 of the bound, which is the standard deviation of an error that is uniformly
+    /// distributed from 0 to this bound.
     #[must_use]
     pub fn lateral_inertia_bound(&self) -> Complex64 {
         self.systematic
@@ -322,9 +329,9 @@ impl Uncertainty {
         }
     }
 
-    /// Returns the factor k for which |error| <= kσ with this `probability`, for the random part:
-    /// from Student's distribution if the variance was estimated from few averages, otherwise from
-    /// the normal distribution.
+    /// Returns the factor k for which |error| <= kσ with this `probability`, for the random part.
+    /// It is taken from Student's distribution if the variance was estimated from few averages,
+    /// otherwise from the normal distribution.
     ///
     /// ```
     /// # use cmod::estimate::coverage_factor;
@@ -335,7 +342,7 @@ impl Uncertainty {
     /// ```
     ///
     /// # Errors
-    /// Those of [`coverage_factor`].
+    /// The errors of [`coverage_factor`].
     pub fn coverage_factor(&self, probability: f64) -> Result<f64, CmodError> {
         coverage_factor(probability, self.degrees_of_freedom)
     }
@@ -410,14 +417,14 @@ impl StandardError {
     }
 }
 
-/// Writes the errors in the form of the modulus, `E'+E''i`, in Pa.
+/// Writes the errors of E' and E'' in the form of a complex modulus, `E'+E''i`, in Pa.
 impl fmt::Display for StandardError {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         fmt::Display::fmt(&self.of_modulus(), formatter)
     }
 }
 
-/// Writes as [`Display`](fmt::Display) does, with exponents.
+/// Writes the errors like [`Display`](fmt::Display), but with exponents.
 impl fmt::LowerExp for StandardError {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         fmt::LowerExp::fmt(&self.of_modulus(), formatter)
@@ -428,8 +435,8 @@ impl fmt::LowerExp for StandardError {
 mod tests {
     use super::*;
 
-    /// A sample of errors with two given real components, propagated through a complex function by
-    /// differences.
+    /// Compares the covariance with a sample of errors, with two given real components, that is
+    /// propagated through a complex function by differences.
     #[test]
     fn covariances_go_through_a_complex_derivative() {
         let function = |z: Complex64| z.exp() / z;
@@ -446,14 +453,14 @@ mod tests {
             (after.imaginary, expected.imaginary),
             (after.mixed, expected.mixed),
         ] {
-            // Differences of 5e-6 lose digits to 1e-16/5e-6 = 2e-11.
+            // Differences of 5e-6 have rounding errors of 1e-16/5e-6 = 2e-11.
             assert!((found - expected).abs() < 1e-9 * after.mean_square());
         }
         assert!(after.correlation().abs() < 1.0);
     }
 
-    /// σ of E''/E' and of ω/k by central differences over an even sample of phases of a circular
-    /// error.
+    /// Compares σ of E''/E' and of ω/k with central differences over an even sample of phases of a
+    /// circular error.
     #[test]
     fn errors_of_derived_quantities_are_gradients() {
         let modulus = Complex64::new(2.0e9, 0.3e9);
@@ -479,7 +486,7 @@ mod tests {
             velocity += (0.5 * (speed(delta * derivative) - speed(-delta * derivative))).powi(2);
         }
         let rms = |sum: f64| (sum / f64::from(phases)).sqrt();
-        // Differences at 0.35 % of E: second-order error 1e-5.
+        // The differences are taken at 0.35 % of E, with a second-order error of 1e-5.
         assert!((error.loss_factor / rms(loss_factor) - 1.0).abs() < 3e-5);
         assert!((error.phase_velocity / rms(velocity) - 1.0).abs() < 3e-5);
         assert!((error.storage_modulus / sigma - 1.0).abs() < 1e-14);

@@ -1,5 +1,5 @@
 //! Validity of a line: the conditions (i)-(iii) of paper A, section 4, the reports of the solver,
-//! and the accepted errors.
+//! and the limits of the errors.
 //!
 //! Theory: `docs/theory/two-point-method.md#validity`.
 
@@ -25,8 +25,9 @@ use crate::uncertainty::ErrorSource;
 /// inertia (paper A, after Pritz).
 pub const LEAST_WAVELENGTH_IN_DIAMETERS: f64 = 5.0;
 
-/// Condition (ii): the wavelength is less than this many lengths of the specimen. Longer waves move
-/// both ends almost alike, and only the small difference contains information (paper A, section 4).
+/// Condition (ii): the wavelength is less than this many lengths of the specimen. In longer waves
+/// both ends move almost equally, and only the small difference of their motions contains
+/// information (paper A, section 4).
 pub const GREATEST_WAVELENGTH_IN_LENGTHS: f64 = 5.0;
 
 /// Validity of a line, with the violated conditions.
@@ -39,7 +40,7 @@ pub enum Validity {
 }
 
 impl Validity {
-    /// Returns the verdict from a list of violations.
+    /// Creates the verdict from a list of violations.
     #[must_use]
     pub fn from_violations(violations: Vec<Violation>) -> Self {
         if violations.is_empty() {
@@ -55,13 +56,13 @@ impl Validity {
         matches!(self, Self::Valid)
     }
 
-    /// Returns true if E' meets all conditions, whatever the error of the loss factor.
+    /// Returns true if E' meets all conditions, whatever the error of the loss factor is.
     #[must_use]
     pub fn storage_modulus_is_valid(&self) -> bool {
         self.violations().iter().all(Violation::is_of_loss_factor)
     }
 
-    /// Returns the violations, none if valid.
+    /// Returns the violations; the list is empty if the line is valid.
     #[must_use]
     pub fn violations(&self) -> &[Violation] {
         match self {
@@ -91,29 +92,29 @@ pub enum Violation {
     /// Condition (i), λ > 5D: the rod is not slender for this wave.
     #[error("wavelength {} m, expected more than 5 diameters, {} m", significant(*.wavelength, 3), significant(*.limit, 3))]
     WavelengthTooShort {
-        /// λ = 2π/k \[m\].
+        /// Wavelength λ = 2π/k \[m\].
         wavelength: f64,
-        /// 5D \[m\].
+        /// Limit 5D \[m\].
         limit: f64,
     },
     /// Condition (ii), λ < 5L: the specimen is too short for this wave.
     #[error("wavelength {} m, expected less than 5 specimen lengths, {} m", significant(*.wavelength, 3), significant(*.limit, 3))]
     WavelengthTooLong {
-        /// λ = 2π/k \[m\].
+        /// Wavelength λ = 2π/k \[m\].
         wavelength: f64,
-        /// 5L \[m\].
+        /// Limit 5L \[m\].
         limit: f64,
     },
     /// Condition (iii), α > 0: a growing wave is impossible in a passive material.
     #[error("damping coefficient {} 1/m, expected more than 0", significant(*.damping_coefficient, 3))]
     DampingNotPositive {
-        /// α [1/m].
+        /// Damping coefficient α [1/m].
         damping_coefficient: f64,
     },
     /// Condition (iii), k > 0.
     #[error("wave number {} rad/m, expected more than 0", significant(*.wave_number, 3))]
     WaveNumberNotPositive {
-        /// k [rad/m].
+        /// Wave number k [rad/m].
         wave_number: f64,
     },
     /// The number of half waves in the specimen is doubtful.
@@ -127,7 +128,7 @@ pub enum Violation {
         /// |f(γL)| at the last step.
         residual: f64,
     },
-    /// The continuation came so near to a double root that it may have left its branch there.
+    /// The continuation came so near to a double root that it may have left its branch.
     #[error(
         "root followed up to a mass ratio of {mass_ratio:.2e}, expected up to {expected:.2e}: two roots meet nearby"
     )]
@@ -137,20 +138,20 @@ pub enum Violation {
         /// Mass ratio of the specimen.
         expected: f64,
     },
-    /// The series in the mass ratio is not accurate enough: E' or E'' of two terms and of four
-    /// differ by more than one third (paper A, section 5).
+    /// The series in the mass ratio is not accurate enough: E' or E'' from two terms and from four
+    /// terms differ by more than one third (paper A, section 5).
     #[error(
         "series: E' changes by {storage_change:.2} and E'' by {loss_change:.2} from two terms to four, expected at most 1/3"
     )]
     SeriesTruncated {
-        /// |E'₂ - E'₄|/|E'₄|.
+        /// Relative change |E'₂ - E'₄|/|E'₄|.
         storage_change: f64,
-        /// |E''₂ - E''₄|/|E''₄|.
+        /// Relative change |E''₂ - E''₄|/|E''₄|.
         loss_change: f64,
     },
-    /// The line is so near to a singular one, or so noisy, that the error of γ is nonlinear: its
-    /// second order is not small compared with the first, and the stated standard error is
-    /// unreliable.
+    /// The line is so near to a singular line, or so noisy, that the error of γ is nonlinear: the
+    /// second order of the error is not small compared with the first, and the stated standard
+    /// error is unreliable.
     #[error(
         "second-order error is {second_order:.2} of the standard error, expected at most {limit}; \
          {half_waves:.2} half waves between neighbouring sensors"
@@ -160,7 +161,7 @@ pub enum Violation {
         second_order: f64,
         /// Accepted limit.
         limit: f64,
-        /// ka/π, a being the least distance between sensors.
+        /// Number ka/π of half waves, where a is the smallest distance between sensors.
         half_waves: f64,
     },
     /// The random error, together with the bound on lateral inertia, exceeds the accepted limit,
@@ -169,27 +170,28 @@ pub enum Violation {
     ErrorTooLarge {
         /// `E'` or `the loss factor`.
         quantity: &'static str,
-        /// Five standard errors of the random part relative to the value (more if the variance is
-        /// from few averages), plus the bound on lateral inertia that was not removed.
+        /// Five standard errors of the random part relative to the value (more than five if the
+        /// variance was estimated from few averages), plus the bound on lateral inertia that was
+        /// not removed.
         error: f64,
         /// Accepted limit.
         limit: f64,
     },
-    /// The random error is within its limit only because noise made the loss factor of the line
+    /// The random error is within its limit only because noise made the loss factor of the line too
     /// large, see [`judged_by_neighbours`](crate::ModulusEstimate::judged_by_neighbours).
     #[error(
         "loss factor may be off by {} of that of the lines around it, expected at most {}: noise made it large",
         percent(*.error), percent(*.limit)
     )]
     LossWithinNoise {
-        /// Five standard errors (more if the variance is from few averages) relative to the mean
-        /// loss factor of the neighbouring lines.
+        /// Five standard errors (more than five if the variance was estimated from few averages)
+        /// relative to the mean loss factor of the neighbouring lines.
         error: f64,
         /// Accepted limit.
         limit: f64,
     },
-    /// The theory of the waves leaves more lateral inertia in the modulus than accepted, see
-    /// [`AcceptanceLimits`].
+    /// Because of the theory of the waves, more lateral inertia remains in the modulus than the
+    /// limit allows, see [`AcceptanceLimits`].
     #[error(
         "uncorrected lateral inertia may be {} of {quantity}, expected at most {}",
         percent(*.error), percent(*.limit)
@@ -202,7 +204,8 @@ pub enum Violation {
         /// Accepted limit.
         limit: f64,
     },
-    /// The common errors exceed the limit set, see [`AcceptanceLimits::common_storage_modulus`].
+    /// The common errors exceed the limit that was set, see
+    /// [`AcceptanceLimits::common_storage_modulus`].
     #[error(
         "E' may be off by {} due to common errors, expected at most {}; largest contribution: {largest}",
         percent(*.error), percent(*.limit)
@@ -215,15 +218,15 @@ pub enum Violation {
         /// Accepted limit.
         limit: f64,
     },
-    /// A small error of the measured quantity is strongly amplified, whatever its cause.
+    /// A small error of the measured quantity, whatever its cause, is strongly amplified.
     #[error("relative errors are amplified {amplification:.1} times, expected at most {limit}")]
     ErrorAmplified {
-        /// |dE/E| divided by |dΨ/Ψ|.
+        /// Amplification: |dE/E| divided by |dΨ/Ψ|.
         amplification: f64,
         /// Accepted limit.
         limit: f64,
     },
-    /// The motions of the ends are not related as in a linear rod without noise.
+    /// The relation between the motions of the ends is not that of a linear rod without noise.
     #[error("coherence {coherence:.4}, expected at least {limit:.4}")]
     CoherenceTooLow {
         /// Ordinary coherence.
@@ -231,7 +234,8 @@ pub enum Violation {
         /// Accepted limit.
         limit: f64,
     },
-    /// The middle gauge of three is at a node: the denominator of Ψ is noisy, which biases it low.
+    /// The middle gauge of three is at a node: the denominator of Ψ is noisy, and Ψ is therefore
+    /// too small.
     #[error(
         "noise is {noise_to_signal:.2} of the signal of the middle gauge, expected at most {limit}"
     )]
@@ -241,11 +245,11 @@ pub enum Violation {
         /// Accepted limit.
         limit: f64,
     },
-    /// The signal of the gauges hardly exceeds their noise, and the first-order errors are
-    /// unreliable.
+    /// The noise of the gauges is too large compared with their signal, and the first-order errors
+    /// are unreliable.
     #[error("noise is {noise_to_signal:.2} of the signal of the gauges, expected at most {limit}")]
     SignalTooWeak {
-        /// Ratio of noise to signal, root mean squares.
+        /// Ratio of noise to signal, as root mean squares.
         noise_to_signal: f64,
         /// Accepted limit.
         limit: f64,
@@ -258,7 +262,7 @@ pub enum Violation {
         /// Twice the sum of squares of the residuals, each divided by the standard deviation of
         /// its gauge.
         chi_square: f64,
-        /// 2(M(n - 2) - 1) for M tests with n gauges.
+        /// Number 2(M(n - 2) - 1) for M tests with n gauges.
         degrees_of_freedom: usize,
         /// Value that noise alone exceeds on one line in a thousand.
         limit: f64,
@@ -266,7 +270,8 @@ pub enum Violation {
 }
 
 impl Violation {
-    /// Returns true for an error of the loss factor above its limit, which leaves E' as it is.
+    /// Returns true if only the error of the loss factor exceeds its limit, which does not affect
+    /// E'.
     #[must_use]
     pub fn is_of_loss_factor(&self) -> bool {
         match self {
@@ -281,7 +286,8 @@ impl Violation {
 /// Checks the conditions (i), (ii) and (iii) on a `propagation_coefficient` γ [1/m] found with a
 /// specimen of `diameter` and `length` \[m\].
 ///
-/// Without a positive wave number there is no wavelength, and (i) and (ii) are not checked.
+/// Conditions (i) and (ii) are not checked unless the wave number is positive, because there is no
+/// wavelength otherwise.
 #[must_use]
 pub fn conditions(
     propagation_coefficient: Complex64,

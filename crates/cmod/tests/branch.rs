@@ -1,5 +1,5 @@
-//! Branch tracking on virtual records that a chain of mass, rod and mass has made, not the equation
-//! that is inverted.
+//! Branch tracking on virtual records, which are computed from a chain of mass, rod and mass and
+//! not from the equation that is inverted.
 
 mod adversary;
 mod anchors;

@@ -1,4 +1,5 @@
-//! Causal estimates: against rods of known material, seen with noise and wrong sensors.
+//! Causal estimates, compared with rods of known material in the presence of noise and sensor
+//! errors.
 
 use std::f64::consts::TAU;
 
@@ -21,7 +22,7 @@ fn causal(record: &Record, rod: &Rod) -> CausalEstimate {
     estimate.unwrap()
 }
 
-/// Standard errors of E' and E''.
+/// Returns the standard errors of E' and E''.
 fn of_line(error: &StandardError) -> [f64; 2] {
     [error.storage_modulus, error.loss_modulus]
 }
@@ -31,13 +32,15 @@ fn stated(estimate: &CausalEstimate, frequency_hz: f64) -> [f64; 2] {
     [storage.sqrt(), loss.sqrt()]
 }
 
-/// The modulus, the sizes of the errors of the sensors and χ² of records whose sensors are wrong as
-/// stated; and the errors beside those of the same lines alone, whose sensors are calibrated, too.
+/// Checks the coverage of the modulus, of the sizes of the sensor errors and of χ² for records
+/// whose sensors are wrong as stated. The errors are compared with the errors of the same lines
+/// alone, whose sensors are also calibrated.
 #[test]
 fn errors_of_a_causal_estimate_cover_and_are_less_than_those_of_its_lines() {
     const RECORDS: u64 = 40;
     let ringing = Rod {
-        // 1 % is found to a twentieth by the mass on the end, and not linear to as much
+        // an error of 1 % of the end mass is determined to a twentieth, and its effect is not
+        // linear to this accuracy
         uncertainty: SpecimenUncertainty {
             length: 5e-4,
             density: 2.5,
@@ -72,10 +75,11 @@ fn errors_of_a_causal_estimate_cover_and_are_less_than_those_of_its_lines() {
                 shares.extend(pairs.map(|(own, line)| own / line));
             }
         }
-        // of 80 values: four standard deviations of chance
+        // root mean square of 80 values, within four standard deviations of chance
         let size = root_mean_square(&of_sizes);
         assert!((0.68..1.32).contains(&size), "{name}: {size}");
-        // 68 and 95 %; lines of a record share its errors, so that chance is that of 40 values
+        // 68 and 95 %; the lines of a record share its errors, so the fractions scatter like those
+        // of 40 values
         let coverage = [within(&z, 1.0), within(&z, 1.96)];
         assert!((0.58..0.80).contains(&coverage[0]), "{name}: {coverage:?}");
         assert!((0.88..0.998).contains(&coverage[1]), "{name}: {coverage:?}");
@@ -96,7 +100,8 @@ fn errors_of_a_causal_estimate_cover_and_are_less_than_those_of_its_lines() {
     }
 }
 
-/// Lines next to a resonance, which do not determine their own modulus, get it from all others.
+/// Checks that lines next to a resonance, which do not determine their own modulus, obtain their
+/// modulus from all other lines.
 #[test]
 fn singular_lines_come_back() {
     let rod = Rod {
@@ -126,7 +131,8 @@ fn singular_lines_come_back() {
     }
 }
 
-/// A delay of twelve times what was stated, and losses that rise and fall over a few lines.
+/// Data with a delay of twelve times the stated uncertainty, and data whose losses rise and fall
+/// over a few lines, are reported as contradicting causality.
 #[test]
 fn data_that_contradict_causality_are_called_so() {
     let rod = STIFF;
@@ -135,7 +141,7 @@ fn data_that_contradict_causality_are_called_so() {
     assert!(causal(&record, &rod).p_value() > 0.01);
     let refuted = causal(&late, &rod);
     assert!(refuted.p_value() < 1e-6, "{}", refuted.p_value());
-    // the sizes show where: twelve standard uncertainties
+    // the size of the delay shows the cause: twelve standard uncertainties
     assert!((refuted.sources()[1].size - 12.0).abs() < 0.1);
 
     let wavy = points(60, 1e6).into_iter().map(|point| {
@@ -150,7 +156,7 @@ fn data_that_contradict_causality_are_called_so() {
     assert!(refuted.p_value() < 1e-9 && refuted.distance() > 2.0);
 }
 
-/// Points with a circular error of this variance on both parts.
+/// Returns points with a circular error of the same variance in both parts.
 fn points(number: u32, error: f64) -> Vec<ModulusPoint> {
     let mut noise = Noise::seeded(2);
     (1..=number)
@@ -177,7 +183,7 @@ fn covariance_of_a_frequency_with_itself_is_its_covariance() {
         assert!((own[i][j] - between[i][j]).abs() < 1e-12 * own[0][0]);
         assert!((swapped[0][i][j] - swapped[1][j][i]).abs() < 1e-12 * own[0][0]);
     }
-    // neighbours share their error, distant frequencies do not
+    // neighbouring frequencies share their error, distant frequencies do not
     let near = causal.covariance_between(800.0, 840.0).unwrap()[0][0];
     let far = causal.covariance_between(800.0, 2400.0).unwrap()[0][0];
     assert!(

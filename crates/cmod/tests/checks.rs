@@ -1,7 +1,7 @@
-//! Checks without known true values: they pass correct records, name the fault of wrong ones, and
-//! have the stated rate of false alarms.
+//! Checks without known true values: they pass correct records, identify the fault of wrong
+//! records, and have the stated rate of false alarms.
 //!
-//! Spectra and histories are those of chains of impedances; no check uses these.
+//! Spectra and histories are those of chains of impedances; no check uses these chains.
 #![allow(
     clippy::unwrap_used,
     clippy::indexing_slicing,
@@ -32,9 +32,9 @@ const LENGTH: f64 = 1.2;
 const DIAMETER: f64 = 0.0106;
 const DENSITY: f64 = 903.0;
 const END_MASS: f64 = 1e-3;
-/// From the free end [m].
+/// Distances of the sections from the free end [m].
 const DISTANCES: [f64; 3] = [0.52, 0.25, 0.11];
-/// Error of a strain by the root mean square of the spectra of a line.
+/// Error of a strain, relative to the root mean square of the spectra on a line.
 const NOISE: f64 = 2e-3;
 
 fn rod() -> RodWithFreeEnd {
@@ -45,7 +45,8 @@ fn rod() -> RodWithFreeEnd {
     }
 }
 
-/// Loss factors of about 0.06 between 100 Hz and 20 kHz, and a front that travels at 1800 m/s.
+/// Returns a material with loss factors of about 0.06 between 100 Hz and 20 kHz, whose wave front
+/// travels at 1800 m/s.
 fn relaxing() -> Medium<GeneralisedMaxwell> {
     let branches: Vec<MaxwellBranch> = (0..6)
         .map(|j| MaxwellBranch {
@@ -56,12 +57,12 @@ fn relaxing() -> Medium<GeneralisedMaxwell> {
     Medium::new(DENSITY, GeneralisedMaxwell::new(2.14e9, branches).unwrap()).unwrap()
 }
 
-/// The speed of the front, by the unrelaxed modulus.
+/// Returns the speed of the wave front, from the unrelaxed modulus.
 fn front_speed() -> f64 {
     (relaxing().law().unrelaxed_modulus() / DENSITY).sqrt()
 }
 
-/// Strains at three sections, with noise, and what they make of the modulus.
+/// Strains at three sections, with noise, and the moduli estimated from them.
 struct SpectraOfTest {
     frequency_hz: Vec<f64>,
     strains: Vec<Vec<Complex64>>,
@@ -140,8 +141,8 @@ impl SpectraOfTest {
     }
 }
 
-/// Adds noise of this standard deviation, each sample with `persistence` of the one before, and an
-/// offset.
+/// Adds noise of the given standard deviation, in which each sample contains `persistence` times
+/// the previous sample, and an offset.
 fn noisy(
     clean: impl Iterator<Item = f64>,
     deviation: f64,
@@ -173,7 +174,7 @@ fn arrivals(histories: &[Vec<f64>]) -> Arrivals<'_> {
 }
 
 fn causality(histories: &[Vec<f64>], level: f64) -> CheckOutcome {
-    // 1 % more than the front
+    // the assumed speed is 1 % above the speed of the front
     arrivals(histories)
         .causality(1.01 * front_speed(), level)
         .unwrap()

@@ -1,4 +1,5 @@
-//! Recovery tests made by a solver of the tests' own, with noise, and what the fits make of them.
+//! Recovery tests that are computed by a solver of these tests, with noise, and their evaluation by
+//! the fits.
 
 use std::f64::consts::TAU;
 
@@ -36,10 +37,10 @@ const LOADS: [(&str, f64, f64); 5] = [
 const TIMES: [f64; 12] = [
     60.0, 120.0, 200.0, 300.0, 450.0, 700.0, 1100.0, 1800.0, 3000.0, 5000.0, 9000.0, 18000.0,
 ];
-/// A twentieth of tan δ₀ = 0.025.
+/// Standard error of a reading: a twentieth of tan δ₀ = 0.025.
 const NOISE: f64 = 1.25e-3;
 
-/// A step of h of dx/dt by the classical Runge-Kutta method.
+/// Advances x by a step h of dx/dt, by the classical Runge-Kutta method.
 fn step(rate: impl Fn(f64, f64) -> f64, t: f64, x: f64, h: f64) -> f64 {
     let a = rate(t, x);
     let b = rate(t + 0.5 * h, x + 0.5 * h * a);
@@ -48,14 +49,14 @@ fn step(rate: impl Fn(f64, f64) -> f64, t: f64, x: f64, h: f64) -> f64 {
     x + h / 6.0 * (a + 2.0 * b + 2.0 * c + d)
 }
 
-/// Strain rate of the dashpot under a stress of both springs and a strain of the dashpot: its own
-/// differential equation.
+/// Returns the strain rate of the dashpot for a stress of the whole model and a strain of the
+/// dashpot, from the differential equation of the dashpot.
 fn rate(stress: f64, strain: f64) -> f64 {
     let s = stress - TRUTH.parallel_modulus * strain;
     TRUTH.coefficient * s.abs().powf(TRUTH.exponent) * s
 }
 
-/// Strain of the dashpot after a constant load.
+/// Returns the strain of the dashpot after a constant load.
 fn march(dashpot_strain: f64, stress: f64, duration: f64, steps: u32) -> f64 {
     let h = duration / f64::from(steps);
     (0..steps).fold(dashpot_strain, |strain, _| {
@@ -63,8 +64,8 @@ fn march(dashpot_strain: f64, stress: f64, duration: f64, steps: u32) -> f64 {
     })
 }
 
-/// Δtan δ without noise: the exact loss factor of springs and differential dashpot, marched in
-/// time.
+/// Returns Δtan δ without noise: the exact loss factor of springs and differential dashpot,
+/// integrated in time.
 fn clean(stress: f64, duration: f64) -> Vec<f64> {
     let mut strain = march(0.0, stress, duration, 2000);
     let mut before = 0.0;
@@ -150,7 +151,7 @@ fn without_noise_the_procedure_of_the_paper_finds_the_parameters() {
     let tests = clean_tests();
     let mut claims = Claims::default();
     claims.by("tests of another solver without noise");
-    // its difference of η, and ln B moves 17 times as much as m
+    // the finite difference for η has an error of 1e-6, and ln B changes 17 times as much as m
     let of_generator = Within(3e-6, "the viscosity of the generator has 1e-6");
     let worst = |found: &ThreeElementParameters| {
         largest([
@@ -192,7 +193,8 @@ fn without_noise_the_procedure_of_the_paper_finds_the_parameters() {
         Within(5e-5, "the scan of m"),
         Ok(fit.parameters.exponent),
     );
-    // an exponent that the others do not have stays visible as one at the end of the range
+    // if the range excludes the right exponent, the result reports an exponent at the end of the
+    // range
     let outside = paper_procedure(&tests, 1, 3100e6, (2.5, 5.0)).unwrap();
     assert!(outside.at_end_of_range);
     assert!(outside.others_chi_squared > 100.0 * fit.others_chi_squared.max(1e-6));
@@ -206,8 +208,8 @@ fn without_noise_the_procedure_of_the_paper_finds_the_parameters() {
     hold!(claims);
 }
 
-/// "for a specific stress level and load duration there is an infinite number of sets of parameter
-/// values".
+/// Checks the statement of the paper that "for a specific stress level and load duration there is
+/// an infinite number of sets of parameter values".
 fn one_test_gives_two_numbers(all: &[RecoveryTest]) -> f64 {
     let one = &all[1..2];
     let curve = SingleTestFit::new(&one[0]).unwrap();
@@ -245,12 +247,13 @@ fn one_test_gives_two_numbers(all: &[RecoveryTest]) -> f64 {
     }
     assert!(fit.estimates[3].standard_error.is_infinite());
     assert!(fit.covariance.is_none());
-    // the curve itself is determined: its own test is predicted with a finite error, another is not
+    // the curve itself is determined: the fitted test is predicted with a finite error, another
+    // test is not
     let own = fit.prediction(&one[0]).unwrap();
     assert!(own.iter().all(|p| p.standard_error < NOISE));
     let other = fit.prediction(&all[0]).unwrap();
     assert!(other.iter().all(|p| p.standard_error.is_infinite()));
-    // the same load again is no second load
+    // a repetition of the same load does not count as a second load
     let twice = [all[1].clone(), all[1].clone()];
     let fit = joint(&twice);
     assert_eq!(
@@ -311,7 +314,7 @@ fn multiplying_both_springs_and_dividing_the_coefficient_changes_nothing() {
     assert!((b.parallel_modulus / a.parallel_modulus - 2.0).abs() < 1e-5);
     assert!((b.coefficient / a.coefficient - 0.5).abs() < 1e-4);
     assert!((b.exponent - a.exponent).abs() < 1e-5);
-    // 2 % of E₁ are 2 % of E₂, and opposite in B
+    // an error of 2 % of E₁ is an error of 2 % of E₂, and of -2 % of B
     let given = fit(3100e6, 62e6);
     let (with, without) = (given.covariance.unwrap(), one.covariance.unwrap());
     let added = |i: usize, j: usize| with[i][j] - without[i][j];
@@ -320,7 +323,7 @@ fn multiplying_both_springs_and_dividing_the_coefficient_changes_nothing() {
     assert!((added(2, 2)).abs() < 1e-9);
 }
 
-/// Δtan δᵢ t_r = E₁(m+1)/(E₂ωm) for every load, a check on the model from fits of single tests.
+/// Checks that Δtan δᵢ t_r = E₁(m+1)/(E₂ωm) is the same for every load, from fits of single tests.
 #[test]
 fn tails_of_all_tests_agree() {
     let tail = TRUTH.series_modulus * (TRUTH.exponent + 1.0)
@@ -339,16 +342,18 @@ fn tails_of_all_tests_agree() {
     let mut squares = 0.0;
     let seeds = 400_u32;
     for seed in 0..u64::from(seeds) {
-        // Test 1, which is best determined, so that the error of the logarithm is nearly normal
+        // Test 1 is used because it is best determined, so that the error of the logarithm is
+        // nearly normal
         let fit = SingleTestFit::new(&noisy_tests(seed, 5e-4, &clean)[0]).unwrap();
         squares += ((fit.tail / tail).ln() / fit.tail_error).powi(2);
     }
     let spread = (squares / f64::from(seeds)).sqrt();
-    // the root mean square of 400 normal deviates scatters by 3.5 %; the rest is curvature
+    // the root mean square of 400 normal deviates scatters by 3.5 %; the rest of the tolerance is
+    // for curvature
     assert!((spread - 1.0).abs() < 0.12, "{spread}");
 }
 
-/// The procedure of the paper scatters more than the joint fit of the same readings.
+/// Checks that the procedure of the paper scatters more than the joint fit of the same readings.
 #[test]
 fn the_joint_fit_scatters_less_than_the_procedure_of_the_paper() {
     let clean = all_clean();
@@ -368,7 +373,7 @@ fn the_joint_fit_scatters_less_than_the_procedure_of_the_paper() {
     assert!(ratio > 1.2, "{ratio}");
 }
 
-/// Test 6 joins the fit: the load is periodic, its readings come from a march with 32 steps a
+/// Adds Test 6 to the fit. Its load is periodic, and its readings are integrated with 32 steps per
 /// period.
 #[test]
 fn a_periodic_load_joins_the_fit() {
@@ -409,8 +414,8 @@ fn a_periodic_load_joins_the_fit() {
     assert!((found.exponent - TRUTH.exponent).abs() < 2e-3, "{fit}");
 }
 
-/// Share of the seeds in which the truth lies within one and two standard errors, for ln E₂, ln B,
-/// m and ln k.
+/// Returns the fraction of the seeds for which the truth lies within one and two standard errors,
+/// for ln E₂, ln B, m and ln k.
 fn coverage(virgin: f64, error_scale: ErrorScale) -> [[f64; 2]; 4] {
     let clean = all_clean();
     let mut within = [[0_u32; 2]; 4];
@@ -439,7 +444,7 @@ fn coverage(virgin: f64, error_scale: ErrorScale) -> [[f64; 2]; 4] {
     within.map(|counts| counts.map(|count| f64::from(count) / f64::from(seeds)))
 }
 
-/// 2000 seeds: the shares scatter by 1.0 % and 0.5 %.
+/// With 2000 seeds the fractions scatter by 1.0 % and 0.5 %.
 #[test]
 fn r12_stated_errors_cover_the_truth() {
     for (virgin, error_scale) in [
@@ -457,7 +462,8 @@ fn r12_stated_errors_cover_the_truth() {
     }
 }
 
-/// The readings share the error of the virgin loss factor; a fit that leaves it out is too sure.
+/// The error of the virgin loss factor is common to the readings; a fit without this error states
+/// errors that are too small.
 #[test]
 fn the_report_names_errors_and_reasons() {
     let clean = all_clean();
@@ -478,9 +484,9 @@ fn the_report_names_errors_and_reasons() {
     );
 }
 
-/// Stress and strain of the nonlinear model (paper C, figure 1) in an impact of 0.3 MPa (paper C,
-/// section 2) five minutes after Test 1, marched through 20 periods of 10 kHz, against the
-/// differential modulus.
+/// Integrates stress and strain of the nonlinear model (paper C, figure 1) in an impact of 0.3 MPa
+/// (paper C, section 2) five minutes after Test 1, over 20 periods of 10 kHz, and compares them
+/// with the differential modulus.
 #[test]
 fn a_small_perturbation_sees_the_differential_modulus() {
     let load = LoadHistory::creep(45e6, 1800.0).unwrap();
@@ -492,8 +498,9 @@ fn a_small_perturbation_sees_the_differential_modulus() {
     let resting = recovery.dashpot_stress(300.0);
     let (periods, steps) = (20_u32, 200_u32);
     let h = 1.0 / (FREQUENCY_HZ * f64::from(steps));
-    // Fourier coefficients of the stress of the spring beside the dashpot, for an impact of either
-    // sign: half their difference is free of the recovery that goes on meanwhile
+    // Fourier coefficients of the stress of the spring parallel to the dashpot, for impacts of
+    // either sign; half of their difference is free of the recovery that continues during the
+    // impact
     let response = |amplitude: f64| {
         let stress = |t: f64| resting + amplitude * (omega * t).sin();
         let rate =
@@ -512,8 +519,8 @@ fn a_small_perturbation_sees_the_differential_modulus() {
     let strain = stress / TRUTH.series_modulus + spring / TRUTH.parallel_modulus;
     let seen = stress / strain;
     let modulus = recovery.complex_modulus(omega, 300.0);
-    // third order of the perturbation, m(m-1)/8 (0.3 MPa/σ_d)², is below 1e-4 of the dashpot's
-    // share of a hundredth
+    // the third order of the perturbation, m(m-1)/8 (0.3 MPa/σ_d)², is below 1e-4 of the
+    // contribution of the dashpot, which is a hundredth
     let loss = (seen.im / seen.re) / (modulus.im / modulus.re) - 1.0;
     assert!(loss.abs() < 1e-4, "{loss} {resting}");
     assert!(
@@ -523,7 +530,8 @@ fn a_small_perturbation_sees_the_differential_modulus() {
 }
 
 proptest! {
-    /// A constant load given as samples is integrated; as a creep load it has a closed form.
+    /// Compares a constant load that is given as samples, and is integrated, with the closed form
+    /// of a creep load.
     #[test]
     fn samples_of_a_constant_load_are_the_creep_load(
         m in 0.0..4.0_f64,
@@ -531,7 +539,7 @@ proptest! {
         stress in prop_oneof![-60e6..-1e6, 1e6..60e6],
         duration in 1.0..1e4_f64,
     ) {
-        // λt at the stress of the load from 0.05 to 150
+        // λt at the stress of the load is between 0.05 and 150
         let coefficient = log_relaxation.exp() / (duration * 13100.0 * f64::powf(f64::abs(stress), m));
         let model = cmod::recovery::ThreeElement::new(ThreeElementParameters {
             coefficient,
@@ -544,20 +552,21 @@ proptest! {
             .recovery(&LoadHistory::from_samples(&time, &[stress; 4]).unwrap())
             .unwrap();
         let difference = creep.initial_dashpot_stress() - sampled.initial_dashpot_stress();
-        // three segments of 1e-9
+        // three segments with an error of 1e-9 each
         prop_assert!(difference.abs() < 3e-9 * stress.abs(), "{difference}");
-        // the dashpot cannot store more than was applied, and pulls the other way
+        // the dashpot cannot store more stress than was applied, and its stress has the opposite
+        // sign
         prop_assert!(creep.initial_dashpot_stress() * stress <= 0.0);
         prop_assert!(creep.initial_dashpot_stress().abs() <= stress.abs());
-        // recovery decreases, for every time
+        // the change of the loss factor decreases with time
         let omega = TAU * FREQUENCY_HZ;
         let changes = [0.0, 1.0, 1e2, 1e4, 1e8].map(|t| creep.loss_factor_change(omega, t));
         prop_assert!(changes.windows(2).all(|pair| pair[1] <= pair[0] && pair[1] >= 0.0));
     }
 }
 
-/// A dashpot that follows the load within 1e-9 of its duration is out of reach of an explicit
-/// formula: this is reported, not guessed.
+/// A dashpot that follows the load within 1e-9 of its duration cannot be integrated by an explicit
+/// formula; this is reported.
 #[test]
 fn rates_that_cannot_be_integrated_are_told() {
     let model = cmod::recovery::ThreeElement::new(ThreeElementParameters {

@@ -1,5 +1,5 @@
-//! Modes of a ringing rod: waves to and fro with losses, not sums of modes; noise, a converter, and
-//! what a laboratory does wrong.
+//! Modes of a vibrating rod, computed from travelling waves with losses and not from sums of modes,
+//! with noise, a converter, and typical errors of a laboratory.
 
 use std::f64::consts::TAU;
 
@@ -9,7 +9,7 @@ use num_complex::Complex64;
 use testbed::claim::{Claims, Within};
 use testbed::ringing_rod::RingingRod;
 
-/// The hammer is off after so many samples.
+/// Number of samples after which the hammer has left the rod.
 const FREE: usize = 96;
 
 fn method(bar: &RingingRod, wave_speed: f64) -> FreeVibration {
@@ -64,7 +64,7 @@ fn free_vibration_tells_a_loss_factor_of_one_in_a_hundred_thousand() {
         }
         let what = format!("ringing steel bar, loss factor {loss:e}, mass {end_mass} kg");
         println!("{what}: {within:?} of {count}, {worst:?}");
-        // 60 values or more: 6 and 3 %, three of each
+        // 60 values or more scatter by 6 and 3 %; the tolerance is three standard deviations
         for (name, [one, two]) in ["E'", "loss factor"].into_iter().zip(within) {
             assert!((0.5..0.86).contains(&(one / count)), "{one} of {count}");
             claims.claim(
@@ -75,13 +75,14 @@ fn free_vibration_tells_a_loss_factor_of_one_in_a_hundred_thousand() {
                 Ok(two / count),
             );
         }
-        // noise of 0.1 %, some 1e5 samples
+        // the noise is 0.1 % in some 1e5 samples
         assert!(worst[0] < 1e-5 && worst[1] < 0.01, "{worst:?}");
     }
     claims.hold("cmod", "free-vibration");
 }
 
-/// Length, density and mass act on all lines; a length that is off by its uncertainty is covered.
+/// Length, density and mass affect all lines. A length that is wrong by its uncertainty is covered
+/// by the stated error.
 #[test]
 fn free_vibration_follows_the_errors_of_the_rod() {
     let bar = RingingRod {
@@ -118,7 +119,7 @@ fn free_vibration_follows_the_errors_of_the_rod() {
         );
         assert!((of(ErrorSource::Length).re / wrong.modulus.re - 1e-3).abs() < 5e-5);
         let by_density = of(ErrorSource::Density).re / wrong.modulus.re;
-        // the density acts on the ratio of the masses as well
+        // the density also affects the ratio of the masses
         assert!(
             (by_density * 7800.0 / 8.0 - 1.0).abs() < 0.02,
             "{by_density}"
@@ -127,8 +128,8 @@ fn free_vibration_follows_the_errors_of_the_rod() {
     }
 }
 
-/// A guess of the wave speed that is far off, another vibration, a mode at a node, noise alone,
-/// records that are none.
+/// Reports a wrong guess of the wave speed, another vibration, a mode at a node, noise alone, and
+/// records that are not valid.
 #[test]
 fn free_vibration_names_what_is_wrong() {
     let bar = RingingRod::steel(1e-4);
@@ -174,7 +175,8 @@ fn free_vibration_names_what_is_wrong() {
     assert!(method(&bar, 5000.0).poles(&[], bar.rate).is_err());
 }
 
-/// Two blows give the same mode with half the variance, or the scatter if they differ.
+/// Two blows give the same mode with half the variance, or with the variance of their scatter if
+/// they differ.
 #[test]
 fn free_vibration_of_several_blows_is_averaged() {
     let bar = RingingRod::steel(1e-4);
@@ -189,7 +191,7 @@ fn free_vibration_of_several_blows_is_averaged() {
         let ratio = four.variance / one.variance;
         assert!((0.1..1.0).contains(&ratio), "{ratio}");
     }
-    // the rod warmed up by some degrees between two of them
+    // the rod warms up by some degrees between two of the blows
     let warm = RingingRod {
         modulus: bar.modulus * 0.999,
         ..bar.clone()
@@ -208,8 +210,8 @@ fn free_vibration_of_several_blows_is_averaged() {
     }
 }
 
-/// Two seconds of a rod whose modes are over after a tenth of them, and one whose decay rate falls to
-/// two thirds when the amplitude is at a third.
+/// Two seconds of a rod whose modes have decayed after a tenth of this time, and a rod whose decay
+/// rate falls to two thirds when the amplitude has fallen to a third.
 #[test]
 fn free_vibration_that_is_over_early_is_found_and_a_changing_decay_is_named() {
     let bar = RingingRod::steel(0.02);
@@ -231,7 +233,7 @@ fn free_vibration_that_is_over_early_is_found_and_a_changing_decay_is_named() {
     }
     let (omega, decay) = (poles.found[0].s.im, -poles.found[0].s.re);
     let falling = |t: f64| {
-        // the envelope of quadratic and linear damping together
+        // envelope of quadratic and linear damping together
         let fallen = (-decay * t).exp();
         fallen / (1.0 + 0.5 * (1.0 - fallen)) * (omega * t).cos()
     };

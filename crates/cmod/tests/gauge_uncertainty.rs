@@ -1,5 +1,5 @@
-//! Uncertain density and positions of gauges: against estimates from gauges that are elsewhere than
-//! stated.
+//! Uncertain density and positions of gauges, compared with estimates for gauges that are not at
+//! their stated positions.
 
 use std::f64::consts::TAU;
 
@@ -19,7 +19,8 @@ fn frequencies() -> Vec<f64> {
     (1..=60).map(|line| 50.0 * f64::from(line)).collect()
 }
 
-/// Two waves at gauges at these places, in two tests with waves of their own.
+/// Returns the spectra of two waves at gauges at these positions, in two tests with different
+/// waves.
 fn spectra(positions: &[f64]) -> Vec<Vec<Vec<Complex64>>> {
     let backward = [Complex64::new(0.5, 0.2), Complex64::new(-0.3, 0.6)];
     backward
@@ -41,7 +42,7 @@ enum Method {
     Multi,
 }
 
-/// The estimate with the positions `stated` for gauges at `true_positions`.
+/// Returns the estimate with the positions `stated`, for gauges at `true_positions`.
 fn estimate(
     method: Method,
     stated: &[f64],
@@ -90,7 +91,7 @@ fn positions_of(n_gauges: usize, of: f64) -> GaugeUncertainty {
     }
 }
 
-/// dγ and dE of a line by one gauge.
+/// Returns dγ and dE of a line due to one gauge.
 fn shift(line: &ModulusLine, gauge: usize) -> (Complex64, Complex64) {
     let shifts = &line.uncertainty.systematic;
     let of = shifts
@@ -118,8 +119,8 @@ fn r08_a_gauge_that_is_off_by_its_uncertainty_moves_every_line_by_its_shift() {
             for (right, wrong) in right.lines().iter().zip(wrong.lines()) {
                 let (of_gamma, of_modulus) = shift(right, gauge);
                 let moved = wrong.propagation_coefficient - right.propagation_coefficient;
-                // the second order is (OFF k)² of γ near a singular line, of which there is none
-                // here
+                // the second order is of the order of (OFF k)² of γ, because there are no singular
+                // lines here
                 let tolerance = 0.01 * of_gamma.norm() + 1e-7 * right.wave_number();
                 assert!(
                     (moved - of_gamma).norm() < tolerance,
@@ -134,7 +135,7 @@ fn r08_a_gauge_that_is_off_by_its_uncertainty_moves_every_line_by_its_shift() {
     }
 }
 
-/// Of a sensitivity that is too large, and of a channel that is late.
+/// Checks the shifts due to a sensitivity that is too large, and due to a channel that is late.
 #[test]
 fn a_gauge_that_reads_too_much_or_late_moves_every_line_by_its_shift() {
     const FACTOR: f64 = 1e-6;
@@ -167,7 +168,7 @@ fn a_gauge_that_reads_too_much_or_late_moves_every_line_by_its_shift() {
                     let mut shifts = right.uncertainty.systematic.iter();
                     let shift = shifts.find(|shift| shift.source == source).unwrap();
                     let moved = wrong.modulus - right.modulus;
-                    // the second order is some times the error
+                    // relative to the shift, the second order is several times the error
                     let tolerance = 0.02 * shift.modulus.norm() + 1e-9 * right.modulus.norm();
                     assert!(
                         (moved - shift.modulus).norm() < tolerance,
@@ -181,7 +182,8 @@ fn a_gauge_that_reads_too_much_or_late_moves_every_line_by_its_shift() {
     }
 }
 
-/// A common shift of all gauges changes nothing, and a common scale is one of the length.
+/// A common shift of all gauges changes nothing, and a common scale acts like a change of the
+/// length.
 #[test]
 fn r08_shifts_of_all_gauges_together_are_those_of_the_whole_rod() {
     for (method, stated) in CASES {

@@ -1,4 +1,4 @@
-//! Tables of the papers in SI: `fixtures/golden`.
+//! Tables of the papers in SI units, from `fixtures/golden`.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -39,7 +39,7 @@ pub(crate) fn golden(name: &str) -> Vec<Row> {
     table.rows
 }
 
-/// A row of a table of constants.
+/// Returns a row of a table of constants.
 pub(crate) fn constant(table: &str, name: &str) -> Value {
     let mut rows = golden(table).into_iter();
     let mut row = rows.find(|row| row.label == name).unwrap();

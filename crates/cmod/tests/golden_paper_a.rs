@@ -1,4 +1,5 @@
-//! Statements of paper A on its series, for the specimens of its Table 2: `fixtures/golden`.
+//! Statements of paper A about its series, for the specimens of its Table 2, from
+//! `fixtures/golden`.
 
 use std::f64::consts::TAU;
 
@@ -18,9 +19,9 @@ fn constant(name: &str) -> f64 {
     golden::constant("paper_a_constants.ron", name).value
 }
 
-/// Largest relative difference of E' and of E'' between the series and the numerical solution, over
-/// the lines in (i), (ii) and (iii), and over those of them that the criterion of one third
-/// accepts.
+/// Largest relative differences of E' and of E'' between the series and the numerical solution,
+/// over the lines that fulfil (i), (ii) and (iii), and over the lines that also fulfil the
+/// criterion of one third.
 struct Differences {
     of_all: [f64; 2],
     of_accepted: [f64; 2],
@@ -32,7 +33,7 @@ fn differences(specimen: Specimen) -> Differences {
         .map(|j| f64::from(j) * constant("frequency_highest") / 400.0)
         .collect();
     let mu = specimen.mass_ratio();
-    // equation 1, forwards
+    // equation 1, evaluated in the forward direction
     let ratio: Vec<Complex64> = frequency_hz
         .iter()
         .map(|f| {
@@ -94,9 +95,9 @@ fn differences(specimen: Specimen) -> Differences {
     found
 }
 
-/// "the approximate analytical solution and the numerical solution did not differ significantly ...
-/// when μ < 0.04", and the requirement that two terms and four agree within one third leaves lines
-/// on which the series is good.
+/// Checks the statement "the approximate analytical solution and the numerical solution did not
+/// differ significantly ... when μ < 0.04", and that on the lines on which two terms and four terms
+/// agree within one third the series is accurate.
 #[test]
 fn the_series_is_good_below_the_printed_mass_ratio() {
     // the terms that MassSeries compares
@@ -127,11 +128,11 @@ fn the_series_is_good_below_the_printed_mass_ratio() {
             assert!(found.of_all[1] < 0.12, "{what}");
             light.push(found.of_all[0]);
         } else if mu > 2.0 * highest {
-            // well above it, the series is worse than the third that is asked of its terms ...
+            // well above the printed mass ratio, the error of the series exceeds one third ...
             assert!(found.of_all[1] > third, "{what}");
             heavy += 1;
         }
-        // ... and the criterion is effective: accepted lines are far better than a third
+        // ... and the criterion is effective: the accepted lines have errors far below one third
         assert!(
             found.of_accepted[0] < 0.1 && found.of_accepted[1] < 0.1,
             "{what}"
@@ -157,7 +158,7 @@ fn the_series_is_good_below_the_printed_mass_ratio() {
     hold!(claims);
 }
 
-/// From γL that is chosen, and Ψ that follows from it.
+/// Returns the order of the error, from a chosen γL and the corresponding Ψ.
 fn order_of(terms: fn(&MassSeries, f64) -> Complex64) -> f64 {
     let x = Complex64::new(0.15, 2.2);
     let error = |mass_ratio: f64| {

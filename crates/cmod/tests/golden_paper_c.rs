@@ -1,5 +1,5 @@
-//! Creep recovery against the tables and constants of paper C, and against numbers computed apart
-//! from this software.
+//! Creep recovery compared with the tables and constants of paper C, and with numbers that were
+//! computed independently of this software.
 
 use std::f64::consts::TAU;
 
@@ -30,7 +30,7 @@ fn omega() -> f64 {
     TAU * constant("frequency", "Hz").value
 }
 
-/// The load of a row of Table 1.
+/// Returns the load of a row of Table 1.
 fn load(row: &Row) -> LoadHistory {
     let stress = row.value("mean_stress");
     let duration = row.value("load_duration");
@@ -54,10 +54,11 @@ fn recoveries() -> Vec<(String, Recovery)> {
         .collect()
 }
 
-/// Change of the loss factor in per cent of its virgin value, computed from paper C, eqs. 1 to 5 in
-/// decimal arithmetic of 50 digits and rounded to what is shown: (test, t_r, then at the TIMES).
-/// The load of Test 6 was marched in another language by the classical Runge-Kutta method, 160
-/// steps a period, where 80 give the same ten digits.
+/// Times after unloading. The changes of the loss factor below are in per cent of the virgin value.
+/// They were computed from paper C, eqs. 1 to 5, in decimal arithmetic of 50 digits, and rounded to
+/// the digits shown: (test, t_r, then the changes at the TIMES). The load of Test 6 was integrated
+/// in another language by the classical Runge-Kutta method with 160 steps per period; 80 steps give
+/// the same ten digits.
 const TIMES: [f64; 8] = [0.0, 60.0, 300.0, 600.0, 1800.0, 3600.0, 7200.0, 18000.0];
 #[expect(clippy::approx_constant, reason = "a change of 3.1416 % is not pi")]
 const COMPUTED: [(&str, f64, [f64; 8]); 6] = [
@@ -105,7 +106,7 @@ const COMPUTED: [(&str, f64, [f64; 8]); 6] = [
     ),
 ];
 
-/// (Ödeen 1993, paper C, eq. 4; paper C, Table 1).
+/// Compares with the independently computed changes (Ödeen 1993, paper C, eq. 4; paper C, Table 1).
 #[test]
 fn changes_of_the_loss_factor_are_those_computed_apart() {
     let recoveries = recoveries();
@@ -151,8 +152,8 @@ fn changes_of_the_loss_factor_are_those_computed_apart() {
     hold!(claims);
 }
 
-/// Paper C, section 4 and 5: recovered after about five hours; progressive in stress, regressive in
-/// duration.
+/// Checks the conclusions of paper C, sections 4 and 5: recovery after about five hours;
+/// progressive in stress, regressive in duration.
 #[test]
 fn printed_conclusions_hold() {
     let (model, omega) = (polyoximethylene(), omega());
@@ -165,14 +166,14 @@ fn printed_conclusions_hold() {
     };
     for (label, recovery) in recoveries() {
         let left = recovery.loss_factor_change(omega, constant("recovery_time", "s").value) / 0.025;
-        // nothing left that an accuracy of tan δ of two digits would show
+        // the remaining change would not show in a tan δ with two digits
         assert!(left < 0.02, "Test {label}: {left}");
     }
     for t in [60.0, 600.0] {
-        // progressive: a straight line through the origin and Test 2 runs above Test 3 and below
-        // Test 1
+        // progressive in stress: a straight line through the origin and Test 2 runs above Test 3
+        // and below Test 1
         assert!(change(19e6, 1800.0, t) < change(32e6, 1800.0, t) * 19.0 / 32.0);
-        // at 600 s the curves draw together, Test 1 is compared at unloading
+        // at 600 s the curves are close together, so Test 1 is compared at unloading
         assert!(change(45e6, 1800.0, 0.0) > change(32e6, 1800.0, 0.0) * 45.0 / 32.0);
         // regressive in the duration
         assert!(change(32e6, 10800.0, t) < 6.0 * change(32e6, 1800.0, t));
@@ -180,8 +181,8 @@ fn printed_conclusions_hold() {
     }
 }
 
-/// "the rheological model predicts a slightly reduced and increasing absolute value E ... much
-/// smaller than the measured".
+/// Checks the statement "the rheological model predicts a slightly reduced and increasing absolute
+/// value E ... much smaller than the measured".
 #[test]
 fn the_modulus_is_slightly_reduced_and_increases() {
     let omega = omega();
@@ -198,14 +199,14 @@ fn the_modulus_is_slightly_reduced_and_increases() {
         if label == "1" {
             assert!((changes[1] + 1.7e-4).abs() < 0.05e-4, "{changes:?}");
         }
-        // |E*| of the complex number, which has 1e-16 of E₁
+        // |E*| of the complex number, with a rounding error of 1e-16 of E₁
         let direct = recovery.complex_modulus(omega, 60.0).norm() / 3100e6 - 1.0;
         assert!((direct - changes[1]).abs() < 1e-14);
     }
 }
 
-/// "the result of Test 6 was in between the results of Tests 1 and 2", whose stresses are its
-/// largest and its mean.
+/// Checks the statement "the result of Test 6 was in between the results of Tests 1 and 2", whose
+/// stresses are the largest stress and the mean stress of Test 6.
 #[test]
 fn the_periodic_load_lies_between_its_mean_and_its_largest_stress() {
     let (recoveries, omega) = (recoveries(), omega());
@@ -220,6 +221,6 @@ fn the_periodic_load_lies_between_its_mean_and_its_largest_stress() {
     for t in [0.0, 60.0, 600.0, 3600.0, 18000.0] {
         assert!(change("2", t) < change("6", t) && change("6", t) < change("1", t));
     }
-    // and it is not that of its mean stress alone
+    // and the result differs from that of the mean stress alone
     assert!(change("6", 0.0) > 1.05 * change("2", 0.0));
 }

@@ -1,4 +1,4 @@
-//! Input that is wrong by accident or on purpose: values and sizes at the ends of the scale,
+//! Input that is wrong by accident or on purpose: values and sizes at the ends of the range,
 //! extreme materials and rods, and laws that must hold for any specimen.
 
 #[path = "../../rodwave/tests/hard_to_break/hostile.rs"]

@@ -1,4 +1,4 @@
-//! Integration tests of cmod: one program, a module for each subject.
+//! Integration tests of cmod: one program with one module per subject.
 #![allow(
     clippy::unwrap_used,
     clippy::indexing_slicing,

@@ -1,4 +1,5 @@
-//! Lateral inertia taken out of estimates of waves that the exact theory of cylinders has made.
+//! Lateral inertia removed from estimates of waves that are computed by the exact theory of
+//! cylinders.
 
 use std::f64::consts::TAU;
 
@@ -27,7 +28,7 @@ fn material() -> ConstantQ {
     ConstantQ::new(2.6e9, 0.08, TAU * 1e4).unwrap()
 }
 
-/// Exact waves, from 2 kHz, λ = 50D, to 48 kHz, λ = 2D.
+/// Frequencies of the exact waves, from 2 kHz, λ = 50D, to 48 kHz, λ = 2D.
 fn frequencies() -> Vec<f64> {
     (1..=24).map(|j| 2e3 * f64::from(j)).collect()
 }
@@ -71,7 +72,7 @@ fn inertia() -> LateralInertia {
     LateralInertia::new(DIAMETER, DENSITY, POISSON_RATIO).unwrap()
 }
 
-/// By one theory over the whole band, each line has the error that is stated.
+/// Checks that with one theory for the whole band each line has the stated error.
 #[test]
 fn each_theory_leaves_the_error_that_is_stated() {
     let estimate = apparent(&ratios(POISSON_RATIO, &frequencies()), 0.0);
@@ -102,9 +103,9 @@ fn each_theory_leaves_the_error_that_is_stated() {
             }
             let error = line.modulus.re / exact.re - 1.0;
             let remaining = correction.remaining_error;
-            // The stated error is for low losses and to the second term of a series in (πD/λ)²: a
-            // quarter of itself at 3D. Of the exact theory, which is solved both ways,
-            // rounding is left.
+            // The stated error holds for low losses and to the second term of a series in (πD/λ)²;
+            // at 3D its error is a quarter of its value. With the exact theory, which is solved in
+            // both directions, only rounding remains.
             let tolerance = if theory == Theory::PochhammerChree {
                 1e-13
             } else {
@@ -118,7 +119,8 @@ fn each_theory_leaves_the_error_that_is_stated() {
     }
 }
 
-/// E' and E''/E' over those of the material at a wavelength, between the two lines beside it.
+/// Returns E' and E''/E' divided by the values of the material at a wavelength, interpolated
+/// between the two neighbouring lines.
 fn at_wavelength(estimate: &ModulusEstimate, diameters: f64) -> [f64; 2] {
     let near: Vec<[f64; 3]> = estimate
         .lines()
@@ -164,8 +166,8 @@ fn theories_at_three_and_five_diameters() {
     hold!(claims);
 }
 
-/// Poisson's ratio as a systematic error and the noise as a random one, against repeated draws of
-/// both.
+/// Compares the systematic error due to Poisson's ratio and the random error due to noise with
+/// repeated draws of both.
 #[test]
 fn errors_are_those_of_repeated_draws() {
     let (sigma_nu, variance) = (0.015, 1e-6);
@@ -218,8 +220,8 @@ fn errors_are_those_of_repeated_draws() {
     for (index, line) in stated.modulus().lines().iter().enumerate() {
         let root = |sum: f64| (sum / f64::from(repetitions)).sqrt();
         let systematic = line.systematic_error();
-        // Scatter of 1500 draws, 1.8 %, four of them; second order in δν/ν = 4 %: below 0.1 % of
-        // the variance.
+        // The scatter of 1500 draws is 1.8 %; the tolerance is four times this value. The second
+        // order in δν/ν = 4 % is below 0.1 % of the variance.
         let ratio = root(of_nu[index][0]) / systematic.storage_modulus;
         assert!(
             (ratio - 1.0).abs() < 0.075,
@@ -236,33 +238,33 @@ fn errors_are_those_of_repeated_draws() {
         ];
         for (sum, expected) in of_noise[index].into_iter().zip(expected) {
             let ratio = root(sum) / expected;
-            // The same scatter.
+            // The tolerance is the same as above.
             assert!(
                 (ratio - 1.0).abs() < 0.075,
                 "noise, {} Hz: {ratio}",
                 line.frequency_hz
             );
         }
-        // Both are independent.
+        // The two errors are independent.
         let total = random.storage_modulus.hypot(systematic.storage_modulus);
         assert!((line.standard_error.storage_modulus / total - 1.0).abs() < 1e-12);
     }
 }
 
-/// A rod whose waves are those of the frequency equation as it is printed, and whose material is a
+/// Rod whose waves follow the frequency equation as it is printed, and whose material is a
 /// fractional Zener law.
 mod printed {
     use super::*;
 
     pub(super) const DISTANCE: f64 = 0.3;
 
-    /// E₀ + ΔE (iωτ)^α/(1 + (iωτ)^α).
+    /// Returns E₀ + ΔE (iωτ)^α/(1 + (iωτ)^α).
     pub(super) fn modulus(omega: f64) -> Complex64 {
         let power = Complex64::new(0.0, omega * 1e-5).powf(0.4);
         2.2e9 + 1.1e9 * power / (1.0 + power)
     }
 
-    /// Bessel functions of order 0 and 1 by their power series, for |z| < 6.
+    /// Returns the Bessel function of order 0 or 1 from its power series, for |z| < 6.
     fn bessel(order: u32, z: Complex64) -> Complex64 {
         let quarter = -0.25 * z * z;
         let mut term = if order == 0 { Complex64::ONE } else { 0.5 * z };
@@ -274,7 +276,7 @@ mod printed {
         sum
     }
 
-    /// γ of the first mode at `omega`, by the secant method from Love's theory.
+    /// Returns γ of the first mode at `omega`, by the secant method starting from Love's theory.
     pub(super) fn gamma(omega: f64) -> Complex64 {
         let (e, nu, a) = (modulus(omega), POISSON_RATIO, 0.5 * DIAMETER);
         let shear = e / (2.0 * (1.0 + nu));
@@ -307,7 +309,8 @@ mod printed {
         Complex64::I * k
     }
 
-    /// Apparent modulus at λ = 50 D to 4 D from a noisy transmission, judged by the usual limits.
+    /// Returns the apparent modulus at λ = 50 D to 4 D from a noisy transmission, judged by the
+    /// default limits.
     pub(super) fn apparent(seed: u64) -> ModulusEstimate {
         let frequency_hz: Vec<f64> = (1..=120).map(|j| 200.0 * f64::from(j) + 2000.0).collect();
         let variance = 1e-8;
@@ -331,8 +334,8 @@ mod printed {
     }
 }
 
-/// E' down to λ = 4 D within its error, without a step: a causal law leaves nothing but noise. A
-/// step of 0.1 % would make χ² ten thousand.
+/// Checks that E' down to λ = 4 D is within its error and has no step: a causal law leaves only
+/// noise. A step of 0.1 % would make χ² ten thousand.
 #[test]
 fn r03_modulus_has_no_step_and_a_causal_law_explains_it() {
     for seed in [1, 2, 3] {
@@ -358,8 +361,8 @@ fn r03_modulus_has_no_step_and_a_causal_law_explains_it() {
     }
 }
 
-/// A rectangle is corrected by Love's theory over the whole band, and what that leaves is a common
-/// error of the line.
+/// A rectangle is corrected by Love's theory for the whole band, and the remaining error is a
+/// common error of the line.
 #[test]
 fn r03_other_sections_have_one_theory_with_its_error() {
     let estimate = apparent(&ratios(POISSON_RATIO, &frequencies()), 1e-8);
@@ -386,8 +389,8 @@ fn r03_other_sections_have_one_theory_with_its_error() {
     );
 }
 
-/// Of a valid line E' is known to 1 % in a rod with lateral inertia, whether it is taken out or
-/// not, and the stated error covers what is left.
+/// E' of a valid line is known to 1 % in a rod with lateral inertia, whether lateral inertia is
+/// removed or not, and the stated error covers the remaining error.
 #[test]
 fn r04_lateral_inertia_left_in_is_within_its_bound_and_judges_lines() {
     let estimate = printed::apparent(7);
@@ -398,7 +401,7 @@ fn r04_lateral_inertia_left_in_is_within_its_bound_and_judges_lines() {
         let of_loss_factor = line.loss_factor - truth.im / truth.re;
         let stated = &line.standard_error;
         if line.wavelength() > 5.0 * DIAMETER {
-            // the bound is that of an incompressible rod, and four standard errors are those of
+            // the bound is that of an incompressible rod, and four standard errors account for
             // noise
             let left = line.lateral_inertia_bound();
             assert!(error.re.abs() < left.storage_modulus + 4.0 * stated.storage_modulus);
@@ -420,19 +423,20 @@ fn r04_lateral_inertia_left_in_is_within_its_bound_and_judges_lines() {
         }
     }
     assert!(valid > 25 && named > 75, "{valid} {named}");
-    // the remaining error of Love's theory is stated as well
+    // the remaining error of Love's theory is also stated
     let by_love = inertia().with_theory(Theory::LoveRayleigh);
     for line in by_love.correct(&estimate).unwrap().modulus().lines() {
         let truth = printed::modulus(TAU * line.frequency_hz);
         let of_loss_factor = line.loss_factor - truth.im / truth.re;
-        // up to the bound, √3 of the standard errors, the next term of the series and four of noise
+        // the limit is the bound, which is √3 of the standard errors, plus the next term of the
+        // series and four standard errors of noise
         let left = line.lateral_inertia_bound();
         let noise = line.random_error();
         let most = 1.15 * left.storage_modulus + 4.5 * noise.storage_modulus;
         assert!((line.modulus - truth).re.abs() < most);
         assert!(of_loss_factor.abs() < 1.15 * left.loss_factor + 4.5 * noise.loss_factor);
     }
-    // with Poisson's ratio known to be 0 there is none
+    // with Poisson's ratio known to be 0 there is no lateral inertia
     let none = LateralInertia::new(DIAMETER, DENSITY, 0.0).unwrap();
     let none = none.correct(&estimate).unwrap();
     for (line, apparent) in none.modulus().lines().iter().zip(estimate.lines()) {
@@ -475,8 +479,8 @@ fn error_of_the_density_is_that_of_the_corrected_modulus() {
     }
 }
 
-/// The apparent modulus falls at short waves, which that of no relaxing material does; without
-/// lateral inertia the causal estimate is that of the material.
+/// The apparent modulus decreases for short waves, which the modulus of no relaxing material does.
+/// After removal of lateral inertia the causal estimate is the modulus of the material.
 #[test]
 fn a_causal_estimate_is_that_of_the_material_behind_the_waves() {
     let frequency_hz: Vec<f64> = (10..=200).map(|j| 200.0 * f64::from(j)).collect();
@@ -502,7 +506,7 @@ fn a_causal_estimate_is_that_of_the_material_behind_the_waves() {
         .unwrap();
     let causal = CausalEstimate::of_ratio(&method, &lines, Some(&theory)).unwrap();
     assert!(causal.p_value() > 0.01, "{}", causal.p_value());
-    // λ = 2.6D at the end
+    // the band ends at λ = 2.6D
     assert!(causal.band_hz()[1] > 39e3, "{:?}", causal.band_hz());
     for frequency_hz in [5e3, 1e4, 2e4, 3e4, 3.8e4] {
         let found = causal.at(frequency_hz).unwrap();

@@ -1,5 +1,5 @@
-//! Gauges on a member of a structure. The strains come from a chain of rod, beams and lump by its
-//! impedances, which shares nothing with the two waves that the methods look for.
+//! Gauges on a member of a structure. The strains are computed from a chain of rod, beams and lump
+//! by impedances, independently of the two waves that the methods determine.
 
 mod advice;
 mod coverage;

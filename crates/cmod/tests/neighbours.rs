@@ -1,5 +1,5 @@
-//! Free end with two sections, separate pulses, one gauge and a free end, resonances: on rods whose
-//! motion comes from the recursion of impedances along a chain, which shares nothing with the
+//! Free end with two sections, separate pulses, one gauge and a free end, resonances. The motion of
+//! the rods is computed from the recursion of impedances along a chain, independently of the
 //! equations that are inverted.
 
 mod comparison;

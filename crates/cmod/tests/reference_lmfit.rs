@@ -1,5 +1,5 @@
-//! Fits of moduli with noise against lmfit's: the minimum, its χ² and the covariance of the
-//! parameters. `fixtures/reference/lmfit`.
+//! Fits of moduli with noise compared with fits by lmfit: the minimum, its χ² and the covariance of
+//! the parameters, from `fixtures/reference/lmfit`.
 
 use cmod::estimate::ComplexCovariance;
 use cmod::rheology::{
@@ -31,7 +31,7 @@ fn data(case: &str) -> ModulusData {
     ModulusData::new(&points).unwrap()
 }
 
-/// Rows of a quantity, as (row, column, value).
+/// Returns the rows of a quantity, as (row, column, value).
 fn quantity(case: &str, quantity: &str) -> Vec<(usize, usize, f64)> {
     FITS.lines()
         .map(|line| line.split(',').collect::<Vec<_>>())
@@ -66,16 +66,16 @@ fn compare(case: &str, fit: &RheologicalFit, parameters: usize) {
     for (k, _, expected) in coordinates {
         let parameter = &fit.parameters[k];
         let found = coordinate(parameter.scale, parameter.value);
-        // our iteration ends where χ² changes by less than rounding: the root of 1e-16, times some
-        // hundred degrees of freedom
+        // the iteration of this crate ends where χ² changes by less than rounding: the root of
+        // 1e-16, times some hundred degrees of freedom
         let in_errors = (found - expected).abs() / expected_error(k);
         assert!(
             in_errors < 1e-5,
             "{case}, {}: {found} {expected}, {in_errors:e} standard errors",
             parameter.name
         );
-        // differences of eighth order with steps of 1e-3 leave 1e-10; errors change by no more than
-        // the 1e-5 by which the parameters may be off, in errors of some 1e-3 of the
+        // differences of eighth order with steps of 1e-3 have errors of 1e-10. The errors change by
+        // no more than the 1e-5 by which the parameters may differ, for errors of some 1e-3 of the
         // parameters: 1e-8
         let ratio = parameter.standard_error / expected_error(k) - 1.0;
         assert!(
@@ -85,7 +85,7 @@ fn compare(case: &str, fit: &RheologicalFit, parameters: usize) {
         );
     }
     for &(row, column, expected) in &expected_covariance {
-        // as a correlation
+        // compared as a correlation
         let difference =
             (covariance[row][column] - expected) / expected_error(row) / expected_error(column);
         assert!(
@@ -94,8 +94,9 @@ fn compare(case: &str, fit: &RheologicalFit, parameters: usize) {
         );
     }
     let (_, _, chi_squared) = quantity(case, "chi squared")[0];
-    // stationary at the minimum: the square of the 1e-5 errors, and rounding of 120 and more
-    // squares, of residuals that are differences of numbers 1e3 times as large
+    // χ² is stationary at the minimum: the tolerance is the square of the 1e-5 errors, and the
+    // rounding of 120 or more squares of residuals that are differences of numbers 1e3 times as
+    // large
     assert!(
         (fit.chi_squared / chi_squared - 1.0).abs() < 1e-12,
         "{case}: chi-squared {} {chi_squared}",
@@ -103,7 +104,7 @@ fn compare(case: &str, fit: &RheologicalFit, parameters: usize) {
     );
 }
 
-/// A complex modulus of five parameters, found from our own start.
+/// Fits a complex modulus with five parameters, from the starting points of this crate.
 #[test]
 fn five_parameters_are_lmfits() {
     let case = "havriliak negami";
@@ -116,7 +117,7 @@ fn five_parameters_are_lmfits() {
     compare(case, &fit, 5);
 }
 
-/// A Prony series of three branches and a spring, from values that are half as large again.
+/// Fits a Prony series of three branches and a spring, from values that are half as large again.
 #[test]
 fn a_prony_series_is_lmfits() {
     let case = "prony";
@@ -133,7 +134,7 @@ fn a_prony_series_is_lmfits() {
     )
     .unwrap();
     compare(case, &fit, 7);
-    // and the order that is chosen from the data is that of the reference, with the same minimum
+    // the order that is chosen from the data is the order of the reference, with the same minimum
     let chosen = RheologicalFit::new(
         &data(case),
         Law::GeneralisedMaxwell,

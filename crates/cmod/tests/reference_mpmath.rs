@@ -1,4 +1,5 @@
-//! The two-point method against acceleration ratios of 50 digits: `fixtures/reference/mpmath`.
+//! The two-point method compared with acceleration ratios of 50 digits, from
+//! `fixtures/reference/mpmath`.
 
 use cmod::{Specimen, TwoPoint};
 use num_complex::Complex64;
@@ -36,14 +37,13 @@ fn case(name: &str) -> Case {
     }
 }
 
-/// cosh γL + μγL sinh γL = Ψ to γ and E: equation 1 of paper A back and forth, between 0.3 and 12
-/// kHz, with waves to count.
+/// Inverts cosh γL + μγL sinh γL = Ψ to γ and E: equation 1 of paper A, between 0.3 and 12 kHz,
+/// where waves must be counted.
 #[test]
 fn moduli_come_back_from_ratios_of_fifty_digits() {
     for name in ["Test 2", "Test 6", "Test 9", "no mass"] {
         let case = case(name);
-        // a relative variance of 1e-12: noise enough that no line is refused for a random error of
-        // zero
+        // with a relative variance of 1e-12 no line is refused for a random error of zero
         let variance: Vec<f64> = case
             .ratio
             .iter()
@@ -60,8 +60,8 @@ fn moduli_come_back_from_ratios_of_fifty_digits() {
                 .iter()
                 .position(|f| (f - line.frequency_hz).abs() < 1e-9)
                 .unwrap();
-            // dE/E = -2 dx/x, dx = dΨ/f'(x), with Ψ rounded to a double: the inherent error of
-            // equation 1, and ten further roundings
+            // dE/E = -2 dx/x, dx = dΨ/f'(x), with Ψ rounded to a double: this is the inherent error
+            // of equation 1; ten further roundings are allowed
             let omega = std::f64::consts::TAU * line.frequency_hz;
             let expected = case.modulus[index];
             let x = Complex64::new(0.0, omega)

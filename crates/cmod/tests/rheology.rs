@@ -1,4 +1,4 @@
-//! Fits of laws to moduli with known truth and noise of known covariance.
+//! Fits of laws to moduli with known true values and noise of known covariance.
 
 mod cards;
 mod common_errors;

@@ -1,4 +1,4 @@
-//! Errors of sensors found from the lines: against records whose sensors are wrong by known
+//! Errors of sensors determined from the lines, for records whose sensors are wrong by known
 //! amounts.
 
 use std::f64::consts::{PI, TAU};
@@ -28,7 +28,7 @@ const WIDE: AcceptanceLimits = AcceptanceLimits {
     ..AcceptanceLimits::ONE_DIMENSIONAL
 };
 
-/// A rod between two accelerometers, its modulus, and how well it and its ends are measured.
+/// Rod between two accelerometers, with its modulus and the uncertainties of the rod and its ends.
 #[derive(Clone, Copy)]
 pub(crate) struct Rod {
     pub(crate) specimen: Specimen,
@@ -36,11 +36,11 @@ pub(crate) struct Rod {
     pub(crate) modulus: fn(f64) -> Complex64,
     pub(crate) step_hz: f64,
     pub(crate) highest_hz: f64,
-    /// Of each end, by the amplitude of the free end.
+    /// Noise of each end, relative to the amplitude of the free end.
     pub(crate) noise: f64,
 }
 
-/// E of a fractional Zener solid.
+/// Returns E of a fractional Zener solid.
 fn fractional(relaxed: f64, unrelaxed: f64, time: f64, exponent: f64, omega: f64) -> Complex64 {
     let phase = Complex64::new(0.0, omega * time).powf(exponent);
     relaxed + (unrelaxed - relaxed) * phase / (1.0 + phase)
@@ -53,7 +53,7 @@ const EXACT: SpecimenUncertainty = SpecimenUncertainty {
     accelerometer_mass: 0.0,
 };
 
-/// Loss factor 0.07, from the power law of constant loss.
+/// Rod with a loss factor of 0.07, from the power law of constant loss.
 pub(crate) const STIFF: Rod = Rod {
     specimen: Specimen {
         length: 0.8,
@@ -71,7 +71,7 @@ pub(crate) const STIFF: Rod = Rod {
     noise: 2e-4,
 };
 
-/// Loss factors near 1: little more than one wave, with little information on the sensors.
+/// Rod with loss factors near 1: little more than one wave, with little information on the sensors.
 pub(crate) const SOFT: Rod = Rod {
     specimen: Specimen {
         length: 0.2,
@@ -86,8 +86,8 @@ pub(crate) const SOFT: Rod = Rod {
     noise: 2e-4,
 };
 
-/// Loss factor 0.025, and eight wavelengths at the highest line: 1 % of the density is there a third of
-/// the width of a resonance.
+/// Rod with a loss factor of 0.025, and eight wavelengths at the highest line. There 1 % of the
+/// density is a third of the width of a resonance.
 pub(crate) const RINGING: Rod = Rod {
     specimen: Specimen {
         length: 1.5,
@@ -111,7 +111,7 @@ pub(crate) const RINGING: Rod = Rod {
 };
 
 impl Rod {
-    /// The rod with a specimen drawn within its uncertainty.
+    /// Returns the rod with a specimen drawn within its uncertainty.
     pub(crate) fn drawn(&self, noise: &mut Noise) -> Self {
         let Specimen {
             length, density, ..
@@ -126,7 +126,8 @@ impl Rod {
         }
     }
 
-    /// Ratio of the ends as the sensors show it: `gain` too large, and late by `delay`.
+    /// Returns the ratio of the ends as the sensors measure it: too large by `gain`, and late by
+    /// `delay`.
     pub(crate) fn record(&self, gain: f64, delay: f64, noise: &mut Noise) -> Record {
         let Specimen {
             length, density, ..
@@ -152,7 +153,7 @@ impl Rod {
         }
     }
 
-    /// z of E' and E'' of a causal estimate on every fifth of its lines.
+    /// Returns z of E' and E'' of a causal estimate on every fifth of its lines.
     pub(crate) fn z_of_causal(&self, causal: &CausalEstimate) -> Vec<f64> {
         let lines = causal.lines().iter().step_by(5);
         lines
@@ -165,7 +166,7 @@ impl Rod {
             .collect()
     }
 
-    /// z of E' and E'' on every fifth valid line.
+    /// Returns z of E' and E'' on every fifth valid line.
     fn z_of_modulus(&self, estimate: &ModulusEstimate) -> Vec<f64> {
         let lines = estimate.valid().step_by(5);
         lines
@@ -188,7 +189,8 @@ pub(crate) struct Record {
 }
 
 impl Record {
-    /// The method of the rod and the lines, with the stated errors of the sensors.
+    /// Calls a function with the method of the rod and the lines, including the stated errors of
+    /// the sensors.
     pub(crate) fn used<T>(
         &self,
         rod: &Rod,
@@ -220,13 +222,13 @@ pub(crate) fn root_mean_square(values: &[f64]) -> f64 {
     (values.iter().map(|z| z * z).sum::<f64>() / values.len() as f64).sqrt()
 }
 
-/// Part of the values within `limit`.
+/// Returns the fraction of the values within `limit`.
 pub(crate) fn within(values: &[f64], limit: f64) -> f64 {
     values.iter().filter(|z| z.abs() <= limit).count() as f64 / values.len() as f64
 }
 
-/// Sizes of what was found, and of the modulus, cover over records whose sensors are wrong as
-/// stated.
+/// Checks the coverage of the sizes found and of the modulus, over records whose sensors are wrong
+/// as stated.
 #[test]
 fn gain_ratio_and_delay_are_found_within_their_errors() {
     const RECORDS: u64 = 40;
@@ -262,19 +264,20 @@ fn gain_ratio_and_delay_are_found_within_their_errors() {
         }
         for z in &of_sizes {
             let mean = z.iter().sum::<f64>() / z.len() as f64;
-            // of 40 values: four standard deviations of chance
+            // mean of 40 values, within four standard deviations of chance
             assert!(mean.abs() < 0.64, "{name}: mean {mean}");
             let size = root_mean_square(z);
             assert!((0.55..1.45).contains(&size), "{name}: {size}");
         }
-        // 68 and 95 %; lines of a record share its errors, so that chance is that of 40 values
+        // 68 and 95 %; the lines of a record share its errors, so the fractions scatter like those
+        // of 40 values
         let coverage = [within(&of_modulus, 1.0), within(&of_modulus, 1.96)];
         assert!((0.58..0.80).contains(&coverage[0]), "{name}: {coverage:?}");
         assert!((0.88..0.995).contains(&coverage[1]), "{name}: {coverage:?}");
     }
 }
 
-/// Without its sensors solved for, the loss factor of the same record has errors ten times as
+/// If its sensors are not calibrated, the loss factor of the same record has errors ten times as
 /// large.
 #[test]
 fn the_loss_factor_is_nearly_as_good_as_with_exact_sensors() {
@@ -298,8 +301,8 @@ fn the_loss_factor_is_nearly_as_good_as_with_exact_sensors() {
     assert!(stated > 10.0, "{stated}");
 }
 
-/// Delays of some standard uncertainties leave no line its number of waves, where the losses are
-/// low.
+/// With low losses, delays of some standard uncertainties make the number of waves uncertain on
+/// every line.
 #[test]
 fn a_delay_that_hides_the_number_of_waves_is_found() {
     let rod = Rod {
@@ -319,7 +322,7 @@ fn a_delay_that_hides_the_number_of_waves_is_found() {
     }
 }
 
-/// Shifts are those of an estimate from a ratio that is wrong by as much.
+/// Compares the shifts with an estimate from a ratio that is wrong by the same amount.
 #[test]
 fn an_error_of_a_ratio_moves_a_line_by_its_shift() {
     let record = STIFF.record(0.0, 0.0, &mut Noise::seeded(1));
@@ -356,7 +359,7 @@ struct Gauged {
 }
 
 impl Gauged {
-    /// The gauges are `off` their places \[m\] and read too much by `gains`.
+    /// The gauges are `off` their positions \[m\] and read too much by `gains`.
     fn calibrated(
         &self,
         (off, gains): (&[f64], &[f64]),
@@ -422,7 +425,7 @@ fn both(
     )
 }
 
-/// Whatever all gauges share stays as uncertain as it was stated; the modulus covers.
+/// Errors that are common to all gauges remain as uncertain as stated, and the modulus is covered.
 #[test]
 fn errors_of_gauges_are_found_within_their_errors() {
     const RECORDS: u64 = 20;
@@ -453,7 +456,7 @@ fn errors_of_gauges_are_found_within_their_errors() {
             of_modulus[1].extend(STIFF.z_of_causal(&causal));
         }
         for (of_sizes, of_modulus) in of_sizes.iter().zip(&of_modulus) {
-            // 120 and 200 sizes, those of a record correlated
+            // 120 and 200 sizes, which are correlated within a record
             let size = root_mean_square(of_sizes);
             let coverage = [within(of_modulus, 1.0), within(of_modulus, 1.96)];
             assert!((0.75..1.3).contains(&size), "{n} gauges: {size}");
@@ -484,7 +487,7 @@ fn errors_that_are_none_are_refused() {
         method.estimate_ratio(&lines).unwrap_err().to_string(),
         "common error of the ratio has 2 lines, expected 3, one per frequency"
     );
-    // nothing uncertain, nothing to find
+    // without uncertain quantities there is nothing to calibrate
     let exact = RatioLines {
         common: &[],
         ..lines
@@ -496,8 +499,8 @@ fn errors_that_are_none_are_refused() {
     );
 }
 
-/// Aluminium with a loss factor of 0.003, whose noise hides the loss factor on every line: those on
-/// which noise makes it five times as large as its error are not valid.
+/// Aluminium with a loss factor of 0.003, which is hidden in noise on every line. Lines on which
+/// noise makes the loss factor five times as large as its error must not be valid.
 #[test]
 fn a_loss_factor_that_is_only_noise_is_not_valid() {
     let rod = Rod {
@@ -522,12 +525,12 @@ fn a_loss_factor_that_is_only_noise_is_not_valid() {
         let judged = estimate.judged_by_neighbours().unwrap();
         left += judged.valid().filter(high).count();
     }
-    // the mean of sixteen lines has noise as well
+    // the mean of sixteen lines also has noise
     assert!(
         by_chance >= 100 && left * 10 < by_chance,
         "{left} of {by_chance}"
     );
-    // a rod whose loss factor is measured loses nothing
+    // all lines of a rod whose loss factor is measured remain valid
     let record = STIFF.record(0.0, 0.0, &mut Noise::seeded(3));
     let estimate = record.used(&STIFF, |method, lines| {
         method.estimate_ratio(lines).unwrap()

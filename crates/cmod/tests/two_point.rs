@@ -1,4 +1,4 @@
-//! The two-point method in itself: roots, errors, masses, export. Records as of a laboratory are in
+//! The two-point method itself: roots, errors, masses, export. Records as in a laboratory are in
 //! `virtual_rig`.
 
 mod end_masses;

@@ -1,6 +1,5 @@
-//! The tests of papers A and B as a laboratory would have made them: exact histories at the
-//! sensors, anti-alias filter, noise, converter, ten blows, averaged spectra, modulus. The truth is
-//! known.
+//! The tests of papers A and B as in a laboratory: exact histories at the sensors, anti-alias
+//! filter, noise, converter, ten blows, averaged spectra, modulus. The true values are known.
 
 mod coverage;
 mod paper_a;
@@ -10,17 +9,17 @@ use labio::{AveragedSpectra, Record};
 use rand_distr::{Distribution, Uniform};
 use testbed::recorder::Recorder;
 
-/// Blows of a test, paper A, section 3.
+/// Number of blows of a test (paper A, section 3).
 const BLOWS: usize = 10;
 
-/// The blows of test `seed`.
+/// Returns the blows of test `seed`.
 fn blows(recorder: &Recorder, seed: u64) -> Vec<Record> {
     let strength = Uniform::new(0.9, 1.1).unwrap();
     let drawn = |random: &mut _| strength.sample(random);
     recorder.blows(1.0, BLOWS, seed, drawn).unwrap()
 }
 
-/// Spectra averaged over the blows of test `seed`.
+/// Returns the spectra averaged over the blows of test `seed`.
 fn averaged(recorder: &Recorder, seed: u64) -> AveragedSpectra {
     recorder.averaged(&blows(recorder, seed)).unwrap()
 }

@@ -1,5 +1,5 @@
-//! The two-point method on virtual tests: end accelerations by integration of the equations of
-//! motion along the rod, which shares nothing with the equation that the method solves.
+//! The two-point method on virtual tests: end accelerations are computed by integration of the
+//! equations of motion along the rod, independently of the equation that the method solves.
 
 use std::f64::consts::TAU;
 
@@ -16,8 +16,7 @@ use testbed::papers::paper_a;
 
 use crate::materials::polyamide;
 
-/// Polypropylene as a virtual material: constant loss factor 0.07, of the size that paper A, figure
-/// 3 shows.
+/// Polypropylene as a virtual material, with the constant loss factor of 0.07 of paper A, figure 3.
 struct ConstantLoss;
 
 impl ComplexModulus for ConstantLoss {
@@ -26,9 +25,9 @@ impl ComplexModulus for ConstantLoss {
     }
 }
 
-/// Ψ by integration of paper E, eq. A2, from the free end with its accelerometer to the impacted
-/// end, with the classical fourth-order Runge-Kutta method in steps of |γ|h = 4e-3: the error is
-/// |γL| (|γ|h)⁴/120 < 2e-10 for |γL| < 64.
+/// Returns Ψ by integration of paper E, eq. A2, from the free end with its accelerometer to the
+/// impacted end, with the classical fourth-order Runge-Kutta method in steps of |γ|h = 4e-3: the
+/// error is |γL| (|γ|h)⁴/120 < 2e-10 for |γL| < 64.
 fn integrated_ratio<L: PropagationLaw>(
     medium: &Medium<L>,
     specimen: &Specimen,
@@ -66,8 +65,8 @@ fn estimate(specimen: Specimen, frequency_hz: &[f64], ratio: &[Complex64]) -> Mo
         .unwrap()
 }
 
-/// Largest relative error of the modulus on valid lines of 25 Hz to 20 kHz. Valid are those of
-/// conditions (i) and (ii).
+/// Returns the largest relative error of the modulus on valid lines of 25 Hz to 20 kHz. Lines are
+/// valid if they fulfil conditions (i) and (ii).
 fn error_of<L: PropagationLaw>(name: &str, medium: &Medium<L>, specimen: Specimen) -> f64 {
     let frequency_hz: Vec<f64> = (1..=800).map(|j| 25.0 * f64::from(j)).collect();
     let of_line = |f: &f64| integrated_ratio(medium, &specimen, *f);
@@ -78,8 +77,8 @@ fn error_of<L: PropagationLaw>(name: &str, medium: &Medium<L>, specimen: Specime
     for line in found.lines() {
         let omega = TAU * line.frequency_hz;
         let error = relative(line.modulus, medium.modulus(omega));
-        // The error of the integration, 3e-12 a radian, and 1e-13 of rounding, both of the largest
-        // velocity in the rod; it comes out amplified.
+        // The error of the integration is 3e-12 per radian, and rounding is 1e-13, both relative to
+        // the largest velocity in the rod; the errors are amplified.
         let phase = line.propagation_coefficient.norm() * specimen.length;
         let largest = (line.propagation_coefficient.re * specimen.length).exp()
             * (1.0 + specimen.mass_ratio() * phase);
@@ -106,7 +105,7 @@ fn error_of<L: PropagationLaw>(name: &str, medium: &Medium<L>, specimen: Specime
         }
     }
     assert!(valid > 600, "{name}: {valid} valid lines"); // the shortest specimen begins at 1.7 kHz
-    // Condition (iii): with the other sign of time all waves grow.
+    // Condition (iii): with the opposite time factor all waves grow.
     let conjugated: Vec<Complex64> = ratio.iter().map(Complex64::conj).collect();
     let growing = estimate(specimen, &frequency_hz, &conjugated);
     assert_eq!(growing.valid().count(), 0, "{name}");

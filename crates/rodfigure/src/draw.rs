@@ -1,7 +1,7 @@
 //! A figure as scalable graphics.
 //!
-//! Legends are above the axes, where they hide nothing; a logarithmic axis extends to any positive
-//! value and need not end at full decades; the names of clipping paths do not depend on other
+//! Legends are above the axes, where they hide nothing. A logarithmic axis extends to any positive
+//! value; it need not end at full decades. The names of clipping paths do not depend on other
 //! figures drawn in the same process.
 
 mod frame;
@@ -45,9 +45,9 @@ impl Drawn {
     }
 }
 
-/// Draws `figure` as an SVG file: its title, and its panels one above the other, on white.
+/// Draws `figure` as an SVG file: its title and its panels, one above the other, on white.
 ///
-/// Series of many samples are [thinned]. Text is kept as text. The same figure gives the same
+/// Series with many samples are [thinned]. Text is kept as text. The same figure gives the same
 /// bytes.
 #[must_use]
 pub fn svg_of(figure: &Figure) -> String {
@@ -64,7 +64,7 @@ fn svg(figure: &Figure) -> String {
     }
     top += 6.0;
     let arranged = Arranged::all_of(&figure.panels);
-    // axes of all panels are aligned
+    // the axes of all panels are aligned
     let left = arranged
         .iter()
         .map(Arranged::left_margin)

@@ -1,8 +1,8 @@
-//! Figures of tests as data, and their drawing as SVG.
+//! Figures of tests as data, and their drawings as SVG.
 //!
-//! A [`Figure`] states which curves, points and bands belong together on which axes; numbers are in
-//! the unit of the axis. [`svg_of`] draws it: axes, ticks, colours and legend follow from the data,
-//! and the same figure gives the same bytes.
+//! A [`Figure`] states which curves, points and bands belong together on which axes; its numbers
+//! are in the units of the axes. [`svg_of`] draws it: axes, ticks, colours and legend follow from
+//! the data. The same figure gives the same bytes.
 //!
 //! ```
 //! use rodfigure::{Axis, Figure, Mark, Panel, Role, svg_of};
@@ -33,7 +33,7 @@ use std::{fs, io};
 
 use serde::Serialize;
 
-/// One figure of one or more panels, one above the other.
+/// Figure of one or more panels, one above the other.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Figure {
     /// Name of its file without extension, such as `modulus`.
@@ -58,8 +58,8 @@ impl Figure {
         }
     }
 
-    /// Draws the figure as an SVG file in `folder`, which is created if it does not exist, and
-    /// returns the path of the file.
+    /// Draws the figure as an SVG file in `folder` and returns the path of the file. The folder is
+    /// created if it does not exist.
     ///
     /// # Errors
     ///
@@ -75,22 +75,22 @@ impl Figure {
 /// One pair of axes with its marks.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Panel {
-    /// Horizontal axis; the panels of one figure that share its label and unit are zoomed
-    /// together.
+    /// Horizontal axis. The panels of a figure whose horizontal axes have the same label and unit
+    /// are zoomed together.
     pub x: Axis,
     /// Vertical axis.
     pub y: Axis,
-    /// Curves, points and bands in the order in which they are drawn.
+    /// Curves, points and bands, in the order in which they are drawn.
     pub marks: Vec<Mark>,
-    /// Ranges of the horizontal axis shaded grey because the result is not valid there.
+    /// Ranges of the horizontal axis that are shaded grey because the result is not valid there.
     pub greyed: Vec<Greyed>,
-    /// Equal scales on both axes (Nyquist, Cole-Cole).
+    /// True for equal scales on both axes (Nyquist, Cole-Cole).
     pub equal_axes: bool,
 }
 
 impl Panel {
-    /// Creates a panel with independent scales on both axes and nothing shaded. An axis can also be
-    /// given as a pair of its label and unit.
+    /// Creates a panel with independent scales on both axes and without shaded ranges. An axis can
+    /// also be given as a pair of label and unit.
     #[must_use]
     pub fn new(x: impl Into<Axis>, y: impl Into<Axis>, marks: Vec<Mark>) -> Self {
         Self {
@@ -103,7 +103,7 @@ impl Panel {
     }
 }
 
-/// An axis.
+/// Axis of a panel.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Axis {
     /// Quantity on the axis, such as `frequency`.
@@ -112,12 +112,12 @@ pub struct Axis {
     pub unit: String,
     /// Scale.
     pub scale: Scale,
-    /// Range shown at first; the whole range of the data if absent.
+    /// Range shown at first; `None` for the whole range of the data.
     pub range: Option<[f64; 2]>,
 }
 
 impl Axis {
-    /// Creates a linear axis over all data.
+    /// Creates a linear axis that shows all data.
     #[must_use]
     pub fn linear(label: impl Into<String>, unit: impl Into<String>) -> Self {
         Self {
@@ -128,7 +128,7 @@ impl Axis {
         }
     }
 
-    /// Creates a logarithmic axis over all data; values that are not positive are left out.
+    /// Creates a logarithmic axis that shows all data; values that are not positive are left out.
     #[must_use]
     pub fn logarithmic(label: impl Into<String>, unit: impl Into<String>) -> Self {
         Self {
@@ -148,7 +148,7 @@ impl Axis {
 }
 
 impl<L: Into<String>, U: Into<String>> From<(L, U)> for Axis {
-    /// Creates a linear axis from its label and unit.
+    /// Creates a linear axis from a label and a unit.
     fn from((label, unit): (L, U)) -> Self {
         Self::linear(label, unit)
     }
@@ -164,7 +164,7 @@ pub enum Scale {
     Logarithmic,
 }
 
-/// An element drawn on the axes.
+/// Element drawn on the axes.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case", tag = "mark")]
 pub enum Mark {
@@ -179,7 +179,7 @@ pub enum Mark {
         /// Ordinates.
         y: Vec<f64>,
     },
-    /// Points, with error bars if there are any.
+    /// Points, with or without error bars.
     Points {
         /// Name in the legend; empty for none.
         name: String,
@@ -207,7 +207,7 @@ pub enum Mark {
     },
     /// A vertical line, such as a trigger or the end of a contact.
     At {
-        /// The event at this abscissa.
+        /// Event at this abscissa.
         name: String,
         /// Abscissa.
         x: f64,
@@ -282,29 +282,29 @@ impl Mark {
     }
 }
 
-/// The meaning of a mark, which determines its colour and dashes. Roles are distinguishable by
-/// colour with any colour vision, and by their dashes in print.
+/// Meaning of a mark, which determines its colour and dashes. Roles can be distinguished by colour
+/// with any colour vision, and by their dashes in print.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Role {
-    /// The result, or the first of several.
+    /// The result, or the first of several results.
     First,
-    /// The second of several.
+    /// The second of several results.
     Second,
-    /// The third.
+    /// The third result.
     Third,
-    /// The fourth.
+    /// The fourth result.
     Fourth,
-    /// The fifth.
+    /// The fifth result.
     Fifth,
-    /// A curve to compare with: a model, a printed value, a limit.
+    /// A curve for comparison: a model, a printed value, a limit.
     Reference,
     /// Invalid data: invalid lines, rejected hits.
     Faint,
 }
 
 impl Role {
-    /// Returns the role of the series number `index`, from 0; the roles repeat after the fifth.
+    /// Returns the role of the series with this `index`, from 0; the roles repeat after the fifth.
     #[must_use]
     pub fn of_series(index: usize) -> Self {
         match index % 5 {
@@ -317,13 +317,13 @@ impl Role {
     }
 }
 
-/// A range of the horizontal axis where the result is not valid.
+/// Range of the horizontal axis where the result is not valid.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Greyed {
     /// Lower end; minus infinity stands for the end of the axis.
     pub from: f64,
     /// Upper end.
     pub to: f64,
-    /// The reason.
+    /// Reason why the result is not valid.
     pub because: String,
 }

@@ -1,9 +1,9 @@
 //! Colours, dashes and markers of the roles.
 //!
-//! The colours are those of the palette of Okabe and Ito, distinguishable with any colour vision;
-//! its purple and sky blue are darker here for contrast with white. Dashes and markers distinguish
-//! curves without colours. `report/style.css` of `rodlab` has the same colours, and others for dark
-//! screens.
+//! The colours are those of the palette of Okabe and Ito, which can be distinguished with any
+//! colour vision; its purple and sky blue are darker here for contrast with white. Dashes and
+//! markers distinguish curves without colours. `report/style.css` of `rodlab` has the same colours
+//! for light screens and others for dark screens.
 
 use super::Role;
 
@@ -11,7 +11,7 @@ use super::Role;
 pub(super) const GREY: &str = "#808080";
 pub(super) const GREY_OPACITY: f64 = 0.2;
 
-/// The appearance of a role on white.
+/// Appearance of a role on white.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Look {
     /// Colour.
@@ -37,7 +37,7 @@ pub(super) enum Marker {
 }
 
 impl Marker {
-    /// Outline around the origin, as the data of a path; `None` for a circle.
+    /// Outline around the origin, as the vertices of a path; `None` for a circle.
     pub(super) fn outline(self) -> Option<&'static [(f64, f64)]> {
         match self {
             Self::Circle | Self::Dot | Self::Cross => None,
@@ -143,8 +143,8 @@ mod tests {
                     let (one_seen, other_seen) = (seen(one), seen(*other));
                     let square = |index: usize| (one_seen[index] - other_seen[index]).powi(2);
                     let distance = (square(0) + square(1) + square(2)).sqrt();
-                    // 2.3 is just noticeable side by side; separate thin lines need several times
-                    // that
+                    // a difference of 2.3 is just noticeable side by side; separate thin lines need
+                    // several times as much
                     assert!(
                         distance > 12.0,
                         "{eye}: {one:?} and {other:?} are {distance:.1} apart"

@@ -1,17 +1,18 @@
-//! Ranges of the axes, from the data drawn. `report/script.js` of `rodlab` uses the same rules.
+//! Ranges of the axes, computed from the data drawn. `report/script.js` of `rodlab` uses the same
+//! rules.
 
 use super::{Axis, Mark, Panel, Scale};
 
 /// Free margin above and below, as a fraction of the span of the data.
 const MARGIN: f64 = 0.05;
-/// Limit of the widening of the range by bars and bands, as a fraction of the span of their points
-/// and lines: an error of many times the value must not flatten the curve.
+/// Limit of the widening of the range by error bars and bands, as a fraction of the span of the
+/// points and lines: an error of many times the value must not flatten the curve.
 const REACH: f64 = 0.6;
 
 /// Returns the ranges of both axes of every panel.
 ///
-/// Panels with the same horizontal axis share one range: the first stated one, or one that shows
-/// the data of all of them.
+/// Panels with the same horizontal axis share one range: the first range that is stated, otherwise
+/// one that shows the data of all of them.
 pub(super) fn spans(panels: &[Panel]) -> Vec<[[f64; 2]; 2]> {
     let same = |one: &Axis, other: &Axis| {
         one.label == other.label && one.unit == other.unit && one.scale == other.scale
@@ -52,7 +53,7 @@ pub(super) fn on(axis: &Axis, value: f64) -> bool {
     value.is_finite() && (axis.scale == Scale::Linear || value > 0.0)
 }
 
-/// Returns true if axes with these ranges show anything.
+/// Returns true if at least one mark is visible on axes with these ranges.
 pub(super) fn shows_anything(panel: &Panel, [x, _]: [[f64; 2]; 2]) -> bool {
     let seen = ordinates(panel, x);
     seen[0] <= seen[1]

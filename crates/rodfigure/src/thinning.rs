@@ -1,14 +1,14 @@
 //! Reduction of a long series to its visible points.
 //!
-//! A history of 65 536 samples on an axis of a few hundred pixels is drawn by its extremes: of the
-//! samples in one column of pixels, the first, the least, the greatest and the last are kept, so
-//! that no peak is lost and the curve looks the same. A curve that runs back and forth, as in a
-//! Nyquist plot, is followed in steps of a fraction of a pixel.
+//! A history of 65 536 samples, on an axis some hundred pixels wide, is drawn by its extremes: of
+//! the samples in one column of pixels, the first, the least, the greatest and the last are kept.
+//! No peak is lost, and the curve looks the same. A curve that runs back and forth, as in a Nyquist
+//! plot, is followed in steps of a fraction of a pixel.
 
 use super::span::on;
 use super::{Axis, Figure, Mark, Panel, Scale};
 
-/// Columns of the range shown, and of everything outside it.
+/// Number of columns of the range shown, and of the whole range for everything outside it.
 const COLUMNS: f64 = 500.0;
 /// Number of samples up to which a series is drawn as it is.
 pub const FEW: usize = 2000;
@@ -18,9 +18,9 @@ const MOST: usize = 3000;
 /// Returns the figure as drawn: long series are reduced to their extremes over 1/500 of the
 /// horizontal axis.
 ///
-/// Series of up to 2000 samples are unchanged. A longer one keeps at most four samples and one
-/// interruption (NaN) in each of 500 columns of the range shown, and as many outside it; the least
-/// and the greatest sample are among them.
+/// Series of up to 2000 samples are unchanged. A longer series keeps at most four samples and one
+/// interruption (NaN) in each of 500 columns of the range shown, and as many outside it. The least
+/// and the greatest sample are always kept.
 #[must_use]
 pub fn thinned(figure: &Figure) -> Figure {
     Figure {
@@ -62,7 +62,7 @@ fn thinned_panel(panel: &Panel) -> Panel {
             let kept = if error.is_empty() {
                 kept(&panel.x, x, y, y)
             } else {
-                // a bar whose length is not finite is not drawn: its point alone counts
+                // a bar whose length is not finite is not drawn; only its point counts
                 let end = |sign: f64| -> Vec<f64> {
                     let reach = |(y, error): (&f64, &f64)| {
                         if error.is_finite() {
@@ -114,7 +114,8 @@ fn thinned_panel(panel: &Panel) -> Panel {
     }
 }
 
-/// Returns the indices of the samples drawn; `low` and `high` are equal except for a band or bars.
+/// Returns the indices of the samples that are drawn; `low` and `high` differ only for a band or
+/// for bars.
 #[allow(
     clippy::indexing_slicing,
     reason = "the three lists are cut to the same samples, which the indices count"
@@ -144,7 +145,7 @@ fn kept(axis: &Axis, x: &[f64], low: &[f64], high: &[f64]) -> Vec<usize> {
 }
 
 /// Columns of pixels along an axis: 500 in the range shown, and 500 over the whole range of the
-/// data for the parts outside.
+/// data for the parts outside it.
 struct Columns {
     logarithmic: bool,
     shown: [f64; 2],
@@ -168,13 +169,13 @@ impl Columns {
         }
     }
 
-    /// Returns the end of the column of `x`.
+    /// Returns the end of the column that contains `x`.
     fn end(&self, x: f64) -> f64 {
         let place = if self.logarithmic { x.log10() } else { x };
         let within = |range: [f64; 2]| {
             let width = (range[1] - range[0]) / COLUMNS;
             let end = range[0] + (((place - range[0]) / width).floor() + 1.0) * width;
-            // a column has a positive width despite rounding
+            // rounding must not make a column empty
             if end > place { end } else { place + width }
         };
         let end = if (self.shown[0]..=self.shown[1]).contains(&place) {
@@ -193,7 +194,7 @@ impl Columns {
 }
 
 /// Returns the first, least, greatest and last sample of each column, and a NaN sample for a gap
-/// between columns.
+/// between two columns.
 #[allow(
     clippy::indexing_slicing,
     reason = "`kept` has cut the lists to the same samples, which the indices count"
@@ -250,8 +251,8 @@ fn by_columns(
     kept
 }
 
-/// Returns the samples of a curve that runs back and forth, in steps of a fraction of a column; the
-/// steps are coarser if that leaves too many samples.
+/// Returns the samples of a curve that runs back and forth, in steps of a fraction of a column. The
+/// steps become coarser if too many samples would remain.
 #[allow(
     clippy::indexing_slicing,
     reason = "`kept` has cut the lists to the same samples, which the indices count"

@@ -12,7 +12,7 @@ pub(super) struct Ticks {
     pub minor: Vec<f64>,
 }
 
-/// Returns about `wanted` labelled ticks in the range of `axis`: at multiples of 1, 2 or 5 of a
+/// Returns about `wanted` labelled ticks in the range of `axis`: at multiples of 1, 2 or 5 times a
 /// power of ten, at the decades, or at fractions of a turn.
 pub(super) fn ticks(axis: &Axis, range: [f64; 2], wanted: f64) -> Ticks {
     let least = (range[1] - range[0]) / wanted;
@@ -46,7 +46,8 @@ fn linear([from, to]: [f64; 2], step: f64) -> Ticks {
         major.push((value, label(value, step)));
         count += 1.0;
     }
-    // a step of 2 has four parts, one of 1 or 5 has five, and a fraction of a turn has three
+    // a step of 2 is divided into four parts, a step of 1 or 5 into five, a fraction of a turn into
+    // three
     let power = 10_f64.powf((step.log10() + 1e-9).floor());
     let parts = match step / power {
         lead if (lead - 2.0).abs() < 1e-6 => 4.0,
@@ -83,7 +84,7 @@ fn logarithmic([from, to]: [f64; 2], wanted: f64) -> Ticks {
             let labelled = digit == 1 && (exponent / every).fract().abs() < 1e-9
                 || decades < 1.6 && (digit == 2 || digit == 5);
             if inside(&value) && labelled {
-                // many decades are all labelled as powers
+                // over many decades, all labels are powers of ten
                 let label = if decades > 5.5 && exponent.abs() > 0.5 {
                     format!("10{}", superscript(exponent))
                 } else {
@@ -99,8 +100,7 @@ fn logarithmic([from, to]: [f64; 2], wanted: f64) -> Ticks {
     ticks
 }
 
-/// Formats `value` with enough digits to distinguish it from its neighbours at a distance of
-/// `step`.
+/// Formats `value` with enough digits to distinguish it from its neighbours, which are `step` away.
 pub(super) fn label(value: f64, step: f64) -> String {
     if value.abs() < 1e-6 * step {
         return "0".to_owned();

@@ -1,7 +1,7 @@
 //! Units in typographic form.
 
 /// Returns `unit` with superscript powers, such as `m/s²` for `m/s^2`, and with the symbols for
-/// degree and micro. Files keep the ASCII form.
+/// degree and micro. Files contain the ASCII form.
 #[must_use]
 pub fn unit_as_read(unit: &str) -> String {
     match unit {
@@ -31,7 +31,7 @@ pub fn unit_as_read(unit: &str) -> String {
     read
 }
 
-/// Returns a digit or a minus as superscript.
+/// Returns a digit or a minus sign as superscript.
 pub(super) fn raised(c: char) -> char {
     match c {
         '-' => '⁻',

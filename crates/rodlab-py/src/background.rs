@@ -1,5 +1,5 @@
-//! Work on a thread next to the interpreter: it can be interrupted, its progress is reported, and a
-//! panic becomes an exception.
+//! Work on a thread of its own, next to the interpreter. It can be interrupted, its progress is
+//! reported, and a panic becomes an exception.
 
 use std::any::Any;
 use std::panic::{self, AssertUnwindSafe};
@@ -16,14 +16,14 @@ use rodlab::job::Progress;
 
 use crate::errors::raised;
 
-/// Time between two checks of the signals of the interpreter.
+/// Time between two checks for signals to the interpreter.
 const LOOK: Duration = Duration::from_millis(50);
 
-/// Time that interrupted work has to end. After this time its thread is abandoned; it writes no
+/// Time in which interrupted work must end. After this time its thread is abandoned; it writes no
 /// more files.
 const PATIENCE: Duration = Duration::from_millis(150);
 
-/// Stack size of the working thread, that of most main threads.
+/// Stack size of the working thread, as that of most main threads.
 const STACK: usize = 8 << 20;
 
 /// Message from the work to the interpreter.
@@ -33,7 +33,7 @@ enum Event<T> {
     Ended(thread::Result<Result<T, RodlabError>>),
 }
 
-/// Progress that is reported to the interpreter.
+/// Sender of the progress to the interpreter.
 struct Told<T>(Sender<Event<T>>);
 
 impl<T> std::fmt::Debug for Told<T> {
@@ -44,7 +44,7 @@ impl<T> std::fmt::Debug for Told<T> {
 
 impl<T: Send> Progress for Told<T> {
     fn begins(&self, step: &str, of: usize) {
-        // after an interruption nobody receives it
+        // after an interruption there is no receiver
         let _ = self.0.send(Event::Begins(step.to_owned(), of));
     }
 
@@ -53,13 +53,13 @@ impl<T: Send> Progress for Told<T> {
     }
 }
 
-/// Runs `work` on a thread of its own, without the lock of the interpreter. `progress`, if there is
-/// one, is called on the calling thread as `progress(step, done, of)`, where `of` is 0 if it is not
-/// known.
+/// Runs `work` on a thread of its own, without the lock of the interpreter. If there is a
+/// `progress`, it is called on the calling thread as `progress(step, done, of)`; `of` is 0 if the
+/// total is not known.
 ///
 /// # Errors
 ///
-/// The error of the work; an exception that `progress` or the handler of a signal raises
+/// The error of the work; an exception raised by `progress` or by a signal handler
 /// (`KeyboardInterrupt`), within 0.3 s; `RuntimeError` for a panic.
 pub(crate) fn done<T, W>(py: Python<'_>, progress: Option<Py<PyAny>>, work: W) -> PyResult<T>
 where
@@ -89,7 +89,8 @@ where
     }
 }
 
-/// Waits until the work has ended, and returns its result, or an exception raised before.
+/// Waits until the work has ended and returns its result, or returns an exception that is raised
+/// before.
 fn listened<T: Send>(
     py: Python<'_>,
     events: &Mutex<Receiver<Event<T>>>,

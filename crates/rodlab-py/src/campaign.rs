@@ -12,7 +12,7 @@ use rodlab::output::TableFiles;
 
 use crate::background::done;
 
-/// Returns the tests that `places` name, as (name, path of the sheet), in the order of their names.
+/// Returns the tests that `places` name as (name, path of the sheet), in the order of the names.
 #[pyfunction]
 pub(crate) fn tests_of(py: Python<'_>, places: Vec<String>) -> PyResult<Vec<(String, PathBuf)>> {
     let tests = done(py, None, move |_, _| campaign::tests_of(&places))?;
@@ -20,7 +20,7 @@ pub(crate) fn tests_of(py: Python<'_>, places: Vec<String>) -> PyResult<Vec<(Str
     Ok(pairs.collect())
 }
 
-/// Runs all tests that `places` name, `jobs` at a time, and writes their summary; returns the
+/// Runs all tests that `places` name, `jobs` at a time, and writes their summary. Returns the
 /// summary as JSON.
 #[pyfunction]
 #[pyo3(signature = (places, out, *, resume=false, jobs=None, progress=None))]
@@ -55,8 +55,8 @@ pub(crate) fn batch(
     done(py, progress, work)
 }
 
-/// Runs the test `name` of the campaign in `out`, with `resume` only if it has no current result;
-/// returns its standing as a word.
+/// Runs the test `name` of the campaign in `out`; with `resume`, only if it has no current result.
+/// Returns its standing as a word.
 #[pyfunction]
 pub(crate) fn one_test(
     py: Python<'_>,

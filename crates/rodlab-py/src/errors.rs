@@ -1,4 +1,4 @@
-//! Errors of the crates as the exceptions of the package, which are classes of `rodlab._errors`.
+//! Errors of the crates, as exceptions of the package (classes of `rodlab._errors`).
 
 use labio::LabioError;
 use pyo3::exceptions::PyKeyboardInterrupt;
@@ -38,12 +38,12 @@ pub(crate) fn raised(py: Python<'_>, error: &RodlabError) -> PyErr {
         _ if error.is_of_output() => named(py, "WriteError", words),
         _ => named(py, "Error", words),
     };
-    // if the class cannot be imported, the error of the import is raised
+    // if the class cannot be imported, the import error is raised instead
     made.unwrap_or_else(|error| error)
 }
 
-/// Returns the exception for mistakes in the arguments of a function; `error` is that of the sheet
-/// made of these arguments.
+/// Returns the exception for mistakes in the arguments of a function; `error` is the error of the
+/// sheet made of these arguments.
 pub(crate) fn raised_of_arguments(py: Python<'_>, error: &SheetError) -> PyErr {
     let others = error.others().iter();
     let others = others.map(|other| with_advice(&other.in_words(), other));
@@ -59,7 +59,7 @@ pub(crate) fn raised_of_arguments(py: Python<'_>, error: &SheetError) -> PyErr {
     .unwrap_or_else(|error| error)
 }
 
-/// Returns the words of a mistake, with its advice.
+/// Returns the message of a mistake together with its advice.
 fn with_advice(words: &str, mistake: &SheetError) -> String {
     match mistake.advice() {
         Some(advice) => format!("{words}; {advice}"),
@@ -67,7 +67,7 @@ fn with_advice(words: &str, mistake: &SheetError) -> String {
     }
 }
 
-/// Returns the exception for arrays that `labio` refuses.
+/// Returns the exception for arrays that `labio` rejects.
 pub(crate) fn refused(py: Python<'_>, error: &LabioError) -> PyErr {
     named(py, "Error", in_one_line(error)).unwrap_or_else(|error| error)
 }

@@ -16,8 +16,8 @@ use crate::background::done;
 use crate::errors::{raised, raised_of_arguments, wrong};
 use crate::outcome::Outcome;
 
-/// Does the job of the sheet at `path`. With `write`, its files go to `out`, by default to the
-/// default folder of the command.
+/// Does the job of the sheet at `path`. With `write`, its files go to `out`, or to the default
+/// folder of the command if `out` is not given.
 #[pyfunction]
 #[pyo3(signature = (path, *, job=None, out=None, write=true, progress=None))]
 pub(crate) fn run_sheet(
@@ -58,7 +58,7 @@ pub(crate) fn run_sheet(
     done(py, progress, work)
 }
 
-/// Does the job of the sheet whose text is `text`; its relative paths start from `folder`. Files
+/// Does the job of the sheet with the given `text`; its relative paths start from `folder`. Files
 /// are written only if `out` is given.
 #[pyfunction]
 #[pyo3(signature = (text, folder, *, out=None, progress=None))]
@@ -106,7 +106,8 @@ pub(crate) fn inspect(py: Python<'_>, path: PathBuf) -> PyResult<String> {
     })
 }
 
-/// Writes the recording at `input` in another format to `output`; returns what was done, as JSON.
+/// Writes the recording at `input` to `output` in another format. Returns a description of the
+/// conversion as JSON.
 #[pyfunction]
 #[pyo3(signature = (input, output, *, tolerant=false, lossless=false, binary=false, force=false))]
 pub(crate) fn convert(
@@ -129,7 +130,7 @@ pub(crate) fn convert(
     })
 }
 
-/// Writes the commented sheet of `job`, or of its `rig`, to `path`, which must not exist yet.
+/// Writes the commented sheet of `job`, or that of its `rig`, to `path`, which must not exist yet.
 #[pyfunction]
 #[pyo3(signature = (job, path, rig=None))]
 pub(crate) fn init(py: Python<'_>, job: &str, path: PathBuf, rig: Option<&str>) -> PyResult<()> {
@@ -147,7 +148,7 @@ fn rig_of(py: Python<'_>, name: &str) -> PyResult<Rig> {
     })
 }
 
-/// Runs a command line, given as its words with the name of the program first; returns the exit
+/// Runs a command line, given as words, with the name of the program first. Returns the exit
 /// status.
 #[pyfunction]
 pub(crate) fn command(py: Python<'_>, words: Vec<OsString>) -> u8 {

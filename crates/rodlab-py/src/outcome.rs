@@ -1,4 +1,4 @@
-//! The result of a job, in the form that the Python package uses.
+//! Result of a job, in the form that the Python package uses.
 
 use std::path::PathBuf;
 
@@ -13,13 +13,13 @@ use rodlab::report::html_of;
 
 use crate::errors::raised;
 
-/// A column: name, words, unit and cells.
+/// A column: name, description, unit and cells.
 type Column<'py> = (String, String, String, Bound<'py, PyAny>);
 
 /// A table: name, title and columns.
 type Table<'py> = (String, String, Vec<Column<'py>>);
 
-/// The result of a job.
+/// Result of a job.
 #[pyclass(frozen, module = "rodlab._rodlab")]
 #[derive(Debug)]
 pub(crate) struct Outcome {
@@ -64,14 +64,14 @@ impl Outcome {
         (&self.sheet.file, &self.sheet.sha256)
     }
 
-    /// Paths of the files that were written, `result.json` the last.
+    /// Paths of the files that were written; `result.json` is the last.
     #[getter]
     fn files(&self) -> Vec<PathBuf> {
         self.files.clone()
     }
 
-    /// Tables as (name, title, columns); a column is (name, words, unit, array of float64 or bool,
-    /// or list of words).
+    /// Tables as (name, title, columns). A column is (name, description, unit, cells); the cells
+    /// are an array of float64 or bool, or a list of str.
     fn tables<'py>(&self, py: Python<'py>) -> PyResult<Vec<Table<'py>>> {
         let column = |column: PublishedColumn<'_>| -> PyResult<_> {
             let cells = match column.cells {

@@ -10,15 +10,15 @@ use rodlab::job::Job;
 use crate::background::done;
 use crate::errors::{raised_of_arguments, wrong};
 
-/// A hit: its record and the decisions on it.
+/// Hit: its record and the decisions on it.
 #[pyclass(frozen, get_all, module = "rodlab._rodlab")]
 #[derive(Debug)]
 pub(crate) struct Hit {
-    /// Name in the log.
+    /// Name in the log of hits.
     name: String,
-    /// True if the hit is averaged.
+    /// True if the hit contributes to the average.
     accepted: bool,
-    /// Reasons against the hit, and decisions by hand.
+    /// Reasons against the hit, and decisions made by hand.
     reasons: Vec<String>,
     /// Samples in SI, (n_channels, n_samples), float64.
     samples: Py<PyArray2<f64>>,
@@ -31,8 +31,8 @@ pub(crate) struct Hit {
 /// Name, acceptance, reasons and record of one hit.
 type Read = (String, bool, Vec<String>, labio::Record);
 
-/// Returns the hits of the records of `text`, a sheet of frequency responses, the (name, unit) of
-/// each channel, and the warnings.
+/// Returns the hits of the records in `text`, a sheet of frequency responses, with the (name, unit)
+/// of each channel and the warnings.
 #[pyfunction]
 #[expect(
     clippy::type_complexity,

@@ -1,5 +1,5 @@
-//! Forward physics of bodies that are stated in the form of a sheet: mobilities, transition
-//! matrices, propagation of waves.
+//! Forward physics of bodies that are stated as in a sheet: mobilities, transition matrices,
+//! propagation of waves.
 
 use std::f64::consts::TAU;
 use std::path::Path;
@@ -16,7 +16,7 @@ use rodlab::job::force::{ForceSheet, Problem};
 
 use crate::errors::{raised, raised_of_arguments, wrong};
 
-/// Reads the sheet of a force, whose first body is the body in question.
+/// Reads the sheet of a force; its first body is the body to be computed.
 fn sheet_of(py: Python<'_>, text: &str) -> PyResult<Box<ForceSheet>> {
     match rodlab::job::parse(Path::new("arguments.ron"), text) {
         Ok(Job::Force(sheet)) => Ok(sheet),

@@ -13,7 +13,7 @@ use crate::errors::{refused, wrong};
 /// Names of the two channels.
 const NAMES: [&str; 2] = ["input", "output"];
 
-/// Frequencies, values, coherence, variance, random errors of magnitude and phase, validity.
+/// Frequencies, values, coherence, variance, random errors of magnitude and of phase, validity.
 type Response<'py> = (
     Bound<'py, PyArray1<f64>>,
     Bound<'py, PyArray1<Complex64>>,
@@ -24,8 +24,8 @@ type Response<'py> = (
     Vec<bool>,
 );
 
-/// Returns the frequency response from `input` to `output`, (n_hits, n_samples) each, with
-/// `estimator`, averaged with the window `window`.
+/// Returns the frequency response from `input` to `output`, (n_hits, n_samples) each, by
+/// `estimator`, averaged with `window`.
 #[pyfunction]
 #[pyo3(signature = (input, output, sampling_rate_hz, *, estimator, window))]
 pub(crate) fn frequency_response<'py>(
@@ -72,7 +72,7 @@ pub(crate) fn frequency_response<'py>(
     let channels = [first.map_err(fail)?, second.map_err(fail)?];
     let mut averager = None;
     for (input, output) in input.rows().into_iter().zip(output.rows()) {
-        // a copy of one hit: the arrays may change while the lock of the interpreter is released
+        // copies one hit: the arrays may change while the lock of the interpreter is released
         let mut hit = Array2::zeros((2, input.len()));
         hit.row_mut(0).assign(&input);
         hit.row_mut(1).assign(&output);

@@ -1,4 +1,4 @@
-"""Sheets and records of the examples of the command, each test with a copy of its own."""
+"""Sheets and records of the examples of the command; each test gets its own copy."""
 
 import shutil
 from pathlib import Path
@@ -15,19 +15,19 @@ def copy_of(example: str, folder: Path) -> Path:
 
 @pytest.fixture
 def polypropylene(tmp_path: Path) -> Path:
-    """A rod with accelerometers at both ends, five blows."""
+    """Five blows on a rod with accelerometers at both ends."""
     return copy_of("polypropylene", tmp_path)
 
 
 @pytest.fixture
 def frame(tmp_path: Path) -> Path:
-    """A member of a frame with three gauges, five blows."""
+    """Five blows on a member of a frame with three gauges."""
     return copy_of("frame", tmp_path)
 
 
 @pytest.fixture
 def cone(tmp_path: Path) -> Path:
-    """A nylon cone on a long steel rod."""
+    """Impact of a nylon cone on a long steel rod."""
     return copy_of("cone", tmp_path)
 
 

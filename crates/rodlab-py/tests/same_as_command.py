@@ -12,13 +12,13 @@ from rodlab import Table
 
 
 def command(*words: str | Path) -> subprocess.CompletedProcess[str]:
-    """The console script, in a process of its own."""
+    """Runs the console script in a separate process."""
     script = Path(sys.executable).with_name("rodlab")
     return subprocess.run([script, *words], capture_output=True, text=True, check=False, timeout=300)
 
 
 def expect_file(table: Table, path: Path) -> None:
-    """Every name, word, answer and number of `table` is that of the file, to the last bit."""
+    """Asserts that every name, text, truth value and number of `table` equals that of the file, to the last bit."""
     with path.open(newline="") as file:
         names, *rows = csv.reader(file)
     columns = table.columns()
@@ -37,7 +37,7 @@ def expect_file(table: Table, path: Path) -> None:
 
 
 def expect_files(tables: Mapping[str, Table], folder: Path) -> None:
-    """All `tables` are those of the files in `folder`, which holds no others."""
+    """Asserts that `tables` equal the files in `folder`, and that there are no other files."""
     assert sorted(tables) == sorted(path.stem for path in folder.glob("*.csv"))
     for name, table in tables.items():
         expect_file(table, folder / f"{name}.csv")

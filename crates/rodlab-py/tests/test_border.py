@@ -1,4 +1,4 @@
-"""The border: stubs, types, and arguments that nobody should give."""
+"""Border between Python and Rust: stubs, types, and invalid arguments."""
 
 import subprocess
 import sys
@@ -42,7 +42,7 @@ HOSTILE: tuple[Any, ...] = (None, True, -1, 10**400, float("nan"), float("inf"),
 
 
 def test_no_argument_crosses_the_border_as_a_panic(tmp_path: Path) -> None:
-    """Every public function, every argument a hostile one: an exception of Python, and no panic."""
+    """Calls every public function with a hostile value of every argument: a Python exception is raised, never a panic."""
     hits = rodlab.Hits((), {"a": "N", "b": "N"}, (), {"files": [], "channels": []}, {}, tmp_path)
     rod = sheet.LongRod(material="steel", diameter="10 mm")
     taken: list[tuple[int, object]] = []

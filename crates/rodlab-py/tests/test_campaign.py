@@ -1,4 +1,4 @@
-"""Campaigns: the same files in one process, on workers, and from the command."""
+"""Campaigns: one process, workers and the command write the same files."""
 
 import os
 import signal

@@ -140,7 +140,7 @@ def test_an_interruption_is_heard_within_three_tenths_of_a_second(nylon: Path) -
         interrupted.append(time.monotonic())
         os.kill(os.getpid(), signal.SIGINT)
 
-    # a shell that starts the tests in the background has them ignore the signal
+    # a shell that starts the tests in the background makes them ignore the signal
     before = signal.signal(signal.SIGINT, signal.default_int_handler)
     try:
         threading.Timer(0.5, interrupt).start()
@@ -185,7 +185,7 @@ def test_other_threads_go_on_while_a_job_computes(nylon: Path) -> None:
     took = time.monotonic() - began
     ended.set()
     thread.join()
-    # a turn takes 10 ms; ten times as long leaves room for a busy machine, and one lock would leave no turn at all
+    # a turn takes 10 ms; ten times as long is allowed for a busy machine, whereas with the lock held there would be no turn at all
     assert len(turns) > took / 0.1
 
 

@@ -1,4 +1,4 @@
-"""Virtual tests and laws from arguments, against the files of the command."""
+"""Virtual tests and laws from arguments, compared with the files of the command."""
 
 from pathlib import Path
 
@@ -43,7 +43,7 @@ def test_a_virtual_test_is_that_of_the_command(polypropylene: Path) -> None:
 
 
 def test_a_law_is_that_of_the_command(nylon: Path) -> None:
-    # the recorder of the example biases what a nonlinear law takes from it: the data allow no law
+    # the recorder of the example biases the parameters of nonlinear laws: the data allow no law
     assert command("identify", nylon / "identify.ron").returncode == 1
 
     def test(name: str, file: str) -> dict[str, object]:

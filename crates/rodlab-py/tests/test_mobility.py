@@ -1,4 +1,4 @@
-"""Mobilities, forces between measured bodies and creep recovery from arguments, against the files of the command."""
+"""Mobilities, forces between measured bodies and creep recovery from arguments, compared with the files of the command."""
 
 from pathlib import Path
 
@@ -18,7 +18,7 @@ TEMPLATES = EXAMPLES.parent / "templates"
 
 @pytest.fixture
 def struck(tmp_path: Path) -> Path:
-    """Virtual hammer blows on a rod of nylon of 0.975 kg."""
+    """Virtual hammer blows on a nylon rod of 0.975 kg."""
     made = rodlab.simulate(
         sheet.HammerOnBody(body=BODY, blows={"hits": 5, "peak": "500 N", "duration": "200 us"}),
         instrument={"sampling_rate": "51.2 kHz", "length": "80 ms", "before": "5 ms", "noise": "0.02 %"},

@@ -1,4 +1,4 @@
-"""Moduli, laws and cards from arguments, against the files of the command."""
+"""Moduli, laws and cards from arguments, compared with the files of the command."""
 
 import pickle
 from pathlib import Path
@@ -77,7 +77,7 @@ def test_three_and_more_points_are_those_of_the_command(frame: Path) -> None:
         report_at=["2 kHz", "4 kHz"],
     )
     expect_file(found.lines, frame / "modulus-result" / "modulus.csv")
-    # the closed form and least squares solve the same equations of three gauges
+    # for three gauges, the closed form and least squares solve the same equations
     squares = modulus.multi_point(hits, gauges=positions, **options, silent="1.2 ms", band=(1_000, 7_500), poisson_ratio=0)
     both = np.isin(squares.frequency_hz, found.frequency_hz[found.valid]) & squares.valid
     same = np.isin(found.frequency_hz, squares.frequency_hz[both])
@@ -89,7 +89,7 @@ def test_a_modulus_has_arrays_frames_and_figures(polypropylene: Path) -> None:
     found = of(polypropylene)
     lines = found.columns()
     assert found.valid.sum() > 100
-    # the truth of the virtual test, constant loss factor 0.07 and |E| = 2.6 GPa at 1.6 kHz, in closed form; a valid line is within 1 %
+    # true modulus of the virtual test in closed form, |E| = 2.6 GPa at 1.6 kHz with constant loss factor 0.07; a valid line is within 1 %
     exponent = 2 * np.arctan(0.07) / np.pi
     truth = 2.6e9 * (1j * found.frequency_hz[found.valid] / 1600) ** exponent
     np.testing.assert_allclose(found.modulus[found.valid], truth, rtol=0.01)

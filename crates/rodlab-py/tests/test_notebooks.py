@@ -1,4 +1,4 @@
-"""The notebooks, cell by cell, and their types."""
+"""Runs the notebooks cell by cell and checks their types."""
 
 import os
 import re
@@ -13,7 +13,7 @@ ALL = sorted(path.stem for path in NOTEBOOKS.glob("*.py"))
 
 
 def cells(path: Path) -> list[str]:
-    """The code cells: text between lines that begin with ``# %%``, without those of words."""
+    """Returns the code cells: the text between lines that begin with ``# %%``, without the cells of text."""
     parts = re.split(r"^# %%(.*)$", path.read_text(encoding="utf-8"), flags=re.MULTILINE)
     return [code for head, code in zip(parts[1::2], parts[2::2], strict=True) if "[markdown]" not in head]
 
@@ -45,7 +45,7 @@ def test_a_notebook_runs_and_has_the_numbers_of_the_command(
     assert len(code) >= 4
     for cell in code[:2]:
         exec(compile(cell, name, "exec"), names)
-    # the verdict comes first
+    # the verdict must come first
     assert re.match(r"(answered|in doubt|not allowed): ", capsys.readouterr().out)
     for cell in code[2:]:
         exec(compile(cell, name, "exec"), names)

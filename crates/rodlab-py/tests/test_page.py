@@ -1,4 +1,4 @@
-"""The page of the package, run as it stands."""
+"""Runs the code on the page of the package unchanged."""
 
 import re
 import shutil
@@ -13,12 +13,12 @@ PAGE = EXAMPLES.parents[2] / "docs" / "python.md"
 
 
 def examples(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> str:
-    """The text of the page, in a copy of the examples as working folder."""
+    """Returns the text of the page; the working folder is a copy of the examples."""
     import matplotlib
 
     matplotlib.use("Agg")
     shutil.copytree(EXAMPLES, tmp_path / "examples")
-    (tmp_path / "examples" / "nylon" / "identify.ron").unlink()  # takes as long as all others together
+    (tmp_path / "examples" / "nylon" / "identify.ron").unlink()  # it takes as long as all others together
     monkeypatch.chdir(tmp_path / "examples")
     return PAGE.read_text(encoding="utf-8")
 
@@ -42,7 +42,7 @@ def test_the_page_runs_as_written(tmp_path: Path, monkeypatch: pytest.MonkeyPatc
 
 @pytest.mark.parametrize("package", ["pyFRF", "pyuff", "lmfit", "pyvisco"])
 def test_other_packages_have_the_numbers_of_the_page(package: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Both sides of a task: the same numbers, as closely as the page says."""
+    """Two packages do the same task: their numbers agree as closely as the page states."""
     pytest.importorskip(package)
     page = examples(tmp_path, monkeypatch)
     names: dict[str, Any] = {"__name__": "page"}
@@ -60,13 +60,13 @@ def test_other_packages_have_the_numbers_of_the_page(package: str, tmp_path: Pat
     elif package == "pyvisco":
         temperature, ours, theirs = names["epoxy"].table("shifts").numbers("temperature_degc"), one["ours"], other["theirs"]
         np.testing.assert_allclose(ours[temperature >= 50], theirs[temperature >= 50], atol=0.06)
-        # the sweep was made with WLF, C1 = 12 and C2 = 90 K at 60 degC: 6 decades at 30 degC
+        # the sweep was made by the law of WLF with C1 = 12 and C2 = 90 K at 60 degC: a shift of 6 decades at 30 degC
         assert abs(ours[0] - 6) < 0.4 < 1.5 < abs(theirs[0] - 6)
     elif package == "pyuff":
         np.testing.assert_array_equal(one["samples"], other["samples"])
         np.testing.assert_array_equal(one["samples"], np.load("polypropylene/hits-1.npy")[0])
     else:
-        # the other takes the mean of each hit off, which the line at 0 Hz shows
+        # the other package subtracts the mean of each hit, which changes the line at 0 Hz
         apart = np.abs(one["values"] - other["values"])[1:]
         assert np.max(apart) < 1e-12 * np.max(np.abs(one["values"]))
         np.testing.assert_allclose(one["coherence"][1:], np.squeeze(other["coherence"])[1:], atol=1e-12)

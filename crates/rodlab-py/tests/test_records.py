@@ -1,4 +1,4 @@
-"""Hits of files, and frequency responses of arrays, against NumPy."""
+"""Hits from files, and frequency responses from arrays, compared with NumPy."""
 
 import gc
 import pickle
@@ -93,13 +93,13 @@ def test_responses_are_those_of_averaged_transforms() -> None:
     expected = {"h1": g_xy / g_xx, "h2": g_yy / g_xy.conj(), "hv": np.sqrt(g_yy / g_xx) * g_xy / np.abs(g_xy)}
     for name, values in expected.items():
         response = getattr(frf, name)(x, y, sampling_rate_hz=RATE)
-        # transforms of 256 values by another library
+        # rounding: another library transforms 256 values
         np.testing.assert_allclose(response.values, values, rtol=1e-12)
         np.testing.assert_allclose(response.coherence, coherence, rtol=1e-12)
         np.testing.assert_array_equal(response.frequency_hz, np.fft.rfftfreq(256, 1 / RATE))
     response = frf.h1(x, y, sampling_rate_hz=RATE)
     assert response.magnitude_error is not None and response.variance is not None
-    # Bendat and Piersol with one average spent on the response itself
+    # Bendat and Piersol, with one average less because the response itself is estimated
     error = np.sqrt((1 - coherence) / (2 * 5 * coherence))
     np.testing.assert_allclose(response.magnitude_error, error, rtol=1e-9)
     np.testing.assert_allclose(response.variance, 2 * (error * np.abs(response.values)) ** 2, rtol=1e-9)

@@ -1,4 +1,4 @@
-"""The campaign of `crates/rodlab/examples/campaign`, by each scheduler that is installed: one summary."""
+"""Runs the campaign of `crates/rodlab/examples/campaign` by each installed scheduler: the summaries are equal."""
 
 import os
 import shutil
@@ -15,7 +15,7 @@ EXAMPLE = EXAMPLES / "campaign"
 
 @pytest.fixture
 def campaign(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """A copy of the example with its sheets, and the results of the command in the folder `command`."""
+    """Copy of the example with its sheets; the folder `command` contains the results of the command."""
     folder = tmp_path / "campaign"
     shutil.copytree(EXAMPLE, folder)
     monkeypatch.chdir(folder)

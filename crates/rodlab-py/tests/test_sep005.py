@@ -1,4 +1,4 @@
-"""Time series after SEP-005, in and out."""
+"""Time series in the form of SEP-005, read and returned."""
 
 from pathlib import Path
 from typing import Any
@@ -24,7 +24,7 @@ def test_hits_survive_the_way_out_and_in(hits: rodlab.Hits) -> None:
     rod: dict[str, Any] = {"length": "799 mm ± 0.3 mm", "diameter": "15.8 mm", "density": "912 kg/m3", "silent": "1.6 ms"}
     of_series = rodlab.modulus.two_point(again, **rod)
     np.testing.assert_array_equal(of_series.modulus, rodlab.modulus.two_point(hits, **rod).modulus)
-    # what is handed out is a copy
+    # the returned arrays are copies
     records[0][0]["data"][:] = 0
     assert np.any(hits.hits[0].samples[0])
 

@@ -1,4 +1,4 @@
-//! Free texts of a sheet, copied to the report.
+//! Free text fields of a sheet, which are copied to the report.
 
 use serde::Deserialize;
 

@@ -51,7 +51,7 @@ pub enum Command {
         /// A file in any supported format, which is recognised from the content.
         file: PathBuf,
     },
-    /// Convert a recording to another format, which follows from the name of the new file.
+    /// Convert a recording to another format, given by the extension of the new file.
     #[command(after_help = "Examples:
   rodlab convert hits.tdms hits.csv
   rodlab convert hits.tdms hits.csv --force     replaces an existing file")]
@@ -60,11 +60,11 @@ pub enum Command {
         input: PathBuf,
         /// The file to write.
         output: PathBuf,
-        /// Losses that are allowed, and the form of universal files.
+        /// Accepted losses, and the form of universal files.
         #[command(flatten)]
         options: ConvertArguments,
     },
-    /// The job of a sheet.
+    /// Commands that compute the job of a sheet.
     #[command(flatten)]
     Job(Box<JobCommand>),
     /// Write a commented sheet to start from.
@@ -77,14 +77,15 @@ pub enum Command {
         /// The new sheet; by default the name of the job with the extension toml. A file with the
         /// extension ron is written in RON.
         path: Option<PathBuf>,
-        /// Arrangement on the bench; the sheet then contains only the fields of that arrangement.
+        /// Arrangement on the bench; with it, the sheet contains only the fields of that
+        /// arrangement.
         #[arg(long)]
         rig: Option<Rig>,
         /// Write the sheet in RON instead of TOML.
         #[arg(long)]
         ron: bool,
     },
-    /// Run a virtual test from its plan to the report of its modulus, and show the commands used.
+    /// Run a virtual test, from its plan to the report of its modulus, and show the commands used.
     #[command(after_help = "Example:\n  rodlab demo")]
     Demo {
         /// The new folder; by default `rodlab-demo`.
@@ -98,7 +99,7 @@ pub enum Command {
         #[arg(required = true)]
         sheets: Vec<String>,
     },
-    /// List sheets with job, input files and hashes; nothing is computed.
+    /// List sheets with their jobs, input files and hashes; nothing is computed.
     #[command(after_help = "Examples:
   rodlab list campaign
   rodlab list campaign --json     for programs that plan their own work")]
@@ -107,8 +108,8 @@ pub enum Command {
         #[arg(required = true)]
         sheets: Vec<String>,
     },
-    /// Compare results by hash with their sheets and files, and likewise the earlier results from
-    /// which they were made.
+    /// Check by hash that results, and the earlier results that they use, still match their sheets
+    /// and files.
     #[command(
         after_help = "Examples:\n  rodlab verify shot-result\n  rodlab verify results --sheets sheets     of `rodlab batch sheets --out results`"
     )]
@@ -116,11 +117,11 @@ pub enum Command {
         /// Folders of results, such as results/cone-1, or of campaigns, such as results.
         #[arg(required = true)]
         results: Vec<PathBuf>,
-        /// Folder of their sheets; by default the parent folder of each result.
+        /// Folder of the sheets of these results; by default the parent folder of each result.
         #[arg(long, value_name = "FOLDER")]
         sheets: Option<PathBuf>,
     },
-    /// Write the sheets of a plan: a template with a grid of values and seeds.
+    /// Write one sheet for each combination of values and seeds in a plan.
     #[command(
         after_help = "Example:\n  rodlab sweep plan.toml --out sheets && rodlab batch sheets --out results"
     )]
@@ -132,8 +133,8 @@ pub enum Command {
         #[arg(long, value_name = "FOLDER")]
         out: Option<PathBuf>,
     },
-    /// A sheet and its result side by side in a browser: values can be dragged, hits accepted or
-    /// rejected, and the sheet saved. The page is served to this machine only, until Ctrl+C.
+    /// Show a sheet and its result side by side in a browser: values can be dragged, hits accepted
+    /// or rejected, and the sheet saved. The page is served to this machine only, until Ctrl+C.
     #[command(after_help = "Example:\n  rodlab view rod.toml")]
     View {
         /// The sheet.
@@ -142,7 +143,7 @@ pub enum Command {
         #[arg(long, default_value_t = 0, hide_default_value = true)]
         port: u16,
     },
-    /// Run many sheets in parallel, for any jobs.
+    /// Run many sheets in parallel, for one job or several.
     #[command(after_help = "Examples:
   rodlab batch campaign --out results
   rodlab batch campaign --out results --resume          only what is not done or has changed
@@ -157,17 +158,17 @@ pub enum Command {
         /// Skip tests that have a complete result of the same sheet, files and software.
         #[arg(long)]
         resume: bool,
-        /// Do only part I of N, and write no summary.
+        /// Run only part I of N of the tests, and write no summary.
         #[arg(long, value_name = "I/N")]
         shard: Option<Shard>,
         /// Number of tests run at the same time; by default the number of processors.
         #[arg(long, value_name = "N")]
         jobs: Option<std::num::NonZeroUsize>,
-        /// Forms of the tables.
+        /// Formats of the tables.
         #[command(flatten)]
         tables: TableFiles,
     },
-    /// Write one summary of the results of all parts of a campaign.
+    /// Write one summary of the results in all parts of a campaign.
     #[command(after_help = "Example:\n  rodlab merge results")]
     Merge {
         /// Folders of results.
@@ -177,7 +178,7 @@ pub enum Command {
         #[arg(long, value_name = "FOLDER")]
         out: Option<PathBuf>,
     },
-    /// Completions for a shell, on the standard output.
+    /// Print the completions for a shell on the standard output.
     #[command(
         after_help = "Example:\n  rodlab completions bash > ~/.local/share/bash-completion/completions/rodlab"
     )]
@@ -196,7 +197,7 @@ pub enum Command {
 /// Conversion of a recording.
 #[derive(Debug, Args)]
 pub struct ConvertArguments {
-    /// Convert what can be read of a damaged file, and list the rest.
+    /// Convert the readable part of a damaged file, and list the unreadable parts.
     #[arg(long)]
     pub tolerant: bool,
     /// Refuse a conversion that would lose anything.
@@ -211,7 +212,7 @@ pub struct ConvertArguments {
 }
 
 impl ConvertArguments {
-    /// The options of the conversion.
+    /// Returns the options of the conversion.
     #[must_use]
     pub fn options(&self) -> ConvertOptions {
         ConvertOptions {
@@ -223,7 +224,7 @@ impl ConvertArguments {
     }
 }
 
-/// The commands with a sheet.
+/// The commands that read a sheet.
 #[derive(Debug, Subcommand)]
 pub enum JobCommand {
     /// Frequency responses of hits, with coherence and errors.

@@ -1,5 +1,5 @@
-//! Batches of test sheets: one line per test, and a summary. A failed test does not stop the
-//! others.
+//! Batches of test sheets, with one output line per test and a summary. A failed test does not stop
+//! the others.
 
 mod list;
 mod row;
@@ -25,7 +25,7 @@ use crate::finished;
 use crate::job::{Progress, Silent};
 use crate::output::{self, TableFiles};
 
-/// A part of a campaign: the tests whose number, divided by `of`, leaves the remainder
+/// Part of a campaign: the tests whose index from 0, divided by `of`, leaves the remainder
 /// `number - 1`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Shard {
@@ -52,24 +52,25 @@ impl FromStr for Shard {
     }
 }
 
-/// The work on many sheets: tests, output folder and options.
+/// A batch of sheets: tests, output folder and options.
 #[derive(Debug, Clone)]
 pub struct Batch {
     /// The tests, in order of their names.
     pub tests: Vec<Test>,
-    /// Folder that receives a folder of each test.
+    /// Folder that receives one folder for each test.
     pub out: PathBuf,
-    /// Skips tests with a complete result of the same sheet, the same files and the same software.
+    /// True to skip tests with a complete result of the same sheet, the same files and the same
+    /// software.
     pub resume: bool,
     /// Restricts the work to this part.
     pub shard: Option<Shard>,
-    /// Forms of the tables.
+    /// Formats of the tables.
     pub tables: TableFiles,
 }
 
 impl Batch {
-    /// Runs the tests of the `shard`, or all; with `resume`, those without a current result. `say`
-    /// receives the row of each test when it is done.
+    /// Runs the tests of the `shard`, or all tests; with `resume`, it skips those with a current
+    /// result. `say` receives the row of each test when the test is done.
     ///
     /// The rows are in the order of the tests. After an interruption, the tests that were not done
     /// are missing.
@@ -103,7 +104,7 @@ impl Batch {
             .collect()
     }
 
-    /// Runs one test; `None` if it was interrupted.
+    /// Runs one test; returns `None` if it was interrupted.
     fn one(&self, test: &Test, interrupted: &AtomicBool) -> Option<Row> {
         let folder = self.out.join(&test.name);
         if self.resume
@@ -133,8 +134,8 @@ impl Batch {
             Err(RodlabError::Interrupted) => None,
             Err(error) => {
                 let row = Row::wrong_input(&test.name, &in_one_line(&error));
-                // if the failure cannot be written either, only the terminal reports it, and an
-                // older result is kept
+                // a failure that cannot be written to the folder is reported on the terminal only,
+                // and an older result is kept
                 if !error.is_of_output() {
                     let _ = remember_failure(&row, &folder);
                 }
@@ -144,7 +145,7 @@ impl Batch {
     }
 }
 
-/// An error with its causes in one line.
+/// Returns an error with its causes in one line.
 #[must_use]
 pub fn in_one_line(error: &dyn std::error::Error) -> String {
     let mut text = error.to_string();
@@ -159,16 +160,16 @@ pub fn in_one_line(error: &dyn std::error::Error) -> String {
     text
 }
 
-/// The file of a summary that names the program which wrote it.
+/// Name of the summary file that states the program that wrote it.
 const SIGNED: &str = "summary.json";
 
-/// Writes summary, quantities and the combined report of `summary` to `out`, in place of those of
-/// an earlier summary.
+/// Writes table, quantities and combined report of `summary` to `out`, in place of the files of an
+/// earlier summary.
 ///
 /// # Errors
 ///
-/// [`RodlabError::Write`], [`RodlabError::Busy`]; [`RodlabError::Taken`] for a file that belongs to
-/// no earlier summary.
+/// [`RodlabError::Write`] or [`RodlabError::Busy`] if the folder cannot be written;
+/// [`RodlabError::Taken`] if one of the files exists and belongs to no earlier summary.
 pub fn write_summary(summary: &Summary, out: &Path) -> Result<Vec<PathBuf>, RodlabError> {
     let files = [
         ("summary.csv", summary.to_csv()?),

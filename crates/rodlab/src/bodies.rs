@@ -1,4 +1,4 @@
-//! Materials and bodies, stated in sheets or taken from earlier results.
+//! Materials and bodies that a sheet states or takes from earlier results.
 
 pub mod face;
 pub mod material;

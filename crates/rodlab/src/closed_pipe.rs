@@ -1,5 +1,5 @@
-//! Output to a reader that closes it early, such as `head`: neither an error nor a change of the
-//! exit status.
+//! Output to a reader that closes the pipe early, such as `head`. This is not an error and does not
+//! change the exit status.
 
 use std::io::{self, ErrorKind, Write};
 

@@ -1,4 +1,4 @@
-//! The environment of a job: folder, language, progress and interruption.
+//! Environment of a job: folder, language, progress and interruption.
 
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -8,8 +8,8 @@ use crate::draw::Draw;
 use crate::outcome::InputFile;
 use crate::sheet::Language;
 
-/// The environment of a job: the folder of its relative paths, the language of its sheet, its
-/// progress display and its interruption.
+/// Environment of a job: the folder of its relative paths, the language of its sheet, its progress
+/// display and its interruption.
 #[derive(Debug)]
 pub struct JobContext<'a> {
     /// The folder of the relative paths in the sheet.
@@ -18,21 +18,21 @@ pub struct JobContext<'a> {
     pub language: Language,
     /// Receiver of the current step and the number of finished parts.
     pub progress: &'a dyn Progress,
-    /// Set to stop the job.
+    /// Flag that is set to stop the job.
     pub interrupted: &'a AtomicBool,
-    /// Ends the job when it has read everything ([`check`](crate::job::check)).
+    /// True if the job ends when it has read all its files ([`check`](crate::job::check)).
     pub only_reads: bool,
-    /// One draw of a Monte Carlo computation: the job adds a draw of the random errors to its data,
-    /// and omits everything that is not a number of its result.
+    /// Draw of a Monte Carlo computation, if this is one. The job then adds drawn random errors to
+    /// its data, and produces only the numbers of its result.
     pub draw: Option<Draw>,
 }
 
 impl JobContext<'_> {
-    /// Fails if the job must stop. Long jobs call this between their steps.
+    /// Returns an error if the job must stop. Long jobs call this between their steps.
     ///
     /// # Errors
     ///
-    /// [`RodlabError::Interrupted`].
+    /// [`RodlabError::Interrupted`] if the job must stop.
     pub fn check_cancelled(&self) -> Result<(), RodlabError> {
         if self.interrupted.load(Ordering::Relaxed) {
             Err(RodlabError::Interrupted)
@@ -42,7 +42,7 @@ impl JobContext<'_> {
     }
 
     /// Ends a job that only reads. Each job calls this when it has read all its files, the
-    /// `inputs`, and checked its sheet, before it computes.
+    /// `inputs`, and checked its sheet, and before it computes.
     ///
     /// # Errors
     ///
@@ -60,7 +60,7 @@ impl JobContext<'_> {
 
 /// Receiver of the progress of a job.
 pub trait Progress: std::fmt::Debug + Sync {
-    /// Reports the start of `step` with `of` parts, 0 if unknown.
+    /// Reports the start of `step` with `of` parts; `of` is 0 if their number is unknown.
     fn begins(&self, step: &str, of: usize);
     /// Reports that one part is done.
     fn one_more(&self);

@@ -1,8 +1,8 @@
 //! Conversion of a file to another format.
 //!
-//! Values are never lost: a format that cannot store them is refused. Names, units and notes that
-//! the new format cannot store are listed, and so is every number that it stores with fewer digits:
-//! the written file is read back and compared with its source.
+//! Values are never lost: a format that cannot store them is refused. The written file is read back
+//! and compared with its source. The losses are listed: names, units and notes that the new format
+//! cannot store, and numbers that it stores with fewer digits.
 
 mod differences;
 mod fit;
@@ -22,13 +22,14 @@ use crate::{RodlabError, cut_short, input, output};
 /// Options of a conversion.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct ConvertOptions {
-    /// Converts the readable part of a damaged file, and lists the rest.
+    /// True to convert the readable part of a damaged file, and to list the unreadable parts.
     pub tolerant: bool,
-    /// Refuses a conversion with any loss.
+    /// True to refuse a conversion with any loss.
     pub lossless: bool,
-    /// Writes a universal file with IEEE numbers (58b), which keeps every bit, instead of text.
+    /// True to write a universal file with IEEE numbers (58b), which keeps every bit, instead of
+    /// text.
     pub binary: bool,
-    /// Replaces an existing output.
+    /// True to replace an existing output.
     pub force: bool,
 }
 
@@ -52,7 +53,7 @@ pub struct Conversion {
 }
 
 impl Conversion {
-    /// The conversion as text; `input` and `output` are used only as names.
+    /// Returns the conversion as text; `input` and `output` are used only as names.
     #[must_use]
     pub fn to_text(&self, input: &Path, output: &Path) -> String {
         let sets = if self.n_series == 1 {
@@ -85,7 +86,7 @@ impl Conversion {
     }
 }
 
-/// File extensions, and the format of each.
+/// File extensions with their formats.
 const ENDINGS: [(&str, &str); 9] = [
     ("csv", "csv"),
     ("mat", "mat5"),
@@ -100,13 +101,15 @@ const ENDINGS: [(&str, &str); 9] = [
 
 /// Reads `input`, whatever its name, and writes it to `output` in the format of its extension:
 /// `csv`, `txt`, `mat`, `npy`, `npz`, `uff`, `unv`, `uf` or `wav`. The new file appears complete or
-/// not at all. An existing output is replaced only on request, the input never.
+/// not at all. An existing output is replaced only with the option `force`; the input is never
+/// replaced.
 ///
 /// # Errors
 ///
-/// [`RodlabError::Read`], [`RodlabError::Write`]; [`RodlabError::Step`] if the source cannot be
-/// read, or the new format cannot hold its values; [`RodlabError::Request`] for an existing output,
-/// an unknown extension, an unwanted loss, or `output` equal to `input`.
+/// [`RodlabError::Read`] or [`RodlabError::Write`] for a file that cannot be opened or written;
+/// [`RodlabError::Step`] if the content of the source cannot be read, or the new format cannot hold
+/// its values; [`RodlabError::Request`] for an existing output, an unknown extension, an unwanted
+/// loss, or `output` equal to `input`.
 pub fn convert(
     input: &Path,
     output: &Path,
@@ -169,7 +172,7 @@ pub fn convert(
     })
 }
 
-/// The error for an existing output that is not to be replaced.
+/// Returns the error for an output that exists and must not be replaced.
 fn is_there(output: &Path) -> RodlabError {
     RodlabError::request(
         "the output",

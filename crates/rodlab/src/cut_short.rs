@@ -1,8 +1,9 @@
 //! Text tables whose last line may be incomplete.
 //!
-//! All other formats state their length, and their readers refuse a file that ends too early. A
-//! text table does not: cut at the end of a line, it is a shorter table; cut within its last
-//! number, it is a table with a wrong number. Only the latter is detected.
+//! Files of all other formats state their length, and their readers refuse a file that ends too
+//! early. A text table does not state its length: if it was cut at the end of a line, it is a
+//! shorter table; if it was cut within its last number, that number is wrong. Only the second case
+//! is detected.
 
 /// Returns a warning about `bytes` in `format` if the last line has no line ending; `name` is the
 /// name of the file.

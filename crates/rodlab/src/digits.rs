@@ -1,12 +1,12 @@
-//! Numbers in sentences and words.
+//! Numbers as they are written in sentences.
 
 mod number;
 
 pub(crate) use number::{alone, in_line, with_error, with_unit};
 pub(crate) use rodwave::digits::{percent, significant};
 
-/// Returns `value` to four significant digits without trailing zeros; from 1e3 to 1e5 with all
-/// digits before the decimal point, below 1e-3 and from 1e5 on in exponential notation.
+/// Returns `value` to four significant digits without trailing zeros. From 1e3 to 1e5 it has all
+/// digits before the decimal point; below 1e-3 and from 1e5 on it is in exponential notation.
 #[must_use]
 pub(crate) fn short(value: f64) -> String {
     let magnitude = value.abs();
@@ -25,8 +25,8 @@ pub(crate) fn short(value: f64) -> String {
     }
 }
 
-/// Text of `value` to the second digit of its standard error, and to three significant digits at
-/// least.
+/// Returns `value` to the second digit of its standard error, and with at least three significant
+/// digits.
 #[must_use]
 pub(crate) fn to_error(value: f64, error: f64) -> String {
     let orders = value.abs().log10().floor() - error.abs().log10().floor();
@@ -54,8 +54,8 @@ const PREFIXES: [(f64, &str); 7] = [
     (1e-9, "n"),
 ];
 
-/// Returns the size and the symbol of the largest prefix with which the value is at least 1; no
-/// prefix for units without prefixes.
+/// Returns the size and the symbol of the largest prefix with which the value is at least 1. A unit
+/// that is not used with prefixes gets none.
 #[must_use]
 pub(crate) fn prefix_for(value: f64, unit: &str) -> (f64, &'static str) {
     let is_prefixed = matches!(
@@ -67,7 +67,7 @@ pub(crate) fn prefix_for(value: f64, unit: &str) -> (f64, &'static str) {
     largest.copied().unwrap_or((1.0, ""))
 }
 
-/// A frequency, in Hz or kHz.
+/// Returns a frequency in Hz or, from 1000 Hz on, in kHz.
 #[must_use]
 pub(crate) fn hertz(frequency_hz: f64) -> String {
     if frequency_hz < 1000.0 {
@@ -77,7 +77,7 @@ pub(crate) fn hertz(frequency_hz: f64) -> String {
     }
 }
 
-/// A sampling rate in Hz to six digits, without trailing zeros.
+/// Returns a sampling rate in Hz to six digits, without trailing zeros.
 pub(crate) fn rate(rate_hz: f64) -> String {
     let text = significant(rate_hz, 6);
     match text.contains('.') {

@@ -10,11 +10,11 @@ use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::StandardNormal;
 
-/// Expectation in the error message of a Monte Carlo computation for data without errors.
+/// Text after "expected" in the error message about data without errors.
 pub(crate) const NEEDS_ERRORS: &str =
     "standard errors of the data: without them the draws have no scatter to be compared with";
 
-/// Random numbers of one draw, and the laws of the result, which are fitted to the drawn data.
+/// Random numbers of one draw, and the laws that are fitted to the drawn data.
 #[derive(Debug)]
 pub struct Draw {
     random: Mutex<ChaCha8Rng>,
@@ -25,7 +25,7 @@ pub struct Draw {
 #[derive(Debug, Clone, Default, PartialEq)]
 pub(crate) struct DrawnLaws {
     /// Laws of a modulus whose parameters are all identifiable; fits to the drawn data start from
-    /// them. A Prony series is not among them: its errors include the error of the number of its
+    /// them. A Prony series is excluded, because its errors include the error of the number of its
     /// branches.
     pub(crate) of_modulus: Vec<FittedLaw>,
     /// Laws of an impacted rod.
@@ -40,19 +40,19 @@ impl Draw {
         }
     }
 
-    /// A number of the standard normal distribution.
+    /// Draws a number from the standard normal distribution.
     pub(crate) fn standard(&self) -> f64 {
         self.with_random(|random| random.sample(StandardNormal))
     }
 
-    /// Returns the result of `of` with the random numbers.
+    /// Calls `of` with the random number generator, and returns its result.
     pub(crate) fn with_random<T>(&self, of: impl FnOnce(&mut ChaCha8Rng) -> T) -> T {
         let mut random = self.random.lock().unwrap_or_else(PoisonError::into_inner);
         of(&mut random)
     }
 
-    /// Draws a complex error without preferred phase, with this mean square of its real and
-    /// imaginary parts together; 0 for an infinite mean square.
+    /// Draws a complex error without preferred phase, whose squared magnitude has the mean
+    /// `mean_square`; returns 0 if the mean square is infinite.
     pub(crate) fn complex(&self, mean_square: f64) -> Complex64 {
         let error = Complex64::new(self.standard(), self.standard());
         if mean_square.is_finite() {
@@ -62,7 +62,7 @@ impl Draw {
         }
     }
 
-    /// Draws a complex error with this covariance of its real and imaginary parts.
+    /// Draws a complex error whose real and imaginary parts have this covariance.
     pub(crate) fn with_covariance(&self, covariance: ComplexCovariance) -> Complex64 {
         let ComplexCovariance {
             real,
@@ -76,8 +76,8 @@ impl Draw {
         Complex64::new(along, slope * along + across)
     }
 
-    /// Adds an error to each of the `values` on neighbouring lines, with its mean square in
-    /// `mean_squares`. Errors within `lines_per_independent_line` lines are correlated.
+    /// Adds an error to each of the `values` on neighbouring lines. Their mean squares are
+    /// `mean_squares`; errors within `lines_per_independent_line` lines are correlated.
     pub(crate) fn add(
         &self,
         values: &mut [Complex64],
@@ -88,7 +88,7 @@ impl Draw {
         let (mut last, mut next) = (self.complex(2.0), self.complex(2.0));
         let mut part = 0.0;
         for (value, mean_square) in values.iter_mut().zip(mean_squares) {
-            // interpolated between independent errors, at their variance
+            // interpolates between two independent errors and keeps their variance
             let error = (last * (1.0 - part) + next * part) / f64::hypot(1.0 - part, part);
             if mean_square.is_finite() {
                 *value += error * (0.5 * mean_square).sqrt();

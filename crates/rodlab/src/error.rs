@@ -27,7 +27,7 @@ pub enum RodlabError {
         /// The job of the command.
         expected: &'static str,
     },
-    /// A recording was given where a sheet is read.
+    /// A recording was given instead of a sheet.
     #[error("{} is a recording ({format}), expected a test sheet; `rodlab init {job}` writes one", path.display())]
     NoSheet {
         /// The file.
@@ -37,7 +37,7 @@ pub enum RodlabError {
         /// The job of the expected sheet.
         job: &'static str,
     },
-    /// A sheet is a text in an encoding other than UTF-8.
+    /// A sheet is not encoded in UTF-8.
     #[error("{}:{line}:{column}: found {found}, expected a text in UTF-8: save the sheet as UTF-8", path.display())]
     Encoding {
         /// The sheet.
@@ -49,7 +49,7 @@ pub enum RodlabError {
         /// The text at this place.
         found: String,
     },
-    /// A pattern of the sheet matches no file.
+    /// A name or pattern in the sheet matches no file.
     #[error("no file matches `{pattern}` in {}", searched(folder, field))]
     NoFile {
         /// The name or pattern in the sheet.
@@ -75,7 +75,7 @@ pub enum RodlabError {
         /// The error of the operating system.
         source: io::Error,
     },
-    /// The path to read is a folder, a pipe or a device.
+    /// The path of a file to read is a folder, a pipe or a device.
     #[error("cannot read {}: it is {found}, expected a file", path.display())]
     NoRegularFile {
         /// Its path.
@@ -83,7 +83,7 @@ pub enum RodlabError {
         /// Its file type.
         found: &'static str,
     },
-    /// Another run has written to the folder for too long.
+    /// Another run is writing to the folder and has not finished in time.
     #[error("{} is being written by {owner}, expected this to end within half a minute", folder.display())]
     Busy {
         /// The folder.
@@ -91,7 +91,7 @@ pub enum RodlabError {
         /// The writer, such as `process 4711`.
         owner: String,
     },
-    /// A file of the result would replace one that belongs to no result.
+    /// A file of the result would replace a file that belongs to no earlier result.
     #[error("cannot write {}: it exists and no earlier result lists it: choose another folder (--out), or move it away", path.display())]
     Taken {
         /// The existing file.
@@ -109,8 +109,8 @@ pub enum RodlabError {
         /// The file that was read.
         path: PathBuf,
     },
-    /// The sheet requests something impossible: two contradictory statements, or a channel that no
-    /// file has.
+    /// The sheet requests something impossible, for example by two contradictory statements or a
+    /// channel that no file has.
     #[error("{field} is {found}, expected {expected}")]
     Request {
         /// Place in the sheet, such as `records.channels[1].from`.
@@ -133,7 +133,7 @@ pub enum RodlabError {
         /// Their common property, such as `have the same content`.
         how: &'static str,
     },
-    /// The coherence of several hits is 1 to rounding, which no measurement reaches.
+    /// The coherence of several hits is 1 within rounding, which no measurement reaches.
     #[error(
         "{place}: the coherence of `{input}` and `{output}` is 1 to rounding over {hits} hits, expected hits with independent noise: these are copies of one hit, or computed without noise"
     )]
@@ -150,13 +150,13 @@ pub enum RodlabError {
     /// The job was interrupted.
     #[error("interrupted")]
     Interrupted,
-    /// All files have been read, and nothing more was requested.
+    /// All files have been read, and no computation was requested.
     #[error("everything has been read")]
     ReadOnly {
         /// The files.
         inputs: Vec<InputFile>,
     },
-    /// A library crate returned an error; `what` is the step that failed.
+    /// A library crate returned an error in the step `what`.
     #[error("{what}: {source}")]
     Step {
         /// The step, such as `reading hits.npy`.
@@ -166,7 +166,7 @@ pub enum RodlabError {
     },
 }
 
-/// A folder that was searched for a file, with the field that states the file.
+/// Returns, in words, the folder that was searched for a file and the field that states the file.
 fn searched(folder: &Path, field: &str) -> String {
     let is_here = folder == Path::new(".");
     match (is_here, field) {
@@ -181,7 +181,7 @@ fn searched(folder: &Path, field: &str) -> String {
 }
 
 impl RodlabError {
-    /// An error of one of the library crates in the step `what`.
+    /// Wraps an error that one of the library crates returned in the step `what`.
     pub fn step(
         what: impl Into<String>,
         source: impl std::error::Error + Send + Sync + 'static,
@@ -206,7 +206,7 @@ impl RodlabError {
         )
     }
 
-    /// An error for a statement of the sheet that cannot be met.
+    /// Returns the error for a statement of the sheet that cannot be met.
     pub fn request(
         field: impl Into<String>,
         found: impl Into<String>,

@@ -22,15 +22,15 @@ pub struct Finished {
     pub json: String,
 }
 
-/// Reads the sheet at `path`, does its job and writes the result to `folder`.
+/// Reads the sheet at `path`, runs its job and writes the result to `folder`.
 ///
-/// `expected` is the job that the sheet must be for, if a particular one is required; the tables
-/// are written in the forms `tables`.
+/// `expected` is the job of the command; `None` accepts a sheet of any job. The tables are written
+/// in the formats `tables`.
 ///
 /// # Errors
 ///
 /// [`RodlabError`] if the sheet, a file or the folder is wrong, or if `interrupted` is set before
-/// files are written. The folder is then unchanged, or contains only complete files without
+/// files are written. The folder is then unchanged, or contains complete files but no
 /// `result.json`.
 pub fn finish(
     path: &Path,
@@ -56,7 +56,7 @@ pub fn finish(
     }
     let identity = identity_of(&sheet);
     let outcome = job::run(&sheet, progress, interrupted)?;
-    // a user who has interrupted a job does not expect files
+    // after an interruption no files are written
     if interrupted.load(Ordering::Relaxed) {
         return Err(RodlabError::Interrupted);
     }
@@ -73,7 +73,7 @@ pub fn finish(
     })
 }
 
-/// Name and hash of a sheet.
+/// Returns name and hash of a sheet.
 #[must_use]
 pub fn identity_of(sheet: &Sheet) -> SheetIdentity {
     let name = sheet.path.file_name().unwrap_or_default();

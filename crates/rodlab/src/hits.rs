@@ -36,10 +36,11 @@ use crate::RodlabError;
 use crate::outcome::Setting;
 use crate::records::NamedRecord;
 
-/// Relative difference below which two sampling rates are the same, as in the spectra.
+/// Relative difference below which two sampling rates count as equal; the spectra use the same
+/// value.
 const SAMPLING_RATE_TOLERANCE: f64 = 1e-9;
 
-/// The cutting of hits, their criteria, and the decisions by hand.
+/// Statements of a sheet about hits: how records are cut, the criteria, and the decisions by hand.
 #[derive(Debug, Clone, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct HitsSheet {
@@ -59,9 +60,9 @@ pub struct HitsSheet {
     /// Hits accepted regardless of the criteria.
     #[serde(default)]
     pub accept: Vec<RulingSheet>,
-    /// The treatment of a hit that departs from the response of the others: kept, with the result
-    /// in doubt (`InDoubt`, the default), or left out (`LeaveOut`). At least four hits are
-    /// needed to identify one, in frequency responses and mobilities.
+    /// Treatment of a hit whose response departs from that of the other hits: kept, with the result
+    /// in doubt (`InDoubt`, the default), or left out (`LeaveOut`). Frequency responses and
+    /// mobilities need at least four hits to identify such a hit.
     #[serde(default)]
     pub odd: OddSheet,
 }
@@ -70,14 +71,14 @@ pub struct HitsSheet {
 #[derive(Debug, Clone, PartialEq, Eq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct RulingSheet {
-    /// Number of the hit, from 1, over all files in their order, as in the log.
+    /// Number of the hit as in the log: from 1, counted over all files in their order.
     pub hit: usize,
     /// The reason, in a few words for the report.
     pub because: String,
 }
 
 impl HitsSheet {
-    /// Returns true if anything is stated.
+    /// Returns true if the sheet states anything about hits.
     #[must_use]
     pub(crate) fn is_stated(&self) -> bool {
         let Self {
@@ -96,18 +97,18 @@ impl HitsSheet {
     }
 
     /// Finds and judges the hits of a hammer in `records`. `reference` is the channel that marks
-    /// the beginning of a hit if the sheet names none; `field` is the place of this part in the
-    /// sheet.
+    /// the beginning of a hit if the sheet names no channel; `field` is the place of this part in
+    /// the sheet.
     ///
-    /// All hits, accepted or not, are numbered from 1 in the order of the records. Having no
-    /// accepted hit is not an error: its meaning depends on the job.
+    /// All hits, accepted or not, are numbered from 1 in the order of the records. It is not an
+    /// error if no hit is accepted; the job decides what follows from it.
     ///
     /// # Errors
     ///
-    /// [`RodlabError::Request`] with the field if a channel does not exist, a level has another
-    /// unit than the channel, a ruling names a hit that does not exist or is on both lists,
-    /// accepted hits differ in sampling rate, or a hit shorter than the longest has not come to
-    /// rest at its end.
+    /// [`RodlabError::Request`] with the field if a channel does not exist, the unit of a level
+    /// does not suit the channel, a decision names a hit that does not exist or that has a decision
+    /// already, accepted hits differ in sampling rate, or a hit shorter than the longest has not
+    /// come to rest at its end.
     pub fn find(
         &self,
         records: Vec<NamedRecord>,
@@ -117,12 +118,12 @@ impl HitsSheet {
         self.find_of(HitKind::Hammer, records, reference, field)
     }
 
-    /// Finds and judges the hits of a hammer for an exponential window; `weigh` adapts the criteria
-    /// to the window.
+    /// Finds and judges the hits of a hammer that will be weighted by an exponential window;
+    /// `weigh` adapts the criteria to the window.
     ///
     /// # Errors
     ///
-    /// Those of [`Self::find`], and those of the window.
+    /// The errors of [`Self::find`] and of `weigh`.
     pub fn find_weighed(
         &self,
         weigh: impl FnOnce(Criteria) -> Result<Criteria, RodlabError>,
@@ -133,12 +134,12 @@ impl HitsSheet {
         self.find_with(HitKind::Hammer, weigh, records, reference, field)
     }
 
-    /// Finds and judges hits like [`Self::find`]; they are of the kind `usual` if the sheet does
-    /// not state another.
+    /// Finds and judges hits like [`Self::find`]. Their kind is `usual`, unless the sheet states
+    /// another.
     ///
     /// # Errors
     ///
-    /// Those of [`Self::find`].
+    /// The errors of [`Self::find`].
     pub fn find_of(
         &self,
         usual: HitKind,
@@ -181,7 +182,8 @@ impl HitsSheet {
             let log = self
                 .log_of(record, channel, &criteria, field)
                 .map_err(|error| {
-                    // a wrong statement in the sheet does not belong to one file
+                    // only an error of a step gets the file name: a wrong statement in the sheet
+                    // does not belong to one file
                     match error {
                         RodlabError::Step { what, source } => RodlabError::Step {
                             what: format!("{what}, {name}"),
@@ -267,8 +269,8 @@ impl HitsSheet {
     }
 }
 
-/// Returns the log that contains hit `number`, counted over all logs, and the number of the hit in
-/// that log.
+/// Returns the log that contains hit `number`, counted from 1 over all logs, and the number of the
+/// hit in that log.
 fn within(logs: &mut [(String, HitLog)], number: usize) -> Option<(&mut HitLog, usize)> {
     let mut left = number.checked_sub(1)?;
     for (_, log) in logs {

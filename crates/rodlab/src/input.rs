@@ -1,17 +1,17 @@
-//! Reading of regular files only: opening a pipe without a writer would block without end.
+//! Reading of regular files only, because opening a pipe without a writer would block forever.
 
 use std::fs::{self, FileType};
 use std::path::Path;
 
 use crate::RodlabError;
 
-/// All bytes of the file at `path`.
+/// Reads all bytes of the file at `path`.
 pub(crate) fn read(path: &Path) -> Result<Vec<u8>, RodlabError> {
     of_a_file(path)?;
     fs::read(path).map_err(|source| failed(path, source))
 }
 
-/// The whole text of the file at `path`.
+/// Reads the whole text of the file at `path`.
 pub(crate) fn read_text(path: &Path) -> Result<String, RodlabError> {
     of_a_file(path)?;
     fs::read_to_string(path).map_err(|source| failed(path, source))

@@ -37,21 +37,20 @@ pub struct Inspection {
     pub bytes: u64,
     /// SHA-256 of the bytes, hexadecimal.
     pub sha256: String,
-    /// Properties stated in the file, in its order.
+    /// Properties stated in the file, in the order of the file.
     pub properties: Vec<(String, String)>,
-    /// Its data sets, in its order.
+    /// Data sets, in the order of the file.
     pub series: Vec<InspectedSeries>,
-    /// The records formed from the data sets by `labio`, including those of data sets without unit
-    /// or rate.
+    /// Records that `labio` forms from the data sets, including data sets without unit or rate.
     pub records: Vec<InspectedRecord>,
     /// Unreadable parts.
     pub defects: Vec<String>,
-    /// Suspicions about any channel: clipping, lost samples, channels without a signal, large
-    /// offsets. Levels are in SI.
+    /// Suspicions about the channels: clipping, lost samples, no signal, or a large offset. Levels
+    /// are in SI units.
     pub suspicions: Vec<String>,
-    /// Objections to each record, judged as one hit. Levels are in SI.
+    /// Objections to each record if it is judged as one hit. Levels are in SI units.
     pub as_hits: Vec<String>,
-    /// Statements that a sheet must make about the file, and hints.
+    /// Hints, and statements that a sheet must make about the file.
     pub advice: Vec<String>,
 }
 
@@ -66,11 +65,11 @@ pub struct InspectedSeries {
     pub kind: String,
     /// Unit as written in the file; empty if there is none.
     pub unit: String,
-    /// Quantity of the unit, if a channel can have this quantity.
+    /// Physical quantity of the unit, if a channel can have this quantity.
     pub quantity: Option<String>,
     /// Number of values.
     pub samples: usize,
-    /// True for complex values; the levels are then those of their absolute values.
+    /// True for complex values; the levels then refer to absolute values.
     pub complex: bool,
     /// First value of the abscissa, in its unit.
     pub from: f64,
@@ -105,8 +104,8 @@ pub struct InspectedRecord {
 ///
 /// # Errors
 ///
-/// [`RodlabError::Read`] if it cannot be opened, [`RodlabError::Step`] if its format is unknown or
-/// nothing of it can be read.
+/// [`RodlabError::Read`] if the file cannot be opened, [`RodlabError::Step`] if its format is
+/// unknown or no part of it can be read.
 pub fn inspect(path: &Path) -> Result<Inspection, RodlabError> {
     let bytes = input::read(path)?;
     inspect_bytes(&bytes, &path.display().to_string())
@@ -116,15 +115,15 @@ pub fn inspect(path: &Path) -> Result<Inspection, RodlabError> {
 ///
 /// # Errors
 ///
-/// Those of [`inspect`].
+/// The errors of [`inspect`].
 pub fn inspect_bytes(bytes: &[u8], path: &str) -> Result<Inspection, RodlabError> {
     let mut contents = format::read_bytes_with(bytes, Strictness::Tolerant)
         .map_err(|error| RodlabError::step(format!("reading {path}"), error))?;
     let is_table = is_table(&contents);
     let times = contents.series.first().and_then(time_like::step_of);
-    // the rows of a table may be numbered
+    // in a table, a column that increases evenly may number the rows
     let times = times.filter(|_| !is_table);
-    // with this rate, a job reads such a column as the times, and counts the channels after it
+    // a job with this sampling rate reads such a column as times and counts the channels after it
     let behind = times.and_then(|step| format::read_bytes_at(bytes, 1.0 / step).ok());
     let behind = behind.filter(|behind| behind.series.len() + 1 == contents.series.len());
     let column_of_times = times.filter(|_| behind.is_some());
@@ -249,7 +248,7 @@ fn is_time(unit: &labio::Unit) -> bool {
         }
 }
 
-/// `TimeResponse` in words: `time response`.
+/// Returns a name such as `TimeResponse` in words: `time response`.
 fn words_of(name: &str) -> String {
     let mut words = String::new();
     for letter in name.chars() {
@@ -261,8 +260,9 @@ fn words_of(name: &str) -> String {
     words
 }
 
-/// Returns true if the series are columns of a table, not time histories: two in units of a modulus
-/// next to a frequency, or one of frequencies or temperatures without times.
+/// Returns true if the series are columns of a table, not time histories: at least two columns in
+/// Pa with a frequency, or, in a text or spreadsheet file, frequencies or temperatures without
+/// times.
 fn is_table(contents: &Contents) -> bool {
     let of = |axis: &SeriesAxis, symbol: &str| {
         let expected = labio::Unit::parse(symbol).map(|unit| unit.dimension());
@@ -280,7 +280,7 @@ fn is_table(contents: &Contents) -> bool {
     is_of_moduli || (is_text && !is_over("s") && count("Hz") + count("K") > 0)
 }
 
-/// A table in words, and the job that reads it.
+/// Describes a table in words, and names the job that reads it.
 fn in_words(contents: &Contents) -> String {
     let first = contents.series.first();
     let abscissa = first
@@ -305,7 +305,8 @@ fn in_words(contents: &Contents) -> String {
     )
 }
 
-/// Statements that a sheet must add to those of the file, and rates that were rounded.
+/// Returns the statements that a sheet must add to the file, and sampling rates that may have been
+/// rounded.
 fn advice(contents: &Contents, inspected: &[InspectedSeries]) -> Vec<String> {
     let mut advice = Vec::new();
     let numbers = |is: &dyn Fn(&Series) -> bool| -> Vec<String> {
@@ -369,13 +370,13 @@ fn advice(contents: &Contents, inspected: &[InspectedSeries]) -> Vec<String> {
     advice
 }
 
-/// `channel 1`, or `channels 1, 2`.
+/// Returns channel numbers in words: `channel 1`, or `channels 1, 2`.
 fn channels(numbers: &[String]) -> String {
     let plural = if numbers.len() == 1 { "" } else { "s" };
     format!("channel{plural} {}", text::listed(numbers))
 }
 
-/// Returns true if a table has repeated times, whose digits do not determine the step.
+/// Returns true if the defect is repeated times in a table: their digits do not determine the step.
 fn is_rounded_step(defect: &LabioError) -> bool {
     matches!(
         defect,
@@ -384,15 +385,15 @@ fn is_rounded_step(defect: &LabioError) -> bool {
     )
 }
 
-/// Returns the customary rate of which `step` may be the step rounded to few digits; `None` if the
-/// step is exact.
+/// Returns the customary sampling rate whose step may have been rounded to `step`; `None` if there
+/// is no such rate or its step is exactly `step`.
 fn rounded_from(step: f64) -> Option<f64> {
     let text = format!("{step:e}");
     let (digits, exponent) = text.split_once('e')?;
     let decimals = digits
         .split_once('.')
         .map_or(0, |(_, decimals)| decimals.len());
-    // a step with more digits was not rounded for readability
+    // a step with more than six decimals was not rounded for readability
     if decimals > 6 {
         return None;
     }

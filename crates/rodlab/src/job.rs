@@ -22,12 +22,12 @@ use std::sync::atomic::AtomicBool;
 use crate::outcome::{InputFile, Setting};
 use crate::{Outcome, RodlabError};
 
-/// Does the job of `sheet`.
+/// Runs the job of `sheet`.
 ///
 /// # Errors
 ///
-/// [`RodlabError`] if the sheet or a file is wrong. Data that do not allow a result give an outcome
-/// with that verdict.
+/// [`RodlabError`] if the sheet or a file is wrong. Data that do not allow a result are not an
+/// error: the verdict of the outcome states this.
 pub fn run(
     sheet: &Sheet,
     progress: &dyn Progress,

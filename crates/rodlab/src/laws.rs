@@ -1,5 +1,4 @@
-//! Laws of a complex modulus in a sheet: their fits, and cards for programs that use material
-//! models.
+//! Laws of a complex modulus in a sheet, their fits, and material cards for other programs.
 
 mod cards;
 pub(crate) mod causal;
@@ -18,9 +17,9 @@ use crate::sheet::{Exact, Frequency, PoissonRatio, Ratio, Stated, Temperature};
 
 /// Default of the largest number of fitted lines.
 pub(crate) const MOST_LINES: usize = 400;
-/// Maximum number of drawn cards for one program.
+/// Maximum number of randomly drawn cards for one program.
 const MOST_DRAWS: usize = 1000;
-/// Probability below which residuals are not considered noise.
+/// Probability below which residuals do not count as noise.
 pub(crate) const WHITE: f64 = 0.01;
 
 /// Laws to be fitted.
@@ -35,11 +34,11 @@ pub struct LawsSheet {
     /// Confidence of the intervals, such as `"95 %"`, which is the default.
     #[serde(default)]
     pub confidence: Option<Exact<Ratio>>,
-    /// Limits the number of branches of a Prony series, for example to what a program accepts; no
-    /// limit by default.
+    /// Largest number of branches of a Prony series, for example the number that a program accepts;
+    /// by default no limit.
     #[serde(default)]
     pub most_branches: Option<usize>,
-    /// Maximum number of fitted lines, evenly chosen among the valid ones; 400 by default.
+    /// Maximum number of fitted lines, chosen evenly among the valid lines; by default 400.
     #[serde(default)]
     pub most_lines: Option<usize>,
     /// Cards of the generalised Maxwell model for other programs.
@@ -79,7 +78,7 @@ pub enum LawSheet {
 pub enum CriterionSheet {
     /// The Bayesian information criterion.
     Bic,
-    /// Akaike's information criterion, corrected.
+    /// Akaike's information criterion, corrected for few data.
     Aicc,
 }
 
@@ -100,8 +99,8 @@ pub struct CardsSheet {
     pub temperature: Option<Exact<Temperature>>,
     /// The programs, such as `[Abaqus, Ansys, LsDyna, Comsol, CodeAster, Json]`.
     pub programs: Vec<ProgramSheet>,
-    /// Number of additional cards, such as 100, for a Monte Carlo calculation with the program,
-    /// each with a draw of the modulus, the density and Poisson's ratio; none by default.
+    /// Number of additional cards, such as 100, for a Monte Carlo calculation with the program.
+    /// Each card has a draw of the modulus, the density and Poisson's ratio. None by default.
     #[serde(default)]
     pub draws: Option<usize>,
 }
@@ -109,22 +108,23 @@ pub struct CardsSheet {
 /// A program.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
 pub enum ProgramSheet {
-    /// Abaqus, long-term moduli, elastic bulk.
+    /// Card for Abaqus with long-term moduli and an elastic bulk modulus.
     Abaqus,
-    /// ANSYS, elastic bulk.
+    /// Card for ANSYS with an elastic bulk modulus.
     Ansys,
-    /// LS-DYNA, elastic bulk.
+    /// Card for LS-DYNA with an elastic bulk modulus.
     LsDyna,
-    /// COMSOL, elastic bulk.
+    /// Card for COMSOL with an elastic bulk modulus.
     Comsol,
-    /// Code_Aster, modulus and loss factor over the band, constant Poisson's ratio.
+    /// Card for Code_Aster with modulus and loss factor over the band and a constant Poisson's
+    /// ratio.
     CodeAster,
-    /// A plain file in JSON, elastic bulk.
+    /// JSON file with an elastic bulk modulus.
     Json,
 }
 
 impl LawsSheet {
-    /// Defaults of the fields that the sheet leaves open.
+    /// Returns the defaults of the fields that the sheet does not state.
     pub(crate) fn defaults(&self) -> Vec<Setting> {
         let mut defaults = vec![
             Setting::by_default("laws.criterion", "Bayesian information criterion"),
@@ -142,7 +142,7 @@ impl LawsSheet {
         defaults
     }
 
-    /// Refuses settings that are wrong for any data.
+    /// Refuses settings that are wrong whatever the data are.
     pub(crate) fn check(&self) -> Result<(), RodlabError> {
         if self.laws.is_empty() {
             return Err(RodlabError::request(
@@ -177,7 +177,7 @@ impl LawsSheet {
         Ok(())
     }
 
-    /// Settings of the fits.
+    /// Returns the settings of the fits.
     pub(crate) fn options(&self, error_scale: ErrorScale) -> FitOptions {
         let options = FitOptions::default();
         let options = match self.most_branches {
@@ -196,7 +196,7 @@ impl LawsSheet {
         }
     }
 
-    /// The laws, for a material of this density.
+    /// Returns the laws, for a material of this density.
     pub(crate) fn kinds(&self, density: Option<f64>) -> Result<Vec<Law>, RodlabError> {
         let of = |law: &LawSheet| {
             Ok(match law {

@@ -1,10 +1,10 @@
-//! The command of a laboratory: from recordings of struck rods to a report.
+//! Command-line program for a laboratory: turns recordings of struck rods into a report.
 //!
 //! A *test sheet* in TOML or RON describes a test: specimen, sensors, files, processing. A *job*
 //! turns a sheet into an [`Outcome`]: quantities with their errors and validity, tables, figures,
-//! and the log of what was accepted and what was not. The outcome is written as CSV, JSON, SVG and
-//! one page of HTML. This crate contains no numerical methods: it combines `labio`, `cmod`,
-//! `maxwellid`, `impulse` and `rodwave`.
+//! and a log of the accepted and rejected data. The outcome is written as CSV, JSON, SVG and one
+//! HTML page. This crate contains no numerical methods: it combines `labio`, `cmod`, `maxwellid`,
+//! `impulse` and `rodwave`.
 //!
 //! | module | contents |
 //! |---|---|
@@ -22,9 +22,9 @@
 //! | [`view`] | a sheet and its report side by side in a browser |
 //! | [`output`] | writing of the result files, each complete or not at all |
 //!
-//! Exit status: 0, done; 1, the data do not allow the result; 2, a sheet, a file or a folder is
-//! wrong; 3, there is an answer, but a check fails ([`Standing`]). A message states the reason or
-//! the place.
+//! Exit status ([`Standing`]): 0, done; 1, the data do not allow the result; 2, a sheet, a file or
+//! a folder is wrong; 3, there is an answer, but one of its checks fails. For 1 to 3 a message
+//! states the reason, and for a wrong sheet also the place.
 
 mod about;
 pub mod arguments;

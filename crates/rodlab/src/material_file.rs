@@ -1,5 +1,5 @@
-//! The file `material.json` of a result: a fitted law with its errors and its density, for the
-//! sheets of later jobs.
+//! File `material.json` of a result, which contains a fitted law with its errors and its density
+//! for the sheets of later jobs.
 
 use std::f64::consts::TAU;
 
@@ -14,7 +14,8 @@ use crate::sheet::ValueWithUncertainty;
 pub(crate) const NAME: &str = "material.json";
 /// First entry of the file.
 const FORMAT: &str = "rodlab material 1";
-/// Source of the error of the density, among those of a modulus found with it.
+/// Name of the error of the density among the error sources of a modulus that was computed with the
+/// density.
 pub(crate) const DENSITY: &str = "density";
 
 /// A law with its errors and its density.
@@ -30,11 +31,11 @@ struct Entries {
     format: String,
     title: String,
     law: String,
-    /// Reference frequency of constant Q and of the spring-pot.
+    /// Reference frequency of a law with constant loss factor, or of a spring-pot.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     reference_frequency_hz: Option<f64>,
     parameters: Vec<ParameterEntry>,
-    /// \[kg/m³\].
+    /// Density \[kg/m³\].
     density: f64,
     band_hz: [f64; 2],
     errors: Vec<ErrorEntry>,
@@ -50,15 +51,15 @@ struct ParameterEntry {
     value: f64,
 }
 
-/// Changes by one standard uncertainty of one independent source.
+/// Changes of density and parameters due to one standard uncertainty of one independent source.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct ErrorEntry {
     source: String,
-    /// \[kg/m³\].
+    /// Change of the density \[kg/m³\].
     density: f64,
-    /// Relative changes of moduli and viscosities; changes of the natural logarithms of times and
-    /// factors, and of the log odds of exponents.
+    /// Changes of the parameters: relative for moduli and viscosities, of the natural logarithms
+    /// for times and factors, and of the log odds for exponents.
     parameters: Vec<f64>,
 }
 
@@ -70,14 +71,15 @@ struct InputEntry {
 }
 
 impl MaterialFile {
-    /// The material of a fitted law.
+    /// Returns the material of a fitted law.
     ///
-    /// If the modulus was found with the density, the error of the density is the source of that
-    /// name among the errors of the modulus; otherwise it is independent.
+    /// If the modulus was computed with the density, the error of the density is the source called
+    /// [`DENSITY`] among the errors of the modulus; otherwise it is independent.
     ///
     /// # Errors
     ///
-    /// [`RodlabError::Step`] if no change of the parameters has the effect of a common error.
+    /// [`RodlabError::Step`] if the effect of a common error cannot be expressed by a change of the
+    /// parameters.
     pub(crate) fn of(
         title: &str,
         fit: &RheologicalFit,
@@ -141,9 +143,9 @@ impl MaterialFile {
     ///
     /// # Errors
     ///
-    /// [`RodlabError::Step`] for a text that is not such a file, and for parameters out of their
-    /// range; [`RodlabError::Request`] for a file of another version, and for a density or a band
-    /// out of range.
+    /// [`RodlabError::Step`] for a text that is not a material file, and for parameters out of
+    /// their range; [`RodlabError::Request`] for a file of another version, and for a density or a
+    /// band out of range.
     pub(crate) fn read(bytes: &[u8], what: &str) -> Result<Self, RodlabError> {
         let entries: Entries =
             serde_json::from_slice(bytes).map_err(|error| RodlabError::step(what, error))?;
@@ -175,11 +177,11 @@ impl MaterialFile {
         Ok(Self { entries, law })
     }
 
-    /// The text of the file.
+    /// Returns the text of the file.
     ///
     /// # Errors
     ///
-    /// [`RodlabError::Step`] if a number has no text.
+    /// [`RodlabError::Step`] if a number cannot be written.
     pub(crate) fn text(&self) -> Result<Vec<u8>, RodlabError> {
         let mut text = serde_json::to_vec_pretty(&self.entries)
             .map_err(|error| RodlabError::step(NAME, error))?;
@@ -191,17 +193,17 @@ impl MaterialFile {
         &self.entries.title
     }
 
-    /// Reasons why the law is in doubt.
+    /// Returns the reasons why the law is in doubt.
     pub(crate) fn doubts(&self) -> &[String] {
         &self.entries.doubts
     }
 
-    /// Lowest and highest frequency of the data \[Hz\].
+    /// Returns the lowest and the highest frequency of the data \[Hz\].
     pub(crate) fn band_hz(&self) -> [f64; 2] {
         self.entries.band_hz
     }
 
-    /// Sources of the independent errors.
+    /// Returns the sources of the independent errors.
     pub(crate) fn sources(&self) -> impl Iterator<Item = &str> {
         self.entries
             .errors
@@ -209,7 +211,7 @@ impl MaterialFile {
             .map(|error| error.source.as_str())
     }
 
-    /// Density \[kg/m³\] and law, with each error moved by `standard` times its standard
+    /// Returns density \[kg/m³\] and law, with each error moved by `standard` times its standard
     /// uncertainty.
     pub(crate) fn moved(
         &self,

@@ -1,5 +1,5 @@
-//! Files of numbers over time or frequency that are not records of sensors: readings, ratios of
-//! spectra.
+//! Files of numbers over time or frequency that are not records of sensors, such as readings or
+//! ratios of spectra.
 
 use std::path::Path;
 
@@ -17,7 +17,7 @@ use crate::records::Selector;
 pub(crate) struct NumberFile {
     pub(crate) contents: Contents,
     pub(crate) input: InputFile,
-    /// A sentence about a last line without a line ending, if there is such a line.
+    /// Warning about a last line without a line ending, if there is such a line.
     pub(crate) warning: Option<String>,
 }
 
@@ -50,7 +50,7 @@ impl NumberFile {
         })
     }
 
-    /// The column named by `selector`; columns are counted from 1 without the abscissa.
+    /// Returns the column named by `selector`; columns are counted from 1, without the abscissa.
     pub(crate) fn column(
         &self,
         selector: &Selector,
@@ -88,7 +88,8 @@ pub(crate) struct Column<'a> {
 }
 
 impl Column<'_> {
-    /// The abscissa in SI; it must be a quantity of this `dimension`, called `quantity`.
+    /// Returns the abscissa in SI units. It must have this `dimension`; `quantity` is its name in
+    /// errors.
     pub(crate) fn abscissa(
         &self,
         dimension: Dimension,
@@ -114,7 +115,7 @@ impl Column<'_> {
         })
     }
 
-    /// The values as pure numbers: without a unit, in % or in 1.
+    /// Returns the values as pure numbers; they may have no unit, `%` or `1`.
     pub(crate) fn pure_numbers(&self) -> Result<Vec<f64>, RodlabError> {
         let unit = self.pure_unit()?;
         match &self.series.ordinate {
@@ -126,7 +127,7 @@ impl Column<'_> {
         }
     }
 
-    /// The values as complex numbers without a unit.
+    /// Returns the values as complex numbers without a unit.
     pub(crate) fn complex_numbers(&self) -> Result<Vec<Complex64>, RodlabError> {
         self.pure_unit()?;
         match &self.series.ordinate {

@@ -1,4 +1,4 @@
-//! The results of a job, with everything that a report, a table or another program needs.
+//! Results of a job, with everything that a report, a table or another program needs.
 
 mod column_name;
 mod published;
@@ -17,7 +17,7 @@ pub const CHECK: &str = "check: ";
 
 /// The result of one job on one sheet.
 ///
-/// It does not depend on the clock, the machine or the folder: the same sheet and files give the
+/// It does not depend on the time, the machine or the folder: the same sheet and files give the
 /// same outcome, byte for byte.
 #[derive(Debug, Clone, Serialize)]
 pub struct Outcome {
@@ -41,8 +41,7 @@ pub struct Outcome {
     pub quantities: Vec<Quantity>,
     /// Tables; each becomes a CSV file.
     pub tables: Vec<Table>,
-    /// Figures; each becomes an SVG file and a part of the report. Their numbers are those of the
-    /// tables.
+    /// Figures; each becomes an SVG file and a part of the report. They show numbers of the tables.
     #[serde(serialize_with = "names_of_figures")]
     pub figures: Vec<Figure>,
     /// Files for other programs, such as a frequency response in universal file format.
@@ -54,7 +53,7 @@ pub struct Outcome {
 }
 
 impl Outcome {
-    /// An empty outcome of `job`.
+    /// Returns an empty outcome of `job`.
     #[must_use]
     pub fn of(job: &'static str, title: impl Into<String>) -> Self {
         Self {
@@ -76,7 +75,7 @@ impl Outcome {
 
     /// Puts the answer in doubt because a check fails; `reason` names the check, as a clause
     /// without a full stop. Repeated reasons count once. If the data do not allow an answer, the
-    /// reason becomes a warning: it may explain why.
+    /// reason becomes a warning, because it may explain this.
     pub fn doubt(&mut self, reason: impl Into<String>) {
         let reason = reason.into();
         match &mut self.verdict {
@@ -96,8 +95,8 @@ impl Outcome {
         }
     }
 
-    /// States that the data do not allow an answer, for this `reason`, a clause without a full stop.
-    /// Earlier doubts become warnings: they may explain why.
+    /// States that the data do not allow an answer; `reason` is a clause without a full stop.
+    /// Earlier doubts become warnings, because they may explain this.
     pub fn refuse(&mut self, reason: impl Into<String>) {
         let reason = reason.into();
         let earlier = std::mem::replace(&mut self.verdict, Verdict::NotAllowed { reason });
@@ -107,7 +106,7 @@ impl Outcome {
         }
     }
 
-    /// Puts the settings that the sheet states before those that it leaves open.
+    /// Puts the settings that the sheet states before the defaults of the others.
     pub(crate) fn settle_settings(&mut self, mut stated: Vec<Setting>) {
         let mut open = std::mem::take(&mut self.settings);
         open.retain(|open| !stated.iter().any(|stated| open.is_stated_by(&stated.name)));
@@ -115,13 +114,14 @@ impl Outcome {
         self.settings = stated;
     }
 
-    /// Adds the default of `name`, which applies if the sheet does not state it.
+    /// Adds the default of `name`, which applies if the sheet does not state this setting.
     pub(crate) fn by_default(&mut self, name: impl Into<String>, value: impl ToString) {
         self.settings.push(Setting::by_default(name, value));
     }
 
-    /// The outcome as returned by its job. If it is in doubt, its first sentence states this, and
-    /// only the passed checks are valid: no single number of a doubtful result may be used.
+    /// Returns the outcome as it leaves the job. If the outcome is in doubt, its first sentence
+    /// states this, and of the quantities only passed checks stay valid, because no single number
+    /// of a doubtful result may be used.
     #[must_use]
     pub(crate) fn settled(mut self) -> Self {
         if let Verdict::InDoubt { reasons } = &self.verdict {
@@ -160,11 +160,12 @@ fn names_of_figures<S: serde::Serializer>(
     }))
 }
 
-/// The verdict on a result; errors of the sheet or of a file end without a result.
+/// Verdict on a result. Errors in the sheet or in a file are no verdict, because there is no result
+/// then.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(into = "Told", try_from = "Told")]
 pub enum Verdict {
-    /// The data allow an answer and every check passes; exit status 0.
+    /// The data allow an answer, and every check passes; exit status 0.
     Answered,
     /// There is an answer, but a check fails; exit status 3.
     InDoubt {
@@ -179,7 +180,7 @@ pub enum Verdict {
 }
 
 impl Verdict {
-    /// Its standing.
+    /// Returns the standing of the verdict.
     #[must_use]
     pub fn standing(&self) -> Standing {
         match self {
@@ -189,8 +190,8 @@ impl Verdict {
         }
     }
 
-    /// The result in one line: the reason why it is in doubt or not allowed, else the first
-    /// sentence of its `summary`.
+    /// Returns the result in one line: the reason why it is in doubt or not allowed, otherwise the
+    /// first sentence of its `summary`.
     #[must_use]
     pub fn headline(&self, summary: &[String]) -> String {
         match self {
@@ -253,8 +254,8 @@ pub struct InputFile {
     pub bytes: u64,
     /// SHA-256 of the bytes, hexadecimal.
     pub sha256: String,
-    /// The name or pattern of the sheet that matched it, such as `hits-*.npy`; absent if the sheet
-    /// names the file itself.
+    /// Pattern of the sheet that matched the file, such as `hits-*.npy`; absent if the sheet names
+    /// the file itself.
     #[serde(default)]
     pub pattern: Option<String>,
 }
@@ -271,7 +272,7 @@ pub struct Setting {
 }
 
 impl Setting {
-    /// Default of `name`, which applies if the sheet does not state it.
+    /// Returns the default of `name`, which applies if the sheet does not state this setting.
     pub(crate) fn by_default(name: impl Into<String>, value: impl ToString) -> Self {
         Self {
             name: name.into(),
@@ -301,28 +302,28 @@ pub struct LogEntry {
 /// A single number of the result.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Quantity {
-    /// Name, in terms of the field.
+    /// Name, in the terms of the field.
     pub name: String,
     /// Unit; empty for a pure number.
     pub unit: String,
-    /// Value in that unit; absent if the data do not give one.
+    /// Value in this unit; absent if the data do not determine it.
     pub value: Option<f64>,
-    /// Standard error in that unit, if there is one.
+    /// Standard error in this unit, if it is known.
     pub standard_error: Option<f64>,
     /// True if the value may be used.
     pub valid: bool,
-    /// The reason for the validity: `identified`, `not identifiable: ...`, `wavelength below five
-    /// diameters`.
+    /// Reason for the validity, such as `identified`, `not identifiable: ...`,
+    /// `wavelength below five diameters`.
     pub verdict: String,
 }
 
-/// A table: columns of equal length. Reports show them as they are; other programs get
+/// A table with columns of equal length. Reports show it as it is; other programs get
 /// [`Table::published`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct Table {
     /// Name of its file without extension, such as `modulus`.
     pub name: String,
-    /// Heading.
+    /// Title.
     pub title: String,
     /// Columns, each with its unit.
     pub columns: Vec<Column>,
@@ -331,7 +332,8 @@ pub struct Table {
 /// A column of a [`Table`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct Column {
-    /// Name, in terms of the field; the name for other programs follows from it and the unit.
+    /// Name, in the terms of the field; the name for other programs is derived from it and the
+    /// unit.
     pub name: String,
     /// Unit; empty for pure numbers and words.
     pub unit: String,
@@ -340,7 +342,7 @@ pub struct Column {
 }
 
 impl Column {
-    /// A column of numbers; NaN stands for a missing number.
+    /// Returns a column of numbers; NaN stands for a missing number.
     #[must_use]
     pub fn numbers(name: impl Into<String>, unit: impl Into<String>, values: Vec<f64>) -> Self {
         Self {
@@ -350,7 +352,7 @@ impl Column {
         }
     }
 
-    /// A column of words.
+    /// Returns a column of words.
     #[must_use]
     pub fn words(name: impl Into<String>, words: Vec<String>) -> Self {
         Self {
@@ -360,7 +362,8 @@ impl Column {
         }
     }
 
-    /// The validity of the rows, with words that state the reasons against a row.
+    /// Returns a column with the validity of the rows, and words that state the reasons against a
+    /// row.
     #[must_use]
     pub fn validity(valid: Vec<bool>, words: Vec<String>) -> Self {
         Self {
@@ -374,7 +377,8 @@ impl Column {
         }
     }
 
-    /// Column with the `kinds` of the reasons against each row, which a report denotes by letters.
+    /// Adds the kinds of the reasons against each row to a column of validity; a report denotes
+    /// them by letters.
     #[must_use]
     pub fn with_kinds(mut self, of_rows: Vec<Vec<&'static str>>) -> Self {
         if let Cells::Validity { kinds, .. } = &mut self.cells {
@@ -403,13 +407,13 @@ pub enum Cells {
 }
 
 impl Cells {
-    /// Number of rows.
+    /// Returns the number of rows.
     #[must_use]
     pub fn len(&self) -> usize {
         match self {
             Self::Numbers(values) => values.len(),
             Self::Words(words) => words.len(),
-            // the shorter one would leave cells empty
+            // the shorter list counts, because beyond it cells would be empty
             Self::Validity { valid, words, .. } => valid.len().min(words.len()),
         }
     }
@@ -426,11 +430,11 @@ impl Cells {
 pub struct Attachment {
     /// Name of the file with extension, such as `mobility.uff`.
     pub name: String,
-    /// Its bytes.
+    /// Contents of the file.
     pub bytes: Vec<u8>,
 }
 
-/// A clause as a sentence.
+/// Returns a clause as a sentence.
 fn sentence(clause: &str) -> String {
     let mut letters = clause.chars();
     let first = letters.next().into_iter().flat_map(char::to_uppercase);

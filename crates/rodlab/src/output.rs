@@ -1,4 +1,4 @@
-//! Writing of the files of an outcome, each complete or not at all.
+//! Writing of the files of an outcome. Each file appears complete or not at all.
 
 mod date;
 mod gate;
@@ -26,7 +26,8 @@ use crate::RodlabError;
 use crate::outcome::{Outcome, Table};
 use crate::report::html_of;
 
-/// Version of the structure of `result.json`; increased when a field changes its name or meaning.
+/// Version of the structure of `result.json`; it is increased when a field changes its name or
+/// meaning.
 pub const RESULT_VERSION: u32 = 3;
 
 /// Name of the program.
@@ -35,13 +36,13 @@ const PROGRAM: &str = "rodlab";
 /// Name and version of the program that made a result.
 pub const SOFTWARE: &str = concat!("rodlab ", env!("CARGO_PKG_VERSION"));
 
-/// Name of the file that is written last: if it exists, so do all others.
+/// Name of the file that is written last. If it exists, all other files of the result exist.
 pub const RESULT: &str = "result.json";
 
 /// Name of the file that states why there is no result.
 pub(crate) const FAILURE: &str = "failure.json";
 
-/// Prefix of the temporary names of files that appear together.
+/// Prefix of the temporary names of files that are replaced together.
 const PART: &str = ".rodlab-part-";
 
 /// The sheet of a result.
@@ -53,7 +54,8 @@ pub struct SheetIdentity {
     pub sha256: String,
 }
 
-/// The default folder for the files of a sheet: next to the sheet, with its name and `-result`.
+/// Returns the default folder for the result of a sheet: next to the sheet, with the name of the
+/// sheet and `-result`.
 #[must_use]
 pub fn default_folder(sheet: &Path) -> PathBuf {
     let stem = sheet.file_stem().unwrap_or_default().to_string_lossy();
@@ -66,31 +68,33 @@ pub const REPORT: &str = "report.html";
 /// Name of the workbook of all tables.
 pub const WORKBOOK: &str = "tables.xlsx";
 
-/// Name of the report of an earlier result whose sheet has failed since.
+/// Name given to the report of an earlier result after a later run of its sheet has failed.
 const EARLIER_REPORT: &str = "earlier-report.html";
 
 /// A file of a result.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) struct OutputFile {
-    /// Its name in the folder of the result.
+    /// Name in the folder of the result.
     pub(crate) file: String,
     /// SHA-256 of its bytes, hexadecimal.
     pub(crate) sha256: String,
 }
 
 /// Writes tables, figures, attachments, report and `result.json` of `outcome` to `folder`, and
-/// returns the paths. `reads` are the files that the run has read; none of them is ever replaced,
-/// and the newest of them dates the report.
+/// returns the paths. `reads` are the files that the run has read. None of them is ever replaced,
+/// and the date of the report is that of the newest.
 ///
-/// Each file appears complete. The `result.json` of an earlier run is removed first, with those of
-/// its files that the new run does not write. The new `result.json` is written last: if it exists,
-/// all files belong to one run. Several runs write to one folder one after the other.
+/// Each file appears complete. The `result.json` of an earlier run is removed first, together with
+/// the files of that run that the new run does not write. The new `result.json` is written last, so
+/// if it exists, all files belong to one run. If several runs write to the same folder, they do so
+/// one after the other.
 ///
 /// # Errors
 ///
-/// [`RodlabError::Write`], [`RodlabError::Busy`]; [`RodlabError::Taken`] for files that belong to
-/// no earlier result, [`RodlabError::OverInput`] for files that the run has read;
-/// [`RodlabError::Step`] if a file cannot be made. The earlier files are complete then.
+/// [`RodlabError::Write`] or [`RodlabError::Busy`] if the folder cannot be written;
+/// [`RodlabError::Taken`] for files that belong to no earlier result; [`RodlabError::OverInput`]
+/// for files that the run has read; [`RodlabError::Step`] if a file cannot be made. The earlier
+/// files are complete in all these cases.
 pub fn write(
     outcome: &Outcome,
     sheet: &SheetIdentity,
@@ -101,10 +105,11 @@ pub fn write(
     ResultFiles::of(outcome, sheet, date.as_deref(), TableFiles::default())?.put(folder, reads)
 }
 
-/// Forms of the tables of a result, as options of a command.
+/// Formats of the tables of a result, as options of a command.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, clap::Args)]
 pub struct TableFiles {
-    /// Write the units in a second row of each CSV table; the column names contain them anyway.
+    /// Write the units in a second row of each CSV table; the column names contain them in any
+    /// case.
     #[arg(long)]
     pub unit_row: bool,
     /// Also write all tables to one workbook, `tables.xlsx`, with one sheet per table.
@@ -112,16 +117,17 @@ pub struct TableFiles {
     pub workbook: bool,
 }
 
-/// The files of a result before it is written.
+/// Files of a result before it is written.
 pub(crate) struct ResultFiles {
-    /// Names and bytes of all files but `result.json`, in the order in which they are written.
+    /// Names and bytes of all files except `result.json`, in the order in which they are written.
     others: Vec<(String, Vec<u8>)>,
     /// Text of `result.json`.
     pub(crate) json: String,
 }
 
 impl ResultFiles {
-    /// The files of `outcome`, with its tables in these forms; `date` is the date of the report.
+    /// Returns the files of `outcome`, with its tables in the formats `tables`; `date` is the date
+    /// of the report.
     ///
     /// # Errors
     ///
@@ -137,11 +143,12 @@ impl ResultFiles {
         Ok(Self { others, json })
     }
 
-    /// The files of `outcome`, with a report dated by the newest file that the run has read.
+    /// Returns the files of `outcome`. The date of the report is that of the newest file that the
+    /// run has read.
     ///
     /// # Errors
     ///
-    /// Those of [`write`].
+    /// The errors of [`write`].
     pub(crate) fn dated(
         outcome: &Outcome,
         sheet: &SheetIdentity,
@@ -164,11 +171,11 @@ impl ResultFiles {
     }
 }
 
-/// The report of `outcome`, dated by the newest of the files `reads`.
+/// Returns the report of `outcome`. Its date is that of the newest of the files `reads`.
 ///
 /// # Errors
 ///
-/// [`RodlabError::Step`] if it cannot be made.
+/// [`RodlabError::Step`] if the report cannot be made.
 pub(crate) fn report_of(
     outcome: &Outcome,
     sheet: &SheetIdentity,
@@ -230,7 +237,7 @@ fn figure_file(figure: &Figure) -> String {
     format!("{}.svg", figure.name)
 }
 
-/// Returns true if `name` is a plain file name in a folder and leads nowhere else.
+/// Returns true if `name` is a plain file name that does not lead to another folder.
 fn is_plain(name: &str) -> bool {
     !name.is_empty() && Path::new(name).file_name() == Some(name.as_ref())
 }
@@ -240,7 +247,7 @@ fn is_plain(name: &str) -> bool {
 ///
 /// # Errors
 ///
-/// [`RodlabError::Write`].
+/// [`RodlabError::Write`] if the file cannot be written.
 pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), RodlabError> {
     let _passage = gate::pass()?;
     together::may_change(path, &[])?;
@@ -251,7 +258,8 @@ pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), RodlabError> {
 ///
 /// # Errors
 ///
-/// [`RodlabError::Write`]; [`RodlabError::Exists`] if a file exists.
+/// [`RodlabError::Write`] if the file cannot be written; [`RodlabError::Exists`] if it exists
+/// already.
 pub(crate) fn write_new(path: &Path, bytes: &[u8]) -> Result<(), RodlabError> {
     let _passage = gate::pass()?;
     match staged(path, bytes, ".rodlab-")?.persist_noclobber(path) {
@@ -265,7 +273,8 @@ pub(crate) fn write_new(path: &Path, bytes: &[u8]) -> Result<(), RodlabError> {
     }
 }
 
-/// Returns true if no run ended while it changed `folder`, and none is changing it now.
+/// Returns true if no run was interrupted while it changed `folder`, and no run is changing the
+/// folder now.
 pub(crate) fn is_settled(folder: &Path) -> bool {
     !folder.join(lock::NAME).exists()
 }
@@ -278,8 +287,8 @@ fn staged(path: &Path, bytes: &[u8], prefix: &str) -> Result<NamedTempFile, Rodl
     Ok(file)
 }
 
-/// Waits until `file`, to be moved to `path`, is on the disk: after a power failure, a file must
-/// not have a name without its contents.
+/// Waits until `file`, which will be moved to `path`, is on the disk. After a power failure, there
+/// must be no file that has its name but not its contents.
 fn on_disk(file: &NamedTempFile, path: &Path) -> Result<(), RodlabError> {
     let done = file.as_file().sync_all();
     done.map_err(|source| refusal(path, source))
@@ -297,7 +306,7 @@ fn written(path: &Path, bytes: &[u8], prefix: &str) -> Result<NamedTempFile, Rod
     builder.prefix(prefix);
     #[cfg(unix)]
     {
-        // readable by others, like any file of a program; the umask still applies
+        // the file is readable by others, as files of programs usually are; the umask still applies
         use std::os::unix::fs::PermissionsExt;
         builder.permissions(fs::Permissions::from_mode(0o666));
     }
@@ -308,7 +317,8 @@ fn written(path: &Path, bytes: &[u8], prefix: &str) -> Result<NamedTempFile, Rod
     Ok(file)
 }
 
-/// The error of the system without the temporary name, which differs every time.
+/// Returns the error of the operating system without the temporary name, which is different every
+/// time.
 fn without_path(error: io::Error) -> io::Error {
     let inner = error.get_ref().and_then(std::error::Error::source);
     inner
@@ -331,8 +341,8 @@ fn refusal(path: &Path, source: io::Error) -> RodlabError {
     }
 }
 
-/// `result.json` without a date: version of its structure and of the software, the sheet, the
-/// files, and the outcome; `docs/result.schema.json` describes it.
+/// Returns `result.json` without a date. It contains the versions of its structure and of the
+/// software, the sheet, the files and the outcome; `docs/result.schema.json` describes it.
 ///
 /// # Errors
 ///
@@ -341,7 +351,7 @@ pub fn json_of(outcome: &Outcome, sheet: &SheetIdentity) -> Result<String, Rodla
     Ok(ResultFiles::of(outcome, sheet, None, TableFiles::default())?.json)
 }
 
-/// The text of `result.json` for a result with the other files `files`.
+/// Returns the text of `result.json` for a result with the other files `files`.
 fn result_of(
     outcome: &Outcome,
     sheet: &SheetIdentity,
@@ -387,7 +397,8 @@ fn result_of(
     String::from_utf8(bytes).map_err(|error| RodlabError::step("writing result.json", error))
 }
 
-/// A table as comma-separated values: names, units if `unit_row`, rows. NaN is an empty cell.
+/// Returns a table as comma-separated values: names, units if `unit_row` is true, and rows. NaN is
+/// an empty cell.
 ///
 /// # Errors
 ///

@@ -1,5 +1,5 @@
-//! The program from its command line to its exit status, with the handling of interruptions, for
-//! the binary and for the console script of the Python package.
+//! The program from its command line to its exit status, with its reaction to interruptions. The
+//! binary and the console script of the Python package both call it.
 
 use std::any::Any;
 use std::ffi::OsString;
@@ -17,10 +17,10 @@ use crate::arguments::Arguments;
 use crate::output;
 use crate::program::{self, Ending};
 
-/// Longest time for the work to end by itself after an interruption.
+/// Longest wait after an interruption for the work to end by itself.
 const PATIENCE: Duration = Duration::from_millis(250);
 
-/// Stack size of the working thread, the usual one of a main thread.
+/// Stack size of the working thread, equal to the usual size of a main thread.
 const STACK: usize = 8 << 20;
 
 /// Event for which the main thread waits.
@@ -32,7 +32,7 @@ enum Event {
 
 /// Executes `words`, the name of the program and its arguments, and returns the exit status. It
 /// handles interruptions of the process (SIGINT), and ends the process if the work does not end
-/// soon: it is meant for processes that do nothing else.
+/// within 250 ms. It is meant for processes that do nothing else.
 #[must_use]
 pub fn run<W>(words: impl IntoIterator<Item = W>) -> u8
 where
@@ -53,13 +53,13 @@ where
     // Without a handler, an interruption ends the program at once, which also leaves complete
     // files.
     let _ = ctrlc::set_handler(move || {
-        // a second interruption ends the program at once, and so does one that no thread receives
+        // the program ends at once after a second interruption, or if no thread receives the first
         if flag.swap(true, Ordering::Relaxed) || signal.send(Event::Interrupted).is_err() {
             std::process::exit(i32::from(Ending::Interrupted.status()));
         }
     });
-    // A computation in a library cannot be interrupted: it runs in a thread of its own, and the
-    // program ends without waiting for it.
+    // A computation in a library cannot be interrupted. It therefore runs in a thread of its own,
+    // and an interrupted program ends without waiting for it.
     let work = move || {
         let ended = panic::catch_unwind(AssertUnwindSafe(|| {
             program::run(
@@ -86,8 +86,8 @@ where
     }
 }
 
-/// Ends the program while its thread still computes: between two changes of files, never within
-/// one.
+/// Ends the program while its working thread still computes, but never in the middle of a change of
+/// files.
 fn abandon() -> ! {
     output::stop_writing();
     let _ = writeln!(io::stderr(), "{}", program::INTERRUPTED);

@@ -26,12 +26,12 @@ use crate::{RodlabError, Standing, output};
 /// Message after an interruption.
 pub const INTERRUPTED: &str = "interrupted: all files that exist are complete";
 
-/// The end of the program.
+/// End of a run of the program, which determines the exit status.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Ending {
-    /// The status of a standing: 0, 1, 2 or 3. Any problem has been reported.
+    /// Exit status of a standing: 0, 1, 2 or 3. Any problem has been reported before.
     With(Standing),
-    /// Status 130.
+    /// Interruption, with exit status 130.
     Interrupted,
 }
 
@@ -51,7 +51,7 @@ impl Ending {
     }
 }
 
-/// Does the work of the command line. Results go to `out`, diagnostics to `err`.
+/// Executes the command line. Results go to `out`, diagnostics to `err`.
 pub fn run(
     arguments: &Arguments,
     interrupted: &AtomicBool,
@@ -281,11 +281,11 @@ fn one_sheet(
     Ok(Ending::With(standing))
 }
 
-/// Puts the failure of a sheet in place of an earlier result in its folder, whose report could be
-/// mistaken for that of this run.
+/// Replaces an earlier result in the folder of a sheet by the failure of this run. Otherwise the
+/// old report could be mistaken for the report of this run.
 fn retract(sheet: &Path, folder: &Path, error: &RodlabError, err: &mut dyn Write) {
-    // if nothing can be written the earlier result stays as it is; a command of another job does
-    // not concern the sheet
+    // the earlier result stays if files cannot be written, if the run was interrupted, or if the
+    // command was for another job than the sheet
     let says_nothing = error.is_of_output()
         || matches!(
             error,
@@ -310,7 +310,7 @@ fn retract(sheet: &Path, folder: &Path, error: &RodlabError, err: &mut dyn Write
     };
 }
 
-/// Reads all sheets and their files; an error in one does not hide those in others.
+/// Reads all sheets and their files; an error in one sheet does not hide errors in others.
 fn check(
     places: &[String],
     quiet: bool,
@@ -363,7 +363,7 @@ fn check(
     Ok(ending)
 }
 
-/// Lists sheets in the order of their names, wrong ones with their error.
+/// Lists sheets in the order of their names, and wrong sheets with their errors.
 fn list(
     sheets: &[String],
     arguments: &Arguments,
@@ -429,7 +429,7 @@ fn many_sheets(
     conclude(&summary, &batch.out, arguments, out)
 }
 
-/// The line of one test.
+/// Returns the line of one test.
 fn line(row: &Row) -> String {
     format!("{:<11}  {}: {}", row.status, row.test, row.headline)
 }
@@ -455,7 +455,7 @@ fn conclude(
     Ok(Ending::With(summary.worst()))
 }
 
-/// The manual pages, as file names and contents.
+/// Returns the manual pages, as file names and contents.
 fn manual() -> Result<Vec<(String, Vec<u8>)>, RodlabError> {
     let refused = |error| RodlabError::step("writing the manual pages", error);
     let mut program = Arguments::command();
@@ -478,8 +478,8 @@ fn manual() -> Result<Vec<(String, Vec<u8>)>, RodlabError> {
     Ok(pages)
 }
 
-/// A virtual rod from its plan to the report, with the commands that a user would type. Only the
-/// last of them writes its result as JSON.
+/// Tests a virtual rod, from its plan to the report, with the commands that a user would type. Only
+/// the last of these commands writes its result as JSON.
 fn demo(
     folder: &Path,
     arguments: &Arguments,

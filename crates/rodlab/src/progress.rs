@@ -7,14 +7,14 @@ use indicatif::{ProgressBar, ProgressStyle};
 
 use crate::context::Progress;
 
-/// A progress bar on the standard error; nothing if that is not a terminal.
+/// Progress bar on the standard error; hidden if the standard error is not a terminal.
 #[derive(Debug)]
 pub struct Bar {
     bar: ProgressBar,
 }
 
 impl Bar {
-    /// A bar, hidden if `quiet` or not on a terminal.
+    /// Creates a bar, which is hidden if `quiet` is true or the standard error is not a terminal.
     #[must_use]
     pub fn new(quiet: bool) -> Self {
         let bar = if quiet || !std::io::stderr().is_terminal() {

@@ -34,7 +34,7 @@ use crate::outcome::{InputFile, LogEntry};
 use crate::sheet::{self, Frequency, NotFollowed};
 use crate::{RodlabError, cut_short, input};
 
-/// The reason why jobs with frequency responses refuse a `±` of a time skew.
+/// Reason why jobs with frequency responses refuse a time skew with an uncertainty.
 pub(crate) const SKEW_NOT_FOLLOWED: &str =
     "the error of a frequency response due to a delay between its channels is not propagated";
 
@@ -43,34 +43,35 @@ pub(crate) const SKEW_NOT_FOLLOWED: &str =
 #[serde(deny_unknown_fields)]
 pub struct Records {
     /// Names or patterns (`hits/*.csv`), relative to the sheet; the files of a pattern are read in
-    /// order of their names.
+    /// the order of their names.
     pub files: Vec<String>,
-    /// Sampling rate, for files that do not record it (NPY), have it rounded (by less than 0.1 %),
-    /// or have times that are not evenly spaced: all times must then be within half a step of
-    /// this rate.
+    /// Sampling rate, for files that do not record it (NPY), that record it rounded (by less than
+    /// 0.1 %), or that have times which are not evenly spaced. In the last case all times must be
+    /// within half a step of this rate.
     #[serde(default)]
     pub sampling_rate: Option<NotFollowed<Frequency>>,
     /// Channels that are used; all others are ignored.
     pub channels: Vec<ChannelSheet>,
 }
 
-/// Strain above which the unit of a channel is wrong; rubber stretches to some ten times its length.
+/// Strain above which the unit of a channel must be wrong; even rubber stretches to only about ten
+/// times its length.
 const LARGEST_STRAIN: f64 = 10.0;
 
-/// Files and records that were read.
+/// Records that were read, with their files.
 #[derive(Debug)]
 pub struct Loaded {
     /// Records with the channels of the sheet, calibrated, in the order of the files.
     pub records: Vec<NamedRecord>,
     /// The files.
     pub inputs: Vec<InputFile>,
-    /// Differences between sheet and files, and ignored parts, in sentences.
+    /// Sentences about differences between sheet and files, and about ignored parts.
     pub warnings: Vec<String>,
-    /// Files with one hit that are left out because a sample is NaN or infinite, for the log.
+    /// Log entries for files with one hit that were left out because a sample is NaN or infinite.
     pub left_out: Vec<LogEntry>,
 }
 
-/// A record and its source.
+/// A record with the name of its source.
 #[derive(Debug, Clone)]
 pub struct NamedRecord {
     /// Name, such as `hits.uff` or `hits.uff, record 3`.
@@ -79,7 +80,8 @@ pub struct NamedRecord {
     pub record: Record,
 }
 
-/// The files that match a name or pattern of a sheet in `folder`, as listed in a result.
+/// Returns the files that match a name or pattern of a sheet in `folder`, in the form in which a
+/// result lists them.
 pub(crate) fn found_by(pattern: &str, folder: &Path) -> Result<Vec<String>, RodlabError> {
     let patterns = [pattern.to_owned()];
     let found = files::paths(&patterns, folder, "files")?;
@@ -89,16 +91,16 @@ pub(crate) fn found_by(pattern: &str, folder: &Path) -> Result<Vec<String>, Rodl
 
 /// A file that a name or pattern of a sheet matches.
 pub(crate) struct MatchedFile {
-    /// Its path.
+    /// Path.
     pub(crate) path: std::path::PathBuf,
-    /// Its path as listed in a result.
+    /// Path in the form in which a result lists it.
     pub(crate) shown: String,
     /// The name or pattern.
     pub(crate) pattern: String,
 }
 
-/// The files of all `patterns` in `folder`, each once; `field` is the place of the patterns in the
-/// sheet.
+/// Returns the files of all `patterns` in `folder`, each once; `field` is the place of the patterns
+/// in the sheet.
 pub(crate) fn matched_by(
     patterns: &[String],
     folder: &Path,
@@ -114,14 +116,14 @@ pub(crate) fn matched_by(
 }
 
 impl Records {
-    /// Refuses uncertain sensitivities, gains, bridges and time skews, for a job that does not
-    /// propagate them; `field` is the place of the records in the sheet, `why` completes "because
-    /// …".
+    /// Refuses sensitivities, gains, bridges and time skews with an uncertainty, for a job that
+    /// does not propagate it. `field` is the place of the records in the sheet; `why` completes
+    /// "because …".
     ///
     /// # Errors
     ///
-    /// [`RodlabError::Request`] for the first channel that states one; [`RodlabError::Step`] for an
-    /// invalid calibration.
+    /// [`RodlabError::Request`] for the first channel with an uncertainty; [`RodlabError::Step`]
+    /// for an invalid calibration.
     pub fn refuse_uncertain_calibrations(&self, field: &str, why: &str) -> Result<(), RodlabError> {
         for (at, channel) in self.channels.iter().enumerate() {
             let place = format!("{field}.channels[{at}]");
@@ -139,11 +141,11 @@ impl Records {
         self.refuse_uncertain_skews(field, why)
     }
 
-    /// Refuses only uncertain time skews.
+    /// Refuses only time skews with an uncertainty.
     ///
     /// # Errors
     ///
-    /// [`RodlabError::Request`] for the first channel that states one.
+    /// [`RodlabError::Request`] for the first channel with such a time skew.
     pub fn refuse_uncertain_skews(&self, field: &str, why: &str) -> Result<(), RodlabError> {
         for (at, channel) in self.channels.iter().enumerate() {
             if let Some(skew) = &channel.time_skew {
@@ -153,12 +155,12 @@ impl Records {
         Ok(())
     }
 
-    /// Reads and calibrates the records; `field` is their place in the sheet.
+    /// Reads and calibrates the records; `field` is the place of the records in the sheet.
     ///
     /// # Errors
     ///
-    /// [`RodlabError`] with the file, and the unsuitable field of the sheet; also for two files of
-    /// equal content, which are one measurement.
+    /// [`RodlabError`] with the file and the unsuitable field of the sheet; also for two files with
+    /// the same content, because they are one measurement.
     pub fn load(&self, folder: &Path, field: &str) -> Result<Loaded, RodlabError> {
         self.check(field)?;
         let mut loaded = Loaded {
@@ -187,7 +189,7 @@ impl Records {
         }
     }
 
-    /// Adds one file to `loaded`, or returns the reason why it was left out.
+    /// Adds one file to `loaded`, or returns the error because of which the file is left out.
     #[allow(
         clippy::indexing_slicing,
         reason = "`chosen` has the places of series of the file for each channel of the sheet; where a channel is missing another is there"
@@ -221,7 +223,7 @@ impl Records {
             .warnings
             .extend(cut_short::warning(bytes, contents.format, &file).map(|text| text + "."));
         let found = contents.records(&provenance);
-        // without a series, those of later hits would take its place
+        // a missing series is an error, because series of later hits would take its place
         for (channel, index) in chosen
             .iter()
             .enumerate()
@@ -239,7 +241,8 @@ impl Records {
                         format!("a time history in {file}"),
                     ));
                 };
-                // without a series, a file of several hits would be assembled wrongly
+                // only a file with one hit is left out: a file with several hits would be assembled
+                // wrongly
                 let of_one_hit = chosen.iter().all(|all| all.len() == 1);
                 if of_one_hit && is_lost_sample(&error) {
                     loaded
@@ -315,7 +318,7 @@ impl Records {
         Ok(None)
     }
 
-    /// Refuses statements that are wrong for any files.
+    /// Refuses statements that are wrong whatever the files are.
     fn check(&self, field: &str) -> Result<(), RodlabError> {
         if self.channels.is_empty() {
             return Err(RodlabError::request(
@@ -337,8 +340,8 @@ impl Records {
         Ok(())
     }
 
-    /// Returns the channels of the sheet from `record`, with their names in the sheet and
-    /// calibrated.
+    /// Returns the channels of the sheet from `record`, calibrated and with their names in the
+    /// sheet.
     #[allow(
         clippy::indexing_slicing,
         reason = "`indices` are the places of channels in the record"
@@ -401,7 +404,7 @@ impl Records {
     }
 }
 
-/// Returns true if a series is not a channel because one of its samples is not a number.
+/// Returns true if a series is not a channel because one of its samples is not finite.
 fn is_lost_sample(error: &LabioError) -> bool {
     matches!(
         error,
@@ -413,8 +416,8 @@ fn is_lost_sample(error: &LabioError) -> bool {
     )
 }
 
-/// The indices of the channels of `record` called `names`, empty if it has none, and the index of
-/// the first missing name.
+/// Returns the indices of the channels of `record` that are called `names`, and the index of the
+/// first name that is missing.
 fn indices(record: &Record, names: &[&str]) -> (Vec<usize>, Option<usize>) {
     let position = |name: &&str| record.channels().iter().position(|c| c.name() == *name);
     let found: Vec<Option<usize>> = names.iter().map(position).collect();

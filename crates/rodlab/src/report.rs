@@ -1,9 +1,9 @@
-//! The report: one self-contained page for reading, printing and filing.
+//! Report: one self-contained page for reading, printing and filing.
 //!
-//! The page contains the whole [`Outcome`], the answer first. Its figures are drawn twice: by a
-//! short script that shows values, zooms and changes scales, and, for readers without scripts, as
-//! in the files. It contains only paths of the sheet, and not the current date: the same outcome,
-//! sheet and date give the same bytes.
+//! The page contains the whole [`Outcome`], beginning with the answer. Each figure is contained
+//! twice: as data for a short script that shows values, zooms and changes scales, and, for readers
+//! without scripts, drawn as in the files. The page contains only paths as written in the sheet,
+//! and not the current date, so the same outcome, sheet and date give the same bytes.
 
 mod compact;
 mod rows;
@@ -52,7 +52,7 @@ struct Page<'a> {
     script: &'a str,
 }
 
-/// Prefix of the statements of a sheet that are shown at the head of the page.
+/// Prefix of the names of statements that are shown at the head of the page.
 const ABOUT: &str = "about.";
 
 /// A figure, with and without scripts.
@@ -67,8 +67,8 @@ struct FigurePart<'a> {
     panels: usize,
 }
 
-/// The page for `outcome` of `sheet` with the figures `drawn`, in their order. `date` is the date
-/// of the newest input, if known.
+/// Returns the page for the `outcome` of `sheet`, with the figures `drawn` in their order. `date`
+/// is the date of the newest input, if known.
 ///
 /// # Errors
 ///
@@ -136,7 +136,7 @@ pub fn html_of(
         script: &bare(SCRIPT),
     };
     let mut environment = Environment::new();
-    // an unknown name in the template is an error
+    // makes an unknown name in the template an error
     environment.set_undefined_behavior(UndefinedBehavior::Strict);
     environment
         .add_template("report.html", TEMPLATE)
@@ -147,7 +147,7 @@ pub fn html_of(
         .map_err(refused)
 }
 
-/// A built-in text without its indentation and comments.
+/// Returns a built-in text without its indentation and comments.
 fn bare(text: &str) -> String {
     let mut bare = String::with_capacity(text.len());
     for line in text.lines().map(str::trim_start) {
@@ -159,7 +159,7 @@ fn bare(text: &str) -> String {
     bare
 }
 
-/// A sentence on the thinning of the longest curve, if it is not drawn in full.
+/// Returns a sentence about the thinning of the longest curve, if this curve is not drawn in full.
 fn thinning(whole: &Figure, drawn: &Figure) -> Option<String> {
     let samples = |figure: &Figure| -> Vec<usize> {
         figure

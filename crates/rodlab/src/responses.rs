@@ -1,7 +1,7 @@
-//! Frequency responses of a sheet: of hits, or of a file.
+//! Frequency responses of a sheet, from hits or from a file.
 //!
-//! The source of a response for all jobs: [`HitsSource`] averages hits, [`ResponseFile`] reads an
-//! averaged response.
+//! All jobs use these sources of a response: [`HitsSource`] averages hits, and [`ResponseFile`]
+//! reads an averaged response.
 
 mod file;
 mod hits;
@@ -28,18 +28,18 @@ use crate::RodlabError;
 use crate::digits::short;
 use crate::sheet::{Exact, Frequency};
 
-/// Degrees of freedom written for a known variance: with this number, Student's distribution is
-/// practically the normal one.
+/// Degrees of freedom written for a known variance. With this number, Student's distribution is
+/// practically the normal distribution.
 pub(crate) const MOST_FREEDOM: f64 = 1e6;
 
 /// Minimum number of lines of a usable response.
 const FEWEST_LINES: usize = 8;
 
-/// Line spacing \[Hz\].
+/// Returns the line spacing \[Hz\].
 ///
 /// # Errors
 ///
-/// [`RodlabError::Step`] for a response of fewer than two lines.
+/// [`RodlabError::Step`] for a response with fewer than two lines.
 pub fn line_spacing_hz(response: &FrequencyResponse) -> Result<f64, RodlabError> {
     let second = response.frequency_hz.get(1).copied();
     second.ok_or_else(|| {
@@ -52,7 +52,7 @@ pub fn line_spacing_hz(response: &FrequencyResponse) -> Result<f64, RodlabError>
     })
 }
 
-/// The reason why a line contains no information, in words.
+/// Returns in words the reason why a line contains no information.
 #[must_use]
 pub fn in_words(validity: LineValidity) -> &'static str {
     match validity {
@@ -66,12 +66,13 @@ pub fn in_words(validity: LineValidity) -> &'static str {
     }
 }
 
-/// Refuses a response under an exponential window: its lines are values at a decay rate, off the
-/// frequency axis, and do not determine those on the axis. `field` is its place in the sheet.
+/// Refuses a response that was estimated with an exponential window. Its lines are values at a
+/// decay rate, away from the frequency axis, and do not determine the values on the axis. `field`
+/// is the place of the response in the sheet.
 ///
 /// # Errors
 ///
-/// [`RodlabError::Request`].
+/// [`RodlabError::Request`] for a response with an exponential window.
 pub fn expect_undamped(response: &FrequencyResponse, field: &str) -> Result<(), RodlabError> {
     match response.added_damping {
         None => Ok(()),
@@ -86,12 +87,13 @@ pub fn expect_undamped(response: &FrequencyResponse, field: &str) -> Result<(), 
     }
 }
 
-/// Samples of a channel completed by the motion after the end of the hit, for division of its
-/// transform by a response of [`HitsSource`]; `window` is that of the response, if any.
+/// Returns the samples of a channel, completed by the motion after the end of the hit. Their
+/// transform can be divided by a response of [`HitsSource`]; `window` is the exponential window of
+/// this response, if any.
 ///
 /// # Errors
 ///
-/// [`LabioError::UnknownChannel`].
+/// [`LabioError::UnknownChannel`] for a missing channel.
 pub fn completed(
     hit: &Record,
     channel: &str,
@@ -101,13 +103,13 @@ pub fn completed(
     completed_motion(hit, channel, rest, window)
 }
 
-/// Relative systematic error, from truncated records, of the lines of the response of `output` to
-/// `input`; for two tests, weighted by the share of the first in each line. `None` if it is not
-/// measured.
+/// Returns the relative systematic error due to truncated records on each line of the response of
+/// `output` to `input`. For two tests it is weighted by `shares`, the share of the first test in
+/// each line. `None` if the error is not known.
 ///
 /// # Errors
 ///
-/// [`LabioError::UnknownChannel`].
+/// [`LabioError::UnknownChannel`] for a missing channel.
 pub fn leakage_of<'a>(
     tests: impl IntoIterator<Item = &'a AveragedSpectra>,
     input: &str,
@@ -126,7 +128,7 @@ pub fn leakage_of<'a>(
         };
         let sums = sums.get_or_insert_with(|| vec![0.0; of_test.len()]);
         for (line, (sum, one)) in sums.iter_mut().zip(of_test).enumerate() {
-            // a test with zero share may have no lines there
+            // a test with share zero may have no value on this line
             if share(line) > 0.0 {
                 *sum += share(line) * one;
             }
@@ -140,7 +142,7 @@ pub fn leakage_of<'a>(
 ///
 /// # Errors
 ///
-/// [`RodlabError::Request`] if fewer than eight lines are left.
+/// [`RodlabError::Request`] if fewer than eight lines remain.
 pub fn cut(
     response: &mut FrequencyResponse,
     up_to: &Exact<Frequency>,

@@ -27,15 +27,15 @@
 //! )
 //! ```
 //!
-//! [`Language`] recognises the language of a text by its content. Every language is read into one
-//! tree of values with their places in the text. One deserializer reads the tree, maps the names of
-//! choices (`two_point`, `TwoPoint`) and collects all mistakes.
+//! [`Language`] recognises the language of a text by its content. A text in any of these languages
+//! is read into the same kind of tree, whose values have their places in the text. One deserializer
+//! reads the tree, maps the names of choices (`two_point`, `TwoPoint`) and collects all mistakes.
 //!
-//! Quantities are texts with a unit. A measured quantity whose uncertainty the job propagates to
-//! the result takes a `±` ([`Stated`]). Any other quantity is refused if it has a `±`: chosen
-//! quantities are exact by definition ([`Exact`]), and for some measured ones the propagation is
-//! not implemented ([`NotFollowed`]). Thus no `±` is without effect. Numbers without quotes are
-//! exact by definition. Paths are relative to the sheet.
+//! Quantities are texts with a unit. A measured quantity may have a `±` if the job propagates its
+//! uncertainty to the result ([`Stated`]). Any other quantity is refused if it has a `±`: chosen
+//! quantities are exact by definition ([`Exact`]), and for some measured quantities the propagation
+//! is not implemented ([`NotFollowed`]). Thus every accepted `±` has an effect. Numbers without
+//! quotes are exact by definition. Paths are relative to the sheet.
 
 mod band;
 mod diagnostic;
@@ -107,8 +107,9 @@ pub(crate) fn drawn_as<T: DeserializeOwned>(
 ///
 /// # Errors
 ///
-/// [`RodlabError::Read`]; [`RodlabError::NoSheet`] for a recording, [`RodlabError::Encoding`] for a
-/// text that is not UTF-8; [`RodlabError::Sheet`] with the place in the text.
+/// [`RodlabError::Read`] for a file that cannot be read; [`RodlabError::NoSheet`] for a recording;
+/// [`RodlabError::Encoding`] for a text that is not UTF-8; [`RodlabError::Sheet`] for a mistake,
+/// with its place in the text.
 pub(crate) fn read<T: DeserializeOwned>(path: &Path) -> Result<(String, T), RodlabError> {
     let bytes = input::read(path)?;
     let text = encoding::text_of(path, &bytes)?;
@@ -121,7 +122,7 @@ pub(crate) fn read<T: DeserializeOwned>(path: &Path) -> Result<(String, T), Rodl
 ///
 /// # Errors
 ///
-/// The errors of [`read`], except those for mistakes in the sheet.
+/// The errors of [`read`], except [`RodlabError::Sheet`].
 pub(crate) fn text(path: &Path) -> Result<String, RodlabError> {
     encoding::text_of(path, &input::read(path)?)
 }
@@ -150,7 +151,7 @@ pub fn in_toml(path: &Path, text: &str) -> Result<String, Box<SheetError>> {
     Ok(toml_text::of(text, &root))
 }
 
-/// Returns true for a text in TOML with a line `job = ...`, however wrong the rest is.
+/// Returns true for a text in TOML with a line `job = ...`, even if the rest contains mistakes.
 pub(crate) fn names_a_job(bytes: &[u8]) -> bool {
     let text = String::from_utf8_lossy(bytes);
     let mut lines = without_mark(&text).lines().map(str::trim_start);

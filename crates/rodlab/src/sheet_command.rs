@@ -1,7 +1,7 @@
-//! Commands with a sheet, or with recordings in its place.
+//! Commands that take a sheet, or recordings instead of it.
 //!
-//! If the options describe recordings, the description is first written as a sheet, and the sheet
-//! is run. The result refers to the sheet, and a second test can start from it.
+//! If the options describe recordings, this description is first written as a sheet, and the sheet
+//! is run. The result refers to the sheet, and the sheet can be edited for a second test.
 
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
@@ -20,7 +20,7 @@ pub struct SheetCommand {
     /// Folder for the results; by default next to the sheet, with its name and `-result`.
     #[arg(long, value_name = "FOLDER")]
     pub out: Option<PathBuf>,
-    /// Forms of the tables.
+    /// Formats of the tables.
     #[command(flatten)]
     pub tables: TableFiles,
 }
@@ -52,7 +52,7 @@ impl FromStr for ChannelArgument {
     }
 }
 
-/// The recordings of a short form.
+/// Options that describe recordings, in commands without a sheet.
 #[derive(Debug, Clone, Args)]
 pub struct Recordings {
     /// Sampling rate, such as 51.2kHz, if the files do not state it.
@@ -67,7 +67,7 @@ pub struct Recordings {
     /// Folder for the results; by default next to the sheet, with its name and `-result`.
     #[arg(long, value_name = "FOLDER")]
     out: Option<PathBuf>,
-    /// Forms of the tables.
+    /// Formats of the tables.
     #[command(flatten)]
     tables: TableFiles,
 }
@@ -75,7 +75,7 @@ pub struct Recordings {
 /// `rodlab frf`, with a sheet or with recordings.
 #[derive(Debug, Clone, Args)]
 pub struct FrfCommand {
-    /// The test sheet; or recordings, with `--input` and `--output`.
+    /// The test sheet, or recordings together with `--input` and `--output`.
     #[arg(required = true, value_name = "SHEET|RECORDINGS")]
     files: Vec<PathBuf>,
     /// Channel of the force in the recordings, such as 1:N or "1:V:2.25 mV/N".
@@ -91,7 +91,7 @@ pub struct FrfCommand {
 /// `rodlab modulus`, with a sheet or with recordings of both ends of a struck rod.
 #[derive(Debug, Clone, Args)]
 pub struct ModulusCommand {
-    /// The test sheet; or recordings of both ends of a rod, with `--impacted` and `--free`.
+    /// The test sheet, or recordings of both ends of a rod together with `--impacted` and `--free`.
     #[arg(required = true, value_name = "SHEET|RECORDINGS")]
     files: Vec<PathBuf>,
     /// Channel of the struck end, such as 1:m/s2.
@@ -123,16 +123,16 @@ pub struct ModulusCommand {
     recordings: Recordings,
 }
 
-/// Maximum number of sheets of one job in a folder that are written without a stated name.
+/// Maximum number of sheets of one job in a folder that are written under default names.
 const MOST_SHEETS: usize = 1000;
 
 impl FrfCommand {
-    /// Returns the command with its sheet; the sheet is written first if the command has
-    /// recordings.
+    /// Returns the command with its sheet. If the command has recordings instead, the sheet is
+    /// written first.
     ///
     /// # Errors
     /// [`RodlabError::Request`] for several files without channels; [`RodlabError::Exists`] if
-    /// another sheet has the name.
+    /// another sheet has this name already.
     pub fn sheet(&self) -> Result<SheetCommand, RodlabError> {
         let Some(input) = &self.input else {
             let options = "one sheet, or recordings with --input and --output";
@@ -156,11 +156,11 @@ impl FrfCommand {
 }
 
 impl ModulusCommand {
-    /// Returns the command with its sheet; the sheet is written first if the command has
-    /// recordings.
+    /// Returns the command with its sheet. If the command has recordings instead, the sheet is
+    /// written first.
     ///
     /// # Errors
-    /// Those of [`FrfCommand::sheet`].
+    /// The errors of [`FrfCommand::sheet`].
     pub fn sheet(&self) -> Result<SheetCommand, RodlabError> {
         let (Some(impacted), Some(free)) = (&self.impacted, &self.free) else {
             let options = "one sheet, or recordings with --impacted and --free";
@@ -249,7 +249,8 @@ impl Recordings {
         files: &[PathBuf],
         channels: impl IntoIterator<Item = (String, &'a ChannelArgument)>,
     ) {
-        // a sheet in another folder would look for the recordings in that folder
+        // paths in a sheet are relative to its folder, so a sheet in another folder needs absolute
+        // paths
         let is_elsewhere = self.save.as_ref().and_then(|sheet| sheet.parent());
         let is_elsewhere = is_elsewhere.is_some_and(|folder| folder != Path::new(""));
         let files: Vec<String> = files
@@ -283,9 +284,9 @@ impl Recordings {
         text.push_str("]\n");
     }
 
-    /// Writes the sheet of `job` under the stated name, or under the first of `job.toml`,
-    /// `job-2.toml` and so on that no other sheet has. A file that already contains the same text
-    /// is used.
+    /// Writes the sheet of `job` under the stated name, or else under the first of the names
+    /// `job.toml`, `job-2.toml`, … that no other sheet has. A file that already contains the same
+    /// text is used.
     fn saved(&self, job: &str, text: &str) -> Result<SheetCommand, RodlabError> {
         let written = |path: PathBuf| -> Result<PathBuf, RodlabError> {
             let is_there = path.exists() && input::read(&path)? == text.as_bytes();
@@ -311,7 +312,7 @@ impl Recordings {
     }
 }
 
-/// Returns `text` as a string of TOML, which has the escapes of JSON.
+/// Returns `text` as a TOML string, which has the same escapes as a JSON string.
 fn quoted(text: &str) -> String {
     serde_json::Value::from(text).to_string()
 }
@@ -338,7 +339,8 @@ mod tests {
         }
     }
 
-    /// The text of the sheet that `arguments` write, and its job after parsing.
+    /// Returns the text of the sheet that the command with `arguments` writes, and the job of this
+    /// sheet.
     fn written(arguments: &[&str]) -> Result<(String, String), RodlabError> {
         let folder = tempfile::tempdir().unwrap();
         let sheet = folder.path().join("sheet.toml");
@@ -350,12 +352,12 @@ mod tests {
         };
         let (name, command) = job.sheet()?;
         assert_eq!(command.sheet, sheet);
-        // the second time, the same sheet already exists
+        // the second call finds the same sheet already there
         job.sheet()?;
         let text = std::fs::read_to_string(&sheet).unwrap();
         let parsed = crate::job::parse(&sheet, &text)?;
         assert_eq!(parsed.name(), name.name());
-        // the sheet is in another folder than the recordings, so it names them with their folder
+        // the sheet is not in the folder of the recordings, so it states their folder
         let here = quoted(
             &std::env::current_dir()
                 .unwrap()
@@ -451,7 +453,7 @@ mod tests {
     fn what_makes_no_sheet_is_refused() {
         let refused = |words: &[&str]| written(words).unwrap_err().to_string();
         assert!(refused(&["frf", "a.npy", "b.npy"]).contains("--save"));
-        // a rod without a density
+        // a command for a rod without its density
         let words = [
             "rodlab",
             "modulus",

@@ -1,13 +1,13 @@
-//! The four standings of a test, and the word for each.
+//! The four standings of a test, each with its word.
 
 use std::fmt;
 
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
 
-/// Standing of a test: the same word on the terminal, in reports, summaries and files, and the exit
-/// status.
+/// Standing of a test. It has the same word on the terminal, in reports, summaries and files, and
+/// determines the exit status.
 ///
-/// The order is that of severity: a campaign has the standing of its worst test.
+/// The standings are ordered by severity, and a campaign has the standing of its worst test.
 ///
 /// | standing | word | exit status |
 /// |---|---|---|
@@ -23,12 +23,12 @@ pub enum Standing {
     InDoubt,
     /// The data do not allow an answer.
     NotAllowed,
-    /// The sheet, a file or a folder is wrong: there is no result.
+    /// The sheet, a file or a folder is wrong, so there is no result.
     WrongInput,
 }
 
 impl Standing {
-    /// All four, from best to worst.
+    /// All four standings, from best to worst.
     pub const ALL: [Self; 4] = [
         Self::Answered,
         Self::InDoubt,
@@ -36,7 +36,7 @@ impl Standing {
         Self::WrongInput,
     ];
 
-    /// The word for the standing.
+    /// Returns the word for the standing.
     #[must_use]
     pub fn word(self) -> &'static str {
         match self {
@@ -47,7 +47,7 @@ impl Standing {
         }
     }
 
-    /// The exit status of a program with this standing.
+    /// Returns the exit status of a program with this standing.
     #[must_use]
     pub fn exit_status(self) -> u8 {
         match self {

@@ -7,7 +7,7 @@ use clap::ValueEnum;
 use crate::sheet::Language;
 use crate::{RodlabError, output};
 
-/// The commented sheet with this name in a language.
+/// Evaluates to the commented sheet with this name, in a given language.
 macro_rules! sheets {
     ($language:expr, $name:literal) => {
         match $language {
@@ -59,7 +59,7 @@ impl JobName {
         Self::Simulate,
     ];
 
-    /// Name of the command.
+    /// Returns the name of the command.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -76,7 +76,8 @@ impl JobName {
         }
     }
 
-    /// The commented sheet of the job; in TOML for [`Language::Json`], which has no comments.
+    /// Returns the commented sheet of the job; in TOML for [`Language::Json`], because JSON has no
+    /// comments.
     #[must_use]
     pub fn template(self, language: Language) -> &'static str {
         match self {
@@ -103,7 +104,7 @@ pub enum Rig {
     ThreeGauges,
     /// A long bar with gauges and a free end.
     HopkinsonBar,
-    /// A hammer, and a sensor of the motion of a body.
+    /// A hammer, and a sensor for the motion of a body.
     HammerFrf,
     /// A specimen between two bars.
     Shpb,
@@ -122,7 +123,7 @@ impl Rig {
         Self::Dma,
     ];
 
-    /// Name in commands.
+    /// Returns the name used in commands.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -135,7 +136,7 @@ impl Rig {
         }
     }
 
-    /// The job that evaluates the records of the rig.
+    /// Returns the job that evaluates the records of the rig.
     #[must_use]
     pub fn job(self) -> JobName {
         match self {
@@ -147,26 +148,26 @@ impl Rig {
         }
     }
 
-    /// The commented sheet of the rig.
+    /// Returns the commented sheet of the rig.
     #[must_use]
     pub fn template(self, language: Language) -> &'static str {
         match self {
             Self::TwoAccelerometers => sheets!(language, "two-accelerometers"),
             Self::ThreeGauges => sheets!(language, "three-gauges"),
             Self::HammerFrf => sheets!(language, "hammer-frf"),
-            // the job has no other arrangement
+            // these jobs have only one arrangement
             Self::HopkinsonBar | Self::Shpb | Self::Dma => self.job().template(language),
         }
     }
 }
 
-/// Writes the commented sheet of `job`, or of a `rig` for that job, to the new file `path`: in RON
-/// with the extension `ron`, otherwise in TOML.
+/// Writes the commented sheet of `job`, or of a `rig` for this job, to the new file `path`. The
+/// language is RON if the extension is `ron`, otherwise TOML.
 ///
 /// # Errors
 ///
-/// [`RodlabError::Write`]; an existing file is never replaced. [`RodlabError::Request`] for a rig
-/// of another job.
+/// [`RodlabError::Write`] if the file cannot be written; [`RodlabError::Request`] for a rig of
+/// another job. An existing file is never replaced.
 pub fn init(job: JobName, rig: Option<Rig>, path: &Path) -> Result<(), RodlabError> {
     let is_ron = path
         .extension()

@@ -1,4 +1,4 @@
-//! Common parts of the universal files of a result.
+//! Common parts of the universal files in a result.
 
 use labio::format::Writer;
 use labio::format::uff58::{Encoding, Precision, Uff58Writer};
@@ -7,10 +7,11 @@ use labio::{AddedDamping, Contents, Ordinate, Series, SeriesAxis};
 use crate::RodlabError;
 use crate::outcome::Attachment;
 
-/// Number of characters of a header line, less a margin.
+/// Maximum number of characters of a header line, with a margin.
 const LINE: usize = 76;
 
-/// `contents` as the file called `name`: as text, which all programs read.
+/// Returns `contents` as the file called `name`. The file is written as text, which all programs
+/// read.
 pub(crate) fn attachment(contents: &Contents, name: &str) -> Result<Attachment, RodlabError> {
     let mut bytes = Vec::new();
     let writer = Uff58Writer {
@@ -26,7 +27,7 @@ pub(crate) fn attachment(contents: &Contents, name: &str) -> Result<Attachment, 
     })
 }
 
-/// An axis with its name in the file.
+/// Returns an axis with its name in the file.
 pub(crate) fn axis(label: &str, unit_text: &str) -> SeriesAxis {
     SeriesAxis {
         label: label.to_owned(),
@@ -35,7 +36,7 @@ pub(crate) fn axis(label: &str, unit_text: &str) -> SeriesAxis {
     }
 }
 
-/// A field of the header, such as `id2`, with a text cut to its length.
+/// Returns a field of the header, such as `id2`, with its text cut to the length of a line.
 pub(crate) fn property(field: &str, text: &str) -> (String, String) {
     let one_line: String = text
         .chars()
@@ -45,13 +46,13 @@ pub(crate) fn property(field: &str, text: &str) -> (String, String) {
     (format!("uff58.{field}"), one_line.trim().to_owned())
 }
 
-/// Column of the decay rate of an exponential window.
+/// Name of the column with the decay rate of an exponential window.
 pub(crate) const DECAY_RATE: &str = "decay rate of the exponential window";
 
-/// Name of that column as z-axis label of a data set, limited to 20 characters.
+/// Label of the z-axis of a data set for the same decay rate, limited to 20 characters.
 const Z_LABEL: &str = "decay of exp. window";
 
-/// The z-axis of a response under an exponential window; empty without a window.
+/// Returns the z-axis of a response with an exponential window; empty without a window.
 pub(crate) fn damping(window: Option<AddedDamping>) -> Vec<(String, String)> {
     window.map_or_else(Vec::new, |window| {
         vec![
@@ -62,7 +63,8 @@ pub(crate) fn damping(window: Option<AddedDamping>) -> Vec<(String, String)> {
     })
 }
 
-/// The exponential window of a response, from the z-axis of `series` or a column of `contents`.
+/// Returns the exponential window of a response, from the z-axis of `series` or a column of
+/// `contents`.
 ///
 /// # Errors
 ///

@@ -1,5 +1,4 @@
-//! Comparison of a result, and of the earlier results from which it was made, with their sheets and
-//! files.
+//! Comparison of a result, and of the earlier results that it uses, with their sheets and files.
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -21,18 +20,19 @@ pub struct Verified {
     pub compared: usize,
     /// Changed and missing files, one clause each; empty for an unchanged result.
     pub changed: Vec<String>,
-    /// The results from which its inputs came, if their folders are there.
+    /// Comparisons of the results from which the inputs came, if the folders of these results
+    /// exist.
     pub ancestors: Vec<Self>,
 }
 
 impl Verified {
-    /// Returns true if neither the result nor any result from which it was made has changed.
+    /// Returns true if neither the result nor any earlier result that it uses has changed.
     #[must_use]
     pub fn is_as_it_was(&self) -> bool {
         self.changed.is_empty() && self.ancestors.iter().all(Self::is_as_it_was)
     }
 
-    /// One line for each result; the results from which it was made follow it.
+    /// Returns one line for each result; the earlier results that it uses follow it.
     #[must_use]
     pub fn in_words(&self) -> Vec<String> {
         let folder = self.result.display();
@@ -72,13 +72,13 @@ struct Output {
     sha256: String,
 }
 
-/// Compares the result in `folder` with its files, like [`verify`]; if `folder` is that of a
-/// campaign, all results below it, in order of their names. The folders of a campaign below
-/// `sheets` are those below `folder`.
+/// Compares the result in `folder` with its files, like [`verify`]. If `folder` is the folder of a
+/// campaign, all results below it are compared, in the order of their names. The sheets of a
+/// campaign are in the same subfolders of `sheets` as their results in `folder`.
 ///
 /// # Errors
 ///
-/// Those of [`verify`]; [`RodlabError::NoFile`] for a folder without results.
+/// The errors of [`verify`]; [`RodlabError::NoFile`] for a folder without results.
 pub fn verify_all(folder: &Path, sheets: Option<&Path>) -> Result<Vec<Verified>, RodlabError> {
     if folder.join(RESULT).exists() || !folder.is_dir() {
         return verify(folder, sheets).map(|found| vec![found]);
@@ -121,14 +121,14 @@ fn results_below(folder: &Path, results: &mut Vec<PathBuf>) -> Result<(), Rodlab
     Ok(())
 }
 
-/// Compares the result in `folder` with its files by their hashes. Its sheet is looked for in
-/// `sheets`, by default next to the folder; inputs are relative to the sheet. If an input is the
-/// material of another result, that result is compared too.
+/// Compares the result in `folder` with its files by their hashes. Its sheet is expected in the
+/// folder `sheets`, by default next to `folder`; the paths of inputs are relative to the sheet. If
+/// an input is the material of another result, this other result is compared too.
 ///
 /// # Errors
 ///
-/// [`RodlabError::Read`] for a folder without `result.json`, [`RodlabError::Step`] for one of
-/// another kind.
+/// [`RodlabError::Read`] for a folder without `result.json`, [`RodlabError::Step`] for a
+/// `result.json` that cannot be parsed.
 pub fn verify(folder: &Path, sheets: Option<&Path>) -> Result<Verified, RodlabError> {
     verified(folder, sheets, &mut BTreeSet::new())
 }

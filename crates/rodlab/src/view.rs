@@ -1,12 +1,12 @@
-//! A sheet and its result side by side, as a page that this program serves to the browser on the
+//! Page with a sheet and its result side by side, which this program serves to a browser on the
 //! same machine.
 //!
 //! The text of the sheet can be edited by typing, by dragging one of its values, and by accepting
-//! or rejecting a hit. Each change is evaluated at once, and shown as the report that the job would
-//! write. Saving writes only the sheet, and no result.
+//! or rejecting a hit. Each change is evaluated at once, and the page shows the report that the job
+//! would write. Saving writes only the sheet, and no result.
 //!
-//! The server listens on 127.0.0.1 only. It answers a request if its path begins with a random
-//! token, which is part of the address that the program prints, and if it names this host. A
+//! The server listens on 127.0.0.1 only. It answers a request if the request names this host and
+//! its path begins with a random token, which is part of the address that the program prints. A
 //! request that changes anything must also come from the page itself.
 
 mod http;
@@ -37,9 +37,9 @@ const SCRIPT: &str = include_str!("view/page.js");
 
 /// Time between two checks for a connection.
 const TICK: Duration = Duration::from_millis(10);
-/// Stack size of a thread that does a job, the usual one of a main thread.
+/// Stack size of a thread that runs a job, equal to the usual size of a main thread.
 const STACK: usize = 8 << 20;
-/// Number of bytes of the token, enough to prevent guessing.
+/// Number of bytes of the token, so that it cannot be guessed.
 const TOKEN: usize = 16;
 
 /// A sheet that is served.
@@ -54,8 +54,8 @@ impl View {
     ///
     /// # Errors
     ///
-    /// [`RodlabError`] if the sheet cannot be read as text or is a recording, or if there is no such
-    /// port. A sheet with mistakes is shown with them.
+    /// [`RodlabError`] if the sheet cannot be read as text or is a recording, or if the port is not
+    /// available. A sheet with mistakes is no error: the page shows the mistakes.
     pub fn of(path: &Path, port: u16) -> Result<Self, RodlabError> {
         sheet::text(path)?;
         if let Err(error @ RodlabError::NoSheet { .. }) = Sheet::read(path) {
@@ -86,7 +86,7 @@ impl View {
         })
     }
 
-    /// Address of the page, with its token.
+    /// Returns the address of the page, with its token.
     #[must_use]
     pub fn address(&self) -> String {
         format!("http://{}/{}/", self.served.host, self.served.token)
@@ -108,7 +108,7 @@ impl View {
                     thread.spawn(work).map_err(failed)?;
                 }
                 Err(error) if error.kind() == ErrorKind::WouldBlock => thread::sleep(TICK),
-                // this concerns only one connection, which was closed
+                // only this connection was closed; the server continues
                 Err(error) if error.kind() == ErrorKind::ConnectionAborted => {}
                 Err(error) => return Err(failed(error)),
             }
@@ -118,7 +118,7 @@ impl View {
     }
 }
 
-/// State that the threads of the connections share.
+/// State shared by the threads of the connections.
 #[derive(Debug)]
 struct Served {
     path: PathBuf,
@@ -127,7 +127,7 @@ struct Served {
     token: String,
     /// Number of the latest requested evaluation.
     latest: AtomicU64,
-    /// Stops the running evaluation.
+    /// Flag that stops the running evaluation.
     running: Mutex<Arc<AtomicBool>>,
     /// The latest report, and the number of its evaluation.
     report: Mutex<(u64, String)>,
@@ -138,7 +138,7 @@ struct Served {
 #[derive(Deserialize)]
 struct EvaluateRequest {
     text: String,
-    /// Leaves out the parts that take long, while a value is being dragged.
+    /// True while a value is being dragged; parts that take long are then left out.
     quick: bool,
 }
 
@@ -159,7 +159,7 @@ struct SaveRequest {
 
 impl Served {
     fn converse(&self, mut stream: TcpStream) {
-        // a connection may be non-blocking because the listener is
+        // a connection may be non-blocking like its listener
         if stream.set_nonblocking(false).is_err() {
             return;
         }
@@ -231,7 +231,7 @@ impl Served {
         Answer::page(html, Some(policy))
     }
 
-    /// Evaluates the sheet with this text. A later evaluation stops it.
+    /// Evaluates the sheet with this text. A later evaluation stops an earlier one.
     fn evaluate(&self, asked: &EvaluateRequest) -> Value {
         let text = &asked.text;
         let number = 1 + self.latest.fetch_add(1, Ordering::Relaxed);
@@ -268,7 +268,7 @@ impl Served {
         found
     }
 
-    /// Does the job of a text and keeps its report.
+    /// Runs the job of a text and stores the report.
     fn outcome(
         &self,
         asked: &EvaluateRequest,
@@ -321,7 +321,7 @@ impl Served {
         }))
     }
 
-    /// Writes the sheet, unless the file is no longer the one that the page has read.
+    /// Writes the sheet, unless the file has changed since the page read it.
     fn save(&self, asked: &SaveRequest) -> Value {
         let _one_at_a_time = locked(&self.saving);
         let there = match sheet::text(&self.path) {
@@ -343,7 +343,7 @@ impl Served {
     }
 }
 
-/// The text with a decision on a hit.
+/// Returns the text of the sheet with a decision on a hit.
 fn rule(asked: &RuleRequest) -> Answer {
     let ruling = match asked.ruling.as_str() {
         "accept" => Ruling::Accept,
@@ -361,7 +361,7 @@ fn hash_of(text: &str) -> String {
     ContentHash::of(text.as_bytes()).to_string()
 }
 
-/// Length of a text in UTF-16 units, as scripts count it.
+/// Returns the length of a text in UTF-16 units, which is the length that scripts use.
 fn in_utf16(text: &str) -> usize {
     text.encode_utf16().count()
 }

@@ -1,9 +1,9 @@
 //! Mobility of a chain at many frequencies.
 //!
-//! One element of throughput is one element of the chain at one frequency, its material law
-//! included. The groups differ in the law; within a group the number of elements and the number of
-//! frequencies vary, which must not change the rate. The bound of an elastic rod is one hyperbolic
-//! cosine and sine of a complex number for each element and frequency.
+//! One element of throughput is one element of the chain at one frequency, including its material
+//! law. The groups differ in the law. Within a group, the number of elements and the number of
+//! frequencies vary; the rate must not depend on them. The bound for an elastic rod is one
+//! hyperbolic cosine and sine of a complex number per element and frequency.
 #![allow(
     missing_docs,
     clippy::unwrap_used,

@@ -1,19 +1,19 @@
-//! Cell updates a second of the direct problem of paper D, for each law; the elastic march is the
+//! Cell updates per second of the direct problem of paper D, for each law. The elastic march is the
 //! baseline in the same run.
 //!
 //! | group | what it shows |
 //! |---|---|
-//! | march | the laws beside each other, from rest; their bound is the bare recurrence of two waves that cross, without ends, grid or law |
-//! | march by cells, march by steps | the work goes with the nodes and with the steps: the throughput stays |
+//! | march | all laws, starting from rest; the bound is the bare recurrence of two waves that cross, without ends, grid or law |
+//! | march by cells, march by steps | the work is proportional to the nodes and to the steps: the throughput is constant |
 //! | response of 144 samples | a whole response, alone and with all derivatives of its law |
-//! | derivatives of a linear law | what one more derivative costs where the law itself costs nothing |
+//! | derivatives of a linear law | the cost of one more derivative, for a law whose own cost is negligible |
 //!
 //! A finer grid has shorter steps, for which the nonlinear laws need fewer terms of their series:
-//! from 100 to 1600 cells their throughput may grow, but not fall.
+//! from 100 to 1600 cells, their throughput may increase but must not decrease.
 //!
 //! One element of throughput is one node advanced by one step. A compiled Python version of the
-//! same scheme advances 32 to 40 million a second for Maxwell and 9 million for Maxwell-Norton on a
-//! machine of this kind.
+//! same scheme advances 32 to 40 million nodes per second for Maxwell and 9 million for
+//! Maxwell-Norton on a machine of this kind.
 #![allow(
     missing_docs,
     clippy::unwrap_used,
@@ -51,8 +51,8 @@ fn march<L: InelasticLaw>(criterion: &mut Criterion, name: &str, law: &L) {
     group.finish();
 }
 
-/// Two arrays of waves, of which each step moves one by a cell and adds a multiple of their
-/// difference to both: the least that the march of a Maxwell rod does.
+/// Two arrays of waves. Each step moves one of them by a cell and adds a multiple of their
+/// difference to both: the least work of the march of a Maxwell rod.
 fn recurrence(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("march");
     group.throughput(Throughput::Elements(u64::from(STEPS) * (CELLS as u64 + 1)));
@@ -77,7 +77,7 @@ fn recurrence(criterion: &mut Criterion) {
     group.finish();
 }
 
-/// From a rod that is in motion everywhere, so that every step advances every node.
+/// Starts with a rod that is in motion everywhere, so that every step advances every node.
 fn linearity<L: InelasticLaw<Flow: Clone>>(criterion: &mut Criterion, name: &str, law: &L) {
     let cases = [
         (
@@ -117,7 +117,7 @@ fn linearity<L: InelasticLaw<Flow: Clone>>(criterion: &mut Criterion, name: &str
     }
 }
 
-/// The excitation of a test and the times at which its response is asked for.
+/// Excitation of a test, with the times at which the response is computed.
 struct Record {
     excitation: SampledHistory,
     times: Vec<f64>,
@@ -169,7 +169,7 @@ fn sensitivities<L: InelasticLaw>(criterion: &mut Criterion, name: &str, law: &L
     group.finish();
 }
 
-/// F = e^{p₁ + p₂ + ...} σ/η at p = 0: a linear law with as many parameters as one likes.
+/// Law F = e^{p₁ + p₂ + ...} σ/η at p = 0: a linear law with any number of parameters.
 #[derive(Debug, Clone)]
 struct Linear<const PARAMETERS: usize>;
 

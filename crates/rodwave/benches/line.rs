@@ -1,9 +1,9 @@
-//! Cell updates a second of bodies in a line; the direct problem on as many nodes is the baseline
-//! in the same run.
+//! Cell updates per second of bodies in a line. The direct problem with as many nodes is the
+//! baseline in the same run.
 //!
-//! One element of throughput is one cell advanced by one step. An elastic line costs by the step,
-//! not by the cell: its waves travel by moving a window. Public Python codes for elastic bars in
-//! contact advance 7.4 and 50 million cells a second.
+//! One element of throughput is one cell advanced by one step. The cost per step of an elastic line
+//! does not depend on its cell count, because its waves travel by moving a window. Public Python
+//! codes for elastic bars in contact advance 7.4 and 50 million cells per second.
 #![allow(
     missing_docs,
     clippy::unwrap_used,
@@ -119,7 +119,7 @@ fn lines(criterion: &mut Criterion) {
     march(criterion, "striker on Maxwell-Norton", impact());
 }
 
-/// Velocity, stress and strain everywhere the derivatives are wanted cost one more relaxation each.
+/// Derivatives of velocity, stress and strain: each parameter costs one more relaxation.
 fn derivatives(criterion: &mut Criterion) {
     let (line, step) = rod(MaxwellNorton::new(2.108, 7e13).unwrap(), 400);
     let parameters = line.parameters();
@@ -136,8 +136,8 @@ fn derivatives(criterion: &mut Criterion) {
     group.finish();
 }
 
-/// Striker, incident bar, specimen and transmitter bar of one wave speed, as elastic programs take
-/// them: 1935 cells, 1600 steps.
+/// Striker, incident bar, specimen and transmitter bar with equal wave speeds, as elastic programs
+/// use them: 1935 cells, 1600 steps.
 fn split_bars(criterion: &mut Criterion) {
     const CELL: f64 = 1e-3;
     let bar = |cells: u32, area| {
@@ -163,7 +163,7 @@ fn split_bars(criterion: &mut Criterion) {
     group.bench_function("x-t diagram", |bencher| {
         bencher.iter(|| line.diagram(step, black_box(duration), 1).unwrap());
     });
-    // velocity, stress and strain of every cell at every level, into memory of its own
+    // velocity, stress and strain of every cell at every level, written to new memory
     let values = 3 * 1935 * 1600;
     group.bench_function("values of the diagram into memory", |bencher| {
         bencher.iter(|| (0..values).map(f64::from).collect::<Vec<f64>>());
@@ -171,8 +171,8 @@ fn split_bars(criterion: &mut Criterion) {
     group.finish();
 }
 
-/// Striker, incident bar, a specimen that flows, transmitter bar; contacts that open: 6030 cells,
-/// 23 038 steps.
+/// Striker, incident bar, a specimen that flows, and transmitter bar, with contacts that open: 6030
+/// cells, 23 038 steps.
 fn tension_bars(criterion: &mut Criterion) {
     const CELL: f64 = 1e-3;
     let step = CELL / (70e9_f64 / 2700.0).sqrt() * (1.0 + 1e-9);

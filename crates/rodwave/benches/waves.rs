@@ -1,6 +1,6 @@
-//! Two waves from the strains of two and three gauges, 23 038 samples: transforms of twice the record,
-//! waves at every line, and their histories at another section; the plan of the lines for each
-//! record, or once. Their bound is the transforms alone.
+//! Two waves from the strains of two and three gauges with 23 038 samples: transforms of twice the
+//! record, waves at every line, and the histories of the waves at another section. The plan of the
+//! lines is made for each record, or only once. The bound is the transforms alone.
 #![allow(
     missing_docs,
     clippy::unwrap_used,
@@ -19,7 +19,7 @@ use rodwave::waves::SectionWaves;
 const SAMPLES: usize = 23_038;
 const RATE_HZ: f64 = 1e6;
 
-/// A pulse of 40 µs that passes `position` and comes back from a free end at 1 m, in polycarbonate.
+/// A pulse of 40 µs in polycarbonate that passes `position` and returns from a free end at 1 m.
 fn strain(position: f64) -> Vec<f64> {
     let pulse = |time: f64| (-(time / 40e-6).powi(2)).exp();
     (0..SAMPLES)
@@ -33,7 +33,7 @@ fn strain(position: f64) -> Vec<f64> {
 fn separation(criterion: &mut Criterion) {
     let mut planner = RealFftPlanner::<f64>::new();
     let mut group = criterion.benchmark_group("separation of waves, 23038 samples");
-    // twice the record, with small prime factors
+    // about twice the record, with small prime factors
     let n = 46_080;
     let (forward, inverse) = (planner.plan_fft_forward(n), planner.plan_fft_inverse(n));
     let gamma: Vec<Complex64> = (0..=n / 2)
@@ -57,7 +57,7 @@ fn separation(criterion: &mut Criterion) {
             let [along, against] = &mut waves;
             plan.waves(&rows, along, against).unwrap();
             for (wave, history) in waves.iter_mut().zip(&mut histories) {
-                // at 0 Hz and at half the sampling rate a line has no phase
+                // at 0 Hz and at half the sampling rate, a line has no phase
                 wave[0] = Complex64::ZERO;
                 wave[n / 2] = Complex64::ZERO;
                 inverse.process(wave, history).unwrap();

@@ -1,4 +1,4 @@
-//! Error of the storage modulus that each theory finds from the wave number of the exact one,
+//! Error of the storage modulus that each theory computes from the wave number of the exact theory,
 //! against D/λ.
 //!
 //! ```text
@@ -49,9 +49,10 @@ fn main() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// Relative error of E' in per cent by elementary theory, Love, and Mindlin and Herrmann.
+/// Relative errors of E' in per cent by the elementary theory, by Love's, and by that of Mindlin
+/// and Herrmann.
 fn errors(poisson_ratio: f64) -> Result<Vec<Mark>, Box<dyn Error>> {
-    // At a given wave number neither density nor modulus matter.
+    // At a given wave number, neither density nor modulus affects the error.
     let rod = RoundRod {
         density: 1000.0,
         diameter: 0.010,

@@ -1,13 +1,13 @@
-//! A blow like those of paper D: an aluminium striker, 10 m/s, on a polyethylene rod that carries a
-//! steel cap at its far end.
+//! A blow as in paper D: an aluminium striker, 10 m/s, on a polyethylene rod that carries a steel
+//! cap at its far end.
 //!
 //! ```text
 //! cargo run --release --package rodwave --example striker_on_a_polymer_rod
 //! ```
 //!
-//! writes `target/examples/striker_on_a_polymer_rod.svg`: contact force, velocity of the cap and
-//! strain in the middle for a linear and a nonlinear law of equal loss at 10 MPa, and prints where
-//! the energy went.
+//! writes `target/examples/striker_on_a_polymer_rod.svg` with the contact force, the velocity of
+//! the cap and the strain at the middle, for a linear and a nonlinear law with equal losses at 10
+//! MPa. It also prints the energy balance.
 #![allow(
     clippy::print_stdout,
     clippy::cast_precision_loss,
@@ -24,7 +24,7 @@ use rodwave::line::{Body, End, Gauge, Line, LineHistory, Segment};
 
 /// Cross-sectional area of a diameter of 15.8 mm \[m²\].
 const AREA: f64 = 1.9607e-4;
-/// The middle of the rod.
+/// Gauge at the middle of the rod.
 const GAUGE: Gauge = Gauge {
     body: 1,
     position: 0.4,

@@ -1,9 +1,9 @@
-//! Band-limited interpolation of sampled histories, and its counterpart, the recorder's low-pass
-//! filter.
+//! Band-limited interpolation of sampled histories, and its counterpart, the low-pass filter of a
+//! recorder.
 //!
 //! The kernel is the sinc function under an exponential-of-semicircle window (Barnett, Magland and
-//! af Klinteberg, SIAM J. Sci. Comput. 41 (2019) C479), which is as sharp as Kaiser's and needs no
-//! special function.
+//! af Klinteberg, SIAM J. Sci. Comput. 41 (2019) C479), which is as sharp as the Kaiser window and
+//! needs no special function.
 //!
 //! Theory: `docs/theory/direct-problem.md#excitation-between-samples`.
 
@@ -31,7 +31,7 @@ pub trait VelocityHistory: Sync {
     fn end(&self) -> f64;
 }
 
-/// Accepts times of a response within the duration of the excitation, and returns the last of them.
+/// Checks that `times` are within the duration of the excitation, and returns the last one.
 pub(crate) fn check_times(
     times: &[f64],
     excitation: &dyn VelocityHistory,
@@ -58,9 +58,9 @@ pub(crate) fn check_times(
     Ok(last)
 }
 
-/// sin(πx)/(πx) under a window that vanishes at |x| = `half_width` samples.
-/// Passes frequencies below 1/2 - δ and stops those above 1/2 + δ, in cycles per sample, with δ =
-/// β/(2π `half_width`) and a ripple of order e^{-β}.
+/// Windowed sinc kernel: sin(πx)/(πx) under a window that vanishes at |x| = `half_width` samples.
+/// The kernel passes frequencies below 1/2 - δ and stops those above 1/2 + δ, in cycles per sample,
+/// with δ = β/(2π `half_width`) and a ripple of order e^{-β}.
 fn windowed_sinc(x: f64, half_width: f64, sharpness: f64) -> f64 {
     let u = x / half_width;
     if u.abs() >= 1.0 {
@@ -113,8 +113,8 @@ const OVERSAMPLING: usize = 32;
 /// Fine points kept before time 0 for the cubic stencil.
 const LEAD: usize = 2;
 
-/// Weights of the samples around a fine point, for every fine point between two samples; the same
-/// for all histories.
+/// Weights of the samples around a fine point, for every fine point between two samples. All
+/// histories share them.
 #[expect(clippy::cast_precision_loss, reason = "of the order of ten")]
 fn weights() -> &'static [[f64; OVERSAMPLING]] {
     static WEIGHTS: OnceLock<Vec<[f64; OVERSAMPLING]>> = OnceLock::new();
@@ -146,13 +146,13 @@ impl pulp::NullaryFnOnce for Interpolation<'_> {
     }
 }
 
-/// Computes all fine points between two samples together, each as the sum over its samples in their
+/// Computes all fine points between two samples together; each is the sum over its samples in their
 /// order.
 #[inline(always)]
 fn interpolate(continued: &[f64], weights: &[[f64; OVERSAMPLING]], fine: &mut [f64]) {
     let fine = fine.as_chunks_mut::<OVERSAMPLING>().0;
     for (around, fine) in continued.windows(weights.len()).zip(fine) {
-        let mut sums = [-0.0; OVERSAMPLING]; // the value of a sum without terms
+        let mut sums = [-0.0; OVERSAMPLING]; // the value of an empty sum
         for (sample, weights) in around.iter().zip(weights) {
             for (sum, weight) in sums.iter_mut().zip(weights) {
                 *sum += weight * sample;
@@ -193,8 +193,8 @@ impl SampledHistory {
         if count < 4 {
             return Err(too_few(count));
         }
-        // the record within reach of a fine point, from the sample before the first: zeros, the
-        // samples, and their point-symmetric continuation
+        // the samples with all neighbours that a fine point needs: zeros before them, their
+        // point-symmetric continuation after them
         let (before, after) = (Self::HALF_WIDTH, Self::HALF_WIDTH);
         let mut continued = Vec::with_capacity(before + count + after);
         continued.resize(before, 0.0);
@@ -204,7 +204,8 @@ impl SampledHistory {
             let mirrored = mirrored.and_then(|k| samples.get(k));
             2.0 * last - mirrored.copied().unwrap_or(0.0)
         }));
-        // all fine points from the sample before the first to that after the last, without the ends
+        // all fine points from one sample before the first to one after the last, before the ends
+        // are cut
         let mut fine = vec![0.0; (count + 1) * OVERSAMPLING];
         pulp::Arch::new().dispatch(Interpolation {
             continued: &continued,
@@ -214,7 +215,8 @@ impl SampledHistory {
         fine.drain(..OVERSAMPLING - LEAD);
         fine.truncate(LEAD + (count - 1) * OVERSAMPLING + 1 + LEAD);
         check_samples("interpolated excitation", &fine)?;
-        // time of the last point whose cubic stencil has only zeros
+        // number of leading zeros, from which `begin` follows: the last time whose cubic stencil
+        // has only zeros
         let zeros = fine.iter().take_while(|v| **v == 0.0).count();
         let begin = zeros.saturating_sub(3 + LEAD) as f64 / fine_rate;
         Ok(Self {
@@ -238,11 +240,11 @@ impl SampledHistory {
         let position = time * self.fine_rate + LEAD as f64;
         let last = (self.fine.len() - 3) as f64;
         let index = position.floor().clamp(1.0, last);
-        // NaN has no index; the value read there becomes NaN
+        // the index of NaN is 1; the position, and so the value read there, stays NaN
         ((index as usize).max(1), (position - index).clamp(-1.0, 2.0))
     }
 
-    /// Value and slope, the latter per fine point.
+    /// Returns the value and the slope at `time`, the slope per fine point.
     #[inline]
     fn interpolated(&self, time: f64) -> Interpolated {
         if time >= 0.0 {
@@ -338,7 +340,7 @@ impl SamplePulses {
         self.samples.is_empty()
     }
 
-    /// Time \[s\] before which a change of the sample at `place` has no effect; it may be below 0.
+    /// Time \[s\] before which a change of the sample at `place` has no effect; it may be negative.
     #[must_use]
     #[expect(
         clippy::cast_precision_loss,
@@ -386,8 +388,8 @@ impl Recorder {
         Self::HALF_WIDTH / self.rate_hz
     }
 
-    /// The filtered value at `time` of a history sampled at `step` \[s\], zero before its first
-    /// sample (time 0).
+    /// Returns the filtered value at `time` of a history sampled at `step` \[s\], which is zero
+    /// before its first sample (time 0).
     ///
     /// `step` should be a small fraction of 1/`rate_hz`: the convolution is summed by the
     /// trapezoidal rule, which is exact for the passed frequencies if the history has no
@@ -438,7 +440,7 @@ mod tests {
                 .map(|k| (omega * f64::from(k) / rate).sin())
                 .collect();
             let history = SampledHistory::new(&samples, rate).unwrap();
-            // away from the two ends, beyond which the record is continued and not known
+            // away from the two ends: beyond them the history is a continuation, not the sinusoid
             let worst = (0..5000)
                 .map(|k| {
                     let t = (40.0 + f64::from(k) * 0.06137) / rate;
@@ -448,7 +450,7 @@ mod tests {
                 })
                 .fold((0.0_f64, 0.0_f64), |a, b| (a.0.max(b.0), a.1.max(b.1)));
             assert!(worst.0 < 2e-5, "{fraction} of the rate: {worst:?}");
-            // the cubic through the fine points loses one order in the slope
+            // the slope of the cubic through the fine points is one order less accurate
             assert!(worst.1 < 2e-4, "{fraction} of the rate: {worst:?}");
         }
     }
@@ -487,8 +489,8 @@ mod tests {
         }
     }
 
-    /// Direct evaluation: zero before the record, point-symmetric about its end, a sum over 16
-    /// samples to either side.
+    /// Direct evaluation as a sum over 16 samples to either side; the record is zero before its
+    /// start and point-symmetric about its end.
     #[test]
     fn fine_points_have_the_digits_of_their_definition() {
         for count in [4_i32, 5, 17, 40] {
@@ -533,7 +535,7 @@ mod tests {
             cutoff_hz: 16_000.0,
         };
         let step = 1.0 / (51_200.0 * 20.0);
-        // a cosine whose crest is where the filter is evaluated: its value there is the gain
+        // a cosine whose crest is at the time of evaluation: the filtered value there is the gain
         let crest = 2000.0 * step;
         let gain = |f: f64| {
             let history: Vec<f64> = (0..4000)

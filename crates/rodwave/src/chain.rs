@@ -84,12 +84,12 @@ pub struct Chain<V: Argument = AngularFrequency> {
 }
 
 /// Mobilities v/F \[s/kg\] of both faces of a body, with forces and velocities along +x. By
-/// reciprocity the transfer is the same in both directions.
+/// reciprocity, the transfer mobility is the same in both directions.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FaceMobilities {
     /// Mobility of the impact face: [`Chain::mobility`].
     pub near: Complex64,
-    /// Velocity of the far face over the force on the impact face, and the reverse.
+    /// Velocity of the far face over the force on the impact face, which equals the reverse.
     pub transfer: Complex64,
     /// Mobility of the far face: [`Chain::far_face_mobility`].
     pub far: Complex64,
@@ -149,7 +149,7 @@ impl AnalyticChain {
     /// 0.
     ///
     /// # Errors
-    /// As [`Chain::mobility`], and [`RodwaveError::NonPhysical`] for Re s < 0.
+    /// The errors of [`Chain::mobility`], and [`RodwaveError::NonPhysical`] for Re s < 0.
     pub fn mobility_at_s(&self, s: Complex64) -> Result<Complex64, RodwaveError> {
         self.impact_face(LaplaceVariable::new(s)?)?.mobility()
     }
@@ -158,7 +158,7 @@ impl AnalyticChain {
     /// [`Chain::far_face_mobility`].
     ///
     /// # Errors
-    /// As [`AnalyticChain::mobility_at_s`].
+    /// The errors of [`AnalyticChain::mobility_at_s`].
     pub fn far_face_mobility_at_s(&self, s: Complex64) -> Result<Complex64, RodwaveError> {
         self.far_face(LaplaceVariable::new(s)?)?.mobility()
     }
@@ -166,7 +166,7 @@ impl AnalyticChain {
     /// Mobilities of both faces at the Laplace variable `s` [1/s]: see [`Chain::face_mobilities`].
     ///
     /// # Errors
-    /// As [`AnalyticChain::mobility_at_s`].
+    /// The errors of [`AnalyticChain::mobility_at_s`].
     pub fn face_mobilities_at_s(&self, s: Complex64) -> Result<FaceMobilities, RodwaveError> {
         self.faces(LaplaceVariable::new(s)?)
     }
@@ -203,10 +203,10 @@ impl<V: Argument> Chain<V> {
     /// At ω = 0 the static limit is returned: 0 for a fixed body, 1/q for a dashpot q at the end.
     ///
     /// # Errors
-    /// [`RodwaveError::NonPhysical`] if the frequency is not finite and where Ĝ is infinite: a free
-    /// body at ω = 0, and an undamped body exactly at an antiresonance.
-    /// [`RodwaveError::InElement`] where a law has no finite propagation coefficient, and for a
-    /// fluid, E(0) = 0, at ω = 0.
+    /// [`RodwaveError::NonPhysical`] if the frequency is not finite, or if Ĝ is infinite: for a
+    /// free body at ω = 0, and for an undamped body exactly at an antiresonance.
+    /// [`RodwaveError::InElement`] if a law has no finite propagation coefficient, and for a fluid,
+    /// E(0) = 0, at ω = 0.
     pub fn mobility(&self, omega: f64) -> Result<Complex64, RodwaveError> {
         self.impact_face(V::on_axis(omega)?)?.mobility()
     }
@@ -215,17 +215,17 @@ impl<V: Argument> Chain<V> {
     /// +x and v̂ is the velocity along F̂; the termination remains and the impact face is free.
     ///
     /// # Errors
-    /// As [`Chain::mobility`].
+    /// The errors of [`Chain::mobility`].
     pub fn far_face_mobility(&self, omega: f64) -> Result<Complex64, RodwaveError> {
         self.far_face(V::on_axis(omega)?)?.mobility()
     }
 
     /// Mobilities of both faces and between them at `omega` [rad/s], with which a body can be
-    /// joined to others at its faces. The termination remains. Behind a semi-infinite rod or a wall
-    /// there is no face; the far mobility is then that of the face on which the termination acts.
+    /// joined to others at its faces. The termination remains. A semi-infinite rod or a wall has no
+    /// far face; the far mobility is then that of the face on which the termination acts.
     ///
     /// # Errors
-    /// As [`Chain::mobility`].
+    /// The errors of [`Chain::mobility`].
     pub fn face_mobilities(&self, omega: f64) -> Result<FaceMobilities, RodwaveError> {
         self.faces(V::on_axis(omega)?)
     }
@@ -237,8 +237,8 @@ impl<V: Argument> Chain<V> {
     /// [`transition`](crate::transition).
     ///
     /// # Errors
-    /// As [`Chain::mobility`], [`RodwaveError::InElement`] where the matrix of an element
-    /// overflows, and [`RodwaveError::NonPhysical`] where the product does.
+    /// The errors of [`Chain::mobility`], [`RodwaveError::InElement`] where the matrix of an
+    /// element overflows, and [`RodwaveError::NonPhysical`] where the product does.
     pub fn transition_matrix(&self, omega: f64) -> Result<TransitionMatrix, RodwaveError> {
         let argument = V::on_axis(omega)?;
         let mut product = TransitionMatrix::identity();
@@ -252,10 +252,10 @@ impl<V: Argument> Chain<V> {
         product.checked()
     }
 
-    /// Returns the section at `distance` \[m\] from the near face of `element`, counted from 0 at
-    /// the impact face.
+    /// Returns the section at `distance` \[m\] from the near face of `element`. Elements are
+    /// counted from 0 at the impact face.
     ///
-    /// Lumped elements have only their near face, at `distance` 0.
+    /// A lumped element has only its near face, at `distance` 0.
     ///
     /// # Errors
     /// [`RodwaveError::LengthMismatch`] for an element that does not exist,
@@ -277,7 +277,7 @@ impl<V: Argument> Chain<V> {
         })
     }
 
-    /// The pair at the impact face.
+    /// Returns the pair at the impact face.
     fn impact_face(&self, argument: V) -> Result<Face, RodwaveError> {
         self.carried_to_impact_face(self.termination.face(argument)?, argument)
     }
@@ -293,7 +293,7 @@ impl<V: Argument> Chain<V> {
         Ok(face)
     }
 
-    /// The pair at the far face with the impact face free and the termination in place.
+    /// Returns the pair at the far face, with the impact face free and the termination in place.
     fn far_face(&self, argument: V) -> Result<Face, RodwaveError> {
         let mut face = Face::FREE;
         for (index, element) in self.elements.iter().enumerate() {

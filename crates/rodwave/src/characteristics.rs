@@ -43,8 +43,8 @@ pub const GENERATOR: &str = "rodwave::characteristics";
 /// the waves that enter in these steps must not have reached the free end.
 const FEWEST_CELLS: usize = 8;
 
-/// The rod between the section of excitation, x = -L, and its free end, x = 0, cut into equal
-/// cells.
+/// Direct problem of a rod cut into equal cells, between the section of excitation, x = -L, and its
+/// free end, x = 0.
 ///
 /// ```
 /// use rodwave::band_limited::SampledHistory;
@@ -152,12 +152,12 @@ impl<L: InelasticLaw> DirectProblem<L> {
         Ok(velocity)
     }
 
-    /// Computes v_r and its derivatives at `times` \[s\] for the excitation v_e, by the
+    /// Computes v_r and its derivatives at `times` \[s\] for the excitation v_e, with the
     /// tangent-linear model.
     ///
     /// # Errors
-    /// As [`Self::free_end_velocity`]; [`RodwaveError::LengthMismatch`] for a law with more than
-    /// [`MAX_PARAMETERS`] parameters.
+    /// The errors of [`Self::free_end_velocity`]; [`RodwaveError::LengthMismatch`] for a law with
+    /// more than [`MAX_PARAMETERS`] parameters.
     pub fn free_end_velocity_with_sensitivities(
         &self,
         excitation: &dyn VelocityHistory,
@@ -247,13 +247,14 @@ impl<L: InelasticLaw> March<L> {
             dissipated: 0.0,
         };
         march.wave.impose_velocity(velocity);
-        // the half cell at the end of the rod is set in motion at once
+        // the half cell at the driven end moves with `velocity` from the start; its energy has been
+        // supplied
         let stored = march.stored();
         march.supplied = stored;
         march
     }
 
-    /// Advances one time step; `velocity` [m/s] is the velocity at x = -L at its end.
+    /// Advances one time step; `velocity` [m/s] is the velocity at x = -L at the end of the step.
     pub fn advance(&mut self, velocity: f64) {
         let nodes = self.wave.len();
         let reached = (self.steps + 1).min(nodes);
@@ -298,7 +299,8 @@ impl<L: InelasticLaw> March<L> {
         self.steps += 1;
     }
 
-    /// Returns true if nothing has moved yet, so that a step without velocity changes nothing.
+    /// Returns true if nothing has moved yet, in which case a step without velocity changes
+    /// nothing.
     fn is_at_rest(&self) -> bool {
         self.steps == 0 && self.supplied == 0.0
     }
@@ -362,8 +364,8 @@ pub struct NodeState {
     pub velocity: f64,
 }
 
-/// [`relax`] as a task that can run with the vector instructions of the processor. The digits of
-/// the result are the same.
+/// [`relax`] as a task that can run with the vector instructions of the processor. The results are
+/// the same to the last digit.
 struct Relax<'a, F> {
     wave: &'a mut WavePair,
     flow: &'a F,
@@ -444,8 +446,8 @@ impl<L: InelasticLaw> pulp::NullaryFnOnce for RelaxWithTangents<'_, L> {
     }
 }
 
-/// Relaxes the waves as [`relax`] does, and the tangents with them (0: ln E, then the parameters of
-/// the law).
+/// Relaxes the waves as [`relax`] does, together with the tangents (index 0 for ln E, then the
+/// parameters of the law).
 #[inline(always)]
 #[allow(
     clippy::indexing_slicing,
@@ -475,7 +477,7 @@ fn relax_with_tangents<L: InelasticLaw>(
             flow.change_with_sensitivity(&lanes!(|i| impedance * scaled[i]), L::PARAMETERS.len());
         *right = lanes!(|i| r[i] + change.stress[i] * inverse);
         *left = lanes!(|i| l[i] + change.stress[i] * inverse);
-        // at constant dimensionless time, Z and E h are proportional to E^½
+        // at constant dimensionless time, Z and E h are proportional to E^½ (h: time step)
         let source = lanes!(|i| {
             0.5 * (scaled[i] * change.by_stress[i]
                 + (change.by_log_modulus[i] - change.stress[i]) * inverse)
@@ -496,14 +498,14 @@ fn relax_tangent_block(
     change: &StressChange,
     source: &[f64; LANES],
 ) {
-    // copies share no memory, so the compiler need not prove it
+    // copies share no memory, so the compiler need not check for overlap
     let (r, l) = (*right, *left);
     let change = lanes!(|i| change.by_stress[i] * 0.5 * (r[i] + l[i]) + source[i]);
     *right = lanes!(|i| r[i] + change[i]);
     *left = lanes!(|i| l[i] + change[i]);
 }
 
-/// R and L of some nodes, in blocks.
+/// R and L at the nodes, in blocks of lanes.
 type Blocks<'a> = (&'a mut [[f64; LANES]], &'a mut [[f64; LANES]]);
 
 /// The waves R = s - v and L = s + v [m/s] at the nodes.
@@ -567,7 +569,7 @@ mod tests {
     use super::*;
     use crate::inelastic::{Maxwell, MaxwellGurevichRabinovich, MaxwellNorton};
 
-    /// Compares a march with the vector instructions of the processor with one without.
+    /// Compares a march that uses the vector instructions of the processor with one that does not.
     fn digits_are_the_same<L: InelasticLaw<Flow: Clone>>(law: &L) {
         let rod = InelasticRod::new(0.394, 910.0, 2.58e9, law.clone()).unwrap();
         let problem = DirectProblem::new(rod, 75).unwrap();

@@ -1,7 +1,7 @@
 //! Numbers in messages, rounded to a given number of significant digits.
 
-/// Text of `value` to `digits` significant digits, with an exponent only below 1e-4 and from 1e7
-/// on.
+/// Returns `value` as text with `digits` significant digits, with an exponent only below 1e-4 and
+/// from 1e7 on.
 ///
 /// ```
 /// use rodwave::digits::significant;
@@ -29,7 +29,7 @@ pub fn significant(value: f64, digits: usize) -> String {
     format!("{rounded:.decimals$}")
 }
 
-/// Text of a fraction in per cent, to two digits.
+/// Returns a fraction as text in per cent, with two digits.
 #[must_use]
 pub fn percent(relative: f64) -> String {
     format!("{} %", significant(100.0 * relative, 2))

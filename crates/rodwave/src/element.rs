@@ -20,16 +20,16 @@
 //!
 //! where `S = sinh x/x`, `W = (cosh x - S)/x²`, `X² = x² + μ²`, `T = sinh X/X`. The cone is (A4)
 //! with the constants C and D eliminated; in this form nothing cancels as x → 0, where S → 1 and W
-//! → 1/3, provided that W is summed as a series there. The difference in the horn is computed as
-//! `cosh X - μT = e^{-X} + x²T/(X + μ)` for the same reason. A joint between two cross-sections or
-//! two materials needs no element: N and v are continuous.
+//! → 1/3, provided that W is computed as a series there. For the same reason, the difference in the
+//! row of the horn is computed as `cosh X - μT = e^{-X} + x²T/(X + μ)`. A joint between two
+//! cross-sections or two materials needs no element: N and v are continuous.
 //!
 //! Every matrix is divided by e^{|Re x|} (horn: e^{|Re X|}), so that it cannot overflow.
 //!
 //! # Limitations
 //! Plane sections remain plane and the stress is uniaxial: lateral inertia and the spreading of
-//! waves behind a sudden change of cross-section are neglected, so that the wavelength must be long
-//! compared with the diameter. If a cone is short compared with its diameter, or a joint wide
+//! waves behind a sudden change of cross-section are neglected. The wavelength must therefore be
+//! long compared with the diameter. If a cone is short compared with its diameter, or a joint wide
 //! compared with the thinner part, the missing local compliance can be modelled as a spring.
 //!
 //! Theory: `docs/theory/chains.md#elements`.
@@ -102,8 +102,8 @@ impl From<Circle> for CrossSection {
     }
 }
 
-/// A cross-section or the `Result` of creating one: the elements of a [chain](crate::chain) take
-/// either, and the chain reports an error with the position of the element.
+/// A cross-section, or the `Result` of creating one. The elements of a [chain](crate::chain) accept
+/// either; the chain reports an error together with the position of the element.
 ///
 /// ```
 /// use rodwave::element::Circle;
@@ -304,8 +304,8 @@ impl Segment {
         )
     }
 
-    /// The matrix divided by a power of e, from the propagation coefficient γ of the material; the
-    /// identity at s = 0.
+    /// Returns the matrix divided by a power of e, for the propagation coefficient γ of the
+    /// material; the identity at s = 0.
     pub(crate) fn scaled_transition(
         &self,
         gamma: Complex64,
@@ -328,7 +328,7 @@ impl Segment {
         })
     }
 
-    /// Accepts a distance from the near end that is on the segment.
+    /// Checks that a distance from the near end is on the segment.
     pub(crate) fn check_distance(&self, distance: f64) -> Result<f64, RodwaveError> {
         if (0.0..=self.length).contains(&distance) {
             Ok(distance)
@@ -351,7 +351,7 @@ pub struct Cut {
     pub far: Segment,
 }
 
-/// Accepts the static impedance of a solid; a fluid flows, and its matrix at ω = 0 is not the
+/// Checks that a static impedance is that of a solid. A fluid flows: its matrix at ω = 0 is not the
 /// identity.
 pub(crate) fn check_static_impedance(specific_impedance: Complex64) -> Result<(), RodwaveError> {
     check_positive(

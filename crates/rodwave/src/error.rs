@@ -35,7 +35,7 @@ pub enum RodwaveError {
         /// The error of the element.
         source: Box<Self>,
     },
-    /// Two arrays that must have equal lengths differ.
+    /// Two arrays differ in length although their lengths must be equal.
     #[error("{what} has {found} entries, expected {expected}")]
     LengthMismatch {
         /// The array with the wrong length.
@@ -45,7 +45,7 @@ pub enum RodwaveError {
         /// Length expected.
         expected: usize,
     },
-    /// A history has too few samples for the operation.
+    /// A history has too few samples for an operation.
     #[error("{history} has {found} samples, expected at least {expected}")]
     TooFewSamples {
         /// Name of the history.
@@ -91,8 +91,8 @@ pub enum RodwaveError {
         /// The requested name.
         name: &'static str,
     },
-    /// A law has no finite propagation coefficient at the given frequency, for example a table
-    /// outside its band, or a fluid at rest.
+    /// A law has no finite propagation coefficient at the given frequency, for example a tabulated
+    /// law outside its band, or a fluid at rest.
     #[error("the law has no finite propagation coefficient at s = {s} 1/s")]
     NoPropagation {
         /// The Laplace variable, iω on the frequency axis.
@@ -108,7 +108,7 @@ pub enum RodwaveError {
     },
 }
 
-/// Accepts a finite value above zero.
+/// Checks that a value is finite and above zero, and returns it.
 pub(crate) fn check_positive(quantity: &'static str, value: f64) -> Result<f64, RodwaveError> {
     if value.is_finite() && value > 0.0 {
         Ok(value)
@@ -121,7 +121,7 @@ pub(crate) fn check_positive(quantity: &'static str, value: f64) -> Result<f64, 
     }
 }
 
-/// Accepts any finite value.
+/// Checks that a value is finite, and returns it.
 pub(crate) fn check_finite(quantity: &'static str, value: f64) -> Result<f64, RodwaveError> {
     if value.is_finite() {
         Ok(value)
@@ -134,7 +134,7 @@ pub(crate) fn check_finite(quantity: &'static str, value: f64) -> Result<f64, Ro
     }
 }
 
-/// Accepts values that are all finite.
+/// Checks that all values are finite.
 pub(crate) fn check_all_finite(
     quantity: &'static str,
     values: impl IntoIterator<Item = f64>,
@@ -147,7 +147,7 @@ pub(crate) fn check_all_finite(
 /// Largest number of cells of a march: several arrays of a gigabyte each.
 const MOST_CELLS: usize = 1 << 27;
 
-/// Accepts a number of cells sufficient for a march and within the memory limit.
+/// Checks that a number of cells is sufficient for a march and within the memory limit.
 #[expect(
     clippy::cast_precision_loss,
     reason = "for the message of the refusal only"
@@ -168,8 +168,8 @@ pub(crate) fn check_cells(
     }
 }
 
-/// Accepts an unrounded number of time steps within the limits of a march and of its histories in
-/// memory.
+/// Converts an unrounded number of time steps, after a check that a march and its histories in
+/// memory allow it.
 #[expect(
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,
@@ -187,7 +187,7 @@ pub(crate) fn check_steps(steps: f64) -> Result<usize, RodwaveError> {
     }
 }
 
-/// Accepts a history whose samples are all finite.
+/// Checks that all samples of a history are finite.
 pub(crate) fn check_samples(history: &'static str, samples: &[f64]) -> Result<(), RodwaveError> {
     match samples.iter().enumerate().find(|(_, s)| !s.is_finite()) {
         None => Ok(()),
@@ -199,7 +199,7 @@ pub(crate) fn check_samples(history: &'static str, samples: &[f64]) -> Result<()
     }
 }
 
-/// Accepts a finite propagation coefficient of a law at `s`.
+/// Checks that the propagation coefficient of a law is finite at `s`, and returns it.
 #[inline]
 pub(crate) fn check_propagation(
     propagation_coefficient: Complex64,
@@ -212,7 +212,7 @@ pub(crate) fn check_propagation(
     }
 }
 
-/// Accepts a finite s in the closed right half plane.
+/// Checks that s is finite and in the closed right half plane, and returns it.
 pub(crate) fn check_laplace_variable(s: Complex64) -> Result<Complex64, RodwaveError> {
     check_finite("imaginary part of the Laplace variable [rad/s]", s.im)?;
     if s.re.is_finite() && s.re >= 0.0 {

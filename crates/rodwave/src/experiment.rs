@@ -18,9 +18,9 @@ use crate::inelastic::InelasticLaw;
 pub struct Acquisition {
     /// Low-pass filter and sampler of both channels.
     pub recorder: Recorder,
-    /// Samples before the impact; the filter reaches [`Recorder::reach`] ahead of it.
+    /// Number of samples before the impact; the filter needs the history [`Recorder::reach`] ahead.
     pub samples_before: usize,
-    /// Samples from the impact on.
+    /// Number of samples from the impact on.
     pub samples_after: usize,
     /// Range of the displacement transducers \[m\]; a section that has moved further is out of
     /// range.
@@ -37,8 +37,8 @@ pub struct VelocityRecord {
     pub excitation: Vec<f64>,
     /// Velocity v_r of the free end [m/s].
     pub response: Vec<f64>,
-    /// The excitation before sampling: band-limited, on a grid eight times finer. It can drive a
-    /// second solver without sharing the interpolation between the samples.
+    /// The excitation before sampling: band-limited, on a grid eight times finer. A second solver
+    /// can be driven by it, without the interpolation between the samples.
     pub excitation_before_sampling: SampledHistory,
     /// Time \[s\], from the first sample, until which both displacements are within the range of
     /// the transducers.
@@ -47,7 +47,7 @@ pub struct VelocityRecord {
     pub balance: ImpactBalance,
 }
 
-/// Points of the unsampled excitation per sample.
+/// Points per sample of the excitation before sampling.
 const FINER: usize = 8;
 
 impl<L: InelasticLaw> ImpactTest<L> {
@@ -57,8 +57,8 @@ impl<L: InelasticLaw> ImpactTest<L> {
     /// `samples_before` before the impact.
     ///
     /// # Errors
-    /// As [`ImpactTest::run`]; [`RodwaveError::NonPhysical`] for a recorder or range that is not
-    /// positive.
+    /// The errors of [`ImpactTest::run`]; [`RodwaveError::NonPhysical`] for a recorder or range
+    /// that is not positive.
     #[expect(
         clippy::cast_precision_loss,
         reason = "sample counts are far below 2^52"

@@ -7,8 +7,8 @@ use std::sync::Arc;
 use num_complex::Complex64;
 use realfft::{ComplexToReal, RealFftPlanner, RealToComplex};
 
-/// The transform $`X_k = \sum_n x_n e^{-2\pi i kn/N}`$, $`k = 0 \ldots \lfloor N/2\rfloor`$, of
-/// real samples, and its inverse; both are unscaled.
+/// Transform $`X_k = \sum_n x_n e^{-2\pi i kn/N}`$, $`k = 0 \ldots \lfloor N/2\rfloor`$, of real
+/// samples, and its inverse; both are unscaled.
 ///
 /// ```
 /// let mut fourier = rodwave::fourier::RealFourier::new(8);
@@ -69,8 +69,8 @@ impl RealFourier {
 
     /// Transforms the lines to samples; the lines are overwritten.
     ///
-    /// Only the real parts of the lines at 0 Hz and at the Nyquist frequency are used, as samples
-    /// are real.
+    /// Only the real parts of the lines at 0 Hz and at the Nyquist frequency are used, because the
+    /// samples are real.
     #[expect(
         clippy::expect_used,
         clippy::missing_panics_doc,
@@ -108,13 +108,13 @@ impl fmt::Debug for RealFourier {
 }
 
 thread_local! {
-    /// Plans of the lengths in use, kept because the twiddle factors of a long transform cost as
-    /// much as several transforms.
+    /// Plans of the lengths in use. They are kept because the twiddle factors of a long transform
+    /// cost as much as several transforms.
     static PLANS: RefCell<Plans> = RefCell::new(Plans::empty());
 }
 
-/// Number of lengths whose plans are kept, so that a program that uses thousands of lengths does
-/// not keep them all.
+/// Number of lengths whose plans are kept. Without this limit, a program that uses thousands of
+/// lengths would keep them all.
 const KEPT_LENGTHS: usize = 16;
 
 struct Plans {
@@ -141,8 +141,8 @@ impl Plans {
     }
 }
 
-/// Creates plans in a single function: each crate that creates them compiles all algorithms of the
-/// library again.
+/// Creates plans in a function that is not inlined: otherwise each crate that creates plans would
+/// compile all algorithms of the library again.
 #[inline(never)]
 fn forward_plan(n_samples: usize) -> Arc<dyn RealToComplex<f64>> {
     PLANS.with_borrow_mut(|plans| plans.of(n_samples).plan_fft_forward(n_samples))

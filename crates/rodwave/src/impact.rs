@@ -107,7 +107,7 @@ pub struct ImpactBalance {
 
 /// Ratio of the energies after and before the impact above which a chain counts as unstable. Its
 /// explicit steps create energy without bound if a material relaxes faster than the step. The
-/// staggered grid alone varies the energy by some per cent.
+/// staggered grid alone makes the energy vary by some per cent.
 const MOST_GROWTH: f64 = 2.0;
 
 impl<L: InelasticLaw> ImpactTest<L> {
@@ -134,14 +134,14 @@ impl<L: InelasticLaw> ImpactTest<L> {
         let cells = (self.rod.length() / cell).ceil().max(4.0) as usize;
         let mut struck = LumpedRod::new(&self.rod, cells, DEFAULT_COURANT_NUMBER)?;
         let step = struck.time_step();
-        // the striker shares the time step; its cells are as short as the Courant number allows
+        // the striker has the same time step; its cells are as short as the Courant number allows
         let distance_per_step = striker.wave_speed() * step;
         let striker_cells = (DEFAULT_COURANT_NUMBER * self.striker.length / distance_per_step)
             .floor()
             .max(4.0);
         let courant = distance_per_step * striker_cells / self.striker.length;
-        // mirrored, so that its face is also node 0: a velocity towards the rod is negative in its
-        // own axis
+        // mirrored, so that its face is also node 0: on its own axis, a velocity towards the rod is
+        // negative
         let mut striker = LumpedRod::new(&striker, striker_cells as usize, courant)?
             .moving_at(-self.striker.velocity);
 
@@ -167,7 +167,7 @@ impl<L: InelasticLaw> ImpactTest<L> {
             struck.accelerate();
             striker.release_face();
             struck.release_face();
-            // relative velocity of separation and gap for zero force
+            // relative velocity of separation, and gap, if the force were zero
             let separation = struck.velocities()[0] + striker.velocities()[0];
             let free_gap = gap + step * separation;
             let force = if free_gap >= 0.0 {
@@ -188,7 +188,7 @@ impl<L: InelasticLaw> ImpactTest<L> {
         let momentum = rod_area * struck.momentum() - striker_area * striker.momentum();
         let energy_after = energy(&striker, &struck);
         let growth = energy_after / energy_before;
-        // any overflow in a body soon shows in its energy
+        // an overflow anywhere in a body soon shows in its energy
         if growth.is_nan() || growth > MOST_GROWTH {
             return Err(RodwaveError::NonPhysical {
                 quantity: "energy after the impact over that before",

@@ -7,24 +7,24 @@
 //! ```
 //!
 //! A law supplies F and the *exact* solution of the relaxation at constant strain, dσ/dt = -E F(σ),
-//! over any duration: its sub-flow. With it, an operator-splitting solver needs no restriction of
-//! the time step and [`crate::characteristics`] creates no energy. The laws of the paper are
-//! [`Maxwell`], [`MaxwellNorton`] and [`MaxwellGurevichRabinovich`]. [`Elastic`] (F = 0) is their
-//! null hypothesis, and [`Eyring`] is the law of thermal activation. Other laws implement the two
-//! traits of this module.
+//! over any duration (its sub-flow). With this solution, an operator-splitting solver needs no
+//! restriction of the time step, and [`crate::characteristics`] creates no energy. The laws of the
+//! paper are [`Maxwell`], [`MaxwellNorton`] and [`MaxwellGurevichRabinovich`]. [`Elastic`] (F = 0)
+//! is their null hypothesis, and [`Eyring`] is the law of thermal activation. Other laws implement
+//! the two traits of this module.
 //!
 //! # Parameters
 //! All laws are parametrised by the *reference rate* r = F(σ_ref) at a reference stress σ_ref and,
 //! if nonlinear, by a dimensionless shape parameter. The printed parameters (η, B, m) are accepted
 //! by constructors and returned by getters, but they are poor coordinates for identification: for
-//! data of a real rod the correlation between κ and ln B is 0.9999, between κ and ln r it is of
-//! order 0.5.
+//! data of a real rod, the correlation between κ and ln B is 0.9999, but that between κ and ln r is
+//! of order 0.5.
 //!
 //! Theory: `docs/theory/inelastic-laws.md`.
 
-/// Creates an array with one entry for each of the cells that are relaxed together; the counter
-/// indexes other arrays of `LANES`. Unlike `std::array::from_fn` it is a plain loop, which the
-/// compiler vectorises.
+/// Creates an array with one entry for each of the cells that are relaxed together. The counter may
+/// index other arrays of length `LANES`. Unlike `std::array::from_fn`, the macro expands to a plain
+/// loop, which the compiler vectorises.
 macro_rules! lanes {
     (|$i:ident| $value:expr) => {{
         let mut lanes = [0.0_f64; $crate::inelastic::LANES];
@@ -69,11 +69,11 @@ pub const MAX_PARAMETERS: usize = 4;
 /// F is odd, F(σ) σ >= 0 (no energy is created), and the sub-flow solves dσ/dt = -E F(σ) to
 /// rounding.
 pub trait InelasticLaw: Clone + std::fmt::Debug + Send + Sync {
-    /// Names of the parameters, in the order of every parameter array. The last is
+    /// Names of the parameters, in the order of every parameter array. The last name is
     /// `ln_reference_rate` if the law has a rate.
     const PARAMETERS: &'static [&'static str];
 
-    /// The relaxation over one fixed duration, prepared once and applied to every cell of a rod.
+    /// Relaxation over one fixed duration, prepared once and applied to every cell of a rod.
     type Flow: RelaxationFlow + Send + Sync;
 
     /// Inelastic strain rate F(σ) [1/s] at stress σ \[Pa\].
@@ -99,7 +99,7 @@ pub trait InelasticLaw: Clone + std::fmt::Debug + Send + Sync {
 /// Number of cells that a [`RelaxationFlow`] relaxes together.
 pub const LANES: usize = 16;
 
-/// The exact relaxation of one law over one duration.
+/// Exact relaxation of one law over one duration.
 ///
 /// [`RelaxationFlow::change`] and [`RelaxationFlow::change_with_sensitivity`] have defaults; a law
 /// whose flow needs transcendental functions may override them for speed.
@@ -109,9 +109,9 @@ pub trait RelaxationFlow {
     /// |result| <= |stress|, and the sign is kept.
     fn relax(&self, stress: f64) -> f64;
 
-    /// Stress after the relaxation with its derivatives. The derivatives with respect to the
-    /// parameters of the law are written to `by_parameter`, which has one entry per parameter. In a
-    /// longer or shorter slice the first entries are written.
+    /// Stress after the relaxation, with its derivatives. The derivatives with respect to the
+    /// parameters of the law are written to `by_parameter`, which has one entry per parameter. If
+    /// the slice has another length, as many entries are written as fit.
     fn relax_with_sensitivity(&self, stress: f64, by_parameter: &mut [f64]) -> RelaxedStress;
 
     /// Stress after minus stress before \[Pa\], for several cells.
@@ -120,15 +120,16 @@ pub trait RelaxationFlow {
         stress.map(|stress| self.relax(stress) - stress)
     }
 
-    /// [`RelaxationFlow::change`] with its derivatives, for several cells; `parameters` is the
-    /// number of parameters of the law, of which at most [`MAX_PARAMETERS`] are used.
+    /// [`RelaxationFlow::change`] with its derivatives, for several cells. `parameters` is the
+    /// number of parameters of the law; derivatives are computed for [`MAX_PARAMETERS`] of them at
+    /// most.
     #[inline]
     fn change_with_sensitivity(&self, stress: &[f64; LANES], parameters: usize) -> StressChange {
         cell_by_cell(self, stress, parameters)
     }
 }
 
-/// Changes of several cells with their derivatives, one cell after the other.
+/// Computes the changes of several cells with their derivatives, one cell after the other.
 #[allow(
     clippy::indexing_slicing,
     reason = "lanes are counted along `stress`, an array of `LANES` as those of the result, and no more than `MAX_PARAMETERS` \
@@ -183,7 +184,7 @@ pub struct StressChange {
     pub by_parameter: [[f64; LANES]; MAX_PARAMETERS],
 }
 
-/// Checks the parameters for a law that has `N` of them.
+/// Checks that a law with `N` parameters gets as many.
 fn check_count<const N: usize>(parameters: &[f64]) -> Result<[f64; N], RodwaveError> {
     parameters
         .try_into()
@@ -194,7 +195,7 @@ fn check_count<const N: usize>(parameters: &[f64]) -> Result<[f64; N], RodwaveEr
         })
 }
 
-/// Accepts a law with no more than [`MAX_PARAMETERS`] parameters.
+/// Checks that a law has no more than [`MAX_PARAMETERS`] parameters.
 pub(crate) fn check_parameters<L: InelasticLaw>() -> Result<(), RodwaveError> {
     if L::PARAMETERS.len() <= MAX_PARAMETERS {
         Ok(())

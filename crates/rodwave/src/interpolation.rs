@@ -33,7 +33,8 @@ pub(crate) struct Quintic {
 }
 
 impl Quintic {
-    /// Lagrange's weights and their derivatives on the nodes -2, -1, 0, 1, 2, 3 around `position`.
+    /// Computes Lagrange's weights and their derivatives on the nodes -2, -1, 0, 1, 2, 3 around
+    /// `position`.
     pub(crate) fn around(position: f64) -> Self {
         // 1/Π_{i != j} (j - i)
         const INVERSE_GAPS: [f64; 6] = [
@@ -67,7 +68,7 @@ impl Quintic {
         self.sum(&self.value, history)
     }
 
-    /// Derivative with respect to the index.
+    /// Returns the derivative with respect to the index.
     pub(crate) fn slope(&self, history: &[f64]) -> f64 {
         self.sum(&self.slope, history)
     }
@@ -78,8 +79,8 @@ impl Quintic {
     }
 }
 
-/// The values of a history from `before` indices before `base` on; zero outside the history, like a
-/// rod that does not move yet.
+/// Returns the values of a history, starting `before` indices before `base`; they are zero outside
+/// the history, as for a rod that does not move yet.
 #[expect(
     clippy::cast_possible_truncation,
     reason = "positions on the history lie far below 2^52, and outside it there is nothing however far"

@@ -1,8 +1,8 @@
 //! Kramers-Kronig test of storage and loss modulus.
 //!
-//! In a causal material E' and E'' are not independent: the Kramers-Kronig relations give each from
-//! the other, over *all* frequencies. A measurement or a fit covers only a band, so that the
-//! relations cannot be evaluated, but they can be tested. A material whose stress after a step of
+//! In a causal material, E' and E'' are not independent: the Kramers-Kronig relations give each
+//! from the other, over *all* frequencies. A measurement or a fit covers only a band. The relations
+//! can then not be evaluated, but they can be tested. A material whose stress after a step of
 //! strain relaxes monotonically, with all derivatives monotonic as in polymers, has the modulus
 //!
 //! ```text
@@ -10,23 +10,24 @@
 //! ```
 //!
 //! Such moduli form a convex cone, and every one of them is causal and passive. [`KramersKronig`]
-//! finds the one nearest to the given values over the band, with H on a grid of [`GRID_PER_DECADE`]
-//! relaxation times per decade, from two decades faster to four decades slower than the band. The
-//! residual is the least change of the values that makes them those of a causal material.
+//! finds the modulus in this cone that is nearest to the given values over the band, with H on a
+//! grid of [`GRID_PER_DECADE`] relaxation times per decade, from two decades faster to four decades
+//! slower than the band. The residual is the least change of the values that makes them those of a
+//! causal material.
 //!
 //! # Threshold
 //! A branch between two points of the grid, h apart in ln τ, is replaced by a mean of its two
 //! neighbours. As |∂²/∂(ln τ)² iωτ/(1 + iωτ)| equals its loss part ωτ/(1 + ω²τ²), which varies by
 //! less than a factor e^h within the interval, the error is at most (h²/8) e^h times the loss
-//! modulus of the branch, and summed over the branches
+//! modulus of the branch, and, summed over the branches,
 //!
 //! ```text
 //! |E_grid(ω) - E(ω)| <= ε E''(ω) ,    ε = (h²/8) e^h = 7.0e-4
 //! ```
 //!
 //! at every frequency of the band. (Branches beyond the ends of the grid are replaced by the last
-//! branch and the spring or the dashpot; the error is at most 1e-4 E''.) Hence for *every* relaxing
-//! material
+//! branch and the spring or the dashpot; the error is at most 1e-4 E''.) Hence, for *every*
+//! relaxing material,
 //!
 //! ```text
 //! rms |E - E_causal|/|E| <= ε rms E''/|E|
@@ -34,22 +35,22 @@
 //!
 //! and a larger residual proves that no relaxing material has the given values. If the residual is
 //! smaller, the nearest material is causal and has the values within the residual. The threshold is
-//! a rigorous bound on the grid error. The scatter of measured values, if any, and 1e-10 for
-//! rounding are added to it.
+//! a rigorous bound on the grid error, plus the scatter of measured values, if any, and 1e-10 for
+//! rounding.
 //!
 //! # Loss alone
-//! Noise in 2n numbers hides an error of a single quantity: with 60 lines and 5 % of noise, a
-//! doubled loss has only 1.1 times the residual of the correct one. The result therefore also
-//! contains the size κ of one error that no causal material has: all losses larger by the same
-//! factor, with E' unchanged. The nearest material is fitted once more with
+//! Noise in 2n numbers hides an error of a single quantity: with 60 lines and 5 % of noise, doubled
+//! losses increase the residual only by a factor of 1.1. The result therefore also contains the
+//! size κ of one error that no causal material has: all losses larger by the same factor, with E'
+//! unchanged. The nearest material is fitted once more with
 //!
 //! ```text
 //! min Σ |E - iκE''_causal - E_material|²/σ² + κ²/18
 //! ```
 //!
-//! and noise alone lowers the minimum by about half of a chi-square variable with one degree of
-//! freedom, for any true material: in 58 cases (six materials from a spring to strong losses, 3 to
-//! 60 lines, 1 and 5 % of noise, 200 draws each) the 99 % quantile of twice the decrease was 0.4 to
+//! For any true material, noise alone lowers the minimum by about half of a chi-square variable
+//! with one degree of freedom: in 58 cases (six materials from a spring to strong losses, 3 to 60
+//! lines, 1 and 5 % of noise, 200 draws each) the 99 % quantile of twice the decrease was 0.4 to
 //! 9.4 (chi-square: 6.6). Values whose decrease is above [`LARGEST_DECREASE`] are not causal. κ
 //! cannot be determined if the band does not determine the slope of E', for example from five lines
 //! over a decade at 5 % of noise.
@@ -79,8 +80,8 @@
 //!
 //! # Limitations
 //! A causal material that resonates is not a relaxing one and is reported as not causal; polymers
-//! do not resonate in this way. Over a narrow band almost any values are those of some
-//! causal material, and noise hides the rest.
+//! do not resonate in this way. Over a narrow band, some causal material has almost any given
+//! values, and noise can hide the remaining difference.
 //!
 //! Theory: `docs/theory/kramers-kronig.md`.
 
@@ -100,25 +101,25 @@ use non_negative::{NonNegativeProblem, length};
 /// Number of relaxation times per decade of the grid.
 pub const GRID_PER_DECADE: u32 = 32;
 
-/// Start of the grid, as a fraction of the period/2π of the highest frequency.
+/// Fastest relaxation time of the grid, as a fraction of the period/2π of the highest frequency.
 const FASTEST: f64 = 1e-2;
 
-/// End of the grid, as a multiple of the period/2π of the lowest frequency.
+/// Slowest relaxation time of the grid, as a multiple of the period/2π of the lowest frequency.
 const SLOWEST: f64 = 1e4;
 
 /// Rounding error of the least-squares problem, relative to |E|, with a margin: sums of some
 /// hundred terms.
 const ROUNDING: f64 = 1e-10;
 
-/// Largest [`LossError::decrease`], twice the decrease of the sum of squares when a factor on all
-/// losses is fitted too, that is attributed to noise: three standard deviations.
+/// Largest [`LossError::decrease`] that is attributed to noise: three standard deviations. The
+/// decrease is twice that of the sum of squares when a factor on all losses is also fitted.
 pub const LARGEST_DECREASE: f64 = 9.0;
 
 /// Prior standard deviation of a factor on all losses.
 const WIDE: f64 = 3.0;
 
-/// Widest band, as the ratio of its ends: the grid of relaxation times grows with the band, and the
-/// cost as the square of the grid.
+/// Widest band, as the ratio of its ends. The grid of relaxation times grows with the band, and the
+/// cost grows as the square of the grid.
 const WIDEST: f64 = 1e50;
 
 /// The causal material nearest to given values of a complex modulus, and its distance from them.
@@ -139,7 +140,7 @@ pub struct KramersKronig {
     /// The common errors subtracted from the given values, each in units of its standard
     /// uncertainty; empty if none were stated.
     pub common_errors: Vec<f64>,
-    /// Result of the fit with an additional factor on all losses; `None` for a law, and if the
+    /// Result of the fit with an additional factor on all losses; `None` for a law, or if the
     /// nearest material has no loss.
     pub loss_error: Option<LossError>,
     /// E∞ of the nearest causal material \[Pa\].
@@ -151,15 +152,15 @@ pub struct KramersKronig {
     pub branches: Vec<MaxwellBranch>,
 }
 
-/// A factor on all losses that no causal material has; see the [module](self).
+/// Factor on all losses that no causal material has; see the [module](self).
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct LossError {
     /// Relative error κ: the given losses exceed those of a causal material by this fraction of the
     /// losses of the nearest causal material.
     pub factor: f64,
-    /// Lower bound of twice the decrease of Σ |δE|²/σ² by the factor; the error of the grid is
-    /// subtracted.
+    /// Lower bound of twice the decrease of Σ |δE|²/σ² due to the factor, after subtraction of the
+    /// error of the grid.
     pub decrease: f64,
 }
 
@@ -194,7 +195,7 @@ impl KramersKronig {
     /// About 20 lines per decade suffice; the cost grows with their number.
     ///
     /// # Errors
-    /// As [`Self::of_modulus`].
+    /// The errors of [`Self::of_modulus`].
     pub fn of_medium<L: PropagationLaw>(
         medium: &Medium<L>,
         omega: &[f64],
@@ -203,16 +204,17 @@ impl KramersKronig {
         Self::of_modulus(omega, &modulus, 0.0)
     }
 
-    /// Tests values of the complex `modulus` \[Pa\] at `omega` > 0 [rad/s], each with the relative
-    /// standard error `relative_error`, (E|δE|²)^½/|E| of both parts together; 0 for a law.
+    /// Tests values of the complex `modulus` \[Pa\] at `omega` > 0 [rad/s]. Each value has the
+    /// relative standard error `relative_error`, (E|δE|²)^½/|E| of both parts together; 0 for a
+    /// law.
     ///
     /// The scatter of n lines adds its mean plus three standard deviations to the threshold,
     /// `relative_error` (1 + 3/(2√n)).
     ///
     /// # Errors
-    /// [`RodwaveError::LengthMismatch`]; [`RodwaveError::TooFewSamples`] below three lines;
-    /// [`RodwaveError::NonPhysical`] unless all frequencies are finite and above 0, all moduli
-    /// finite and not 0, and the error finite and not negative.
+    /// [`RodwaveError::LengthMismatch`] if the lengths differ; [`RodwaveError::TooFewSamples`]
+    /// below three lines; [`RodwaveError::NonPhysical`] unless all frequencies are finite and above
+    /// 0, all moduli finite and not 0, and the error finite and not negative.
     pub fn of_modulus(
         omega: &[f64],
         modulus: &[Complex64],
@@ -229,12 +231,12 @@ impl KramersKronig {
     /// The nearest causal material minimises the distance in units of these errors, and
     /// [`residual`](Self::residual), [`residual_lower_bound`](Self::residual_lower_bound) and
     /// [`threshold`](Self::threshold) are root mean squares of |E - E_causal| divided by its
-    /// standard error. As the true material is in the cone, the residual is at most 1 on average,
-    /// and n lines add 1 + 3/(2√n) to the threshold.
+    /// standard error. Because the true material is in the cone, the residual is at most 1 on
+    /// average; n lines add 1 + 3/(2√n) to the threshold.
     ///
     /// # Errors
-    /// As [`Self::of_modulus`]; [`RodwaveError::NonPhysical`] unless all errors are finite and
-    /// above 0.
+    /// The errors of [`Self::of_modulus`]; [`RodwaveError::NonPhysical`] unless all errors are
+    /// finite and above 0.
     pub fn of_measured_modulus(
         omega: &[f64],
         modulus: &[Complex64],
@@ -243,9 +245,9 @@ impl KramersKronig {
         Self::of_modulus_with_common_errors(omega, modulus, standard_error, &[])
     }
 
-    /// Tests measured values that also have `common_errors`, shared by all lines: if one of them is
-    /// wrong by its standard uncertainty, all values are wrong by its vector δE(ω) \[Pa\]. A
-    /// length that is known to a tenth of a per cent is an example.
+    /// Tests measured values that also have `common_errors`, which all lines share: if one of them
+    /// is wrong by its standard uncertainty, all values are wrong by its vector δE(ω) \[Pa\]. An
+    /// example is a length that is known to a tenth of a per cent.
     ///
     /// The nearest material and the sizes ξ of the common errors are fitted together,
     ///
@@ -253,12 +255,12 @@ impl KramersKronig {
     /// min Σ |E - Σ ξ_s δE_s - E_causal|²/σ² + ½ Σ ξ_s²
     /// ```
     ///
-    /// and the residual is the root of the minimum over n. For the true material and errors its
-    /// mean is 1 + S/2n with S errors, which the threshold includes.
+    /// and the residual is the root of the minimum over n. For the true material and the true
+    /// errors, its mean is 1 + S/2n with S errors; the threshold includes this.
     ///
     /// # Errors
-    /// As [`Self::of_measured_modulus`]; [`RodwaveError::LengthMismatch`] and
-    /// [`RodwaveError::NonPhysical`] for a vector of another length, or one that is not finite.
+    /// The errors of [`Self::of_measured_modulus`]; [`RodwaveError::LengthMismatch`] and
+    /// [`RodwaveError::NonPhysical`] for a vector whose length differs, or that is not finite.
     pub fn of_modulus_with_common_errors(
         omega: &[f64],
         modulus: &[Complex64],
@@ -268,11 +270,11 @@ impl KramersKronig {
         Self::checked(omega, modulus, standard_error, common_errors, true)
     }
 
-    /// Tests as [`Self::of_modulus_with_common_errors`] without the fit of a factor on all losses,
-    /// for intermediate weights.
+    /// Tests as [`Self::of_modulus_with_common_errors`] does, but without the fit of a factor on
+    /// all losses, for intermediate weights.
     ///
     /// # Errors
-    /// As [`Self::of_modulus_with_common_errors`].
+    /// The errors of [`Self::of_modulus_with_common_errors`].
     pub fn without_loss_error(
         omega: &[f64],
         modulus: &[Complex64],
@@ -341,7 +343,7 @@ impl KramersKronig {
             weighted.flat_map(|value| [value.re, value.im]).collect()
         };
         let target = by_scale(&mut modulus.iter().copied());
-        // the variance of each part is half of a complex unit variance
+        // each of the two parts has half of the variance of the complex value
         let common = CommonErrors::new(
             common_errors
                 .iter()
@@ -359,7 +361,7 @@ impl KramersKronig {
         let expected = (1.0 + 0.5 * common_errors.len() as f64 / n).sqrt();
         let threshold = grid_error + scatter * (expected + 1.5 / n.sqrt());
         check_finite("threshold of the residual", threshold)?;
-        // Far below the threshold the verdict is clear, and a closer fit is not needed.
+        // Far below the threshold the verdict is certain, and a closer fit is not needed.
         let enough = 0.1 * threshold * n.sqrt();
         let solution = whitened_problem(&common, columns(), &target).solve(enough);
         let material: Vec<(Element, f64)> = elements
@@ -388,7 +390,7 @@ impl KramersKronig {
         );
         let has_loss = loss.iter().any(|loss| *loss > 0.0);
         let loss_error = (with_loss_error && scatter > 0.0 && has_loss).then(|| {
-            // in units of the noise; with common errors, the scale is the noise
+            // in units of the noise: with common errors, the noise is the scale
             let by_noise = |values: &[f64]| values.iter().map(|v| v / scatter).collect::<Vec<_>>();
             let mut vectors = common.vectors().to_vec();
             vectors.push(by_noise(&loss));
@@ -428,7 +430,7 @@ impl KramersKronig {
         })
     }
 
-    /// Verdict of the residual.
+    /// Verdict that follows from the residual.
     #[must_use]
     pub fn verdict(&self) -> Verdict {
         let loss_is_wrong = self
@@ -446,7 +448,7 @@ impl KramersKronig {
     }
 }
 
-/// Whitened problem of the nearest sum of `columns` to `target`.
+/// Whitened problem of finding the sum of `columns` that is nearest to `target`.
 fn whitened_problem(
     common: &CommonErrors,
     mut columns: Vec<Vec<f64>>,
@@ -457,13 +459,13 @@ fn whitened_problem(
     for column in &mut columns {
         common.whiten(column);
     }
-    // By optimality the sum of columns x* has |C^{-1/2} A x*| <= |C^{-1/2} b|, and columns without
-    // negative entries have a sum of at least their length, |x*|₁ <= |A x*|₁ <= √m |A x*|.
+    // By optimality, the sum of columns A x* has |C^{-1/2} A x*| <= |C^{-1/2} b|. Columns without
+    // negative entries have a sum of at least their length: |x*|₁ <= |A x*|₁ <= √m |A x*|.
     let largest_sum = (target.len() as f64).sqrt() * length(&whitened) * common.shortening();
     NonNegativeProblem::new(columns, whitened, largest_sum)
 }
 
-/// A generator of the cone.
+/// Generator of the cone of moduli.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Element {
     /// 1 Pa.
@@ -536,7 +538,7 @@ fn check(omega: &[f64], modulus: &[Complex64]) -> Result<Band, RodwaveError> {
     Ok(band)
 }
 
-/// Distance of two relaxation times of the grid in ln τ.
+/// Distance in ln τ between neighbouring relaxation times of the grid.
 fn grid_step() -> f64 {
     LN_10 / f64::from(GRID_PER_DECADE)
 }
@@ -564,8 +566,8 @@ fn check_not_negative(quantity: &'static str, value: f64) -> Result<f64, Rodwave
     check_finite(quantity, value)
 }
 
-/// Error of a causal material's modulus due to the grid and rounding, as the root mean square
-/// relative to `scale`.
+/// Error of the modulus of a causal material due to the grid and to rounding, as the root mean
+/// square relative to `scale`.
 fn grid_error(modulus: &[Complex64], scale: &[f64]) -> f64 {
     let n = modulus.len() as f64;
     let mean_square = |part: fn(&Complex64) -> f64| -> f64 {

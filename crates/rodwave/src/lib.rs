@@ -13,10 +13,10 @@
 //! one-dimensional theory and corrects it.
 //!
 //! Nonlinear laws are inelastic strain rates F(σ), see [`inelastic`]. [`characteristics`] solves
-//! the direct problem of paper D, and [`line`](mod@line) bodies of several parts, branches and
-//! contacts. [`lumped`] is an independent second solver, [`impact`] computes the impact of a
-//! striker on a rod, and [`experiment`] simulates the records of instruments. [`digits`] formats
-//! numbers for messages.
+//! the direct problem of paper D; [`line`](mod@line) computes waves in bodies of several parts,
+//! with branches and contacts. [`lumped`] is an independent second solver, [`impact`] computes the
+//! impact of a striker on a rod, and [`experiment`] simulates the records of instruments.
+//! [`digits`] formats numbers for messages.
 //!
 //! ```
 //! use rodwave::inelastic::Maxwell;
@@ -52,7 +52,7 @@
 //!   uniform round rods.
 //! * No plasticity with memory, damage or heat: the inelastic strain rate depends on the present
 //!   stress only.
-//! * In the time domain areas are piecewise constant and laws have a finite number of branches;
+//! * In the time domain, areas are piecewise constant and laws have a finite number of branches;
 //!   cones, horns and fractional laws require [`chain`].
 //!
 //! Theory: `docs/theory/moduli.md`, `docs/theory/kramers-kronig.md`,

@@ -3,29 +3,30 @@
 //!
 //! # Problem
 //! Each [`Segment`] obeys ∂σ/∂x = ρ ∂v/∂t and, for every branch of its material, ∂σᵢ/∂t = Eᵢ
-//! (∂v/∂x - Fᵢ(σᵢ)), σ = Σ σᵢ. A [`Body`] is a chain of bonded segments, a [`Line`] a series of bodies
-//! with contacts between them; both [`End`]s of the line are free, fixed, driven, loaded by a mass
-//! or damped. The result is the histories at gauges at any sections.
+//! (∂v/∂x - Fᵢ(σᵢ)), σ = Σ σᵢ. A [`Body`] is a chain of bonded segments, a [`Line`] a series of
+//! bodies with contacts between them; both [`End`]s of the line are free, fixed, driven, loaded by
+//! a mass or damped. The results are histories at gauges, which may be at any section.
 //!
 //! # Method
-//! Waves R = s - v and L = s + v, s = σ/Z, travel one cell per step (Courant number 1) in every
+//! The waves R = s - v and L = s + v, s = σ/Z, travel one cell per step (Courant number 1) in every
 //! segment: the time step is common, but each material has its own cell length, so that fast
 //! neighbours do not increase the cost of slow materials ([`Grid`]). Values are at the centres of
 //! cells; ends and contacts are half a cell from the nearest centre, and are solved half a step
-//! later with the arriving waves. Relaxation is split off symmetrically (Strang) and exact for each
-//! branch. The scheme is stable for any law, and [`Ledger`] balances to rounding on any grid.
+//! later with the arriving waves. Relaxation is split off symmetrically (Strang) and is exact for
+//! each branch. The scheme is stable for any law, and [`Ledger`] balances to rounding on any grid.
 //!
 //! # Accuracy
 //! If all segments have whole numbers of cells, the scheme is exact for elastic lines, second order
-//! for smooth histories, and first order after jumps. Other lines have wave speeds rounded by
-//! [`Grid::largest_rounding`], at most 1e-3 unless [`Line::with_speed_tolerance`] sets another
-//! limit: this adds errors of 2e-4 to 9e-4 of the largest value, which fall with the tolerance but
-//! not with the step. A smaller tolerance gives more cells, up to 64 times as many, or is rejected.
-//! The force of a contact is given per whole step; [`ContactHistory::opens`] gives the end of the
-//! contact within a step.
+//! for smooth histories, and first order after jumps. In other lines, the wave speeds are rounded
+//! by at most [`Grid::largest_rounding`]; this is at most 1e-3 unless
+//! [`Line::with_speed_tolerance`] sets another limit. Rounding adds errors of 2e-4 to 9e-4 of the
+//! largest value; they decrease with the tolerance but not with the step. A smaller tolerance needs
+//! more cells, up to 64 times as many; if these do not suffice, it is rejected. The force of a
+//! contact is given per whole step; [`ContactHistory::opens`] gives the end of the contact within a
+//! step.
 //!
-//! The grid differs from that of [`crate::characteristics`], which has nodes at the ends: the two
-//! solvers verify each other.
+//! The grid differs from that of [`crate::characteristics`], which has nodes at the ends. The two
+//! solvers therefore verify each other.
 //!
 //! # Derivatives
 //! The tangent-linear model is integrated in the same sweep: derivatives of every gauge, end and
@@ -33,8 +34,8 @@
 //! changes impedances, shares of branches, relaxation, and the wave speed. On a fixed grid, the
 //! change of the wave speed shifts the waves by ∓½ c dt ∂/∂x per step, which is computed by
 //! differences of second order in the cell. The derivative with respect to ln E is therefore
-//! accurate to second order; those with respect to the parameters of the law are the exact
-//! derivatives of the scheme. Where a contact opens or closes, the derivative assumes a fixed
+//! accurate to second order; the derivatives with respect to the parameters of the law are the
+//! exact derivatives of the scheme. Where a contact opens or closes, the derivative assumes a fixed
 //! sequence of open and closed states.
 //!
 //! ```
@@ -85,7 +86,7 @@ use crate::error::{check_finite, check_positive};
 /// Name of this solver in the provenance of virtual records.
 pub const GENERATOR: &str = "rodwave::line";
 
-/// Bonded segments, from left to right.
+/// Body of bonded segments, from left to right.
 #[derive(Debug, Clone)]
 pub struct Body {
     segments: Vec<Segment>,
@@ -96,7 +97,7 @@ impl Body {
     /// Creates a body at rest.
     ///
     /// # Errors
-    /// [`RodwaveError::LengthMismatch`] without a segment; [`RodwaveError::InElement`] for a
+    /// [`RodwaveError::LengthMismatch`] if there is no segment; [`RodwaveError::InElement`] for a
     /// segment without a branch.
     pub fn new(segments: impl IntoIterator<Item = Segment>) -> Result<Self, RodwaveError> {
         let segments: Vec<Segment> = segments.into_iter().collect();
@@ -119,7 +120,7 @@ impl Body {
         })
     }
 
-    /// Sets the velocity [m/s] along x at the start.
+    /// Sets the velocity [m/s] along x at time 0.
     ///
     /// # Errors
     /// [`RodwaveError::NonPhysical`] unless it is finite.
@@ -163,7 +164,7 @@ impl Line {
     /// Creates a line of bodies that touch without force, with free ends.
     ///
     /// # Errors
-    /// [`RodwaveError::LengthMismatch`] without a body.
+    /// [`RodwaveError::LengthMismatch`] if there is no body.
     pub fn new(bodies: impl IntoIterator<Item = Body>) -> Result<Self, RodwaveError> {
         let bodies: Vec<Body> = bodies.into_iter().collect();
         if bodies.is_empty() {
@@ -221,14 +222,14 @@ impl Line {
     /// Sets the condition at the right end.
     ///
     /// # Errors
-    /// As [`Self::with_left_end`].
+    /// The errors of [`Self::with_left_end`].
     pub fn with_right_end(self, right: End) -> Result<Self, RodwaveError> {
         right.check()?;
         Ok(Self { right, ..self })
     }
 
-    /// Sets the largest relative change of a wave speed that makes numbers of cells whole (default
-    /// 1e-3).
+    /// Sets the largest relative change of a wave speed that is allowed in order to make numbers of
+    /// cells whole (default 1e-3).
     ///
     /// # Errors
     /// [`RodwaveError::NonPhysical`] unless it is finite and above 0.
@@ -244,8 +245,8 @@ impl Line {
         self.bodies.iter().flat_map(|body| &body.segments)
     }
 
-    /// All parameters for which derivatives are available: ln Eᵢ and the parameters of the law of
-    /// each branch of each segment.
+    /// Returns all parameters for which derivatives are available: ln Eᵢ and the parameters of the
+    /// law of each branch of each segment.
     #[must_use]
     pub fn parameters(&self) -> Vec<Parameter> {
         let mut parameters = Vec::new();
@@ -277,7 +278,7 @@ impl Line {
     /// Starts the march at time 0 on a grid whose time step is at most `longest_step` \[s\].
     ///
     /// # Errors
-    /// As [`Self::grid`].
+    /// The errors of [`Self::grid`].
     pub fn march(&self, longest_step: f64) -> Result<March, RodwaveError> {
         March::new(self, longest_step, &[], &[])
     }
@@ -286,8 +287,8 @@ impl Line {
     /// most `longest_step` \[s\].
     ///
     /// # Errors
-    /// As [`Self::grid`] and [`March::advance`]; [`RodwaveError::OutsideBody`] for a gauge outside
-    /// its body, [`RodwaveError::NonPhysical`] for more than 1e9 steps.
+    /// The errors of [`Self::grid`] and [`March::advance`]; [`RodwaveError::OutsideBody`] for a
+    /// gauge outside its body, [`RodwaveError::NonPhysical`] for more than 1e9 steps.
     pub fn run(
         &self,
         longest_step: f64,
@@ -301,8 +302,8 @@ impl Line {
     /// sweep.
     ///
     /// # Errors
-    /// As [`Self::run`]; [`RodwaveError::UnknownParameter`] for a parameter that is not among
-    /// [`Self::parameters`].
+    /// The errors of [`Self::run`]; [`RodwaveError::UnknownParameter`] for a parameter that is not
+    /// among [`Self::parameters`].
     pub fn run_with_derivatives(
         &self,
         longest_step: f64,
@@ -315,12 +316,12 @@ impl Line {
         LineHistory::record(march, duration, self.gaps.len(), parameters)
     }
 
-    /// Computes the histories of every cell until `duration` \[s\], on a grid whose time step is at
-    /// most `longest_step` \[s\], at every `stride`-th time level.
+    /// Computes the histories of every cell until `duration` \[s\], at every `stride`-th time
+    /// level, on a grid whose time step is at most `longest_step` \[s\].
     ///
     /// # Errors
-    /// As [`Self::run`]; [`RodwaveError::NonPhysical`] for a stride of 0 and for more than 2^27
-    /// values of a quantity.
+    /// The errors of [`Self::run`]; [`RodwaveError::NonPhysical`] for a stride of 0 or more than
+    /// 2^27 values of a quantity.
     ///
     /// ```
     /// use rodwave::line::{Body, Line, Segment};
@@ -348,7 +349,7 @@ impl Line {
         Diagram::record(march, places, duration, stride)
     }
 
-    /// Body and centre \[m\] of every cell, with the gaps at the start.
+    /// Returns the body and the centre \[m\] of every cell, including the gaps at the start.
     #[expect(clippy::cast_precision_loss, reason = "cell counts are far below 2^52")]
     fn places(&self, grid: &Grid) -> Vec<(usize, f64)> {
         let mut places = Vec::with_capacity(grid.cells.iter().sum());
@@ -366,8 +367,8 @@ impl Line {
         places
     }
 
-    /// Segment of a gauge, counted from the left end of the line, and distance from the left end of
-    /// that segment.
+    /// Returns the segment of a gauge, counted from the left end of the line, and the distance of
+    /// the gauge from the left end of that segment.
     fn locate(&self, gauge: Gauge) -> Result<(usize, f64), RodwaveError> {
         let Some(body) = self.bodies.get(gauge.body) else {
             return Err(RodwaveError::LengthMismatch {
@@ -377,7 +378,7 @@ impl Line {
             });
         };
         let length = body.length();
-        // the end of a body may be exceeded by the rounding of a sum of lengths
+        // rounding of a sum of lengths may put the gauge beyond the end of a body
         if !(gauge.position >= 0.0 && gauge.position <= length * (1.0 + 1e-12)) {
             return Err(RodwaveError::OutsideBody {
                 what: "a gauge",

@@ -1,12 +1,12 @@
-//! A chain of lumped masses and Maxwell elements: the second solver, used for generation and
-//! verification but never for inversion.
+//! A chain of lumped masses and Maxwell elements: the second solver, used to generate and verify
+//! responses but never for inversion.
 //!
 //! Velocities are at nodes at half time steps, stresses in the cells between them at whole steps
-//! (leapfrog). The source term is the rate F(σ) itself, evaluated at mid-step, so that nothing is
-//! shared with [`crate::characteristics`]: neither the travelling waves nor the exact flows of the
-//! laws. At Courant number 1 and F = 0 the two schemes would be equivalent; the chain therefore
-//! runs well below it. It is second order, slightly dispersive, and rings at the grid scale after a
-//! jump.
+//! (leapfrog). The source term is the rate F(σ) itself, evaluated at mid-step. The chain therefore
+//! shares neither the travelling waves nor the exact flows of the laws with
+//! [`crate::characteristics`]. At Courant number 1 and F = 0 the two schemes would be equivalent;
+//! the chain therefore runs well below Courant number 1. It is second order, slightly dispersive,
+//! and rings at the grid scale after a jump.
 //!
 //! Theory: `docs/theory/direct-problem.md#the-independent-solver`.
 
@@ -51,7 +51,8 @@ pub struct LumpedRod<L> {
     stress: Vec<f64>,
     /// F at the last mid-step, the predictor of the next one
     inelastic_rate: Vec<f64>,
-    /// with a spring in parallel: share of the law's branch in the modulus, and the stress in it
+    /// with a spring in parallel: share of the branch of the law in the modulus, and the stress in
+    /// it
     branch: Option<(f64, Vec<f64>)>,
     dissipated: f64,
 }
@@ -139,7 +140,7 @@ impl<L: InelasticLaw> LumpedRod<L> {
         let base = position
             .floor()
             .clamp(1.0, (self.velocity.len() - 3) as f64);
-        // NaN is at no node; the value interpolated there becomes NaN
+        // the index of NaN is 0; the value interpolated there becomes NaN
         let first = (base as usize).max(1) - 1;
         let around = std::array::from_fn(|k| self.velocity[first + k]);
         cubic(around, position - base).value
@@ -159,7 +160,7 @@ impl<L: InelasticLaw> LumpedRod<L> {
         self.density * self.dx * (sum - 0.5 * (self.velocity[0] + self.velocity[last]))
     }
 
-    /// Kinetic plus elastic energy per unit area [J/m²], velocities half a step before the
+    /// Kinetic plus elastic energy per unit area [J/m²], with velocities half a step before the
     /// stresses.
     #[must_use]
     pub fn stored_energy(&self) -> f64 {
@@ -202,13 +203,13 @@ impl<L: InelasticLaw> LumpedRod<L> {
         self.velocity[0] = velocity;
     }
 
-    /// Advances the velocity of node 0 over one step as a free face.
+    /// Advances the velocity of node 0 over one step, as that of a free face.
     pub fn release_face(&mut self) {
         self.velocity[0] += self.dt / self.end_mass() * self.stress[0];
     }
 
-    /// Adds to node 0 the velocity change of one step due to `pressure` \[Pa\] on the face,
-    /// positive in compression.
+    /// Adds to the velocity of node 0 the change due to a `pressure` \[Pa\] on the face, positive
+    /// in compression, over one step.
     pub fn push_face(&mut self, pressure: f64) {
         self.velocity[0] += self.dt / self.end_mass() * pressure;
     }
@@ -247,8 +248,8 @@ impl<L: InelasticLaw> LumpedRod<L> {
         self.dissipated += dissipated * self.dx * self.dt;
     }
 
-    /// Computes the velocity of the last node [m/s] at `times` \[s\] if node 0 follows `excitation`
-    /// from rest.
+    /// Computes the velocity of the last node [m/s] at `times` \[s\] when node 0 follows
+    /// `excitation` from rest.
     ///
     /// # Errors
     /// [`RodwaveError::ExcitationTooShort`] if a time is after the end of the excitation,

@@ -7,8 +7,8 @@
 //! E = -ρω²/γ²                           (paper B, eq. 2; in real form: paper A, eq. 2; paper B, eq. 3)
 //! ```
 //!
-//! The root for γ is the one with k > 0 for ω > 0; with E'' >= 0 it has α >= 0, and e^{iωt - γx}
-//! travels and decays along +x. For ω < 0 all quantities are the complex conjugates.
+//! The root for γ is the one with k > 0 for ω > 0. With E'' >= 0 this root has α >= 0, and e^{iωt -
+//! γx} travels and decays along +x. For ω < 0 all quantities are the complex conjugates.
 //!
 //! A narrow-band pulse travels with the group velocity, which follows from the modulus and its
 //! slope:
@@ -53,7 +53,7 @@ pub trait PropagationLaw {
 impl<M: ComplexModulus> PropagationLaw for M {
     fn propagation_coefficient(&self, omega: f64, density: f64) -> Complex64 {
         if omega == 0.0 {
-            return Complex64::ZERO; // also where E(0) = 0: γ² is then of order ω
+            return Complex64::ZERO; // also for E(0) = 0: γ² is then of order ω
         }
         root(self.at(omega), Complex64::new(0.0, omega), density)
     }
@@ -69,7 +69,7 @@ impl<M: ComplexModulus> PropagationLaw for M {
     }
 }
 
-/// γ = s (E/ρ)^{-1/2} with the root of positive real part.
+/// Computes γ = s (E/ρ)^{-1/2}, with the root of positive real part.
 fn root(modulus: Complex64, s: Complex64, density: f64) -> Complex64 {
     quotient(s, (modulus / density).sqrt())
 }
@@ -130,8 +130,8 @@ impl<L: PropagationLaw> Medium<L> {
     /// Returns [`Medium::propagation_coefficient`] for an unchecked `omega` [rad/s].
     ///
     /// # Errors
-    /// [`RodwaveError::NonPhysical`] for a frequency and [`RodwaveError::NoPropagation`] for a γ
-    /// that is not finite.
+    /// [`RodwaveError::NonPhysical`] for a frequency that is not finite,
+    /// [`RodwaveError::NoPropagation`] for a γ that is not finite.
     pub fn try_propagation_coefficient(&self, omega: f64) -> Result<Complex64, RodwaveError> {
         let omega = check_finite("angular frequency [rad/s]", omega)?;
         let s = Complex64::new(0.0, omega);
@@ -150,8 +150,8 @@ impl<L: PropagationLaw> Medium<L> {
         self.propagation_coefficient(omega).im
     }
 
-    /// Phase velocity ω/k [m/s] at `omega` [rad/s], an even function; at ω = 0 the velocity with
-    /// the static modulus E(0), which is 0 for a fluid.
+    /// Phase velocity ω/k [m/s] at `omega` [rad/s], an even function. At ω = 0, the velocity that
+    /// follows from the static modulus E(0), which is 0 for a fluid.
     #[must_use]
     pub fn phase_velocity(&self, omega: f64) -> f64 {
         if omega == 0.0 {
@@ -162,17 +162,17 @@ impl<L: PropagationLaw> Medium<L> {
         }
     }
 
-    /// Group velocity dω/dk [m/s] at `omega` [rad/s], an even function; at ω = 0 the velocity with
-    /// the static modulus E(0), which is 0 for a fluid.
+    /// Group velocity dω/dk [m/s] at `omega` [rad/s], an even function. At ω = 0, the velocity that
+    /// follows from the static modulus E(0), which is 0 for a fluid.
     ///
-    /// Exact for every law with an exact slope; see [`ComplexModulus::slope`] and
+    /// It is exact for every law with an exact slope; see [`ComplexModulus::slope`] and
     /// [`PropagationLaw::propagation_derivative`].
     ///
     /// # Validity
-    /// With losses a pulse changes its shape, and none of its points needs to travel with c_g; the
-    /// concept is valid for αλ ≪ 1. In a relaxing material k grows more slowly than ω and c_g
-    /// exceeds the phase velocity ω/k. It can even exceed the front speed (E(∞)/ρ)^½: by up to
-    /// 12 % in a Zener material with E₁ = 10 E₀.
+    /// With losses, a pulse changes its shape, and none of its points needs to travel with c_g; the
+    /// concept is valid for αλ ≪ 1. In a relaxing material, k grows more slowly than ω, and c_g
+    /// exceeds the phase velocity ω/k. It can even exceed the front speed (E(∞)/ρ)^½: by up to 12 %
+    /// in a Zener material with E₁ = 10 E₀.
     ///
     /// ```
     /// use rodwave::medium::Medium;
@@ -245,9 +245,8 @@ impl<M: LaplaceModulus> Medium<M> {
 /// γ and -γ give the same modulus. α < 0, which noise can cause, gives E'' < 0.
 ///
 /// # Errors
-/// [`RodwaveError::NonPhysical`] unless all are finite, the density is above 0 and γ is not 0: at ω
-/// = 0 the propagation coefficient does not determine the modulus. Also for a modulus that
-/// overflows.
+/// [`RodwaveError::NonPhysical`] unless all are finite, the density is above 0 and γ is not 0 (at
+/// ω = 0 the propagation coefficient does not determine the modulus), or if the modulus overflows.
 pub fn modulus_from_propagation(
     propagation_coefficient: Complex64,
     omega: f64,
@@ -268,8 +267,8 @@ pub fn modulus_from_propagation(
 /// Returns the propagation coefficient γ = iω (E/ρ)^{-1/2} [1/m] from the complex `modulus` \[Pa\]
 /// at `omega` [rad/s] in a material of `density` [kg/m³] (paper E, eq. 4); 0 at ω = 0.
 ///
-/// The root has k > 0 for ω > 0. Then α >= 0 exactly if E'' >= 0; a negative loss modulus gives α <
-/// 0.
+/// The root has k > 0 for ω > 0. Its α is >= 0 exactly if E'' >= 0; a negative loss modulus gives α
+/// < 0.
 ///
 /// # Errors
 /// [`RodwaveError::NonPhysical`] unless all are finite, the density is above 0 and E is not 0;

@@ -1,6 +1,6 @@
 //! Complex moduli: linearly viscoelastic materials in the frequency domain.
 //!
-//! With the time factor e^{+iωt} the stress of a rod under a strain ε̂ is (Ödeen 1993, paper A,
+//! With the time factor e^{+iωt}, the stress of a rod under a strain ε̂ is (Ödeen 1993, paper A,
 //! section 2)
 //!
 //! ```text
@@ -21,19 +21,21 @@
 //! | [`HeldTable`] | monotone interpolation of a [`Tabulated`] modulus | E' of the first line | last line | no | no | no |
 //! | [`PowerLawPropagation`] | from γ = a ω^p + i b ω^q and the density | the limit, mostly 0 | | no | of γ | no |
 //!
-//! The columns are the traits [`ComplexModulus`], [`LaplaceModulus`], [`DifferentiableModulus`] and
-//! [`TimeDomainModulus`]. (E∞ of a Prony series is the equilibrium modulus, that for t → ∞.)
+//! The last four columns state whether a law implements the traits [`ComplexModulus`],
+//! [`LaplaceModulus`], [`DifferentiableModulus`] and [`TimeDomainModulus`]. (In a Prony series, E∞
+//! is the equilibrium modulus for t → ∞.)
 //!
-//! The last law is a fit to measured waves, which has no modulus without a density. It is therefore
-//! not a [`ComplexModulus`] but, like every `ComplexModulus`, a
+//! The last law is a fit to measured waves. Without a density, it has no modulus; it is therefore
+//! not a [`ComplexModulus`]. Like every `ComplexModulus`, it is a
 //! [`PropagationLaw`](crate::medium::PropagationLaw), which is all that a
 //! [`Medium`](crate::medium::Medium) requires. [`kramers_kronig`](crate::kramers_kronig) tests
 //! whether the storage and the loss modulus of a law are causal. [`PronyStandIn`] approximates laws
 //! of fractional order by a Prony series for time-domain solvers.
 //!
 //! # Limitations
-//! Temperature, large strain and ageing are not included; moduli that grow with the rate faster
-//! than a dashpot, or that resonate, are not relaxations. Any type can implement the traits.
+//! Temperature, large strain and ageing are not included. Moduli that grow with the rate faster
+//! than that of a dashpot, or that resonate, are not relaxations. Any type can implement the
+//! traits.
 //!
 //! Theory: `docs/theory/moduli.md`.
 
@@ -105,10 +107,10 @@ pub trait ComplexModulus {
     }
 }
 
-/// A complex modulus that is analytic in the open right half of the plane of s.
+/// Complex modulus that is analytic in the open right half of the plane of s.
 ///
 /// Only such a law may be used if the transform is evaluated off the ω axis, as in the damped
-/// transforms of impact problems. A table of measured values, or a fit to one, need not be
+/// transforms of impact problems. A table of measured values, or a law fitted to one, need not be
 /// analytic.
 ///
 /// # Requirements
@@ -129,7 +131,7 @@ pub trait LaplaceModulus: ComplexModulus {
     }
 }
 
-/// Accepts a finite modulus.
+/// Checks that a modulus is finite, and returns it.
 fn check_modulus(modulus: Complex64) -> Result<Complex64, RodwaveError> {
     check_finite("magnitude of the complex modulus [Pa]", modulus.norm())?;
     Ok(modulus)
@@ -137,8 +139,8 @@ fn check_modulus(modulus: Complex64) -> Result<Complex64, RodwaveError> {
 
 /// Derivative of `function` with respect to ln |ω|; 0 at ω = 0.
 ///
-/// With h = 1e-3 the truncation error is h⁴/30 = 3e-14 of the fifth derivative with respect to ln
-/// ω, the rounding error 1.5 ulp/h = 3e-13 of the value.
+/// With h = 1e-3, the truncation error is h⁴/30 = 3e-14 of the fifth derivative with respect to ln
+/// ω, and the rounding error is 1.5 ulp/h = 3e-13 of the value.
 pub(crate) fn fourth_order_difference(
     omega: f64,
     function: impl Fn(f64) -> Complex64,
@@ -151,7 +153,7 @@ pub(crate) fn fourth_order_difference(
     (8.0 * odd(STEP) - odd(2.0 * STEP)) / (12.0 * STEP)
 }
 
-/// Accepts an exponent above 0 and at most 1.
+/// Checks that an exponent is above 0 and at most 1.
 fn check_exponent(quantity: &'static str, value: f64) -> Result<f64, RodwaveError> {
     if value > 0.0 && value <= 1.0 {
         Ok(value)
@@ -164,7 +166,7 @@ fn check_exponent(quantity: &'static str, value: f64) -> Result<f64, RodwaveErro
     }
 }
 
-/// Accepts an exponent above 0 and below 1.
+/// Checks that an exponent is above 0 and below 1.
 fn check_fraction(quantity: &'static str, value: f64) -> Result<f64, RodwaveError> {
     if value > 0.0 && value < 1.0 {
         Ok(value)

@@ -2,10 +2,11 @@
 
 use num_complex::Complex64;
 
-/// a/b.
+/// Computes a/b.
 ///
 /// The plain quotient computes ab* and |b|², which overflow above 1e154 or so and lose digits below
-/// 1e-154. Another form is used only there, so that all other results are bit-identical.
+/// 1e-154. Only in these cases is another form used; all other results are therefore bit-identical
+/// to the plain quotient.
 #[inline]
 pub(crate) fn quotient(a: Complex64, b: Complex64) -> Complex64 {
     let plain = a / b;
@@ -22,8 +23,8 @@ fn scaled(a: Complex64, b: Complex64) -> Complex64 {
     if size.is_normal() {
         (a / size) / (b / size)
     } else {
-        // a denormal magnitude has few digits, and its reciprocal overflows: the factor 2^1000
-        // preserves all of them
+        // a denormal magnitude has few digits, and its reciprocal overflows; multiplication by
+        // 2^1000 preserves all digits
         const UP: f64 = 1.071_508_607_186_267_3e301;
         let size = (b * UP).l1_norm();
         (a * UP / size) / (b * UP / size)
@@ -38,7 +39,7 @@ mod tests {
     fn sizes_cancel() {
         let (a, b) = (Complex64::new(3.0, -2.0), Complex64::new(0.5, 4.0));
         for exponent in [-1000, -540, -510, 0, 510, 540, 1000] {
-            // powers of two, so that nothing is rounded on the way
+            // a power of two, so that the scaling does not round
             let scale = 2f64.powi(exponent);
             let found = quotient(a * scale, b * scale);
             assert!(((found - a / b) / (a / b)).norm() < 1e-15, "2^{exponent}");

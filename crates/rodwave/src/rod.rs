@@ -4,7 +4,7 @@ use crate::RodwaveError;
 use crate::error::check_positive;
 use crate::inelastic::InelasticLaw;
 
-/// A straight uniform rod that obeys the equations of paper D (Ödeen 1993, paper D, eqs. 1, 2, 7).
+/// Straight uniform rod that obeys the equations of paper D (Ödeen 1993, paper D, eqs. 1, 2, 7).
 ///
 /// ```
 /// use rodwave::{InelasticRod, inelastic::Maxwell};
@@ -42,8 +42,8 @@ impl<L: InelasticLaw> InelasticRod<L> {
         Ok(rod)
     }
 
-    /// Assigns the law to a branch in parallel with a spring that has the share w of the modulus,
-    /// which gives a standard solid:
+    /// Puts the law into a branch in parallel with a spring. The spring has the share w of the
+    /// modulus; the material is then a standard solid:
     ///
     /// ```text
     /// σ = wEε + σ_b ,    ∂σ_b/∂t = (1 - w) E (∂ε/∂t - F(σ_b))
@@ -68,7 +68,7 @@ impl<L: InelasticLaw> InelasticRod<L> {
         })
     }
 
-    /// Share of a spring in parallel with the law's branch in the modulus; 0 without a spring.
+    /// Share of the modulus that belongs to a spring in parallel with the law; 0 without a spring.
     #[must_use]
     pub fn spring(&self) -> f64 {
         self.spring

@@ -1,9 +1,9 @@
 //! Slenderness: limits of one-dimensional theory, and corrections beyond them.
 //!
-//! The waves of this crate obey γ² = -ρω²/E. In a rod of finite diameter D the material also moves
+//! The waves of this crate obey γ² = -ρω²/E. In a rod of finite diameter D, the material also moves
 //! laterally, according to Poisson's ratio ν, and the inertia of this motion slows down short
-//! waves. The wave number k is then too large for the modulus, and a modulus computed from a
-//! measured k by one-dimensional theory is too small.
+//! waves. The wave number k is then too large for the modulus, and a modulus that one-dimensional
+//! theory gives from a measured k is too small.
 //!
 //! | theory | assumption | range |
 //! |---|---|---|
@@ -12,11 +12,11 @@
 //! | [`MindlinHerrmann`] | two degrees of freedom per section | for comparison: see there |
 //! | [`PochhammerChree`] | an infinitely long, homogeneous, isotropic cylinder | everywhere |
 //!
-//! All implement [`RodTheory`], in both directions: the propagation coefficient from the complex
-//! modulus, and the modulus, corrected for lateral inertia, from a measured propagation
-//! coefficient. [`Slenderness`] contains the conditions (i) and (ii) of paper A,
-//! [`Theory::error_left`] gives the remaining error of a theory. Use one theory for a whole band:
-//! where two theories meet, the modulus has a step.
+//! All theories except the elementary one implement [`RodTheory`], in both directions: the
+//! propagation coefficient from the complex modulus, and the modulus, corrected for lateral
+//! inertia, from a measured propagation coefficient. [`Slenderness`] contains the conditions (i)
+//! and (ii) of paper A; [`Theory::error_left`] gives the remaining error of a theory. Use one
+//! theory for a whole band: at a change from one theory to another, the modulus has a step.
 //!
 //! ```
 //! use num_complex::Complex64;
@@ -39,7 +39,7 @@
 //! ```
 //!
 //! # Variables
-//! All theories here contain E and ω only as ρω²/E and γ only as γ². With the radius a = D/2 they
+//! All theories here contain E and ω only in ρω²/E, and γ only in γ². With the radius a = D/2, they
 //! relate two complex numbers,
 //!
 //! ```text
@@ -47,19 +47,19 @@
 //! ```
 //!
 //! by an equation f(B, K, ν) = 0, which reduces to elementary theory, K = B, for thin rods. The
-//! equation is also valid for complex E, as the field equations in the frequency domain are those
-//! of elasticity with complex moduli.
+//! equation is also valid for complex E, because the field equations in the frequency domain are
+//! those of elasticity with complex moduli.
 //!
 //! # Limitations
 //! - Poisson's ratio is one real number per rod. In a polymer it has a small imaginary part ν'' and
-//!   depends on frequency: ν = 1/2 - E/6K_b for a real bulk modulus K_b. As B is an analytic
+//!   depends on frequency: ν = 1/2 - E/6K_b for a real bulk modulus K_b. Because B is an analytic
 //!   function of ν, the effect of ν'' is i ν'' ∂E/∂ν to first order, with ∂E/∂ν from
-//!   [`CorrectedModulus::by_poisson_ratio`]: for ν = 0.4, λ = 5D, ν'' = -0.008 it lowers E''/E' by
-//!   0.0012.
+//!   [`CorrectedModulus::by_poisson_ratio`]: for ν = 0.4, λ = 5D and ν'' = -0.008, this lowers
+//!   E''/E' by 0.0012.
 //! - Rods are round, except for [`LoveRayleigh::rectangular`], and far longer than their diameter:
-//!   no end effects.
-//! - First branch only. Above the cut-off of the second branch a struck rod carries more than one
-//!   wave.
+//!   end effects are not included.
+//! - Only the first branch is included. Above the cut-off of the second branch, a struck rod
+//!   carries more than one wave.
 //!
 //! Theory: `docs/theory/slenderness.md`.
 

@@ -7,8 +7,8 @@
 
 use crate::inelastic::LANES;
 
-/// A window of fixed length on a longer buffer: shifting the values moves the window, not the
-/// values.
+/// Window of fixed length on a longer buffer: to shift the values, the window moves and the values
+/// stay.
 ///
 /// The window is followed by `padding` zeros, which complete its last block.
 #[derive(Debug, Clone)]
@@ -71,8 +71,8 @@ impl SlidingWindow {
         self.buffer[last] = value;
     }
 
-    /// Returns the blocks with the first `count` values, or those of the window if fewer; after the
-    /// last value of the window they are filled with zeros, which must remain zero.
+    /// Returns the blocks with the first `count` values, or with those of the window if there are
+    /// fewer. After the last value of the window, the blocks contain zeros, which must remain zero.
     #[inline(always)]
     pub(crate) fn blocks_mut(&mut self, count: usize) -> &mut [[f64; LANES]] {
         let end = self.start + count.next_multiple_of(LANES);
@@ -89,7 +89,7 @@ impl SlidingWindow {
             self.buffer[end..].fill(0.0);
         } else {
             self.start -= 1;
-            // the last value has moved into the padding
+            // the last value is now in the padding
             let end = self.end();
             self.buffer[end] = 0.0;
         }
@@ -117,8 +117,8 @@ mod tests {
 
     #[test]
     fn a_window_slides_as_an_array_shifts_and_is_padded_with_zeros() {
-        // lengths below, at and above whole blocks; enough slides to reach the end of the buffer
-        // often
+        // lengths below, at and above whole blocks, with enough slides to reach the end of the
+        // buffer often
         for len in 9..50 {
             let (mut up, mut down) = (SlidingWindow::zeros(len), SlidingWindow::zeros(len));
             let (mut shifted_up, mut shifted_down) = (vec![0.0; len], vec![0.0; len]);

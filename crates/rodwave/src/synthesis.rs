@@ -1,16 +1,16 @@
 //! Transformation from the frequency domain to the time domain.
 //!
-//! There are two methods, for two kinds of bodies.
+//! There are two methods, for two classes of bodies.
 //!
 //! 1. [`FourierSynthesis`]: the discrete transform of a one-sided spectrum. The resulting history
-//!    is periodic; it is correct if the history decays within a period, and wrong without warning
-//!    otherwise.
-//! 2. [`DampedSynthesis`]: the same transform of e^{-at} times the history, that is of its Laplace
-//!    transform on the line Re s = a. The alias of the next period is damped by e^{-aT_p}. It is
-//!    correct for any causal history, including that of two undamped finite elastic bodies, and
-//!    requires laws that are analytic in the right half plane.
+//!    is periodic; it is correct if the history decays within a period, and otherwise wrong without
+//!    a warning.
+//! 2. [`DampedSynthesis`]: the same transform for e^{-at} times the history, that is, from its
+//!    Laplace transform on the line Re s = a. The alias of the next period is damped by e^{-aT_p}.
+//!    The method is correct for any causal history, including that of two undamped finite elastic
+//!    bodies, and requires laws that are analytic in the right half plane.
 //!
-//! Both use the kernel e^{+iωt} of the conventions and include the scaling, so that a transform \[q
+//! Both methods use the kernel e^{+iωt} of the conventions and include the scaling: a transform \[q
 //! s\] becomes a history \[q\].
 //!
 //! ```
@@ -52,29 +52,29 @@ pub struct SynthesizedHistory {
 }
 
 impl SynthesizedHistory {
-    /// Time \[s\] of the sample of this `index`.
+    /// Time \[s\] of the sample with this `index`.
     #[must_use]
     pub fn time(&self, index: usize) -> f64 {
         self.start + index as f64 * self.interval
     }
 }
 
-/// $`\sum_k X_k e^{2\pi i kn/N}`$ over both sides, N even, from the lines 0 to N/2 of a real
-/// history; unscaled.
+/// Computes $`\sum_k X_k e^{2\pi i kn/N}`$ over both sides, N even, from the lines 0 to N/2 of a
+/// real history, without scaling.
 ///
-/// Only the real parts of the lines at 0 and N/2 are used, as samples are real.
+/// Only the real parts of the lines at 0 and N/2 are used, because the samples are real.
 fn to_samples(lines: &[Complex64]) -> Vec<f64> {
     let mut fourier = RealFourier::new(2 * (lines.len() - 1));
     fourier.lines().copy_from_slice(lines);
     fourier.inverse().to_vec()
 }
 
-/// Accepts samples of a synthesis that did not overflow.
+/// Checks that the samples of a synthesis have not overflowed.
 fn check_synthesized(samples: &[f64]) -> Result<(), RodwaveError> {
     check_samples("the synthesized history", samples)
 }
 
-/// Accepts lines that are finite and as many as `expected`.
+/// Checks that the lines are finite and that there are as many as `expected`.
 fn check_lines(
     name: &'static str,
     lines: &[Complex64],

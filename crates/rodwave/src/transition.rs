@@ -1,4 +1,4 @@
-//! Transition matrices, which relate the states (N, v) of two sections.
+//! Transition matrices, which relate the states (N, v) at two sections.
 //!
 //! The state is the normal force N, positive in tension, and the particle velocity v, positive
 //! along +x, both Fourier transforms. Along a rod (Ödeen 1993, paper E, eqs. A1-A2)
@@ -8,15 +8,16 @@
 //! ```
 //!
 //! and a uniform part, or a mass between two faces, has a matrix P that gives (N, v) on its right
-//! from (N, v) on its left. The matrix of elements in series is the product, the last element
-//! first: `P = P_B P_A` (paper E, eq. A9). Every P has determinant 1, as reciprocity requires.
+//! from (N, v) on its left. The matrix of elements in series is the product of their matrices, the
+//! last element first: `P = P_B P_A` (paper E, eq. A9). Every P has determinant 1, as reciprocity
+//! requires.
 //!
 //! # Limits of the plain product
 //! The entries grow as e^{αL} over a damped body. Up to αL ≈ 700 nothing overflows, and the
 //! free-end mobility, a ratio of two entries of one row, keeps its digits. Quantities that are
-//! *differences* of large entries do not: the rounding errors of determinant, inverse and the state
-//! transferred along +x grow by a factor e^{2αL}, so that all digits are lost at αL ≈ 18. If the
-//! matrix overflows, the mobility returns an error. A [`Chain`](crate::Chain) has none of these
+//! *differences* of large entries do not: the rounding errors of the determinant, the inverse and
+//! the state transferred along +x grow by a factor e^{2αL}, and all digits are lost at αL ≈ 18. If
+//! the matrix overflows, the mobility returns an error. A [`Chain`](crate::Chain) has none of these
 //! limits.
 //!
 //! ```
@@ -94,8 +95,8 @@ impl TransitionMatrix {
     ///     [ (1/Z) sinh γL    cosh γL   ]
     /// ```
     ///
-    /// At ω = 0 a solid gives the identity; for a fluid, whose impedance is 0 there, it is an
-    /// error.
+    /// At ω = 0, a solid gives the identity. A fluid gives an error, because its impedance is 0
+    /// there.
     ///
     /// # Errors
     /// [`RodwaveError::NonPhysical`] unless the length is above 0, γ is finite with |α|L <= 700,
@@ -163,7 +164,7 @@ impl TransitionMatrix {
         Self::from_scaled(&element.transition(Complex64::new(0.0, omega)))
     }
 
-    /// Converts a matrix that is divided by a power of e.
+    /// Converts a matrix that was divided by a power of e.
     pub(crate) fn from_scaled(scaled: &ScaledTransition) -> Result<Self, RodwaveError> {
         if scaled.exponent > LARGEST_DAMPING {
             return Err(RodwaveError::NonPhysical {
@@ -182,7 +183,7 @@ impl TransitionMatrix {
         .checked()
     }
 
-    /// Accepts finite entries.
+    /// Checks that the entries are finite.
     pub(crate) fn checked(self) -> Result<Self, RodwaveError> {
         for entry in self.entries.as_flattened() {
             check_finite("magnitude of an entry of the matrix", entry.norm())?;
@@ -190,13 +191,13 @@ impl TransitionMatrix {
         Ok(self)
     }
 
-    /// Entries, row by row: N from (N, v), then v from (N, v).
+    /// Entries, row by row: the first row gives N from (N, v), the second v from (N, v).
     #[must_use]
     pub fn entries(&self) -> [[Complex64; 2]; 2] {
         self.entries
     }
 
-    /// Determinant, 1 except for rounding: see the limits of the plain product in the
+    /// Determinant, which is 1 except for rounding; see the limits of the plain product in the
     /// [module](self).
     #[must_use]
     pub fn determinant(&self) -> Complex64 {
@@ -204,7 +205,7 @@ impl TransitionMatrix {
         a * d - b * c
     }
 
-    /// Returns the matrix from right to left, using that the determinant is 1.
+    /// Returns the matrix from right to left, computed with a determinant of 1.
     #[must_use]
     pub fn inverse(&self) -> Self {
         let [[a, b], [c, d]] = self.entries;
@@ -229,12 +230,12 @@ impl TransitionMatrix {
     /// For a body of mass M, G → 1/(iωM) as ω → 0.
     ///
     /// # Errors
-    /// [`RodwaveError::NonPhysical`] if P₁₂ is 0, as at ω = 0, where a free body has its pole, or
-    /// not finite.
+    /// [`RodwaveError::NonPhysical`] if P₁₂ is not finite or is 0, as at ω = 0, where a free body
+    /// has its pole.
     pub fn mobility_free_end(&self) -> Result<Complex64, RodwaveError> {
         let [[p11, p12], _] = self.entries;
         let scale = check_positive("magnitude of the entry P12 [kg/s]", p12.norm())?;
-        // scaled, because the quotient of two numbers above 1e154 would overflow in between
+        // scaled, because the quotient of two numbers above 1e154 would overflow on the way
         let mobility = (p11 / scale) / (p12 / scale);
         check_finite("magnitude of the mobility [s/kg]", mobility.norm())?;
         Ok(mobility)
@@ -252,7 +253,7 @@ impl Segment {
     /// # Errors
     /// [`RodwaveError::NonPhysical`] if the frequency is not finite, if the matrix would overflow
     /// (as for αL > 700; the chain has no such limit), or for a fluid, E(0) = 0, at ω = 0;
-    /// [`RodwaveError::NoPropagation`] where the law has no value.
+    /// [`RodwaveError::NoPropagation`] if the law has no value.
     pub fn transition_matrix<L: PropagationLaw>(
         &self,
         medium: &Medium<L>,
@@ -270,7 +271,8 @@ impl Segment {
     /// the Laplace variable `s` [1/s], Re s >= 0.
     ///
     /// # Errors
-    /// As [`Segment::transition_matrix`], and [`RodwaveError::NonPhysical`] for Re s < 0.
+    /// The errors of [`Segment::transition_matrix`], and [`RodwaveError::NonPhysical`] for Re s
+    /// < 0.
     pub fn transition_matrix_at_s<M: LaplaceModulus>(
         &self,
         medium: &Medium<M>,

@@ -7,8 +7,8 @@
 //! q(x) = P e^{-γx} + N e^{γx}
 //! ```
 //!
-//! P travels and decays along +x, N along -x. They follow from the state (N, v) of one section or
-//! from q at two or more sections, for any positions and any ends of the rod.
+//! P travels and decays along +x, N along -x. The two waves follow from the state (N, v) of one
+//! section, or from q at two or more sections at any positions, whatever the ends of the rod are.
 //!
 //! ```
 //! use num_complex::Complex64;
@@ -25,10 +25,10 @@
 //!
 //! # Singular frequencies
 //! If the distances between all sections are multiples of half a wavelength, the two waves cannot
-//! be separated: q(x) determines only P + N (or P - N). At zero frequency this is so for any
-//! sections. With damping the problem remains solvable but amplifies errors, by up to the condition
-//! number contained in every result. Unequal distances between sections move the singular
-//! frequencies apart.
+//! be separated: q(x) determines only P + N (or P - N). At zero frequency, this is the case for any
+//! sections. With damping, the problem remains solvable, but it amplifies errors by up to the
+//! condition number, which every result contains. Unequal distances between sections move the
+//! singular frequencies apart.
 //!
 //! Theory: `docs/theory/chains.md#waves`.
 
@@ -38,12 +38,12 @@ use crate::RodwaveError;
 use crate::error::check_finite;
 use crate::transition::State;
 
-/// A pair of waves in a uniform rod.
+/// Pair of waves in a uniform rod.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TravellingWaves {
     propagation_coefficient: Complex64,
-    /// Amplitude and position of either wave, each where it enters the sections, so that neither
-    /// is a growing exponential.
+    /// Amplitude and position of each wave, at the place where it enters the sections, so that
+    /// neither wave is a growing exponential.
     forward: Amplitude,
     backward: Amplitude,
 }
@@ -61,8 +61,8 @@ pub struct WaveSeparation {
     /// The waves; if the sections cannot separate them, the smallest pair that fits the values.
     pub waves: TravellingWaves,
     /// Ratio of the largest to the smallest singular value of the problem with columns of unit
-    /// length: the largest amplification of relative errors of the values. 1 is the best;
-    /// infinity means that the waves cannot be separated.
+    /// length: the largest amplification of relative errors of the values. It is 1 at best; if it
+    /// is infinite, the waves cannot be separated.
     pub condition_number: f64,
     /// Root of the sum of squares that the two waves do not explain, over the root of the sum of
     /// squares of the values; 0 for two sections.
@@ -105,8 +105,9 @@ impl TravellingWaves {
     ///
     /// # Errors
     /// [`RodwaveError::TooFewSamples`] for fewer than two sections,
-    /// [`RodwaveError::LengthMismatch`], [`RodwaveError::NonFiniteSample`] for a position or a
-    /// value (its magnitude is given), [`RodwaveError::NonPhysical`] for γ.
+    /// [`RodwaveError::LengthMismatch`] if the lengths differ, [`RodwaveError::NonFiniteSample`]
+    /// for a position or a value that is not finite (the error contains the magnitude of the
+    /// value), [`RodwaveError::NonPhysical`] for an invalid γ.
     pub fn from_sections(
         propagation_coefficient: Complex64,
         positions: &[f64],
@@ -116,8 +117,8 @@ impl TravellingWaves {
         check_sections(positions, values)?;
         let mut columns = Columns::of(positions);
         check_coefficient(gamma, columns.reach())?;
-        // the scale cancels, and squares of very large and very small values leave the range of a
-        // double
+        // the scale cancels in the result, and the squares of very large and very small values
+        // leave the range of a double
         let size = values.iter().map(Complex64::l1_norm).fold(0.0, f64::max);
         let size = check_finite("size of the values at the sections", size)?;
         let size = if (1e-140..1e140).contains(&size) || size == 0.0 {
@@ -161,32 +162,32 @@ impl TravellingWaves {
         })
     }
 
-    /// The wave along +x at `position` x \[m\]: P e^{-γx}.
+    /// Wave along +x at `position` x \[m\]: P e^{-γx}.
     #[must_use]
     pub fn forward_at(&self, position: f64) -> Complex64 {
         let way = position - self.forward.position;
         self.forward.value * (-self.propagation_coefficient * way).exp()
     }
 
-    /// The wave along -x at `position` x \[m\]: N e^{γx}.
+    /// Wave along -x at `position` x \[m\]: N e^{γx}.
     #[must_use]
     pub fn backward_at(&self, position: f64) -> Complex64 {
         let way = self.backward.position - position;
         self.backward.value * (-self.propagation_coefficient * way).exp()
     }
 
-    /// The sum of both at `position` x \[m\].
+    /// Sum of both waves at `position` x \[m\].
     #[must_use]
     pub fn at(&self, position: f64) -> Complex64 {
         self.forward_at(position) + self.backward_at(position)
     }
 }
 
-/// Waves at one section from the values at others, at many lines at once.
+/// Waves at one section from the values at other sections, at many lines at once.
 ///
-/// At every line the waves at x are $`P(x) = \sum_j p_j q_j`$ and $`N(x) = \sum_j n_j q_j`$ with
+/// At every line, the waves at x are $`P(x) = \sum_j p_j q_j`$ and $`N(x) = \sum_j n_j q_j`$ with
 /// the values $`q_j`$ at the sections, by least squares as in [`TravellingWaves::from_sections`].
-/// The weights depend on the rod and on the sections alone: they are found once, and each further
+/// The weights depend only on the rod and on the sections. They are computed once; each further
 /// record costs a multiplication and an addition per line and section.
 ///
 /// | array | shape |
@@ -215,12 +216,12 @@ pub struct SectionWaves {
 }
 
 impl SectionWaves {
-    /// Plans the waves at `section` \[m\] of a rod with these propagation coefficients [1/m] from
-    /// the values at `positions` \[m\].
+    /// Prepares the computation of the waves at `section` \[m\] from the values at `positions`
+    /// \[m\], for a rod with the propagation coefficients `gamma` [1/m].
     ///
     /// # Errors
     ///
-    /// Those of [`TravellingWaves::from_sections`].
+    /// The errors of [`TravellingWaves::from_sections`].
     pub fn new(gamma: &[Complex64], positions: &[f64], section: f64) -> Result<Self, RodwaveError> {
         check_finite("position of a section [m]", section)?;
         check_sections(positions, &vec![Complex64::ZERO; positions.len()])?;
@@ -246,11 +247,12 @@ impl SectionWaves {
         })
     }
 
-    /// Writes the waves along and against +x of `values`, one row for each section.
+    /// Writes the waves along and against +x of `values`, which has one row per section.
     ///
     /// # Errors
     ///
-    /// [`RodwaveError::LengthMismatch`] for a number of rows or lines that is not that of the plan.
+    /// [`RodwaveError::LengthMismatch`] if the number of rows or lines differs from that of the
+    /// plan.
     pub fn waves(
         &self,
         values: &[&[Complex64]],
@@ -293,13 +295,13 @@ impl SectionWaves {
     }
 }
 
-/// Square of a wave below which its reciprocal leaves the range of a double.
+/// Square of a wave below which its reciprocal exceeds the range of a double.
 const SMALL: f64 = 1e-280;
 
-/// The two waves at each section, at one γ: e^{-γ(x - x₁)} and e^{-γ(x_n - x)}, both at most 1.
+/// The two waves at each section for one γ: e^{-γ(x - x₁)} and e^{-γ(x_n - x)}, both at most 1.
 struct Columns<'a> {
     positions: &'a [f64],
-    /// x₁ and x_n, the least and the largest position.
+    /// Least and largest position, x₁ and x_n.
     first: f64,
     last: f64,
     rows: Vec<[Complex64; 2]>,
@@ -330,7 +332,7 @@ impl<'a> Columns<'a> {
         self.last - self.first
     }
 
-    /// Both waves at `section`, each 1 where it has its largest weight.
+    /// Computes both waves at `section`; each is 1 where it has its largest weight.
     fn at(&self, gamma: Complex64, section: f64) -> [Complex64; 2] {
         let whole = match self.rows.first() {
             Some([f, b]) => f * b,
@@ -372,8 +374,9 @@ impl<'a> Columns<'a> {
         (1.0 + self.shared.norm() * (forward / backward).sqrt()) / self.sine()
     }
 
-    /// Weights of the value at each section in both waves, forward at x₁ and backward at x_n. If
-    /// the waves cannot be separated, the smallest of the weights that fit equally well.
+    /// Returns the weights of the value at each section in both waves, forward at x₁ and backward
+    /// at x_n. If the waves cannot be separated, these are the smallest of the weights that fit
+    /// equally well.
     fn weights(&self) -> impl Iterator<Item = [Complex64; 2]> {
         let shared = self.shared;
         let are_distinguishable = self.are_distinguishable();
@@ -390,7 +393,7 @@ impl<'a> Columns<'a> {
     }
 }
 
-/// e^{-γx} along two paths, where the product of both is `whole`. Only one exponential is computed,
+/// Computes e^{-γx} along two paths whose product is `whole`. Only one exponential is evaluated,
 /// unless it is too small.
 fn both_ways(gamma: Complex64, whole: Complex64, [first, second]: [f64; 2]) -> [Complex64; 2] {
     if first == 0.0 {
@@ -422,7 +425,7 @@ fn check_coefficient(gamma: Complex64, reach: f64) -> Result<(), RodwaveError> {
     Ok(())
 }
 
-/// Accepts two or more sections of finite position and value.
+/// Checks that there are two or more sections, with finite positions and values.
 fn check_sections(positions: &[f64], values: &[Complex64]) -> Result<(), RodwaveError> {
     if positions.len() < 2 {
         return Err(RodwaveError::TooFewSamples {
@@ -455,7 +458,7 @@ mod tests {
 
     const GAMMA: Complex64 = Complex64::new(0.7, 12.0);
 
-    /// P = 2 - i and N = 0.3i at x = 0.
+    /// Waves P = 2 - i and N = 0.3i at x = 0.
     fn known(x: f64) -> Complex64 {
         Complex64::new(2.0, -1.0) * (-GAMMA * x).exp()
             + Complex64::new(0.0, 0.3) * (GAMMA * x).exp()
@@ -479,8 +482,8 @@ mod tests {
         }
     }
 
-    /// The planned waves are those of single lines, noise included. The plan refuses arrays of
-    /// other sizes.
+    /// The planned waves are those computed for single lines, also for noise. The plan rejects
+    /// arrays of other sizes.
     #[test]
     fn planned_waves_are_those_of_single_lines() {
         let gamma: Vec<Complex64> = (0..40)
@@ -519,8 +522,8 @@ mod tests {
         assert!(SectionWaves::new(&[], &[], 0.0).is_err());
     }
 
-    /// The fit is a projection: its residual is orthogonal to both waves, and changing either wave
-    /// increases it.
+    /// The fit is a projection: its residual is orthogonal to both waves, and a change of either
+    /// wave increases it.
     #[test]
     fn the_misfit_is_smallest() {
         let positions = [0.0, 0.11, 0.27, 0.31];
@@ -563,12 +566,12 @@ mod tests {
         let gamma = Complex64::new(2000.0, 1e4);
         let values = [Complex64::ONE, Complex64::I];
         let found = TravellingWaves::from_sections(gamma, &[0.0, 1.0], &values).unwrap();
-        // either section sees the wave that enters there
+        // at each section, the wave that enters there is found
         assert!((found.waves.forward_at(0.0) - 1.0).norm() < 1e-15);
         assert!((found.waves.backward_at(1.0) - Complex64::I).norm() < 1e-15);
     }
 
-    /// (Ödeen 1993, paper E, eq. A15).
+    /// Both directions of the conversion agree (Ödeen 1993, paper E, eq. A15).
     #[test]
     fn waves_and_state_are_the_same() {
         let state = State {

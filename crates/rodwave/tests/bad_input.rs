@@ -1,5 +1,5 @@
-//! Refusal of impossible input in words: the quantity, its value, what was expected and, in a body,
-//! the element.
+//! Impossible input is rejected with a message that contains the quantity, its value, the expected
+//! values and, in a body, the element.
 
 use std::fmt::{self, Display, Write};
 
@@ -25,10 +25,10 @@ use rodwave::synthesis::DampedSynthesis;
 use rodwave::transition::TransitionMatrix;
 use rodwave::{Chain, DirectProblem, InelasticRod, RodwaveError, Termination};
 
-/// No length, area or density.
+/// Values that cannot be a length, an area or a density.
 const IMPOSSIBLE: [f64; 4] = [0.0, -0.5, f64::NAN, f64::INFINITY];
 
-/// One line for each error.
+/// Messages of the errors, one per line.
 #[derive(Default)]
 struct Refusals(String);
 
@@ -55,7 +55,7 @@ fn circle() -> Circle {
     Circle::of_diameter(0.02).unwrap()
 }
 
-/// Two sound elements, so that a wrong third one has the index 2.
+/// Starts a body with two valid elements, so that an invalid third element has the index 2.
 fn begun() -> ChainBuilder {
     Chain::from_impact_face()
         .rod(&steel(), circle(), 0.1)
@@ -63,7 +63,7 @@ fn begun() -> ChainBuilder {
 }
 
 fn refuse(refusals: &mut Refusals, what: &str, builder: ChainBuilder) {
-    // later elements neither mask the first wrong one nor change its index
+    // later elements neither mask the first invalid one nor change its index
     let ended = builder
         .spring(-1.0)
         .rod(&steel(), circle(), 0.1)
@@ -71,7 +71,7 @@ fn refuse(refusals: &mut Refusals, what: &str, builder: ChainBuilder) {
     refusals.add(what, ended);
 }
 
-/// In turn, so that each kind of value and each place is met.
+/// The values are tried in turn, so that each kind of value is met at each place.
 #[test]
 fn sizes_of_elements() {
     let mut refusals = Refusals::default();
@@ -84,7 +84,7 @@ fn sizes_of_elements() {
         refuse(&mut refusals, "rod", begun().rod(&steel, diameter, 0.1));
     }
     let wrong = || CrossSection::of_area(-0.5);
-    // each possible, but not with the other
+    // each of the two is possible, but not together with the other
     let [least, most] = [1e-300, 1e300].map(|area| CrossSection::of_area(area).unwrap());
     for (what, builder) in [
         ("cone", begun().cone(&steel, circle(), circle(), -0.5)),
@@ -120,7 +120,7 @@ fn sizes_of_elements() {
     ");
 }
 
-/// A medium of another make, which may claim any density.
+/// Medium of another implementation, which may claim any density.
 #[derive(Debug, Clone)]
 struct Claimed {
     density: f64,
@@ -184,7 +184,7 @@ fn lumped_elements_and_terminations() {
     refuse(&mut refusals, "dashpot", begun().dashpot(f64::INFINITY));
     refusals.add("end", begun().end(Termination::Mass(-0.5)));
     refusals.add("end", begun().end(Termination::Dashpot(f64::NAN)));
-    // a massless mass is nothing, but a spring or a dashpot of zero is a gap
+    // a mass of zero has no effect, but a spring or a dashpot of zero is a gap
     refuse(&mut refusals, "spring", begun().spring(0.0));
     refuse(&mut refusals, "dashpot", begun().dashpot(0.0));
     assert!(begun().mass(0.0).end(Termination::Mass(0.0)).is_ok());
@@ -237,7 +237,7 @@ fn laws_outside_their_table() {
         refusals.add(format!("at {omega}"), table.lookup(omega));
     }
     assert!(table.lookup(-1e4).is_ok());
-    // a law without a value beyond its band returns NaN; a body names the element
+    // a law without a value outside its band returns NaN, and a body names the element
     let silent = Medium::new(1000.0, Banded(table)).unwrap();
     let body = begun()
         .rod(&silent, circle(), 0.1)
@@ -266,7 +266,7 @@ fn laws_outside_their_table() {
     ");
 }
 
-/// A table that is not continued.
+/// Table that is not continued.
 #[derive(Debug, Clone)]
 struct Banded(Tabulated);
 
@@ -278,7 +278,7 @@ impl ComplexModulus for Banded {
     }
 }
 
-/// To the left of the axis, or nowhere.
+/// Values to the left of the imaginary axis, and values that are not finite.
 fn wrong_sides() -> [Complex64; 4] {
     [
         Complex64::new(-1.0, 5.0),
@@ -310,12 +310,12 @@ fn laplace_variable_on_the_wrong_side() {
             section.state_at_s(s).map(|_| ()),
         ]
         .map(|result| result.unwrap_err().to_string());
-        // the same words wherever it is noticed
+        // the message is the same wherever the error is noticed
         texts.sort();
         assert_eq!(texts.first(), texts.last());
         writeln!(refusals.0, "{s}: {}", texts[0]).unwrap();
     }
-    // a propagation coefficient is of no use at a pole of the slowness
+    // at a pole of the slowness, a propagation coefficient cannot be used
     let fluid = Medium::new(1000.0, rodwave::modulus::Maxwell::new(1e9, 1e6).unwrap()).unwrap();
     let at_rest = fluid.try_propagation_coefficient_at_s(Complex64::ZERO);
     refusals.add("fluid at rest", at_rest);
@@ -340,7 +340,7 @@ fn damped_synthesis() {
     refusals.add("smoothing", synthesis.smoothed(-0.5));
     let synthesis = DampedSynthesis::new(4e-6, 1e-6).unwrap();
     refusals.add("smoothing", synthesis.smoothed(1e-6));
-    // it never evaluates a transform on the wrong side
+    // the synthesis never evaluates a transform on the wrong side
     assert!(
         synthesis
             .arguments()
@@ -491,7 +491,7 @@ fn elastic_rod() -> InelasticRod<inelastic::Elastic> {
     InelasticRod::new(0.4, 1100.0, 3e9, inelastic::Elastic).unwrap()
 }
 
-/// Numbers of cells and steps that no memory holds: their sums and products overflow.
+/// Numbers of cells and steps for which no memory suffices: their sums and products overflow.
 #[test]
 fn endless_grids_and_runs() {
     let mut refusals = Refusals::default();
@@ -534,7 +534,7 @@ fn endless_grids_and_runs() {
         let said = error.to_string();
         assert!(said.starts_with("number of time steps is "), "{said}");
     }
-    // before the record nothing is known
+    // before the record, nothing is defined
     assert!(lumped(&[-1e300]).is_err() && lumped(&[-1.0]).is_err());
 }
 
@@ -568,7 +568,7 @@ fn lines_that_are_not_there() {
     ");
 }
 
-/// A law of five parameters, one more than there is room for.
+/// Law with five parameters, one more than allowed.
 #[derive(Debug, Clone)]
 struct FiveParameters;
 
@@ -637,7 +637,8 @@ fn laws_of_too_many_parameters() {
     );
 }
 
-/// A slice that is too short for the derivatives by the parameters gets the first of them.
+/// A slice that is too short for the derivatives with respect to the parameters gets the first of
+/// them.
 #[test]
 fn slices_too_short_for_the_parameters() {
     fn check(law: &impl InelasticLaw) {

@@ -1,4 +1,4 @@
-//! Media and bodies that several tests build, those of paper E among them.
+//! Media and bodies that several tests build, including those of paper E.
 
 use rodwave::band_limited::VelocityHistory;
 use rodwave::element::Circle;
@@ -47,7 +47,7 @@ pub(crate) fn circle(diameter: f64) -> Circle {
     Circle::of_diameter(diameter).unwrap()
 }
 
-/// The truncated cone of paper E, struck at its thin end.
+/// Truncated cone of paper E, struck at its thin end.
 pub(crate) fn cone(end: Termination) -> Chain {
     Chain::from_impact_face()
         .cone(&nylon(), circle(0.030), circle(0.075), 0.400)
@@ -55,7 +55,7 @@ pub(crate) fn cone(end: Termination) -> Chain {
         .unwrap()
 }
 
-/// The compound cylinder of paper E, struck at the Nylon-6.
+/// Compound cylinder of paper E, struck at its Nylon-6 face.
 pub(crate) fn cylinder(end: Termination) -> Chain {
     let (nylon, aluminium, face) = (nylon(), aluminium(), circle(0.032));
     Chain::from_impact_face()
@@ -67,7 +67,7 @@ pub(crate) fn cylinder(end: Termination) -> Chain {
         .unwrap()
 }
 
-/// A smooth pulse of velocity, known at every time.
+/// Smooth pulse of velocity, defined at every time.
 pub(crate) struct Gaussian {
     pub(crate) peak: f64,
     pub(crate) centre: f64,

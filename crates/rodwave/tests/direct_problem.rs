@@ -1,4 +1,4 @@
-//! The direct problem of paper D under rough excitations: energy, and silence ahead of the front.
+//! Direct problem of paper D under rough excitations: energy, and rest ahead of the front.
 
 use proptest::prelude::*;
 use rodwave::band_limited::{SampledHistory, VelocityHistory};
@@ -7,7 +7,7 @@ use rodwave::inelastic::{
 };
 use rodwave::{DirectProblem, InelasticRod};
 
-/// A velocity that jumps at time 0 and stays.
+/// Velocity that jumps at time 0 and then stays constant.
 struct Jump(f64);
 
 impl VelocityHistory for Jump {
@@ -37,8 +37,8 @@ fn energy_is_balanced<L: InelasticLaw>(law: L, length: f64, modulus: f64, veloci
         for velocity in velocities.iter().cycle().take(400) {
             march.advance(*velocity);
             let now = march.energy();
-            // rounding goes with the energy that has passed through the rod, all of which an
-            // elastic one may have given back
+            // rounding is relative to the energy that has passed through the rod; an elastic rod
+            // may have returned all of it
             scale = scale.max(now.supplied.abs() + now.stored + now.dissipated);
             let residual = (now.supplied - now.stored - now.dissipated).abs() / scale;
             assert!(residual < 1e-11, "{residual}: {now:?}");
@@ -54,7 +54,7 @@ fn energy_is_balanced<L: InelasticLaw>(law: L, length: f64, modulus: f64, veloci
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(48))]
 
-    /// Whatever the law, the rod and the (arbitrarily rough) excitation: energy is never created.
+    /// Energy is never created, for any law, rod and (arbitrarily rough) excitation.
     #[test]
     fn energy_is_never_created(
         velocities in prop::collection::vec(-30.0..30.0_f64, 2..40),
@@ -77,7 +77,7 @@ proptest! {
     }
 }
 
-/// (Ödeen 1993, paper D, eq. 4).
+/// The rod ahead of the front is at rest (Ödeen 1993, paper D, eq. 4).
 #[test]
 fn the_rod_is_at_rest_until_the_front_arrives() {
     let law = MaxwellNorton::new(2.108, 7e13).unwrap();
@@ -89,9 +89,9 @@ fn the_rod_is_at_rest_until_the_front_arrives() {
     assert!(v[3] > 5.0);
 }
 
-/// The front of a sharp blow, of which four steps rise, meets the grid at the same part of a step
-/// whatever the modulus: its arrival, weighted with a smooth bell, has no waves in E of the period
-/// of a step.
+/// The front of a sharp blow rises within four steps. It meets the grid at the same fraction of a
+/// step for any modulus: the arrival, weighted with a smooth bell, must not oscillate with E at the
+/// period of a step.
 #[test]
 fn the_arrival_of_a_sharp_front_is_a_smooth_function_of_the_modulus() {
     let rate = 204_800.0;
@@ -116,14 +116,14 @@ fn the_arrival_of_a_sharp_front_is_a_smooth_function_of_the_modulus() {
         let pairs = times.iter().zip(&velocity);
         pairs.map(|(t, v)| bell(*t) * v).sum::<f64>() / rate
     };
-    // the front crosses a step in ln E of 2 dt/arrival = 0.0027
+    // the front crosses one step when ln E changes by 2 dt/arrival = 0.0027
     let of: Vec<f64> = (-20..=20).map(|k| weighted(2e-4 * f64::from(k))).collect();
     let slope = of[40] - of[0];
-    // waves of this period change their sign over half of it, seven points; a third difference over
-    // them leaves of a smooth function what a cubic does not follow
+    // oscillations of this period change sign over half of it, seven points; a third difference
+    // over these points leaves only the part of a smooth function that a cubic does not describe
     let wave = (0..of.len() - 21)
         .map(|k| (of[k + 21] - 3.0 * of[k + 14] + 3.0 * of[k + 7] - of[k]).abs() / 8.0)
         .fold(0.0, f64::max);
-    // 0.107 with levels from time 0
+    // with levels from time 0, the ratio was 0.107
     assert!(wave < 5e-3 * slope.abs(), "{wave} of {slope}");
 }

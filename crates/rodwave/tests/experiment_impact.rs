@@ -1,4 +1,4 @@
-//! The virtual impact of paper E against closed forms and balances.
+//! Virtual impact of paper E, compared with closed forms and balances.
 use std::f64::consts::PI;
 
 use rodwave::chain::{AnalyticChain, Termination};
@@ -53,8 +53,8 @@ pub(crate) fn run<'a>(
     impact.run(duration, interval).unwrap()
 }
 
-/// Largest deviation from `exact` at samples further than 16 intervals, 6.4 standard deviations of
-/// the Gaussian, from all `jumps`.
+/// Largest deviation from `exact` at samples that are more than 16 intervals (6.4 standard
+/// deviations of the Gaussian) from all `jumps`.
 pub(crate) fn deviation(
     record: &ImpactRecord<'_>,
     samples: &[f64],
@@ -74,19 +74,19 @@ pub(crate) fn deviation(
         })
 }
 
-/// Two free rods of one cross-section: the shorter one is stopped, the longer one has its momentum
-/// and moves on average with V L₁/L₂, oscillating between 0 and V without decay.
+/// Two free rods of equal cross-section: the shorter one is stopped. The longer one has its
+/// momentum and moves with the mean velocity V L₁/L₂, oscillating between 0 and V without decay.
 #[test]
 fn two_free_elastic_rods() {
     let (short, long) = (rod(10.0, 0.3), rod(10.0, 0.7));
     let record = run(&short, &long, 3e-3, 5e-7);
     assert_eq!(record.generator, GENERATOR);
     let (trip, period) = (2.0 * transit_time(0.3), 2.0 * transit_time(0.7));
-    // A jump to tension: any compression is rounding of the zero before it.
+    // The force jumps to tension: any compression after that is rounding of the zero before it.
     let mass = [&short, &long].map(|body| body.free_mass().unwrap());
     assert!((record.impulse() / (mass[0] * VELOCITY) - 1.0).abs() < 1e-6);
-    // In each period of the longer rod the face moves with V/2, then for 2L₁/c with V/2 + V/2 as
-    // the echo arrives.
+    // In each period of the longer rod, the face moves with V/2 and then, when the echo arrives,
+    // with V/2 + V/2 for 2L₁/c.
     let exact = |t: f64| {
         let phase = t.rem_euclid(period);
         match (t > 0.0, phase < trip, t < period) {
@@ -99,14 +99,14 @@ fn two_free_elastic_rods() {
         .flat_map(|n| [f64::from(n) * period, f64::from(n) * period + trip])
         .collect();
     let error = deviation(&record, &record.second_velocity, &jumps, exact);
-    // The force has ended as a function of samples; the alias of a velocity that does not decay is
+    // The force as a function of samples has ended; the alias of a velocity that does not decay is
     // 1.1e-7.
     assert!(error < 1e-6 * VELOCITY, "{error}");
     let mean = 0.5 * VELOCITY * 2.0 * trip / period;
     assert!((mean / (mass[0] * VELOCITY / mass[1]) - 1.0).abs() < 1e-12);
 }
 
-/// A mass on a long rod: F = ZV e^{-Zt/M}, which never becomes tension.
+/// A mass on a long rod: F = ZV e^{-Zt/M}, which never becomes a tension.
 #[test]
 fn mass_against_a_long_rod() {
     let (mass, z) = (0.3, impedance(10.0));
@@ -116,7 +116,7 @@ fn mass_against_a_long_rod() {
     let long = long_rod(10.0);
     let record = run(&striker, &long, 2e-3, 1e-6);
     assert_eq!(record.end, ContactEnd::InContact);
-    // the Gaussian multiplies an exponential by e^{(σZ/M)²/2}, 3.5e-4 here
+    // the Gaussian multiplies an exponential by e^{(σZ/M)²/2}, which differs from 1 by 3.5e-4 here
     let rounded = (0.5 * (2.5e-6 * z / mass).powi(2)).exp();
     let decay = |t: f64| {
         if t > 0.0 {
@@ -141,8 +141,8 @@ fn mass_against_a_long_rod() {
     assert!((record.impulse() / (mass * VELOCITY) - 1.0).abs() < 1e-6);
 }
 
-/// Two masses with a spring between them: half a sine, and the velocities of an elastic collision
-/// after it.
+/// Two masses with a spring between them: the force is half a sine, and the velocities after it are
+/// those of an elastic collision.
 #[test]
 fn masses_with_a_contact_spring() {
     let (m1, m2, stiffness) = (0.2, 0.5, 2e6);
@@ -160,9 +160,9 @@ fn masses_with_a_contact_spring() {
     let ContactEnd::Separated { time } = record.end else {
         panic!("{:?}", record.end)
     };
-    // the chord of the sine: (ωΔt)²/8 of a step at most
+    // error of the chord of the sine: (ωΔt)²/8 of a step at most
     assert!((time - PI / omega).abs() < 1e-3 * interval, "{time}");
-    // the Gaussian multiplies a sine by e^{-(σω)²/2}, 2e-5 here
+    // the Gaussian multiplies a sine by e^{-(σω)²/2}, which differs from 1 by 2e-5 here
     let rounded = (-0.5 * (2.5 * interval * omega).powi(2)).exp();
     let peak = VELOCITY * (stiffness * reduced).sqrt();
     let exact = |t: f64| {
@@ -175,23 +175,23 @@ fn masses_with_a_contact_spring() {
     let error = deviation(&record, &record.force, &[0.0], exact) / peak;
     assert!(error < 1e-6, "{error}");
     let impulse = 2.0 * reduced * VELOCITY;
-    // The ends: at the beginning the Gaussian takes nothing away, at the end it is cut at zero,
-    // ωσ²/2 of the peak.
+    // At the beginning, the Gaussian does not reduce the impulse; at the end the force is cut at
+    // zero, at ωσ²/2 of the peak.
     assert!((record.impulse() / impulse - 1.0).abs() < (omega * 2.5 * interval).powi(2));
     let after = record.second_velocity.last().unwrap();
     assert!((after / (impulse / m2) - 1.0).abs() < (omega * 2.5 * interval).powi(2));
-    // The free end of the spring stops at once, a jump that the samples of the force do not round:
-    // it rings as 1/(πn) with alternating sign, 3e-4 after 1000 samples and e^{at} = 1.5 times
-    // more, and the mean of two neighbours by 1/n less.
+    // The free end of the spring stops suddenly, a jump that the samples of the force do not round.
+    // It rings as 1/(πn) with alternating sign: 3e-4 after 1000 samples, multiplied by e^{at} =
+    // 1.5; the mean of two neighbours rings less by the factor 1/n.
     let n = 1000 + record.force.iter().rposition(|&force| force > 0.0).unwrap();
     let after = 0.5 * (record.first_velocity[n] + record.first_velocity[n + 1]);
     let lost = (VELOCITY - after) / (impulse / m1);
     assert!((lost - 1.0).abs() < 1e-3, "{lost}");
 }
 
-/// A damped cone, narrow end first, on a long steel rod: until the end of the contact the faces
-/// move together; the cone has lost the impulse, and comes to rest in itself with the velocity that
-/// is left; the energy in the rod is ∫F²/Z dt.
+/// A damped cone, narrow end first, on a long steel rod. Until the end of the contact, the faces
+/// move together. The cone loses the impulse, and its vibration decays to the remaining velocity.
+/// The energy in the rod is ∫F²/Z dt.
 #[test]
 fn balances_of_a_damped_cone() {
     let nylon = Medium::new(1150.0, ConstantQ::new(3.0e9, 0.094, 2e4).unwrap()).unwrap();
@@ -210,11 +210,11 @@ fn balances_of_a_damped_cone() {
     let pairs = record.first_velocity.iter().zip(&record.second_velocity);
     for (n, (first, second)) in pairs.enumerate() {
         let t = record.start + n as f64 * interval;
-        // behind the rounded contact, and ahead of the band limit's echo of the kink at the end
+        // after the rounded start of the contact, and before the ringing around the kink at its end
         if t > 32e-6 && t < time - 50e-6 {
             assert!((first - second).abs() < 1e-5 * VELOCITY, "{t}");
         }
-        // the answer of a long rod, F/Z: no wave comes back
+        // the response of a long rod is F/Z: no wave returns
         assert!(
             (second - record.force[n] / z).abs() < 1e-6 * peak / z,
             "{t}"

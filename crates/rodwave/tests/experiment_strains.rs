@@ -1,5 +1,4 @@
-//! The virtual test of paper B: the three-point relation whatever the ends are, closed forms, and
-//! impulses.
+//! Virtual test of paper B: the three-point relation for any ends, closed forms, and impulses.
 use std::f64::consts::TAU;
 
 use num_complex::Complex64;
@@ -14,7 +13,7 @@ use rodwave::synthesis::DampedSynthesis;
 
 use crate::bodies::nylon;
 
-/// Length [m] and middle section [m] of the bar of paper B.
+/// Length [m] of the bar of paper B, and its middle section [m].
 const LENGTH: f64 = 0.800;
 const MIDDLE: f64 = 0.400;
 
@@ -37,10 +36,10 @@ fn support() -> impl Strategy<Value = EndSupport> {
 }
 
 proptest! {
-    /// Paper B, eqs. 6-7, for any ends, any distance and both kinds of excitation. The strains are the sum of two waves of sizes up to
-    /// e^{αL} of each other (αL < 4 here); near a node of the middle section, where ε₀ vanishes, the relation is tested by
-    /// the terms that cancel: ε₁ + ε₂ = 2ε₀ cosh γa, to 1e-11 of the largest.
-    /// (Ödeen 1993, paper B, eq. 5).
+    /// Paper B, eqs. 6-7, for any ends, any distance and both kinds of excitation. The strains are
+    /// the sum of two waves whose magnitudes differ by up to e^{αL} (αL < 4 here). Near a node of
+    /// the middle section, where ε₀ vanishes, the relation is tested relative to the terms that
+    /// cancel: ε₁ + ε₂ = 2ε₀ cosh γa, to 1e-11 of the largest term (Ödeen 1993, paper B, eq. 5).
     #[test]
     fn three_point_relation(
         left in support(),
@@ -71,8 +70,8 @@ proptest! {
     }
 }
 
-/// Paper B, eqs. 1 and 2: ∂²ε/∂x² = γ²ε with γ² = -ρω²/E, the second derivative by five strains a
-/// step h apart with |γ|h = 1/20. Its error is (γh)⁴/90 = 7e-8 of γ²ε.
+/// Paper B, eqs. 1 and 2: ∂²ε/∂x² = γ²ε with γ² = -ρω²/E. The second derivative is computed from
+/// five strains at spacing h with |γ|h = 1/20; its error is (γh)⁴/90 = 7e-8 of γ²ε.
 #[test]
 fn strain_obeys_the_wave_equation() {
     let density = 919.0;
@@ -104,7 +103,7 @@ fn strain_obeys_the_wave_equation() {
     }
 }
 
-/// The single strains do depend on the ends: structures I and II differ, and so do their histories.
+/// The single strains depend on the ends: structures I and II differ, and so do their histories.
 #[test]
 fn structures_one_and_two() {
     let bar = Medium::new(919.0, ConstantQ::new(2.6e9, 0.07, 1e4).unwrap()).unwrap();
@@ -138,15 +137,15 @@ fn structures_one_and_two() {
             .zip(&second.strains[1][from..to]);
         pairs.fold(0.0_f64, |worst, (a, b)| worst.max((a - b).abs())) / peak
     };
-    // until the wave that the lump throws back arrives at the middle, after 1.2 m at less than 2000
-    // m/s, nothing is known of it; the alias of the next period is 1.1e-7
+    // the wave that the lump reflects reaches the middle after 1.2 m at less than 2000 m/s; before
+    // that, the histories are equal, except for the alias of the next period, 1.1e-7
     assert!(difference(0, 300) < 1e-6);
     assert!(difference(300, 10_001) > 0.1);
 }
 
-/// Momentum: with masses at both ends and nothing to the ground the force leaves V = I/(m_L + M +
-/// m_R), the rod has carried I - m_L V through its left and m_R V through its right end, and ∫N dt
-/// = A E₀ ∫ε dt with the relaxed modulus E₀.
+/// Momentum: with masses at both ends and no connection to the ground, the force leads to V =
+/// I/(m_L + M + m_R). The rod has transmitted I - m_L V through its left end and m_R V through its
+/// right end, and ∫N dt = A E₀ ∫ε dt with the relaxed modulus E₀.
 #[test]
 fn impulses_through_the_ends() {
     let zener = Zener::new(2.0e9, 2.6e9, 4e-5).unwrap();
@@ -184,8 +183,8 @@ fn impulses_through_the_ends() {
     }
 }
 
-/// The histories are those of the spectra: summed over a record that has decayed they reproduce the
-/// spectra.
+/// The histories are those of the spectra: summed over a record that has decayed, they give the
+/// spectra again.
 #[test]
 fn histories_and_spectra_agree() {
     let bar = Medium::new(919.0, Zener::new(2.4e9, 2.6e9, 5e-5).unwrap()).unwrap();
@@ -220,8 +219,8 @@ fn histories_and_spectra_agree() {
             .sum();
         let rounded = (-0.5 * (2.5 * omega * interval).powi(2)).exp();
         let expected = rounded * member.strain_spectra(&excitation, &[omega]).unwrap()[0][0];
-        // the dashpot throws back 0.54 in each round trip of 1 ms; the alias is 1e-7; relative to
-        // the impulse of the strain
+        // the dashpot reflects 0.54 in each round trip of 1 ms; the alias is 1e-7; both are
+        // relative to the impulse of the strain
         let scale = 50.0 * 1e-4 / (area() * 2.6e9);
         let error = (sum * interval - expected).norm() / scale;
         assert!(error < 1e-5, "{frequency_hz}: {error}");

@@ -1,5 +1,5 @@
-//! Input that is wrong by accident or on purpose: values, sizes and materials at the ends of the
-//! scale, and laws of physics that must hold for any body.
+//! Input that is wrong by accident or on purpose: values, sizes and materials at the limits of the
+//! floating-point range, and laws of physics that must hold for any body.
 
 mod extremes_media;
 mod hostile;

@@ -1,4 +1,4 @@
-//! The striker of paper D by lumped chains: balances of momentum and energy, refinement.
+//! Striker of paper D, computed by lumped chains: balances of momentum and energy, refinement.
 use rodwave::InelasticRod;
 use rodwave::impact::{ImpactTest, Striker};
 use rodwave::inelastic::{Elastic, InelasticLaw, Maxwell, MaxwellNorton};
@@ -20,9 +20,9 @@ fn balances<L: InelasticLaw>(rod: InelasticRod<L>) -> f64 {
     let history = test(rod).run(0.5e-3, 2e-3).unwrap();
     let balance = history.balance;
     assert!(balance.momentum_residual.abs() < 1e-10, "{balance:?}");
-    // Leapfrog takes the kinetic energy half a step early, which shifts the sum by a term of order
-    // dt; closing the gap at t = 0 costs the half cells at the interface, about the mass of one
-    // cell of the rod: 0.2 % of the energy.
+    // The leapfrog scheme takes the kinetic energy half a step early, which shifts the sum by a
+    // term of order dt. Closing the gap at t = 0 dissipates energy of the half cells at the
+    // interface, which have about the mass of one cell of the rod: 0.2 % of the energy.
     let lost = 1.0 - (balance.energy_after + balance.energy_dissipated) / balance.energy_before;
     assert!((-1e-3..8e-3).contains(&lost), "{lost}: {balance:?}");
     assert!(history.contact_force.iter().all(|f| *f >= 0.0));
@@ -35,7 +35,7 @@ fn momentum_is_kept_and_energy_is_never_created() {
     assert!(balances(rod(Maxwell::new(1.5e6).unwrap())) > 0.05);
     let norton = MaxwellNorton::new(2.108, 7e13).unwrap();
     assert!(balances(rod(norton)) > 0.02);
-    // beside a spring, with a dashpot that relaxes the branch within the passage of the wave
+    // with a spring in parallel, and a dashpot that relaxes the branch while the wave passes
     let fast = MaxwellNorton::new(2.108, 7e12).unwrap();
     assert!(balances(rod(fast).with_spring(0.5).unwrap()) > 0.02);
     for share in [0.0, 1.0, -0.1, f64::NAN] {
@@ -45,7 +45,7 @@ fn momentum_is_kept_and_energy_is_never_created() {
 
 #[test]
 fn a_refined_grid_gives_the_same_section_velocity() {
-    // smoothed over 10 us, which removes the ringing behind the front
+    // smoothed over 10 us, which removes the ringing after the front
     let smoothed = |cell: f64| {
         let history = test(rod(MaxwellNorton::new(2.108, 7e13).unwrap()))
             .run(cell, 0.9e-3)

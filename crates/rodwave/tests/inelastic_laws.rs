@@ -1,5 +1,6 @@
-//! One battery for every inelastic law: its flow against an independent integration of dσ/dt = -E
-//! F(σ), the semigroup property, dissipation, and finite differences for every derivative.
+//! Common tests of every inelastic law: its flow compared with an independent integration of
+//! dσ/dt = -E F(σ), the semigroup property, dissipation, and every derivative compared with finite
+//! differences.
 use rodwave::inelastic::{
     Elastic, Eyring, InelasticLaw, LANES, Maxwell, MaxwellGurevichRabinovich, MaxwellNorton,
     RelaxationFlow,
@@ -7,9 +8,9 @@ use rodwave::inelastic::{
 
 const MODULUS: f64 = 2.5e9;
 
-/// Classical Runge-Kutta on ln|σ|: uniform steps while the stress barely changes, then steps in
-/// proportion to the time passed, in which a relaxation changes by the same amount however stiff
-/// its beginning was.
+/// Classical Runge-Kutta method for ln|σ|. The steps are uniform while the stress barely changes,
+/// and then in proportion to the elapsed time; in such a step, a relaxation changes by the same
+/// amount however stiff its beginning is.
 fn integrate<L: InelasticLaw>(law: &L, stress: f64, duration: f64) -> f64 {
     let rate = |z: f64| -MODULUS * law.inelastic_strain_rate(z.exp()) / z.exp();
     let step = |z: f64, h: f64| {
@@ -46,8 +47,8 @@ fn battery<L: InelasticLaw>(law: &L) {
             let relaxed = flow.relax(stress);
             let context = format!("{law:?}, {stress} Pa for {duration} s: {relaxed}");
             if relaxed == 0.0 {
-                // a law with κ < 1 is extinct after 1/|κ - 1| times the time that the initial rate
-                // would need
+                // for κ < 1, the stress is zero after 1/|κ - 1| times the time that the initial
+                // rate would need
                 let initial_rate = MODULUS * law.inelastic_strain_rate(stress) / stress;
                 assert!(
                     (1.0 - law.parameters()[0]) * initial_rate * duration >= 1.0,
@@ -55,7 +56,7 @@ fn battery<L: InelasticLaw>(law: &L) {
                 );
                 continue;
             }
-            // steps of 1e-3 of a time constant of a fourth-order scheme
+            // a fourth-order scheme with steps of 1e-3 of a time constant
             let expected = integrate(law, stress, duration);
             assert!(
                 (relaxed / expected - 1.0).abs() < 1e-9,
@@ -65,8 +66,8 @@ fn battery<L: InelasticLaw>(law: &L) {
                 relaxed.abs() <= stress.abs() && relaxed * stress >= 0.0,
                 "{context}"
             );
-            // two halves are the whole: both sides are exact, so only rounding remains (E1 of 20
-            // carries 1e-15)
+            // two halves equal the whole step: both sides are exact, so only rounding remains
+            // (1e-15 for E1 of 20)
             let twice = half.relax(half.relax(stress));
             assert!(
                 (relaxed / twice - 1.0).abs() < 2e-13,
@@ -82,12 +83,12 @@ fn battery<L: InelasticLaw>(law: &L) {
     }
 }
 
-/// The flow of several cells at once is the flow of each.
+/// The flow of several cells together equals the flow of each cell.
 fn several_cells<L: InelasticLaw>(law: &L, stress: f64, duration: f64) {
     let count = L::PARAMETERS.len();
     let flow = law.flow(MODULUS, duration);
-    // from a hundredth of the stress to all of it, so that short and long steps meet in one block,
-    // and one cell at rest
+    // from a hundredth of the stress to all of it, so that one block contains short and long steps
+    // and a cell at rest
     let mut cells = [0.0; LANES];
     for (lane, cell) in (0_u8..).zip(&mut cells[1..]) {
         *cell = stress * 0.01_f64.powf(1.0 - f64::from(lane) / 14.0);
@@ -98,7 +99,7 @@ fn several_cells<L: InelasticLaw>(law: &L, stress: f64, duration: f64) {
     for (lane, &cell) in cells.iter().enumerate() {
         let context = format!("{law:?}, {cell} Pa for {duration} s");
         let exact = flow.relax_with_sensitivity(cell, &mut by_parameter);
-        // two evaluations of one exact flow, each good to some 1e-14 of the stress
+        // two evaluations of one exact flow, each accurate to some 1e-14 of the stress
         let rounding = 1e-13 * cell.abs();
         assert!(
             (change[lane] - (flow.relax(cell) - cell)).abs() <= rounding,
@@ -114,7 +115,7 @@ fn several_cells<L: InelasticLaw>(law: &L, stress: f64, duration: f64) {
                 "{context}: {name} {found}, cell by cell {expected}"
             );
         };
-        // at rest the derivative of |σ|^κ jumps where κ is just above 1: it is 1 at 0 Pa and e^{-q}
+        // at rest, the derivative of |σ|^κ jumps if κ is just above 1: it is 1 at 0 Pa and e^{-q}
         // at 1e-300 Pa
         if cell != 0.0 {
             close(
@@ -151,8 +152,8 @@ fn derivatives<L: InelasticLaw>(law: &L, stress: f64, duration: f64) {
     );
     let check = |name: &str, exact: f64, plus: f64, minus: f64| {
         let difference = (plus - minus) / (2.0 * H);
-        // relative to the value or, where the derivative is a small part of the stress, to its
-        // rounding
+        // relative to the value or, if the derivative is a small part of the stress, to the
+        // rounding of the stress
         let scale = exact.abs().max(1e-9 * stress.abs());
         assert!(
             (exact - difference).abs() < 2e-6 * scale + 1e-11 * stress.abs(),
@@ -204,11 +205,11 @@ fn every_law() {
 #[test]
 fn extreme_steps_neither_overflow_nor_create_stress() {
     // e^{|σ|/m} overflows here; the stress must fall to the solution of E1(y) = q, far below its
-    // start
+    // initial value
     let law = MaxwellGurevichRabinovich::new(1e6, 1e5).unwrap();
     let relaxed = law.flow(MODULUS, 1e-6).relax(5e7);
     assert!(relaxed > 0.0 && relaxed < 1e6, "{relaxed}");
-    // a step without length changes nothing
+    // a step of zero duration changes nothing
     assert_eq!(law.flow(MODULUS, 0.0).relax(5e6), 5e6);
     // sinh(σ/σ*) overflows here: any such stress relaxes to σ* ln((1 + e^{-q})/(1 - e^{-q}))
     let law = Eyring::new(3.0, 1e5).unwrap();

@@ -1,4 +1,4 @@
-//! Integration tests of rodwave: one program, a module for each subject.
+//! Integration tests of rodwave: one program, with a module for each subject.
 #![allow(
     clippy::unwrap_used,
     clippy::panic,

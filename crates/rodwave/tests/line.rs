@@ -1,4 +1,4 @@
-//! Bodies in a line against closed forms, other solvers and their own balances.
+//! Bodies in a line, compared with closed forms and other solvers, and their own balances.
 
 use proptest::prelude::*;
 use rodwave::band_limited::SampledHistory;
@@ -34,7 +34,7 @@ pub(crate) fn line(segments: impl IntoIterator<Item = Segment>) -> Line {
     Line::new([Body::new(segments).unwrap()]).unwrap()
 }
 
-/// A smooth pulse with a maximum of 1 at 50 µs, negligible at time 0.
+/// Smooth pulse with a maximum of 1 at 50 µs, negligible at time 0.
 pub(crate) fn pulse(time: f64) -> f64 {
     (-((time - 50e-6) / 10e-6).powi(2)).exp()
 }
@@ -47,7 +47,7 @@ pub(crate) fn pushed(line: Line, force: f64) -> Line {
 pub(crate) fn closes(history: &LineHistory) {
     let ledger = history.ledger;
     let energy = ledger.initial_energy + ledger.supplied.abs() + ledger.stored;
-    // thousands of steps, each rounded relatively by 1e-16 or so
+    // thousands of steps, each with a relative rounding error of about 1e-16
     assert!(
         ledger.energy_residual().abs() < 1e-11 * energy,
         "{ledger:?}"

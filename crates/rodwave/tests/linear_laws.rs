@@ -1,5 +1,5 @@
-//! One battery for every linear law: symmetry, passivity, limits, analyticity, and what a medium
-//! makes of it.
+//! Common tests of every linear law: symmetry, passivity, limits, analyticity, and the waves in a
+//! medium with the law.
 use num_complex::Complex64;
 use rodwave::RodwaveError;
 use rodwave::medium::{Medium, PropagationLaw, modulus_from_propagation, propagation_from_modulus};
@@ -14,7 +14,7 @@ use crate::modulus_derivatives::{Battery, every_law};
 
 const DENSITY: f64 = 1150.0;
 
-/// From far below to far above every characteristic frequency of the laws below.
+/// Frequencies from far below to far above every characteristic frequency of the laws below.
 pub(crate) fn frequencies() -> impl Iterator<Item = f64> {
     (0..=60).map(|j| 10f64.powf(-1.0 + 0.15 * f64::from(j)))
 }
@@ -23,7 +23,7 @@ fn prony() -> GeneralisedMaxwell {
     bodies::prony(2.4e9, &[(0.1e9, 1e-2), (0.2e9, 1e-3), (0.2e9, 1e-4)])
 }
 
-/// A law with its limits: E(0), and E(∞) where that is finite.
+/// Law with its limits: E(0), and E(∞) if it is finite.
 struct Case {
     name: &'static str,
     law: Box<dyn LaplaceModulus>,
@@ -69,7 +69,7 @@ fn laplace_laws() -> [Case; 10] {
     ]
 }
 
-/// A table of paper E's Nylon-6, narrower than the frequencies of the battery.
+/// Table of the Nylon-6 of paper E, narrower than the frequencies of the tests.
 fn table() -> Tabulated {
     let medium = nylon();
     let omega: Vec<f64> = (0..20).map(|j| 1e3 * 1.3f64.powi(j)).collect();
@@ -94,13 +94,13 @@ fn moduli_are_conjugate_symmetric_passive_and_reach_their_limits() {
         let static_modulus = Complex64::from(case.static_modulus);
         assert_eq!(law.at(0.0), static_modulus, "{name}");
         assert_eq!(law.slope(0.0), Complex64::ZERO, "{name}");
-        // The law that approaches its limit slowest, as ω^0.06, is within (1e-304)^0.06 = 1e-18 of
-        // it.
+        // The law that approaches its limit most slowly, as ω^0.06, is within (1e-304)^0.06 = 1e-18
+        // of it.
         assert!(
             (law.at(1e-300) - static_modulus).norm() < 1e-9 * 2.7e9,
             "{name}"
         );
-        // Here it is ω^-0.5: (1e96)^-0.5.
+        // In this case the slowest is ω^-0.5: (1e96)^-0.5.
         if let Some(unrelaxed_modulus) = case.unrelaxed_modulus {
             assert!(
                 (law.at(1e100) - unrelaxed_modulus).norm() < 1e-9 * 2.7e9,
@@ -112,8 +112,8 @@ fn moduli_are_conjugate_symmetric_passive_and_reach_their_limits() {
     }
 }
 
-/// On the axis `at_s` is `at`; on the real axis it is real; between, it obeys the Cauchy-Riemann
-/// equations.
+/// Values of `at_s` equal those of `at` on the frequency axis, are real on the real axis, and obey
+/// the Cauchy-Riemann equations between the two.
 #[test]
 fn laplace_laws_are_analytic_in_the_right_half_plane() {
     for Case { name, law, .. } in laplace_laws() {
@@ -139,7 +139,7 @@ fn laplace_laws_are_analytic_in_the_right_half_plane() {
     }
 }
 
-/// A wave in a passive medium decays, and the damped transform of a decaying wave decays faster.
+/// A wave in a passive medium decays; in the damped transform it decays faster.
 struct WavesDecay;
 
 impl Battery for WavesDecay {
@@ -165,7 +165,7 @@ fn waves_decay_along_x_in_the_right_half_plane() {
     every_law(&WavesDecay);
 }
 
-/// Paper E, eqs. 4-6 and the statements below them, for every law a medium can have.
+/// Paper E, eqs. 4-6 and the statements below them, for every law that a medium can have.
 fn medium_battery<L: PropagationLaw>(name: &str, law: L) {
     let medium = Medium::new(DENSITY, law).unwrap();
     assert_eq!(
@@ -181,7 +181,7 @@ fn medium_battery<L: PropagationLaw>(name: &str, law: L) {
             "{name} at {omega}: {gamma}"
         );
         assert!(modulus.im >= 0.0, "{name} at {omega}: {modulus}");
-        // Half a dozen roundings each; 1e-14 is 45 units in the last place.
+        // About six roundings each; 1e-14 is 45 units in the last place.
         let balance = gamma * gamma * modulus;
         assert!(
             close(balance, Complex64::from(-DENSITY * omega * omega), 1e-14),
@@ -340,7 +340,7 @@ fn impossible_materials_are_refused() {
 }
 
 /// E'' of a fractional Zener model far above its relaxation, to the last digits: with p = (ωτ)^α
-/// e^{iπα/2} it is ΔE Im p/|1 + p|².
+/// e^{iπα/2}, it is ΔE Im p/|1 + p|².
 #[test]
 fn l9_loss_far_above_a_fractional_relaxation_keeps_its_digits() {
     let (increment, time) = (1.6e9, 1.0);
@@ -351,7 +351,7 @@ fn l9_loss_far_above_a_fractional_relaxation_keeps_its_digits() {
             let omega = 10f64.powi(decade);
             let size = omega.powf(alpha);
             let (sine, cosine) = (0.5 * std::f64::consts::PI * alpha).sin_cos();
-            // |1 + p|² divided by |p|, which overflows nowhere
+            // |1 + p|² over |p|, which does not overflow
             let exact = increment * sine / (1.0 / size + 2.0 * cosine + size);
             for loss in [law.at(omega).im, fluid.at(omega).im] {
                 assert!(
@@ -363,8 +363,9 @@ fn l9_loss_far_above_a_fractional_relaxation_keeps_its_digits() {
     }
 }
 
-/// A Havriliak-Negami model of a very small skewness exponent is ΔE β ln(1 + p), and far below its
-/// relaxation ΔE β p: neither is lost in the difference of 1 and a number near it.
+/// A Havriliak-Negami model with a very small skewness exponent is ΔE β ln(1 + p), and ΔE β p far
+/// below its relaxation. Neither value may be lost in the difference between 1 and a number close
+/// to 1.
 #[test]
 fn l9_small_shares_of_a_skew_relaxation_keep_their_digits() {
     let (time, alpha) = (1e-4, 0.6);
@@ -377,8 +378,8 @@ fn l9_small_shares_of_a_skew_relaxation_keep_their_digits() {
             let z = beta * logarithm;
             let exact = 1e9 / beta * z * (1.0 - 0.5 * z + z * z / 6.0);
             let found = law.at(omega) - 1e9;
-            // 1e9/β as a difference with 1e9 has lost the last digits; the fourth term is 4e-11 at
-            // β = 1e-4
+            // the increment 1e9/β, computed as a difference of moduli, has lost its last digits;
+            // the fourth term is 4e-11 at β = 1e-4
             assert!(
                 (found - exact).norm() < 1e-10 * exact.norm(),
                 "{beta} {omega}: {found} {exact}"

@@ -1,12 +1,12 @@
-//! The limits of the plain product of transition matrices.
+//! Limits of the plain product of transition matrices.
 
 use num_complex::Complex64;
 use rodwave::RodwaveError;
 use rodwave::transition::TransitionMatrix;
 use testbed::difference::relative;
 
-/// Limits for large αL as the module states them: the mobility keeps its digits until the overflow,
-/// the determinant does not.
+/// Limits for large αL as the module states them: the mobility keeps its digits until the matrix
+/// overflows; the determinant does not.
 #[test]
 fn large_damping_spoils_the_determinant_before_the_mobility() {
     let (z_a, z_b) = (Complex64::new(1100.0, 80.0), Complex64::new(900.0, -10.0));
@@ -15,12 +15,12 @@ fn large_damping_spoils_the_determinant_before_the_mobility() {
         let b = TransitionMatrix::uniform_rod(Complex64::new(alpha_length, 2.0), z_b, 1.0);
         b.unwrap() * a.unwrap()
     };
-    // Mobility of A backed by B from the load impedance of A, an overflow-free form: 1 - tanh <
-    // 1e-15 beyond 18.
+    // Mobility of A backed by B, with B as the load impedance of A, in a form without overflow: 1 -
+    // tanh < 1e-15 beyond 18.
     let long = product(20.0).mobility_free_end().unwrap();
     assert!(relative(long, 1.0 / z_a) < 1e-14);
     assert!((product(20.0).determinant() - 1.0).norm() > 1.0);
-    // near 300 + 300 a plain quotient of the entries, above 1e250, would overflow
+    // near 300 + 300, a plain quotient of the entries, which exceed 1e250, would overflow
     assert!(relative(product(300.0).mobility_free_end().unwrap(), 1.0 / z_a) < 1e-14);
     assert!(product(400.0).mobility_free_end().is_err());
 }

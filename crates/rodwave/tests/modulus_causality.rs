@@ -1,5 +1,5 @@
-//! The Kramers-Kronig residual: laws that are causal by construction pass, fits that are not do
-//! not.
+//! Kramers-Kronig residual: laws that are causal by construction pass, and fits that are not causal
+//! fail.
 use std::f64::consts::TAU;
 
 use num_complex::Complex64;
@@ -13,7 +13,7 @@ use rodwave::modulus::{
 
 use crate::bodies::{nylon, prony};
 
-/// A band from its ends in Hz, 20 lines per decade.
+/// Creates a band from its ends in Hz, with 20 lines per decade.
 pub(crate) fn band(lowest_hz: f64, highest_hz: f64) -> Vec<f64> {
     let decades = (highest_hz / lowest_hz).log10();
     let mut omega = Vec::new();
@@ -64,7 +64,7 @@ fn nearest_material_has_the_values_of_its_lines() {
     for (line, &omega) in result.lines.iter().zip(&omega) {
         let dashpot = Complex64::new(0.0, omega * result.viscosity);
         let causal = prony.at_s(Complex64::new(0.0, omega)) + dashpot;
-        // Sums of some ten positive terms.
+        // Rounding of sums of about ten positive terms.
         assert!((causal - line.causal_modulus).norm() < 1e-13 * causal.norm());
         assert!(((line.modulus - causal) / line.modulus.norm() - line.residual).norm() < 1e-13);
         sum += line.residual.norm_sqr();
@@ -74,9 +74,9 @@ fn nearest_material_has_the_values_of_its_lines() {
     assert!((residual / result.residual - 1.0).abs() < 1e-7);
 }
 
-/// Scatter of one per cent on a causal law is within the threshold that includes it, and far beyond
-/// the one that does not. With such scatter the power laws of paper E cannot be distinguished from
-/// a causal material.
+/// Scatter of one per cent on a causal law is within the threshold that includes the scatter, and
+/// far beyond the threshold that does not. With such scatter, the power laws of paper E cannot be
+/// distinguished from a causal material.
 #[test]
 fn scatter_has_to_be_known() {
     let omega = band(500.0, 1e4);
@@ -85,7 +85,8 @@ fn scatter_has_to_be_known() {
             .iter()
             .enumerate()
             .map(|(index, &omega)| {
-                // Errors of one size and of directions spread by the golden ratio: rms exactly 1 %.
+                // Errors of equal magnitude, with directions spread by the golden ratio: their rms
+                // is exactly 1 %.
                 let direction = TAU * 0.618_033_988_749_895 * index as f64;
                 law(omega) * (1.0 + Complex64::from_polar(0.01, direction))
             })
@@ -105,12 +106,12 @@ fn scatter_has_to_be_known() {
     assert_eq!(verdict(&measured, 0.01), Verdict::Causal);
 }
 
-/// Each line is weighted by its own error: lines of large error neither mask nor disturb the
+/// Each line is weighted by its own error: lines with large errors neither mask nor disturb the
 /// others.
 #[test]
 fn lines_count_by_their_own_errors() {
     let omega = band(500.0, 1e4);
-    // every other line is a hundred times worse
+    // the error of every other line is a hundred times larger
     let error = |index: usize| 2.6e9 * if index.is_multiple_of(2) { 1e-3 } else { 0.1 };
     let errors: Vec<f64> = (0..omega.len()).map(error).collect();
     let measured = |law: &dyn Fn(f64) -> Complex64| -> Vec<Complex64> {
@@ -132,7 +133,7 @@ fn lines_count_by_their_own_errors() {
     assert!(causal.residual <= 1.0 + 1e-3, "{}", causal.residual);
     let not_causal = measured(&|_| Complex64::new(2.6e9, 0.07 * 2.6e9));
     assert_eq!(test(&not_causal).verdict(), Verdict::NotCausal);
-    // with one error for all, the bad lines mask it
+    // with a common error for all lines, the bad lines mask the violation
     let worst = KramersKronig::of_modulus(&omega, &not_causal, 0.1).unwrap();
     assert_eq!(worst.verdict(), Verdict::Causal);
 
@@ -180,7 +181,8 @@ fn impossible_spectra_are_refused() {
     }
 }
 
-/// Standard normal numbers by Box and Muller from a linear congruential generator (Knuth's MMIX).
+/// Standard normal numbers by the method of Box and Muller, from a linear congruential generator
+/// (MMIX by Knuth).
 fn normals(seed: u64) -> impl FnMut() -> f64 {
     let mut state = seed;
     let mut uniform = move || {
@@ -192,8 +194,8 @@ fn normals(seed: u64) -> impl FnMut() -> f64 {
     move || (-2.0 * uniform().ln()).sqrt() * (TAU * uniform()).cos()
 }
 
-/// Constant loss of 0.1 at 60 lines of 0.5 to 10 kHz with 5 % of noise, as it is and with the loss
-/// doubled by hand.
+/// Constant loss factor of 0.1 at 60 lines from 0.5 to 10 kHz with 5 % of noise; unchanged, and
+/// with doubled losses.
 #[test]
 fn f7_a_doubled_loss_is_found_beneath_the_noise() {
     let omega: Vec<f64> = (0..60)
@@ -218,14 +220,14 @@ fn f7_a_doubled_loss_is_found_beneath_the_noise() {
             found[case] += u64::from(tested.verdict() != Verdict::Causal);
         }
     }
-    // false alarms 0 to 1 %: two of 40 have a probability of 6 %; power 95 % and more: 33 of 40 or
-    // fewer 0.1 %
+    // false alarms 0 to 1 %: two of 40 have a probability of 6 %; power of 95 % and more: 33 of 40
+    // or fewer have a probability of 0.1 %
     assert!(found[0] <= 2, "false alarms {found:?}");
     assert!(found[1] >= 34, "{found:?}");
 }
 
 /// A Maxwell material that is wrong by 1.5 times a wavy common error: no relaxing material has
-/// these values, unless the error is declared.
+/// these values unless the error is stated.
 #[test]
 fn a_declared_common_error_is_no_violation() {
     let omega: Vec<f64> = (1..=100).map(|j| 500.0 * f64::from(j)).collect();

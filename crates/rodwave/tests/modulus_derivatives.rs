@@ -1,5 +1,5 @@
-//! Exact derivatives against differences: by every parameter, by frequency, and of the group
-//! velocity.
+//! Exact derivatives compared with differences: with respect to every parameter and to frequency,
+//! and those in the group velocity.
 use num_complex::Complex64;
 use rodwave::RodwaveError;
 use rodwave::medium::{Medium, PropagationLaw};
@@ -10,7 +10,8 @@ use rodwave::modulus::{
 
 use crate::bodies::{self, nylon, nylon_law, steel};
 
-/// Three decades on either side of τ = 0.1 ms and ω₀ = 10⁴ rad/s, of either sign, and 0.
+/// Frequencies within three decades on either side of τ = 0.1 ms and ω₀ = 10⁴ rad/s, of either
+/// sign, and 0.
 fn frequencies() -> Vec<f64> {
     let positive: Vec<f64> = (-12..=12)
         .map(|j| 1e4 * 10f64.powf(0.25 * f64::from(j)))
@@ -23,13 +24,13 @@ fn frequencies() -> Vec<f64> {
         .collect()
 }
 
-/// Derivative of `function` at 0 by a difference of fourth order.
+/// Derivative of `function` at 0 by a fourth-order difference.
 fn difference(step: f64, function: impl Fn(f64) -> Complex64) -> Complex64 {
     let odd = |h: f64| function(h) - function(-h);
     (8.0 * odd(step) - odd(2.0 * step)) / (12.0 * step)
 }
 
-/// Battery of tests for every law.
+/// Tests that every law must pass.
 pub(crate) trait Battery {
     fn run<M: DifferentiableModulus + Clone>(&self, name: &str, law: M);
 }
@@ -69,8 +70,8 @@ impl Battery for GradientsAreDerivatives {
                     law.with_parameters(&moved).unwrap().at(omega)
                 });
                 // Truncation h⁴/30 = 3e-16 times a fifth derivative of at most E (ln ωτ)⁵ = 2e4 E;
-                // rounding 4e-15 of a parameter ln E = 22 over h: 1e-11 E. |E| is
-                // bounded below by what a fluid has at 10 rad/s.
+                // rounding 4e-15 of a parameter ln E = 22 over h: 1e-11 E. The value of a fluid at
+                // 10 rad/s is a lower bound of |E|.
                 let scale = law.at(omega).norm();
                 assert!(
                     (derivative - differenced).norm() <= 1e-10 * scale,
@@ -94,7 +95,7 @@ impl Battery for ParametersRoundTrip {
         let parameters = law.parameters();
         let again = law.with_parameters(&parameters).unwrap();
         for omega in frequencies() {
-            // exp(ln p) is p but for the rounding of ln p = 22: 2e-15, and some factors of it.
+            // exp(ln p) equals p except for the rounding of ln p = 22, 2e-15, times some factors.
             let change = (again.at(omega) - law.at(omega)).norm();
             assert!(change <= 2e-14 * law.at(omega).norm(), "{name} at {omega}");
         }
@@ -130,7 +131,7 @@ fn parameters_make_the_law_and_wrong_ones_are_refused() {
     every_law(&ParametersRoundTrip);
 }
 
-/// A law that implements only its value; the trait computes the slope.
+/// Law that implements only its value; the trait computes the slope.
 struct ValueOnly<M>(M);
 
 impl<M: ComplexModulus> ComplexModulus for ValueOnly<M> {
@@ -146,8 +147,8 @@ impl Battery for SlopesAreDerivatives {
         let law = ValueOnly(law);
         for omega in frequencies() {
             let (exact, differenced) = (law.0.slope(omega), law.slope(omega));
-            // The documented error of the difference: 3e-14 by truncation, 3e-13 by rounding, with
-            // room.
+            // The documented error of the difference is 3e-14 by truncation and 3e-13 by rounding;
+            // the tolerance is larger.
             assert!(
                 (exact - differenced).norm() <= 2e-12 * law.at(omega).norm(),
                 "{name} at {omega}: {exact}, by difference {differenced}"
@@ -161,7 +162,7 @@ fn slopes_are_the_derivatives_by_frequency() {
     every_law(&SlopesAreDerivatives);
 }
 
-/// A law of propagation that implements only its value.
+/// Propagation law that implements only its value.
 struct WavesOnly<L>(L);
 
 impl<L: PropagationLaw> PropagationLaw for WavesOnly<L> {
@@ -179,12 +180,12 @@ fn check_group_velocity<L: PropagationLaw + Clone>(name: &str, law: L) {
     let differenced = Medium::new(1150.0, WavesOnly(law)).unwrap();
     for omega in frequencies() {
         let ratio = if omega == 0.0 && exact.group_velocity(omega) == 0.0 {
-            1.0 // a fluid: both vanish
+            1.0 // for a fluid, both vanish
         } else {
             differenced.group_velocity(omega) / exact.group_velocity(omega)
         };
-        // As for the slope, with γ in the place of E; k is of the size of γ except where the loss
-        // is large.
+        // As for the slope, with γ in place of E; k is of the magnitude of γ unless the loss is
+        // large.
         assert!((ratio - 1.0).abs() < 1e-11, "{name} at {omega}");
     }
 }
@@ -204,13 +205,13 @@ fn group_velocity_is_the_derivative_of_frequency_by_wave_number() {
     // k = b ω^q: c_g = c/q
     let medium = nylon();
     assert!((medium.group_velocity(1e4) / medium.phase_velocity(1e4) * 0.970 - 1.0).abs() < 1e-14);
-    // Without dispersion, one velocity.
+    // Without dispersion, the group and the phase velocity are equal.
     let steel = steel();
     assert!((steel.group_velocity(1e4) / steel.phase_velocity(1e4) - 1.0).abs() < 1e-15);
 }
 
-/// The slope of a table is that of its interpolation. Off the points by more than the ±0.2 % of the
-/// difference.
+/// The slope of a table is that of its interpolation. The frequencies are further from the points
+/// than the ±0.2 % of the difference.
 #[test]
 fn slope_of_a_table_is_that_of_its_interpolation() {
     let medium = nylon();
@@ -219,12 +220,12 @@ fn slope_of_a_table_is_that_of_its_interpolation() {
     let law = ValueOnly(Tabulated::new(&omega, &modulus).unwrap().held());
     for omega in omega.windows(2).map(|pair| 0.5 * (pair[0] + pair[1])) {
         let change = (law.0.slope(omega) - law.slope(omega)).norm();
-        // Within an interval the difference is exact for a cubic; rounding 3e-13.
+        // Within an interval, the difference is exact for a cubic; rounding causes 3e-13.
         assert!(change < 2e-12 * law.at(omega).norm(), "{omega}");
     }
 }
 
-/// The derivatives of γ by ln a, p, ln b, q.
+/// Derivatives of γ with respect to ln a, p, ln b and q.
 #[test]
 fn power_laws_have_exact_derivatives() {
     let gamma = |shift: [f64; 4], omega: f64| {

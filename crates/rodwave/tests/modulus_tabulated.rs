@@ -1,4 +1,4 @@
-//! Tables: interpolation between their lines, and refusals.
+//! Tables: interpolation between their lines, and rejected input.
 
 use num_complex::Complex64;
 use rodwave::RodwaveError;
@@ -27,7 +27,7 @@ fn lines_come_back_and_their_conjugates_at_negative_frequencies() {
     }
 }
 
-/// The law changes over some decades; ten lines per decade are 0.23 apart in ln ω.
+/// The law changes over some decades; at ten lines per decade, the spacing in ln ω is 0.23.
 #[test]
 fn interpolation_is_of_third_order_between_the_lines() {
     let worst = |number: u32| {
@@ -39,8 +39,8 @@ fn interpolation_is_of_third_order_between_the_lines() {
             .fold(0.0, f64::max)
     };
     let (coarse, fine) = (worst(21), worst(41));
-    // h³/24 times third derivatives in ln ω of a few per cent: 1e-5. Halving h: a factor 8, but 4
-    // near the maximum of E''.
+    // h³/24 times third derivatives in ln ω of some per cent: 1e-5. Halving h reduces the error by
+    // a factor of 8, but of 4 near the maximum of E''.
     assert!(coarse < 1e-4, "{coarse:e}");
     assert!(fine < coarse / 3.5, "{coarse:e} {fine:e}");
 }
@@ -111,7 +111,7 @@ fn impossible_tables_are_refused() {
 }
 
 /// Zener, fractional and constant-loss laws on 5 to 40 lines, evenly spaced in ω and in ln ω,
-/// against their closed forms in tenths of every interval.
+/// compared with their closed forms at tenths of every interval.
 #[test]
 fn f8_the_error_of_interpolation_is_estimated() {
     let (from, to) = (TAU * 100.0, TAU * 10e3);
@@ -162,7 +162,7 @@ fn f8_the_error_of_interpolation_is_estimated() {
                             .exp();
                         let error = table.lookup(between).unwrap() - law(between);
                         let estimate = table.interpolation_error(between).unwrap();
-                        // rounding of the table is no interpolation
+                        // rounding of the table is not an error of the interpolation
                         let rounding = 1e-13 * law(between).norm();
                         let group = 2 * usize::from(is_log);
                         ratios[group].push((estimate.re + rounding) / (error.re.abs() + rounding));

@@ -1,4 +1,5 @@
-//! E(t) and J(t) of the linear laws: monotonic, bounded by each other, refused up to the step.
+//! E(t) and J(t) of the linear laws: monotonic, bounding each other, and rejected at and before the
+//! step.
 
 use rodwave::modulus::{
     ConstantQ, Elastic, FractionalZener, GeneralisedMaxwell, KelvinVoigt, Maxwell, SpringPot,
@@ -38,7 +39,8 @@ pub(crate) fn laws() -> Vec<(&'static str, Box<dyn TimeDomainModulus>)> {
     laws
 }
 
-/// Unordered, with two branches of one relaxation time and a weak one.
+/// Prony series in no particular order, with two branches of equal relaxation time and a weak
+/// branch.
 pub(crate) fn prony(equilibrium_modulus: f64) -> GeneralisedMaxwell {
     let branches = [
         (0.3e9, 1e-3),
@@ -50,7 +52,7 @@ pub(crate) fn prony(equilibrium_modulus: f64) -> GeneralisedMaxwell {
     bodies::prony(equilibrium_modulus, &branches)
 }
 
-/// From 10 ns, the hundredth of a relaxation time or less, to 1 s.
+/// Times from 10 ns, a hundredth of a relaxation time or less, to 1 s.
 pub(crate) fn times() -> impl Iterator<Item = f64> {
     (0..=32).map(|j| 1e-8 * 10f64.powf(0.25 * f64::from(j)))
 }
@@ -69,7 +71,7 @@ fn relaxation_and_creep_are_monotonic_and_bound_each_other() {
             })
             .collect();
         for (relaxation, creep) in &all {
-            // Rounding of half a dozen operations.
+            // Rounding of about six operations.
             assert!(relaxation * creep <= 1.0 + 1e-14, "{name}");
             assert!(*relaxation >= 0.0 && *creep > 0.0, "{name}");
         }

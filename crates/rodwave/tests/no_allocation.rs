@@ -1,5 +1,6 @@
-//! Code that runs millions of times takes no memory: the steps of a march, and a chain at one
-//! frequency. A counting allocator watches the thread; everything is built outside its sight.
+//! Code that runs millions of times allocates no memory: the steps of a march, and a chain at one
+//! frequency. A counting allocator watches the thread; everything is built before the counting
+//! starts.
 
 use std::hint::black_box;
 
@@ -21,8 +22,8 @@ fn the_allocator_counts() {
     assert_eq!(measure(|| drop(black_box(vec![1.0; 8]))).count_total, 1);
 }
 
-/// Steps from the first one on, so that the windows come round, with the results that a program
-/// would read at each.
+/// Advances from the first step, far enough for the windows to return to their start, with the
+/// results that a program would read at each step.
 fn march_allocates_nothing<L: InelasticLaw>(law: &L) {
     for (cells, velocity) in [(8, 9.0), (47, 9.0), (400, 9.0), (100, 60.0)] {
         let rod = InelasticRod::new(0.394, 910.0, 2.58e9, law.clone()).unwrap();
@@ -48,8 +49,8 @@ fn a_march_allocates_nothing() {
     march_allocates_nothing(&MaxwellNorton::new(2.108, 7e13).unwrap());
     march_allocates_nothing(&MaxwellGurevichRabinovich::new(3.5e6, 7.08e6).unwrap());
     march_allocates_nothing(&Eyring::new(0.3, 2.5e6).unwrap());
-    // the rare ways: steps too long for the series, stresses that vanish in finite time, viscosity
-    // that grows with stress
+    // the rare cases: steps too long for the series, stresses that vanish in finite time, a
+    // viscosity that grows with stress
     march_allocates_nothing(&MaxwellNorton::from_reference_rate(0.6, 1e4, 10e6).unwrap());
     march_allocates_nothing(&MaxwellGurevichRabinovich::new(1e3, 5e6).unwrap());
     march_allocates_nothing(
@@ -88,7 +89,8 @@ fn a_line_allocates_nothing() {
     assert_eq!(allocated.count_total, 0);
 }
 
-/// Every element, and laws of every kind: closed forms, sums, powers, a table, measured waves.
+/// Builds a body with every kind of element and laws of every kind: closed forms, sums, powers, a
+/// table, measured waves.
 fn body(termination: Termination) -> Chain {
     let (thin, thick) = (circle(0.02), circle(0.05));
     let prony = Medium::new(912.0, prony(2e9, &[(4e8, 1e-3), (5e8, 1e-5)])).unwrap();

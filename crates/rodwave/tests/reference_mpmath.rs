@@ -1,5 +1,5 @@
-//! Chains, lateral inertia, fractional relaxation and the nonlinear laws against 50 digits of
-//! mpmath: `fixtures/reference/mpmath`.
+//! Chains, lateral inertia, fractional relaxation and the nonlinear laws, compared with results of
+//! mpmath with 50 digits: `fixtures/reference/mpmath`.
 
 use num_complex::Complex64;
 use rodwave::inelastic::{InelasticLaw, MaxwellGurevichRabinovich, MaxwellNorton, RelaxationFlow};
@@ -14,7 +14,7 @@ const POCHHAMMER: &str = include_str!("../../../fixtures/reference/mpmath/pochha
 const FRACTIONAL: &str = include_str!("../../../fixtures/reference/mpmath/fractional_zener.csv");
 const RELAXATION: &str = include_str!("../../../fixtures/reference/mpmath/relaxation.csv");
 
-/// First cell, empty if there is no name, and the numbers behind it.
+/// Returns the first cell of each row (empty if there is no name) and the numbers after it.
 fn rows(table: &str, count: usize) -> Vec<(&str, Vec<f64>)> {
     let rows = table.lines().skip(1).map(|line| {
         let (name, rest) = match line.split_once(',') {
@@ -29,7 +29,8 @@ fn rows(table: &str, count: usize) -> Vec<(&str, Vec<f64>)> {
     rows
 }
 
-/// Of mobilities, and of the long rod with γ and the impedance of Nylon-6.
+/// Returns the errors of the mobilities, and that of the long rod with γ and the impedance of
+/// Nylon-6.
 pub(crate) fn errors_of_chains(bodies: &Bodies) -> [f64; 2] {
     let (mut chains, mut medium) = (Vec::new(), Vec::new());
     for (quantity, row) in rows(CHAINS, 91) {
@@ -56,7 +57,8 @@ pub(crate) fn errors_of_chains(bodies: &Bodies) -> [f64; 2] {
     [chains, medium].map(largest)
 }
 
-/// First branch for elastic and lossy rods, λ from 50 D to 1.4 D, in both directions.
+/// Returns the error of the first branch for elastic and lossy rods, λ from 50 D to 1.4 D, in both
+/// directions.
 fn error_of_lateral_inertia() -> f64 {
     let (density, diameter, bar) = (1200.0, 0.016, 2.5e9);
     let radius = 0.5 * diameter;
@@ -83,7 +85,7 @@ fn error_of_lateral_inertia() -> f64 {
     }))
 }
 
-/// Twelve decades about the relaxation time, orders from 0.1 to 1.
+/// Returns the error over twelve decades around the relaxation time, for orders from 0.1 to 1.
 fn error_of_fractional_relaxation() -> f64 {
     let rows = rows(FRACTIONAL, 78).into_iter();
     largest(rows.flat_map(|(_, row)| {
@@ -98,7 +100,8 @@ fn error_of_fractional_relaxation() -> f64 {
     }))
 }
 
-/// The exact flows of the second and third law, from steps of 1e-7 relaxation times to 30.
+/// Returns the error of the exact flows of the second and third law, for steps from 1e-7 to 30
+/// relaxation times.
 fn error_of_flows() -> f64 {
     let rows = rows(RELAXATION, 40).into_iter();
     largest(rows.map(|(law, row)| {

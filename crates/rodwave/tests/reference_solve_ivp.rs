@@ -1,4 +1,4 @@
-//! The lumped chain and the characteristics against `scipy.integrate.solve_ivp`:
+//! Lumped chain and characteristics, compared with `scipy.integrate.solve_ivp`:
 //! `fixtures/reference/solve_ivp`.
 
 use rodwave::inelastic::{InelasticLaw, Maxwell, MaxwellGurevichRabinovich, MaxwellNorton};
@@ -11,7 +11,7 @@ use crate::bodies::Gaussian;
 const CHAIN: &str = include_str!("../../../fixtures/reference/solve_ivp/chain.csv");
 const CONTINUUM: &str = include_str!("../../../fixtures/reference/solve_ivp/continuum.csv");
 
-/// The pulse of the script.
+/// Pulse of the script that computed the reference.
 const PULSE: Gaussian = Gaussian {
     peak: 8.0,
     centre: 300e-6,
@@ -21,7 +21,7 @@ const PULSE: Gaussian = Gaussian {
 struct Reference {
     times: Vec<f64>,
     velocity: Vec<f64>,
-    /// Error of the script by its own estimate [m/s].
+    /// Error of the reference [m/s], estimated by the script.
     error: f64,
 }
 
@@ -44,14 +44,14 @@ fn rod<L: InelasticLaw>(law: L) -> InelasticRod<L> {
     InelasticRod::new(0.4, 1100.0, 2.5e9, law).unwrap()
 }
 
-/// (4 fine - coarse)/3 of an error that falls with the square of the step.
+/// Extrapolation (4 fine - coarse)/3 for an error that decreases with the square of the step.
 fn extrapolated(fine: &[f64], coarse: &[f64]) -> Vec<f64> {
     let pairs = fine.iter().zip(coarse);
     pairs.map(|(f, c)| (4.0 * f - c) / 3.0).collect()
 }
 
-/// `solve` at steps that are halved: the error is second order, and what is extrapolated from two
-/// steps is `tolerance` from the reference.
+/// Calls `solve` with steps that are halved: the error is of second order, and the extrapolation
+/// from two steps is within `tolerance` of the reference.
 fn converges(
     name: &str,
     reference: &Reference,
@@ -67,14 +67,14 @@ fn converges(
     assert!(left < tolerance + reference.error, "{name}: {left:e} m/s");
 }
 
-/// The same sixty masses: only the leapfrog's step is left, second order. Nothing of the order of
-/// the cells' dispersion may remain.
+/// The same sixty masses: only the second-order error of the step of the leapfrog scheme remains.
+/// An error of the order of the dispersion of the cells would be a fault.
 #[test]
 fn the_lumped_chain_is_its_differential_equations() {
     fn check<L: InelasticLaw>(name: &str, law: L) {
         let reference = reference(CHAIN, name);
-        // steps of a sixteenth and a 32nd of the transit of a cell: 6e-4 m/s and a quarter of it;
-        // fourth order is left, 1e-4 of that
+        // steps of a sixteenth and a 32nd of the transit of a cell: errors of 6e-4 m/s and a
+        // quarter of it; after extrapolation the fourth order remains, 1e-4 of that
         converges(name, &reference, [16, 32], 1e-7, |parts| {
             LumpedRod::new(&rod(law.clone()), 60, 1.0 / parts as f64)
                 .unwrap()
@@ -90,13 +90,13 @@ fn the_lumped_chain_is_its_differential_equations() {
     );
 }
 
-/// The rod itself: collocation in space uses neither cells nor characteristics.
+/// The rod itself: the collocation in space uses neither cells nor characteristics.
 #[test]
 fn characteristics_converge_to_the_collocated_rod() {
     fn check<L: InelasticLaw>(name: &str, law: L) {
         let reference = reference(CONTINUUM, name);
-        // 50 and 100 cells: 7e-5 to 1e-3 m/s and a quarter of it; the fourth order that is left is
-        // the square of this over 16 m/s
+        // 50 and 100 cells: errors of 7e-5 to 1e-3 m/s and a quarter of them; the fourth order that
+        // remains is the square of this error over 16 m/s
         converges(name, &reference, [50, 100], 1e-6, |cells| {
             DirectProblem::new(rod(law.clone()), cells)
                 .unwrap()

@@ -1,4 +1,5 @@
-//! Theories of lateral inertia: long waves, veering, branches, round trips, each other, refusals.
+//! Theories of lateral inertia: long waves, veering, branches, round trips, comparisons, rejected
+//! input.
 use std::f64::consts::{PI, TAU};
 
 use num_complex::Complex64;
@@ -10,8 +11,8 @@ use rodwave::slenderness::{
     RoundRod, Theory, elementary_theory_error, rayleigh_to_shear_speed,
 };
 
-/// Radius [m], density [kg/m³] and modulus [Pa] of a rod in which nothing is 1, so that a lost
-/// factor shows.
+/// Radius [m], density [kg/m³] and modulus [Pa] of a rod. None of the values is 1, so that a
+/// missing factor shows.
 const RADIUS: f64 = 0.0079;
 const DENSITY: f64 = 912.0;
 pub(crate) const MODULUS: f64 = 2.4e9;
@@ -36,20 +37,20 @@ pub(crate) fn exact(nu: f64) -> PochhammerChree {
     PochhammerChree::new(rod(nu)).unwrap()
 }
 
-/// ω at which (ωa/c₀)² has the `value` for a rod of modulus E.
+/// Returns the ω at which (ωa/c₀)² has the `value` for a rod of modulus E.
 pub(crate) fn omega_of_bar_number(value: f64) -> f64 {
     (value * MODULUS / DENSITY).sqrt() / RADIUS
 }
 
-/// B = ρω²a²/E by a theory from K = -γ²a².
+/// Computes B = ρω²a²/E by a theory from K = -γ²a².
 pub(crate) fn bar_number(theory: &dyn RodTheory, wave: Complex64) -> Complex64 {
-    let omega = 3.0e5; // any: B and K do not contain it separately
+    let omega = 3.0e5; // any value: B and K do not depend on it
     let gamma = Complex64::I * wave.sqrt() / RADIUS;
     let corrected = theory.modulus(gamma, omega).unwrap().found().unwrap();
     DENSITY * (omega * RADIUS).powi(2) / corrected.modulus
 }
 
-/// K = -γ²a² by a theory from B = ρω²a²/E.
+/// Computes K = -γ²a² by a theory from B = ρω²a²/E.
 pub(crate) fn wave_number(theory: &dyn RodTheory, bar: Complex64) -> Complex64 {
     let omega = 3.0e5;
     let modulus = DENSITY * (omega * RADIUS).powi(2) / bar;
@@ -57,14 +58,14 @@ pub(crate) fn wave_number(theory: &dyn RodTheory, bar: Complex64) -> Complex64 {
     -(gamma.found().unwrap() * RADIUS).powu(2)
 }
 
-/// E'_apparent/E' - 1 in per cent of an elastic rod, at λ/D.
+/// Computes E'_apparent/E' - 1 of an elastic rod in per cent, at λ/D.
 pub(crate) fn apparent_error_percent(theory: &dyn RodTheory, wavelength_in_diameters: f64) -> f64 {
     let wave = (PI / wavelength_in_diameters).powi(2);
     100.0 * (bar_number(theory, wave.into()).re / wave - 1.0)
 }
 
-/// ω at which the wavelength 2π/k is `ratio` diameters, by regula falsi's simplest form: k/ω hardly
-/// changes.
+/// Returns the ω at which the wavelength 2π/k is `ratio` diameters, by the simplest form of regula
+/// falsi: k/ω hardly changes.
 pub(crate) fn omega_of_wavelength(theory: &dyn RodTheory, modulus: Complex64, ratio: f64) -> f64 {
     let target = TAU / (ratio * 2.0 * RADIUS);
     let mut omega = target * (modulus.re / DENSITY).sqrt();
@@ -75,7 +76,7 @@ pub(crate) fn omega_of_wavelength(theory: &dyn RodTheory, modulus: Complex64, ra
     omega
 }
 
-/// The error at λ = 5D grows with Poisson's ratio and is below 5 per cent for all.
+/// The error at λ = 5D increases with Poisson's ratio and is below 5 per cent for all values.
 #[test]
 fn condition_i_is_worst_for_an_incompressible_rod() {
     let errors =
@@ -95,13 +96,14 @@ fn long_waves_have_the_asymptotic_series() {
             (ratio - (1.0 - 0.5 * nu * nu * wave + b2 * wave * wave)).abs()
         };
         let (coarse, fine) = (remainder(0.04), remainder(0.02));
-        // 2³ = 8; 20 % for the next order. The remainder is some 1e-3 ν² K³, far above rounding
+        // 2³ = 8, with 20 % for the next order. The remainder is some 1e-3 ν² K³, far above
+        // rounding
         assert!(
             (coarse / fine - 8.0).abs() < 1.6,
             "{nu}: {coarse:e} {fine:e}"
         );
 
-        // Love has the first term of it: its remainder falls as K²
+        // Love's theory has the first term of it: its remainder decreases as K²
         let love_remainder = |wave: f64| {
             (bar_number(&love(nu), wave.into()) - bar_number(&exact(nu), wave.into())).norm() / wave
         };
@@ -109,7 +111,7 @@ fn long_waves_have_the_asymptotic_series() {
     }
 }
 
-/// Near ν = 0 all is continuous as long as the second branch is far.
+/// Near ν = 0 everything is continuous as long as the second branch is far away.
 #[test]
 fn small_lateral_contraction_corrects_little() {
     for nu in [1e-9, 1e-5, 1e-3] {
@@ -118,8 +120,8 @@ fn small_lateral_contraction_corrects_little() {
     }
 }
 
-/// Branches that almost cross, ν = 1e-3 near ka = 1.84: the elastic branch turns off and a lossy
-/// one goes straight on.
+/// Branches that almost cross, ν = 1e-3 near ka = 1.84: the elastic branch turns off, and a lossy
+/// one continues straight.
 #[test]
 fn veering_is_followed_not_jumped() {
     let bar = 3.8;
@@ -137,12 +139,13 @@ fn veering_is_followed_not_jumped() {
     let FirstBranch::Left { reached } = undecidable else {
         panic!("{undecidable:?}");
     };
-    // at ka = 1.841, of √3.8 = 1.949
+    // at ka = 1.841, out of √3.8 = 1.949
     assert!((reached * bar.sqrt() - 1.8412).abs() < 1e-3, "{reached}");
 }
 
-/// A square of the same polar radius of gyration carries the same waves as a circle; and k_p² =
-/// (b² + h²)/12 is the integral of x² + y² over the area, here by Simpson's rule, exact for it.
+/// A square with the same polar radius of gyration as a circle carries the same waves. k_p² = (b² +
+/// h²)/12 is the mean of x² + y² over the area, computed here by Simpson's rule, which is exact for
+/// it.
 #[test]
 fn rectangle_enters_by_its_polar_radius_of_gyration() {
     let (width, height) = (0.012, 0.007);
@@ -176,21 +179,22 @@ fn rectangle_enters_by_its_polar_radius_of_gyration() {
     assert!((of_rectangle / of_circle - 1.0).norm() < 1e-14);
 }
 
-/// Love's rule of 2 δν/ν.
+/// Check of the relative error 2 δν/ν, which follows from Love's theory.
 #[test]
 fn standard_error_by_poissons_ratio() {
     let gamma = Complex64::new(4.0, 90.0); // λ = 4.4 D
     let corrected = exact(0.4).modulus(gamma, 1.5e5).unwrap().found().unwrap();
     let error = corrected.standard_error(0.02).unwrap();
     let correction = (corrected.modulus - corrected.apparent_modulus).norm();
-    // 2 δν/ν = 0.1 of the correction is the leading term; 20 % for the next at λ = 4.4 D
+    // 2 δν/ν = 0.1 of the correction is the leading term; the next term may add 20 % at λ = 4.4 D
     assert!((error.storage_modulus / correction / 0.1 - 1.0).abs() < 0.2);
-    // E'' is hardly touched, so the relative error of E''/E' is that of E', to 20 % again
+    // E'' is hardly affected; the relative error of E''/E' is therefore that of E', again to 20 %
     let relative = error.loss_factor / corrected.loss_factor();
     assert!((relative / (error.storage_modulus / corrected.modulus.re) - 1.0).abs() < 0.2);
 }
 
-/// A small imaginary part of Poisson's ratio, by the derivative: the figure of the module page.
+/// A small imaginary part of Poisson's ratio, by the derivative: the number on the page of the
+/// module.
 #[test]
 fn imaginary_part_of_poissons_ratio_lowers_the_loss_factor() {
     let modulus = MODULUS * Complex64::new(1.0, 0.08);
@@ -202,11 +206,11 @@ fn imaginary_part_of_poissons_ratio_lowers_the_loss_factor() {
         .unwrap();
     let corrected = exact(0.4).modulus(gamma, omega).unwrap().found().unwrap();
     let change = Complex64::new(0.0, -0.008) * corrected.by_poisson_ratio / corrected.modulus.re;
-    assert!((change.im + 0.0012).abs() < 5e-5, "{change}"); // printed digits
+    assert!((change.im + 0.0012).abs() < 5e-5, "{change}"); // to the printed digits
 }
 
-/// The stated errors against the exact theory: the terms K³ and beyond are up to a quarter of
-/// Love's error, K², at λ = 3D, and so 6 % of the whole.
+/// Stated errors compared with the exact theory: the terms K³ and beyond are up to a quarter of
+/// Love's error, K², at λ = 3D, and therefore 6 % of the whole error.
 #[test]
 fn error_left_by_each_theory_is_that_against_the_exact_one() {
     for nu in [0.2, 0.3, 0.4, 0.5] {
@@ -307,8 +311,8 @@ fn unphysical_input_is_refused() {
     assert!(Theory::LoveRayleigh.error_left(0.0, 0.4).is_err());
 }
 
-/// Two moduli can have the same short wave on their first branches, if losses are heavy. Which one
-/// is returned is documented.
+/// Two moduli can have the same short wave on their first branches if losses are high. The
+/// documentation states which one is returned.
 #[test]
 fn short_wave_in_a_lossy_rod_has_two_moduli() {
     let (nu, bar) = (-0.2334730977594613, 5.8641233886872765);
@@ -329,8 +333,8 @@ fn short_wave_in_a_lossy_rod_has_two_moduli() {
     assert!((wave(other) / gamma - 1.0).norm() < 1e-10); // both are roots to rounding
 }
 
-/// A root from the inverse direction that does not lead back to the wave is withheld, here in a
-/// heavily damped auxetic rod.
+/// A root of the inverse direction that does not lead back to the wave is not returned; the example
+/// is a heavily damped auxetic rod.
 #[test]
 fn modulus_of_another_branch_is_withheld() {
     let gamma = Complex64::new(0.5, 1.0) * 1.95 / RADIUS;
@@ -339,7 +343,8 @@ fn modulus_of_another_branch_is_withheld() {
 }
 
 proptest! {
-    /// Forward and back through each theory gives the modulus, and a passive rod damps: α >= 0 where E'' >= 0.
+    /// A round trip through each theory gives the modulus again, and a passive rod damps: α >= 0 if
+    /// E'' >= 0.
     #[test]
     fn modulus_survives_the_round_trip(
         nu in 0.0..0.5f64,
@@ -353,12 +358,13 @@ proptest! {
             let gamma = theory.propagation_coefficient(modulus, omega).unwrap().found().unwrap();
             prop_assert!(gamma.im > 0.0 && gamma.re >= -1e-12 * gamma.im, "{gamma}");
             let back = theory.modulus(gamma, omega).unwrap().found().unwrap().modulus;
-            // rounding, magnified where the second branch is near
+            // rounding, magnified if the second branch is near
             prop_assert!((back / modulus - 1.0).norm() < 1e-10, "{back} {modulus}");
         }
     }
 
-    /// At any frequency and loss a modulus that is returned leads back to the wave, also where it is not the only one.
+    /// A modulus that is returned leads back, at any frequency and loss, to the wave, even if it is
+    /// not the only one.
     #[test]
     fn modulus_leads_back_to_the_wave(
         nu in -0.9..0.5f64,
@@ -368,7 +374,7 @@ proptest! {
         let gamma = Complex64::new(attenuation, 1.0) * root_wave / RADIUS;
         if let Some(found) = exact(nu).modulus(gamma, 3e5).unwrap().found() {
             let back = exact(nu).propagation_coefficient(found.modulus, 3e5).unwrap().found().unwrap();
-            // required to 1e-6 of γ² by the method, much better in most cases
+            // the method requires 1e-6 of γ²; most cases are much better
             prop_assert!((back / gamma - 1.0).norm() < 1e-6, "{back} {gamma}");
         }
     }

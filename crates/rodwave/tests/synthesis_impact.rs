@@ -1,5 +1,5 @@
-//! Histories from spectra: the impact of two elastic rods, which no plain transform can do,
-//! smoothing, refusals.
+//! Histories from spectra: the impact of two elastic rods, which a plain transform cannot compute,
+//! smoothing, rejected input.
 use num_complex::Complex64;
 use rodwave::element::CrossSection;
 use rodwave::synthesis::{DampedSynthesis, FourierSynthesis, SynthesizedHistory};
@@ -7,7 +7,7 @@ use rodwave::{Chain, RodwaveError, Termination};
 
 use crate::bodies::{circle, steel};
 
-/// Length of either rod [m], impact velocity [m/s].
+/// Length of each rod [m], and impact velocity [m/s].
 const LENGTH: f64 = 1.0;
 const VELOCITY: f64 = 2.0;
 
@@ -19,8 +19,8 @@ fn transit_time() -> f64 {
     LENGTH / (206e9_f64 / 7780.0).sqrt()
 }
 
-/// Stick force of two equal free rods: ZV/2 for two transit times, then -ZV/2 as long, and so on
-/// without end.
+/// Stick force of two equal free rods: ZV/2 for two transit times, then -ZV/2 for as long, and so
+/// on without end.
 fn square_wave(time: f64) -> f64 {
     let phase = (time / (4.0 * transit_time())).rem_euclid(1.0);
     let plateau = 0.5 * impedance() * VELOCITY;
@@ -45,9 +45,9 @@ fn largest_error(history: &SynthesizedHistory, margin: f64, end: f64) -> f64 {
         .fold(0.0, f64::max)
 }
 
-/// The plain transform of the same impact sums the undamped force over all periods. The best case
-/// is half a period of the force left over: plateaus of alternating sign, 1 - 1 + 1 - ... = 1/2,
-/// half of the force. With a whole number of periods of the force a line coincides with a pole.
+/// The plain transform of the same impact sums the undamped force over all periods. In the best
+/// case, half a period of the force remains: plateaus of alternating sign, 1 - 1 + 1 - ... = 1/2,
+/// half of the force. With a whole number of periods of the force, a line coincides with a pole.
 #[test]
 fn two_free_elastic_rods_by_the_plain_transform() {
     let rod = Chain::from_impact_face()
@@ -62,7 +62,7 @@ fn two_free_elastic_rods_by_the_plain_transform() {
             .omegas()
             .map(|omega| {
                 if omega == 0.0 {
-                    // the accelerance of a free body is 1/M: total impulse V M/2
+                    // the accelerance of a free body is 1/M: the total impulse is V M/2
                     return (0.5 * VELOCITY * rod.free_mass().unwrap()).into();
                 }
                 let sum = 2.0 * rod.mobility(omega).unwrap();
@@ -96,7 +96,7 @@ fn impossible_syntheses_are_refused() {
     );
 }
 
-/// A raised cosine of 80 us in steps of an eighth of the sampling interval at 51.2 kHz, smoothed
+/// A raised cosine of 80 us, in steps of an eighth of the sampling interval at 51.2 kHz, smoothed
 /// and compared with its closed form.
 #[test]
 fn f2_a_flat_smoothing_leaves_a_short_blow_as_it_is() {
@@ -127,8 +127,8 @@ fn f2_a_flat_smoothing_leaves_a_short_blow_as_it_is() {
     };
     // sigma^2/2 times the curvature at the peak, 2 pi^2/T^2: 5.7 %
     assert!(largest_error(&smoothed) > 0.05);
-    // what the pulse has beyond the smoothing, where its curvature jumps at the ends: sigma^2/2
-    // times half the jump, by the sidelobes of the kernel less than a tenth of it
+    // content of the pulse beyond the smoothing, because its curvature jumps at the ends: sigma^2/2
+    // times half the jump; the sidelobes of the kernel reduce it to less than a tenth
     assert!(largest_error(&smoothed.flat()) < 0.006);
     let peak = |synthesis: &DampedSynthesis| {
         let lines: Vec<Complex64> = synthesis

@@ -1,5 +1,5 @@
-//! Claims: a number known from elsewhere, the computed number, and the verdict. Integration tests
-//! assert claims; the page of claims is made of their rows.
+//! Claims: a number known from another source, the computed number, and the verdict. Integration
+//! tests assert the claims; `cargo xtask validate` collects their rows in docs/validation.md.
 
 use std::error::Error;
 use std::path::Path;
@@ -12,14 +12,14 @@ use crate::generated::write_whole;
 /// Environment variable that names the folder for the rows of claims.
 pub const FOLDER: &str = "RODLAB_CLAIMS";
 
-/// Words of a claim. The alias keeps the derived reader from borrowing them.
+/// Text of a claim. The alias prevents the derived reader from borrowing the text from its input.
 pub type Words = &'static str;
 
 /// Number known from a source other than our computation, with a tolerance.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Claim {
-    /// Description without the number. Together with the crate it identifies the claim: no two are
-    /// alike.
+    /// Description without the number. No two claims of a crate have the same description: crate
+    /// and description identify the claim.
     pub what: String,
     /// Source: an equation, a table, a closed form, other software, a record, a conservation law.
     #[serde(deserialize_with = "kept")]
@@ -77,7 +77,7 @@ pub enum NotMeasured {
 /// Input of a claim, or any error of a crate.
 pub type Fallible<T> = Result<T, Box<dyn Error + Send + Sync>>;
 
-/// Reads words of a row and keeps them to the end of the task that reads them.
+/// Reads a text of a row and keeps it in memory until the task ends.
 fn kept<'de, D: Deserializer<'de>>(words: D) -> Result<&'static str, D::Error> {
     String::deserialize(words).map(|words| &*words.leak())
 }
@@ -130,13 +130,13 @@ pub struct Claims {
 }
 
 impl Claims {
-    /// Sets the equation, table or law of the next claims.
+    /// Sets the source of the claims that follow: an equation, a table or a law.
     pub fn by(&mut self, source: &'static str) -> &mut Self {
         self.source = source;
         self
     }
 
-    /// Claims that `what` is `expected`, in `unit`.
+    /// Claims that `what` equals `expected`, in `unit`.
     pub fn claim(
         &mut self,
         what: impl Into<String>,
@@ -151,12 +151,12 @@ impl Claims {
         self.checks.push(Check::of(claim, ours));
     }
 
-    /// Claims a relative deviation of zero.
+    /// Claims that a relative deviation is zero.
     pub fn deviation(&mut self, what: impl Into<String>, within: Within, ours: Ours) {
         self.claim(what, "1", 0.0, within, ours);
     }
 
-    /// Adds a claim and the result of `ours`; an error is a failed claim.
+    /// Adds a claim and the result of `ours`; if `ours` returns an error, the claim fails.
     pub fn check(&mut self, claim: Claim, ours: impl FnOnce() -> Found) {
         let ours = ours().map_err(|error| refused(error.as_ref()));
         self.checks.push(Check::of(claim, ours));
@@ -174,13 +174,13 @@ impl Claims {
         self.checks.iter().filter(|c| c.verdict == verdict).count()
     }
 
-    /// Asserts every claim, after its row is written to `section/topic.json` in the folder named by
-    /// `RODLAB_CLAIMS`, if it is set. A claim without its record is skipped with a message. The
-    /// macro [`hold!`](crate::hold) provides section and topic.
+    /// Asserts every claim. Before that, if the variable `RODLAB_CLAIMS` names a folder, the rows
+    /// of the claims are written to `section/topic.json` in it. A claim whose record is missing is
+    /// skipped with a message. The macro [`hold!`](crate::hold) provides section and topic.
     ///
     /// # Panics
     ///
-    /// If a claim fails, naming each that does, or if its row cannot be written.
+    /// If a claim fails (the message names all that fail), or if the rows cannot be written.
     #[allow(
         clippy::panic,
         clippy::print_stderr,
@@ -237,7 +237,7 @@ macro_rules! hold {
     };
 }
 
-/// Returns one number of several that were computed together.
+/// Returns one of several numbers that were computed together.
 pub fn of<T>(found: &Ours<T>, number: impl FnOnce(&T) -> f64) -> Ours {
     found.as_ref().map(number).map_err(Clone::clone)
 }
@@ -277,8 +277,8 @@ impl Check {
     }
 }
 
-/// Returns the fraction of the tolerance that a difference uses. A zero difference uses none of a
-/// zero tolerance.
+/// Returns the fraction of the tolerance that a difference uses; 0 for a difference of zero, even
+/// if the tolerance is zero.
 fn part(difference: f64, tolerance: f64) -> f64 {
     let difference = difference.abs();
     if difference > 0.0 || difference.is_nan() {
@@ -288,7 +288,7 @@ fn part(difference: f64, tolerance: f64) -> f64 {
     }
 }
 
-/// Returns true for a file that does not exist, whatever error wraps it.
+/// Returns true if the cause of `error`, at any depth, is a file that does not exist.
 pub fn is_absent(error: &(dyn Error + 'static)) -> bool {
     let mut causes = iter::successors(Some(error), |&error| error.source());
     causes.any(|cause| {
@@ -297,7 +297,7 @@ pub fn is_absent(error: &(dyn Error + 'static)) -> bool {
     })
 }
 
-/// Returns an error with its causes in one line.
+/// Returns an error together with its causes, as one line.
 pub fn refused(error: &dyn Error) -> NotMeasured {
     let mut text = error.to_string();
     let mut cause = error.source();

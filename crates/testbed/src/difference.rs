@@ -15,7 +15,8 @@ pub fn largest(values: impl IntoIterator<Item = f64>) -> f64 {
     })
 }
 
-/// Returns the largest difference of two histories of one length; NaN if their lengths differ.
+/// Returns the largest difference between two histories of equal length; NaN if their lengths
+/// differ.
 pub fn largest_difference(a: &[f64], b: &[f64]) -> f64 {
     if a.len() == b.len() {
         largest(a.iter().zip(b).map(|(a, b)| a - b))

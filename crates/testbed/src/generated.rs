@@ -1,4 +1,5 @@
-//! Files written by a task: complete or absent, and checked with the same code that writes them.
+//! Files written by a task: each is complete or absent, and the code that writes a file also checks
+//! it.
 
 use std::fs;
 use std::io::{self, Write};
@@ -33,8 +34,8 @@ pub fn workspace_root() -> &'static Path {
         .unwrap_or(Path::new("."))
 }
 
-/// Writes `contents` to `path` through a temporary file in the same folder, so that `path` is never
-/// half written.
+/// Writes `contents` to `path` through a temporary file in the same folder: `path` is never half
+/// written.
 pub fn write_whole(path: &Path, contents: &str) -> Result<(), GeneratedError> {
     let fail = |source| GeneratedError::Io {
         path: path.to_path_buf(),
@@ -45,7 +46,7 @@ pub fn write_whole(path: &Path, contents: &str) -> Result<(), GeneratedError> {
     let mut builder = tempfile::Builder::new();
     #[cfg(unix)]
     {
-        // readable by others, as any file written by a program; the umask still applies
+        // readable by others, as a file written by any other program is; the umask still applies
         use std::os::unix::fs::PermissionsExt;
         builder.permissions(fs::Permissions::from_mode(0o666));
     }
@@ -55,8 +56,8 @@ pub fn write_whole(path: &Path, contents: &str) -> Result<(), GeneratedError> {
     Ok(())
 }
 
-/// Writes `contents` to `path`, or with `check` fails if the file differs, naming the `command` to
-/// run.
+/// Writes `contents` to `path`. With `check`, nothing is written: the function fails if the file
+/// differs and names the `command` to run.
 pub fn ensure_file_contents(
     path: &Path,
     contents: &str,

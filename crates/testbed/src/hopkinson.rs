@@ -1,8 +1,9 @@
-//! A shot on split Hopkinson bars in the order of an experiment: a force on the incident bar, waves
-//! through bars and specimen, gauges with errors, an averaging recorder, noise, a converter.
+//! A shot on split Hopkinson bars, computed in the order of an experiment: a force on the incident
+//! bar, waves through bars and specimen, gauges with errors, an averaging recorder, noise, a
+//! converter.
 //!
-//! The waves are marched along characteristics in time; no transform and no propagation coefficient
-//! is used.
+//! The waves are marched along characteristics in time, without transforms and without propagation
+//! coefficients.
 #![allow(
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,
@@ -17,7 +18,7 @@ use rodwave::modulus::{GeneralisedMaxwell, MaxwellBranch};
 
 use crate::noise::Noise;
 
-/// Bars of one material, with the gauges and the pulse.
+/// Bars of one material, with their gauges and the pulse.
 #[derive(Debug, Clone)]
 pub struct HopkinsonRig {
     /// Law of the bars \[Pa\].
@@ -30,26 +31,26 @@ pub struct HopkinsonRig {
     pub lengths: [f64; 2],
     /// Distances of the gauges of each bar from the specimen \[m\].
     pub gauges: [Vec<f64>; 2],
-    /// Rise, duration and fall \[s\] of the force on the incident bar, and its largest value
-    /// \[N\], positive in compression.
+    /// Rise, duration and fall \[s\] of the force on the incident bar. The field `force` is the
+    /// largest value \[N\], positive in compression.
     pub pulse: [f64; 3],
     pub force: f64,
     /// Longest step of the march \[s\].
     pub step: f64,
-    /// Time before the pulse, and after it \[s\].
+    /// Times before and after the start of the pulse \[s\].
     pub before: f64,
     pub after: f64,
 }
 
-/// Exact histories of a shot, `step` \[s\] apart, from the start of the pulse on.
+/// Exact histories of a shot, `step` \[s\] apart, starting with the pulse.
 #[derive(Debug, Clone)]
 pub struct HopkinsonTruth {
     pub step: f64,
     /// Strain, positive in tension, of each gauge of each bar.
     pub gauges: [Vec<Vec<f64>>; 2],
-    /// Forces of the two faces \[N\], positive in compression.
+    /// Forces at the two faces of the specimen \[N\], positive in compression.
     pub force: [Vec<f64>; 2],
-    /// Velocities of the two faces [m/s].
+    /// Velocities of the two faces of the specimen [m/s].
     pub velocity: [Vec<f64>; 2],
     /// Time before the pulse \[s\].
     pub before: f64,
@@ -61,7 +62,7 @@ pub struct HopkinsonTruth {
 pub struct RecorderErrors {
     /// Factor of each gauge of each bar.
     pub gains: [Vec<f64>; 2],
-    /// Delay of each bar's channels \[s\].
+    /// Delay of the channels of each bar \[s\].
     pub delays: [f64; 2],
     /// Standard deviation of the noise in strain.
     pub noise: f64,
@@ -70,7 +71,7 @@ pub struct RecorderErrors {
 }
 
 impl HopkinsonRig {
-    /// Creates bars of a polyamide: loss factor of some 4 % at 5 to 20 kHz.
+    /// Creates bars of a polyamide with a loss factor of some 4 % at 5 to 20 kHz.
     pub fn nylon() -> Result<Self, RodwaveError> {
         let branch = |modulus: f64, relaxation_time: f64| MaxwellBranch {
             modulus,
@@ -94,7 +95,7 @@ impl HopkinsonRig {
         0.25 * std::f64::consts::PI * self.diameter * self.diameter
     }
 
-    /// Marches a shot with a specimen between the bars, or with none.
+    /// Computes a shot, with or without a specimen between the bars.
     pub fn shot(&self, specimen: Option<Segment>) -> Result<HopkinsonTruth, Box<dyn Error>> {
         let area = self.area();
         let bar = |length: f64| Segment::prony(length, area, self.density, &self.law);
@@ -104,7 +105,7 @@ impl HopkinsonRig {
         let body = Body::new(segments.into_iter().flatten())?;
         let ([rise, duration, fall], peak) = (self.pulse, self.force);
         let force = move |t: f64| {
-            // edges of half a cosine
+            // edges that are half a period of a cosine
             let edge = |part: f64| 0.5 - 0.5 * (std::f64::consts::PI * part.clamp(0.0, 1.0)).cos();
             peak * edge(t / rise).min(edge((duration - t) / fall))
         };
@@ -145,8 +146,8 @@ impl HopkinsonRig {
 }
 
 impl HopkinsonTruth {
-    /// Returns the samples of all gauges at `rate` \[Hz\]: means over two sampling intervals around
-    /// each sample, with triangular weights.
+    /// Returns the samples of all gauges at `rate` \[Hz\]. Each sample is a mean over two sampling
+    /// intervals around it, with triangular weights.
     pub fn recorded(&self, rate: f64, errors: &RecorderErrors, seed: u64) -> [Vec<Vec<f64>>; 2] {
         let mut noise = Noise::seeded(seed);
         let mut out = [Vec::new(), Vec::new()];
@@ -173,13 +174,14 @@ impl HopkinsonTruth {
         out
     }
 
-    /// Returns the mean of a history by the recorder at a `time` \[s\] since the start of the
-    /// record.
+    /// Returns the mean of a history that the recorder takes at a `time` \[s\] since the start of
+    /// the record.
     pub fn seen(&self, history: &[f64], rate: f64, time: f64) -> f64 {
         self.mean(history, time - self.before, 1.0 / rate)
     }
 
-    /// Returns the engineering strain of a specimen of a length \[m\], positive in compression.
+    /// Returns the engineering strain of a specimen of the given length \[m\], positive in
+    /// compression.
     pub fn strain(&self, length: f64) -> Vec<f64> {
         let mut sum = 0.0;
         let pairs = self.velocity[0].iter().zip(&self.velocity[1]);

@@ -1,7 +1,7 @@
-//! Common code of the tests of all crates: the papers' tables in SI, claims with their rows,
-//! measured records, files that are written completely.
+//! Common code of the tests of all crates: the tables of the papers in SI, claims with their rows,
+//! measured records, generated files.
 //!
-//! Not published. No code here computes a result of our crates.
+//! Not published. No code in this crate computes a result of our crates.
 #![allow(
     missing_docs,
     clippy::missing_errors_doc,

@@ -1,8 +1,9 @@
-//! One shot on a long bar, in the order of an experiment: the force of a striker, waves between two
-//! free ends or a free end and a mass, gauges with gains, a filter, noise, a converter.
+//! A shot on a long bar, computed in the order of an experiment: the force of a striker, waves
+//! between two free ends or between a free end and a mass, gauges with gains, a filter, noise, a
+//! converter.
 //!
-//! One-dimensional waves are computed from their transforms on a damped line, without a transition
-//! matrix and without an inversion.
+//! One-dimensional waves follow from their transforms on a damped line, without transition matrices
+//! and without an inversion.
 
 use std::f64::consts::{PI, TAU};
 
@@ -11,10 +12,11 @@ use rodwave::fourier::RealFourier;
 
 use crate::noise::Noise;
 
-/// Round bar with strain gauges, struck at x = 0 and free at x = `length` except for a mass.
+/// Round bar with strain gauges, struck at x = 0 and free at x = `length`, where it may have a
+/// mass.
 #[derive(Debug, Clone)]
 pub struct LongBar {
-    /// E(s) \[Pa\] on the right half plane.
+    /// Modulus E(s) \[Pa\] in the right half plane.
     pub modulus: fn(Complex64) -> Complex64,
     /// Density [kg/m³].
     pub density: f64,
@@ -24,7 +26,7 @@ pub struct LongBar {
     /// Mass on the end \[kg\].
     pub end_mass: f64,
     pub gauges: Vec<f64>,
-    /// Rise, duration and fall of the force \[s\], a trapezoid of 4 kN.
+    /// Rise, duration and fall \[s\] of the force, a trapezoid of 4 kN.
     pub pulse: [f64; 3],
     /// Sampling rate \[Hz\].
     pub rate: f64,
@@ -37,9 +39,9 @@ pub struct LongBar {
 }
 
 impl LongBar {
-    /// Creates a bar of a glassy polymer, 2.5 m long with loss factor 0.02: a pulse of 2 ms
-    /// overlaps with its reflections at gauges 0.9 and 0.5 m before the free end, and after 9
-    /// ms the bar still rings.
+    /// Creates a bar of a glassy polymer, 2.5 m long, with a loss factor of 0.02. A pulse of 2 ms
+    /// overlaps with its reflections at gauges 0.9 and 0.5 m before the free end, and the bar still
+    /// rings after 9 ms.
     pub fn glassy() -> Self {
         Self {
             modulus: |s| {
@@ -60,11 +62,10 @@ impl LongBar {
         }
     }
 
-    /// Returns the records of one shot, one row for each gauge; `gains` are the sensitivities of
-    /// the gauges.
+    /// Returns the records of one shot, with one row per gauge; `gains` contains the sensitivities
+    /// of the gauges.
     pub fn shot(&self, gains: &[f64], seed: u64) -> Vec<Vec<f64>> {
-        // so long that later arrivals are below rounding, under a damping that loses half of the
-        // digits
+        // long enough for later arrivals to be below rounding; the damping costs half of the digits
         let n = 4 * self.n_samples;
         let period = n as f64 / self.rate;
         let damping = 20.0 / period;
@@ -85,10 +86,10 @@ impl LongBar {
                     let s = Complex64::new(damping, TAU * line as f64 / period);
                     let modulus = (self.modulus)(s);
                     let gamma = s * (self.density / modulus).sqrt();
-                    // fraction of a strain wave that returns with the opposite sign
+                    // fraction of a strain wave that returns from the end with the opposite sign
                     let held = self.end_mass * s * s / (area * modulus * gamma);
                     let back = (1.0 - held) / (1.0 + held);
-                    // sinh γ(L - x)/sinh γL without overflowing terms
+                    // sinh γ(L - x)/sinh γL in a form without terms that overflow
                     let shape = ((-gamma * x).exp()
                         - back * (-gamma * (2.0 * self.length - x)).exp())
                         / (1.0 - back * (-2.0 * gamma * self.length).exp());
@@ -115,7 +116,7 @@ impl LongBar {
         4e3 * (t / rise).min((duration - t) / fall).clamp(0.0, 1.0)
     }
 
-    /// Returns the response of a filter with four poles at a fifth of the sampling rate.
+    /// Returns the response of a four-pole filter with its corner at a fifth of the sampling rate.
     fn filter(&self, s: Complex64) -> Complex64 {
         let corner = TAU * 0.2 * self.rate;
         [0.382_683_432_365_09, 0.923_879_532_511_29]

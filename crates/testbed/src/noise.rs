@@ -29,7 +29,7 @@ impl Noise {
         StandardNormal.sample(&mut self.0)
     }
 
-    /// Returns `history` with white noise of this standard deviation.
+    /// Returns `history` with white noise of the standard deviation `deviation`.
     pub fn added_to(&mut self, history: &[f64], deviation: f64) -> Vec<f64> {
         let noisy = history.iter().map(|v| v + deviation * self.normal());
         noisy.collect()

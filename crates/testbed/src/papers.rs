@@ -1,7 +1,7 @@
-//! Tables of the papers as printed, read and converted to SI, and as typed values.
+//! Tables of the papers: as printed, converted to SI, and as typed values.
 //!
-//! Reads the transcribed tables of `fixtures/papers` and calls none of our numerical code, so that
-//! the reference is independent.
+//! The module reads the transcribed tables of `fixtures/papers`. It calls none of our numerical
+//! code, which keeps the reference independent.
 
 pub mod decimal;
 pub mod error;
@@ -26,7 +26,7 @@ use self::si_table::SiTable;
 
 /// Folder of the transcribed work, relative to the root of the workspace.
 pub const PAPERS: &str = "fixtures/papers/odeen1993";
-/// Readings of the units of paper D, which are not a table of the paper.
+/// File with the readings of the units of paper D; it is not a table of the paper.
 const READINGS: &str = "paper_d_readings.ron";
 
 /// Returns every transcribed table in SI, by file name.
@@ -44,7 +44,7 @@ pub fn transcribed_table(file: &str) -> Result<SiTable, FixtureError> {
     PrintedTable::read(&workspace_root().join(PAPERS).join(file))
 }
 
-/// Returns the contents of `folder`, sorted, so that the order does not depend on the file system.
+/// Returns the contents of `folder`, sorted: the order does not depend on the file system.
 pub fn files(folder: &Path) -> Result<Vec<PathBuf>, FixtureError> {
     let fail = |source| FixtureError::Io {
         path: folder.to_path_buf(),
@@ -78,7 +78,7 @@ mod tests {
             .to_f64()
     }
 
-    /// Guards against accidental loss or gain of rows and values of any table.
+    /// Guards against accidental loss or gain of rows and values in any table.
     #[test]
     fn every_table_has_the_rows_and_values_it_had() {
         let counts: Vec<_> = transcribed_tables(workspace_root())
@@ -151,8 +151,8 @@ mod tests {
         assert_eq!(listed, found);
     }
 
-    /// (Ödeen 1993, paper A, eqs. 3 and 4), with the integers of the reconstructed Table 1, give γL
-    /// back from Ψ = cosh γL.
+    /// Eqs. 3 and 4 give γL back from Ψ = cosh γL with the integers of the reconstructed Table 1
+    /// (Ödeen 1993, paper A, eqs. 3 and 4).
     #[test]
     fn the_branches_of_paper_a_invert_the_hyperbolic_cosine() {
         let table = transcribed_table("paper_a_table_1_branches.ron").unwrap();
@@ -181,7 +181,7 @@ mod tests {
                 let alpha = (c - a).sqrt().asinh();
                 let beta = (c + a).sqrt().asin();
                 let k = integer("s") * beta + integer("n") * std::f64::consts::PI;
-                // Rounding of 1 - r² and of the arc sine near π/2 costs a few digits of sixteen.
+                // Rounding of 1 - r² and of the arc sine near π/2 costs some of the sixteen digits.
                 assert!(
                     (Complex64::new(alpha, k) - expected).norm() < 1e-12,
                     "{} at {part}",
@@ -191,9 +191,9 @@ mod tests {
         }
     }
 
-    /// `E_2`, `B` and `m` of paper C are consistent: with the corrected equation (5) they give a
-    /// recovery that is nearly complete after the printed five hours, and 73 % of the virgin
-    /// loss factor one minute after the unloading of Test 1.
+    /// `E_2`, `B` and `m` of paper C are consistent: with the corrected equation (5), they give a
+    /// recovery that is nearly complete after the printed five hours, and 73 % of the virgin loss
+    /// factor one minute after the unloading of Test 1.
     #[test]
     fn the_parameters_of_paper_c_are_consistent() {
         let constant = |name| value("paper_c_constants.ron", name, "value");
@@ -213,7 +213,7 @@ mod tests {
         let relative_change = |t: f64| {
             e_1 * (m + 1.0) / (e_2 * omega * m * t_r) / (1.0 + t / t_r) / constant("tan_delta_0")
         };
-        // Numbers of an independent evaluation, rounded to their last digit.
+        // Numbers from an independent evaluation, rounded to their last digit.
         assert!((t_r - 259.4).abs() < 0.05, "t_r = {t_r} s");
         assert!((relative_change(60.0) - 0.7338).abs() < 5e-5);
         assert!(relative_change(constant("recovery_time")) < 0.02);

@@ -1,5 +1,5 @@
-//! Blows on a rod as an analyser records them: exact histories are filtered once; every blow has
-//! its strength, noise and rounding.
+//! Blows on a rod as an analyser records them. The exact histories are filtered once; every blow
+//! has its own strength, noise and rounding.
 
 use labio::instrument::{AntiAlias, Converter, Instrument, NoiseSpectrum};
 use labio::{
@@ -14,23 +14,23 @@ use rodwave::medium::Medium;
 use rodwave::modulus::ConstantQ;
 use rodwave::synthesis::DampedSynthesis;
 
-/// Sampling rate \[Hz\]; not in the papers, like the following constants.
+/// Sampling rate \[Hz\]. Like the constants below, it is not stated in the papers.
 pub const RATE_HZ: f64 = 65_536.0;
 /// Number of samples of a history per sample of the recorder.
 pub const OVERSAMPLING: usize = 8;
-/// Samples before a blow on an end.
+/// Number of samples before a blow on an end.
 pub const LEAD: usize = 64;
 /// Greatest force \[N\] and duration \[s\] of a blow of strength 1.
 pub const BLOW: (f64, f64) = (100.0, 8e-5);
-/// Noise of a sensor relative to the peak of its signal.
+/// Noise of a sensor, relative to the peak of its signal.
 pub const NOISE: f64 = 2e-4;
-/// Range of the converter relative to the peak: blows differ by ± 10 %.
+/// Range of the converter, relative to the peak: the strengths of the blows differ by ± 10 %.
 const RANGE: f64 = 1.25;
 const FINER: f64 = OVERSAMPLING as f64;
 /// Corner frequency of the anti-alias filter \[Hz\].
 const CORNER_HZ: f64 = 22e3;
 
-/// Recorder with the signals of its sensors, before noise and rounding.
+/// Recorder with the signals of its sensors before noise and rounding.
 #[derive(Debug)]
 pub struct Recorder {
     filtered: Record,
@@ -61,7 +61,7 @@ impl Recorder {
         let front_end = Instrument::new()
             .anti_alias(AntiAlias::butterworth(8, CORNER_HZ)?)
             .sample(RATE_HZ, 0.0)?;
-        // filter and sampler use no random numbers
+        // neither filter nor sampler uses random numbers
         let mut random = ChaCha8Rng::seed_from_u64(0);
         Ok(Self {
             filtered: front_end.record(&history, &mut random)?.record,
@@ -70,7 +70,7 @@ impl Recorder {
         })
     }
 
-    /// Returns a blow of this strength without noise and rounding.
+    /// Returns a blow of the given strength, without noise and rounding.
     pub fn exact(&self, strength: f64) -> Result<Record, LabioError> {
         Record::new(
             &self.filtered.samples() * strength,
@@ -81,8 +81,8 @@ impl Recorder {
         )
     }
 
-    /// Returns `count` blows, each with a strength drawn by `strength`. The range of the converter
-    /// fits blows of the strength `range`.
+    /// Returns `count` blows, each with a strength that `strength` draws. The range of the
+    /// converter is set for blows of the strength `range`.
     pub fn blows(
         &self,
         range: f64,
@@ -94,7 +94,7 @@ impl Recorder {
         for channel in self.filtered.channels() {
             let history = self.filtered.channel(channel.name())?;
             let peak = history.iter().fold(0.0_f64, |peak, a| peak.max(a.abs()));
-            // one-sided density of white noise: variance divided by half the rate
+            // one-sided density of white noise: variance over half the sampling rate
             let density = (NOISE * peak).powi(2) / (0.5 * RATE_HZ);
             let converter = Converter::new(self.bits, RANGE * range * peak)?;
             instrument = instrument
@@ -121,21 +121,21 @@ impl Recorder {
     }
 }
 
-/// Returns the name of the channel `index`.
+/// Returns the name of the channel with this `index`.
 pub fn name(index: usize) -> String {
     format!("sensor {index}")
 }
 
-/// Returns `history`, with the oversampling of the recorder, after `lead` samples at rest, in total
-/// `n_samples` samples of the recorder.
+/// Returns `history`, with the oversampling of the recorder, after a rest of `lead` samples. The
+/// total length is `n_samples` samples of the recorder.
 pub fn after_rest(history: &[f64], lead: usize, n_samples: usize) -> Vec<f64> {
     let rest = std::iter::repeat_n(0.0, lead * OVERSAMPLING);
     let whole = rest.chain(history.iter().copied());
     whole.take(n_samples * OVERSAMPLING).collect()
 }
 
-/// Returns the exact accelerations of the struck and the free end of a specimen after [`LEAD`]
-/// samples of rest, for `n_samples` of the recorder.
+/// Returns the exact accelerations of the struck and the free end of a specimen, after a rest of
+/// [`LEAD`] samples, for `n_samples` samples of the recorder.
 pub fn end_accelerations(
     medium: &Medium<ConstantQ>,
     specimen: &Specimen,
@@ -143,7 +143,7 @@ pub fn end_accelerations(
 ) -> Result<[Vec<f64>; 2], RodwaveError> {
     let interval = 1.0 / (RATE_HZ * FINER);
     let duration = (n_samples * OVERSAMPLING) as f64 * interval;
-    // 2.5 intervals leave no ringing, and are used for both ends
+    // a smoothing of 2.5 intervals leaves no ringing; both ends have the same
     let synthesis = DampedSynthesis::new(duration, interval)?.smoothed(2.5 * interval)?;
     let exact = EndAccelerationTest::analytic(medium, specimen)?
         .record(&RaisedCosine::new(BLOW.0, BLOW.1)?, &synthesis)?;

@@ -1,5 +1,5 @@
-//! Free metal rod struck at one end: its ringing from the wave solution in the Laplace domain, not
-//! from a sum of modes, and its record with noise and 16-bit rounding.
+//! Free metal rod struck at one end. Its ringing is computed from the wave solution in the Laplace
+//! domain, not from a sum of modes; its record has noise and 16-bit rounding.
 
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI, TAU};
 
@@ -16,8 +16,8 @@ pub struct RingingRod {
     pub diameter: f64,
     /// Density [kg/m³].
     pub density: f64,
-    /// Magnitude of E at 5 kHz \[Pa\]; it grows as a power of frequency, as for a constant loss
-    /// factor.
+    /// Magnitude of E at 5 kHz \[Pa\]. It grows as a power of frequency, as it does with a constant
+    /// loss factor.
     pub modulus: f64,
     pub loss_factor: f64,
     /// Mass of the accelerometer \[kg\].
@@ -40,13 +40,13 @@ impl RingingRod {
         }
     }
 
-    /// Returns E at s.
+    /// Returns the modulus E at s.
     pub fn modulus_at(&self, s: Complex64) -> Complex64 {
         self.modulus * (s / (TAU * 5e3)).powf(self.loss_factor / FRAC_PI_2)
     }
 
-    /// Returns the acceleration of the far end, from the start of a blow on the near end (a half
-    /// sine of 60 us) on, without errors.
+    /// Returns the acceleration of the far end without errors, from the start of a blow on the near
+    /// end, which is a half sine of 60 us.
     pub fn ringing(&self, n_samples: usize) -> Vec<f64> {
         const DURATION: f64 = 60e-6;
         let n = 4 * n_samples;
@@ -76,7 +76,7 @@ impl RingingRod {
             .collect()
     }
 
-    /// Returns the record of a history in 16 bits, with `noise` relative to the largest value.
+    /// Returns the record of a history in 16 bits, with `noise` relative to its largest value.
     pub fn recorded(exact: &[f64], noise: f64, seed: u64) -> Vec<f64> {
         let largest = exact.iter().fold(0.0_f64, |a, x| a.max(x.abs()));
         let step = largest / 32768.0;

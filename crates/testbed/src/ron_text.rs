@@ -1,10 +1,10 @@
-//! Hand-written RON: a value of the schema, or the place of the error in the file.
+//! Hand-written RON: gives a value of the schema, or the place of the error in the file.
 
 use std::path::{Path, PathBuf};
 
 use serde::de::DeserializeOwned;
 
-/// The file is not RON, or not of the schema; `text` is the line, which names the field.
+/// The file is not RON, or it does not fit the schema. `text` is the line that names the field.
 #[derive(Debug, thiserror::Error)]
 #[error("{}, line {line}, column {column}: {reason}, in `{text}`", path.display())]
 pub struct RonError {

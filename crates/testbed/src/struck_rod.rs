@@ -1,5 +1,6 @@
-//! A rod struck as in paper D: striker, rod, filter and samples in the order of an experiment, and
-//! the response of the lumped chain, which is independent of the solver of the identification.
+//! A rod struck as in paper D: striker, rod, filter and samples, in the order of an experiment; and
+//! the response of the lumped chain, which is independent of the solver used for the
+//! identification.
 
 use rodwave::band_limited::{SampledHistory, VelocityHistory};
 use rodwave::experiment::{Acquisition, VelocityRecord};
@@ -20,9 +21,9 @@ pub struct StruckRod<L> {
     pub modulus: f64,
     pub law: L,
     pub acquisition: Acquisition,
-    /// Longest cell of the solver of striker and rod \[m\].
+    /// Longest cell in the solver of striker and rod \[m\].
     pub cell: f64,
-    /// Time step of the chain, in travel times of a wave through one of its cells.
+    /// Time step of the chain, in travel times of a wave through a cell of the chain.
     pub courant_number: f64,
 }
 
@@ -40,13 +41,13 @@ impl<L: InelasticLaw> StruckRod<L> {
         })
     }
 
-    /// Returns both velocities through the recorder.
+    /// Returns both velocities as filtered and sampled by the recorder.
     pub fn record(&self) -> Result<VelocityRecord, RodwaveError> {
         self.test()?.record(&self.acquisition, self.cell)
     }
 
-    /// Returns the velocity of the free end at `times` \[s\], computed with a chain of `cells`
-    /// cells under an `excitation`.
+    /// Returns the velocity of the free end at `times` \[s\] under an `excitation`, computed with a
+    /// chain of `cells` cells.
     ///
     /// If the excitation has passed the filter of a recorder, the response must not be filtered
     /// again: the filter does not commute with a nonlinear rod.
@@ -61,7 +62,7 @@ impl<L: InelasticLaw> StruckRod<L> {
     }
 
     /// Returns the velocity of the free end, extrapolated from chains of `cells` and of twice as
-    /// many cells, which removes the leading error.
+    /// many cells; the extrapolation removes the leading error.
     pub fn by_two_chains(
         &self,
         cells: usize,
@@ -83,7 +84,7 @@ pub fn times(count: usize, rate_hz: f64) -> Vec<f64> {
 }
 
 /// Returns the excitation by a striker with a rounded end at `times`: the excitation by a `flat`
-/// one, smoothed by a normal density of `deviation` \[s\].
+/// end, smoothed by a normal density with the standard deviation `deviation` \[s\].
 pub fn rounded(flat: &SampledHistory, times: &[f64], deviation: f64) -> Vec<f64> {
     let end = times.last().copied().unwrap_or_default();
     let places: Vec<f64> = (-40..=40).map(|k| 0.1 * f64::from(k)).collect();

@@ -1,9 +1,10 @@
-//! Public items as lines for a diff: derived implementations are one line per type, and not ten.
+//! Public items as lines for a comparison. Derived implementations take one line per type instead
+//! of ten.
 
 use std::collections::BTreeSet;
 use std::fmt;
 
-/// Traits whose implementation by a type needs no listing of its methods.
+/// Traits whose methods are not listed when a type implements them.
 const PLAIN: [(&str, &[&str]); 14] = [
     ("core::clone::Clone", &["clone"]),
     ("core::cmp::Eq", &[]),
@@ -21,7 +22,7 @@ const PLAIN: [(&str, &[&str]); 14] = [
     ("serde_core::ser::Serialize", &["serialize"]),
 ];
 
-/// Traits that a type implements automatically: listed where a type lacks one.
+/// Traits that types implement automatically: a type that lacks one is listed.
 const AUTOMATIC: [&str; 7] = [
     "core::marker::Freeze",
     "core::marker::Send",
@@ -35,7 +36,7 @@ const AUTOMATIC: [&str; 7] = [
 /// Crates whose items are available to everyone.
 const STANDARD: [&str; 3] = ["alloc", "core", "std"];
 
-/// A crate that another one re-exports.
+/// Crates that another crate re-exports.
 const WITHIN: [(&str, &str); 1] = [("rand_core", "rand")];
 
 /// Public interface of a crate.
@@ -43,21 +44,21 @@ const WITHIN: [(&str, &str); 1] = [("rand_core", "rand")];
 pub(super) struct Listing {
     krate: &'static str,
     lines: Vec<String>,
-    /// Crates whose types are in signatures.
+    /// Crates whose types occur in signatures.
     foreign: BTreeSet<String>,
     /// Crates that are re-exported.
     handed_on: BTreeSet<String>,
 }
 
 impl Listing {
-    /// Creates the listing from the items of `krate`, in the order of `public-api`: methods follow
-    /// their `impl`.
+    /// Creates the listing from the items of `krate`. They are in the order of `public-api`, in
+    /// which methods follow their `impl`.
     pub(super) fn of(krate: &'static str, items: impl Iterator<Item = String>) -> Self {
         let mut lines: Vec<String> = Vec::new();
         let mut foreign = BTreeSet::new();
         let mut handed_on = BTreeSet::new();
         let mut hidden: &[&str] = &[];
-        // the line in which the plain traits of a type are collected
+        // the line that collects the plain traits of a type
         let mut plain: Option<(String, usize)> = None;
         for item in items {
             if let Some(re_export) = item.strip_prefix(&format!("pub use {krate}::"))
@@ -116,7 +117,7 @@ impl Listing {
         self.lines.len()
     }
 
-    /// Returns the crates whose types are in signatures and that are not re-exported.
+    /// Returns the crates whose types occur in signatures and that are not re-exported.
     pub(super) fn not_nameable(&self) -> Vec<String> {
         self.foreign
             .iter()
@@ -125,7 +126,7 @@ impl Listing {
                     .iter()
                     .find(|(inner, _)| inner == name)
                     .map_or(name.as_str(), |(_, roof)| roof);
-                // behind a feature of that name, and requested by users who have the crate
+                // serde is behind a feature of that name; users who enable it have the crate
                 roof != "serde" && roof != "serde_core" && !self.handed_on.contains(roof)
             })
             .map(|name| {
@@ -160,8 +161,8 @@ impl fmt::Display for Listing {
     }
 }
 
-/// Returns generics, trait and type of an item that begins an implementation of a trait; `None` for
-/// a negative one.
+/// Returns generics, trait and type of an item that begins the implementation of a trait; `None`
+/// for a negative implementation.
 fn implementation(item: &str) -> Option<(&str, &str, &str)> {
     let rest = item.strip_prefix("impl")?;
     let generics = if rest.starts_with('<') {
@@ -169,7 +170,7 @@ fn implementation(item: &str) -> Option<(&str, &str, &str)> {
         let end = rest.char_indices().find_map(|(at, c)| {
             match c {
                 '<' => depth += 1,
-                // an arrow is no bracket
+                // the `>` of an arrow is not a bracket
                 '>' if !rest[..at].ends_with('-') => depth -= 1,
                 _ => {}
             }
@@ -188,7 +189,7 @@ fn method(item: &str) -> Option<&str> {
     let (path, _) = item
         .strip_prefix("pub fn ")?
         .split_once(['(', '<'].as_slice())?;
-    // the path of a type with generics continues behind them
+    // the path of a type with generics continues after them
     let path = if item.contains(">::") {
         item.split_once(">::")?.1.split(['(', '<']).next()?
     } else {

@@ -1,4 +1,4 @@
-//! Runs the benchmarks of the crates and reads the files of criterion.
+//! Runs the benchmarks of the crates, and reads the files that criterion writes.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -10,7 +10,7 @@ use super::Pace;
 use super::error::BenchError;
 use super::measured::{Benchmark, four_digits};
 
-/// Benchmark program: crates/CRATE/benches/NAME.rs.
+/// Benchmark program `crates/CRATE/benches/NAME.rs`.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) struct BenchProgram {
     pub(super) folder: String,
@@ -24,7 +24,7 @@ impl BenchProgram {
     }
 }
 
-/// Returns all benchmark programs, by name.
+/// Returns all benchmark programs, in the order of their names.
 pub(super) fn programs(root: &Path) -> Result<Vec<BenchProgram>, BenchError> {
     let mut programs = Vec::new();
     for folder in entries(&root.join("crates"))? {
@@ -45,8 +45,8 @@ pub(super) fn programs(root: &Path) -> Result<Vec<BenchProgram>, BenchError> {
     Ok(programs)
 }
 
-/// Builds and runs one benchmark program at `pace`; criterion writes below `home`, which is emptied
-/// first.
+/// Builds and runs one benchmark program at `pace`. Criterion writes to `home`, which is emptied
+/// before.
 pub(super) fn run(
     root: &Path,
     program: &BenchProgram,
@@ -77,7 +77,7 @@ pub(super) fn run(
         reason: source.to_string(),
     })?;
     if !output.status.success() {
-        // messages of the compiler or the benchmark
+        // messages of the compiler or of the benchmark
         let said = String::from_utf8_lossy(&output.stderr);
         let error = said
             .lines()
@@ -103,7 +103,7 @@ pub(super) fn run(
     Ok(found)
 }
 
-/// Collects the estimates of every folder `new` below `folder`.
+/// Collects the estimates in every folder `new` below `folder`.
 fn collect(
     folder: &Path,
     program: &BenchProgram,
@@ -154,7 +154,7 @@ fn benchmark(folder: &Path, program: &BenchProgram) -> Result<Benchmark, BenchEr
     })
 }
 
-/// Returns the shortest mean time of an iteration among the samples \[ns\].
+/// Returns the shortest mean time per iteration among the samples \[ns\].
 fn shortest(sample: &Value) -> Option<f64> {
     let (iterations, times) = (sample["iters"].as_array()?, sample["times"].as_array()?);
     iterations
@@ -175,7 +175,7 @@ fn json(path: &Path) -> Result<Value, BenchError> {
     })
 }
 
-/// Returns the contents of a folder, by name.
+/// Returns the entries of a folder, in the order of their names.
 fn entries(folder: &Path) -> Result<Vec<PathBuf>, BenchError> {
     let fail = |source| BenchError::Io {
         path: folder.to_path_buf(),

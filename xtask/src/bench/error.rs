@@ -1,4 +1,4 @@
-//! Errors of the page of performance.
+//! Errors of the page on performance.
 
 use std::io;
 use std::path::PathBuf;
@@ -19,7 +19,7 @@ pub(super) enum BenchError {
         what: String,
         reason: String,
     },
-    /// A row without a measurement is a claim without evidence.
+    /// A row has no measurement: its claim would have no evidence.
     #[error("{} rows have nothing that was measured: {}", rows.len(), rows.join("; "))]
     NotMeasured { rows: Vec<String> },
     #[error(

@@ -1,4 +1,4 @@
-//! Instructions of the kernels, by callgrind: independent of the load of the machine.
+//! Instruction counts of the kernels, by callgrind: they do not depend on the load of the machine.
 
 use std::path::Path;
 use std::process::{Command, Stdio};
@@ -8,14 +8,14 @@ use super::kernel::KERNELS;
 use super::machine;
 use super::measured::{Instructions, KernelCount};
 
-/// Relative rise that is tolerated: other versions of the system's mathematics and of the
-/// compiler's inlining change counts by less.
+/// Relative increase that is tolerated: other versions of the mathematical library and other
+/// inlining by the compiler change counts by less.
 const TOLERANCE: f64 = 0.02;
 
-/// Number of runs of each kernel; they should agree to the instruction.
+/// Number of runs of each kernel; their counts should be equal.
 const RUNS: usize = 2;
 
-/// Returns the version of valgrind, `None` if there is none.
+/// Returns the version of valgrind; `None` if it is not installed.
 fn valgrind() -> Option<String> {
     let output = Command::new("valgrind").arg("--version").output().ok()?;
     let text = String::from_utf8(output.stdout).ok()?;
@@ -25,8 +25,9 @@ fn valgrind() -> Option<String> {
         .then(|| text.trim().replace('-', " "))
 }
 
-/// Returns the version of valgrind, which counts the instructions, and after `on` the platform on
-/// which the counts depend: architecture, AVX2 and version of libc. `None` without valgrind.
+/// Returns the version of valgrind, which counts the instructions, followed by ` on ` and the
+/// platform, which affects the counts: architecture, AVX2 and version of libc. `None` without
+/// valgrind.
 pub(super) fn counter() -> Option<String> {
     let library = Command::new("ldd").arg("--version").output().ok();
     let library = library.and_then(|output| {
@@ -53,7 +54,8 @@ fn has_wide_lanes() -> bool {
     false
 }
 
-/// Returns the reason why counts made here cannot be compared with `reference`, if there is one.
+/// Returns the reason why counts from this machine cannot be compared with `reference`, if there is
+/// one.
 pub(super) fn not_comparable(reference: &Instructions) -> Option<String> {
     let Some(here) = counter() else {
         return Some("valgrind is not installed".to_owned());
@@ -74,14 +76,14 @@ pub(super) fn not_comparable(reference: &Instructions) -> Option<String> {
     }
 }
 
-/// Returns what a counter counts on.
+/// Returns the platform in the description of a `counter`.
 fn machine_of(counter: &str) -> &str {
     counter
         .split_once(" on ")
         .map_or("", |(_, machine)| machine)
 }
 
-/// Counts all kernels; callgrind writes to `folder`.
+/// Counts the instructions of all kernels; callgrind writes its files to `folder`.
 pub(super) fn count(folder: &Path) -> Result<Instructions, BenchError> {
     let counted_by = counter().ok_or(BenchError::NoValgrind)?;
     let mut kernels = Vec::new();
@@ -146,8 +148,8 @@ fn collected(said: &str) -> Option<u64> {
     count.split_whitespace().next()?.parse().ok()
 }
 
-/// Fails where a kernel takes more instructions than its reference, beyond the tolerance; reports
-/// other changes.
+/// Fails if a kernel takes more instructions than its reference, beyond the tolerance. Other
+/// changes are reported.
 pub(super) fn compare(
     reference: &Instructions,
     found: &Instructions,
@@ -213,7 +215,7 @@ mod tests {
     #[test]
     fn counts_of_another_machine_or_compiler_are_not_compared() {
         let Some(counted_by) = counter() else {
-            return; // no valgrind: nothing is ever compared
+            return; // without valgrind, nothing is compared
         };
         let here = Instructions {
             counted_by,

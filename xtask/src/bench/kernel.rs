@@ -1,10 +1,11 @@
-//! Hottest kernels, as calls that callgrind can count: each is prepared first, and only its run is
-//! counted.
+//! Hottest kernels, as calls that callgrind can count. Each kernel is prepared first; only its run
+//! is counted.
 //!
-//! Each kernel is the loop in which a job of the libraries spends most of its time, by the public
-//! function that a program calls. Profiles of whole programs (`perf record`) show as most
-//! expensive: the order of a Prony series in `rodlab modulus` with laws, histories between samples
-//! and then the marches in `rodlab identify`, the mobilities of chains in `rodlab force`.
+//! A kernel is the loop in which a job of the libraries spends most of its time, called through the
+//! public function that a program uses. According to profiles of whole programs (`perf record`),
+//! the most expensive loops are: the order of a Prony series in `rodlab modulus` with laws;
+//! histories between samples and then the marches in `rodlab identify`; the mobilities of chains in
+//! `rodlab force`.
 
 mod modulus;
 mod records;
@@ -22,14 +23,14 @@ pub(super) struct Kernel {
     pub(super) name: &'static str,
     /// Description of one call.
     pub(super) what: &'static str,
-    /// Item that a call processes many times.
+    /// Kind of item that a call processes many times.
     pub(super) of: &'static str,
     /// Number of these items.
     pub(super) count: u32,
     prepare: fn() -> Result<Prepared, Box<dyn std::error::Error>>,
 }
 
-/// Kernels in the order of the page.
+/// Kernels, in the order of the page.
 pub(super) const KERNELS: [Kernel; 9] = [
     rod::GUREVICH_MARCH,
     rod::NORTON_DERIVATIVES,
@@ -51,18 +52,18 @@ pub(crate) fn run(name: &str) -> Outcome {
         }));
     };
     let mut prepared = (kernel.prepare)()?;
-    // plans and allocations of a first call are not part of the kernel
+    // plans and allocations of the first call are not counted
     prepared()?;
     collected_by_callgrind(&mut prepared)
 }
 
-/// Runs the kernel; callgrind collects during this function, which it finds by its name.
+/// Runs the kernel. Callgrind finds this function by its name and collects while it runs.
 #[inline(never)]
 fn collected_by_callgrind(prepared: &mut Prepared) -> Outcome {
     prepared()
 }
 
-/// Returns irregular numbers between -1/2 and 1/2, from a linear congruence.
+/// Returns irregular numbers between -1/2 and 1/2, from a linear congruential generator.
 pub(super) fn noise(state: &mut u64) -> f64 {
     *state = state
         .wrapping_mul(6_364_136_223_846_793_005)

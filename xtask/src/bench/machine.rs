@@ -1,4 +1,4 @@
-//! Machine of the measurements.
+//! Machine on which the measurements are made.
 
 use std::fs;
 use std::process::Command;
@@ -6,7 +6,7 @@ use std::thread;
 
 use super::measured::Machine;
 
-/// Returns this machine, as reported by itself; missing entries are called unknown.
+/// Returns the properties of this machine, as it reports them; missing entries are `unknown`.
 pub(super) fn machine(quick: bool) -> Machine {
     Machine {
         processor: processor().unwrap_or_else(unknown),

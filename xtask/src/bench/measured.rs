@@ -17,17 +17,17 @@ pub(super) struct Measured {
     pub(super) machine: Machine,
     pub(super) benchmarks: Vec<Benchmark>,
     pub(super) programs: Vec<Program>,
-    /// Instruction counts with the release profile.
+    /// Instruction counts in the release profile.
     pub(super) instructions: Instructions,
-    /// Instruction counts with the profile of the gate, dev.
+    /// Instruction counts in the dev profile, which the gate uses.
     #[serde(default)]
     pub(super) instructions_in_gate: Instructions,
-    /// Results of the run before.
+    /// Results of the previous run.
     #[serde(default)]
     pub(super) before: Vec<Before>,
 }
 
-/// Result of a row in the run before, in its unit.
+/// Result of a row in the previous run, in the unit of the row.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Before {
@@ -35,7 +35,7 @@ pub(super) struct Before {
     pub(super) ours: f64,
 }
 
-/// Machine of the run.
+/// Machine on which the run was made.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Machine {
@@ -43,8 +43,8 @@ pub(super) struct Machine {
     pub(super) processors: usize,
     pub(super) system: String,
     pub(super) compiler: String,
-    /// Processes of others waiting for a processor in the minute before the run; `None` where the
-    /// system does not report them.
+    /// Number of processes of others that waited for a processor in the minute before the run;
+    /// `None` if the system does not report it.
     pub(super) load_before: Option<f64>,
     /// True for a quick run.
     #[serde(default)]
@@ -55,13 +55,13 @@ pub(super) struct Machine {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Benchmark {
-    /// Folder of its crate and its file, such as `rodwave/chain`.
+    /// Crate and file of the benchmark, such as `rodwave/chain`.
     pub(super) program: String,
-    /// Group and name.
+    /// Group and name of the benchmark.
     pub(super) id: String,
     /// Median time of an iteration \[s\].
     pub(super) median: f64,
-    /// Shortest time \[s\], the least affected by a busy machine.
+    /// Shortest time \[s\], which a busy machine affects least.
     pub(super) least: f64,
     /// Median absolute deviation from the median \[s\].
     pub(super) deviation: f64,
@@ -69,21 +69,21 @@ pub(super) struct Benchmark {
     pub(super) elements: Option<u64>,
 }
 
-/// Result for a whole process.
+/// Result of a whole process.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Program {
     pub(super) name: String,
     pub(super) runs: usize,
-    /// Wall-clock times \[s\].
+    /// Median of the wall-clock times \[s\].
     pub(super) median: f64,
     pub(super) least: f64,
     pub(super) greatest: f64,
-    /// Maximum resident memory \[bytes\]; `None` where the machine does not report it.
+    /// Maximum resident memory \[bytes\]; `None` if the machine does not report it.
     pub(super) peak_memory: Option<u64>,
 }
 
-/// Instructions of the hottest kernels.
+/// Instruction counts of the hottest kernels.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Instructions {
@@ -92,7 +92,7 @@ pub(super) struct Instructions {
     pub(super) kernels: Vec<KernelCount>,
 }
 
-/// Instructions of one call.
+/// Instruction count of one call.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct KernelCount {
@@ -121,7 +121,7 @@ impl Measured {
         Ok(())
     }
 
-    /// Returns the counts made by the profile of this program.
+    /// Returns the counts for the profile in which this program is built.
     pub(super) fn own_instructions(&mut self) -> &mut Instructions {
         if cfg!(debug_assertions) {
             &mut self.instructions_in_gate
@@ -140,14 +140,15 @@ impl Measured {
 }
 
 impl Benchmark {
-    /// Returns the elements per second if an iteration takes `time` \[s\].
+    /// Returns the number of elements per second if an iteration takes `time` \[s\].
     #[expect(clippy::cast_precision_loss, reason = "counts far below 2^52")]
     pub(super) fn rate(&self, time: f64) -> Option<f64> {
         self.elements.map(|elements| elements as f64 / time)
     }
 }
 
-/// Rounds to four significant digits: a run is not repeatable to more, and the file stays readable.
+/// Rounds to four significant digits: a run is not repeatable to more digits, and the file remains
+/// readable.
 pub(super) fn four_digits(value: f64) -> f64 {
     format!("{value:.3e}").parse().unwrap_or(value)
 }

@@ -1,4 +1,4 @@
-//! docs/performance.md.
+//! Text of docs/performance.md.
 
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
@@ -108,7 +108,7 @@ fn missed_by(row: &Row, result: &RowResult) -> String {
     )
 }
 
-/// Formats with three digits and the unit of a row.
+/// Formats a value with three digits and the unit of a row.
 fn of_unit(value: f64, unit: Unit) -> String {
     format!("{} {}", significant(value, 3), unit.symbol())
 }
@@ -177,7 +177,7 @@ fn rows(rows: &[Row], results: &[RowResult]) -> String {
     table.markdown()
 }
 
-/// Lists exponents of time and memory.
+/// Lists the exponents of time and memory.
 fn grown(growth: &[Growth], results: &[GrowthResult]) -> String {
     let mut table = Table::new(&["what", "with", "from", "to", "exponent", "at most", ""]);
     for (row, result) in growth.iter().zip(results) {
@@ -214,7 +214,7 @@ fn percent(part: f64) -> String {
     }
 }
 
-/// Lists time and memory of every program.
+/// Lists time and memory of each program.
 fn programs(measured: &Measured) -> String {
     let mut table = Table::new(&[
         "program",
@@ -297,7 +297,7 @@ fn thousands(count: u64) -> String {
     text
 }
 
-/// Lists measurements without a row.
+/// Lists the measurements that no row uses.
 fn without_target(targets: &Targets, measured: &Measured) -> String {
     let mut with: BTreeSet<&str> = targets
         .quantities()
@@ -337,7 +337,7 @@ fn without_target(targets: &Targets, measured: &Measured) -> String {
     )
 }
 
-/// Formats with the unit that leaves one to three digits before the point.
+/// Formats a time with the unit that leaves one to three digits before the point.
 fn time(seconds: f64) -> String {
     let (factor, unit) = match seconds {
         s if s < 1e-3 => (1e6, "µs"),

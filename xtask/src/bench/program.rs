@@ -14,11 +14,11 @@ use super::{Pace, criterion};
 
 /// Programs that take a minute or more; a quick run keeps their earlier measurements.
 const LONG: [&str; 3] = [LONG_HITS, FORCES, MANY_MODULI];
-/// Samples of the long records, a channel.
+/// Number of samples per channel of the long records.
 const STREAMED: &str = "100000000";
 const LONG_HIT: usize = 10_000_000;
 
-/// Input of the programs, in a folder of their own.
+/// Programs with their input, in a separate folder.
 pub(super) struct Programs {
     folder: PathBuf,
     rodlab: PathBuf,
@@ -57,14 +57,14 @@ const COPY: &str = "cat of the stream";
 const ALL_PAPERS: &str = "reproduce-all";
 
 impl Programs {
-    /// Builds the programs as the benchmarks are built, and makes the sheets and records.
+    /// Builds the programs in the profile of the benchmarks, and makes the sheets and records.
     pub(super) fn prepare(root: &Path, folder: &Path) -> Result<Self, BenchError> {
         let io = |path: &Path, source| BenchError::Io {
             path: path.to_path_buf(),
             source,
         };
         let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
-        // the profile of the benchmarks, so that nothing is built twice
+        // the profile of the benchmarks is used, to avoid building twice
         let mut build = Command::new(cargo);
         build
             .args(["build", "--quiet", "--profile", "bench", "--locked"])
@@ -76,7 +76,7 @@ impl Programs {
                 "stream_long_record",
             ])
             .current_dir(root);
-        // by name: all benches of the workspace would be the unit tests of its crates too
+        // named one by one: `--benches` would also build the unit tests of the crates
         for bench in criterion::programs(root)? {
             build.args(["--bench", &bench.name]);
         }
@@ -100,7 +100,7 @@ impl Programs {
         Ok(programs)
     }
 
-    /// Returns the program that streams the long record, which it writes at its first run.
+    /// Returns the program that streams the long record; its first run writes the record.
     fn streamed(&self) -> Command {
         let mut command = Command::new(&self.stream);
         command
@@ -109,8 +109,8 @@ impl Programs {
         command
     }
 
-    /// Times all of them, each `pace.runs` times where it is short; a quick run takes the long ones
-    /// from `before`.
+    /// Times all programs, each `pace.runs` times if it is short. A quick run takes the times of
+    /// the long programs from `before`.
     pub(super) fn time(&self, pace: Pace, before: &Measured) -> Result<Vec<Program>, BenchError> {
         let short = pace.runs();
         let results = self.folder.join("results");
@@ -122,7 +122,7 @@ impl Programs {
             }
             eprintln!("  {name}");
             timed.push(timed_runs(name, runs, command)?);
-            // a thousand reports; no run finds files of another
+            // up to a thousand reports are deleted; no run finds files of another run
             if results.exists() {
                 fs::remove_dir_all(&results).map_err(|source| BenchError::Io {
                     path: results.clone(),
@@ -173,7 +173,7 @@ impl Programs {
                 command
             })?;
         }
-        // one after the other, as in the task that runs them all
+        // the sum, because the task that reproduces all papers runs them one after the other
         let papers = timed
             .iter()
             .filter(|program| program.name.starts_with("reproduce-paper"));
@@ -196,8 +196,8 @@ impl Programs {
         command
     }
 
-    /// Ten hits of 65 536 samples of two channels, by the plan of the example with more and longer
-    /// records.
+    /// Writes ten hits with two channels of 65 536 samples, by the plan of the example with more
+    /// and longer records.
     fn ten_hits(&self) -> Result<(), BenchError> {
         let example = self.root.join("crates/rodlab/examples/polypropylene");
         let folder = self.folder.join("ten-hits");
@@ -240,8 +240,8 @@ impl Programs {
         Ok(())
     }
 
-    /// Folders of sheets: forces at a thousand velocities, a hundred moduli of the example's
-    /// records with and without laws.
+    /// Writes folders of sheets: forces at a thousand velocities, and a hundred moduli from the
+    /// records of the example, with and without laws.
     fn campaigns(&self) -> Result<(), BenchError> {
         let examples = self.root.join("crates/rodlab/examples");
         for number in 0..1000 {
@@ -319,8 +319,8 @@ fn without_laws(sheet: &str) -> String {
     kept
 }
 
-/// Returns the text of an example with the replacements that make it longer; an example without the
-/// text to be replaced is an error.
+/// Returns the text of an example after the replacements that make it longer. If the example does
+/// not contain a text to be replaced, this is an error.
 fn changed(path: &Path, replacements: &[(&str, &str)]) -> Result<String, BenchError> {
     let mut text = fs::read_to_string(path).map_err(|source| BenchError::Io {
         path: path.to_path_buf(),
@@ -347,8 +347,8 @@ fn write(path: &Path, text: &str) -> Result<(), BenchError> {
     fs::write(path, text).map_err(io)
 }
 
-/// Runs to the end; any exit status other than 0 is an error that quotes the last message of the
-/// program.
+/// Runs a program to its end. An exit status other than 0 is an error, which quotes the last
+/// message of the program.
 fn run(command: &mut Command) -> Result<(), BenchError> {
     watched(command).map(drop)
 }
@@ -391,8 +391,8 @@ fn watched(command: &mut Command) -> Result<(f64, Option<u64>), BenchError> {
     })
 }
 
-/// Returns the high-water mark that Linux keeps of a running process; a program that ends within a
-/// millisecond may be missed.
+/// Returns the largest memory of a running process, as Linux records it; a program that ends within
+/// a millisecond may be missed.
 fn peak_memory(process: u32) -> Option<u64> {
     let status = fs::read_to_string(format!("/proc/{process}/status")).ok()?;
     let line = status.lines().find(|line| line.starts_with("VmHWM:"))?;
@@ -400,8 +400,8 @@ fn peak_memory(process: u32) -> Option<u64> {
     Some(1024 * kilobytes)
 }
 
-/// Returns median and extremes of `runs` runs, after one that is not counted if there is more than
-/// one.
+/// Returns the median and the extremes of `runs` runs. If there is more than one, a first run is
+/// not counted.
 fn timed_runs(
     name: &str,
     runs: usize,

@@ -1,4 +1,4 @@
-//! Target with its measured result.
+//! Targets with their measured results.
 
 use super::error::BenchError;
 use super::measured::{Before, Benchmark, Measured, four_digits};
@@ -9,27 +9,27 @@ use super::target::{Baseline, Growth, Quantity, Row, Target, Targets};
 pub(super) struct RowResult {
     /// Result in the unit of the row.
     pub(super) ours: f64,
-    /// Median absolute deviation relative to the median of a benchmark; half the range relative to
-    /// the median of a program with several runs.
+    /// Spread relative to the median: the median absolute deviation of a benchmark, half the range
+    /// of a program with several runs.
     pub(super) spread: Option<f64>,
-    /// Fraction of the allowed target: above 1 it is missed.
+    /// Result as a fraction of the allowed value; above 1, the target is missed.
     pub(super) used: f64,
     /// Baseline in the unit of the row.
     pub(super) baseline: Option<f64>,
-    /// Factor by which the result is quicker or smaller than the baseline.
+    /// Factor by which the result is faster or smaller than the baseline.
     pub(super) better: Option<f64>,
     /// Bound in the unit of the row.
     pub(super) bound: Option<f64>,
     /// Result as a multiple of the bound; for rates, the bound as a multiple of the result.
     pub(super) of_bound: Option<f64>,
-    /// Result of the run before, in the unit of the row.
+    /// Result of the previous run, in the unit of the row.
     pub(super) before: Option<f64>,
 }
 
-/// Exponent of a growth between its two sizes.
+/// Exponent of a growth, measured between its two sizes.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct GrowthResult {
-    /// Size from which the growth is measured, in SI units.
+    /// Smaller size, in SI units.
     pub(super) from: f64,
     pub(super) to: f64,
     pub(super) exponent: f64,
@@ -40,7 +40,7 @@ impl RowResult {
         self.used <= 1.0
     }
 
-    /// Returns the relative change since the run before where it is more than a tenth and more than
+    /// Returns the relative change since the previous run, if it is more than a tenth and more than
     /// three spreads.
     pub(super) fn moved(&self) -> Option<f64> {
         let change = self.ours / self.before? - 1.0;
@@ -48,8 +48,8 @@ impl RowResult {
     }
 }
 
-/// Returns the result of each row of each section, in their order. A row without a measurement is
-/// an error.
+/// Returns the result of each row of each section, in the order of the file. A row without a
+/// measurement is an error.
 pub(super) fn results(
     targets: &Targets,
     measured: &Measured,
@@ -79,7 +79,7 @@ pub(super) fn results(
     }
 }
 
-/// Returns the growth of each row, in their order.
+/// Returns each growth, in the order of the file.
 pub(super) fn growth(
     targets: &Targets,
     measured: &Measured,
@@ -162,7 +162,7 @@ fn result(row: &Row, measured: &Measured) -> Option<RowResult> {
     })
 }
 
-/// Value in SI units, except for the relative spread.
+/// Value in SI units, with its relative spread.
 struct Value {
     ours: f64,
     spread: Option<f64>,

@@ -1,5 +1,5 @@
-//! docs/performance.ron: targets of benchmarks or programs, their reasons, and results of others
-//! for the same.
+//! docs/performance.ron: targets of benchmarks and programs, their reasons, and results of other
+//! software for the same task.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -23,13 +23,13 @@ pub(super) struct Targets {
 #[serde(deny_unknown_fields)]
 pub(super) struct Section {
     pub(super) title: String,
-    /// Information needed to read the table; may be omitted.
+    /// Text that the reader of the table needs; may be omitted.
     #[serde(default)]
     pub(super) text: String,
     pub(super) rows: Vec<Row>,
 }
 
-/// Target.
+/// One target.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Row {
@@ -37,18 +37,18 @@ pub(super) struct Row {
     pub(super) of: Quantity,
     pub(super) unit: Unit,
     pub(super) target: Target,
-    /// Reason for that number.
+    /// Reason for the number of the target.
     pub(super) because: String,
     #[serde(default)]
     pub(super) baseline: Baseline,
     #[serde(default)]
     pub(super) bound: Option<Bound>,
-    /// Reason why a result misses its target, and what was tried.
+    /// Reason why the result misses its target, and what was tried; may be omitted.
     #[serde(default)]
     pub(super) missed: String,
 }
 
-/// The least that the machine takes for the task, measured in the same run.
+/// Least time that the machine needs for the task, measured in the same run.
 #[derive(Debug, Clone, PartialEq, Eq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Bound {
@@ -56,7 +56,7 @@ pub(super) struct Bound {
     pub(super) is: String,
 }
 
-/// Growth of time or memory with the size of the task: the exponent between two sizes.
+/// Growth of time or memory with the size of the task, as the exponent between two sizes.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Growth {
@@ -65,21 +65,22 @@ pub(super) struct Growth {
     pub(super) with: String,
     pub(super) from: (Quantity, f64),
     pub(super) to: (Quantity, f64),
-    /// Greatest exponent that is allowed.
+    /// Greatest allowed exponent.
     pub(super) at_most: f64,
-    /// Reason for an exponent above this or far from 1; may be omitted.
+    /// Reason for an exponent above `at_most` or far from 1; may be omitted.
     #[serde(default)]
     pub(super) because: String,
 }
 
-/// Measured quantity. Benchmarks have the name given by criterion, programs that of `program.rs`.
+/// Measured quantity. Benchmarks have the names that criterion gives them, programs those in
+/// `program.rs`.
 #[derive(Debug, Clone, PartialEq, Eq, Deserialize)]
 pub(super) enum Quantity {
     /// Time of one iteration of a benchmark.
     Time(String),
     /// Elements per second of a benchmark that states its throughput.
     Rate(String),
-    /// Time of the first benchmark as a multiple of that of the second.
+    /// Time of the first benchmark as a multiple of the time of the second.
     Multiple(String, String),
     /// Elements per second of the first benchmark as a multiple of those of the second.
     MultipleOfRate(String, String),
@@ -89,7 +90,7 @@ pub(super) enum Quantity {
     Memory(String),
 }
 
-/// Unit of target, result and baseline.
+/// Unit of the target, the result and the baseline of a row.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
 pub(super) enum Unit {
     Microseconds,
@@ -100,29 +101,29 @@ pub(super) enum Unit {
     Multiple,
 }
 
-/// Side of the limit on which the result must lie, in the unit of the row.
+/// Limit for the result, in the unit of the row, with the side on which the result must lie.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
 pub(super) enum Target {
     AtMost(f64),
     AtLeast(f64),
-    /// Multiple of the row's bound that is allowed.
+    /// Allowed multiple of the bound of the row.
     OfBound(f64),
 }
 
-/// Comparison of the result, besides its target.
+/// Comparison with another result, in addition to the target.
 #[derive(Debug, Clone, PartialEq, Default, Deserialize)]
 pub(super) enum Baseline {
     /// No other software does the same.
     #[default]
     None,
-    /// Another benchmark of ours in the same run, in the same quantity.
+    /// Another of our benchmarks in the same run, in the same quantity.
     Bench(String),
     /// Result of another program, in the unit of the row.
     Recorded { value: f64, by: String },
 }
 
 impl Unit {
-    /// Returns the number of these units per SI unit: seconds, bytes, elements per second, 1.
+    /// Returns the number of these units per SI unit (seconds, bytes, elements per second, 1).
     pub(super) fn a_si(self) -> f64 {
         match self {
             Self::Microseconds => 1e6,
@@ -159,7 +160,7 @@ impl Quantity {
         }
     }
 
-    /// Returns the required benchmarks.
+    /// Returns the benchmarks that the quantity needs.
     pub(super) fn benchmarks(&self) -> Vec<&str> {
         match self {
             Self::Time(id) | Self::Rate(id) => vec![id],
@@ -189,7 +190,7 @@ impl Targets {
         Self::parse(path, &text)
     }
 
-    /// Reads and checks `text`; `path` is for messages.
+    /// Reads and checks `text`; `path` is used in messages.
     pub(super) fn parse(path: &Path, text: &str) -> Result<Self, BenchError> {
         let targets: Self = parse_ron(path, text)?;
         for row in targets.rows() {
@@ -201,7 +202,7 @@ impl Targets {
         Ok(targets)
     }
 
-    /// Returns every quantity of the file, each with the name of its row.
+    /// Returns every quantity in the file, with the name of its row.
     pub(super) fn quantities(&self) -> impl Iterator<Item = (&str, &Quantity)> {
         let rows = self.rows().flat_map(|row| {
             let bound = row.bound.as_ref().map(|bound| &bound.of);

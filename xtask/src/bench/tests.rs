@@ -1,4 +1,4 @@
-//! Consistency of the tables; a row without a measurement is refused.
+//! Consistency of the tables. A row without a measurement is rejected.
 
 use super::error::BenchError;
 use super::measured::{Benchmark, Machine, Measured, Program};
@@ -60,7 +60,7 @@ fn results_have_the_units_and_the_sense_of_their_rows() {
         .unwrap()
         .remove(0);
     let near = |a: f64, b: f64| (a / b - 1.0).abs() < 1e-12; // a few roundings
-    // a million in 4 ms; half as fast as in 2 ms
+    // a million elements in 4 ms; half as fast as the baseline of 2 ms
     assert!(near(found[0].ours, 250.0) && near(found[0].used, 0.4) && found[0].is_met());
     assert!(near(found[0].better.unwrap(), 0.5) && near(found[0].moved().unwrap(), 0.25));
     assert!(near(found[1].ours, 2.0) && near(found[1].used, 4.0 / 3.0) && !found[1].is_met());
@@ -69,7 +69,7 @@ fn results_have_the_units_and_the_sense_of_their_rows() {
     assert!(near(found[3].ours, 5.12) && found[3].baseline.is_none() && found[3].moved().is_none());
     assert!(near(found[4].bound.unwrap(), 2.0) && near(found[4].of_bound.unwrap(), 2.0));
     assert!(near(found[4].used, 1.6) && found[4].bound.is_some());
-    // twice the time for four times the size
+    // twice the time for four times the size: exponent 0.5
     let grown = result::growth(&targets(ROWS).unwrap(), &measured()).unwrap();
     assert!(near(grown[0].exponent, 0.5));
 }

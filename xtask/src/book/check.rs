@@ -1,4 +1,4 @@
-//! Checks of a page: links, anchors, equations, names, the order of sections.
+//! Checks of a page: links, anchors, equations, names, and the order of sections.
 
 use std::collections::BTreeMap;
 use std::fmt;
@@ -9,7 +9,7 @@ use super::page::{Link, Page, normal};
 use super::source::{self, Crate};
 use super::{BookError, math, reference};
 
-/// Pages that other tasks write. The summary names them even in a checkout that does not have them
+/// Pages that other tasks write. The summary names them even if a checkout does not contain them
 /// yet.
 pub(super) const GENERATED: [(&str, &str); 2] = [
     ("validation.md", "Validation"),
@@ -25,7 +25,7 @@ const LAST_SECTIONS: [&str; 5] = [
     "References",
 ];
 
-/// Pages outside of the book whose links into it must be valid.
+/// Pages outside the book; their links into the book must be valid.
 const FRONT_PAGES: [&str; 3] = ["README.md", "CONTRIBUTING.md", "CHANGELOG.md"];
 
 /// Fault of a page.
@@ -52,10 +52,10 @@ pub(super) struct Tally {
     pub(super) mentions: usize,
 }
 
-/// Whole book, with the references to it in the source code.
+/// Whole book, together with the references to it in the source code.
 pub(super) struct Book<'a> {
     root: &'a Path,
-    /// Pages by path from the root.
+    /// Pages by their paths, relative to the root.
     pages: BTreeMap<PathBuf, Page>,
     crates: Vec<Crate>,
     tasks: Vec<String>,
@@ -154,7 +154,7 @@ impl<'a> Book<'a> {
         (faults, tally)
     }
 
-    /// Checks that every page is in the summary once, and that the summary has no other entries.
+    /// Checks that the summary contains every page once and nothing else.
     fn check_summary(&self, faults: &mut Vec<Fault>) {
         let file = Path::new("docs/SUMMARY.md");
         let mut fault = |line, what| {
@@ -191,8 +191,9 @@ impl<'a> Book<'a> {
         }
     }
 
-    /// Checks that a target is a file of the repository and has the anchor. A picture must lie in
-    /// the book; a link may lead out of it, since the preprocessor removes such links.
+    /// Checks that the target of a link is a file of the repository and has the anchor. A picture
+    /// must be in the book; a link may lead out of the book, because the preprocessor removes such
+    /// links.
     fn check_link(&self, from: &Path, link: &Link) -> Result<(), String> {
         let target = link.target.as_str();
         let (path, anchor) = match target.split_once('#') {
@@ -220,7 +221,7 @@ impl<'a> Book<'a> {
         }
         match (anchor, self.pages.get(&file)) {
             (None, _) => Ok(()),
-            // a line of a source file
+            // the anchor is a line of a source file
             (Some(_), None) if file.extension().is_some_and(|extension| extension != "md") => {
                 Ok(())
             }
@@ -289,8 +290,8 @@ impl<'a> Book<'a> {
         names
     }
 
-    /// Returns the crates that the pages on theory name as their code. A crate of programs may have
-    /// none.
+    /// Returns the crates that the pages on theory name as their code. A crate that only contains
+    /// programs may have no such page.
     fn crates_in_the_pages(&self) -> Vec<&str> {
         let code: Vec<_> = self
             .pages
@@ -316,8 +317,8 @@ impl<'a> Book<'a> {
             .collect()
     }
 
-    /// Checks that pages named in the source code exist, that every page on theory is named, and
-    /// that every crate named in pages names one on its front.
+    /// Checks that every page named in the source code exists, that the source code names every
+    /// page on theory, and that the front page of every crate named in such a page names one.
     fn check_mentions(&self, faults: &mut Vec<Fault>) -> usize {
         let mut named = 0;
         let with_theory = self.crates_in_the_pages();

@@ -1,4 +1,5 @@
-//! Equations of a page, TeX to MathML, so that a browser needs neither a script nor a network.
+//! Equations of a page, converted from TeX to MathML: a browser then needs neither a script nor a
+//! network.
 
 use std::fmt::Write as _;
 
@@ -8,7 +9,7 @@ use pulldown_latex::{Parser, RenderConfig, Storage};
 
 use super::page::Equation;
 
-/// Reason why an equation has no MathML.
+/// Reason why an equation cannot be converted.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub(super) enum MathError {
     #[error("`{tex}`: {reason}")]
@@ -19,7 +20,7 @@ pub(super) enum MathError {
     InlineTag { tex: String },
 }
 
-/// Splits `\tag{number}` off an equation: returns the rest, and the number.
+/// Splits `\tag{number}` off an equation. Returns the remaining equation and the number.
 pub(super) fn split_tag(tex: &str) -> Result<(String, Option<String>), MathError> {
     let Some((before, behind)) = tex.split_once("\\tag{") else {
         return Ok((tex.to_owned(), None));
@@ -39,7 +40,7 @@ pub(super) fn of(equation: &Equation) -> Result<String, MathError> {
     }
 }
 
-/// Converts a formula within a sentence. Characters with a meaning in Markdown are written as
+/// Converts a formula within a sentence. Characters that have a meaning in Markdown become
 /// entities.
 fn inline(tex: &str) -> Result<String, MathError> {
     if tex.contains("\\tag") {
@@ -53,7 +54,7 @@ fn display(tex: &str) -> Result<String, MathError> {
     let (tex, number) = split_tag(tex)?;
     let math = mathml(&tex, DisplayMode::Block)?;
     let mut html = String::from("<div class=\"equation\">");
-    // a long equation scrolls separately, and its number stays in place
+    // a long equation scrolls on its own, and its number stays in place
     let _ = write!(html, "<div class=\"formula\">{math}</div>");
     if let Some(number) = number {
         let _ = write!(html, "<span class=\"number\">({number})</span>");
@@ -69,7 +70,7 @@ fn mathml(tex: &str, display_mode: DisplayMode) -> Result<String, MathError> {
         reason: one_line(&reason),
     };
     let storage = Storage::new();
-    // the renderer would print an error into the page in red: errors are reported before
+    // errors are reported here: the renderer would print them into the page in red
     let events = Parser::new(&source, &storage)
         .collect::<Result<Vec<_>, _>>()
         .map_err(|error| fail(error.to_string()))?;
@@ -83,7 +84,7 @@ fn mathml(tex: &str, display_mode: DisplayMode) -> Result<String, MathError> {
     Ok(set_as_in_tex(&one_line(&well_formed(&html))))
 }
 
-/// Repairs two faults of the renderer, which leaves `<` and `&` as they are and joins some
+/// Repairs two faults of the renderer: it leaves `<` and `&` as they are, and it joins some
 /// attributes without a blank.
 fn well_formed(html: &str) -> String {
     let mut out = String::with_capacity(html.len());
@@ -117,16 +118,17 @@ fn well_formed(html: &str) -> String {
     out
 }
 
-/// Converts `E''` to one double prime. Primes are raised already in every mathematical font, and
-/// two of them would be too far apart.
+/// Converts `E''` to one double prime. In mathematical fonts a prime is already raised, and two
+/// primes would be too far apart.
 fn joined_primes(tex: &str) -> String {
     tex.replace("'''", "\\trprime ").replace("''", "\\dprime ")
 }
 
-/// Corrects MathML that browsers render otherwise than TeX: strokes with space around them, text
-/// without it, µ, the prefix, in place of the letter, bars that are no longer than a letter.
+/// Corrects MathML that browsers render differently from TeX: strokes with space around them, text
+/// without its spaces, µ (the prefix) in place of the letter μ, bars that are no longer than a
+/// letter.
 fn set_as_in_tex(html: &str) -> String {
-    const BLANK: &str = "\u{a0}"; // the character, since mdBook takes its name for text
+    const BLANK: &str = "\u{a0}"; // the character itself, because mdBook takes its name for text
     let mut html = html
         .replace('\u{b5}', "\u{3bc}")
         .replace("&amp;nbsp;", BLANK)
@@ -144,13 +146,13 @@ fn set_as_in_tex(html: &str) -> String {
     with_bars(html)
 }
 
-/// Replaces bars above by a border, which has the length of its content, unlike a character in most
-/// fonts.
+/// Replaces bars above a formula by a border. A border has the length of its content; in most
+/// fonts, a character does not.
 fn with_bars(mut html: String) -> String {
     const BAR: &str = "<mi>‾</mi></mover>";
     const OPEN: &str = "<mover>";
     while let Some(end) = html.find(BAR) {
-        // the beginning is the last one that has not ended before
+        // the opening tag is the last one that is not closed before the bar
         let mut begin = end;
         let mut ended = 0_usize;
         loop {
@@ -170,7 +172,7 @@ fn with_bars(mut html: String) -> String {
     html
 }
 
-/// Writes characters of the text between tags that have a meaning in Markdown as entities.
+/// Replaces characters between tags that have a meaning in Markdown by entities.
 fn guard_from_markdown(html: &str) -> String {
     let mut out = String::with_capacity(html.len());
     let mut in_tag = false;

@@ -1,4 +1,4 @@
-//! Contents of a page for the checks: its headings, links, pictures, equations and code spans, each
+//! Contents of a page for the checks: headings, links, pictures, equations and code spans, each
 //! with its line.
 
 use std::ops::Range;
@@ -10,14 +10,14 @@ use pulldown_cmark::{CodeBlockKind, Event, Options, Parser, Tag, TagEnd};
 #[derive(Debug, Default)]
 pub(super) struct Page {
     pub(super) headings: Vec<Heading>,
-    /// Links and pictures that point into the repository.
+    /// Links and pictures whose targets are in the repository.
     pub(super) links: Vec<Link>,
     pub(super) equations: Vec<Equation>,
-    /// Code within sentences that is not a formula.
+    /// Code spans within sentences that are not formulas.
     pub(super) code: Vec<Code>,
     /// Sentences without code and formulas.
     pub(super) prose: Vec<Prose>,
-    /// Markdown faults of the page.
+    /// Faults in the Markdown of the page.
     pub(super) faults: Vec<(usize, String)>,
 }
 
@@ -25,7 +25,7 @@ pub(super) struct Page {
 pub(super) struct Heading {
     pub(super) level: usize,
     pub(super) text: String,
-    /// Anchor as named by a Git host and mdBook.
+    /// Anchor, as Git hosts and mdBook form it.
     pub(super) anchor: String,
     pub(super) line: usize,
 }
@@ -34,7 +34,7 @@ pub(super) struct Heading {
 pub(super) struct Link {
     pub(super) target: String,
     pub(super) picture: bool,
-    /// Position in the source, with its brackets.
+    /// Position in the source, including the brackets.
     pub(super) span: Range<usize>,
     pub(super) line: usize,
 }
@@ -43,7 +43,7 @@ pub(super) struct Link {
 pub(super) struct Equation {
     pub(super) tex: String,
     pub(super) display: bool,
-    /// Position in the source, with its dollars or fences.
+    /// Position in the source, including the dollars or fences.
     pub(super) span: Range<usize>,
     pub(super) line: usize,
 }
@@ -200,8 +200,8 @@ impl Page {
         }
     }
 
-    /// Checks for bars, which a table takes for borders even within code: a formula with one is
-    /// broken on a Git host.
+    /// Checks formulas for bars. In a table, Git hosts take a bar for a border even within code,
+    /// which breaks the formula.
     fn check_row(&mut self, row: &str, line: usize) {
         let mut rest = row;
         while let Some((_, behind)) = rest.split_once("$`") {

@@ -1,9 +1,9 @@
-//! Program that mdBook calls between reading and writing the pages: equations become MathML, and
-//! links that lead out of the book, to source files, become their text.
+//! Program that mdBook calls after it has read the pages and before it writes them. Equations
+//! become MathML; links that lead out of the book, to source files, become plain text.
 //!
-//! mdBook calls `book-equations supports html` for a status, and then sends `[context, book]` as
-//! JSON, of which the book is returned. Only `content` of the chapters is changed, so that other
-//! members may be added or removed.
+//! mdBook first calls `book-equations supports html` for an exit status, and then sends
+//! `[context, book]` as JSON and expects the book back. Only `content` of the chapters is changed;
+//! other members may therefore be added or removed in later versions.
 
 use std::io::{self, Read, Write};
 use std::path::Path;
@@ -14,7 +14,7 @@ use super::math::{self, MathError};
 use super::page::{Page, normal};
 use crate::Outcome;
 
-/// Reason why mdBook gets no book back.
+/// Reason why no book is returned to mdBook.
 #[derive(Debug, thiserror::Error)]
 enum PreprocessorError {
     #[error("expected a pair of context and book from mdBook, found {0}")]
@@ -29,7 +29,7 @@ enum PreprocessorError {
 
 pub(crate) fn run(supports: Option<&str>) -> Outcome {
     if let Some(renderer) = supports {
-        // MathML is a part of HTML and of no other output of mdBook
+        // MathML is part of HTML, but of no other output of mdBook
         return if renderer == "html" {
             Ok(())
         } else {
@@ -91,8 +91,8 @@ fn with_equations(value: Value) -> Result<Value, PreprocessorError> {
     })
 }
 
-/// Returns the source of a page at `path` with the text of every link that leads out of the book in
-/// place of the link.
+/// Returns the source of the page at `path`; every link that leads out of the book is replaced by
+/// its text.
 fn page_within_the_book(source: &str, path: &Path) -> String {
     let folder = path.parent().unwrap_or(Path::new(""));
     let mut out = String::with_capacity(source.len());
@@ -111,7 +111,7 @@ fn page_within_the_book(source: &str, path: &Path) -> String {
     out
 }
 
-/// Returns the source of a page with MathML in place of formulas.
+/// Returns the source of a page with its formulas converted to MathML.
 fn page_with_equations(source: &str) -> Result<String, (usize, MathError)> {
     let mut out = String::with_capacity(2 * source.len());
     let mut done = 0;

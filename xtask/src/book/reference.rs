@@ -12,8 +12,8 @@ const PAPERS: [(char, u32, u32); 5] = [
     ('E', 10, 16),
 ];
 
-/// Returns the lines of `page` that refer to an equation in another way, or to one that the paper
-/// does not have.
+/// Returns the lines of `page` that refer to an equation in another form, or to one that does not
+/// exist in the paper.
 pub(super) fn faults(page: &Page) -> Vec<(usize, String)> {
     let mut faults = Vec::new();
     let mut own = Vec::new();
@@ -69,8 +69,8 @@ pub(super) fn faults(page: &Page) -> Vec<(usize, String)> {
     faults
 }
 
-/// Returns the contents of parentheses that contain no others and do not belong to a function, as
-/// in G(0).
+/// Returns the contents of parentheses that contain no other parentheses and do not belong to a
+/// function, as in G(0).
 fn parenthesised(text: &str) -> Vec<&str> {
     let mut found = Vec::new();
     let mut open = None;
@@ -91,8 +91,8 @@ fn parenthesised(text: &str) -> Vec<&str> {
     found
 }
 
-/// Checks `E 8, 9, A7, A13-A14` and `A 2, B 3`: a letter, then numbers or ranges of which each
-/// exists; then perhaps another paper.
+/// Checks references such as `E 8, 9, A7, A13-A14` and `A 2, B 3`: a letter, followed by numbers or
+/// ranges, which must all exist; another paper may follow.
 fn of_a_paper(reference: &str) -> Result<(), String> {
     let wrong = |why: &str| {
         Err(format!(
@@ -131,7 +131,7 @@ fn of_a_paper(reference: &str) -> Result<(), String> {
     Ok(())
 }
 
-/// Returns other abbreviations of "equation" than `eq. 5` and `eqs. 5-7`.
+/// Returns the abbreviations of "equation" that differ from `eq. 5` and `eqs. 5-7`.
 fn in_words(text: &str) -> Vec<String> {
     let mut faults = Vec::new();
     for other in [

@@ -1,8 +1,8 @@
-//! `cargo xtask doc`: the pages of rustdoc with equations as MathML, and with links into the book.
+//! `cargo xtask doc`: the pages of rustdoc, with equations as MathML and with links into the book.
 //!
-//! In the source an equation is `` $`x`$ `` or a `math` fence, and a page of the book a path in
-//! code. rustdoc takes both for code. They are replaced in its output; a second run changes
-//! nothing.
+//! In the source, an equation is `` $`x`$ `` or a `math` fence, and a page of the book is a path in
+//! code. rustdoc takes both for code. The task replaces them in the output of rustdoc; a second run
+//! changes nothing.
 
 use std::fs;
 use std::path::Path;
@@ -39,7 +39,7 @@ pub(crate) fn run() -> Outcome {
     let mut changed = 0;
     let mut files = Vec::new();
     for one in crates(root).map_err(at(root))? {
-        // there may be pages of other libraries, with formulas in another notation
+        // the folder may contain pages of other libraries, with formulas in another notation
         let pages = folder.join(&one.name);
         if pages.exists() {
             files.extend(files_below(&pages, "html").map_err(at(&pages))?);
@@ -66,17 +66,17 @@ pub(crate) fn run() -> Outcome {
     Ok(())
 }
 
-/// Returns the style of equations in the book, for a page of rustdoc.
+/// Returns the style of equations in the book, for use in a page of rustdoc.
 fn style(root: &Path) -> Result<String, BookError> {
     let path = root.join("docs").join("book.css");
     let css = fs::read_to_string(&path).map_err(at(&path))?;
-    // the rules after it are for the tables of the book
+    // the rules after this comment are for the tables of the book
     let equations = css.split("/* Tables").next().unwrap_or_default();
     Ok(format!("<style>{equations}</style>"))
 }
 
-/// Returns a page with its equations set, and with links to the pages of `book`; `depth` folders
-/// lead down to it from beside the book.
+/// Returns a page with its equations converted and with links to the pages of `book`. The page is
+/// `depth` folders below the folder that also contains the book.
 fn set(html: &str, depth: usize, book: &Path) -> Result<String, String> {
     let fences = replaced(html, FENCE, |tex| equation(tex, true))?;
     let formulas = replaced(&fences, INLINE, |tex| equation(tex, false))?;
@@ -117,8 +117,8 @@ fn equation(tex: &str, display: bool) -> Result<Option<String>, String> {
         .map_err(|error| error.to_string())
 }
 
-/// Replaces the text between the pairs of `marks`, marks included, unless `by` returns nothing for
-/// it.
+/// Replaces the text between the pairs of `marks`, including the marks, unless `by` returns `None`
+/// for it.
 fn replaced(
     html: &str,
     (open, close): (&str, &str),
@@ -131,7 +131,7 @@ fn replaced(
             break;
         };
         out.push_str(before);
-        // text directly after a tag with attributes was made a link by a previous run
+        // text directly after a tag with attributes is a link made by an earlier run
         let new = if inner.contains('<') || (open == PAGE.0 && before.ends_with("\">")) {
             None
         } else {

@@ -1,4 +1,4 @@
-//! Names of the source code that pages mention, and pages that the source code mentions.
+//! Names in the source code that pages mention, and pages that the source code mentions.
 
 use std::collections::HashSet;
 use std::fs;
@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 
 use super::page::{Equation, Page};
 
-/// Library crate as seen by the book.
+/// Library crate, with the parts that the book needs.
 #[derive(Debug, Default)]
 pub(super) struct Crate {
     pub(super) name: String,
@@ -18,16 +18,16 @@ pub(super) struct Crate {
     pub(super) equations: Vec<(PathBuf, Equation)>,
     /// Doc comments that open with a clause, with their lines.
     pub(super) clauses: Vec<(PathBuf, usize, String)>,
-    /// True if the page of the crate itself names its theory.
+    /// True if the page of the crate itself names its page on theory.
     pub(super) front_page_has_theory: bool,
 }
 
-/// Page of the book named in a comment.
+/// Page of the book that a comment names.
 #[derive(Debug, PartialEq, Eq)]
 pub(super) struct Mention {
     pub(super) file: PathBuf,
     pub(super) line: usize,
-    /// Path from the root of the repository, and anchor.
+    /// Path relative to the root of the repository, and the anchor.
     pub(super) page: String,
     pub(super) anchor: Option<String>,
 }
@@ -36,13 +36,14 @@ const KEYWORDS: [&str; 8] = [
     "mod ", "struct ", "enum ", "trait ", "fn ", "type ", "const ", "static ",
 ];
 
-/// Words that open a clause where a noun or a verb would name the thing.
+/// First words of doc comments that open with a clause instead of a noun or a verb that names the
+/// thing.
 const CLAUSES: [&str; 12] = [
     "What", "How", "Whether", "Where", "When", "That", "Which", "Why", "If", "Who", "Whose",
     "Because",
 ];
 
-/// The words of a line of a doc comment.
+/// Returns the text of a line of a doc comment.
 fn doc_comment(line: &str) -> Option<&str> {
     let line = line.trim_start();
     let words = line
@@ -51,7 +52,7 @@ fn doc_comment(line: &str) -> Option<&str> {
     Some(words.trim())
 }
 
-/// Reads all crates of `root/crates`, in the order of their names.
+/// Reads all crates in `root/crates`, in the order of their names.
 pub(super) fn crates(root: &Path) -> io::Result<Vec<Crate>> {
     let mut folders: Vec<_> = fs::read_dir(root.join("crates"))?
         .map(|entry| entry.map(|entry| entry.path()))
@@ -134,8 +135,8 @@ impl Crate {
     }
 }
 
-/// Returns the segments of `code` that no source file defines, if it begins with the name of a
-/// crate.
+/// Returns the segments of `code` that no source file defines. `code` must begin with the name of a
+/// crate; otherwise `None`.
 pub(super) fn undefined<'a>(code: &'a str, crates: &[Crate]) -> Option<Vec<&'a str>> {
     let (name, rest) = code.split_once("::").unwrap_or((code, ""));
     let of = crates.iter().find(|one| one.name == name)?;
@@ -146,8 +147,8 @@ pub(super) fn undefined<'a>(code: &'a str, crates: &[Crate]) -> Option<Vec<&'a s
     )
 }
 
-/// Returns the documentation of a source file as Markdown, with an empty line per line of code to
-/// keep line numbers.
+/// Returns the documentation in a source file as Markdown. Each line of code becomes an empty line,
+/// which keeps the line numbers.
 fn comments_of(text: &str) -> String {
     let mut markdown = String::new();
     for line in text.lines() {
@@ -160,7 +161,7 @@ fn comments_of(text: &str) -> String {
     markdown
 }
 
-/// Returns `docs/….md`, with its anchor, for every occurrence in the line.
+/// Returns every `docs/….md` in the line, with its anchor.
 fn pages_named_in(line: &str) -> Vec<(String, Option<String>)> {
     let mut found = Vec::new();
     for (at, _) in line.match_indices("docs/") {
@@ -180,7 +181,7 @@ fn pages_named_in(line: &str) -> Vec<(String, Option<String>)> {
     found
 }
 
-/// Returns files with an extension in a folder and below, in the order of their paths.
+/// Returns the files with an extension in a folder and its subfolders, in the order of their paths.
 pub(crate) fn files_below(folder: &Path, extension: &str) -> io::Result<Vec<PathBuf>> {
     let mut found = Vec::new();
     let mut open = vec![folder.to_path_buf()];

@@ -1,4 +1,4 @@
-//! `docs/dependencies.md`: dependencies of each of our crates.
+//! `docs/dependencies.md`: the dependencies of each of our crates.
 
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
@@ -86,7 +86,7 @@ fn row(page: &mut String, name: &str, pulled_in: &PulledIn) {
     );
 }
 
-/// Returns the default dependencies of a manifest.
+/// Returns the default dependencies that a manifest declares.
 fn declared(package: &Package) -> Vec<&str> {
     let names: BTreeSet<&str> = package
         .dependencies

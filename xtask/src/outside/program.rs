@@ -9,10 +9,11 @@ use super::pulled_in::PulledIn;
 use crate::cargo::{CargoError, Metadata, cargo, run, target_folder};
 use testbed::generated::{GeneratedError, write_whole};
 
-/// Path of the crates in a README, relative to the program of its reader.
+/// Path of the crates in a README, relative to the program of a reader.
 const CLONE: &str = "../rodlab/crates/";
 
-/// Profile of the workspace: crates compiled with it there are not compiled again here.
+/// Profile of the workspace: crates that the workspace compiles with it are not compiled again
+/// here.
 const PROFILE: &str = "[profile.dev]\nopt-level = 2\ndebug = false\n";
 
 /// Reason why there is no program.
@@ -40,7 +41,7 @@ pub(crate) enum ProgramError {
     Moved { krate: String, package: String },
 }
 
-/// Program that depends on one library crate and nothing else.
+/// Program that depends on one library crate and on nothing else.
 #[derive(Debug)]
 pub(crate) struct Program {
     krate: String,
@@ -49,7 +50,7 @@ pub(crate) struct Program {
 }
 
 impl Program {
-    /// Writes the program of `krate` below `target`, with the versions of our `Cargo.lock`.
+    /// Writes the program for `krate` below `target`, with the versions of our `Cargo.lock`.
     pub(crate) fn write(
         root: &Path,
         krate: &str,
@@ -88,7 +89,7 @@ impl Program {
         Ok(program)
     }
 
-    /// Copies our `Cargo.lock`, lets cargo remove unused packages, and checks that nothing else was
+    /// Copies our `Cargo.lock`, lets cargo remove unused packages, and checks that nothing else has
     /// changed.
     fn lock(&self, root: &Path) -> Result<(), ProgramError> {
         let ours = read(&root.join("Cargo.lock"))?;
@@ -140,7 +141,7 @@ impl Program {
         Ok(())
     }
 
-    /// Creates a call of cargo in the folder of the program. By default the program enables all
+    /// Creates a call of cargo in the folder of the program. By default, the program enables all
     /// features of the crate.
     pub(crate) fn call(&self, verb: &str) -> Command {
         let mut command = cargo();
@@ -152,8 +153,8 @@ impl Program {
     }
 }
 
-/// Returns the manifest of the program, if the block of the README is the crate alone at the place
-/// of a clone.
+/// Returns the manifest of the program; `None` unless the block of the README declares the crate
+/// alone, at its place in a clone.
 fn manifest(krate: &str, declared: &str, features: &[String], root: &Path) -> Option<String> {
     let clone = format!("\"{CLONE}{krate}\"");
     let lines: Vec<&str> = declared
@@ -166,7 +167,7 @@ fn manifest(krate: &str, declared: &str, features: &[String], root: &Path) -> Op
     if !(dependency.starts_with(&format!("{krate} = ")) && dependency.contains(&clone)) {
         return None;
     }
-    // a literal string, because a path may have backslashes
+    // a literal string, because a path may contain backslashes
     let here = format!("'{}'", root.join("crates").join(krate).display());
     let named: Vec<String> = features
         .iter()
@@ -205,7 +206,7 @@ fn block(text: &str, language: &'static str, path: &Path) -> Result<String, Prog
     }
 }
 
-/// Returns names and versions in a `Cargo.lock`.
+/// Returns the names and versions in a `Cargo.lock`.
 fn locked(lock: &str) -> Vec<(String, String)> {
     lock.split("[[package]]")
         .skip(1)
@@ -221,8 +222,8 @@ fn locked(lock: &str) -> Vec<(String, String)> {
         .collect()
 }
 
-/// Writes a file only if it has changed: a file that is older than its output is not compiled
-/// again.
+/// Writes a file only if its contents have changed: cargo does not compile a file again that is
+/// older than its output.
 fn write_changed(path: &Path, contents: &str) -> Result<(), ProgramError> {
     if fs::read_to_string(path).is_ok_and(|found| found == contents) {
         return Ok(());
@@ -230,7 +231,7 @@ fn write_changed(path: &Path, contents: &str) -> Result<(), ProgramError> {
     Ok(write_whole(path, contents)?)
 }
 
-/// Reads with line ends as in Git.
+/// Reads a file with the line ends that Git uses.
 fn read(path: &Path) -> Result<String, ProgramError> {
     fs::read_to_string(path)
         .map(|text| text.replace("\r\n", "\n"))

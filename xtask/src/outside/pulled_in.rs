@@ -4,8 +4,8 @@ use std::collections::BTreeSet;
 
 use crate::cargo::{EdgeKind, Metadata, Package};
 
-/// Names of the dependencies of a crate, itself excepted; with the distinguishing version where
-/// there are several.
+/// Names of the dependencies of a crate, without the crate itself. If there are several versions of
+/// a dependency, the name includes the version.
 #[derive(Debug, Default)]
 pub(crate) struct PulledIn {
     /// Part of the program on every platform.
@@ -18,7 +18,7 @@ pub(crate) struct PulledIn {
 }
 
 impl PulledIn {
-    /// Returns the dependencies of our crate called `krate`.
+    /// Returns the dependencies of our crate named `krate`.
     pub(crate) fn of(krate: &str, graph: &Metadata) -> Self {
         let Some(top) = graph.local(krate) else {
             return Self::default();
@@ -45,7 +45,7 @@ impl PulledIn {
         }
     }
 
-    /// Returns the dependencies that become part of a program on any platform.
+    /// Returns the dependencies that become part of a program, on all or on some platforms.
     pub(crate) fn linked(&self) -> impl Iterator<Item = &String> {
         self.everywhere.iter().chain(&self.somewhere)
     }
@@ -62,7 +62,8 @@ impl PulledIn {
 }
 
 impl Metadata {
-    /// Returns its name, followed by the part of the version that distinguishes it from a namesake.
+    /// Returns the name of a package. If another package has the same name, the part of the version
+    /// that distinguishes them follows.
     fn told_apart(&self, package: &Package) -> String {
         let name = &package.name;
         let is_one_of_several = self
@@ -81,8 +82,8 @@ impl Metadata {
     }
 }
 
-/// Returns packages below `top` along edges accepted by `follows`; macros and their dependencies
-/// only `with_macros`.
+/// Returns the packages below `top`, along the edges that `follows` accepts. Macros and their
+/// dependencies are included only `with_macros`.
 fn reached<'a>(
     graph: &'a Metadata,
     top: &'a str,

@@ -1,11 +1,11 @@
-//! Comparison of the oldest Rust stated by the workspace with those stated by its dependencies.
+//! Comparison of the oldest Rust version stated by the workspace with those stated by its
+//! dependencies.
 
 use std::collections::BTreeSet;
 
 use crate::cargo::{Metadata, Package};
 
-/// Returns the stated versions, in words, and the packages below `crates` that require a newer
-/// Rust.
+/// Returns the stated versions as text, and the packages below `crates` that require a newer Rust.
 pub(super) fn of(crates: &[&Package], workspace: &Metadata) -> (String, Vec<String>) {
     let mut found: BTreeSet<&str> = BTreeSet::new();
     let mut open: Vec<&str> = crates.iter().map(|package| package.id.as_str()).collect();
@@ -56,7 +56,7 @@ pub(super) fn of(crates: &[&Package], workspace: &Metadata) -> (String, Vec<Stri
     (words, faults)
 }
 
-/// Returns major and minor number.
+/// Returns the major and the minor number of a version.
 fn version(text: &str) -> Option<(u32, u32)> {
     let mut numbers = text.split('.').map(str::parse);
     match (numbers.next(), numbers.next()) {

@@ -1,7 +1,7 @@
 //! Human-readable numbers.
 
-/// Formats a number with a given count of significant digits, without exponent where that is
-/// readable.
+/// Formats a number with a given count of significant digits; an exponent is used only if the
+/// number would be hard to read without it.
 pub(crate) fn significant(value: f64, digits: usize) -> String {
     if value == 0.0 || !value.is_finite() {
         return format!("{value}");
@@ -14,7 +14,7 @@ pub(crate) fn significant(value: f64, digits: usize) -> String {
     if (-4..6).contains(&exponent) {
         let decimals =
             usize::try_from(i32::try_from(digits).unwrap_or(0) - 1 - exponent).unwrap_or(0);
-        // through the rounded text, so that the digits shown are those requested
+        // converted from the rounded text, so that the requested digits are shown
         format!("{:.*}", decimals, text.parse::<f64>().unwrap_or(value))
     } else {
         text

@@ -16,7 +16,7 @@ use super::{Error, Reproduction, Table};
 use estimates::Series;
 use testbed::papers::paper_b::{PaperB, load};
 
-/// Number of computed lines per line of the table of moduli.
+/// Number of computed lines per line in the table of moduli.
 const EVERY: usize = 4;
 
 pub(crate) fn reproduce() -> Result<Reproduction, Error> {

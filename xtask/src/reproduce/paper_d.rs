@@ -1,5 +1,5 @@
-//! `cargo xtask reproduce-paper-d`: Tables A1, 3, 4 and 5 of paper D, their counterparts on linear
-//! rods of constant loss, and a figure per material.
+//! `cargo xtask reproduce-paper-d`: Tables A1, 3, 4 and 5 of paper D, their counterparts for linear
+//! rods of constant loss, and a figure for each material.
 
 mod appendix;
 mod choice;
@@ -82,7 +82,7 @@ pub(crate) fn reproduce() -> Result<Reproduction, Error> {
     })
 }
 
-/// Computed results, in the order of the tables whatever the number of threads.
+/// Computed results, in the order of the tables, whatever the number of threads is.
 #[derive(Debug, Default)]
 struct Computed {
     rows: Vec<Row>,
@@ -104,7 +104,7 @@ fn compute(paper: &paper_d::PaperD, rig: &Rig) -> Result<Computed, Error> {
         Material(Material),
         Appendix(Row),
     }
-    // the longest first, so that the last to end are short
+    // the longest jobs start first, so that the last to end are short
     let jobs: Vec<Job> = (flat_loss::jobs(paper).into_iter().map(Job::FlatLoss))
         .chain(choice::jobs(paper).into_iter().map(Job::Choice))
         .chain(materials::jobs(paper).into_iter().map(Job::Material))
@@ -112,7 +112,7 @@ fn compute(paper: &paper_d::PaperD, rig: &Rig) -> Result<Computed, Error> {
         .collect();
     let done: Vec<Done> = jobs
         .par_iter()
-        // one job per piece of work: they differ in length by a factor of ten
+        // one job per piece of work, because the durations differ by a factor of ten
         .with_max_len(1)
         .map(|job| {
             Ok(match job {

@@ -235,7 +235,7 @@ fn hammer_table(measurements: &[Measurement], forces: &[Forces]) -> Table {
     table
 }
 
-/// Returns the curves of a figure, one below the other as they have different times.
+/// Returns the curves of a figure, one below the other, because their times differ.
 fn histories(forces: &[&Forces]) -> Table {
     let mut table = Table::new(&["face", "curve", "time, ms", "force, N", "from, N", "to, N"]);
     for one in forces {

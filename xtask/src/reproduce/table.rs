@@ -1,8 +1,8 @@
-//! Table for people (Markdown) and for programs (CSV).
+//! Table for readers (Markdown) and for programs (CSV).
 
 use std::fmt::Write;
 
-/// Headings with their units, and rows of cells as they are shown.
+/// Headings with their units, and rows of cells in the form in which they are shown.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Table {
     headings: Vec<String>,
@@ -17,7 +17,7 @@ impl Table {
         }
     }
 
-    /// Adds a row; a short one is filled up with empty cells.
+    /// Adds a row; a short row is filled up with empty cells.
     pub(crate) fn row(&mut self, cells: impl IntoIterator<Item = impl Into<String>>) {
         let mut row: Vec<String> = cells.into_iter().map(Into::into).collect();
         row.resize(self.headings.len().max(row.len()), String::new());
@@ -27,7 +27,7 @@ impl Table {
     pub(crate) fn markdown(&self) -> String {
         let mut text = String::new();
         let mut line = |cells: &[String]| {
-            // writing to a String cannot fail
+            // writing to a String never fails
             let _ = writeln!(text, "| {} |", cells.join(" | "));
         };
         line(&self.headings);
@@ -38,7 +38,7 @@ impl Table {
         text
     }
 
-    /// Returns the table comma-separated, with cells quoted where RFC 4180 requires it.
+    /// Returns the table as comma-separated values; cells are quoted if RFC 4180 requires it.
     pub(crate) fn csv(&self) -> String {
         let quoted = |cell: &String| {
             if cell.contains([',', '"', '\n']) {

@@ -1,8 +1,8 @@
 //! Citations of numbered items in the sources and the documentation: `paper A, eq. 5`, `Figures 5
 //! and 6 of paper E`, and in short `(A 5)`.
 //!
-//! A citation is read word by word, across the line breaks of comments. One without a paper, such
-//! as `eq. 5` alone, is ignored: its paper is unknown.
+//! A citation is read word by word, across the line breaks of comments. A citation without a paper,
+//! such as `eq. 5` alone, is ignored, because its paper is unknown.
 
 mod number;
 
@@ -15,7 +15,7 @@ use self::number::{between, kind, number_or_range};
 use super::error::Fault;
 use super::numbered::{Kind, Numbered, Part, in_words};
 
-/// Folders searched for citations, from the root of the workspace.
+/// Folders searched for citations, relative to the root of the workspace.
 const PLACES: [&str; 7] = [
     "CHANGELOG.md",
     "CONTRIBUTING.md",
@@ -26,7 +26,7 @@ const PLACES: [&str; 7] = [
     "xtask/src",
 ];
 
-/// Numbered item, named in a file.
+/// Numbered item that a file cites.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct Citation {
     pub(crate) file: String,
@@ -35,7 +35,7 @@ pub(crate) struct Citation {
 }
 
 impl Citation {
-    /// Returns the fault of citing an item that the thesis does not have.
+    /// Returns the fault of a citation of an item that does not exist in the thesis.
     pub(crate) fn fault(&self) -> Fault {
         Fault::Citation {
             file: self.file.clone(),
@@ -79,7 +79,7 @@ pub(crate) fn of_text(file: &str, text: &str) -> Vec<Citation> {
         .flat_map(|(line, number)| {
             without_comment_mark(line)
                 .split_whitespace()
-                // a string that continues in the next line
+                // a string that continues on the next line
                 .filter(|word| *word != "\\")
                 .map(move |text| Word { text, line: number })
         })
@@ -116,7 +116,7 @@ fn without_comment_mark(line: &str) -> &str {
         .unwrap_or(line)
 }
 
-/// Reads `paper A, eqs. 3-4 and Table 1`, from its first word on.
+/// Reads a citation such as `paper A, eqs. 3-4 and Table 1`, starting at its first word.
 fn after_part(words: &[Word<'_>]) -> Vec<(usize, Numbered)> {
     let mut found = Vec::new();
     let Some((part, mut end, used)) = part(words) else {
@@ -147,7 +147,7 @@ fn after_part(words: &[Word<'_>]) -> Vec<(usize, Numbered)> {
     }
 }
 
-/// Reads `Figures 5 and 6 of paper E`, from its first word on.
+/// Reads a citation such as `Figures 5 and 6 of paper E`, starting at its first word.
 fn before_part(words: &[Word<'_>]) -> Vec<(usize, Numbered)> {
     let Some(run) = run(words).filter(|run| run.end.is_empty()) else {
         return Vec::new();
@@ -164,8 +164,8 @@ fn before_part(words: &[Word<'_>]) -> Vec<(usize, Numbered)> {
     part(rest).map_or_else(Vec::new, |(part, _, _)| run.items(part))
 }
 
-/// Reads `(A 1, 5-7, Table 1)` or `(A 2, B 3)`, from its first word on. A number with a point is a
-/// section.
+/// Reads a citation such as `(A 1, 5-7, Table 1)` or `(A 2, B 3)`, starting at its first word. A
+/// number with a point is a section.
 fn in_short(words: &[Word<'_>]) -> Vec<(usize, Numbered)> {
     let letter = |text: &str| match text.as_bytes() {
         [letter] => Part::of_letter(char::from(*letter)),
@@ -206,7 +206,7 @@ fn in_short(words: &[Word<'_>]) -> Vec<(usize, Numbered)> {
     found
 }
 
-/// Returns a part, the rest of its last word, and the number of words.
+/// Returns the part of the thesis, the remainder of its last word, and the number of words.
 fn part<'a>(words: &[Word<'a>]) -> Option<(Part, &'a str, usize)> {
     let first = words
         .first()?
@@ -227,12 +227,12 @@ fn part<'a>(words: &[Word<'a>]) -> Option<(Part, &'a str, usize)> {
     (!end.starts_with(char::is_alphanumeric)).then_some((part, end, 2))
 }
 
-/// Kind and its numbers.
+/// Kind of item, and its numbers.
 #[derive(Debug)]
 struct Run<'a> {
     kind: Kind,
     numbers: Vec<(usize, String)>,
-    /// Rest of the word after the last number.
+    /// Remainder of the word after the last number.
     end: &'a str,
     used: usize,
 }
@@ -255,7 +255,7 @@ impl Run<'_> {
     }
 }
 
-/// Reads `eq. 5`, `eqs. 3-4`, `Figures 3, 4 and 5`, from its first word on.
+/// Reads `eq. 5`, `eqs. 3-4` or `Figures 3, 4 and 5`, starting at the first word.
 fn run<'a>(words: &[Word<'a>]) -> Option<Run<'a>> {
     let first = words.first()?.text.trim_start_matches('(');
     let (kind, several) = kind(first)?;
@@ -263,7 +263,7 @@ fn run<'a>(words: &[Word<'a>]) -> Option<Run<'a>> {
     let mut used = 1;
     let mut end = "";
     loop {
-        // before a further number a comma, or a word
+        // a further number follows a comma or a word
         let joined = used > 1
             && words
                 .get(used)
@@ -301,8 +301,8 @@ fn run<'a>(words: &[Word<'a>]) -> Option<Run<'a>> {
 mod tests {
     use super::*;
 
-    /// Returns line and name of each citation; `P` stands for the word before the letter, so that
-    /// the text of this test cites nothing.
+    /// Returns line and name of each citation. In the text, `P` stands for the word before the
+    /// letter, so that this test itself contains no citations.
     fn cited(text: &str) -> Vec<(usize, String)> {
         of_text("a.rs", &text.replace("P ", "paper "))
             .into_iter()

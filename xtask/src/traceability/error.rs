@@ -1,16 +1,16 @@
-//! Errors of the traced items, each with the item or the place.
+//! Errors of the traced items, each with the item or the place in a file.
 
 use std::fmt;
 
 use super::numbered::Numbered;
 
-/// Single fault.
+/// One fault.
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum Fault {
     /// An item has no code or no proof.
     #[error("{item}: cited by no {what}")]
     NotCited { item: Numbered, what: &'static str },
-    /// A citation refers to an item that the thesis does not have.
+    /// A citation refers to an item that does not exist in the thesis.
     #[error("{file}, line {line}: `{cited}` is cited, expected {expected}")]
     Citation {
         file: String,
@@ -20,7 +20,7 @@ pub(crate) enum Fault {
     },
 }
 
-/// All faults, so that they can be corrected together.
+/// All faults together, so that they can be corrected in one pass.
 #[derive(Debug)]
 pub(crate) struct Faults(pub(crate) Vec<Fault>);
 

@@ -1,12 +1,12 @@
 //! Numbered items of the thesis: every equation, table and figure of the survey and of papers A to
 //! E.
 //!
-//! The list was counted in the text of the thesis and is kept apart from the rows, so that a
-//! missing row is noticed.
+//! The list was counted in the text of the thesis. It is kept apart from the rows of the page, so
+//! that a missing row is noticed.
 
 use std::fmt;
 
-/// Survey or a paper.
+/// The survey or a paper.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Part {
     Survey,
@@ -20,7 +20,7 @@ pub(crate) enum Part {
 impl Part {
     pub(crate) const ALL: [Self; 6] = [Self::Survey, Self::A, Self::B, Self::C, Self::D, Self::E];
 
-    /// Returns the paper of this letter.
+    /// Returns the paper with this letter.
     pub(crate) fn of_letter(letter: char) -> Option<Self> {
         match letter {
             'A' => Some(Self::A),
@@ -32,7 +32,7 @@ impl Part {
         }
     }
 
-    /// Returns its title in the thesis.
+    /// Returns the title in the thesis.
     pub(crate) fn title(self) -> &'static str {
         match self {
             Self::Survey => "Survey",
@@ -93,7 +93,7 @@ pub(crate) struct Numbered {
 }
 
 impl Numbered {
-    /// Returns true if it can be cited by a number.
+    /// Returns true if the item can be cited by a number.
     pub(crate) fn has_number(&self) -> bool {
         self.number != UNNUMBERED
     }
@@ -105,7 +105,8 @@ impl fmt::Display for Numbered {
     }
 }
 
-/// Runs of numbers: the text before the number, and the last one; the first is 1.
+/// Runs of numbers: the text before the number, and the last number of the run. The first number
+/// is 1.
 const RUNS: [(Part, Kind, &str, u32); 24] = [
     (Part::Survey, Kind::Equation, "2.", 5),
     (Part::Survey, Kind::Equation, "3.", 3),
@@ -133,7 +134,8 @@ const RUNS: [(Part, Kind, &str, u32); 24] = [
     (Part::E, Kind::Figure, "", 6),
 ];
 
-/// Item without a number: the error of Table 5, displayed in the text of paper D, section 4.
+/// Item without a number: the error in Table 5, a displayed formula in the text of paper D,
+/// section 4.
 const UNNUMBERED: &str = "δ";
 
 /// Returns all numbered items, in the order of the thesis.
@@ -162,7 +164,7 @@ pub(crate) fn numbers(part: Part, kind: Kind) -> Vec<String> {
         .collect()
 }
 
-/// Returns the numbers of one kind in one part, for messages.
+/// Returns the numbers of one kind in one part as text, for messages.
 pub(crate) fn in_words(part: Part, kind: Kind) -> String {
     let runs: Vec<String> = RUNS
         .iter()
@@ -183,7 +185,7 @@ pub(crate) fn in_words(part: Part, kind: Kind) -> String {
 mod tests {
     use super::*;
 
-    /// Compares with the counts of each part, made independently of the runs above.
+    /// Compares with the counts for each part, which were made independently of the runs above.
     #[test]
     fn counts_are_those_of_the_thesis() {
         let counts = |part| Kind::ALL.map(|kind| numbers(part, kind).len());

@@ -1,5 +1,5 @@
-//! Place of a citation: in an implementation, a proof or a reproduction, and in which item of the
-//! source.
+//! Place of a citation: whether it is in an implementation, a proof or a reproduction, and in which
+//! item of the source.
 
 /// Meaning of a citation for the cited item.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -9,16 +9,16 @@ pub(crate) enum Role {
     Reproduced,
 }
 
-/// Item of a source file that cites.
+/// Item of a source file that contains a citation.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) struct Place {
     pub(crate) role: Role,
     pub(crate) file: String,
-    /// `Type::method`, `function`, or the name of the module for its own documentation.
+    /// `Type::method` or `function`; the name of the module if its own documentation cites.
     pub(crate) item: String,
 }
 
-/// Returns the place of line `number` of `file`, counted from 1; `None` in files that are no source
+/// Returns the place of line `number` of `file`, counted from 1; `None` if the file is not a source
 /// of a crate or of a reproduction.
 pub(crate) fn of(file: &str, text: &str, number: usize) -> Option<Place> {
     let lines: Vec<&str> = text.lines().collect();
@@ -47,7 +47,7 @@ fn role(file: &str, before: &[&str]) -> Option<Role> {
     }
 }
 
-/// Returns the item that the documentation in line `at` belongs to, or whose body contains the
+/// Returns the item to which the documentation in line `at` belongs, or whose body contains the
 /// line.
 fn item(lines: &[&str], at: usize) -> Option<String> {
     if lines[at].trim_start().starts_with("//!") {
@@ -69,7 +69,7 @@ fn item(lines: &[&str], at: usize) -> Option<String> {
     }
 }
 
-/// Returns the nearest declaration above line `at` that is indented less than `than`.
+/// Returns the nearest declaration above line `at` whose indentation is less than `than`.
 fn above(lines: &[&str], at: usize, than: usize) -> Option<(usize, String)> {
     (0..at)
         .rev()
@@ -81,7 +81,7 @@ fn indentation(line: &str) -> usize {
     line.len() - line.trim_start().len()
 }
 
-/// Returns the name that a line declares, of the type for an implementation.
+/// Returns the name that a line declares; for an implementation, the name of the type.
 fn declared(line: &str) -> Option<String> {
     let mut words = line
         .split_whitespace()

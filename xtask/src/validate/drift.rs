@@ -1,8 +1,8 @@
-//! Differences between the page in the repository and the one that would be written.
+//! Differences between the page in the repository and the page that would be written.
 //!
-//! Claims, expected values and reasons are compared literally. Our numbers are not: their last
-//! digits differ between processors. The used part of the tolerance may change by 25 points: a
-//! count of lines may change by one where a processor rounds differently.
+//! Claims, expected values and reasons are compared literally. Our numbers are not, because their
+//! last digits differ between processors. The used part of the tolerance may change by 25 points,
+//! because a count of lines may change by one if a processor rounds differently.
 
 use std::fmt;
 
@@ -111,7 +111,7 @@ mod tests {
         let skipped = || vec![row("length", "-", "skipped: lost")];
         assert!(told(vec![row("length", "12 %", "pass")], skipped()).is_empty());
         assert_eq!(told(Vec::new(), skipped()).len(), 1);
-        // a page written without the records is not current where they are
+        // a page written without the records is not current on a machine that has them
         assert_eq!(
             told(skipped(), vec![row("length", "12 %", "pass")]).len(),
             1

@@ -1,4 +1,4 @@
-//! Faults injected into the command, as counted by its tests: docs/faults.ron.
+//! Faults injected into the command, as counted by the tests of the command: docs/faults.ron.
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -9,8 +9,8 @@ use serde::Deserialize;
 
 use testbed::generated::workspace_root;
 
-/// Path of the counts, from the root of the workspace. `crates/rodlab/tests/faults.rs` documents
-/// how they are made.
+/// Path of the counts, relative to the root of the workspace. `crates/rodlab/tests/faults.rs`
+/// documents how they are made.
 const COUNTS: &str = "docs/faults.ron";
 
 /// Heading of the section on the page.

@@ -1,4 +1,4 @@
-//! Page of validation: a table for each crate, written and read back.
+//! Page of validation, which is written and read back: a table for each crate.
 
 use std::fmt::Write as _;
 
@@ -8,14 +8,14 @@ use super::{COMMAND, Section, faults};
 
 const HEADINGS: &str = "| claim | source | unit | expected | ours | tolerance | why that tolerance | used | verdict |\n\
                         |---|---|---|--:|--:|--:|---|--:|---|\n";
-/// Tolerated change in points of percent.
+/// Tolerated change of the used part of a tolerance, in points of percent.
 const USED: f64 = 25.0;
 
-/// Limit below which a difference from zero is one of rounding, of which only the order of
-/// magnitude is shown.
+/// Limit below which a difference from zero is only rounding; its order of magnitude alone is
+/// shown.
 const ROUNDING: f64 = 1e-8;
 
-/// Check as the cells of its row.
+/// Check, as the cells of its row.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub(super) struct Row {
     pub(super) claim: String,
@@ -30,7 +30,7 @@ pub(super) struct Row {
 }
 
 impl Row {
-    /// Returns the change to the `new` row that a reader would notice.
+    /// Returns the change to the `new` row, if a reader would notice it.
     pub(super) fn change_to(&self, new: &Self) -> Option<String> {
         let said = [
             ("source", &self.source, &new.source),
@@ -94,7 +94,7 @@ impl Row {
         self.verdict.starts_with("skipped")
     }
 
-    /// Returns the used part in percent; `None` if there is no computed number.
+    /// Returns the used part of the tolerance in percent; `None` if there is no computed number.
     pub(super) fn used_percent(&self) -> Option<f64> {
         match self.used.as_str() {
             "< 1 %" => Some(0.0),
@@ -121,7 +121,7 @@ impl Row {
         row.cells_mut().map(|cell| cell.clone()).join(" | ")
     }
 
-    /// Reads a line of a table, if it is a row and not its heading.
+    /// Reads a line of a table; `None` if the line is not a row or is the heading.
     fn read(line: &str) -> Option<Self> {
         let inner = line.strip_prefix("| ")?.strip_suffix(" |")?;
         let mut row = Self::default();
@@ -133,7 +133,7 @@ impl Row {
     }
 }
 
-/// Rows of a crate.
+/// Rows of one crate.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Table {
     pub(super) name: String,
@@ -147,11 +147,11 @@ impl Table {
     }
 }
 
-/// All tables, in their order.
+/// All tables, in the order of the page.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub(super) struct Page {
     pub(super) tables: Vec<Table>,
-    /// Section on faults of the command, which is copied unchanged.
+    /// Section on faults of the command, as it was read.
     pub(super) faults: String,
 }
 
@@ -173,8 +173,8 @@ impl Page {
         table.rows.iter().find(|row| row.claim == claim)
     }
 
-    /// Returns this page with rows that were skipped without a record replaced by those of
-    /// `earlier`, if it has them with the same words.
+    /// Returns this page; each row that was skipped because its record is missing is replaced by
+    /// the row of `earlier` with the same words, if there is one.
     pub(super) fn with_rows_of(&self, earlier: &Self) -> Self {
         let mut page = self.clone();
         for table in &mut page.tables {
@@ -190,7 +190,7 @@ impl Page {
         page
     }
 
-    /// Counts the checks of each crate by their outcome.
+    /// Counts the checks of each crate, by their outcome.
     pub(super) fn tally(&self) -> String {
         let mut text =
             String::from("| | checks | passed | failed | skipped |\n|---|--:|--:|--:|--:|\n");
@@ -265,8 +265,7 @@ impl Page {
                 table.rows.push(row);
             }
         }
-        // skipped claims are listed again at the end, in words; the faults have a table of their
-        // own
+        // the list of skipped claims at the end and the table of faults contain no claims
         page.tables
             .retain(|table| !table.rows.is_empty() && table.name != faults::HEADING);
         let heading = format!("\n## {}\n\n", faults::HEADING);
@@ -280,13 +279,13 @@ impl Page {
     }
 }
 
-/// Formats five significant digits, without trailing zeros.
+/// Formats a number with five significant digits, without trailing zeros.
 pub(super) fn number(value: f64) -> String {
     digits(value, 5)
 }
 
-/// Formats this number of significant digits, without trailing zeros; with a power of ten where it
-/// would be long.
+/// Formats a number with the given count of significant digits, without trailing zeros; with a
+/// power of ten if it would be long.
 fn digits(value: f64, significant: usize) -> String {
     let scientific = format!("{value:.*e}", significant - 1);
     let Ok(short) = scientific.parse::<f64>() else {

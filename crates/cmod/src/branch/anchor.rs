@@ -12,7 +12,7 @@ pub(super) struct KnownWaveNumber {
     pub(super) standard_error: f64,
 }
 
-/// All prior knowledge.
+/// All prior knowledge of the wave speed and of the wave number.
 pub(super) struct Anchors<'a> {
     pub(super) slowest: f64,
     pub(super) fastest: f64,
@@ -32,7 +32,7 @@ impl Anchors<'_> {
 
 impl KnownWaveNumber {
     /// Returns the log likelihood of a course with `state` at this frequency. The anchor changes
-    /// the weights of the courses and so the count of waves; it does not move the courses.
+    /// the weights of the courses, and thereby the count of waves; it does not move the courses.
     pub(super) fn log_likelihood(&self, state: &State) -> f64 {
         let Complex64 {
             im: wave_number, ..

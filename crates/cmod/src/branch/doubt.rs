@@ -4,8 +4,8 @@
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum BranchDoubt {
-    /// Another root cannot be excluded: noise has moved the line to where two roots meet, or the
-    /// phase there is too uncertain.
+    /// Another root cannot be excluded: noise has moved the line to a point where two roots meet,
+    /// or the phase of the line is too uncertain.
     #[error(
         "confidence {confidence:.4} in the branch, expected at least {least}: the other root is kL = {other:.2}"
     )]
@@ -28,8 +28,8 @@ pub enum BranchDoubt {
         /// Other speed [m/s].
         other: f64,
     },
-    /// The lines around this one do not lie on a smooth curve, or the lines at lower frequencies
-    /// did not over more than half a wave.
+    /// The lines around this one do not lie on a smooth curve, or a stretch of lines at lower
+    /// frequencies, longer than half a wave, does not.
     #[error(
         "over several lines the misfit of a smooth wave number is {chi_square:.1} times its expectation, expected at most {limit}"
     )]
@@ -45,7 +45,7 @@ pub enum BranchDoubt {
         "this line and its neighbours give alpha L = {damping_length:.1e}, {deviations:.1} standard errors below 0"
     )]
     Turned {
-        /// αL from this line and the lines around it.
+        /// Damping αL from this line and the lines around it.
         damping_length: f64,
         /// αL divided by its standard error.
         deviations: f64,
@@ -62,7 +62,8 @@ pub enum BranchDoubt {
         /// Phase of the nearest root, in rad.
         found: f64,
     },
-    /// The gap to the previous line is too long to count the waves by proportion.
+    /// The gap to the previous line is too long to count the waves with a wave number in proportion
+    /// to frequency.
     #[error(
         "kL is expected to advance by {advance:.2} from the previous line, more than half a wave"
     )]
@@ -84,7 +85,7 @@ pub enum BranchDoubt {
     /// is not affected.
     #[error("the root has negative damping, alpha L = {damping_length:.1e}")]
     NegativeDamping {
-        /// αL.
+        /// Damping αL of the root.
         damping_length: f64,
     },
 }

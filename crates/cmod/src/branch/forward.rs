@@ -34,7 +34,8 @@ const DISPERSION: f64 = 0.05;
 const MOST_SPREAD: f64 = 0.5;
 /// Number of lines at which courses begin: more than one, because one may be an outlier.
 const BEGINNINGS: usize = 3;
-/// Ratio of the frequencies of successive lines that are tried until the first of them is found.
+/// Ratio of the frequencies of successive lines that are tried until the first line at which
+/// courses begin is found.
 const SEARCH_RATIO: f64 = 1.02;
 /// Log weight, relative to the best course, below which a course is dropped.
 const NEGLIGIBLE: f64 = -23.0;
@@ -49,8 +50,8 @@ const TOGETHER: f64 = 0.5;
 #[derive(Clone, Copy)]
 pub(super) struct LineAt<'a> {
     pub(super) omega: f64,
-    /// True if nothing was observed; the courses pass the line, and their expectation there is
-    /// stored.
+    /// True if nothing was observed. The courses pass such a line without an update, and their
+    /// expectation at the line is stored.
     pub(super) missing: bool,
     pub(super) sight: Sight<'a>,
 }
@@ -60,7 +61,7 @@ pub(super) struct LineAt<'a> {
 pub(super) struct Course {
     pub(super) state: State,
     pub(super) log_weight: f64,
-    /// Last line of the course in the list of passages.
+    /// Index of the passage of the last line of the course.
     pub(super) last: Option<usize>,
 }
 
@@ -133,7 +134,7 @@ impl LineAt<'_> {
 }
 
 impl Courses {
-    /// Follows all courses through the `lines`, at least one.
+    /// Follows all courses through the `lines`, of which there is at least one.
     pub(super) fn follow(&mut self, lines: &[LineAt<'_>], anchors: &Anchors<'_>) {
         self.alive.clear();
         self.passages.clear();
@@ -162,7 +163,7 @@ impl Courses {
         self.normalise();
     }
 
-    /// Passes one line for all courses.
+    /// Updates all courses with one line.
     fn pass(&mut self, line: &LineAt<'_>) {
         let sight = &line.sight;
         if line.missing {
@@ -239,7 +240,8 @@ impl Courses {
         std::mem::swap(&mut self.alive, &mut self.scratch);
     }
 
-    /// Starts courses at the first lines that determine their roots, or else at the clearest one.
+    /// Starts courses at the first lines that determine their roots, or, if there is no such line,
+    /// at the line with the highest `determination`.
     fn begin(&mut self, lines: &[LineAt<'_>], anchors: &Anchors<'_>) {
         let Some(first) = lines.first() else {
             return;
@@ -303,8 +305,8 @@ impl Courses {
             .observation
             .visit_roots(sight.observed, lowest..highest, &mut |root| {
                 let slowness = root / (length * omega);
-                // from here down to the first line the phase velocity decreases by causality, and
-                // changes randomly
+                // from this line down to the first line the phase velocity decreases by causality,
+                // and changes randomly
                 let first = slowness + Complex64::new(0.0, 2.0 / PI * slowness.re.max(0.0) * down);
                 let by_dispersion = DISPERSION * DISPERSION;
                 let by_wander = WANDER * WANDER * down / 3.0;

@@ -12,17 +12,19 @@ use num_complex::Complex64;
 use super::forward::LineAt;
 use super::tracked::Place;
 
-/// Noise assumed if none is stated, divided by (½ + |Ψ|²)^½; only its dependence on Ψ matters.
+/// Noise assumed if no noise is stated, divided by (½ + |Ψ|²)^½; only the dependence of the noise
+/// on Ψ matters.
 const ASSUMED: f64 = 0.03;
-/// Lower limit of the noise, divided by (¼ + |Ψ|²)^½, however low the stated noise.
+/// Lower limit of the noise, divided by (¼ + |Ψ|²)^½; it applies even if the stated noise is lower.
 const LEAST: f64 = 1e-4;
-/// Noise divided by (¼ + |Ψ|²)^½ above which it is not inferred from neighbours, whose differences
-/// may be the signal.
+/// Upper limit of the noise that is inferred from neighbouring lines, divided by (¼ + |Ψ|²)^½.
+/// Larger differences between neighbours may be the signal.
 const MOST: f64 = 0.1;
-/// Scatter of neighbours, as a ratio of variances, up to which the stated noise is accepted.
+/// Scatter of neighbouring lines, as a ratio of variances, up to which the stated noise is
+/// accepted.
 const SCATTER: f64 = 2.0;
-/// Misfit of a course relative to the stated variance up to which the level is kept: `EXCESS` at
-/// first, `SETTLED` after an adjustment.
+/// Misfit of a course relative to the stated variance up to which the noise level is kept: `EXCESS`
+/// at first, `SETTLED` after an adjustment.
 const EXCESS: f64 = 1.3;
 const SETTLED: f64 = 1.1;
 /// Additional tolerance in standard errors of the misfit.
@@ -36,7 +38,7 @@ pub(super) fn least_variance(observed: Complex64) -> f64 {
     LEAST * LEAST * (0.25 + observed.norm_sqr())
 }
 
-/// Factor on the variance of all lines.
+/// Noise level: a common factor on the variances of all lines.
 pub(super) struct NoiseLevel {
     variance: Vec<f64>,
     stated: bool,
@@ -45,7 +47,7 @@ pub(super) struct NoiseLevel {
 }
 
 impl NoiseLevel {
-    /// Returns a first estimate from neighbouring lines.
+    /// Returns a first estimate of the noise level from neighbouring lines.
     pub(super) fn of(lines: &[LineAt<'_>], places: &[Place], stated: bool) -> Self {
         let mut scatter = Vec::with_capacity(lines.len());
         let mut row: [Option<(usize, &LineAt<'_>)>; 2] = [None, None];

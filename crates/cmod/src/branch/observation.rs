@@ -25,8 +25,8 @@ pub trait PhaseObservation {
         visit: &mut dyn FnMut(Complex64),
     );
 
-    /// Returns the root nearest to `expected` and its closest alternative; `None` if the equation
-    /// cannot be solved from there.
+    /// Returns the two roots nearest to `expected`, the nearest first; `None` if the equation
+    /// cannot be solved from `expected`.
     ///
     /// The default approximates Ψ by a parabola about `expected`, which has two roots, and refines
     /// both by Newton's iteration.
@@ -35,21 +35,21 @@ pub trait PhaseObservation {
     }
 }
 
-/// Ψ = cosh x: a specimen of length ℓ with a free end (paper A), or three gauges spaced by ℓ (paper
-/// B).
+/// Ratio Ψ = cosh x of a specimen of length ℓ with a free end (paper A), or of three gauges spaced
+/// by ℓ (paper B).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct FreeEnd;
 
-/// Ψ = cosh x + μ x sinh x: `FreeEnd` with a mass of μ times the mass of the specimen at its free
-/// end (paper A, eq. 1).
+/// Ratio Ψ = cosh x + μ x sinh x of a specimen as in [`FreeEnd`], with a mass of μ times the mass
+/// of the specimen at its free end (paper A, eq. 1).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct EndMass {
-    /// μ, 0 or above.
+    /// Mass ratio μ, 0 or above.
     pub mass_ratio: f64,
 }
 
-/// Ψ = e^{-x}: a wave that has travelled the distance ℓ, for example between two sections without
-/// reflections, or from a gauge to an end and back.
+/// Ratio Ψ = e^{-x} of a wave that has travelled the distance ℓ, for example between two sections
+/// without reflections, or from a gauge to an end and back.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Travel;
 
@@ -104,8 +104,8 @@ impl PhaseObservation for EndMass {
 
     /// The substitution tanh η = μx gives cosh(x + η) (1 - μ²x²)^½ = Ψ, where η changes little with
     /// x: the closed form of the free end and a few iterations suffice. Where two roots nearly
-    /// meet, both iterations may end at one of them; the other is then found from the parabola
-    /// about it.
+    /// meet, both iterations may end at the same root; the other root is then found from the
+    /// parabola about it.
     fn visit_roots(
         &self,
         observed: Complex64,
@@ -190,7 +190,7 @@ fn cosh_sinh(x: Complex64) -> (Complex64, Complex64) {
     let (sin, cos) = x.im.sin_cos();
     let growing = x.re.exp();
     let cosh = 0.5 * (growing + 1.0 / growing);
-    // the difference of the exponentials loses digits where it is small
+    // for small x the difference of the exponentials loses digits
     let sinh = if x.re.abs() < 0.1 {
         x.re.sinh()
     } else {
@@ -220,7 +220,7 @@ fn turns(phases: &Range<f64>, lag: f64) -> std::ops::RangeInclusive<u32> {
     from as u32..=to as u32
 }
 
-/// Last visited roots: if two iterations end at one root, the second is ignored.
+/// Last visited roots: if two iterations end at the same root, the second is ignored.
 #[derive(Default)]
 struct Recent {
     roots: [Complex64; 12],
@@ -240,7 +240,7 @@ impl Recent {
     }
 }
 
-/// Root with the derivatives of Ψ near it.
+/// Root with the derivatives of Ψ near this root.
 struct Root {
     x: Complex64,
     slope: Complex64,
@@ -269,7 +269,7 @@ fn nearest_by_parabola<O: PhaseObservation + ?Sized>(
     let [value, slope, curvature] = at_expected;
     let misfit = observed - value;
     if (2.0 * curvature * misfit).norm_sqr() < FAR * FAR * slope.norm_sqr().powi(2) {
-        // far from where roots meet the position of the other root matters little
+        // far from the points where roots meet, the exact position of the other root is unimportant
         let first = settle_from(observation, observed, expected, at_expected)?;
         return Some([first.x, first.reflected()]);
     }
@@ -334,13 +334,14 @@ impl Nearest {
     }
 }
 
-/// Returns true if two results of an iteration are one root.
+/// Returns true if two results of an iteration are the same root.
 fn is_same(root: Complex64, other: Complex64) -> bool {
     const SAME: f64 = 1e-6;
     (root - other).norm_sqr() < SAME * SAME
 }
 
-/// Newton's iteration on (Ψ(x) - Ψ)/(x - `known`), which has all roots except the known one.
+/// Performs Newton's iteration on (Ψ(x) - Ψ)/(x - `known`), which has all roots of Ψ(x) = Ψ except
+/// the known one.
 fn settle_beside<O: PhaseObservation + ?Sized>(
     observation: &O,
     observed: Complex64,
@@ -365,7 +366,8 @@ fn settle_beside<O: PhaseObservation + ?Sized>(
     None
 }
 
-/// Halley's iteration; `None` if it does not converge, or moves beyond the neighbouring root.
+/// Performs Halley's iteration; returns `None` if it does not converge, or moves beyond the
+/// neighbouring root.
 fn settle<O: PhaseObservation + ?Sized>(
     observation: &O,
     observed: Complex64,
@@ -374,7 +376,7 @@ fn settle<O: PhaseObservation + ?Sized>(
     settle_from(observation, observed, start, observation.expand(start))
 }
 
-/// Halley's iteration, given Ψ and its derivatives at the start.
+/// Performs Halley's iteration, given Ψ and its derivatives at the start.
 fn settle_from<O: PhaseObservation + ?Sized>(
     observation: &O,
     observed: Complex64,
@@ -384,7 +386,7 @@ fn settle_from<O: PhaseObservation + ?Sized>(
     const MOST_STEPS: usize = 20;
     // convergence is cubic: the next step would be below rounding
     const SMALLEST_STEP: f64 = 1e-5;
-    // the accuracy of Ψ; at a double root the steps do not become small
+    // the accuracy of Ψ, which ends the iteration: at a double root the steps do not become small
     const ROUNDING: f64 = 1e-15;
     let mut x = start;
     let [mut value, mut slope, mut curvature] = at_start;
@@ -456,13 +458,14 @@ mod tests {
         }
     }
 
-    /// Starting nearer to a root than to its neighbour, the iteration finds that root.
+    /// An iteration that starts nearer to a root than to the neighbouring root finds the nearer
+    /// one.
     #[test]
     fn the_nearest_root_is_found() {
         for (name, observation) in OBSERVATIONS {
             for x in phases() {
                 let [observed, slope, curvature] = observation.expand(x);
-                // a quarter of the distance to where two roots meet
+                // a quarter of the distance to the point where two roots meet
                 let way = 0.25 * (slope / curvature).norm().min(1.0);
                 for direction in 0..8 {
                     let expected = x + Complex64::from_polar(way, 0.8 * f64::from(direction));
@@ -475,7 +478,7 @@ mod tests {
         }
     }
 
-    /// Roots near kL = nπ, where two roots are 0.02 apart: both are found.
+    /// Near kL = nπ, where two roots are 0.02 apart, both roots are found.
     #[test]
     fn roots_that_nearly_meet_are_told_apart() {
         for mass_ratio in [0.0, 0.05, 0.2] {
@@ -512,7 +515,7 @@ mod tests {
         }
     }
 
-    /// No root in 20 half waves is missed, and every result is a root.
+    /// Checks that no root in 20 half waves is missed, and that every result is a root.
     #[test]
     fn all_roots_of_a_range_are_visited() {
         for (name, observation) in OBSERVATIONS {
@@ -533,7 +536,8 @@ mod tests {
                     let found = roots.iter().any(|root| (root - x).norm() < 1e-9);
                     assert!(found, "{name} {x}: {roots:?}");
                     if phases.end > 60.0 {
-                        // two per turn, one for a travelling wave, plus or minus one at either end
+                        // two roots per turn, or one for a travelling wave, plus or minus one root
+                        // at either end
                         let turns = if name == "travel" { 10.0 } else { 20.0 };
                         assert!(
                             (roots.len() as f64 - turns).abs() <= 2.0,

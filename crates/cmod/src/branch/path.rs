@@ -3,27 +3,28 @@
 //! The state consists of γ and dγ/dω. dγ/dω varies by [`WANDER`] of its size per e-fold of
 //! frequency; this is the only assumption about the material. Errors are assumed circular: equal in
 //! α and k and uncorrelated, so that one real 2 × 2 covariance matrix serves both. The filter is a
-//! Kalman filter linearised at the prediction, with the second order of Ψ as additional noise: at a
-//! multiple of π, where Ψ' = 0, a line then has no weight instead of misleading the filter.
+//! Kalman filter linearised at the prediction, with the second order of Ψ as additional noise. At a
+//! multiple of π, where Ψ' = 0, a line then has no weight and cannot mislead the filter.
 
 use num_complex::Complex64;
 
 use super::observation::PhaseObservation;
 
 /// Standard deviation of the relative change of dγ/dω per e-fold of frequency. A loss factor tan δ
-/// makes dk/dω change by about 0.3 tan δ, and lateral inertia by 0.2 where the wavelength is five
-/// diameters.
+/// changes dk/dω by about 0.3 tan δ, and lateral inertia changes it by 0.2 where the wavelength is
+/// five diameters.
 pub(super) const WANDER: f64 = 0.15;
 
-/// |δΨ|²/E|δΨ|² above which a line counts as an outlier; noise alone exceeds it once in 8000 lines.
+/// Value of |δΨ|²/E|δΨ|² above which a line counts as an outlier; noise alone exceeds it once in
+/// 8000 lines.
 pub(super) const BAD_LINE: f64 = 9.0;
 
-/// Probability that a line is independent of γ, and the squared range of Ψ in which such a line
-/// lies, divided by 1 + |Ψ|².
+/// Probability that a line is independent of γ (`STRAY`), and the squared range of Ψ in which such
+/// a line lies, divided by 1 + |Ψ|² (`STRAY_VARIANCE`).
 const STRAY: f64 = 0.01;
 const STRAY_VARIANCE: f64 = 4.0;
 
-/// γ and dγ/dω with their covariance, E|δγ|² and so on.
+/// State γ and dγ/dω of a course, with the covariance of the two: E|δγ|² and so on.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct State {
     pub(super) gamma: Complex64,
@@ -33,7 +34,7 @@ pub(super) struct State {
     pub(super) slope_variance: f64,
 }
 
-/// Line as seen by the filter.
+/// Measured line, as the input of the filter.
 #[derive(Clone, Copy)]
 pub(super) struct Sight<'a> {
     pub(super) observation: &'a dyn PhaseObservation,
@@ -42,10 +43,10 @@ pub(super) struct Sight<'a> {
     pub(super) variance: f64,
 }
 
-/// Data from the passage of one line that the smoothing needs.
+/// Data of one filter step, as needed for smoothing.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Passage {
-    /// Index of the previous line in the list of all passages.
+    /// Index of the passage of the previous line in the list of all passages.
     pub(super) before: Option<usize>,
     /// Predicted γ, its variance and its covariance with the slope.
     gamma: Complex64,
@@ -62,7 +63,7 @@ pub(super) struct Passage {
 }
 
 impl Sight<'_> {
-    /// Density of an outlier, times π and its probability.
+    /// Returns the probability density of an outlier, times its probability and π.
     pub(super) fn stray_density(&self) -> f64 {
         STRAY / (STRAY_VARIANCE * (1.0 + self.observed.norm_sqr()))
     }
@@ -127,7 +128,8 @@ impl State {
         }
     }
 
-    /// Performs one step of the filter; the density is that of the misfit, times π.
+    /// Performs one step of the filter; the returned density is the probability density of the
+    /// misfit, times π.
     fn absorb(
         &mut self,
         misfit: Complex64,
@@ -139,7 +141,7 @@ impl State {
         let expected = power * self.variance + noise;
         let chi_square = misfit.norm_sqr() / expected;
         let density = (-chi_square).exp() / expected;
-        // An outlier is given the variance that brings it just to the limit.
+        // The variance of an outlier is increased so that its misfit is exactly at the limit.
         let expected = expected * (chi_square / BAD_LINE).max(1.0);
         let information = power / expected;
         let gradient = sensitivity.conj() * misfit / expected;
@@ -164,14 +166,14 @@ impl State {
 }
 
 /// Sums of the backward recursion of Bryson and Frazier: gradient and curvature of the chi-square
-/// of all later lines with respect to γ and dγ/dω at this line.
+/// of all later lines with respect to γ and dγ/dω at the present line.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Backward {
     gradient: [Complex64; 2],
     curvature: [f64; 3],
 }
 
-/// γ of a line given all lines, and E|δγ|².
+/// Smoothed γ of a line, given all lines, and its variance E|δγ|².
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Smoothed {
     pub(super) gamma: Complex64,
@@ -212,7 +214,7 @@ mod tests {
     use super::*;
     use crate::branch::observation::FreeEnd;
 
-    /// Ψ = x: the filter is then exact and identical to least squares.
+    /// Observation Ψ = x, for which the filter is exact and identical to least squares.
     struct Linear;
 
     impl PhaseObservation for Linear {
@@ -230,12 +232,12 @@ mod tests {
         }
     }
 
-    /// Compares forward and backward recursion with the normal equations of all lines at once,
-    /// solved by elimination.
+    /// Compares forward and backward recursion with the normal equations of all lines together,
+    /// which are solved by elimination.
     ///
-    /// The unknowns are γ and its slope on every line. The prediction couples neighbours with the
-    /// inverse of the process covariance; its rate is that of the filter, which depends on the
-    /// slope found so far.
+    /// The unknowns are γ and its slope on every line. The prediction couples neighbouring lines
+    /// with the inverse of the process covariance. The rate of this covariance is taken from the
+    /// filter, where it depends on the slope found so far.
     #[test]
     fn smoothing_is_least_squares_over_all_lines() {
         const N: usize = 6;
@@ -320,7 +322,8 @@ mod tests {
         }
     }
 
-    /// State that is not at a root, and a line with the second order of a cosine.
+    /// Returns a state that is not at a root, and a line whose Ψ has the second derivative of a
+    /// cosine.
     fn uncertain() -> (State, Sight<'static>) {
         let state = State {
             gamma: Complex64::new(0.1, 0.9),
@@ -373,7 +376,7 @@ mod tests {
         assert!((passage.chi_square.unwrap() / chi_square - 1.0).abs() < 1e-12);
         let by_hand = 0.99 * (-chi_square).exp() / expected;
         assert!((density / by_hand - 1.0).abs() < 1e-12);
-        // γ moves by its fraction of the misfit towards the root
+        // γ moves towards the root by the fraction of the misfit assigned to γ
         let moved = state.variance * (slope * 2.0).conj() * misfit / expected;
         assert!((updated.gamma - state.gamma - moved).norm() < 1e-12);
     }

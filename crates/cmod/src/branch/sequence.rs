@@ -1,4 +1,4 @@
-//! Branches of the lines of one record, in the form that the methods need.
+//! Branches of the lines of one record, in the form that the methods of this crate use.
 
 use num_complex::Complex64;
 
@@ -24,7 +24,7 @@ pub struct ResolvedRoot {
     /// Standard error of the real part and of the imaginary part of `expected`.
     pub expected_error: f64,
     /// Root γL of the equation with end mass that is nearest to `expected`, `None` if there is no
-    /// root nearby; equal to `gamma_length` without end mass.
+    /// root nearby; without end mass it is equal to `gamma_length`.
     pub loaded_gamma_length: Option<Complex64>,
     /// Main reason to doubt the branch, if there is one.
     pub doubt: Option<BranchDoubt>,
@@ -33,13 +33,13 @@ pub struct ResolvedRoot {
 /// Solves cosh(γL) = Ψ on increasing frequencies, with k continuous from k(0) = 0.
 ///
 /// `frequency_hz` and `acceleration_ratio` have one entry per line. A line at 0 Hz gives γ = 0,
-/// whatever its ratio. The noise of Ψ is estimated from its scatter. [`BranchTracker`] does the
-/// same with a stated noise, gaps, several records and prior knowledge. A wave speed in a
-/// [`BranchDoubt`] is in specimen lengths per second, as no length is given.
+/// whatever its ratio. The noise of Ψ is estimated from its scatter. [`BranchTracker`] also accepts
+/// a stated noise, gaps, several records and prior knowledge. A wave speed in a [`BranchDoubt`] is
+/// in specimen lengths per second, because the function is given no length.
 ///
 /// # Validity
-/// The lines must be close enough for kL to advance by less than π per line. [`BranchDoubt`]
-/// reports where the branch may be wrong.
+/// The lines must be close enough for kL to advance by less than π per line. A [`BranchDoubt`]
+/// marks each line whose branch may be wrong.
 ///
 /// ```
 /// use num_complex::Complex64;
@@ -86,9 +86,9 @@ pub fn resolve(
 
 /// Data of one specimen.
 pub(crate) struct SpecimenRecord<'a> {
-    /// L or a \[m\].
+    /// Length L of the specimen, or distance a between neighbouring gauges \[m\].
     pub(crate) length: f64,
-    /// μ.
+    /// Mass ratio μ.
     pub(crate) mass_ratio: f64,
     pub(crate) frequency_hz: &'a [f64],
     pub(crate) acceleration_ratio: &'a [Complex64],
@@ -96,9 +96,9 @@ pub(crate) struct SpecimenRecord<'a> {
 }
 
 impl SpecimenRecord<'_> {
-    /// Assigns every line to its branch. The equation with the end mass is followed, not that of a
-    /// free end: a heavy mass lets |Ψ| exceed 1 without any damping, and k of the free end would be
-    /// constant there.
+    /// Assigns every line to its branch. The roots of the equation with the end mass are followed,
+    /// not those of a free end: with a heavy mass |Ψ| exceeds 1 without any damping, and k of the
+    /// free end would be constant there.
     pub(crate) fn resolve(&self, tracker: &BranchTracker) -> Result<Vec<ResolvedRoot>, CmodError> {
         let loaded = EndMass {
             mass_ratio: self.mass_ratio,
@@ -123,9 +123,9 @@ impl SpecimenRecord<'_> {
     }
 }
 
-/// Returns the root of the free end on the branch of the root with mass. As μ goes to 0, the phases
-/// at which dΨ/d(γL) vanishes, i.e. γL + artanh(μγL/(1 + μ)) = iπn, approach iπn, and γL stays
-/// between them.
+/// Returns the root for a free end, on the same branch as the root with end mass. As μ goes to 0,
+/// the phases at which dΨ/d(γL) vanishes, i.e. γL + artanh(μγL/(1 + μ)) = iπn, approach iπn, and γL
+/// stays between them.
 fn without_end_mass(line: &TrackedLine, ratio: Complex64, mass_ratio: f64) -> ResolvedRoot {
     let loaded = line.root.unwrap_or(line.expected);
     let load = loaded * mass_ratio / (1.0 + mass_ratio);
@@ -158,7 +158,7 @@ mod tests {
         (1..=count).map(|j| step_hz * f64::from(j)).collect()
     }
 
-    /// 40 half waves of a nearly elastic rod: φ jumps by almost π at every quarter wave, kL does
+    /// 40 half waves of a nearly elastic rod: φ jumps by almost π at every quarter wave; kL does
     /// not.
     #[test]
     fn branch_is_followed_at_losses_near_zero_and_in_none_at_all() {
@@ -182,7 +182,7 @@ mod tests {
         }
     }
 
-    /// A line whose noise has changed the sign of Im Ψ is lost, the next ones are not.
+    /// A line on which noise has changed the sign of Im Ψ is lost; the following lines are not.
     #[test]
     fn a_wrong_sign_costs_one_line() {
         let frequency_hz = lines(100, 100.0);
@@ -198,8 +198,8 @@ mod tests {
         }
     }
 
-    /// Lines that begin above the first half wave: their slope gives the number of half waves
-    /// before.
+    /// For lines that begin above the first half wave, the slope gives the number of half waves
+    /// below the first line.
     #[test]
     fn a_late_start_is_found_from_the_slope() {
         let exact = |f: f64| Complex64::new(0.02, 1.0) * (PI * 6.0 * f / 10_000.0);
@@ -216,8 +216,8 @@ mod tests {
         }
     }
 
-    /// Above 100 half waves a dispersion of a few per cent exceeds one half wave: the count of
-    /// waves is undetermined, and every line is doubtful.
+    /// If the first line is above 100 half waves, a dispersion of a few per cent exceeds one half
+    /// wave: the count of waves is undetermined, and every line is doubtful.
     #[test]
     fn a_start_behind_very_many_waves_is_doubted_on_every_line() {
         let exact = |f: f64| Complex64::new(0.001, 1.0) * (PI * 100.3 * f / 10_000.0);
@@ -231,8 +231,8 @@ mod tests {
         }
     }
 
-    /// Spectra of the other time factor: negative damping in the first quarter wave, doubt on every
-    /// line above.
+    /// Spectra with the time factor e^{-iωt} give negative damping in the first quarter wave and a
+    /// doubt on every line above.
     #[test]
     fn conjugate_data_are_found_out() {
         let frequency_hz = lines(100, 100.0);

@@ -1,18 +1,18 @@
-//! Lines on their branches.
+//! Results of tracking: lines with their branches.
 
 use num_complex::Complex64;
 
 use super::Branch;
 use super::doubt::BranchDoubt;
 
-/// Line on its branch.
+/// Line with its branch.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct TrackedLine {
     /// Root x = γℓ of Ψ(x) = Ψ of this line that is nearest to `expected`; 0 at 0 Hz, and `None`
     /// where the line is not finite or has no root nearby.
     pub root: Option<Complex64>,
-    /// Smooth γℓ from this line and all others.
+    /// Smoothed γℓ, from this line and all others.
     pub expected: Complex64,
     /// Standard error of the real part and of the imaginary part of `expected`.
     pub expected_error: f64,

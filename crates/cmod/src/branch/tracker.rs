@@ -30,15 +30,15 @@ const ADJUSTMENTS: usize = 6;
 /// Lines of one record whose branches are sought.
 #[derive(Clone, Copy)]
 pub struct PhaseRecord<'a> {
-    /// Ψ as a function of γℓ.
+    /// Function Ψ(γℓ) of the record.
     pub observation: &'a dyn PhaseObservation,
-    /// ℓ \[m\], the length by which γ is multiplied.
+    /// Length ℓ \[m\] by which γ is multiplied.
     pub length: f64,
     /// Increasing frequencies \[Hz\].
     pub frequency_hz: &'a [f64],
-    /// Ψ, one per line. A line that is not finite, or at 0 Hz, is skipped.
+    /// Ratios Ψ, one per line. A line that is not finite, or at 0 Hz, is skipped.
     pub observed: &'a [Complex64],
-    /// E|δΨ|², one per line, of real and imaginary part together; `None` if unknown.
+    /// Variances E|δΨ|², one per line, of real and imaginary part together; `None` if unknown.
     pub variance: Option<&'a [f64]>,
 }
 
@@ -128,7 +128,7 @@ impl BranchTracker {
         Ok(self)
     }
 
-    /// Removes the limits of the wave speed, for lengths in another unit than metres.
+    /// Removes the limits of the wave speed, for lengths that are not in metres.
     pub(super) fn with_any_wave_speed(mut self) -> Self {
         self.slowest = f64::MIN_POSITIVE;
         self.fastest = f64::INFINITY;
@@ -138,8 +138,8 @@ impl BranchTracker {
     /// Adds a known wave number k [rad/m] at a frequency \[Hz\], inside or outside of the record,
     /// with its standard error.
     ///
-    /// It only distinguishes between possible counts of waves; it does not change the γ of any
-    /// line.
+    /// A known wave number only distinguishes between possible counts of waves; it does not change
+    /// γ on any line.
     ///
     /// # Errors
     /// [`CmodError::NonPhysical`] unless frequency and standard error are finite and above 0 and k
@@ -198,8 +198,8 @@ impl BranchTracker {
         Ok(self)
     }
 
-    /// Assigns all lines of all `records` to their branches. The records are of one material: they
-    /// share γ(ω).
+    /// Assigns each line of all `records` to its branch. All records must be of one material, so
+    /// that they share γ(ω).
     ///
     /// # Errors
     /// [`CmodError::NoLines`] without a record, or a record without lines;

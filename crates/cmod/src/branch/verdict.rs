@@ -19,15 +19,15 @@ use super::tracked::{SpeedHypothesis, TrackedLine};
 const RIVALS: usize = 8;
 /// Log weight below which a course is not compared.
 const NO_RIVAL: f64 = -16.0;
-/// Distance \[rad\] below which two roots count as one: k changes by less than 0.2 % between them
-/// where kL > π.
+/// Distance \[rad\] below which two roots count as one: where kL > π, the values of k of two such
+/// roots differ by less than 0.2 %.
 pub(super) const ONE_ROOT: f64 = 0.005;
 /// Mean over [`NEIGHBOURHOOD`] lines of |misfit|² divided by its expectation, above which the
 /// misfit is not due to noise.
 const ERRATIC: f64 = 6.0;
 const NEIGHBOURHOOD: f64 = 8.0;
-/// |misfit|² divided by its expectation, above which a single line is an outlier; noise exceeds
-/// this limit once in 10⁷ lines.
+/// Value of |misfit|² divided by its expectation, above which a single line is an outlier; noise
+/// exceeds this limit once in 10⁷ lines.
 const STRANGE: f64 = 16.0;
 const SURPRISE: f64 = 4.0;
 /// Number of standard errors beyond which a probability is 1 to all digits.
@@ -35,21 +35,21 @@ const SURE: f64 = 8.3;
 /// Number of standard errors below 0 beyond which a damping counts as negative.
 const SURELY_NEGATIVE: f64 = 4.0;
 
-/// All courses of significant weight, smoothed.
+/// Smoothed courses of significant weight, from which the results per line are computed.
 pub(super) struct Verdict {
     /// Probability and smoothed γ of every course, the most probable first.
     courses: Vec<(f64, Vec<Smoothed>)>,
-    /// Misfit of every line on the first course.
+    /// Misfit of every line from the first course.
     misfits: Vec<Misfit>,
     determined: bool,
     crowded_out: f64,
     least_confidence: f64,
 }
 
-/// Misfit of a line and its neighbours from the first course.
+/// Misfits of a line and of the lines around it from the first course.
 #[derive(Debug, Clone, Copy)]
 struct Misfit {
-    /// Mean over the neighbourhood; infinite after a long erratic stretch.
+    /// Mean over the neighbouring lines; infinite after a long erratic stretch.
     around: f64,
     /// |misfit|² from the prediction by the previous lines, divided by its expectation; `None`
     /// without a prediction.
@@ -118,7 +118,7 @@ impl Verdict {
 
     /// Returns the root of a line, its confidence and the main doubt.
     pub(super) fn line(&self, index: usize, line: &LineAt<'_>) -> TrackedLine {
-        // without a course, or without its misfit, a line is undetermined
+        // without a course, or without a misfit of the line, the line is undetermined
         let found = self.phase(0, index, line).zip(self.misfits.get(index));
         let Some((best, misfit)) = found else {
             return TrackedLine {
@@ -247,7 +247,7 @@ fn is_strange(misfit: &Misfit, line: &LineAt<'_>, best: &Phase) -> bool {
     (line.sight.observed - value).norm_sqr() > STRANGE * expected
 }
 
-/// γℓ of a course at a line, as a normal distribution that is truncated where the damping is
+/// Distribution of γℓ of a course at a line: a normal distribution, truncated where the damping is
 /// negative.
 struct Phase {
     /// Mean without truncation.
@@ -298,7 +298,7 @@ impl Phase {
         }
     }
 
-    /// Returns the probability of a `root` that need not be one of the two nearest.
+    /// Returns the probability of a `root`, which may be farther away than the two nearest roots.
     fn probability_of(&self, root: Complex64, line: &LineAt<'_>) -> f64 {
         let same = |other: Complex64| (other - root).norm() < ONE_ROOT;
         match self.nearest_roots(line) {
@@ -313,7 +313,7 @@ impl Phase {
 fn cut_below_zero(mean: f64, spread: f64) -> (f64, f64) {
     let a = -mean / spread;
     let tail = 0.5 * erfc(a * FRAC_1_SQRT_2);
-    // Mills' ratio by its asymptotic expansion, where the tail underflows
+    // where the tail underflows, Mills' ratio is computed by its asymptotic expansion
     let hazard = if a > 8.0 {
         a + 1.0 / a
     } else {
@@ -324,7 +324,7 @@ fn cut_below_zero(mean: f64, spread: f64) -> (f64, f64) {
 }
 
 /// Returns, for each line, the larger of the mean misfits over the lines before and after it;
-/// infinite after a stretch of more than half a wave in which the mean exceeds the limit, because
+/// infinite after a stretch of more than half a wave in which the mean exceeds [`ERRATIC`], because
 /// the count of waves is then lost.
 fn local_misfit(chi_square: &[Option<f64>], best: &[Smoothed], lines: &[LineAt<'_>]) -> Vec<f64> {
     let share = 1.0 / NEIGHBOURHOOD;

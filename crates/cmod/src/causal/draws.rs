@@ -1,8 +1,8 @@
-//! Errors of a projection on a cone, from draws about it.
+//! Errors of a projection on a cone, from random draws about the projected point.
 //!
-//! The projection is not a linear function of the values: which branches are occupied depends on
-//! them, and none becomes negative. Draws of the noise and of the common errors about the nearest
-//! material are projected in the same way.
+//! The projection is not a linear function of the values: the values determine which branches are
+//! occupied, and no modulus becomes negative. Therefore draws of the noise and of the common errors
+//! about the nearest material are projected in the same way as the data.
 
 use num_complex::Complex64;
 use rand::SeedableRng as _;
@@ -15,7 +15,7 @@ use crate::rheology::non_negative::NonNegative;
 use crate::rheology::symmetric::{factorise, solve};
 use crate::self_calibration::vectors::{dot, subtract};
 
-/// Number of draws: the standard errors scatter by 4 %.
+/// Number of draws; with this number the standard errors scatter by 4 %.
 const DRAWS: u32 = 300;
 /// Relaxation times per decade in the projections of the draws, in addition to those of the nearest
 /// material.
@@ -25,20 +25,20 @@ const TIMES_A_DECADE: f64 = 24.0;
 #[derive(Debug, Clone)]
 pub(super) struct Draws {
     times: Vec<f64>,
-    /// Changes of the spring and of the branches due to each draw without its common errors,
-    /// divided by the square root of the number of draws.
+    /// Changes of the spring and of the branches due to each draw, without the effect of its common
+    /// errors, divided by the square root of the number of draws.
     random: Vec<Vec<f64>>,
-    /// Changes of the spring and of the branches due to each common error of one standard
-    /// uncertainty.
+    /// Changes of the spring and of the branches due to one standard uncertainty of each common
+    /// error.
     common: Vec<Vec<f64>>,
     /// Standard errors of the sizes of the common errors.
     pub(super) errors_of_sizes: Vec<f64>,
-    /// Mean of χ²: its degrees of freedom.
+    /// Mean of χ² over the draws, that is, the degrees of freedom of χ².
     pub(super) degrees_of_freedom: f64,
 }
 
 impl Draws {
-    /// Makes the draws about `nearest`, the projection of the values. `None` where a number is not
+    /// Makes the draws about `nearest`, the projection of the values; `None` if a number is not
     /// finite.
     pub(super) fn about(nearest: &Projection, values: &Whitened<'_>) -> Option<Self> {
         let material = &nearest.material;
@@ -61,7 +61,7 @@ impl Draws {
 
         let mut normal = normals();
         let sources = values.common.vectors();
-        // the sizes found are the scalar products of the whitened vectors with the residual
+        // the estimated sizes are the scalar products of the whitened vectors with the residual
         let directions: Vec<Vec<f64>> = sources
             .iter()
             .map(|vector| {
@@ -118,13 +118,14 @@ impl Draws {
         .filter(|draws| draws.degrees_of_freedom.is_finite())
     }
 
-    /// Returns the changes of the modulus at s = `place` due to independent errors of variance 1.
+    /// Returns the changes of the modulus at s = `place` due to the random errors, as a combination
+    /// of independent errors of variance 1.
     pub(super) fn random_changes(&self, place: Complex64) -> Vec<Complex64> {
         self.changes(place, &self.random)
     }
 
-    /// Returns the change of the modulus at s = `place` due to each common error of one standard
-    /// uncertainty.
+    /// Returns the change of the modulus at s = `place` due to one standard uncertainty of each
+    /// common error.
     pub(super) fn common_changes(&self, place: Complex64) -> Vec<Complex64> {
         self.changes(place, &self.common)
     }
@@ -137,13 +138,13 @@ impl Draws {
     }
 }
 
-/// Returns a source of standard normal numbers, the same for every estimate.
+/// Returns a generator of standard normal numbers, with the same seed for every estimate.
 fn normals() -> impl FnMut() -> f64 {
     let mut random = ChaCha8Rng::seed_from_u64(1);
     move || StandardNormal.sample(&mut random)
 }
 
-/// Returns the sum of the columns with these coefficients.
+/// Returns the sum of the columns, multiplied by their `coefficients`.
 fn combined(columns: &[Vec<f64>], coefficients: &[f64], rows: usize) -> Vec<f64> {
     let mut sum = vec![0.0; rows];
     for (column, coefficient) in columns.iter().zip(coefficients) {
@@ -154,7 +155,7 @@ fn combined(columns: &[Vec<f64>], coefficients: &[f64], rows: usize) -> Vec<f64>
     sum
 }
 
-/// Returns the changes for a size of 1 of each source, by least squares from the `changes` for the
+/// Returns the changes due to each source of size 1, by least squares from the `changes` for the
 /// `drawn` sizes.
 fn regressed(changes: &[Vec<f64>], drawn: &[Vec<f64>]) -> Vec<Vec<f64>> {
     let n = drawn.first().map_or(0, Vec::len);

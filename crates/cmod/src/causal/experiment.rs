@@ -1,4 +1,4 @@
-//! Causal estimate of measured values, linearised about the material.
+//! Causal estimate from measured values, which are linearised about the material.
 
 use num_complex::Complex64;
 
@@ -16,11 +16,11 @@ use crate::validity::Violation;
 
 /// Maximum number of linearisations.
 const MOST_ROUNDS: u32 = 30;
-/// Sum of squares of the change of all lines, in units of their errors, below which the iteration
-/// has converged; a change by one standard error gives 1.
+/// Sum of squares of the changes of all lines, in units of their errors, below which the iteration
+/// has converged. A change of a single line by one standard error gives 1.
 const AT_REST: f64 = 1e-3;
 
-/// Line that is used in the estimate.
+/// Line that is part of the estimate.
 struct Part<'a> {
     line: &'a ModulusLine,
     place: Complex64,
@@ -130,7 +130,7 @@ pub(crate) fn of_experiment(
             .take(measured.len())
             .collect();
         for (at, part) in parts.iter_mut().enumerate() {
-            // errors of the specimen stay in the modulus about which the next round linearises
+            // errors of the specimen remain in the modulus about which the next round linearises
             let specimen = shifts.iter().zip(&projected.sizes).skip(measured.len());
             let errors = specimen.filter_map(|(shift, size)| Some(*size * shift.get(at)?));
             part.modulus = projected.material.at(part.place) + errors.sum::<Complex64>();
@@ -150,10 +150,10 @@ pub(crate) fn of_experiment(
     }
 }
 
-/// Returns the lines of `start` between the first and the last line that is valid in `judged`,
-/// except those with a coherence below the stated limit or, without a correction of lateral
-/// inertia, with too short a wavelength; and the effect of the scatter of their variances. The
-/// lines are linearised about the material nearest to the informative ones.
+/// Returns the lines of `start` between the first and the last line that is valid in `judged`, and
+/// the effect of the scatter of their variances. Lines with a coherence below the stated limit are
+/// omitted; without a correction of lateral inertia, lines with too short a wavelength are also
+/// omitted. The lines are linearised about the material nearest to the informative lines.
 fn parts<'a>(
     experiment: &impl Experiment,
     start: &'a ModulusEstimate,

@@ -7,28 +7,32 @@ use rodwave::numerics::CommonErrors;
 use crate::rheology::non_negative::NonNegative;
 use crate::self_calibration::vectors::{dot, subtract, without};
 
-/// Relaxation times per decade of the grid: a branch between two of them is replaced by both, with an
-/// error of at most 1.7e-4 of its loss modulus (as in [`rodwave::kramers_kronig`]).
+/// Relaxation times per decade of the grid. A branch whose relaxation time is between two grid
+/// points is represented by branches at both, with an error of at most 1.7e-4 of its loss modulus
+/// (as in [`rodwave::kramers_kronig`]).
 const TIMES_A_DECADE: f64 = 64.0;
-/// Decades of the grid beyond the band: at this distance a branch is a spring or a dashpot to 1e-4.
+/// Decades of the grid beyond the band: at this distance a branch equals a spring or a dashpot to
+/// 1e-4.
 const DECADES_BEYOND: f64 = 2.0;
-/// Predicted decrease of the sum of squares by one more branch, as a fraction of its mean per value
-/// (or of 1, if that is less), below which no branch is added.
+/// Predicted decrease of the sum of squares by one more branch below which no branch is added, as a
+/// fraction of the sum of squares per value, or of 1 if the sum per value is less than 1.
 const TOLERANCE: f64 = 1e-10;
 
 /// Value of a line, with its independent error.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Value {
-    /// s of the line [1/s]: iω, or σ + iω with added damping.
+    /// Laplace variable s of the line [1/s]: iω, or σ + iω with added damping.
     pub(super) place: Complex64,
-    /// E \[Pa\].
+    /// Modulus E \[Pa\].
     pub(super) modulus: Complex64,
-    /// Rows of W, with WᵀW the inverse covariance of (E', E'') [1/Pa].
+    /// Rows of the whitening matrix W [1/Pa], where WᵀW is the inverse of the covariance of (E',
+    /// E'').
     pub(super) whitening: [[f64; 2]; 2],
 }
 
 impl Value {
-    /// Creates a value with the `variance` E|δE|² \[Pa²\], half in each part.
+    /// Creates a value with the `variance` E|δE|² \[Pa²\], half of it in the real part and half in
+    /// the imaginary part.
     pub(super) fn circular(place: Complex64, modulus: Complex64, variance: f64) -> Self {
         let weight = (2.0 / variance).sqrt();
         Self {
@@ -44,20 +48,20 @@ impl Value {
     }
 }
 
-/// Values with their common errors, in units of all their errors together.
+/// Values and their common errors, in units of the total errors of the values.
 pub(super) struct Whitened<'a> {
     values: &'a [Value],
     pub(super) common: CommonErrors,
-    /// The values and readings in units of their independent errors.
+    /// Values and readings, in units of their independent errors.
     plain: Vec<f64>,
-    /// The values and readings in units of all errors.
+    /// Values and readings, in units of their total errors.
     target: Vec<f64>,
 }
 
 impl<'a> Whitened<'a> {
-    /// Creates whitened `values`. Each of the `common` vectors \[Pa\] is the error of all values if
-    /// its source is wrong by one standard uncertainty. Further `readings`, with errors of variance
-    /// 1, are sums of the sizes of these errors with the given factors.
+    /// Creates whitened `values`. Each `common` vector \[Pa\] contains the errors of all values if
+    /// one source is wrong by one standard uncertainty. Each of the `readings`, with an error of
+    /// variance 1, measures the sum of the sizes of these errors, multiplied by its factors.
     pub(super) fn new(
         values: &'a [Value],
         common: &[Vec<Complex64>],
@@ -98,7 +102,8 @@ impl<'a> Whitened<'a> {
         column
     }
 
-    /// Returns the columns of a spring and of branches of modulus 1, in units of all errors.
+    /// Returns the columns of a spring and of branches, each of modulus 1, in units of the total
+    /// errors.
     pub(super) fn columns(&self, times: &[f64]) -> Vec<Vec<f64>> {
         let whitened = |material: &dyn Fn(Complex64) -> Complex64| {
             let mut column = self.of_material(material);
@@ -111,7 +116,8 @@ impl<'a> Whitened<'a> {
             .collect()
     }
 
-    /// Finds the nearest material. `None` without values, or where a number is not finite.
+    /// Finds the material nearest to the values; `None` without values, or if a number is not
+    /// finite.
     pub(super) fn project(&self) -> Option<Projection> {
         let times = self.grid(TIMES_A_DECADE)?;
         let problem = NonNegative::new(&self.columns(&times), &self.target);
@@ -140,14 +146,15 @@ impl<'a> Whitened<'a> {
         })
     }
 
-    /// Returns the sum of squares of the difference of two materials, in units of all errors.
+    /// Returns the sum of squares of the difference of two materials, in units of the total errors.
     pub(super) fn distance(&self, one: &Material, other: &Material) -> f64 {
         let mut difference = self.of_material(|place| one.at(place) - other.at(place));
         self.common.whiten(&mut difference);
         dot(&difference, &difference)
     }
 
-    /// Returns relaxation times of the band and of [`DECADES_BEYOND`] on either side of it.
+    /// Returns relaxation times that cover the band and [`DECADES_BEYOND`] decades on either side
+    /// of it.
     pub(super) fn grid(&self, times_a_decade: f64) -> Option<Vec<f64>> {
         let sizes = || self.values.iter().map(|value| value.place.norm());
         let lowest = sizes().min_by(f64::total_cmp)?;
@@ -164,24 +171,25 @@ impl<'a> Whitened<'a> {
     }
 }
 
-/// Returns the coefficients of the columns of a problem.
+/// Solves a problem and returns the coefficients of its columns.
 pub(super) fn solved(problem: &NonNegative) -> Vec<f64> {
     problem.solve_to(TOLERANCE).coefficients
 }
 
-/// The relaxing material nearest to the values.
+/// Relaxing material nearest to the values, with its distance from them.
 #[derive(Debug, Clone)]
 pub(super) struct Projection {
     pub(super) material: Material,
     /// Sizes of the common errors, in standard uncertainties.
     pub(super) sizes: Vec<f64>,
-    /// Sum of squares of the residual in units of all errors.
+    /// Sum of squares of the residual in units of the total errors.
     pub(super) chi_squared: f64,
-    /// Residual of each line after subtraction of the common errors, in units of its own errors.
+    /// Residual of each line after subtraction of the common errors, in units of the errors of that
+    /// line.
     pub(super) residuals: Vec<[f64; 2]>,
 }
 
-/// Spring and branches.
+/// Material of a spring and Maxwell branches in parallel.
 #[derive(Debug, Clone)]
 pub(super) struct Material {
     pub(super) equilibrium: f64,
@@ -190,7 +198,7 @@ pub(super) struct Material {
 
 impl Material {
     /// Creates a material from the coefficients of a spring and of branches with these `times`;
-    /// branches with the coefficient 0 are left out.
+    /// branches with the coefficient 0 are omitted.
     pub(super) fn of(times: &[f64], coefficients: &[f64]) -> Self {
         let (equilibrium, moduli) = coefficients.split_at(coefficients.len().min(1));
         let branches = times

@@ -5,7 +5,8 @@ use super::{
 };
 use crate::error::{CmodError, check_not_negative, check_positive};
 
-/// Minimum number of samples before the blow, or before the wave, for a mean square.
+/// Minimum number of samples from which a mean square is computed, before the blow or between the
+/// blow and the wave.
 const FEWEST_SAMPLES: usize = 8;
 
 /// Record of a blow in one channel.
@@ -17,7 +18,7 @@ pub struct Channel<'a> {
     pub distance: f64,
 }
 
-/// Records of a blow, and its time.
+/// Records of a blow, with the time of the blow. Its inputs come from these sources:
 ///
 /// | quantity | source |
 /// |---|---|
@@ -31,18 +32,19 @@ pub struct Arrivals<'a> {
     blow: usize,
 }
 
-/// Mean, mean square and number of independent samples of a stretch of noise.
+/// Mean, mean square and number of independent samples of the noise in a part of a record.
 struct Noise {
     mean: f64,
     mean_square: f64,
-    /// Number of samples per independent square, 1 + 2Σρ² over lags; 1 for white noise.
+    /// Number of samples per independent square, 1 + 2Σρ² over the lags of the autocorrelation ρ; 1
+    /// for white noise.
     correlation: f64,
     /// Number of samples per independent sum, 1 + 2Σ|ρ|.
     persistence: f64,
     independent: f64,
 }
 
-/// First wave of a channel compared with that of the reference.
+/// Comparison of the first wave of a channel with that of the reference channel.
 struct Wave {
     /// Correlation divided by its scatter.
     correlation: f64,
@@ -97,22 +99,23 @@ impl<'a> Arrivals<'a> {
     }
 
     /// Checks that every channel is silent until a wave of the speed `fastest` [m/s] can have
-    /// arrived from the impacted end, with the probability `level` of a false alarm.
+    /// arrived from the impacted end. `level` is the probability of a false alarm.
     ///
-    /// The statistic of a channel is the mean square between the blow and that moment, divided by
+    /// The statistic of a channel is the mean square between the blow and this arrival, divided by
     /// the mean square before the blow. For noise alone it is about 1 and has the F-distribution,
     /// with degrees of freedom that are reduced for the correlation of the noise before the blow.
-    /// The smallest p-value of all channels is used, corrected for the number of channels. Channels
-    /// with fewer than 8 samples between blow and arrival are not checked.
+    /// The p-value of the check is the smallest of all channels, corrected for the number of
+    /// channels. Channels with fewer than 8 samples between blow and arrival are not checked.
     ///
-    /// `fastest` is the speed of the front, √(E/ρ) of the unrelaxed modulus: more than any phase
-    /// velocity of the band, by the dispersion between the band and the sampling rate that the loss
-    /// factor causes. A linear-phase filter rings before the wave, so a record filtered in this way
-    /// fails.
+    /// `fastest` is the speed of the front, √(E/ρ) of the unrelaxed modulus: it exceeds any phase
+    /// velocity of the band by the dispersion that the loss factor causes between the band and the
+    /// sampling rate. A record filtered with a linear-phase filter fails, because such a filter
+    /// rings before the wave.
     ///
     /// # Errors
-    /// [`CmodError::NonPhysical`] for speed and level, [`CmodError::TooFewSamples`] if no channel
-    /// can be checked, [`CmodError::NoNoise`] for a channel without any noise before the blow.
+    /// [`CmodError::NonPhysical`] for the speed and the level, [`CmodError::TooFewSamples`] if no
+    /// channel can be checked, [`CmodError::NoNoise`] for a channel without any noise before the
+    /// blow.
     pub fn causality(&self, fastest: f64, level: f64) -> Result<CheckOutcome, CmodError> {
         let level = check_level(level)?;
         check_positive("fastest wave speed [m/s]", fastest)?;
@@ -130,7 +133,7 @@ impl<'a> Arrivals<'a> {
             let n = ahead.len() as f64;
             let deviations = ahead.iter().map(|value| (value - noise.mean).powi(2));
             let before = self.blow as f64;
-            // The mean of the noise is itself an estimate with scatter.
+            // The mean of the noise is itself an estimate and scatters.
             let expected = noise.mean_square * (1.0 + noise.persistence / before);
             let statistic = deviations.sum::<f64>() / n / expected;
             let p_value = fisher_tail(
@@ -153,20 +156,21 @@ impl<'a> Arrivals<'a> {
         Ok(CheckOutcome::judged(Check::Causality, (worst.1, 1.0), p_value, level).at(worst.2))
     }
 
-    /// Checks that the first wave has the same sign in all channels, for sensors of one quantity,
-    /// with at most the probability `level` of a false alarm.
+    /// Checks that the first wave has the same sign in all channels, for sensors of one quantity.
+    /// `level` is the largest probability of a false alarm.
     ///
-    /// Each channel is correlated with the one nearest to the impact for `duration` \[s\] from the
-    /// arrival of a wave of the given `speed` [m/s]. The statistic is the lowest correlation of all
-    /// channels, divided by its scatter due to noise: many standard deviations above 0 if the sign
-    /// is right, below 0 if it is wrong. Its distribution is Student's, as the noise is estimated
-    /// from the samples before the blow. The duration must end before a reflection arrives. If the
-    /// wave is below the noise, the check is undecided.
+    /// Each channel is correlated with the channel nearest to the impact, over the `duration` \[s\]
+    /// after the arrival of a wave of the given `speed` [m/s]. The statistic is the lowest
+    /// correlation of all channels, divided by its scatter due to noise: many standard deviations
+    /// above 0 if the sign is right, below 0 if it is wrong. The statistic follows Student's
+    /// distribution, because the noise is estimated from the samples before the blow. The
+    /// `duration` must end before a reflection arrives. If the wave is below the noise, the check
+    /// is undecided.
     ///
     /// # Errors
-    /// [`CmodError::NonPhysical`] for speed, duration and level, [`CmodError::TooFewSamples`] if
-    /// the record ends before the duration, [`CmodError::NoNoise`] for a channel without any
-    /// noise before the blow.
+    /// [`CmodError::NonPhysical`] for the speed, the duration and the level,
+    /// [`CmodError::TooFewSamples`] if the record ends before the duration, [`CmodError::NoNoise`]
+    /// for a channel without any noise before the blow.
     pub fn polarity(
         &self,
         speed: f64,
@@ -267,7 +271,8 @@ impl<'a> Arrivals<'a> {
         (time / self.interval).floor() as usize
     }
 
-    /// Returns the first `count` samples from the blow on, or all available ones.
+    /// Returns the first `count` samples after the blow, or all available samples if there are
+    /// fewer.
     fn after_blow(&self, channel: &Channel<'a>, count: usize) -> &'a [f64] {
         let after = channel.samples.get(self.blow..).unwrap_or_default();
         after.get(..count).unwrap_or(after)
@@ -284,7 +289,7 @@ impl<'a> Arrivals<'a> {
                 index,
             });
         }
-        // Up to the first lag whose ρ is compatible with white noise.
+        // The sums end at the first lag whose ρ is compatible with white noise.
         let (mut correlation, mut persistence) = (1.0, 1.0);
         for lag in 1..quiet.len() / 4 {
             let pairs = quiet.iter().zip(quiet.iter().skip(lag));

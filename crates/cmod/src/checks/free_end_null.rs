@@ -10,29 +10,29 @@ use crate::multi_point::{GaugeSpectra, Quantity};
 
 /// Maximum number of Gauss-Newton steps per line.
 const MOST_STEPS: u32 = 60;
-/// Degrees of freedom of the noise of a line up to which a ratio to this noise has no finite
+/// Degrees of freedom of the noise of a line at or below which a ratio to this noise has no finite
 /// variance.
 const FEWEST_DEGREES_OF_FREEDOM: f64 = 4.0;
-/// Smallest fraction of a step that is tried.
+/// Smallest fraction of a Gauss-Newton step that is tried.
 const SMALLEST_FRACTION: f64 = 1e-6;
 
 /// Free-end null check: three or more sections must agree on one motion of the free end and one γ.
 ///
 /// Beyond the free end of a rod there is no force except that of its mass m. At the distance d from
-/// the end every quantity is therefore one amplitude c times a known function of γ,
+/// the end every measured quantity is therefore an amplitude c times a known function of γ,
 ///
 /// ```text
 /// b_j = c f(γd_j) ,    f = sinh γd + lγ cosh γd (strain) or cosh γd + lγ sinh γd (motion) ,    l = m/(ρA)
 /// ```
 ///
-/// while a support, a crack or a wrongly placed or calibrated sensor adds a second wave. On each
-/// line, γ and one c per test are fitted, and χ² = 2Σ|b - cf|²/σ² has 2(M(n - 1) - 1) degrees of
-/// freedom for M tests with n sections. The statistic is the sum over all lines divided by the sum
-/// of their degrees of freedom; noise alone gives 1.
+/// A support, a crack or a wrongly placed or calibrated sensor adds a second wave. On each line, γ
+/// and one c per test are fitted, and χ² = 2Σ|b - cf|²/σ² has 2(M(n - 1) - 1) degrees of freedom
+/// for M tests with n sections. The statistic is the sum over all lines divided by the sum of their
+/// degrees of freedom; noise alone gives 1.
 ///
-/// Two sections always agree on some γ, whatever their errors, so three are needed. A rod whose
-/// waves are not one-dimensional, because of bending or of lateral inertia that changes the shape
-/// of the waves near the end, fails as well.
+/// Two sections always agree on some γ, whatever their errors, so at least three are needed. A rod
+/// whose waves are not one-dimensional, because of bending or of lateral inertia that changes the
+/// shape of the waves near the end, fails as well.
 ///
 /// ```
 /// use cmod::checks::{FreeEndNull, USUAL_LEVEL};
@@ -69,8 +69,8 @@ impl FreeEndNull {
     /// end, in any order.
     ///
     /// # Errors
-    /// [`CmodError::GaugeCount`] for fewer than three, [`CmodError::NonPhysical`] for the rod and
-    /// for a distance that is not finite and above 0.
+    /// [`CmodError::GaugeCount`] for fewer than three distances, [`CmodError::NonPhysical`] for the
+    /// rod and for a distance that is not finite and above 0.
     pub fn new(
         rod: RodWithFreeEnd,
         distances: Vec<f64>,
@@ -99,12 +99,12 @@ impl FreeEndNull {
     /// The ratio to an estimated noise power of ν degrees of freedom is on average ν/(ν - 2) times
     /// the ratio to the true noise power. The statistic is divided by this factor and compared with
     /// Fisher's distribution instead of chi-square, with the degrees of freedom of all sensors and
-    /// lines together in the denominator: otherwise every record of some thousand lines would fail
-    /// if its noise has an error of some per cent.
+    /// lines together in the denominator. With chi-square, every record of some thousand lines
+    /// would fail if its noise had an error of some per cent.
     ///
     /// # Errors
-    /// [`CmodError::NonPhysical`] unless a line has more than 4 degrees of freedom, below which
-    /// such ratios have no finite variance.
+    /// [`CmodError::NonPhysical`] unless a line has more than 4 degrees of freedom; with 4 or
+    /// fewer, such ratios have no finite variance.
     pub fn with_noise_freedom(mut self, freedom: VarianceFreedom) -> Result<Self, CmodError> {
         let freedom = freedom.check()?;
         if freedom.line <= FEWEST_DEGREES_OF_FREEDOM {
@@ -118,9 +118,9 @@ impl FreeEndNull {
         Ok(self)
     }
 
-    /// Checks `spectra`, one row per distance, near the `propagation_coefficient` γ [1/m] of each
-    /// line from any method, with the probability `level` of a false alarm. Lines with a non-finite
-    /// γ or value are skipped.
+    /// Checks `spectra`, one row per distance, with the probability `level` of a false alarm. The
+    /// fit on each line starts from the `propagation_coefficient` γ [1/m], which may come from any
+    /// method. Lines with a non-finite γ or value are skipped.
     ///
     /// # Errors
     /// [`CmodError::NonPhysical`] for the level; for the `spectra` the errors of
@@ -171,7 +171,7 @@ impl FreeEndNull {
             Some(noise) => {
                 let statistic = total / all * (1.0 - 2.0 / noise.line);
                 let of_noise = (count * n) as f64 * noise.own;
-                // the ratio scatters more than with a known noise, by (ν - 2)/(ν - 4)
+                // the variance of the ratio is larger than with a known noise by (ν - 2)/(ν - 4)
                 let of_lines = all * (noise.line - 4.0) / (noise.line - 2.0);
                 (statistic, fisher_tail(statistic, of_lines, of_noise))
             }
@@ -190,13 +190,13 @@ fn noises(spectra: &GaugeSpectra<'_>, index: usize) -> impl Iterator<Item = f64>
     spectra.noise.iter().map(move |noise| noise[index])
 }
 
-/// Line of all tests, divided by the noise of each sensor.
+/// Fit of one line to the values of all tests, divided by the noise of each sensor.
 struct Fit<'a> {
     check: &'a FreeEndNull,
-    /// (n_tests · n_sensors)
+    /// Values of all sensors, (n_tests · n_sensors).
     values: Vec<Complex64>,
     weights: Vec<f64>,
-    /// f and f' of each sensor, divided by its noise.
+    /// Functions f and f' of each sensor, divided by the noise of the sensor.
     shape: Vec<(Complex64, Complex64)>,
 }
 
@@ -227,7 +227,7 @@ impl<'a> Fit<'a> {
         self.values.iter().all(|value| value.is_finite())
     }
 
-    /// Returns Σ|b - cf|² at γ, with the Gauss-Newton step from there.
+    /// Returns Σ|b - cf|² at γ, and the Gauss-Newton step from γ.
     fn misfit(&mut self, gamma: Complex64) -> (f64, Complex64) {
         let l = self.check.rod.length_of_end_mass();
         let shape = FreeEndShape {
@@ -263,7 +263,7 @@ impl<'a> Fit<'a> {
         (misfit, gradient / curvature)
     }
 
-    /// Returns the least misfit near γ, by Gauss-Newton steps that are halved until the misfit
+    /// Returns the least misfit near `start`. Each Gauss-Newton step is halved until the misfit
     /// decreases.
     fn least_misfit(&mut self, start: Complex64) -> f64 {
         let mut gamma = start;
@@ -280,7 +280,7 @@ impl<'a> Fit<'a> {
                 }
                 fraction *= 0.5;
             }
-            // a hundredth of a unit of χ² changes no verdict
+            // a decrease of half of χ² by less than 1e-3 changes no verdict
             if previous - best < 1e-3 {
                 break;
             }
@@ -293,9 +293,9 @@ impl<'a> Fit<'a> {
 mod tests {
     use super::*;
 
-    /// A noise assumed 10 % too small in amplitude: chi-square of many lines fails a correct
-    /// record; Fisher's distribution for a noise of 100 degrees of freedom in all, whose power has
-    /// a standard error of 14 %, does not.
+    /// Noise that is assumed 10 % too small in amplitude: with chi-square over many lines a correct
+    /// record fails. With Fisher's distribution for a noise of 100 degrees of freedom in all, whose
+    /// power has a standard error of 14 %, the record passes.
     #[test]
     fn a_noise_that_is_known_to_some_per_cent_fails_nobody() {
         let rod = RodWithFreeEnd {
@@ -310,7 +310,7 @@ mod tests {
             .collect();
         let distances = [0.1, 0.25, 0.41];
         let noise = 1e-3;
-        // errors of random phase whose squares are distributed as those of circular noise
+        // errors of random phase whose squares have the distribution of circular noise
         let mut state = 12345.0_f64;
         let mut uniform = || {
             state = (state * 997.0 + 0.5) % 65_521.0;
@@ -336,7 +336,7 @@ mod tests {
         let check = FreeEndNull::new(rod, distances.to_vec(), Quantity::Strain).unwrap();
         let known = check.check(&measured, &gamma, 0.01).unwrap();
         assert!(known.has_failed(), "{known}");
-        // 1/0.9² = 1.235; three standard deviations of 1800 degrees of freedom
+        // expected 1/0.9² = 1.235, within three standard deviations for 1800 degrees of freedom
         assert!((known.statistic - 1.235).abs() < 0.123, "{known}");
         let estimated = check
             .clone()

@@ -12,42 +12,46 @@ use crate::estimate::{ErrorSource, ModulusEstimate, ModulusLine};
 /// Maximum number of fits of the nearest material, each with weights from the previous fit.
 const MOST_ROUNDS: u32 = 4;
 
-/// Checks that the modulus of an `estimate` can be that of a relaxing material, with at most the
-/// probability `level` of a false alarm.
+/// Checks that a relaxing material can have the modulus of an `estimate`. `level` is the largest
+/// probability of a false alarm.
 ///
 /// The nearest relaxing material is fitted in units of the random errors of the lines, with the
 /// common errors of the specimen free within their uncertainties
 /// ([`KramersKronig::of_modulus_with_common_errors`]). With known variances the residual sum of
-/// squares F = |δE|²/σ², including the squares of the common errors, is that of a projection onto a
-/// cone. The nearest material lies on a face of the cone of p dimensions, the number of its
-/// parameters above 0. For records projected onto this face, twice the sum exceeds a value at most
-/// as often as a chi-square variable with 2n - p degrees of freedom for n lines: the residual is
-/// perpendicular to the face, and the truth, which lies in the cone, can only shorten it (Wollan &
-/// Dykstra, *Conditional tests with an order restriction as a null hypothesis*, 1986).
+/// squares F = |δE|²/σ², including the squares of the common errors, is the residual of a
+/// projection onto a cone. The nearest material lies on a face of the cone of p dimensions, the
+/// number of its parameters above 0. For records that are projected onto this face, twice the
+/// residual sum exceeds any given value at most as often as a chi-square variable with 2n - p
+/// degrees of freedom for n lines: the residual is perpendicular to the face, and the truth, which
+/// lies in the cone, can only shorten it (Wollan & Dykstra, *Conditional tests with an order
+/// restriction as a null hypothesis*, 1986).
 ///
-/// With a variance of ν degrees of freedom, F of a line follows Fisher's distribution, P(F > x) =
-/// (1 + 2x/ν)^{-ν/2}, so that
+/// With an estimated variance of ν degrees of freedom, F of a line follows Fisher's distribution,
+/// P(F > x) = (1 + 2x/ν)^{-ν/2}. Therefore
 ///
 /// ```text
 /// u = (ν/2) ln(1 + 2F/ν)
 /// ```
 ///
-/// has the distribution of F with a known variance, however small ν is. Σu replaces ΣF and is
-/// minimised by the nearest material: outlying lines count less. Σu is ν/(ν + 2) times the
-/// logarithm of a likelihood, of which a parameter absorbs half of a chi-square variable: p is
-/// multiplied by this factor. Where neighbours share their variances, their u are correlated: with
-/// D degrees of freedom of all lines together the variance of Σu is larger by 1 + n (2/D - 2/Σν),
-/// and chi-square is scaled to it.
+/// has, for any ν, the distribution that F has with a known variance. Σu replaces ΣF, and the
+/// nearest material minimises Σu; outlying lines then have less weight. Σu is ν/(ν + 2) times the
+/// logarithm of a likelihood, of which each parameter absorbs half of a chi-square variable.
+/// Therefore p in 2n - p is multiplied by ν/(ν + 2). If neighbouring lines share their variances,
+/// the values of u of these lines are correlated. With D degrees of freedom of all lines together,
+/// the variance of Σu is larger by the factor 1 + n (2/D - 2/Σν), and chi-square is scaled to this
+/// variance.
 ///
-/// This sum is insensitive to an error common to all losses. The second statistic is the decrease
-/// due to a factor on all losses ([`LossError`](rodwave::kramers_kronig::LossError)), with one
-/// degree of freedom; the p-value is twice the smaller of the two p-values.
+/// Σu is insensitive to an error common to all losses. The second statistic is the decrease of the
+/// residual due to a common factor on all losses
+/// ([`LossError`](rodwave::kramers_kronig::LossError)), with one degree of freedom; the p-value is
+/// twice the smaller of the two p-values.
 ///
-/// The statistic is the root mean square residual, and noise alone gives 1. The error of the grid
-/// of relaxation times is subtracted first; if the verdict depends on the accuracy of the optimum,
-/// the check is undecided.
+/// The reported statistic is the root mean square residual; noise alone gives 1. The error of the
+/// grid of relaxation times is subtracted first; if the verdict depends on the accuracy of the
+/// optimum, the check is undecided.
 ///
-/// The lines are those of [`passivity`](super::passivity); at least three are needed.
+/// The check uses the same lines as [`passivity`](super::passivity), and needs at least three of
+/// them.
 ///
 /// # Errors
 /// [`CmodError::NonPhysical`] for the level, [`CmodError::NoLines`] if fewer than three lines can
@@ -56,12 +60,12 @@ pub fn kramers_kronig(estimate: &ModulusEstimate, level: f64) -> Result<CheckOut
     kramers_kronig_on(estimate, usize::MAX, level)
 }
 
-/// Checks at most `most_lines` evenly spaced lines: the effort grows with their number, and an
-/// error of a modulus seldom affects only one line of thousands. The detectable error decreases
-/// with the square root of the number of lines.
+/// Performs the check of [`kramers_kronig`] on at most `most_lines` evenly spaced lines. The
+/// computing time grows with the number of lines, and an error of a modulus seldom affects only one
+/// line of thousands. The detectable error decreases with the square root of the number of lines.
 ///
 /// # Errors
-/// Those of [`kramers_kronig`].
+/// The errors of [`kramers_kronig`].
 pub fn kramers_kronig_on(
     estimate: &ModulusEstimate,
     most_lines: usize,
@@ -108,7 +112,7 @@ pub fn kramers_kronig_on(
     }
     let n = lines.len() as f64;
     let by_common: f64 = nearest.common_errors.iter().map(|xi| 0.5 * xi * xi).sum();
-    // sum for residuals multiplied by `factor`
+    // the sum for residuals whose squares are multiplied by `factor`²
     let sum = |factor: f64| -> f64 {
         let of_line = |(line, f): (&Tested<'_>, &f64)| line.like_chi_square(factor * factor * f);
         let of_lines: f64 = lines.iter().zip(&squares).map(of_line).sum();
@@ -124,15 +128,15 @@ pub fn kramers_kronig_on(
             0.0
         };
         if freedom <= 0.0 {
-            // a material fits all values
+            // the material fits all values
             return 1.0;
         }
         chi_square_tail(2.0 * sum(factor) / spread, freedom / spread)
     };
-    // The residual of the optimum lies between its lower bound and the residual found; even the
-    // lower bound must be too large.
+    // The residual of the optimum lies between its lower bound and the residual that was found. The
+    // check fails only if even the lower bound is too large.
     let all_lines = p_of(nearest.residual_lower_bound);
-    // The decrease is that of the weighted squares; since u is concave, Σu decreases at least as
+    // This is the decrease of the weighted squares; since u is concave, Σu decreases at least as
     // much.
     let loss_alone = nearest
         .loss_error
@@ -166,7 +170,7 @@ struct Tested<'a> {
     line: &'a ModulusLine,
     /// (E|δE|²)^½ due to noise [Pa].
     error: f64,
-    /// Degrees of freedom of the square of `error`, if estimated.
+    /// Degrees of freedom of the square of `error`, if it was estimated.
     freedom: Option<f64>,
 }
 
@@ -187,14 +191,15 @@ impl<'a> Tested<'a> {
         })
     }
 
-    /// Returns u of F = `square`: half of a chi-square variable with two degrees of freedom.
+    /// Returns u for F = `square`, which is half of a chi-square variable with two degrees of
+    /// freedom.
     fn like_chi_square(&self, square: f64) -> f64 {
         self.freedom.map_or(square, |freedom| {
             0.5 * freedom * (2.0 * square / freedom).ln_1p()
         })
     }
 
-    /// Returns σ divided by the root of du/dF: least squares with these weights lower Σu.
+    /// Returns σ divided by the root of du/dF: a least-squares fit with these weights decreases Σu.
     fn scale(&self, square: f64) -> f64 {
         self.freedom.map_or(self.error, |freedom| {
             self.error * (1.0 + 2.0 * square / freedom).sqrt()
@@ -214,7 +219,7 @@ fn taken_up(nearest: &KramersKronig, lines: &[Tested<'_>]) -> f64 {
     parameters as f64 * lines.iter().map(of_line).sum::<f64>() / lines.len() as f64
 }
 
-/// Returns |δE|²/σ² of all lines, without the common errors.
+/// Returns |δE|²/σ² of all lines, after subtraction of the common errors.
 fn squares(nearest: &KramersKronig, lines: &[Tested<'_>]) -> Vec<f64> {
     let residuals = nearest.lines.iter().zip(lines);
     residuals
@@ -224,7 +229,7 @@ fn squares(nearest: &KramersKronig, lines: &[Tested<'_>]) -> Vec<f64> {
         .collect()
 }
 
-/// Returns δE of every source on all lines, 0 where a line does not depend on the source.
+/// Returns δE due to every source on all lines; 0 on a line that does not depend on the source.
 fn common_errors(lines: &[Tested<'_>]) -> Vec<Vec<Complex64>> {
     let mut sources: Vec<ErrorSource> = Vec::new();
     for shift in lines

@@ -1,4 +1,4 @@
-//! Passivity: a material dissipates energy, E'' >= 0.
+//! Check of passivity: a material dissipates energy, E'' >= 0.
 
 use super::{
     Check, CheckOutcome, CheckVerdict, check_level, normal_tail_below, of_the_least,
@@ -7,19 +7,20 @@ use super::{
 use crate::error::CmodError;
 use crate::estimate::ModulusEstimate;
 
-/// Checks that E'' of an `estimate` is nowhere below 0 by more than its random errors allow, with
-/// at most the probability `level` of a false alarm.
+/// Checks that E'' of an `estimate` is nowhere below 0 by more than its random errors allow.
+/// `level` is the largest probability of a false alarm.
 ///
 /// The relative loss l = E''/|E| with its random error σ is tested twice, each time at half of the
-/// level: its mean by Σ(l/σ²)/√Σ(1/σ²), and single lines by the least l/σ of all lines. The
-/// statistic is the more extreme of the two, in standard errors below 0. With estimated variances
-/// l/σ of a line follows Student's distribution, and the sum is divided by √Σ(l²/σ⁴) instead:
-/// whatever the estimates are, errors of either sign are equally likely. The uncertainty of the
-/// specimen does not count as noise: a wrong position that makes E'' negative is to be detected.
+/// level: the mean of l is tested by Σ(l/σ²)/√Σ(1/σ²), and single lines by the smallest l/σ of all
+/// lines. The statistic is the more extreme of the two, in standard errors below 0. If the
+/// variances are estimated, l/σ of a line follows Student's distribution, and the sum is divided by
+/// √Σ(l²/σ⁴) instead, because errors of either sign are equally likely whatever the estimates are.
+/// The uncertainty of the specimen is not part of the noise, so that a wrong position that makes
+/// E'' negative is detected.
 ///
 /// Lines of negative damping are included, although they are not valid; lines with a doubtful
-/// branch are not. The p-value is that of a material without losses; with losses a false alarm is
-/// rarer.
+/// branch are not. The p-value holds for a material without losses; for a material with losses a
+/// false alarm is rarer.
 ///
 /// # Errors
 /// [`CmodError::NonPhysical`] for the level, [`CmodError::NoLines`] if no line can be checked,

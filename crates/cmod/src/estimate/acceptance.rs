@@ -17,7 +17,8 @@ pub(crate) struct Acceptance {
 }
 
 impl Acceptance {
-    /// Creates the limits for variances with `degrees_of_freedom`; `None` if they are known.
+    /// Creates the limits for variances with `degrees_of_freedom`; `None` if the variances are
+    /// known.
     pub(crate) fn new(
         limits: AcceptanceLimits,
         degrees_of_freedom: Option<f64>,
@@ -34,7 +35,8 @@ impl Acceptance {
         })
     }
 
-    /// Creates the limits for one line, with a variance of this `freedom`; `None` if it is known.
+    /// Creates the limits for one line whose variance has the given `freedom`; `None` if the
+    /// variance is known.
     pub(crate) fn of_line(
         limits: AcceptanceLimits,
         freedom: Option<VarianceFreedom>,
@@ -78,7 +80,7 @@ impl Acceptance {
                 self.limits.loss_factor,
             ),
         ] {
-            // the bound is not a standard error: it adds to the possible random error
+            // the bound is not a standard error: it is added to the possible random error
             let error = self.factor * random + inertia;
             if inertia > limit {
                 violations.push(Violation::LateralInertiaTooLarge {
@@ -141,11 +143,11 @@ const NEIGHBOURS: usize = 8;
 
 impl ModulusEstimate {
     /// Returns the estimate in which the random error of the loss factor is also compared with the
-    /// loss factors of the eight lines on either side.
+    /// mean loss factor of the eight lines on either side.
     ///
-    /// The relative error of a line contains its own loss factor, noise included. Where the error of
-    /// all lines is above the limit, the few lines on which noise increases the loss factor most
-    /// would be the only valid ones, and their loss factors far too large.
+    /// The relative error of a line is computed with the loss factor of that line, which contains
+    /// noise. If the error of all lines is above the limit, only the few lines whose loss factor is
+    /// increased most by noise would be valid, and these loss factors would be far too large.
     ///
     /// # Errors
     /// [`CmodError::NonPhysical`] for degrees of freedom of a line that are not positive.

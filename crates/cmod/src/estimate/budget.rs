@@ -4,7 +4,7 @@ use super::{ErrorSource, ModulusLine, StandardError};
 use crate::error::CmodError;
 use crate::uncertainty::{ComplexCovariance, LineCovariance, coverage_factor};
 
-/// Quantity of a line that has a budget.
+/// Quantity of a line for which there is a budget.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum BudgetedQuantity {
@@ -26,7 +26,7 @@ impl BudgetedQuantity {
     }
 }
 
-/// Budget of one quantity of a line (JCGM 100).
+/// Uncertainty budget of one quantity of a line (JCGM 100).
 ///
 /// ```
 /// # use cmod::estimate::BudgetedQuantity;
@@ -66,7 +66,7 @@ impl Budget {
     }
 
     /// Returns the standard uncertainties of the common sources, the largest first. Lateral inertia
-    /// that was not removed has a bound instead.
+    /// that was not removed is not listed; it has a bound ([`ModulusLine::lateral_inertia_bound`]).
     #[must_use]
     pub fn sources(&self) -> &[(ErrorSource, f64)] {
         &self.sources
@@ -79,9 +79,9 @@ impl Budget {
         common.fold(self.random, f64::hypot)
     }
 
-    /// Returns the effective degrees of freedom, (u/u_r)⁴ν by Welch and Satterthwaite: stated
-    /// uncertainties count with infinitely many, the random error u_r with the degrees of freedom ν
-    /// of its variance. `None` if the variance is known, too.
+    /// Returns the effective degrees of freedom, (u/u_r)⁴ν by Welch and Satterthwaite, with the
+    /// degrees of freedom ν of the variance of the random error u_r. Stated uncertainties have
+    /// infinitely many degrees of freedom. Returns `None` if the variance is known.
     #[must_use]
     pub fn effective_degrees_of_freedom(&self) -> Option<f64> {
         let freedom = self.degrees_of_freedom?;
@@ -89,10 +89,10 @@ impl Budget {
         effective.is_finite().then_some(effective)
     }
 
-    /// Returns the standard uncertainty times the coverage factor of this `probability`.
+    /// Returns the standard uncertainty times the coverage factor for this `probability`.
     ///
     /// # Errors
-    /// Those of [`coverage_factor`].
+    /// The errors of [`coverage_factor`].
     pub fn expanded_uncertainty(&self, probability: f64) -> Result<f64, CmodError> {
         let factor = coverage_factor(probability, self.effective_degrees_of_freedom())?;
         Ok(factor * self.standard_uncertainty())
@@ -104,7 +104,7 @@ impl ModulusLine {
     /// and common errors together ([`Self::budget`]).
     ///
     /// # Errors
-    /// Those of [`coverage_factor`].
+    /// The errors of [`coverage_factor`].
     pub fn expanded_uncertainty(
         &self,
         quantity: BudgetedQuantity,

@@ -1,4 +1,5 @@
-//! Estimate as curves for a figure: segments of valid lines, greyed segments, error bands.
+//! Estimate as curves for a figure: segments of valid lines, segments of invalid lines, error
+//! bands.
 
 use super::{ModulusEstimate, ModulusLine};
 
@@ -67,7 +68,7 @@ pub struct Curve {
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 #[non_exhaustive]
 pub struct CurveSegment {
-    /// True if the lines are valid; other segments are to be greyed out.
+    /// True if the lines are valid; the other segments are meant to be drawn in grey.
     pub valid: bool,
     /// Frequencies \[Hz\].
     pub frequency_hz: Vec<f64>,

@@ -15,20 +15,20 @@ use crate::complex_frequency::ComplexFrequency;
 use crate::error::{CmodError, check_not_negative, check_positive};
 use crate::validity::{GREATEST_SECOND_ORDER, Validity, Violation};
 
-/// γ of one line with its errors.
+/// Propagation coefficient γ of one line with its errors.
 pub(crate) struct Solution {
     pub(crate) index: usize,
     pub(crate) frequency: ComplexFrequency,
-    /// γ [1/m] at `frequency`.
+    /// Propagation coefficient γ [1/m] at `frequency`.
     pub(crate) gamma: Complex64,
-    /// ρ [kg/m³].
+    /// Density ρ [kg/m³].
     pub(crate) density: f64,
-    /// D \[m\].
+    /// Diameter D \[m\].
     pub(crate) diameter: f64,
     /// Covariance of γ due to noise [1/m²].
     pub(crate) random: ComplexCovariance,
-    /// Shifts due to the specimen. Empty if it has no uncertainty. The error of one-dimensional
-    /// theory is added by `into_line`.
+    /// Shifts due to the errors of the specimen; empty if the specimen has no uncertainty. The
+    /// error of one-dimensional theory is added by `into_line`.
     pub(crate) systematic: Vec<SystematicShift>,
     /// |dE/E| divided by the relative error of the measured quantity.
     pub(crate) error_amplification: f64,
@@ -70,7 +70,7 @@ impl Solution {
                 residual,
             });
         }
-        // E = -ρω²/γ²: dE/dγ = -2E/γ
+        // from E = -ρω²/γ² follows dE/dγ = -2E/γ
         let random = LineCovariance {
             modulus: self.random.through(-2.0 * modulus / gamma),
             propagation_coefficient: self.random,
@@ -122,9 +122,9 @@ impl Solution {
 }
 
 impl ModulusEstimate {
-    /// Returns the estimate with every modulus changed by the fraction `change` of itself, for
-    /// example from the temperature of the test to another one; `standard_error` is the standard
-    /// error of this fraction.
+    /// Returns the estimate with every modulus multiplied by 1 + `change`, for example to convert
+    /// it from the temperature of the test to another temperature; `standard_error` is the standard
+    /// error of `change`.
     ///
     /// # Errors
     /// [`CmodError::NonPhysical`] unless 1 + `change` is positive and the standard error is not
@@ -138,7 +138,7 @@ impl ModulusEstimate {
             "standard error of the change of the modulus",
             standard_error,
         )?;
-        // E = -ρω²/γ²
+        // from E = -ρω²/γ² follows the factor on γ
         let turn = (1.0 + change).powf(-0.5);
         let scaled = |covariance: LineCovariance| LineCovariance {
             modulus: covariance.modulus.through(Complex64::from(1.0 + change)),
@@ -195,8 +195,8 @@ impl ModulusEstimate {
 
 impl ModulusLine {
     /// Returns the line with all results derived from its corrected modulus, propagation
-    /// coefficient and uncertainty. Violations that do not concern the size of an error are kept
-    /// where `stays` returns true. `None` if a number is not finite.
+    /// coefficient and uncertainty. Violations that do not concern the size of an error are kept if
+    /// `stays` returns true for them. Returns `None` if a number is not finite.
     pub(crate) fn revised(
         mut self,
         acceptance: &Acceptance,

@@ -28,8 +28,8 @@ impl RodWithFreeEnd {
         self.end_mass / (self.density * 0.25 * PI * self.diameter * self.diameter)
     }
 
-    /// Returns the arrangements that `with` creates from the rod with each uncertain quantity that
-    /// affects the length of the end mass increased and decreased.
+    /// Returns the arrangements that `with` creates from changed rods: each uncertain quantity that
+    /// affects the length of the end mass is increased once and decreased once.
     pub(crate) fn changed<T>(
         &self,
         uncertainty: &SectionUncertainty,
@@ -76,12 +76,12 @@ impl RodWithFreeEnd {
 /// distances.
 pub(crate) struct FreeEndShape {
     pub(crate) quantity: Quantity,
-    /// l = m/(ρA) \[m\].
+    /// Length l = m/(ρA) \[m\] of rod with the same mass as the end mass.
     pub(crate) length_of_end_mass: f64,
 }
 
 impl FreeEndShape {
-    /// Returns cosh γd + lγ sinh γd for a motion, sinh γd + lγ cosh γd for a strain.
+    /// Returns cosh γd + lγ sinh γd for a motion, or sinh γd + lγ cosh γd for a strain.
     pub(crate) fn at(&self, distance: f64, gamma: Complex64) -> Jet {
         let end = Jet::linear(self.length_of_end_mass * gamma, self.length_of_end_mass);
         let cosh = Jet::cosh(distance, gamma);

@@ -19,40 +19,43 @@ const ABOVE_MEDIAN: f64 = 100.0;
 const FEWEST_LINES: usize = 12;
 /// Maximum number of fitted lines on each side of a mode.
 const MOST_LINES: usize = 400;
-/// Power of another vibration, relative to the strongest mode, above which it is reported.
+/// Power of another vibration, relative to the strongest mode, above which this other vibration is
+/// reported.
 const ELSEWHERE: f64 = 0.1;
-/// Number of fitted lines on each side, as a multiple of the width of the peak at half power.
+/// Number of fitted lines on each side, as a multiple of the width of the peak of the mode at half
+/// power.
 const WIDTHS: f64 = 6.0;
-/// Number of unknowns of a mode: amplitude, pole, and a parabola for all other modes.
+/// Number of unknowns of a mode: amplitude, pole, and the three coefficients of a parabola for all
+/// other modes.
 const UNKNOWNS: usize = 5;
 /// Maximum number of steps of the iteration.
 const MOST_STEPS: usize = 60;
-/// Minimum number of lines from one mode to the next in a record that is cut.
+/// Minimum number of lines from one mode to the next in a shortened record.
 const LINES_PER_SPACING: f64 = 50.0;
-/// Variance of a mode from a shorter part of the records, relative to that from a longer one, below
-/// which it replaces it.
+/// Ratio of the variance of a mode from a shorter part of the records to its variance from a longer
+/// part, below which the result of the shorter part is used.
 const BETTER: f64 = 0.5;
-/// Number of standard errors by which a decay rate has to change to be reported.
+/// Number of standard errors by which a decay rate must change to be reported.
 const CHANGES_BEYOND: f64 = 5.0;
-/// Fraction of itself by which a decay rate has to change to be reported.
+/// Relative change of a decay rate that is required, in addition, to report it.
 const CHANGES: f64 = 0.03;
 /// Fraction of the sampling rate up to which modes are sought.
 const HIGHEST: f64 = 0.45;
 
-/// A mode $`e^{st}`$.
+/// Pole of a mode $`e^{st}`$.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Pole {
     /// Number of the mode, from 1.
     pub order: u32,
-    /// s = -δ + iω [1/s].
+    /// Pole s = -δ + iω [1/s].
     pub s: Complex64,
-    /// E|δs|² [1/s²].
+    /// Variance E|δs|² [1/s²].
     pub variance: f64,
     /// Degrees of freedom of the variance.
     pub freedom: VarianceFreedom,
 }
 
-/// A mode that was not found where it was expected.
+/// Mode that was not found at its expected frequency.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Missing {
     /// Number of the mode, from 1.
@@ -61,8 +64,8 @@ pub struct Missing {
     pub frequency_hz: f64,
 }
 
-/// A mode whose decay rate changes while it decays: damping that depends on the amplitude, or two
-/// modes close together.
+/// Mode whose decay rate changes while it decays, because the damping depends on the amplitude or
+/// two modes are close together.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ChangingDecay {
     /// Number of the mode, from 1.
@@ -73,19 +76,19 @@ pub struct ChangingDecay {
     pub later: f64,
 }
 
-/// The modes of a rod.
+/// Modes of a rod, found in the records of its free vibration.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct Poles {
-    /// The modes that were found, in order.
+    /// Modes that were found, in order.
     pub found: Vec<Pole>,
-    /// The expected modes that do not stand out from the other lines.
+    /// Expected modes that do not stand out from the other lines.
     pub missing: Vec<Missing>,
     /// Frequency \[Hz\] of the strongest line that belongs to none of the modes, if its power is
-    /// more than a tenth of that of the strongest mode: another vibration, or a wave speed that is
-    /// far off.
+    /// more than a tenth of the power of the strongest mode. Its cause is another vibration, or a
+    /// wrong guess of the wave speed.
     pub strongest_elsewhere: Option<f64>,
-    /// The modes whose decay is not exponential.
+    /// Modes whose decay is not exponential, with their decay rates.
     pub changing: Vec<ChangingDecay>,
 }
 
@@ -99,15 +102,15 @@ impl Poles {
     /// X_k = B/(1 - z e^{-iω_kΔt}) + b₀ + b₁k + b₂k² ,
     /// ```
     ///
-    /// exactly, wherever the record ends; the parabola represents all other modes, which are far
-    /// away. B, b and z follow by least squares on the lines around the mode, and the noise of
-    /// these lines from the residual. The frequency of a mode predicts that of the next mode. The
-    /// poles of several records are averaged; if they differ by more than their errors, the
-    /// variance of the mean follows from their scatter.
+    /// This is exact, wherever the record ends; the parabola represents all other modes, which are
+    /// far away. B, b and z follow by least squares on the lines around the mode, and the noise of
+    /// these lines follows from the residual. The frequency of a mode predicts the frequency of the
+    /// next mode. The poles of several records are averaged; if they differ by more than their
+    /// errors, the variance of the mean follows from their scatter.
     ///
-    /// A mode that is over long before the end of the records is drowned there by their noise. The
-    /// first half, quarter, ... of each record is therefore tried too, and replaces a longer part
-    /// if it halves the variance.
+    /// If a mode decays long before the end of the records, noise dominates the rest of the
+    /// records. Therefore the first half, quarter, ... of each record is tried too, and replaces a
+    /// longer part if the shorter part halves the variance.
     ///
     /// # Errors
     /// [`CmodError::NonPhysical`] for a rate that is not above 0, a sample that is not finite, or
@@ -234,8 +237,8 @@ impl Poles {
     }
 }
 
-/// Returns `length` samples of a record, from where a mode that loses `decay` of its amplitude per
-/// sample has fallen to 1/e; `None` if the record is shorter.
+/// Returns `length` samples of a record, starting when a mode that loses the fraction `decay` of
+/// its amplitude per sample has fallen to 1/e; `None` if the record is shorter.
 #[expect(
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,
@@ -247,15 +250,16 @@ fn after_a_decay(record: &[f64], length: usize, decay: f64) -> Option<&[f64]> {
     record.get(from..to).filter(|part| 2 * part.len() >= length)
 }
 
-/// Returns true if the decay rate of a mode changes by more than its error and a small part of it.
+/// Returns true if the decay rate of a mode changes by more than [`CHANGES_BEYOND`] standard errors
+/// and by more than the fraction [`CHANGES`].
 fn differ((s, variance): (Complex64, f64), later: &Mean) -> bool {
     let apart = (s.re - later.s.re).abs();
-    // half of E|δs|² is that of the decay rate
+    // half of E|δs|² is the variance of the decay rate
     let error = (0.5 * (variance + later.variance)).sqrt();
     apart > CHANGES_BEYOND * error && apart > CHANGES * s.re.abs()
 }
 
-/// A mode as the mean of several records.
+/// Mean of the poles of a mode from several records.
 struct Mean {
     s: Complex64,
     variance: f64,
@@ -294,7 +298,7 @@ fn mean(fits: &[Fit]) -> Option<Mean> {
     })
 }
 
-/// A mode of one record.
+/// Fit of a mode in one record.
 struct Fit {
     s: Complex64,
     variance: f64,
@@ -303,15 +307,15 @@ struct Fit {
     width_hz: f64,
 }
 
-/// Lines of one record.
+/// Spectrum of one record.
 struct Spectrum {
     /// Fourier transform without a window.
     lines: Vec<Complex64>,
     /// Power with Hann's window, with which a distant mode contributes little to a line.
     power: Vec<f64>,
-    /// \[Hz\].
+    /// Spacing of the lines \[Hz\].
     step_hz: f64,
-    /// \[s\].
+    /// Sampling interval \[s\].
     sample: f64,
 }
 
@@ -367,7 +371,7 @@ impl Spectrum {
             .max_by(|a, b| a.1.total_cmp(&b.1))
     }
 
-    /// Fits the mode near `expected` \[Hz\]; `None` if none stands out.
+    /// Fits the mode near `expected` \[Hz\]; `None` if no mode stands out from the other lines.
     #[expect(
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,
@@ -416,7 +420,7 @@ impl Spectrum {
         };
         let omega = TAU * peak as f64 * self.step_hz;
         let start = |decay: f64| (Complex64::new(-decay, omega) * self.sample).exp();
-        // starting values of the decay, from much slower than one record length to much faster
+        // starting values of the decay rate, from much less than one decay per record to much more
         let per_record = TAU * self.step_hz;
         let fits = [0.03, 0.3, 1.0, 3.0, 10.0, 30.0]
             .into_iter()
@@ -434,11 +438,11 @@ impl Spectrum {
     }
 }
 
-/// The lines around a mode.
+/// Lines around a mode.
 struct LinesOfMode<'a> {
-    /// $`e^{-i\omega_k\Delta t}`$.
+    /// Factor $`e^{-i\omega_k\Delta t}`$ of each line.
     turns: Vec<Complex64>,
-    /// Places of the lines, from -1 to 1.
+    /// Positions of the lines in the band, from -1 to 1.
     places: Vec<f64>,
     values: &'a [Complex64],
 }
@@ -446,22 +450,22 @@ struct LinesOfMode<'a> {
 /// Fitted z of a mode.
 struct FittedPole {
     z: Complex64,
-    /// E|δz|².
+    /// Variance E|δz|².
     variance: f64,
     /// Sum of squares of the residual.
     square: f64,
 }
 
 impl LinesOfMode<'_> {
-    /// Fits z by Gauss-Newton steps from a start; B and the parabola follow by linear least squares
-    /// for each z.
+    /// Fits z by Gauss-Newton steps from `start`; for each z, B and the parabola follow by linear
+    /// least squares.
     fn fit(&self, start: Complex64) -> Option<FittedPole> {
         let mut z = start;
         let mut best = self.linear(z)?;
         for _ in 0..MOST_STEPS {
             let jacobian = self.columns(z, Some(best.amplitude));
             let step = least_squares(&jacobian, &best.residual)?.last().copied()?;
-            // the step is halved until it is an improvement
+            // the step is halved until it improves the fit
             let mut part = 1.0;
             let better = loop {
                 let next = z + part * step;
@@ -494,7 +498,8 @@ impl LinesOfMode<'_> {
         })
     }
 
-    /// Returns the columns of B and the parabola and, if the amplitude is given, of z.
+    /// Returns the columns of the design matrix for B and the parabola and, if the `amplitude` is
+    /// given, for z.
     fn columns(&self, z: Complex64, amplitude: Option<Complex64>) -> Vec<Vec<Complex64>> {
         let pole: Vec<Complex64> = self
             .turns
@@ -558,7 +563,7 @@ fn matrix(columns: &[Vec<Complex64>]) -> Mat<Complex64> {
     })
 }
 
-/// Returns the factors of the columns; `None` if one is not finite.
+/// Returns the least-squares factors of the columns; `None` if a factor is not finite.
 fn least_squares(columns: &[Vec<Complex64>], values: &[Complex64]) -> Option<Vec<Complex64>> {
     let (scaled, sizes) = unit(columns);
     let right = Mat::from_fn(values.len(), 1, |i, _| {

@@ -1,8 +1,8 @@
 //! Choice of gauge positions.
 //!
-//! For a guess of the material and of the waves, the standard error of γ is predicted before the
-//! gauges are mounted (Cramér-Rao, as in [`MultiPoint`](super::MultiPoint)). Gauges on a grid of
-//! spacing a are singular at ka = nπ, for any waves.
+//! From a guess of the material and of the waves, the standard error of γ is predicted before the
+//! gauges are mounted, by the Cramér-Rao bound as in [`MultiPoint`](super::MultiPoint). Gauges on a
+//! grid of spacing a are singular at ka = nπ, for any waves.
 
 use std::f64::consts::{PI, TAU};
 
@@ -20,8 +20,8 @@ pub struct ExpectedWaves {
     pub incident_at: f64,
     /// Section from which the incident wave is reflected \[m\].
     pub reflector_at: f64,
-    /// Reflection coefficient N/P there: -1 for the strain at a free end, 1 at a fixed one, 0 for
-    /// no reflection.
+    /// Reflection coefficient N/P at the reflector: -1 for the strain at a free end, 1 at a fixed
+    /// end, 0 for no reflection.
     pub reflection: Complex64,
 }
 
@@ -31,8 +31,8 @@ pub struct ExpectedWaves {
 pub struct Prediction {
     /// Frequency \[Hz\].
     pub frequency_hz: f64,
-    /// (E|δγ|²)^½/|γ|; infinite where the gauges do not determine γ. The relative error of the
-    /// modulus is twice as large, for both parts together.
+    /// Relative standard deviation (E|δγ|²)^½/|γ|; infinite where the gauges do not determine γ.
+    /// The relative standard deviation of the modulus, for both parts together, is twice as large.
     pub relative_deviation: f64,
 }
 
@@ -95,8 +95,8 @@ pub fn predict<L: PropagationLaw>(
 }
 
 /// Returns the spacing of the coarsest grid on which all `positions` \[m\] lie within `tolerance`
-/// \[m\], by Euclid's algorithm on their distances. `None` if the only grid is finer than ten times
-/// the tolerance.
+/// \[m\], by Euclid's algorithm on their distances. Returns `None` if this spacing is not above ten
+/// times the tolerance.
 ///
 /// # Errors
 /// [`CmodError::GaugeCount`], [`CmodError::PositionOrder`] and [`CmodError::NonPhysical`].
@@ -107,7 +107,8 @@ pub fn common_spacing(positions: &[f64], tolerance: f64) -> Result<Option<f64>, 
     for (x, y) in positions.iter().zip(positions.iter().skip(1)) {
         let (mut a, mut b): (f64, f64) = (y - x, spacing);
         while b > tolerance {
-            // nearest multiple: a remainder just below b counts as one just below 0
+            // nearest multiple: a remainder slightly below b is treated as a remainder slightly
+            // below 0
             (a, b) = (b, (a - b * (a / b).round()).abs());
         }
         spacing = a;
@@ -120,12 +121,12 @@ pub fn common_spacing(positions: &[f64], tolerance: f64) -> Result<Option<f64>, 
 /// Maximum number of half waves in the common spacing up to which singular frequencies are listed.
 const MOST_HALF_WAVES: f64 = 1e5;
 
-/// Returns the frequencies \[Hz\] up to `highest_hz` at which all gauges are multiples of half a
-/// wavelength apart: ka = nπ with the [`common_spacing`] a. There the gauges cannot separate the
-/// waves and, apart from the effect of damping, γ is undetermined.
+/// Returns the frequencies \[Hz\] up to `highest_hz` at which all distances between gauges are
+/// multiples of half a wavelength: ka = nπ with the [`common_spacing`] a. At these frequencies the
+/// gauges cannot separate the waves and, apart from the effect of damping, γ is undetermined.
 ///
 /// # Errors
-/// Those of [`common_spacing`]; [`CmodError::NonPhysical`] for `highest_hz`.
+/// The errors of [`common_spacing`]; [`CmodError::NonPhysical`] for `highest_hz`.
 pub fn singular_frequencies<L: PropagationLaw>(
     medium: &Medium<L>,
     positions: &[f64],
@@ -150,7 +151,7 @@ pub fn singular_frequencies<L: PropagationLaw>(
     let mut below = 0.0;
     while most >= number {
         let (mut low, mut high) = (below, highest_hz);
-        // k increases with frequency: bisection, down to rounding
+        // k increases with frequency, so bisection finds the root, down to rounding
         while high - low > 1e-13 * highest_hz {
             let middle = 0.5 * (low + high);
             if half_waves(middle) < number {

@@ -26,16 +26,16 @@ pub trait GaugeMethod: Sized {
     /// Returns the complex modulus.
     ///
     /// # Errors
-    /// Those of the method.
+    /// The errors of the method that implements the trait.
     fn estimate_modulus(&self, spectra: &GaugeSpectra<'_>) -> Result<ModulusEstimate, CmodError>;
 
-    /// Returns true if the last of the rod's positions is that of a free end and the gauges measure
-    /// a motion, whose slope is 0 at a free end without mass.
+    /// Returns true if the last position of the rod is a free end and the gauges measure a motion.
+    /// The slope of a motion is 0 at a free end without mass.
     fn ends_with_slope(&self) -> bool {
         false
     }
 
-    /// Returns the length of rod with the same mass as the mass on the end \[m\].
+    /// Returns the length of rod \[m\] that has the same mass as the mass on the end.
     fn end_length(&self) -> f64 {
         0.0
     }
@@ -45,12 +45,12 @@ pub trait GaugeMethod: Sized {
         0.0
     }
 
-    /// Returns the complex modulus from gauges at these `positions` \[m\]: by least squares where
-    /// the method allows only its own positions. The result is the modulus on the lines s = σ + iω
+    /// Returns the complex modulus from gauges at these `positions` \[m\]: by least squares if the
+    /// method itself requires special positions. The result is the modulus on the lines s = σ + iω
     /// of the added damping σ.
     ///
     /// # Errors
-    /// Those of the method and of the positions.
+    /// The errors of the method and of the positions.
     fn estimate_at(
         &self,
         positions: Vec<f64>,
@@ -122,7 +122,7 @@ impl GaugeMethod for ThreePoint {
         };
         let mut method = MultiPoint::new(moved)?.with_uncertainty(self.uncertainty.clone())?;
         method.settings = self.settings;
-        // the positions are accurate enough for the closed form to count the waves
+        // the measured positions are accurate enough for the closed form to count the waves
         method.settings.wave_speed = speed_of_first_lines(&self.estimate(spectra)?);
         method.estimate_modulus(spectra)
     }
@@ -139,14 +139,15 @@ fn speed_of_first_lines(estimate: &ModulusEstimate) -> Option<f64> {
 }
 
 impl SelfCalibration {
-    /// Returns the estimate of a `method` for gauges, with the [uncertain](GaugeUncertainty)
-    /// sensitivities, delays and positions of its gauges determined from the lines. If there
-    /// are more gauges than the two waves need, the residuals contribute, too.
+    /// Returns the estimate of a `method` for gauges, in which the [uncertain](GaugeUncertainty)
+    /// sensitivities, delays and positions of the gauges are determined from the lines. If there
+    /// are more gauges than the two waves need, the residuals also contribute.
     ///
-    /// `None` if the gauges have no uncertainty, or if the lines are too few to determine it.
+    /// Returns `None` if the gauges have no uncertainty, or if there are too few lines to determine
+    /// these quantities.
     ///
     /// # Errors
-    /// Those of the method.
+    /// The errors of the `method`.
     pub fn of_gauges(
         method: &impl GaugeMethod,
         spectra: &GaugeSpectra<'_>,
@@ -169,10 +170,10 @@ impl SelfCalibration {
 impl CausalEstimate {
     /// Projects the gauge lines of a `method` onto the cone of relaxing materials, with all
     /// uncertainties of the method. With [added damping](MultiPoint::with_added_damping), the
-    /// material found also gives the modulus on the axis.
+    /// estimated material also gives the modulus on the axis s = iω.
     ///
     /// # Errors
-    /// Those of [`CausalEstimate::of_ratio`].
+    /// The errors of [`CausalEstimate::of_ratio`].
     pub fn of_gauges(
         method: &impl GaugeMethod,
         spectra: &GaugeSpectra<'_>,
@@ -204,7 +205,7 @@ impl<'a, M: GaugeMethod> GaugeExperiment<'a, M> {
         self.sources.iter().map(|(source, _)| *source).collect()
     }
 
-    /// Returns the error of each source for one standard uncertainty, at s = σ + iω.
+    /// Returns the error due to one standard uncertainty of each source, at s = σ + iω.
     fn errors(&self, s: Complex64) -> impl Iterator<Item = GaugeError> {
         let sources = self.sources.iter();
         let rod = self.method.rod();
@@ -213,7 +214,7 @@ impl<'a, M: GaugeMethod> GaugeExperiment<'a, M> {
     }
 
     /// Returns the factor on the spectra of `gauge` that removes errors of the sizes `removed` from
-    /// them.
+    /// these spectra.
     fn factor(&self, gauge: usize, s: Complex64, removed: &[f64]) -> Complex64 {
         let own = self.errors(s).zip(removed);
         let own = own.filter(|(error, _)| error.gauge == gauge);
@@ -228,7 +229,7 @@ impl<'a, M: GaugeMethod> GaugeExperiment<'a, M> {
 
     fn positions(&self, removed: &[f64]) -> Vec<f64> {
         let mut positions = self.method.rod().positions.clone();
-        // no position depends on the frequency
+        // errors of the positions do not depend on s, so any value of s will do
         for (error, size) in self.errors(Complex64::ZERO).zip(removed) {
             if let Some(position) = positions.get_mut(error.gauge) {
                 *position += size * error.by_slope;
@@ -302,8 +303,8 @@ impl<M: GaugeMethod> Experiment for GaugeExperiment<'_, M> {
             let mut sources = self.sources.iter();
             !sources.any(|(source, _)| *source == shift.source)
         });
-        // scaled to the smooth modulus: shifts scaled to the modulus of the line would contain its
-        // noise
+        // the shifts are scaled to the smooth modulus; if they were scaled to the modulus of the
+        // line, they would contain its noise
         let (of_modulus, of_gamma) = (modulus / line.modulus, gamma / line.propagation_coefficient);
         shifts.extend(others.map(|shift| {
             SystematicShift::new(
@@ -312,7 +313,7 @@ impl<M: GaugeMethod> Experiment for GaugeExperiment<'_, M> {
                 of_gamma * shift.propagation_coefficient,
             )
         }));
-        // correlated lines are less informative than as many independent ones
+        // correlated lines carry less information than the same number of independent lines
         let correlated = continuation::lines_per_independent_line(
             self.spectra.frequency_hz,
             self.method.added_damping(),

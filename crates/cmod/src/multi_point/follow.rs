@@ -1,6 +1,6 @@
-//! Wave number followed from line to line, where there is no closed form.
+//! Tracking of the wave number from line to line, for methods without a closed form.
 //!
-//! The followed quantity is γ/ω, which is nearly constant over a quarter wave. Its expectation is
+//! The tracked quantity is γ/ω, which is nearly constant over a quarter wave. Its expectation is
 //! the mean of the previous lines, each weighted by its information on γ/ω. A singular line has
 //! almost no weight and cannot affect the others.
 
@@ -10,18 +10,19 @@ use num_complex::Complex64;
 
 use crate::branch::BranchDoubt;
 
-/// Expectation from the lines so far.
+/// Expected γ/ω from the lines processed so far.
 pub(super) struct Expectation {
     /// Weighted mean of γ/ω [s/m].
     slowness: Complex64,
     weight: f64,
-    /// Distance for counting waves \[m\].
+    /// Distance over which waves are counted \[m\].
     distance: f64,
     last_omega: f64,
 }
 
 impl Expectation {
-    /// Creates the expectation from the slowness of the first lines, before `omega` of the first.
+    /// Creates the expectation from the slowness of the first lines; `omega` is the angular
+    /// frequency of the first line.
     pub(super) fn new(slowness: Complex64, distance: f64, omega: f64) -> Self {
         Self {
             slowness,
@@ -31,7 +32,7 @@ impl Expectation {
         }
     }
 
-    /// Returns γ expected at `omega`, which is ω - iσ where damping was added.
+    /// Returns γ expected at `omega`, which is ω - iσ if damping was added.
     pub(super) fn gamma(&self, omega: Complex64) -> Complex64 {
         Complex64::new(self.slowness.re.max(0.0), self.slowness.im) * omega
     }
@@ -41,7 +42,7 @@ impl Expectation {
         self.slowness.im * (omega - self.last_omega) * self.distance
     }
 
-    /// Returns the doubt about the branch of `gamma`, found at ω.
+    /// Returns the doubt about the branch of `gamma`, found at `omega`.
     pub(super) fn doubt(&self, omega: Complex64, gamma: Complex64) -> Option<BranchDoubt> {
         let advance = self.advance(omega.re);
         let expected = self.gamma(omega).im * self.distance;

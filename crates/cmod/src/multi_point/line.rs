@@ -9,19 +9,19 @@ use crate::complex_frequency::ComplexFrequency;
 use crate::estimate::{Acceptance, ComplexCovariance, ModulusLine, Refusal, Solution, Termination};
 use crate::validity::{Violation, conditions};
 
-/// γ of one line with its errors.
+/// Propagation coefficient γ of one line with its errors.
 pub(super) struct SolvedLine {
     pub(super) index: usize,
     pub(super) frequency: ComplexFrequency,
     pub(super) gamma: Complex64,
-    /// E|δγ|² [1/m²].
+    /// Variance E|δγ|² [1/m²].
     pub(super) variance: f64,
     /// Influence of each gauge, if any property of a gauge is uncertain or the end has a mass;
     /// otherwise empty.
     pub(super) influence: Vec<GaugeInfluence>,
     /// Second-order error of γ divided by |δγ|² \[m\].
     pub(super) curvature: f64,
-    /// |dγ| divided by the relative error of the gauges [1/m].
+    /// Amplification: |dγ| divided by the relative error of the gauges [1/m].
     pub(super) amplification: f64,
     pub(super) closed_form: Option<ResolvedRoot>,
     pub(super) termination: Termination,

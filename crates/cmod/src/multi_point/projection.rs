@@ -1,16 +1,16 @@
 //! Fit of one line by variable projection: the two waves are eliminated, and the residual is
 //! minimised with respect to γ.
 //!
-//! With b the values of the gauges and A(γ) = [e^{-γx}, e^{γx}], both divided by the noise of each
-//! gauge, the waves that fit b best are c = A⁺b, and
+//! Let b be the values of the gauges and A(γ) = [e^{-γx}, e^{γx}], both divided by the noise of
+//! each gauge. The waves that fit b best are c = A⁺b. The misfit V and its Gauss-Newton step are
 //!
 //! ```text
 //! V(γ) = |P b|² ,    P = I - A A⁺ ,    d = P A'c ,    γ ← γ + d^H P b / d^H d
 //! ```
 //!
-//! is the Gauss-Newton step. Each wave refers to the gauge at which it enters, so that neither
-//! column grows; this multiplies columns by constants and leaves P, d and the step unchanged.
-//! Several tests add up in V, d^H P b and d^H d.
+//! The amplitude of each wave refers to the gauge at which the wave enters, so that neither column
+//! grows. This multiplies the columns by constants and leaves P, d and the step unchanged. For
+//! several tests, V, d^H P b and d^H d are sums over the tests.
 
 use num_complex::Complex64;
 
@@ -24,23 +24,24 @@ const MOST_STEPS: u32 = 60;
 /// Maximum number of halvings of one step.
 const MOST_HALVINGS: u32 = 12;
 
-/// V and its step at one γ.
+/// Misfit V and its derivatives at one γ.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Objective {
-    /// V.
+    /// Misfit V.
     pub(super) misfit: f64,
-    /// d^H d, the inverse of the variance of γ.
+    /// Information d^H d, the inverse of the variance of γ.
     pub(super) information: f64,
-    /// d^H P b.
+    /// Gradient d^H P b.
     gradient: Complex64,
 }
 
 /// Waves of one test and their derivative with respect to γ.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct TestWaves {
-    /// Amplitudes along +x, at the first gauge; along -x, at the last gauge.
+    /// Amplitude of the wave along +x at the first gauge, and of the wave along -x at the last
+    /// gauge.
     pub(super) amplitudes: [Complex64; 2],
-    /// A⁺A'c: minus dc/dγ.
+    /// Product A⁺A'c, which is -dc/dγ.
     pub(super) drift: [Complex64; 2],
 }
 
@@ -48,57 +49,60 @@ pub(super) struct TestWaves {
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Details {
     pub(super) objective: Objective,
-    /// (A^H A)⁻¹ as its diagonal and its element 1, 2.
+    /// Matrix (A^H A)⁻¹: its two diagonal elements and its element (1, 2).
     pub(super) waves_covariance: (f64, f64, Complex64),
     /// Second-order error of γ divided by |δγ|² [m].
     pub(super) curvature: f64,
 }
 
-/// Minimum of V.
+/// Minimum of the misfit V.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Minimum {
     pub(super) gamma: Complex64,
-    /// Objective at γ, or a negligible step from it; `None` if another γ was evaluated after it.
+    /// Objective at γ, or at a negligible distance from it; `None` if another γ was evaluated
+    /// later.
     pub(super) evaluated_at: Option<Objective>,
     pub(super) termination: Termination,
 }
 
-/// Linearisation of a line about some γ, in units of its noise.
+/// Linearisation of a line about a given γ, in units of its noise.
 #[derive(Debug, Clone)]
 pub(super) struct About {
-    /// Step from that γ to the γ of the line [1/m].
+    /// Step from the given γ to the γ of the line [1/m].
     pub(super) step: Complex64,
     /// Inverse of the variance of γ.
     pub(super) information: f64,
     /// Change of γ due to each error [1/m].
     pub(super) moves: Vec<Complex64>,
     /// Scalar products of the contributions of the errors to the residual, with each other (by
-    /// rows) and with the residual, doubled: each part of a complex value has half the variance.
+    /// rows). They are doubled because each part of a complex value has half the variance; so are
+    /// `gradient`, the products with the residual, and `square`, the square of the residual.
     pub(super) normal: Vec<f64>,
     pub(super) gradient: Vec<f64>,
     pub(super) square: f64,
 }
 
-/// Orthonormal columns at one γ, with memory for a row of gauges.
+/// Orthonormal columns at one γ, with working memory for a row of gauges.
 pub(super) struct Projection {
-    /// x - x₁ and x_n - x.
+    /// Distances x - x₁ from the first gauge and x_n - x to the last.
     from_first: Vec<f64>,
     to_last: Vec<f64>,
-    /// Sign of the forward wave in each row: -1 where a motion has zero slope at a free end.
+    /// Sign of the forward wave in each row: -1 in the row of a free end at which the slope of a
+    /// motion is 0.
     forward_signs: Vec<f64>,
-    /// Length ℓ \[m\] of rod with the same mass as the mass attached at each row, 0 at a gauge: the
-    /// waves there have the factors 1 - ℓγ and 1 + ℓγ.
+    /// Length ℓ \[m\] of rod with the same mass as the mass attached at each row, 0 at a gauge. In
+    /// the row of a mass the two waves have the factors 1 - ℓγ and 1 + ℓγ.
     end_lengths: Vec<f64>,
     gamma: Complex64,
     aperture: f64,
     forward: Vec<Complex64>,
     backward: Vec<Complex64>,
-    /// A'.
+    /// Columns of A'.
     slope_columns: [Vec<Complex64>; 2],
     basis: [Vec<Complex64>; 2],
-    /// A'c of one test.
+    /// Product A'c of one test.
     slope: Vec<Complex64>,
-    /// A = [q₁, q₂] R, R upper triangular: r₁₁, r₁₂, r₂₂.
+    /// Elements r₁₁, r₁₂, r₂₂ of the upper triangular matrix R in A = [q₁, q₂] R.
     r: (f64, Complex64, f64),
 }
 
@@ -108,8 +112,8 @@ impl Projection {
     }
 
     /// Creates the projection with the end of the rod as the last row, for gauges of motion if
-    /// `is_slope`. The force there is that of a mass equal to the mass of `end_length` \[m\] of
-    /// rod:
+    /// `is_slope`. The force at the end is the inertia force of a mass equal to the mass of a
+    /// length `end_length` \[m\] of rod:
     ///
     /// ```text
     /// P e^{-γL} (1 - ℓγ) ± N e^{γL} (1 + ℓγ) = 0 .
@@ -146,7 +150,7 @@ impl Projection {
         self.from_first.len()
     }
 
-    /// Sets the columns at γ; `None` where the gauges cannot separate the two waves, or γ
+    /// Sets the columns at γ; returns `None` if the gauges cannot separate the two waves, or if γ
     /// overflows.
     fn set(&mut self, gamma: Complex64, weights: &[f64]) -> Option<()> {
         let whole = (-gamma * self.aperture).exp();
@@ -164,7 +168,7 @@ impl Projection {
         {
             let wave = (-gamma * x).exp();
             *f = wave * (sign * w);
-            // e^{-γ(x_n - x)}: one exponential serves both columns
+            // e^{-γ(x_n - x)}: it follows from the exponential of the other column
             *b = whole * wave.conj() * (w / wave.norm_sqr());
             if *length > 0.0 {
                 *f *= 1.0 - length * gamma;
@@ -199,7 +203,7 @@ impl Projection {
         distinguishable.then_some(())
     }
 
-    /// Sets A' at the γ of the columns.
+    /// Sets A' at the current γ.
     fn set_slopes(&mut self) {
         let [first, second] = &mut self.slope_columns;
         for ((s, f), x) in first.iter_mut().zip(&self.forward).zip(&self.from_first) {
@@ -248,7 +252,7 @@ impl Projection {
         self.coefficients(self.slope.iter().copied())
     }
 
-    /// Returns V alone.
+    /// Returns the misfit V without its derivatives.
     pub(super) fn misfit(&mut self, gamma: Complex64, line: &WhiteLine) -> Option<f64> {
         self.set(gamma, &line.weights)?;
         let [q1, q2] = &self.basis;
@@ -262,7 +266,7 @@ impl Projection {
         misfit.is_finite().then_some(misfit)
     }
 
-    /// Returns V, its information and its gradient at γ.
+    /// Returns the misfit V, the information and the gradient at γ.
     pub(super) fn evaluate(&mut self, gamma: Complex64, line: &WhiteLine) -> Option<Objective> {
         self.set(gamma, &line.weights)?;
         self.set_slopes();
@@ -287,12 +291,12 @@ impl Projection {
         (objective.misfit.is_finite() && objective.information.is_finite()).then_some(objective)
     }
 
-    /// Minimises V by Gauss-Newton steps with halving from `start`; `None` where γ cannot be
+    /// Minimises V by Gauss-Newton steps with halving from `start`; returns `None` if γ cannot be
     /// determined.
     ///
     /// The iteration ends when the step is a hundredth of the standard error estimated from the
-    /// residuals, or at the level of rounding. That step is still taken; its remaining error is of
-    /// the order of the relative noise.
+    /// residuals, or at the level of rounding. This last step is still taken; the error that then
+    /// remains is this step times a factor of the order of the relative noise.
     pub(super) fn minimise(&mut self, start: Complex64, line: &WhiteLine) -> Option<Minimum> {
         let mut gamma = start;
         let mut now = self.evaluate(gamma, line)?;
@@ -341,7 +345,7 @@ impl Projection {
         Some(lost(gamma, &now, MOST_STEPS))
     }
 
-    /// Returns the contributions of the gauges to d^H d at `gamma`: the noise of each gauge
+    /// Returns the contributions of the gauges to d^H d at `gamma`. The noise of each gauge
     /// contributes to the variance of γ in the same proportions.
     pub(super) fn shares(&mut self, gamma: Complex64, line: &WhiteLine) -> Option<Vec<f64>> {
         self.set(gamma, &line.weights)?;
@@ -360,9 +364,9 @@ impl Projection {
         Some(shares)
     }
 
-    /// Returns the influence of each gauge on the solution `gamma`: an additional value, q' dx for
-    /// an offset dx and q u for a relative error u of the sensitivity, changes γ by its product
-    /// with d^H, divided by d^H d. The same applies to a change of the length of rod that
+    /// Returns the influence of each gauge on the solution `gamma`: an additional value δb changes
+    /// γ by d^H δb/d^H d, where δb is q' dx for an offset dx of the position and q u for a relative
+    /// error u of the sensitivity. The same applies to a change of the length of rod that
     /// represents the mass on the end.
     pub(super) fn influence(
         &mut self,
@@ -395,9 +399,9 @@ impl Projection {
     }
 
     /// Linearises the line about a rod with the propagation coefficient `gamma`: returns the
-    /// Gauss-Newton step to the γ of the measured values with the inverse of its variance, and the
-    /// products of the residual with the errors of the gauges. Each of `errors` gives a gauge, the
-    /// factor on its values q and the factor on their slope q'.
+    /// Gauss-Newton step to the γ of the measured values, the inverse of the variance of this γ,
+    /// and the products of the residual with the errors of the gauges. Each of `errors` gives a
+    /// gauge, the factor on its values q and the factor on their slope q'.
     pub(super) fn about(
         &mut self,
         gamma: Complex64,
@@ -409,7 +413,7 @@ impl Projection {
         let n = self.n_gauges();
         let count = line.values.len();
         let (mut residuals, mut tangents) = (Vec::with_capacity(count), Vec::with_capacity(count));
-        // for each error: the projection P of its contribution to the values
+        // for each error, its contribution to the values, projected by P
         let mut added = vec![Vec::with_capacity(count); errors.len()];
         for values in line.values.chunks_exact(n) {
             let y = self.coefficients(values.iter().copied());
@@ -447,7 +451,7 @@ impl Projection {
             products.sum::<Complex64>() / information
         };
         let moves: Vec<Complex64> = added.iter().map(|added| along(added)).collect();
-        // without the part explained by a change of γ
+        // subtract the part that is explained by a change of γ
         for (added, moves) in added.iter_mut().zip(&moves) {
             for (value, d) in added.iter_mut().zip(&tangents) {
                 *value -= moves * d;
@@ -473,8 +477,8 @@ impl Projection {
     }
 
     /// Returns the details at the solution `gamma`; the waves of every test are appended to
-    /// `waves`. `at` is the objective if it was last evaluated at `gamma` or sufficiently near;
-    /// with `None` it is evaluated here.
+    /// `waves`. `at` is the objective if it was last evaluated at `gamma` or sufficiently near; if
+    /// `at` is `None`, the objective is evaluated here.
     pub(super) fn details(
         &mut self,
         gamma: Complex64,
@@ -491,8 +495,8 @@ impl Projection {
             let c = self.amplitudes(self.coefficients(values.iter().copied()));
             let w = self.set_slope(c);
             let drift = self.amplitudes(w);
-            // P(A''c/2 - A'A⁺A'c): deviation of the residual from its tangent d for a change of γ
-            // by 1
+            // P(A''c/2 - A'A⁺A'c): second-order change of the residual, beyond the tangent d, for a
+            // change of γ by 1
             let [first, second] = &self.slope_columns;
             let columns = first.iter().zip(second);
             for (((s, (f, b)), x), y) in self
@@ -504,8 +508,8 @@ impl Projection {
             {
                 *s = f * (-0.5 * x * c[0] - drift[0]) + b * (-0.5 * y * c[1] - drift[1]);
             }
-            // additional second derivative of the row of a mass, which is at x_n, compared with
-            // that of a gauge
+            // additional second derivative of the row of a mass, which is at x_n, compared with the
+            // second derivative of a gauge row
             let rows = self.slope.iter_mut().zip(&self.forward);
             for ((s, f), (x, length)) in rows.zip(self.from_first.iter().zip(&self.end_lengths)) {
                 if *length > 0.0 {
@@ -586,10 +590,10 @@ mod tests {
         let mut projection = Projection::new(&POSITIONS);
         let line = line();
         let at = projection.evaluate(GAMMA, &line).unwrap();
-        // rounding of the values, squared
+        // the tolerance is the square of the rounding error of the values
         assert!(at.misfit < 1e-28 * line.power);
-        // V = |δγ|² d^H d near the minimum; the next order is the curvature, of the order of the
-        // aperture
+        // near the minimum V = |δγ|² d^H d; the next order is given by the curvature, which is of
+        // the order of the aperture
         for delta in [Complex64::new(1e-5, 0.0), Complex64::new(0.0, 1e-5)] {
             let beside = projection.evaluate(GAMMA + delta, &line).unwrap();
             let ratio = beside.misfit / (at.information * delta.norm_sqr());
@@ -607,8 +611,8 @@ mod tests {
         assert!((found.gamma - GAMMA).norm() < 1e-13 * GAMMA.norm());
     }
 
-    /// Compares the curvature, |q|/|d| in |P(γ+δ)b| = |δ d + δ² q + ...|, with that of the closed
-    /// form for three equidistant gauges.
+    /// Compares the curvature, |q|/|d| in |P(γ+δ)b| = |δ d + δ² q + ...|, with the curvature of the
+    /// closed form for three equidistant gauges.
     #[test]
     fn the_curvature_is_the_second_order_of_the_residual() {
         let mut projection = Projection::new(&[0.0, 0.1, 0.2]);
@@ -627,9 +631,9 @@ mod tests {
         let details = projection
             .details(gamma, None, &line, &mut Vec::new())
             .unwrap();
-        // Three equal distances solve cosh γa = Ψ: δΨ = a sinh γa δγ + a² cosh γa δγ²/2. The
-        // rotation of P adds a term of the order of the aperture to q: near ka = π the
-        // first dominates.
+        // Three equidistant gauges solve cosh γa = Ψ: δΨ = a sinh γa δγ + a² cosh γa δγ²/2. The
+        // rotation of P adds a term of the order of the aperture to q: near ka = π the first term
+        // dominates.
         let coth = (gamma * 0.1).cosh() / (gamma * 0.1).sinh();
         assert!((details.curvature / (0.05 * coth.norm()) - 1.0).abs() < 0.2);
     }

@@ -1,4 +1,5 @@
-//! Measured spectra of the gauges, and one line of them with equal noise at all gauges.
+//! Measured spectra of the gauges, and one line of these spectra, scaled to equal noise at all
+//! gauges.
 
 use num_complex::Complex64;
 
@@ -6,7 +7,7 @@ use crate::error::{CmodError, check_frequencies, check_positive};
 use crate::estimate::Refusal;
 
 /// Uniform part of a rod with gauges on it (Ödeen 1993, paper B, figure 1). Structures attached to
-/// the rod need not be known, provided that nothing acts between the gauges.
+/// the rod need not be known, provided that no force acts on the rod between the gauges.
 #[derive(Debug, Clone, PartialEq)]
 pub struct GaugedRod {
     /// Positions x of the gauges \[m\], increasing.
@@ -42,7 +43,7 @@ impl GaugedRod {
             .map(|(x, y)| y - x)
     }
 
-    /// Returns the length of rod that has this mass, m/(ρA) \[m\].
+    /// Returns the length of rod that has this `mass`, m/(ρA) \[m\].
     pub(super) fn length_of(&self, mass: f64) -> f64 {
         mass / (self.density * std::f64::consts::FRAC_PI_4 * self.diameter * self.diameter)
     }
@@ -97,12 +98,12 @@ pub(super) fn check_positions(positions: &[f64]) -> Result<(), CmodError> {
 /// | `noise` | `(n_gauges)(n_lines)` |
 ///
 /// Tests are not averaged: every blow has its own waves, and the propagation coefficient is common
-/// to all.
+/// to all tests.
 #[derive(Debug, Clone, Copy)]
 pub struct GaugeSpectra<'a> {
     /// Frequencies \[Hz\].
     pub frequency_hz: &'a [f64],
-    /// Spectra of strain, displacement, velocity or acceleration, all gauges in one unit.
+    /// Spectra of strain, displacement, velocity or acceleration, in the same unit for all gauges.
     pub tests: &'a [&'a [Vec<Complex64>]],
     /// Root mean square |δ| of the error of one spectrum in one test, real and imaginary part
     /// together, in the unit of the spectra. 0 at all gauges means data without noise.
@@ -150,15 +151,16 @@ impl GaugeSpectra<'_> {
     }
 }
 
-/// Weight of the condition at a free end relative to the largest weight of a gauge. The condition
-/// has 1e-6 of the variance of that gauge instead of none; the rounding error grows to 1e-13.
+/// Weight of the condition at a free end relative to the largest weight of a gauge. With this
+/// weight the condition has 1e-6 of the variance of that gauge instead of 0, and the rounding error
+/// grows to 1e-13.
 const WEIGHT_OF_FREE_END: f64 = 1e3;
 
 /// Line of all tests, divided by the noise of each gauge.
 pub(super) struct WhiteLine {
-    /// Values (n_tests · n_gauges), gauge by gauge of the first test, then of the next.
+    /// Values (n_tests · n_gauges), gauge by gauge for the first test, then for the next test.
     pub(super) values: Vec<Complex64>,
-    /// 1/noise of each gauge; 1 without noise.
+    /// Reciprocal of the noise of each gauge; 1 without noise.
     pub(super) weights: Vec<f64>,
     /// Variance of one value: 1, or 0 without noise.
     pub(super) variance: f64,
@@ -169,8 +171,8 @@ pub(super) struct WhiteLine {
 }
 
 impl WhiteLine {
-    /// Creates a line for `n_rows` rows: one more than there are gauges if the last row is a free
-    /// end.
+    /// Creates a line for `n_rows` rows: one row per gauge, and one more row if the last row is a
+    /// free end.
     pub(super) fn for_spectra(spectra: &GaugeSpectra<'_>, n_rows: usize) -> Self {
         Self {
             has_free_end: n_rows > spectra.noise.len(),
@@ -192,7 +194,7 @@ impl WhiteLine {
         self.power / (self.values.len() / rows * gauges) as f64
     }
 
-    /// Returns the ratio of noise to signal, root mean squares of all gauges.
+    /// Returns the ratio of noise to signal, as root mean squares over all gauges.
     pub(super) fn noise_to_signal(&self) -> f64 {
         (self.variance / self.mean_power()).sqrt()
     }

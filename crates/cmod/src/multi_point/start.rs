@@ -1,10 +1,10 @@
-//! Start of the wave number: one wave speed for the first lines together.
+//! Starting value of the wave number: one wave speed for all first lines together.
 //!
-//! On a single line V(γ) has many minima. However, only one speed, nearly constant over the first
-//! wavelengths, explains many lines at once: from a series of speeds, the search chooses the one
-//! that minimises the misfit, averaged over lines with up to one wavelength between the outermost
-//! gauges. The logarithm of the misfit is averaged without the worst third of the lines, so that
-//! outliers have no influence. The best speeds are compared again on more lines.
+//! On a single line V(γ) has many minima. However, only one wave speed, which is nearly constant
+//! over the first wavelengths, explains many lines at once. From a series of speeds, the search
+//! chooses the speed that minimises the misfit, averaged over lines with up to one wavelength
+//! between the outermost gauges. The logarithm of the misfit is averaged without the worst third of
+//! the lines, to exclude outliers. The best speeds are compared again on more lines.
 
 use num_complex::Complex64;
 
@@ -17,13 +17,15 @@ use crate::complex_frequency::ComplexFrequency;
 /// Speeds tried without a guess [m/s], from soft rubber to beyond any solid in a rod.
 const SLOWEST: f64 = 20.0;
 const FASTEST: f64 = 20e3;
-/// Factor of the range around a guess.
+/// Factor from a guess to either end of the searched range.
 const GUESS_FACTOR: f64 = 1.5;
-/// Ratio of neighbouring speeds: the phase differs by a third of a radian at one wavelength.
+/// Ratio of neighbouring speeds: at one wavelength between the outermost gauges the phase then
+/// differs by a third of a radian.
 const SPEED_RATIO: f64 = 1.055;
 /// Values of α/k tried: loss factors of about 0, 0.12 and 0.4.
 const DAMPING: [f64; 3] = [0.0, 0.06, 0.2];
-/// Number of lines compared at each speed, first at all and then at the best ones.
+/// Number of lines compared at each speed, first at all speeds (`LINES`), then at the best speeds
+/// (`MORE_LINES`).
 const LINES: usize = 16;
 const MORE_LINES: usize = 64;
 /// Number of minima over the speed that are compared on [`MORE_LINES`].
@@ -35,16 +37,17 @@ const FEWEST_LINES: usize = 8;
 const MODEL_ERROR: f64 = 0.02;
 /// Logarithm of the ratio above which two speeds are distinct.
 const DISTINCT: f64 = 0.3;
-/// Difference of mean log misfits below which two speeds are not distinguished.
+/// Difference of mean log misfits below which the data do not distinguish two speeds.
 const TOO_CLOSE: f64 = 0.1;
 
-/// γ/ω of the first lines [s/m], and the doubt about it.
+/// Slowness γ/ω of the first lines [s/m], and the doubt about it.
 pub(super) struct Start {
     pub(super) slowness: Complex64,
     pub(super) doubt: Option<BranchDoubt>,
 }
 
-/// Compares speeds over the lines with the indices `usable`; `None` if there is no line.
+/// Finds the wave speed by comparing speeds over the lines with the indices `usable`; `None` if
+/// there is no line.
 pub(super) fn wave_speed(
     projection: &mut Projection,
     spectra: &GaugeSpectra<'_>,
@@ -114,10 +117,10 @@ pub(super) fn wave_speed(
     })
 }
 
-/// Score, speed [m/s] and slowness [s/m].
+/// Score, speed [m/s] and slowness [s/m] of a tried speed.
 type Tried = (f64, f64, Complex64);
 
-/// Returns the finite minima of the score over a series of speeds.
+/// Returns the tried speeds at which the score is finite and has a minimum.
 fn minima(tried: &[Tried]) -> Vec<Tried> {
     let score = |index: Option<usize>| index.and_then(|i| tried.get(i)).map(|t| t.0);
     let is_minimum = |(index, this): &(usize, &Tried)| {
@@ -140,8 +143,8 @@ struct Search<'a> {
 }
 
 impl Search<'_> {
-    /// Returns the mean log of the misfit, relative to noise and [`MODEL_ERROR`], at one slowness,
-    /// of the better two thirds of at most `count` lines.
+    /// Returns the mean logarithm of the misfit at one slowness, relative to the noise and
+    /// [`MODEL_ERROR`], over the better two thirds of at most `count` lines.
     fn score(&mut self, slowness: Complex64, count: usize) -> f64 {
         let frequencies = self.spectra.frequency_hz;
         let frequency = |index: &usize| frequencies.get(*index).copied().unwrap_or(0.0);

@@ -4,9 +4,9 @@
 //! cosh γa = Ψ ,    Ψ = (q̂₁ + q̂₂)/(2 q̂₀)                              (paper B, eqs. 6-7)
 //! ```
 //!
-//! with q₀ at the middle and q₁, q₂ at the distance a on either side of it. The equation is that of
-//! a rod of length a with a free end, and has the same root and branches (eqs. 8-9, Table 1):
-//! [`crate::branch`].
+//! with q₀ at the middle and q₁, q₂ at the distance a on either side of the middle. This is the
+//! equation of a rod of length a with a free end, and it has the same roots and branches (eqs. 8-9,
+//! Table 1); see [`crate::branch`].
 
 use std::f64::consts::TAU;
 
@@ -22,10 +22,11 @@ use crate::error::CmodError;
 use crate::estimate::{Acceptance, Method, ModulusEstimate, Refusal, Termination};
 use crate::validity::Violation;
 
-/// Relative difference up to which the distances count as equal: rounding of positions in metres.
+/// Relative difference up to which the distances count as equal: it covers the rounding of
+/// positions in metres.
 const EQUAL: f64 = 1e-9;
-/// Ratio of noise to signal of the middle gauge, as amplitudes, up to which Ψ is valid: it is then
-/// biased by 1 %.
+/// Ratio of noise to signal of the middle gauge, as amplitudes, up to which Ψ is valid. At this
+/// ratio Ψ is biased by 1 %.
 pub const MOST_NOISE_AT_THE_MIDDLE: f64 = 0.1;
 
 /// Three-point method for one rod (paper B).
@@ -58,7 +59,7 @@ pub struct ThreePoint {
     pub(super) uncertainty: GaugeUncertainty,
 }
 
-/// Ψ of one line.
+/// Ratio Ψ of one line.
 struct Ratio {
     index: usize,
     frequency_hz: f64,
@@ -90,9 +91,9 @@ impl Ratio {
             .sum()
     }
 
-    /// Returns the influence of each gauge: dγ = dΨ/(a sinh γa), dΨ = Σ(dq₁ + dq₂)q₀*/(2Σ|q₀|²) - Ψ
-    /// Σ dq₀ q₀*/Σ|q₀|² and dq = q' dx or q, with q = q₀ cosh γx + (q₂ - q₁) sinh γx/(2 sinh
-    /// γa), x from the middle.
+    /// Returns the influence of each gauge: dγ = dΨ/(a sinh γa), where the change of Ψ is dΨ =
+    /// Σ(dq₁ + dq₂)q₀*/(2Σ|q₀|²) - Ψ Σ dq₀ q₀*/Σ|q₀|². Here dq is q' dx for a position and q for a
+    /// sensitivity, with q = q₀ cosh γx + (q₂ - q₁) sinh γx/(2 sinh γa) and x from the middle.
     fn influence(&self, gamma: Complex64, a: f64) -> Vec<GaugeInfluence> {
         let [first, middle, last] = self.sums;
         let (sinh, cosh) = ((gamma * a).sinh(), (gamma * a).cosh());
@@ -193,7 +194,7 @@ impl ThreePoint {
         }
         let frequency_hz: Vec<f64> = ratios.iter().map(|ratio| ratio.frequency_hz).collect();
         let values: Vec<Complex64> = ratios.iter().map(|ratio| ratio.value).collect();
-        // waves are counted where neither noise nor sensor errors prevent it
+        // waves are counted where neither noise nor sensor errors prevent counting
         let whole = |ratio: &Ratio| ratio.variance + ratio.variance_by_sensors(&self.uncertainty);
         let variance: Vec<f64> = ratios.iter().map(whole).collect();
         let roots = if values.is_empty() {
@@ -241,7 +242,7 @@ impl ThreePoint {
             gamma: gamma_a / a,
             variance: ratio.variance / (a * a * sinh.norm_sqr()),
             influence: ratio.influence(gamma_a / a, a),
-            // δΨ = a sinh γa δγ + a² cosh γa δγ²/2
+            // from δΨ = a sinh γa δγ + a² cosh γa δγ²/2
             curvature: 0.5 * a * gamma_a.cosh().norm() / sinh.norm(),
             amplification: ratio.amplification / (a * sinh.norm()),
             closed_form: Some(root),

@@ -1,4 +1,4 @@
-//! Uncertainties of a gauged rod that are common to all lines.
+//! Uncertainties of a rod with gauges that are common to all lines.
 
 use num_complex::Complex64;
 
@@ -6,8 +6,8 @@ use super::spectra::GaugedRod;
 use crate::error::{CmodError, check_not_negative};
 use crate::estimate::{ErrorSource, SystematicShift};
 
-/// Standard uncertainties of a rod with gauges, independent of each other and the same on all
-/// lines; 0, or an empty list, for exact quantities.
+/// Standard uncertainties of a rod with gauges, which are independent of each other and the same on
+/// all lines. Set 0, or an empty list, for exact quantities.
 ///
 /// ```text
 /// density:           dE/E = dρ/ρ
@@ -17,11 +17,12 @@ use crate::estimate::{ErrorSource, SystematicShift};
 /// ```
 ///
 /// A gauge with an offset dx measures q(x) + q'(x) dx, which changes γ like any other error of this
-/// gauge: for several gauges ∂γ/∂x_j = Σ d_j* q'_j/Σ|d|² over the tests, q' = γ (N e^{γx} - P
-/// e^{-γx}) and d as in [`MultiPoint`](super::MultiPoint::estimate); for three equidistant gauges,
-/// through dΨ. For an error of the sensitivity, q_j takes the place of q'_j. A common shift of all
-/// gauges changes nothing, nor does a common error of sensitivity or delay; a common scale of the
-/// positions acts like a scale of the length: Σ ∂γ/∂x_j = 0, Σ ∂γ/∂ln q_j = 0, Σ x_j ∂γ/∂x_j = γ.
+/// gauge. For gauges at any positions, ∂γ/∂x_j = Σ d_j* q'_j/Σ|d|² over the tests, with q' = γ (N
+/// e^{γx} - P e^{-γx}) and d as in [`MultiPoint`](super::MultiPoint::estimate); for three
+/// equidistant gauges the derivative follows from dΨ. For an error of the sensitivity, q_j replaces
+/// q'_j. A common shift of all gauges does not change γ, and neither does a common error of
+/// sensitivity or delay; a common scale of the positions acts like a scale of the length: Σ ∂γ/∂x_j
+/// = 0, Σ ∂γ/∂ln q_j = 0, Σ x_j ∂γ/∂x_j = γ.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct GaugeUncertainty {
     /// Uncertainty of the density [kg/m³].
@@ -40,8 +41,8 @@ pub struct GaugeUncertainty {
     pub diameter: f64,
 }
 
-/// Error of one gauge: the additional measured value, as factors on the value and on the slope
-/// there.
+/// Error of one gauge: the additional measured value, expressed by factors on the value and on its
+/// slope at the gauge.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct GaugeError {
     pub(super) gauge: usize,
@@ -80,12 +81,12 @@ impl GaugeError {
 /// Influence of one gauge on γ.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct GaugeInfluence {
-    /// ∂γ/∂x [1/m²].
+    /// Derivative ∂γ/∂x with respect to the position [1/m²].
     pub(super) position: Complex64,
-    /// ∂γ/∂ln q [1/m].
+    /// Derivative ∂γ/∂ln q with respect to the relative sensitivity [1/m].
     pub(super) scale: Complex64,
-    /// ∂γ/∂ℓ [1/m²] with respect to the stated length ℓ of rod that has the same mass as the mass
-    /// on the end, in the row of the end.
+    /// Derivative ∂γ/∂ℓ [1/m²], where ℓ is the stated length of rod that has the same mass as the
+    /// mass on the end. It is 0 except in the row of the end.
     pub(super) end_length: Complex64,
 }
 

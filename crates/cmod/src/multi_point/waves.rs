@@ -9,14 +9,14 @@ use crate::complex_frequency::ComplexFrequency;
 /// the choice only determines the conversion of waves from one quantity to another.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Quantity {
-    /// ε = ∂u/∂x, positive in tension.
+    /// Strain ε = ∂u/∂x, positive in tension.
     #[default]
     Strain,
-    /// u \[m\], along +x.
+    /// Displacement u \[m\], positive along +x.
     Displacement,
-    /// v = ∂u/∂t [m/s].
+    /// Velocity v = ∂u/∂t [m/s].
     Velocity,
-    /// a = ∂²u/∂t² [m/s²].
+    /// Acceleration a = ∂²u/∂t² [m/s²].
     Acceleration,
 }
 
@@ -36,20 +36,20 @@ impl Quantity {
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct WavesAtSection {
-    /// P e^{-γx}, along +x.
+    /// Wave P e^{-γx} along +x.
     pub forward: Complex64,
-    /// N e^{γx}, along -x.
+    /// Wave N e^{γx} along -x.
     pub backward: Complex64,
-    /// E|δP|², real and imaginary part together; half of it is due to each of them, uncorrelated.
+    /// Variance E|δP|². The real and the imaginary part are uncorrelated and contribute half each.
     pub forward_variance: f64,
-    /// E|δN|².
+    /// Variance E|δN|².
     pub backward_variance: f64,
-    /// E δP δN*.
+    /// Covariance E δP δN*.
     pub covariance: Complex64,
 }
 
 impl WavesAtSection {
-    /// Returns P + N, the quantity itself at the section.
+    /// Returns P + N, which is the quantity at the section.
     #[must_use]
     pub fn sum(&self) -> Complex64 {
         self.forward + self.backward
@@ -69,15 +69,16 @@ pub(super) struct LineOfWaves {
     pub(super) gamma: Complex64,
     /// Variance E|δγ|² [1/m²].
     pub(super) gamma_variance: f64,
-    /// (A^H A)⁻¹ times the variance of a value: its diagonal and its element 1, 2.
+    /// Covariance of the waves, (A^H A)⁻¹ times the variance of a value: its two diagonal elements
+    /// and its element (1, 2).
     pub(super) covariance: (f64, f64, Complex64),
 }
 
-/// Returns the waves `from_first` \[m\] beyond the first gauge and `to_last` \[m\] before the last,
-/// converted from `measured` to `wanted`.
+/// Returns the waves `from_first` \[m\] beyond the first gauge and `to_last` \[m\] before the last
+/// gauge, converted from the quantity `measured` to the quantity `wanted`.
 ///
 /// With δc = A⁺e - A⁺A'c δγ and δγ uncorrelated with A⁺e, a wave P = c₁ e^{-γx} changes by δP =
-/// e^{-γx} (A⁺e)₁ + (-e^{-γx}(A⁺A'c)₁ - xP + (dF/dγ) P/F) δγ, F being the factor between the
+/// e^{-γx} (A⁺e)₁ + (-e^{-γx}(A⁺A'c)₁ - xP + (dF/dγ) P/F) δγ, where F is the factor between the two
 /// quantities.
 pub(super) fn waves_at(
     line: &LineOfWaves,

@@ -1,14 +1,14 @@
-//! Pair of spring and power-law dashpot under a stress, with derivatives with respect to its
-//! parameters.
+//! Parallel pair of a spring and a power-law dashpot under a stress, with derivatives with respect
+//! to the parameters of the pair.
 //!
-//! With v = E₂ε_d the stress of the spring and s = σ - v that of the dashpot,
+//! With the stress v = E₂ε_d of the spring and the stress s = σ - v of the dashpot,
 //!
 //! ```text
 //! dv/dt = k |s/σ_r|^m s ,    k = E₂ B σ_r^m
 //! ```
 //!
-//! so that v depends only on the two parameters k \[1/s\] and m; E₂ and B do not enter separately.
-//! At constant σ
+//! Therefore v depends only on the two parameters k \[1/s\] and m; E₂ and B do not enter
+//! separately. At constant σ
 //! ```text
 //! s(t) = s(0) e^(-L) ,    L = ln(1 + m λ t)/m ,    λ = k |s(0)/σ_r|^m
 //! ```
@@ -21,22 +21,22 @@ const INTEGRATION_ERROR: f64 = 1e-9;
 /// Spring and dashpot in parallel.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Dashpot {
-    /// k = E₂ B σ_r^m \[1/s\].
+    /// Rate k = E₂ B σ_r^m \[1/s\].
     pub(super) rate: f64,
-    /// m.
+    /// Exponent m.
     pub(super) exponent: f64,
-    /// σ_r \[Pa\].
+    /// Reference stress σ_r \[Pa\].
     pub(super) reference_stress: f64,
 }
 
 /// Stress of the spring and its derivatives.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(super) struct SpringStress {
-    /// v \[Pa\].
+    /// Stress v \[Pa\].
     pub(super) value: f64,
-    /// ∂v/∂ln k \[Pa\].
+    /// Derivative ∂v/∂ln k \[Pa\].
     pub(super) by_log_rate: f64,
-    /// ∂v/∂m \[Pa\].
+    /// Derivative ∂v/∂m \[Pa\].
     pub(super) by_exponent: f64,
 }
 
@@ -68,15 +68,16 @@ pub(super) fn relaxed_logarithm(z: f64, m: f64) -> (f64, f64, f64) {
 }
 
 impl Dashpot {
-    /// Returns λ = k |s/σ_r|^m and ln |s/σ_r|, the latter 0 at s = 0 where it is always multiplied
-    /// by 0.
+    /// Returns λ = k |s/σ_r|^m and ln |s/σ_r|. The logarithm is set to 0 at s = 0, where it is
+    /// always multiplied by 0.
     pub(super) fn local_rate(&self, dashpot_stress: f64) -> (f64, f64) {
         let ratio = dashpot_stress.abs() / self.reference_stress;
         let logarithm = if ratio > 0.0 { ratio.ln() } else { 0.0 };
         (self.rate * ratio.powf(self.exponent), logarithm)
     }
 
-    /// Returns the stress after `duration` \[s\] under the constant `stress` \[Pa\]; closed form.
+    /// Returns the stress after `duration` \[s\] under the constant `stress` \[Pa\], in closed
+    /// form.
     pub(super) fn hold(&self, from: SpringStress, stress: f64, duration: f64) -> SpringStress {
         let s = stress - from.value;
         let (rate, logarithm) = self.local_rate(s);
@@ -94,8 +95,8 @@ impl Dashpot {
     }
 
     /// Returns the stress after `duration` \[s\] under a `stress` \[Pa\] that is a function of time
-    /// \[s\], integrated with steps of at most `longest_step`; or the time at which the integration
-    /// failed. `largest` is the largest stress \[Pa\] of the whole load.
+    /// \[s\], integrated with steps of at most `longest_step`. If the integration fails, the error
+    /// is the time at which it failed. `largest` is the largest stress \[Pa\] of the whole load.
     pub(super) fn drive(
         &self,
         from: SpringStress,
@@ -109,7 +110,7 @@ impl Dashpot {
             longest_step,
             tolerance: INTEGRATION_ERROR,
         };
-        // in units of the largest stress
+        // the integration is in units of the largest stress
         let start = [from.value, from.by_log_rate, from.by_exponent].map(|value| value / largest);
         let [value, by_log_rate, by_exponent] = integrate(start, &interval, |t, y: &Unknowns| {
             let s = stress(t) / largest - y[0];
@@ -142,8 +143,8 @@ mod tests {
         }
     }
 
-    /// Closed form and integration must agree to the stated error of the integration, for any
-    /// exponent and any initial state.
+    /// The closed form and the integration must agree within the stated error of the integration,
+    /// for any exponent and any initial state.
     #[test]
     fn closed_form_agrees_with_the_differential_equation() {
         for exponent in [0.0, 1e-6, 0.3, 1.0, 1.8, 5.0] {
@@ -201,7 +202,8 @@ mod tests {
                 .value)
                 / (2.0 * h);
             let found = at(pair);
-            // central difference: h² = 1e-10 and rounding 1e-16/h = 1e-11 of the stress
+            // errors of the central difference: h² = 1e-10 and rounding of 1e-16/h = 1e-11,
+            // relative to the stress
             assert!((found.by_log_rate - by_log_rate).abs() < 1e-8 * 32e6);
             assert!((found.by_exponent - by_exponent).abs() < 1e-8 * 32e6);
         }

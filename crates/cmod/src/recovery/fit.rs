@@ -1,23 +1,24 @@
 //! Parameters of the three-element model from recovery tests, and their identifiability.
 //!
-//! - [`SingleTestFit`]: equation 4 alone, two numbers per test.
-//! - [`paper_procedure`]: E₂ and B from one test, m from the others, as in paper C.
+//! - [`SingleTestFit`]: equation 4 alone, with two numbers per test.
+//! - [`paper_procedure`]: E₂ and B from one test, and m from the other tests, as in paper C.
 //! - [`RecoveryFit`]: all tests together by weighted least squares, with standard errors and a
 //!   verdict for each parameter.
 //!
 //! # Identifiability
 //! With k = E₂Bσ_r^m the prediction depends on E₁/E₂, k and m. Hence
-//! - **E₁** scales out and is given, with its error, which E₂ and B share;
-//! - **one load** gives Δtan δᵢ and t_r, and for every m there are one E₂ and one B that give
-//!   these;
-//! - **readings at t ≪ t_r** only give Δtan δᵢ, readings at t ≫ t_r only the product Δtan δᵢ t_r =
-//!   E₁(m+1)/(E₂ωm), common to all loads.
+//! - **E₁** cannot be determined, because only E₁/E₂ enters; it is given with its error, which E₂
+//!   and B share;
+//! - **one load** gives Δtan δᵢ and t_r, and for every m one pair of E₂ and B gives the same two
+//!   numbers;
+//! - **readings at t ≪ t_r** only give Δtan δᵢ; readings at t ≫ t_r only give the product Δtan δᵢ
+//!   t_r = E₁(m+1)/(E₂ωm), which is the same for all loads.
 //!
-//! The singular values of the Jacobian relative to the noise quantify this; the [`Reason`]
-//! describes it.
+//! The singular values of the Jacobian relative to the noise measure the identifiability; the
+//! [`Reason`] states why a parameter is not identifiable.
 //!
 //! # Example
-//! Readings after 45 MPa and after 19 MPa, half an hour each.
+//! Fit of readings after 45 MPa and after 19 MPa, each applied for half an hour.
 //!
 //! ```
 //! use cmod::recovery::fit::{ErrorScale, Reason, RecoveryFit, SeriesModulus, Verdict};

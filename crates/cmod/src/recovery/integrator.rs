@@ -1,13 +1,13 @@
-//! Integration of a smooth system of ordinary differential equations with control of the error.
+//! Integration of a smooth system of ordinary differential equations with error control.
 //!
-//! The method is the pair of orders 5 and 4 of Dormand and Prince (1980). The error is controlled
-//! per unit of time, so that the tolerance applies to the whole interval and not to every one of a
-//! hundred thousand steps.
+//! The method is the Runge-Kutta pair of orders 5 and 4 of Dormand and Prince (1980). The error is
+//! controlled per unit of time, so that the tolerance applies to the whole interval and not to each
+//! of, for example, a hundred thousand steps.
 
 /// Number of unknowns: the stress and its derivatives with respect to the two parameters.
 pub(super) const UNKNOWNS: usize = 3;
 
-/// Values of the unknowns.
+/// Values of all unknowns.
 pub(super) type Unknowns = [f64; UNKNOWNS];
 
 const MOST_STEPS: u32 = 4_000_000;
@@ -42,7 +42,8 @@ const FIFTH: [f64; 6] = [
     -2187.0 / 6784.0,
     11.0 / 84.0,
 ];
-/// Fifth order minus fourth; the seventh entry belongs to the slope at the end of the step.
+/// Weights of the fifth-order formula minus those of the fourth-order formula; the seventh entry
+/// belongs to the slope at the end of the step.
 const DIFFERENCE: [f64; 7] = [
     71.0 / 57600.0,
     0.0,
@@ -55,16 +56,16 @@ const DIFFERENCE: [f64; 7] = [
 
 /// Interval of integration and its accuracy.
 pub(super) struct Interval {
-    /// Length of the interval; it begins at 0.
+    /// Length of the interval, which begins at 0.
     pub(super) duration: f64,
-    /// Longest step; a longer one could miss variations of the load.
+    /// Longest allowed step; a longer step could miss variations of the load.
     pub(super) longest_step: f64,
-    /// Accepted error of the unknowns at the end; these must be of order 1.
+    /// Accepted error of the unknowns at the end of the interval; the unknowns must be of order 1.
     pub(super) tolerance: f64,
 }
 
-/// Returns the unknowns at the end of `interval`, or the time at which the steps became too many or
-/// too small.
+/// Returns the unknowns at the end of `interval`, or, as an error, the time at which there were too
+/// many steps or the steps became too small.
 #[allow(
     clippy::indexing_slicing,
     reason = "each of the rows of `STAGES`, which are fewer than the stages, makes the stage of its own number"
@@ -79,7 +80,7 @@ pub(super) fn integrate(
         longest_step,
         tolerance,
     } = interval;
-    // cannot succeed
+    // the integration would need too many steps
     if duration / longest_step > f64::from(MOST_STEPS) {
         return Err(0.0);
     }
@@ -100,13 +101,13 @@ pub(super) fn integrate(
         }
         let end = advanced(&values, h, &FIFTH, &stages);
         stages[6] = slope(time + h, &end);
-        // a sum and not the largest: f64::max would drop a NaN
+        // the sum and not the maximum of the errors, because f64::max would ignore a NaN
         let error: f64 = advanced(&[0.0; UNKNOWNS], h, &DIFFERENCE, &stages)
             .iter()
             .map(|e| e.abs())
             .sum();
-        // error per unit of time is of order h⁴ in the lower formula; a step so long that the slope
-        // overflows is rejected
+        // the error per unit of time of the lower formula is of order h⁴; a step so long that the
+        // slope overflows is rejected
         let allowed = (tolerance * h / duration).max(ROUNDING);
         let factor = if error.is_finite() {
             0.9 * (allowed / error.max(f64::MIN_POSITIVE)).powf(0.25)
@@ -145,7 +146,7 @@ mod tests {
     #[test]
     fn the_formula_is_of_fifth_order() {
         // y' = y on [0, 1] with steps of 1/n; the tolerance cannot be met, so that every step is
-        // taken
+        // accepted
         let error = |n: f64| {
             let interval = Interval {
                 duration: 1.0,
@@ -162,7 +163,7 @@ mod tests {
 
     #[test]
     fn the_error_is_that_asked_for() {
-        // three unknowns of different rates, driven: y' = -a (y - cos t) - sin t,
+        // three driven unknowns of different rates: y' = -a (y - cos t) - sin t, with the solution
         // y = cos t + (y₀ - 1) e^(-at)
         let rates = [0.1, 1.0, 30.0];
         for tolerance in [1e-5, 1e-8, 1e-11] {
@@ -177,8 +178,8 @@ mod tests {
             .unwrap();
             for (value, rate) in end.iter().zip(rates) {
                 let exact = 20.0_f64.cos() + (-20.0 * rate).exp();
-                // these equations damp errors; the rounding over 20 s in some thousand steps is
-                // below 1e-13
+                // these equations damp errors; the rounding error over 20 s in some thousand steps
+                // is below 1e-13
                 assert!(
                     (value - exact).abs() < tolerance + 1e-13,
                     "{tolerance} {rate}"
@@ -189,7 +190,7 @@ mod tests {
 
     #[test]
     fn a_pole_is_reported_with_its_time() {
-        // y' = y², y = 1/(1 - t)
+        // y' = y² has the solution y = 1/(1 - t), with a pole at t = 1
         let interval = Interval {
             duration: 2.0,
             longest_step: 0.1,

@@ -1,16 +1,16 @@
 //! Damped least squares for a few parameters.
 //!
-//! Residuals have unit variance and parameters are logarithms, so that no further scaling is
-//! needed. Each iteration computes the singular values of the Jacobian, J = U S Vᵀ; the step for a
-//! damping μ is -V S (S² + μ)⁻¹ Uᵀ r. A direction on which the data do not depend has s = 0 and is
-//! not changed.
+//! Residuals have unit variance and parameters are logarithms, so no further scaling is needed.
+//! Each iteration computes the singular values of the Jacobian, J = U S Vᵀ; the step for a damping
+//! μ is -V S (S² + μ)⁻¹ Uᵀ r. Along a direction on which the data do not depend, the singular value
+//! is 0 and the parameters are not changed.
 
 use crate::directions::Directions;
 
 /// Fraction of the largest singular value below which a singular value counts as rounding.
 const RANK: f64 = 1e-9;
 const MOST_ITERATIONS: usize = 200;
-/// Maximum change of a parameter in one iteration: a logarithm by 1 is a factor of e.
+/// Maximum change of a parameter in one iteration: a change of a logarithm by 1 is a factor of e.
 const LONGEST_STEP: f64 = 1.0;
 
 /// Residuals and their derivatives, one column per parameter.
@@ -60,7 +60,8 @@ impl Directions {
         step
     }
 
-    /// Returns the reduction of the sum of squares that the linear model predicts for the step.
+    /// Returns the reduction of the sum of squares that the linear model predicts for the step with
+    /// this `damping`.
     fn promised_reduction(&self, damping: f64) -> f64 {
         self.singular_values
             .iter()
@@ -79,7 +80,7 @@ impl Directions {
 #[non_exhaustive]
 pub enum Ending {
     /// The predicted reduction of χ² is below 1e-9 of the effect of one standard deviation, or
-    /// below rounding of χ² itself.
+    /// below the rounding error of χ² itself.
     Converged,
     /// No step, however short, reduces χ².
     NoDescent,
@@ -94,8 +95,8 @@ pub(super) struct Minimum {
     pub(super) ending: Ending,
 }
 
-/// Minimises |r|² from `start`; `Ok(None)` if the start has no finite residuals. Errors of
-/// `problem` are passed on.
+/// Minimises |r|² from `start`; returns `Ok(None)` if the residuals at the start are not finite.
+/// Errors of `problem` are returned.
 pub(super) fn minimise<E>(
     start: &[f64],
     problem: impl Fn(&[f64]) -> Result<Linearised, E>,
@@ -136,7 +137,7 @@ pub(super) fn minimise<E>(
             None
         };
         let Some(decomposed) = decomposed else {
-            // rounding of the sum of squares exceeds the remaining reduction
+            // the rounding error of the sum of squares exceeds the remaining reduction
             if promised <= 1e-12 * value.max(1e-12) {
                 ending = Ending::Converged;
                 break;
@@ -172,7 +173,7 @@ mod tests {
         minimum
     }
 
-    /// r = (10 (θ₂ - θ₁²), 1 - θ₁), and a third parameter without effect.
+    /// Minimises r = (10 (θ₂ - θ₁²), 1 - θ₁) with a third parameter that has no effect.
     #[test]
     fn finds_the_bottom_of_a_curved_valley_and_leaves_the_unseen_alone() {
         let minimum = infallible(&[-1.2, 1.0, 7.0], |t| Linearised {

@@ -8,7 +8,7 @@ use crate::error::{CmodError, check_not_negative, check_positive};
 /// Number of integration steps per period of a sine.
 const STEPS_PER_PERIOD: f64 = 8.0;
 
-/// Part of a load; its time starts at 0.
+/// Part of a load. The time within each segment starts at 0.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub enum LoadSegment {
@@ -28,7 +28,7 @@ pub enum LoadSegment {
         /// Duration \[s\].
         duration: f64,
     },
-    /// Stress σ_a + σ_c sin 2πf_c t, as in Test 6.
+    /// Stress σ_a + σ_c sin 2πf_c t, as in Test 6 of paper C.
     Periodic {
         /// Mean stress σ_a \[Pa\].
         mean: f64,
@@ -94,7 +94,7 @@ impl LoadSegment {
     }
 }
 
-/// Sequence of load segments that begins with a virgin specimen and ends with unloading.
+/// Sequence of load segments on a virgin specimen, followed by unloading.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LoadHistory {
     segments: Vec<LoadSegment>,
@@ -105,7 +105,7 @@ impl LoadHistory {
     ///
     /// # Errors
     /// [`CmodError::NoLoad`] without segments; [`CmodError::NonPhysical`] for a stress that is not
-    /// finite, a duration that is negative or not finite, a frequency that is not above 0.
+    /// finite, a duration that is negative or not finite, or a frequency that is not above 0.
     pub fn new(segments: Vec<LoadSegment>) -> Result<Self, CmodError> {
         if segments.is_empty() {
             return Err(CmodError::NoLoad);
@@ -116,22 +116,22 @@ impl LoadHistory {
         Ok(Self { segments })
     }
 
-    /// Creates a load of constant `stress` \[Pa\] for `duration` \[s\], as in Tests 1-5.
+    /// Creates a load of constant `stress` \[Pa\] for `duration` \[s\], as in Tests 1-5 of paper C.
     ///
     /// # Errors
-    /// Those of [`LoadHistory::new`].
+    /// The errors of [`LoadHistory::new`].
     pub fn creep(stress: f64, duration: f64) -> Result<Self, CmodError> {
         Self::new(vec![LoadSegment::Constant { stress, duration }])
     }
 
-    /// Creates a load of straight lines between samples of the `stress` \[Pa\] at increasing `time`
-    /// \[s\], as recorded by a testing machine or in an impact. Both arrays have one entry per
-    /// sample; the first sample is applied as a step.
+    /// Creates a load that varies linearly between samples of the `stress` \[Pa\] at increasing
+    /// `time` \[s\], as recorded by a testing machine or in an impact. Both arrays have one entry
+    /// per sample; the first sample is applied as a step.
     ///
     /// # Errors
     /// [`CmodError::ReadingCount`] for unequal lengths, [`CmodError::NoLoad`] for fewer than two
-    /// samples, [`CmodError::NonPhysical`] as in [`LoadHistory::new`]; a time that does not
-    /// increase makes a negative duration.
+    /// samples, [`CmodError::NonPhysical`] as in [`LoadHistory::new`]; a decreasing time is
+    /// reported as a negative duration.
     pub fn from_samples(time: &[f64], stress: &[f64]) -> Result<Self, CmodError> {
         if time.len() != stress.len() {
             return Err(CmodError::ReadingCount {
@@ -170,7 +170,7 @@ impl LoadHistory {
             .fold(0.0, f64::max)
     }
 
-    /// Returns the duration \[s\].
+    /// Returns the duration of the whole load \[s\].
     #[must_use]
     pub fn duration(&self) -> f64 {
         self.segments.iter().map(LoadSegment::duration).sum()
@@ -178,11 +178,12 @@ impl LoadHistory {
 
     /// Returns the load with each periodic segment replaced by the constant stress with the same
     /// mean of |σ|^m σ, which drives the dashpot as long as the stress of the parallel spring is
-    /// small. This is accurate enough for a start and avoids the integration of thousands of
-    /// periods.
+    /// small. This is accurate enough for a starting point and avoids the integration of thousands
+    /// of periods.
     pub(super) fn averaged(&self, m: f64) -> Self {
         let average = |mean: f64, amplitude: f64| {
-            // sixteen equidistant phases; the mean over a period converges fast with their number
+            // sixteen equidistant phases; the mean over a period converges fast with the number of
+            // phases
             let rate: f64 = (0..16_u32)
                 .map(|i| {
                     let stress = mean + amplitude * (TAU * f64::from(i) / 16.0).sin();
@@ -280,7 +281,7 @@ mod tests {
             whole.response(&PAIR).unwrap(),
             parts.response(&PAIR).unwrap(),
         );
-        // both are closed forms: rounding
+        // both results are closed forms, with rounding errors only
         assert!((a.value - b.value).abs() < 1e-13 * 32e6);
         assert!((a.by_exponent - b.by_exponent).abs() < 1e-13 * 32e6);
     }
@@ -342,9 +343,9 @@ mod tests {
             averaged.response(&PAIR).unwrap().value,
         );
         // the stress of the spring reaches a fifth of the load; the amplitude of the load affects
-        // it to second order
+        // this stress only to second order
         assert!((a / b - 1.0).abs() < 0.02, "{a} {b}");
-        // the mean stress has a rate that is lower by m(m+1)/4 (13/32)² = 20 %
+        // under the mean stress alone the rate is lower by m(m+1)/4 (13/32)² = 20 %
         let mean = LoadHistory::creep(32e6, 100.0).unwrap();
         assert!(a > 1.1 * mean.response(&PAIR).unwrap().value);
     }

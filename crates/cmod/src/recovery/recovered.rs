@@ -6,9 +6,9 @@ use super::dashpot::relaxed_logarithm;
 use super::{LoadHistory, ThreeElement};
 use crate::error::CmodError;
 
-/// Recovery of the model without load, t \[s\] after unloading.
+/// Recovery of the model without load, at the time t \[s\] after unloading.
 ///
-/// The parallel spring keeps the stress left by the load, and drives the dashpot back:
+/// The parallel spring retains its stress at unloading and drives the dashpot back:
 ///
 /// ```text
 /// |σ_d(t)|^(-m) = |σ_d(0)|^(-m) + m E₂ B t
@@ -56,8 +56,8 @@ impl Recovery {
         Ok(recovery)
     }
 
-    /// Returns the stress of the dashpot right after unloading \[Pa\]; of opposite sign to the
-    /// load.
+    /// Returns the stress of the dashpot right after unloading \[Pa\]; its sign is opposite to the
+    /// sign of the load.
     #[must_use]
     pub fn initial_dashpot_stress(&self) -> f64 {
         self.initial_dashpot_stress
@@ -95,7 +95,8 @@ impl Recovery {
     }
 
     /// Returns the differential modulus \[Pa\] at angular frequency `omega` \[rad/s\] and time `t`
-    /// \[s\] after unloading; exact, without the loss of the virgin material.
+    /// \[s\] after unloading. The equation is exact; the loss of the virgin material is not
+    /// included.
     #[must_use]
     pub fn complex_modulus(&self, omega: f64, t: f64) -> Complex64 {
         self.model.complex_modulus(omega, self.dashpot_stress(t))
@@ -146,7 +147,7 @@ mod tests {
             let recovery = model
                 .recovery(&LoadHistory::creep(stress, duration).unwrap())
                 .unwrap();
-            // the bracket as written loses one to two digits
+            // evaluating the bracket as written loses one to two digits
             assert!((recovery.recovery_time() / corrected - 1.0).abs() < 1e-12);
             // the printed formula is wrong by ten orders of magnitude
             let printed = t1 / (m * bracket.powf(-m));
@@ -157,8 +158,8 @@ mod tests {
         }
     }
 
-    /// Compares equation 4 with the integrated model: if 600 s of rest count as part of the load,
-    /// the recovery starts 600 s later.
+    /// Compares equation 4 with the integrated model: if 600 s of rest are counted as part of the
+    /// load, the recovery starts 600 s later.
     #[test]
     fn recovery_continues_a_rest_after_the_load() {
         let model = ThreeElement::new(PRINTED).unwrap();
@@ -179,7 +180,7 @@ mod tests {
             .unwrap();
         for t in [0.0, 60.0, 7200.0] {
             let (a, b) = (now.dashpot_stress(600.0 + t), later.dashpot_stress(t));
-            // integration error: 1e-9 of 45 MPa, at a stress of a third of 45 MPa
+            // the integration error is 1e-9 of 45 MPa, and the stress is a third of 45 MPa
             assert!((a / b - 1.0).abs() < 3e-9, "{t}: {a} {b}");
             let (a, b) = (
                 now.loss_factor_change(OMEGA, 600.0 + t),

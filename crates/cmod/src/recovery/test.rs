@@ -9,17 +9,18 @@ use crate::error::{CmodError, check_not_negative, check_positive};
 pub struct LossFactorReadings<'a> {
     /// Times after unloading \[s\], increasing.
     pub time: &'a [f64],
-    /// Δtan δ.
+    /// Changes Δtan δ.
     pub change: &'a [f64],
     /// Standard error of each tan δ, independent from reading to reading.
     pub standard_error: &'a [f64],
-    /// Standard error of the virgin tan δ₀, which was measured once: all readings share its error,
-    /// also those of other tests in the same fit. 0 if it is negligible.
+    /// Standard error of the virgin tan δ₀, which was measured once: its error is common to all
+    /// readings, including the readings of other tests in the same fit. Set it to 0 if it is
+    /// negligible.
     pub virgin_standard_error: f64,
 }
 
-/// Recovery test: the load, and the loss factor after it at one frequency (paper C, Table 1 and
-/// Figure 2).
+/// Recovery test: the load, and the loss factor at one frequency after the load (paper C, Table 1
+/// and Figure 2).
 #[derive(Debug, Clone, PartialEq)]
 pub struct RecoveryTest {
     pub(super) name: String,
@@ -35,10 +36,11 @@ impl RecoveryTest {
     /// Creates a test called `name`, with `readings` at `frequency_hz` \[Hz\] after `load`.
     ///
     /// # Errors
-    /// [`CmodError::NonPhysical`] for a frequency that is not above 0, a negative virgin error or a
-    /// load without stress; [`CmodError::ReadingCount`] for unequal lengths;
-    /// [`CmodError::TooFewReadings`] without readings; [`CmodError::Reading`] for times that are
-    /// negative or do not increase, changes that are not finite, errors that are not above 0.
+    /// [`CmodError::NonPhysical`] for a frequency that is not above 0, a negative error of the
+    /// virgin loss factor, or a load without stress; [`CmodError::ReadingCount`] for unequal
+    /// lengths; [`CmodError::TooFewReadings`] without readings; [`CmodError::Reading`] for times
+    /// that are negative or do not increase, changes that are not finite, or errors that are not
+    /// above 0.
     pub fn new(
         name: impl Into<String>,
         load: LoadHistory,
@@ -151,9 +153,9 @@ impl RecoveryTest {
 /// Converts values of all readings of `tests` (a residual, or its derivatives), test after test, to
 /// uncorrelated values of unit variance.
 ///
-/// The virgin loss factor was measured once, so its error is one number for all readings of all
+/// The virgin loss factor was measured once, so its error is the same for all readings of all
 /// tests. The covariance of the independent errors σᵢ and this common error is D (I + a aᵀ) D with
-/// D = diag σᵢ, aᵢ = σ₀/σᵢ. What is applied is (I + a aᵀ)^(-1/2) D⁻¹, in closed form.
+/// D = diag σᵢ, aᵢ = σ₀/σᵢ. The function applies (I + a aᵀ)^(-1/2) D⁻¹ in closed form.
 pub(super) fn whiten(tests: &[RecoveryTest], values: &mut [f64]) {
     let errors = || {
         tests.iter().flat_map(|test| {
@@ -169,7 +171,7 @@ pub(super) fn whiten(tests: &[RecoveryTest], values: &mut [f64]) {
         square += a * a;
     }
     if square > 0.0 {
-        // (1 - 1/√(1+a²))/a², without the difference
+        // (1 - 1/√(1+a²))/a², written without the difference
         let root = (1.0 + square).sqrt();
         let factor = projection / (root * (1.0 + root));
         for (value, (_, a)) in values.iter_mut().zip(errors()) {
@@ -200,8 +202,9 @@ mod tests {
         RecoveryTest::new("Test 2", load, 10e3, readings)
     }
 
-    /// Checks Wᵀ C W = I over the readings of two tests, column by column. C has independent
-    /// errors, and the error of the virgin loss factor between any two readings.
+    /// Checks Wᵀ C W = I over the readings of two tests, column by column. C contains the
+    /// independent errors of the readings and, for any two readings, the variance of the virgin
+    /// loss factor.
     #[test]
     fn r12_whitened_errors_of_all_tests_are_independent_and_of_unit_variance() {
         let sigma = [1e-3, 2e-3, 5e-4, 3e-3, 8e-4];

@@ -3,18 +3,18 @@
 
 use num_complex::Complex64;
 
-/// Number of coefficients.
+/// Number of coefficients of the polynomial.
 const TERMS: usize = 4;
 /// Maximum number of Newton steps to a zero.
 const MOST_STEPS: u32 = 30;
 
-/// Least-squares fit over abscissas from -1 to 1.
+/// Least-squares fit of a polynomial of third degree over abscissas from -1 to 1.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct LocalPolynomial {
-    /// p_{k+1} = (t - centre_k) p_k - ratio_k p_{k-1}, p₀ = 1.
+    /// Coefficients of the recurrence p_{k+1} = (t - centre_k) p_k - ratio_k p_{k-1} with p₀ = 1.
     centre: [f64; TERMS],
     ratio: [f64; TERMS],
-    /// Σ w p_k².
+    /// Weighted square Σ w p_k² of each polynomial.
     power: [f64; TERMS],
     coefficients: [Complex64; TERMS],
 }
@@ -68,7 +68,7 @@ impl LocalPolynomial {
         basis
     }
 
-    /// Returns value and slope at t.
+    /// Returns the value and the slope of the polynomial at t.
     pub(super) fn at(&self, t: f64) -> (Complex64, Complex64) {
         let terms = self.coefficients.iter().zip(self.basis(t));
         terms.fold(
@@ -77,8 +77,8 @@ impl LocalPolynomial {
         )
     }
 
-    /// Returns the derivative of the value at t with respect to the value of a point at `at` with
-    /// this `weight`.
+    /// Returns the derivative of the value at t with respect to the value of a point at `at` that
+    /// has this `weight`.
     pub(super) fn influence(&self, t: f64, at: f64, weight: f64) -> f64 {
         let terms = self.basis(t).into_iter().zip(self.basis(at));
         let sum: f64 = terms
@@ -88,8 +88,8 @@ impl LocalPolynomial {
         weight * sum
     }
 
-    /// Returns the zero of the real part that Newton's method finds from the middle, if it is in
-    /// the range of the points.
+    /// Returns the zero of the real part that Newton's method finds from the middle of the points;
+    /// `None` if the zero is outside the range of the points.
     pub(super) fn zero_of_real_part(&self) -> Option<f64> {
         let mut t = 0.0;
         for _ in 0..MOST_STEPS {
@@ -123,7 +123,7 @@ mod tests {
             .collect();
         let fit = LocalPolynomial::through(points.iter().copied()).unwrap();
         for t in [-0.93, 0.0, 0.41] {
-            // A few roundings of numbers of the order of 1.
+            // The tolerance is 45 roundings of numbers of the order of 1.
             assert!((fit.at(t).0 - cubic(t)).norm() < 1e-14);
             let h = 1e-6;
             let slope = (fit.at(t + h).0 - fit.at(t - h).0) / (2.0 * h);
@@ -132,8 +132,8 @@ mod tests {
         assert!((fit.zero_of_real_part().unwrap() - 0.2).abs() < 1e-13);
     }
 
-    /// The value is the sum of the values of the points, each times its influence; the influences
-    /// of the points on themselves sum to the number of coefficients.
+    /// The value of the polynomial is the sum of the values of the points, each multiplied by its
+    /// influence; the influences of the points on themselves sum to the number of coefficients.
     #[test]
     fn influences_are_those_of_the_points() {
         let points: Vec<_> = (0..9)

@@ -1,8 +1,8 @@
 //! Cards of finite-element programs for a Prony series.
 //!
-//! A test of a rod gives E(ω); a program for solids needs shear and bulk modulus. The missing
-//! information is the Poisson ratio, and an assumption about how it changes ([`BulkBehaviour`]).
-//! All programs but one describe a relaxation by a sum of exponentials:
+//! A test of a rod gives E(ω); a program for solids needs the shear and the bulk modulus. The
+//! missing information is the Poisson ratio, and an assumption about its change with time
+//! ([`BulkBehaviour`]). All programs but one describe a relaxation by a sum of exponentials:
 //!
 //! | program | card | moduli | relaxation times |
 //! |---|---|---|---|
@@ -13,8 +13,8 @@
 //! | Code_Aster | `DYNA_VISCO` | E'(f) and E''/E'(f) in the band | |
 //! | JSON | | Eᵢ of the rod; G(∞), Gᵢ and K of the solid, bulk elastic | τᵢ |
 //!
-//! Units are SI. Numbers are written with all their digits; in the ten-column fields of LS-DYNA
-//! with at least six, for values of 1e-9 and above.
+//! Units are SI. Numbers are written with all their digits, except in the ten-column fields of
+//! LS-DYNA, where values of 1e-9 and above have at least six digits.
 //!
 //! ```
 //! use cmod::rheology::card::{BulkBehaviour, MaterialCard, Moduli};
@@ -63,12 +63,12 @@ pub enum Moduli {
 /// Relaxation of the response to pressure.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum BulkBehaviour {
-    /// Same relaxation as in shear: the Poisson ratio is the same at all rates, and gᵢ = kᵢ =
-    /// Eᵢ/E(∞).
+    /// The bulk modulus relaxes like the shear modulus: the Poisson ratio is the same at all rates,
+    /// and gᵢ = kᵢ = Eᵢ/E(∞).
     ConstantPoissonRatio,
-    /// No relaxation: K = E(∞)/(3 (1 - 2ν)) with the instantaneous ν, and G = 3KE/(9K - E), which
-    /// is a Prony series with as many branches as E and shorter times. The Poisson ratio increases
-    /// towards 1/2 as the material relaxes, as for polymers.
+    /// The bulk modulus does not relax: K = E(∞)/(3 (1 - 2ν)) with the instantaneous ν, and G =
+    /// 3KE/(9K - E), which is a Prony series with as many branches as E and shorter times. The
+    /// Poisson ratio increases towards 1/2 as the material relaxes, as in polymers.
     Elastic,
 }
 
@@ -81,15 +81,15 @@ pub struct MaterialCard<'a> {
     /// Instantaneous Poisson ratio for an elastic bulk.
     instantaneous_ratio: f64,
     law: GeneralisedMaxwell,
-    /// Series with its errors, if it comes from a fit.
+    /// Series with its errors, if the card comes from a fit.
     measured: Option<MeasuredLaw>,
-    /// Largest deviation from the fitted series, if it comes from a fit.
+    /// Largest deviation from the fitted series, if the card comes from a fit.
     deviation: Option<CardDeviation>,
     comments: Vec<String>,
 }
 
-/// Largest difference between a card, whose relaxation times are within the band, and the series
-/// that was fitted.
+/// Largest difference between the fitted series and the series of the card, whose relaxation times
+/// are within the band.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct CardDeviation {
@@ -100,13 +100,13 @@ pub struct CardDeviation {
 }
 
 impl<'a> MaterialCard<'a> {
-    /// Creates a material with the Prony series of a `fit` to `data`, as far as the data determine
-    /// it.
+    /// Creates a material with the Prony series of a `fit` to `data`, restricted to the parameters
+    /// that the data determine.
     ///
-    /// Only the flank of a branch that relaxes outside of the band affects the data. The card has
-    /// only relaxation times within the band, 1/ω₂ <= τᵢ <= 1/ω₁: slower ones become a part of
-    /// the long-term modulus, faster ones a branch at the upper end, and the moduli are fitted
-    /// again. Branches that are not identified are omitted. Then
+    /// If a branch relaxes outside the band, only its flank affects the data. Therefore the card
+    /// has only relaxation times within the band, 1/ω₂ <= τᵢ <= 1/ω₁. Slower branches become a part
+    /// of the long-term modulus, faster branches become a branch at the upper end, and the moduli
+    /// are fitted again. Branches that are not identified are omitted. The card then fulfils
     ///
     /// ```text
     /// E(∞) <= E'(ω₂) + E''(ω₂) ,    E(0) >= E'(ω₁) - E''(ω₁)
@@ -118,9 +118,8 @@ impl<'a> MaterialCard<'a> {
     /// each parameter.
     ///
     /// # Errors
-    /// Those of [`Self::new`]; [`CmodError::CardLaw`] if another law was fitted;
-    /// [`CmodError::CardUndetermined`] if the data determine no long-term modulus, or no
-    /// relaxation.
+    /// The errors of [`Self::new`]; [`CmodError::CardLaw`] if another law was fitted;
+    /// [`CmodError::CardUndetermined`] if the data determine no long-term modulus or no relaxation.
     pub fn from_fit(
         name: &'a str,
         density: f64,
@@ -196,8 +195,8 @@ impl<'a> MaterialCard<'a> {
         Ok(card)
     }
 
-    /// Adds a line of comment at the end, such as the temperature and the source of the data;
-    /// characters beyond the first 76 and non-printing ones are omitted.
+    /// Adds a line of comment at the end, such as the temperature and the source of the data.
+    /// Non-printing characters, and all characters after the first 76, are omitted.
     #[must_use]
     pub fn with_comment(mut self, comment: &str) -> Self {
         let prints = comment.chars().filter(|c| !c.is_control());
@@ -205,14 +204,15 @@ impl<'a> MaterialCard<'a> {
         self
     }
 
-    /// States that the Poisson ratio applies at `frequency_hz` and is not the instantaneous one.
-    /// For [`BulkBehaviour::Elastic`], K = E'/(3 (1 - 2ν)) with E' at this frequency; the real part
-    /// of ν(ω) = 1/2 - E(ω)/(6K) then equals ν there. The `standard_uncertainty` u of ν, if stated,
-    /// causes a relative uncertainty 2u/(1 - 2ν) of K, which is stated in a comment.
+    /// Declares that the Poisson ratio applies at `frequency_hz`, and is not the instantaneous
+    /// Poisson ratio. For [`BulkBehaviour::Elastic`], K = E'/(3 (1 - 2ν)) with E' at this
+    /// frequency; the real part of ν(ω) = 1/2 - E(ω)/(6K) then equals ν at this frequency. The
+    /// `standard_uncertainty` u of ν, if stated, causes a relative uncertainty 2u/(1 - 2ν) of K,
+    /// which is stated in a comment.
     ///
     /// # Errors
-    /// [`CmodError::NonPhysical`] unless the frequency is finite and above 0, the uncertainty
-    /// finite and not negative, and the resulting instantaneous ratio above -1.
+    /// [`CmodError::NonPhysical`] unless the frequency is finite and above 0, the uncertainty is
+    /// finite and not negative, and the resulting instantaneous ratio is above -1.
     pub fn with_poisson_ratio_at(
         mut self,
         frequency_hz: f64,
@@ -248,8 +248,8 @@ impl<'a> MaterialCard<'a> {
         Ok(self)
     }
 
-    /// Returns the largest deviation from the series of the fit; `None` if the card is not that of
-    /// a fit.
+    /// Returns the largest deviation from the series of the fit; `None` if the card does not come
+    /// from a fit.
     #[must_use]
     pub fn deviation(&self) -> Option<CardDeviation> {
         self.deviation
@@ -277,7 +277,7 @@ impl<'a> MaterialCard<'a> {
     /// `-` or `_`; [`CmodError::NonPhysical`] unless the density is finite and above 0, the Poisson
     /// ratio is above -1 and below 1/2 (at 1/2 the bulk modulus is infinite), and the series has
     /// branches and a long-term modulus. Without a long-term modulus the ratios of Abaqus and ANSYS
-    /// sum to 1, which these programs refuse or round.
+    /// sum to 1; these programs refuse or round such ratios.
     pub fn new(
         name: &'a str,
         density: f64,
@@ -331,13 +331,14 @@ impl<'a> MaterialCard<'a> {
         self.measured.as_ref().map_or(&[], MeasuredLaw::errors)
     }
 
-    /// Creates the card of a random draw: the series moved by `standard[k]` standard uncertainties
-    /// of error k of [`Self::errors`], with this `density` [kg/m³] and instantaneous
-    /// `poisson_ratio`, without the comments. If `standard` holds standard normal numbers, the
-    /// draws have the covariance of the fit, for a Monte Carlo calculation with the program.
+    /// Creates a card for a random draw of the material. The series is moved by `standard[k]`
+    /// standard uncertainties of the error k of [`Self::errors`]; the card has the given `density`
+    /// [kg/m³] and instantaneous `poisson_ratio`, and no comments. If `standard` holds standard
+    /// normal numbers, the draws have the covariance of the fit, for a Monte Carlo calculation with
+    /// the program.
     ///
     /// # Errors
-    /// Those of [`Self::new`], and those of [`MeasuredLaw::moved`].
+    /// The errors of [`Self::new`] and [`MeasuredLaw::moved`].
     pub fn moved(
         &self,
         standard: &[f64],
@@ -375,7 +376,7 @@ impl<'a> MaterialCard<'a> {
         };
         let (young, poisson) = isotropic::young_and_poisson(shear, compression);
         let (young, poisson) = match (moduli, bulk) {
-            // as given, without the rounding of a conversion back and forth
+            // the values are used as given, without rounding by a conversion back and forth
             (Moduli::Instantaneous, _) => (self.law.unrelaxed_modulus(), self.ratio(bulk)),
             (Moduli::LongTerm, BulkBehaviour::ConstantPoissonRatio) => {
                 (self.law.equilibrium_modulus(), self.poisson_ratio)
@@ -405,7 +406,8 @@ impl<'a> MaterialCard<'a> {
     /// Writes the ANSYS commands for material number `material`, to be read in `/PREP7`.
     ///
     /// # Errors
-    /// [`CmodError::CardTerms`] for more than [`ANSYS_TERMS`] terms; those of [`Self::abaqus`].
+    /// [`CmodError::CardTerms`] for more than [`ANSYS_TERMS`] terms; the errors of
+    /// [`Self::abaqus`].
     pub fn ansys(&self, material: u32, bulk: BulkBehaviour) -> Result<String, CmodError> {
         let solid = Isotropic::of(&self.law, self.ratio(bulk), bulk)?;
         check_terms("ANSYS", solid.terms.len(), ANSYS_TERMS)?;
@@ -442,7 +444,7 @@ impl<'a> MaterialCard<'a> {
     ///
     /// # Errors
     /// [`CmodError::CardTerms`] for more than [`LS_DYNA_TERMS`] terms, including the long-term
-    /// modulus; those of [`Self::abaqus`].
+    /// modulus; the errors of [`Self::abaqus`].
     pub fn ls_dyna(&self, material: u32) -> Result<String, CmodError> {
         let solid = Isotropic::of(&self.law, self.instantaneous_ratio, BulkBehaviour::Elastic)?;
         check_terms("LS-DYNA", solid.terms.len() + 1, LS_DYNA_TERMS)?;
@@ -469,7 +471,7 @@ impl<'a> MaterialCard<'a> {
     }
 }
 
-/// Describes |E| at `omega` with its standard uncertainty, as text.
+/// Returns |E| at `omega` with its standard uncertainty, as text.
 fn size_at(fit: &RheologicalFit, omega: f64) -> Result<String, CmodError> {
     let predicted = fit.prediction(omega)?;
     let size = predicted.modulus.norm();
@@ -491,8 +493,8 @@ fn size_at(fit: &RheologicalFit, omega: f64) -> Result<String, CmodError> {
     ))
 }
 
-/// Checks that the long-term shear modulus, the instantaneous one minus the terms, is above 0 in
-/// spite of rounding.
+/// Checks that the long-term shear modulus (the instantaneous shear modulus minus the terms) is
+/// above 0 in spite of rounding.
 fn check_long_term(solid: &Isotropic) -> Result<(), CmodError> {
     check_positive("long-term shear modulus [Pa]", solid.long_term_shear()).map(drop)
 }
@@ -514,7 +516,7 @@ fn number(value: f64) -> String {
     format!("{value:e}")
 }
 
-/// Writes all digits that fit into ten columns.
+/// Writes the number with all digits that fit into ten columns.
 fn column(value: f64) -> String {
     let all = number(value);
     if all.len() <= 10 {

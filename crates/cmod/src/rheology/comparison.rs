@@ -7,7 +7,7 @@ use super::fit::{Criterion, FitOptions, PredictedModulus, RheologicalFit, mean_o
 use super::law::Law;
 use crate::error::CmodError;
 
-/// Fits of several laws to the same data, the preferred one first.
+/// Fits of several laws to the same data, the preferred law first.
 ///
 /// A criterion compares laws with each other; χ² of the best law and the whiteness of its residuals
 /// test whether it is adequate.
@@ -15,11 +15,11 @@ use crate::error::CmodError;
 #[non_exhaustive]
 #[must_use]
 pub struct Comparison {
-    /// Fits, in the order of the criterion.
+    /// Fits, in order of the criterion.
     pub rows: Vec<ComparisonRow>,
     /// Laws that could not be fitted, with the reason.
     pub refused: Vec<(Law, CmodError)>,
-    /// Criterion.
+    /// Criterion by which the laws are compared.
     pub criterion: Criterion,
 }
 
@@ -29,14 +29,14 @@ pub struct Comparison {
 pub struct ComparisonRow {
     /// Fit of the law.
     pub fit: RheologicalFit,
-    /// Criterion of this law minus that of the preferred law.
+    /// Criterion of this law minus the criterion of the preferred law.
     pub difference: f64,
-    /// exp(-difference/2), divided by the sum over all laws: for BIC the probability of the law, if
-    /// one of the laws is true and all are equally probable a priori. 0 for a law that is the same
-    /// function as a preceding one.
+    /// Weight exp(-difference/2), divided by the sum over all laws. For BIC it is the probability
+    /// of the law, if one of the laws is true and all laws are equally probable a priori. It is 0
+    /// for a law that is the same function as a preceding law.
     pub weight: f64,
-    /// Preceding law that is the same function, such as Zener's and a generalised Maxwell model
-    /// with one branch: the two count as one.
+    /// Preceding law that is the same function, for example Zener's model for a generalised Maxwell
+    /// model with one branch. The two laws are counted as one.
     pub same_as: Option<Law>,
 }
 
@@ -44,8 +44,8 @@ impl Comparison {
     /// Fits all `laws` to `data`.
     ///
     /// # Errors
-    /// [`CmodError::NonPhysical`] for a level of confidence out of its range. A law that cannot be
-    /// fitted is listed in [`Self::refused`].
+    /// [`CmodError::NonPhysical`] for a confidence level that is not between 0 and 1. A law that
+    /// cannot be fitted is listed in [`Self::refused`].
     pub fn new(data: &ModulusData, laws: &[Law], options: &FitOptions) -> Result<Self, CmodError> {
         let options = options.checked()?;
         let mut rows = Vec::with_capacity(laws.len());
@@ -62,7 +62,8 @@ impl Comparison {
             }
         }
         let score = |row: &ComparisonRow| options.criterion.of(row.fit.aicc, row.fit.bic);
-        // laws that are the same function share one value; the law of simplest form comes first
+        // laws that are the same function share one value of the criterion; the law of simplest
+        // form comes first
         let own = |row: &ComparisonRow| (row.fit.law.simplest(), row.fit.parameters.len());
         let scores: Vec<f64> = rows
             .iter()
@@ -80,7 +81,7 @@ impl Comparison {
         let mut seen: Vec<((Law, usize), Law)> = Vec::new();
         let mut rows = Vec::with_capacity(ranked.len());
         for (score, mut row) in ranked {
-            // scores of too few values are infinite
+            // scores are infinite if there are too few values
             row.difference = if score > least { score - least } else { 0.0 };
             let function = own(&row);
             row.same_as = seen
@@ -108,7 +109,7 @@ impl Comparison {
     /// Returns `None` if no law could be fitted.
     ///
     /// # Errors
-    /// Those of [`RheologicalFit::prediction`].
+    /// The errors of [`RheologicalFit::prediction`].
     pub fn prediction(&self, omega: f64) -> Result<Option<PredictedModulus>, CmodError> {
         let mut all = Vec::with_capacity(self.rows.len());
         for row in &self.rows {
@@ -117,7 +118,7 @@ impl Comparison {
         let of = |pick: fn(&PredictedModulus) -> [[f64; 2]; 2]| {
             mean_of(
                 all.iter()
-                    // 0 times an infinite variance counts as 0
+                    // a law of weight 0 contributes nothing, even if its variance is infinite
                     .filter(|(weight, _)| *weight > 0.0)
                     .map(|(weight, one)| (*weight, one.modulus, pick(one))),
             )

@@ -9,7 +9,8 @@ use super::transient::{Lines, Reading};
 use crate::error::{CmodError, check_length, check_positive};
 use crate::estimate::{ComplexCovariance, ErrorSource, ModulusEstimate, ModulusLine};
 
-/// Degrees of freedom of an estimated variance up to which the weight has infinite variance.
+/// Degrees of freedom of an estimated variance at or below which the weight of a line has infinite
+/// variance.
 const FEWEST_DEGREES_OF_FREEDOM: f64 = 4.0;
 
 /// Measured complex modulus at one frequency.
@@ -19,14 +20,14 @@ pub struct ModulusPoint {
     pub frequency_hz: f64,
     /// Complex modulus E = E' + iE'' \[Pa\].
     pub modulus: Complex64,
-    /// Covariance of E' and E'' \[Pa²\], positive definite, of errors that are independent from
-    /// point to point.
+    /// Covariance of E' and E'' \[Pa²\], for errors that are independent from point to point. It
+    /// must be positive definite.
     pub covariance: ComplexCovariance,
 }
 
 impl ModulusPoint {
-    /// Creates a point with a circular error: the same `standard_error` \[Pa\] for E' and for E'',
-    /// uncorrelated.
+    /// Creates a point with a circular error: the same `standard_error` \[Pa\] for E' and E'',
+    /// which are uncorrelated.
     #[must_use]
     pub fn circular(frequency_hz: f64, modulus: Complex64, standard_error: f64) -> Self {
         Self {
@@ -38,20 +39,20 @@ impl ModulusPoint {
 }
 
 /// Error of one source that all points share: if the source is wrong by its standard uncertainty,
-/// every modulus is wrong by its shift.
+/// each modulus is wrong by the shift of its point.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CommonError {
     /// Source of the error.
     pub source: ErrorSource,
-    /// δE \[Pa\], one per point.
+    /// Shifts δE \[Pa\], one per point.
     pub shift: Vec<Complex64>,
 }
 
 /// Checked points of increasing frequency, or decreasing time, with the matrices that make their
-/// errors independent and of unit variance, and the errors that the points share.
+/// errors independent and of unit variance, and with the errors that the points share.
 ///
 /// With δ = E - E_law and C the covariance of a point, the whitened residual is W (Re δ, Im δ) with
-/// WᵀW = C⁻¹, W lower triangular.
+/// WᵀW = C⁻¹ and W lower triangular.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ModulusData {
     /// Angular frequencies [rad/s], or inverse times [1/s].
@@ -63,8 +64,8 @@ pub struct ModulusData {
     pub(super) scatter: VarianceScatter,
 }
 
-/// Effect of the scatter of estimated variances on a fit that uses them as weights: factors, as
-/// means over the lines; 1 if the variances are known.
+/// Effect of the scatter of estimated variances on a fit that uses them as weights. The factors are
+/// means over the lines, and are 1 if the variances are known.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct VarianceScatter {
     /// Factor of the variance of a line, ν/(ν - 2), which the points already include.
@@ -122,7 +123,7 @@ impl VarianceScatter {
     }
 }
 
-/// Lower triangular W of one point.
+/// Lower triangular whitening matrix W of one point.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Whitening {
     pub(super) storage: f64,
@@ -163,7 +164,7 @@ impl Whitening {
         Complex64::new(storage, (second - self.mixed * storage) / self.loss)
     }
 
-    /// Returns the whitening of a real modulus; a loss has no weight.
+    /// Returns the whitening of a real modulus, in which the loss modulus has no weight.
     pub(super) fn of_real(standard_error: f64) -> Self {
         Self {
             storage: standard_error.recip(),
@@ -172,7 +173,7 @@ impl Whitening {
         }
     }
 
-    /// Returns the variance of E', the covariance, and the variance of E'' \[Pa²\]; the latter is
+    /// Returns the variance of E', the covariance, and the variance of E'' \[Pa²\]; the last is
     /// infinite if the modulus is real.
     pub(super) fn covariance(self) -> [f64; 3] {
         if self.loss <= 0.0 {
@@ -200,11 +201,11 @@ impl Whitening {
 }
 
 impl ModulusData {
-    /// Checks `points`.
+    /// Creates the data from `points`, and checks them.
     ///
     /// # Errors
     /// [`CmodError::NoLines`]; [`CmodError::ModulusPoint`] unless every frequency is finite and
-    /// above 0, every modulus finite, and every covariance matrix positive definite;
+    /// above 0, every modulus is finite, and every covariance matrix is positive definite;
     /// [`CmodError::FrequencyOrder`] unless the frequencies increase.
     pub fn new(points: &[ModulusPoint]) -> Result<Self, CmodError> {
         if points.is_empty() {
@@ -237,10 +238,11 @@ impl ModulusData {
         })
     }
 
-    /// Adds the errors that the points share, independent of each other and one per source.
+    /// Adds the errors that the points share, one per source. The sources are independent of each
+    /// other.
     ///
-    /// They have no influence on the weights of a fit, on the law at the minimum and on χ²: the
-    /// covariance of the parameters is `C_random + Σ_s g_s g_sᵀ`, where g_s is the change of the
+    /// These errors do not affect the weights of a fit, the fitted parameters or χ². The covariance
+    /// of the parameters becomes `C_random + Σ_s g_s g_sᵀ`, where g_s is the change of the
     /// parameters due to the shift of source s.
     ///
     /// # Errors
@@ -275,25 +277,25 @@ impl ModulusData {
     /// errors and their common errors.
     ///
     /// # Errors
-    /// Those of [`Self::from_lines`]; [`CmodError::NoLines`] if no line is valid.
+    /// The errors of [`Self::from_lines`]; [`CmodError::NoLines`] if no line is valid.
     pub fn from_estimate(estimate: &ModulusEstimate) -> Result<Self, CmodError> {
         Self::from_lines(estimate.valid())
     }
 
     /// Creates the data from lines of an estimate, with the covariance of their random errors and
-    /// their common errors. A density that is wrong by 1 % makes every line wrong by 1 %: this does
-    /// not affect the weight of a line, but is an error of the law.
+    /// their common errors. A density that is wrong by 1 % makes every line wrong by 1 %. Such an
+    /// error does not affect the weight of a line, but is an error of the law.
     ///
     /// A variance estimated with ν degrees of freedom scatters, and so does the weight of its line.
     /// The mean of 1/s² is ν/(ν - 2) times 1/σ². The variances are multiplied by this factor, so
-    /// that the mean of χ² is that for known variances. The effect of the scatter of the weights is
-    /// included in the errors of the parameters and in the distribution of χ²
+    /// that the mean of χ² is the same as for known variances. The effect of the scatter of the
+    /// weights is included in the errors of the parameters and in the distribution of χ²
     /// ([`RheologicalFit`](super::RheologicalFit)).
     ///
     /// # Errors
-    /// Those of [`Self::new`]. Lines without a random error would have infinite weight and are
-    /// refused. [`CmodError::NonPhysical`] if a variance has 4 degrees of freedom or fewer, for
-    /// example from three hits: weighted sums then have no finite variance.
+    /// The errors of [`Self::new`]. Lines without a random error are refused, because they would
+    /// have infinite weight. [`CmodError::NonPhysical`] if a variance has 4 degrees of freedom or
+    /// fewer, for example from three hits: weighted sums then have no finite variance.
     pub fn from_lines<'a>(
         lines: impl IntoIterator<Item = &'a ModulusLine>,
     ) -> Result<Self, CmodError> {
@@ -331,9 +333,9 @@ impl ModulusData {
     }
 
     /// Adds a further random error to moduli that contain a random draw from their estimated
-    /// variances; `normal` supplies standard normal numbers. Laws fitted to such moduli scatter by
-    /// their stated random errors, which include the effect of the scatter of the estimated
-    /// variances.
+    /// variances; `normal` supplies standard normal numbers. Laws fitted to the resulting moduli
+    /// scatter by their stated random errors, which include the effect of the scatter of the
+    /// estimated variances.
     #[must_use]
     pub fn with_scatter_of_weights(mut self, mut normal: impl FnMut() -> f64) -> Self {
         let part = self.scatter.of_covariance - 1.0 / self.scatter.of_variance;
@@ -362,7 +364,7 @@ impl ModulusData {
         &self.common
     }
 
-    /// Returns the rows of W of every point.
+    /// Returns the rows of the whitening matrix W of every point.
     pub(crate) fn whitening_rows(&self) -> impl Iterator<Item = [[f64; 2]; 2]> {
         let rows = |w: &Whitening| [[w.storage, 0.0], [w.mixed, w.loss]];
         self.whitening.iter().map(rows)
@@ -379,14 +381,14 @@ impl ModulusData {
         self.omega.len()
     }
 
-    /// Returns false: data without points are an error.
+    /// Returns false, because [`Self::new`] refuses data without points.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.omega.is_empty()
     }
 
-    /// Returns the number of measured values: two per line for data over frequency, one for data
-    /// over time.
+    /// Returns the number of measured values: two per line for data over frequency, one per point
+    /// for data over time.
     pub(super) fn values(&self) -> usize {
         let real = self.readings.iter().filter(|reading| reading.is_real());
         2 * self.len() - real.count()
@@ -437,7 +439,7 @@ impl ModulusData {
         self.picked(&order)
     }
 
-    /// Returns the lines with the indices `order`, in that order.
+    /// Returns the lines with the indices in `order`, in this order.
     pub(super) fn picked(&self, order: &[usize]) -> Self {
         fn picked<T: Copy>(values: &[T], order: &[usize]) -> Vec<T> {
             let of = |line: &usize| values.get(*line).copied();
@@ -458,7 +460,7 @@ impl ModulusData {
     }
 
     /// Concatenates the lines of several data sets, with the moduli of each set divided by its
-    /// factor. A source is one error for all sets, because the specimen is the same.
+    /// factor. A source is treated as the same error in all sets, because the specimen is the same.
     pub(super) fn joined<'a>(parts: impl Iterator<Item = (&'a Self, f64)>) -> Self {
         let mut all = Self {
             omega: Vec::new(),
@@ -534,7 +536,7 @@ fn check_point(index: usize, point: &ModulusPoint) -> Result<(), CmodError> {
         );
     }
     let omega = TAU * point.frequency_hz;
-    // relaxation times are of the order of its inverse
+    // relaxation times are of the order of the inverse of the angular frequency
     if !(omega.is_finite() && omega.recip().is_finite()) {
         return refused(
             "frequency [Hz]",
@@ -559,7 +561,7 @@ fn check_point(index: usize, point: &ModulusPoint) -> Result<(), CmodError> {
         ("variance of the storage modulus [Pa^2]", real),
         ("variance of the loss modulus [Pa^2]", imaginary),
     ] {
-        // the reciprocal of a root is the weight
+        // the weight is the reciprocal of the square root
         if !(value.is_finite() && value > 0.0 && value.sqrt().recip().is_finite()) {
             return refused(quantity, value, "a finite value above 0");
         }
@@ -567,7 +569,7 @@ fn check_point(index: usize, point: &ModulusPoint) -> Result<(), CmodError> {
     let correlation = mixed / real.sqrt() / imaginary.sqrt();
     let whitening = Whitening::of(point);
     let has_weights = whitening.mixed.is_finite() && whitening.loss.is_finite();
-    // for a correlation within rounding of 1 no finite weight remains
+    // if the correlation equals 1 within rounding, the weight is not finite
     if !(correlation.is_finite() && correlation.abs() < 1.0 && has_weights) {
         return refused(
             "correlation of storage and loss modulus",

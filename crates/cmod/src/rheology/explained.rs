@@ -1,17 +1,17 @@
-//! Part of the residual of a law that the common errors of its data do not explain.
+//! Part of the residual of a law that the common errors of the data do not explain.
 //!
-//! An error that all lines share, such as that of the mass on the end of a rod, distorts the
-//! modulus by far more than noise, and no law of the material describes this distortion. Judged by
-//! noise alone, the right law would be refused. Let the whitened shifts g_s of the common errors be
-//! the columns of G. The remaining residual and the common errors ξ that explain the rest of the
-//! residual r of the minimum follow from
+//! An error that all lines share, such as an error of the mass on the end of a rod, may distort the
+//! modulus by far more than noise does, and no law of the material describes this distortion.
+//! Compared with noise alone, the right law would be refused. Let the whitened shifts g_s of the
+//! common errors be the columns of G, and let r be the residual at the minimum. The common errors ξ
+//! that explain a part of r, and the unexplained part, follow from
 //!
 //! ```text
 //! min_ξ |r - G⊥ξ|² + |ξ|² ,   G⊥ = G - JJ⁺G ,
 //! ```
 //!
-//! which is the least χ² of the law with the covariance I + GGᵀ, linearised in parameters and
-//! errors.
+//! This minimum is the least χ² of the law with the covariance I + GGᵀ, linearised in the
+//! parameters and errors.
 
 use super::data::ModulusData;
 use super::fit::ErrorScale;
@@ -23,20 +23,20 @@ use rodwave::numerics::CommonErrors;
 #[derive(Debug, Clone)]
 pub(super) struct Explained {
     pub(super) residual: Vec<f64>,
-    /// Sum of squares of the residual, plus that of the errors in units of their standard
-    /// uncertainties.
+    /// Sum of squares of the residual, plus the sum of squares of the common errors in units of
+    /// their standard uncertainties.
     pub(super) chi_squared: f64,
 }
 
 impl Explained {
-    /// Returns true if the data have common errors that may explain a residual.
+    /// Returns true if the data have common errors that may explain a part of a residual.
     pub(super) fn can_explain(data: &ModulusData, scale: ErrorScale) -> bool {
         scale != ErrorScale::FromResidual && !data.common.is_empty()
     }
 
-    /// Separates the explained part from the whitened residual of a minimum, given with its
-    /// derivatives. Where the errors of the lines follow from the residual, common errors explain
-    /// nothing.
+    /// Separates the explained part from the whitened residual of a minimum, which is given with
+    /// its derivatives. If the errors of the lines are derived from the residual, the explained
+    /// part is 0.
     pub(super) fn of(
         data: &ModulusData,
         linearised: &Linearised,
@@ -53,7 +53,7 @@ impl Explained {
         let columns: Vec<Vec<f64>> = (0..sources)
             .map(|source| beside_the_law(&data.whitened_shift(source), linearised, information))
             .collect();
-        // shifts that are not finite explain nothing
+        // shifts that are not finite are omitted
         let is_finite = |column: &Vec<f64>| column.iter().all(|entry| entry.is_finite());
         let columns = columns.into_iter().filter(is_finite).collect();
         let common = CommonErrors::new(columns);
@@ -70,7 +70,8 @@ impl Explained {
     }
 }
 
-/// Returns a whitened shift without the part that a change of the parameters of the law can follow.
+/// Returns a whitened shift without the part that a change of the parameters of the law can
+/// reproduce.
 fn beside_the_law(shift: &[f64], linearised: &Linearised, information: &Directions) -> Vec<f64> {
     let change = information.change(linearised, shift);
     let rows = linearised.jacobian.chunks_exact(change.len().max(1));

@@ -20,15 +20,15 @@ use crate::directions::Directions;
 use crate::error::{CmodError, check_positive};
 pub use crate::recovery::fit::ErrorScale;
 
-/// Criterion for comparing laws, and orders of a Prony series.
+/// Criterion for the comparison of laws and of orders of a Prony series.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[non_exhaustive]
 pub enum Criterion {
-    /// χ² + p ln n (Schwarz): finds the true order where there is one.
+    /// Schwarz's criterion χ² + p ln n. It finds the true order if there is one.
     #[default]
     Bic,
-    /// χ² + 2p + 2p(p + 1)/(n - p - 1) (Akaike, Hurvich & Tsai): gives the best prediction, with
-    /// too many branches rather than too few.
+    /// Corrected Akaike criterion χ² + 2p + 2p(p + 1)/(n - p - 1) (Akaike, Hurvich & Tsai). It
+    /// gives the best prediction, and chooses too many branches rather than too few.
     Aicc,
 }
 
@@ -51,20 +51,20 @@ pub struct FitOptions {
     pub confidence: f64,
     /// Criterion for the order of a Prony series.
     pub criterion: Criterion,
-    /// Maximum number of branches of a Prony series whose order is found from the data, if it is
-    /// limited.
+    /// Maximum number of branches of a Prony series whose order is found from the data; `None` for
+    /// no limit.
     pub most_branches: Option<usize>,
-    /// True if profiles are computed where the linearised interval is unreliable. Without profiles
-    /// such a parameter counts as not identifiable.
+    /// True if profiles are computed for parameters whose linearised interval is unreliable.
+    /// Without profiles such a parameter counts as not identifiable.
     pub profiles: bool,
-    /// True if profiles are computed for the parameters of a Prony series whose order is found from
-    /// the data as well. They take most of the time of a [master curve](super::MasterCurve) with
-    /// many branches. The shifts of a master curve have profiles in any case.
+    /// True if profiles are also computed for the parameters of a Prony series whose order is found
+    /// from the data. For a [master curve](super::MasterCurve) with many branches, they take most
+    /// of the computing time. The shifts of a master curve have profiles in any case.
     pub series_profiles: bool,
 }
 
 impl Default for FitOptions {
-    /// Returns the defaults: stated errors, 95 %, BIC, with profiles.
+    /// Returns the defaults: stated errors, a confidence level of 95 %, BIC, with profiles.
     fn default() -> Self {
         Self {
             error_scale: ErrorScale::Stated,
@@ -93,15 +93,15 @@ impl FitOptions {
         Self { confidence, ..self }
     }
 
-    /// Sets the criterion.
+    /// Sets the criterion for the order of a Prony series.
     #[must_use]
     pub fn with_criterion(self, criterion: Criterion) -> Self {
         Self { criterion, ..self }
     }
 
     /// Limits the number of branches of a Prony series whose order is found from the data, for
-    /// example to the number that a finite-element program accepts. If the data need more, the
-    /// residuals show it.
+    /// example to the number that a finite-element program accepts. If the data need more branches,
+    /// the residuals show this.
     #[must_use]
     pub fn with_most_branches(self, most: usize) -> Self {
         Self {
@@ -137,7 +137,7 @@ impl FitOptions {
         }
     }
 
-    /// Returns the quantile by which a standard error is multiplied.
+    /// Returns the quantile by which a standard error is multiplied to give a confidence interval.
     pub(super) fn quantile(&self, degrees_of_freedom: usize) -> f64 {
         let probability = 0.5 * (1.0 + self.confidence);
         match self.error_scale {
@@ -148,20 +148,20 @@ impl FitOptions {
     }
 }
 
-/// Values of the criteria for χ² and the number of parameters.
+/// Values of the criteria, computed from χ² and the number of parameters.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Scores {
     pub(super) aicc: f64,
     pub(super) bic: f64,
-    /// Criterion for the weights of predictions: AIC, χ² + 2p, where the errors are known;
-    /// otherwise AICc, whose correction applies to a variance from the residual.
+    /// Criterion for the weights of predictions: AIC, χ² + 2p, if the errors are known; otherwise
+    /// AICc, whose correction applies to a variance from the residual.
     pub(super) prediction: f64,
 }
 
 impl Scores {
-    /// Returns the scores; for errors from the residual the scatter is a further parameter, -2 ln L
-    /// is n ln(χ²/n), and BIC has its correction for few values, p ln n · n/(n - p - 1) (McQuarrie,
-    /// Statistics & Probability Letters 44 (1999) 79).
+    /// Returns the scores. For errors from the residual the scatter is a further parameter, -2 ln L
+    /// is n ln(χ²/n), and BIC includes a correction for few values, p ln n · n/(n - p - 1)
+    /// (McQuarrie, Statistics & Probability Letters 44 (1999) 79).
     pub(super) fn of(
         scale: ErrorScale,
         chi_squared: f64,
@@ -181,7 +181,7 @@ impl Scores {
         };
         let bic = match scale {
             ErrorScale::FromResidual if left > 0.0 => deviance + p * n.ln() * n / left,
-            // the residual measures no scatter
+            // with so few values the residual does not determine the scatter
             ErrorScale::FromResidual => f64::INFINITY,
             _ => deviance + p * n.ln(),
         };
@@ -196,19 +196,19 @@ impl Scores {
     }
 }
 
-/// Law fitted by weighted least squares.
+/// Result of the fit of a law by weighted least squares.
 ///
-/// χ² = Σ δᵀC⁻¹δ over the lines, with δ = (Re, Im) of the law minus the measured modulus and C the
-/// covariance of the line, is minimised in coordinates that keep every parameter in its range, with
-/// exact derivatives. Standard errors are of first order at the minimum; where they are large,
-/// intervals and verdicts come from profiles of χ².
+/// The fit minimises χ² = Σ δᵀC⁻¹δ over the lines, where δ = (Re, Im) of the law minus the measured
+/// modulus and C is the covariance of the line. The coordinates keep every parameter in its range,
+/// and the derivatives are exact. Standard errors are of first order at the minimum; if they are
+/// large, intervals and verdicts come from profiles of χ².
 ///
-/// The weights follow from the random errors alone. Where the random errors are stated, the
-/// covariance of the data is C + Σ_s δE_s δE_sᵀ: χ² and the residuals are the part that neither the
-/// law nor the common errors, within their uncertainties, explain. [Common
-/// errors](ModulusData::with_common_errors) shift the parameters by g_s = J⁺W δE_s (J the whitened
-/// Jacobian, W the whitening), and the covariance of the parameters is C_random + Σ_s g_s g_sᵀ:
-/// more lines do not reduce the part of the common errors.
+/// The weights follow from the random errors alone. If the random errors are stated, the covariance
+/// of the data is C + Σ_s δE_s δE_sᵀ. χ² and the residuals are then the part that is explained
+/// neither by the law nor by the common errors within their uncertainties. [Common
+/// errors](ModulusData::with_common_errors) shift the parameters by g_s = J⁺W δE_s (J is the
+/// whitened Jacobian, W the whitening), and the covariance of the parameters is C_random + Σ_s g_s
+/// g_sᵀ. More lines do not reduce the contribution of the common errors.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 #[must_use]
@@ -218,7 +218,7 @@ pub struct RheologicalFit {
     /// Parameters of the law.
     pub parameters: Vec<Parameter>,
     /// Covariance of the parameters due to random and common errors, each on its
-    /// [`Scale`](super::Scale), by rows; `None` if a combination of them is undetermined.
+    /// [`Scale`](super::Scale), by rows; `None` if a combination of parameters is undetermined.
     pub covariance: Option<Vec<Vec<f64>>>,
     /// Part of the covariance due to the random errors.
     pub random_covariance: Option<Vec<Vec<f64>>>,
@@ -227,7 +227,8 @@ pub struct RheologicalFit {
     /// Singular values of the whitened Jacobian, descending: changes of the law along each of the
     /// `directions`, in standard errors of the data.
     pub signal_to_noise: Vec<f64>,
-    /// Unit vectors in the scales of the parameters, one per singular value.
+    /// Directions of the singular values: unit vectors in the scales of the parameters, one per
+    /// singular value.
     pub directions: Vec<Vec<f64>>,
     /// χ² with the stated errors.
     pub chi_squared: f64,
@@ -236,9 +237,9 @@ pub struct RheologicalFit {
     pub degrees_of_freedom: usize,
     /// Basis of the standard errors.
     pub error_scale: ErrorScale,
-    /// Factor of the random variances: 1, or χ²/ν for errors from the residual; times
-    /// (ν - 2)/(ν - 4) for the scatter of the weights where the variances of the lines are estimates
-    /// with ν degrees of freedom.
+    /// Factor of the random variances: 1, or χ²/ν for errors from the residual. If the variances of
+    /// the lines are estimates with ν degrees of freedom, it is multiplied by (ν - 2)/(ν - 4) for
+    /// the scatter of the weights.
     pub variance_factor: f64,
     /// Corrected Akaike information criterion, up to a constant that depends only on the data.
     pub aicc: f64,
@@ -251,10 +252,10 @@ pub struct RheologicalFit {
     pub whiteness: Whiteness,
     /// Reason why the iteration ended.
     pub ending: Ending,
-    /// For a Prony series chosen without a spring, the greatest E∞ \[Pa\] that the data do not
-    /// exclude at the confidence level of the fit. If it is near 0, the material has no equilibrium
-    /// modulus; if it is of the order of the modulus, the series lacks a spring by chance, because
-    /// a slow branch fits as well.
+    /// For a Prony series that was chosen without a spring, the largest E∞ \[Pa\] that the data do
+    /// not exclude at the confidence level of the fit. If it is near 0, the material has no
+    /// equilibrium modulus; if it is of the order of the modulus, the series lacks a spring by
+    /// chance, because a slow branch fits as well.
     pub equilibrium_limit: Option<f64>,
     /// Ratio of the variance of χ² to its variance for known errors.
     pub(super) dispersion: f64,
@@ -262,13 +263,13 @@ pub struct RheologicalFit {
     pub(super) coordinates: Vec<f64>,
     /// Lowest and highest angular frequency of the data [rad/s].
     pub(super) band: (f64, f64),
-    /// Orders among which that of a Prony series was chosen; empty where the order was given.
+    /// Orders among which the order of a Prony series was chosen; empty if the order was given.
     pub(super) alternatives: Vec<Alternative>,
     /// Lines of the data for a Prony series whose order was found from the data; empty otherwise.
     pub(super) support: Support,
 }
 
-/// One of the orders among which a criterion chose.
+/// One of the orders of a Prony series among which a criterion chose.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Alternative {
     /// Probability of the order, from the criterion for predictions.
@@ -278,19 +279,20 @@ pub(super) struct Alternative {
     pub(super) information: Directions,
 }
 
-/// Relative rounding of a frequency that is stated in hertz.
+/// Relative rounding error of a frequency that is stated in hertz.
 const ROUNDING: f64 = 1e-12;
 
 impl RheologicalFit {
-    /// Returns the parameter of this name.
+    /// Returns the parameter with this `name`.
     #[must_use]
     pub fn parameter(&self, name: &str) -> Option<&Parameter> {
         self.parameters.iter().find(|p| p.name == name)
     }
 
     /// Returns the probability of a χ² at least as large, if the law is true and the stated errors
-    /// are right. Where the variances are estimates, χ² has a wider distribution of the same
-    /// mean; it is approximated by a multiple of a χ² variable with the same mean and variance.
+    /// are right. If the variances are estimates, χ² has a wider distribution with the same mean;
+    /// this distribution is approximated by a multiple of a χ² variable with the same mean and
+    /// variance.
     #[must_use]
     pub fn p_value(&self) -> f64 {
         ChiSquared::new(count(self.degrees_of_freedom) / self.dispersion)
@@ -302,27 +304,28 @@ impl RheologicalFit {
     /// Returns the modulus at `omega` > 0 [rad/s] with its covariance due to the errors of the
     /// parameters, random and common.
     ///
-    /// Where a criterion chose the order of a Prony series, the modulus is the mean over the orders
-    /// with their weights w (exp(-AIC/2), normalised; AICc for errors from the residual), and their
-    /// scatter counts as an error: C = Σ w (C_k + d_k d_kᵀ), where d_k is the difference of order k
-    /// from the mean (Buckland, Burnham & Augustin, *Biometrics* **53** (1997) 603). Such a series
-    /// is not a law of the material. Within the band, neither the real nor the imaginary part is
-    /// therefore stated more precisely than the mean of the lines within a decade of `omega`.
+    /// If a criterion chose the order of a Prony series, the modulus is the mean over the orders
+    /// with their weights w (exp(-AIC/2), normalised; AICc for errors from the residual), and the
+    /// scatter of the orders is included as an error: C = Σ w (C_k + d_k d_kᵀ), where d_k is the
+    /// difference of order k from the mean (Buckland, Burnham & Augustin, *Biometrics* **53**
+    /// (1997) 603). Such a series is not a law of the material. Therefore, within the band, neither
+    /// the real nor the imaginary part is given a smaller error than the mean of the lines within a
+    /// decade of `omega`.
     ///
     /// # Errors
     /// [`CmodError::NonPhysical`] unless the frequency is finite and above 0;
-    /// [`CmodError::ChangedResult`] if the fitted law was replaced by one with more parameters.
+    /// [`CmodError::ChangedResult`] if the fitted law was replaced by a law with more parameters.
     pub fn prediction(&self, omega: f64) -> Result<PredictedModulus, CmodError> {
         let omega = check_positive("angular frequency [rad/s]", omega)?;
         self.predicted(omega, Reading::Oscillation)
     }
 
     /// Returns E(t), or 1/J(t) of creep, at `time` > 0 \[s\] after a step, as the real part of the
-    /// modulus, with its covariance as in [`Self::prediction`]. The result is within the band if
-    /// 1/t is.
+    /// modulus, with its covariance as in [`Self::prediction`]. The result counts as within the
+    /// band if 1/t is within the band.
     ///
     /// # Errors
-    /// Those of [`Self::prediction`]; [`CmodError::LawOverTime`] for power laws.
+    /// The errors of [`Self::prediction`]; [`CmodError::LawOverTime`] for power laws.
     pub fn prediction_over_time(
         &self,
         test: TransientTest,
@@ -350,8 +353,8 @@ impl RheologicalFit {
         let (modulus, gradient) = evaluated(model.as_ref(), at, omega, reading);
         let own = self.information.of_modulus(&gradient);
         let alternatives = self.alternatives.iter().map(|other| {
-            // the coordinates of the series may be followed by those of shifts, on which it does
-            // not depend
+            // the coordinates of the series may be followed by the coordinates of shifts, on which
+            // the series does not depend
             let (at, _) = other.coordinates.split_at(other.model.kinds().len());
             let (modulus, gradient) = evaluated(&other.model, at, omega, reading);
             let covariance = other.information.of_modulus(&gradient);
@@ -402,7 +405,8 @@ fn evaluated<M: Model + ?Sized>(
     (modulus[0], gradient)
 }
 
-/// Returns mean and covariance of a mixture of (weight, mean, covariance); the weights sum to 1.
+/// Returns the mean and the covariance of a mixture, given the weight, mean and covariance of each
+/// part; the weights sum to 1.
 pub(super) fn mean_of(
     parts: impl Iterator<Item = (f64, Complex64, [[f64; 2]; 2])>,
 ) -> (Complex64, [[f64; 2]; 2]) {
@@ -423,7 +427,7 @@ pub(super) fn mean_of(
     (mean, sum)
 }
 
-/// Adds `weight` d dᵀ of d = (Re, Im) of `difference`.
+/// Adds `weight` d dᵀ to the covariance, where d = (Re, Im) of `difference`.
 fn add_square(covariance: &mut [[f64; 2]; 2], weight: f64, difference: Complex64) {
     let parts = [difference.re, difference.im];
     for (row, own) in covariance.iter_mut().zip(parts) {
@@ -433,25 +437,25 @@ fn add_square(covariance: &mut [[f64; 2]; 2], weight: f64, difference: Complex64
     }
 }
 
-/// Modulus predicted by a fitted law, or by several.
+/// Modulus predicted by one or several fitted laws.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct PredictedModulus {
     /// Complex modulus \[Pa\].
     pub modulus: Complex64,
-    /// Covariance of (E', E'') \[Pa²\], by rows; infinite where undetermined. It assumes that the
-    /// law is true and does not include the error of a wrong law.
+    /// Covariance of (E', E'') \[Pa²\], by rows; infinite if undetermined. The covariance assumes
+    /// that the law is true and does not include the error of a wrong law.
     pub covariance: [[f64; 2]; 2],
-    /// Part due to the random errors, and to the choice of an order or a law.
+    /// Part of the covariance due to the random errors and to the choice of an order or a law.
     pub random_covariance: [[f64; 2]; 2],
-    /// True if the frequency lies between the lowest and the highest line of the data. Beyond them
-    /// the modulus and its covariance are valid only if the law describes the material there too,
-    /// which the data cannot show.
+    /// True if the frequency lies between the lowest and the highest line of the data. Outside this
+    /// band the modulus and its covariance are valid only if the law also describes the material
+    /// there, which the data cannot show.
     pub within_band: bool,
 }
 
 impl PredictedModulus {
-    /// Returns the loss factor η = E''/E' and its standard error, to first order
+    /// Returns the loss factor η = E''/E' and its standard error, to first order:
     ///
     /// ```text
     /// s²(η) = (s²(E'') - 2 η cov(E', E'') + η² s²(E')) / E'²
@@ -465,8 +469,8 @@ impl PredictedModulus {
     }
 }
 
-/// Refuses data with fewer values than `parameters`, or with as many where the errors follow from
-/// the residual.
+/// Refuses data with fewer values than `parameters`. If the errors follow from the residual, data
+/// with as many values as parameters are also refused.
 pub(super) fn enough(
     data: &ModulusData,
     parameters: usize,

@@ -1,4 +1,4 @@
-//! Fit of a law to moduli: its starts, and the lowest of its minima.
+//! Fit of a law to moduli: the starting points, and the lowest of the minima found.
 
 use super::data::ModulusData;
 use super::fit::{FitOptions, RheologicalFit, enough};
@@ -14,12 +14,13 @@ use super::start::{self, Shape};
 use crate::error::{CmodError, check_positive};
 
 impl RheologicalFit {
-    /// Fits `law` to `data`; the starts are the best points of a grid.
+    /// Fits `law` to `data`. The starting points are the best points of a grid.
     ///
     /// # Errors
-    /// [`CmodError::TooFewReadings`] for fewer values (two per line) than parameters, or as many
-    /// where the errors follow from the residual; [`CmodError::NonPhysical`] for a density or a
-    /// level of confidence out of its range; [`CmodError::NoLaw`] if no start has a finite χ².
+    /// [`CmodError::TooFewReadings`] for fewer values (two per line) than parameters, or for as
+    /// many values as parameters if the errors follow from the residual; [`CmodError::NonPhysical`]
+    /// for a density or a confidence level outside its range; [`CmodError::NoLaw`] if no starting
+    /// point has a finite χ².
     pub fn new(data: &ModulusData, law: Law, options: &FitOptions) -> Result<Self, CmodError> {
         Self::of_law(data, law, None, options)
     }
@@ -27,11 +28,11 @@ impl RheologicalFit {
     /// Fits the law of `start`, starting from its parameters. A Prony series keeps its number of
     /// branches.
     ///
-    /// Only one minimisation is made, without a search for other minima. This is meant for data
-    /// similar to those of a previous fit.
+    /// Only one minimisation is performed, without a search for other minima. Use this function for
+    /// data that are similar to the data of a previous fit.
     ///
     /// # Errors
-    /// Those of [`Self::new`].
+    /// The errors of [`Self::new`].
     pub fn from_start(
         data: &ModulusData,
         start: &FittedLaw,
@@ -143,7 +144,7 @@ impl RheologicalFit {
     }
 }
 
-/// Minimises from all starts and evaluates the best minimum.
+/// Minimises from all starting points and evaluates the best minimum.
 fn best_of<M: Model>(
     model: &M,
     data: &ModulusData,

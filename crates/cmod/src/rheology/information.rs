@@ -42,7 +42,8 @@ impl Directions {
         change
     }
 
-    /// Returns the covariance of the coordinates; `None` if a combination of them is undetermined.
+    /// Returns the covariance of the coordinates; `None` if a combination of coordinates is
+    /// undetermined.
     pub(super) fn matrix(&self) -> Option<Vec<Vec<f64>>> {
         let parameters = self.singular_values.len();
         (self.rank() == parameters).then(|| {
@@ -52,7 +53,8 @@ impl Directions {
         })
     }
 
-    /// Returns the covariance of the last `count` coordinates; infinite where undetermined.
+    /// Returns the covariance of the last `count` coordinates; its elements are infinite where
+    /// undetermined.
     pub(super) fn of_last(&self, count: usize) -> Vec<Vec<f64>> {
         let parameters = self.singular_values.len();
         let unit = |own: usize| {
@@ -81,8 +83,8 @@ impl Directions {
             .sum()
     }
 
-    /// Returns the covariance \[Pa²\] of (E', E'') where `gradient` \[Pa\] contains the derivatives
-    /// with respect to the coordinates.
+    /// Returns the covariance \[Pa²\] of (E', E'') from the derivatives `gradient` \[Pa\] of the
+    /// modulus with respect to the coordinates.
     pub(super) fn of_modulus(&self, gradient: &[Complex64]) -> [[f64; 2]; 2] {
         let storage: Vec<f64> = gradient.iter().map(|g| g.re).collect();
         let loss: Vec<f64> = gradient.iter().map(|g| g.im).collect();
@@ -93,8 +95,9 @@ impl Directions {
         ]
     }
 
-    /// Returns the other coordinate with the largest part in the least determined direction of
-    /// coordinate `index`, and the correlation coefficient of the two.
+    /// Returns the correlation partner of the coordinate `index`, that is, the other coordinate
+    /// with the largest component in the direction that contributes most to the variance of
+    /// `index`, and the correlation coefficient of the two coordinates.
     pub(super) fn partner(&self, index: usize) -> Option<(usize, f64)> {
         // the direction that contributes most to the variance of the coordinate
         let floor = RANK * self.singular_values.first().copied().unwrap_or(0.0);

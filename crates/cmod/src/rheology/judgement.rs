@@ -1,4 +1,4 @@
-//! Evaluation of a minimum for each parameter: errors, intervals, verdicts.
+//! Evaluation of a minimum: errors, intervals and verdicts of all parameters.
 
 use std::ops::Range;
 
@@ -18,11 +18,11 @@ use super::whiteness::Whiteness;
 use crate::directions::Directions;
 use crate::error::CmodError;
 
-/// Correlation with a parameter of large error above which the linear error of a parameter counts
-/// as unreliable too.
+/// Correlation above which the linear error of a parameter is unreliable if the other parameter has
+/// a large error.
 const ASSOCIATED: f64 = 0.3;
 
-/// Data for judging a minimum.
+/// Minimisation problem and settings for the evaluation of a minimum.
 pub(super) struct Scene<'a, M: ?Sized> {
     pub(super) model: &'a M,
     pub(super) data: &'a ModulusData,
@@ -30,26 +30,26 @@ pub(super) struct Scene<'a, M: ?Sized> {
     pub(super) band: (f64, f64),
     pub(super) sequences: &'a [Range<usize>],
     pub(super) options: FitOptions,
-    /// First parameter whose profile is computed; earlier ones count as not identifiable where
+    /// First parameter whose profile is computed. Earlier parameters count as not identifiable if
     /// their linear error is unreliable.
     pub(super) profiled_from: usize,
     /// True if the evaluation ends at the first parameter, other than parameter 0, that is not
-    /// identified: the fit is of no use then.
+    /// identified, because the fit is then not used.
     pub(super) ends_at_open: bool,
     pub(super) elsewhere: Elsewhere,
 }
 
-/// Least penalty in χ² for a loss: with the threshold it amounts to four standard deviations, which
-/// noise reaches at one place in 30 000.
+/// Least penalty in χ² for a loss. Together with the threshold it amounts to four standard
+/// deviations, which noise reaches at one place in 30 000.
 const LEAST_PRICE: f64 = 12.0;
-/// Largest number of minima that are judged, each lower than the one before.
+/// Largest number of minima that are judged in succession, each lower than the previous one.
 const ROUNDS: usize = 6;
-/// Limit at which a loss has vanished: e^-30 of its value.
+/// Logarithmic decrease at which a loss counts as vanished: e^-30 of its value.
 const VANISHED: f64 = 30.0;
 
 impl<M: Model + ?Sized> Scene<'_, M> {
-    /// Returns errors, intervals, verdicts. If a profile finds a lower minimum, the evaluation
-    /// starts again from there.
+    /// Returns errors, intervals and verdicts. If a profile finds a lower minimum, the evaluation
+    /// starts again from that minimum.
     pub(super) fn judge(
         &self,
         mut minimum: Minimum,
@@ -71,7 +71,8 @@ impl<M: Model + ?Sized> Scene<'_, M> {
             } * self.data.scatter.of_covariance;
             let common = self.common_shifts(&minimum, &information);
             let quantile = self.options.quantile(degrees_of_freedom);
-            // in the last round the minimum is kept; a lower one next to it makes the ends open
+            // in the last round the minimum is kept; a lower minimum next to it leaves the ends of
+            // the interval open
             let is_last = round + 1 == ROUNDS;
             let others = match self.others(&minimum, variance_factor * quantile * quantile) {
                 Err(_) if is_last => Ok(Vec::new()),
@@ -143,8 +144,8 @@ impl<M: Model + ?Sized> Scene<'_, M> {
         self.data.common.iter().enumerate().map(of).collect()
     }
 
-    /// Returns minima from other starts whose χ² exceeds the least by no more than the threshold,
-    /// or the coordinates of a lower one.
+    /// Returns the minima, found from other starting points, whose χ² exceeds the least χ² by no
+    /// more than the threshold; or, as an error, the coordinates of a lower minimum.
     fn others(&self, minimum: &Minimum, threshold: f64) -> Result<Vec<Vec<f64>>, Vec<f64>> {
         let mut others = Vec::new();
         if !self.options.profiles {
@@ -166,11 +167,12 @@ impl<M: Model + ?Sized> Scene<'_, M> {
 
     /// Returns the increase of χ² that defines the end of an interval, for each parameter.
     ///
-    /// A search for a loss at all places of the band always finds one, even where there is none.
-    /// Unless χ² without the loss is larger by the threshold plus the penalty g ln n of its g
-    /// parameters (Schwarz), or plus [`LEAST_PRICE`] if that is larger, the data may have no loss,
-    /// and its parameters have an end only where χ² has risen by as much. The same applies to a
-    /// parallel spring: each can replace the other.
+    /// A search for a loss at all places of the band always finds a loss, even if the material has
+    /// none. The data may have no loss unless χ² without the loss is larger by the threshold plus a
+    /// penalty. The penalty is g ln n for the g parameters of the loss (Schwarz), or
+    /// [`LEAST_PRICE`] if that is larger. If the data may have no loss, the interval of a parameter
+    /// of the loss ends only where χ² has risen by as much. The same applies to a parallel spring:
+    /// each can replace the other.
     fn thresholds(&self, minimum: &Minimum, threshold: f64, variance_factor: f64) -> Vec<f64> {
         let kinds = self.model.kinds();
         // the parameters of one branch vanish together
@@ -213,7 +215,7 @@ impl<M: Model + ?Sized> Scene<'_, M> {
         thresholds
     }
 
-    /// Returns the parameters, or the coordinates of a lower minimum.
+    /// Returns the parameters or, as an error, the coordinates of a lower minimum.
     #[allow(
         clippy::indexing_slicing,
         reason = "`at`, the variances, the correlations, the thresholds and each common shift have one entry for each of the kinds of the model"
@@ -233,10 +235,11 @@ impl<M: Model + ?Sized> Scene<'_, M> {
         let standard_errors: Vec<f64> = (0..kinds.len())
             .map(|index| (variance_factor * information.variance(index)).sqrt())
             .collect();
-        // a parameter correlated with one of large error has no linear error either
+        // the linear error of a parameter is also unreliable if it is correlated with a parameter
+        // of large error
         let is_linear = |index: usize| {
             let errors_are_small = (0..kinds.len()).all(|other| {
-                // a comparison with NaN is false
+                // a comparison with NaN is false, so an unknown error counts as large
                 standard_errors[other] <= LINEAR_BELOW
                     || other != index && information.correlation(index, other).abs() < ASSOCIATED
             });

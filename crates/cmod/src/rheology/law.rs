@@ -19,16 +19,16 @@ use crate::error::{CmodError, check_positive};
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub enum Law {
-    /// [`Elastic`]: E, without loss.
+    /// [`Elastic`]: E, without losses.
     Elastic,
     /// [`Maxwell`]: E sτ/(1 + sτ).
     Maxwell,
     /// [`FractionalMaxwell`]: E₁ (sτ)^α/(1 + (sτ)^α).
     FractionalMaxwell,
-    /// [`ConstantQ`]: E (s/ω₀)^{2g}, described by its loss factor, where ω₀ is the geometric mean
-    /// of the ends of the band.
+    /// [`ConstantQ`]: E (s/ω₀)^{2g}, parametrised by its loss factor, where ω₀ is the geometric
+    /// mean of the ends of the band.
     ConstantQ,
-    /// [`SpringPot`]: the same function, described by its exponent.
+    /// [`SpringPot`]: the same function as `ConstantQ`, parametrised by its exponent.
     SpringPot,
     /// [`KelvinVoigt`]: E + sη.
     KelvinVoigt,
@@ -42,7 +42,7 @@ pub enum Law {
     GeneralisedMaxwell,
     /// [`PowerLaw`]: α = a ω^p, k = b ω^q, for a rod of this density ρ [kg/m³].
     PowerLaw {
-        /// ρ [kg/m³].
+        /// Density ρ [kg/m³].
         density: f64,
     },
 }
@@ -87,15 +87,15 @@ pub enum FittedLaw {
     FractionalZener(FractionalZener),
     /// Broad and skew relaxation.
     HavriliakNegami(HavriliakNegami),
-    /// Prony series; branches in the order of increasing relaxation times.
+    /// Prony series; its branches are in order of increasing relaxation time.
     GeneralisedMaxwell(GeneralisedMaxwell),
     /// Power laws of damping coefficient and wave number.
     PowerLaw(PowerLaw),
 }
 
 impl Law {
-    /// Returns all laws, the power laws for a rod of this `density` [kg/m³]. The text of a law
-    /// identifies it.
+    /// Returns all laws; the power laws are for a rod of this `density` [kg/m³]. The display text
+    /// of a law identifies it.
     ///
     /// ```
     /// use cmod::rheology::Law;
@@ -120,9 +120,9 @@ impl Law {
         ]
     }
 
-    /// Returns true if the law has a response at all lines, and the response depends on its
-    /// parameters: power laws have no response over time, and the relaxation after a step of strain
-    /// does not depend on a parallel dashpot.
+    /// Returns true if the law has a response at all lines, and the response depends on the
+    /// parameters of the law. Power laws have no response over time, and the relaxation after a
+    /// step of strain does not depend on a parallel dashpot.
     pub(super) fn is_defined_on(self, data: &ModulusData) -> bool {
         let is_relaxation = |reading: &Reading| matches!(reading, Reading::Relaxation { .. });
         match self {
@@ -137,8 +137,8 @@ impl Law {
     /// reference of constant Q and of the spring-pot.
     ///
     /// # Errors
-    /// [`CmodError::ChangedResult`] for another number of values; [`CmodError::NonPhysical`] and
-    /// those of the law for values out of their range.
+    /// [`CmodError::ChangedResult`] for a wrong number of values; [`CmodError::NonPhysical`] and
+    /// the errors of the law for values out of their range.
     pub fn with_parameters(
         self,
         values: &[f64],
@@ -189,7 +189,7 @@ impl Law {
         })
     }
 
-    /// Returns the law at the coordinates of its model.
+    /// Returns the fitted law for the coordinates `at` of its model.
     pub(super) fn at_coordinates(
         self,
         at: &[f64],
@@ -225,7 +225,8 @@ impl Law {
     }
 }
 
-/// Returns the series with this number of parameters: with an equilibrium modulus if it is odd.
+/// Returns the series with this number of parameters. It has an equilibrium modulus if the number
+/// is odd.
 fn series(parameters: usize) -> Prony {
     Prony::new(parameters % 2 == 1, parameters / 2)
 }
@@ -266,9 +267,9 @@ impl FittedLaw {
         })
     }
 
-    /// Returns the response of the law \[Pa\] at each line of `data`: E(iω) for data over
-    /// frequency; E(t) or 1/J(t), with the ramp of the test, for data over time, where power laws
-    /// give NaN.
+    /// Returns the response of the law \[Pa\] at each line of `data`. For data over frequency it is
+    /// E(iω); for data over time it is E(t) or 1/J(t), including the ramp of the test. Power laws
+    /// give NaN for data over time.
     #[must_use]
     pub fn response(&self, data: &ModulusData) -> Vec<Complex64> {
         let of = |(omega, reading): (f64, Reading)| match reading {
@@ -299,7 +300,7 @@ impl FittedLaw {
         }
     }
 
-    /// Returns the Prony series, if the law is one.
+    /// Returns the Prony series, if the law is a generalised Maxwell model.
     #[must_use]
     pub fn prony_series(&self) -> Option<&GeneralisedMaxwell> {
         match self {
@@ -326,7 +327,7 @@ impl FittedLaw {
         }
     }
 
-    /// Returns the angular frequency [rad/s] that constant Q and the spring-pot refer to.
+    /// Returns the angular frequency [rad/s] to which constant Q and the spring-pot refer.
     #[must_use]
     pub fn reference_omega(&self) -> Option<f64> {
         match self {

@@ -1,9 +1,9 @@
 //! Damped least squares (Levenberg-Marquardt) for laws of up to some tens of parameters.
 //!
-//! Residuals are whitened, coordinates are logarithms or of order 1. A step solves the normal
-//! equations (JᵀJ + μD) δ = -Jᵀr: with whitened residuals these are scaled well enough for the
-//! iteration, and cheap where there are many more lines than parameters. The evaluation of the
-//! minimum uses the singular values of J itself ([`super::information`]).
+//! Residuals are whitened, and coordinates are logarithms or of order 1. A step solves the normal
+//! equations (JᵀJ + μD) δ = -Jᵀr. With whitened residuals these equations are scaled well enough
+//! for the iteration, and they are cheap if there are many more lines than parameters. The
+//! evaluation of the minimum uses the singular values of J itself ([`super::information`]).
 
 use num_complex::Complex64;
 
@@ -13,17 +13,18 @@ use super::model::Model;
 use super::symmetric::{add_products, factorise, solve};
 pub use crate::recovery::fit::Ending;
 
-/// Accuracy of a minimum.
+/// Accuracy to which a minimum is computed.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Effort {
-    /// Accuracy of rounding, for a result.
+    /// Accuracy at the level of rounding, for a result.
     Full,
     /// Accuracy of 1e-2 in χ², for a comparison of values of χ² that differ by more.
     Comparison,
-    /// Accuracy of `Comparison` in few iterations: a search that needs more is in a flat valley.
+    /// Accuracy of `Comparison` with fewer iterations. A search that needs more iterations is in a
+    /// flat valley.
     Search,
     /// Accuracy of `Comparison` if χ² falls to this value. The iteration ends as soon as χ² cannot
-    /// fall so far in the iterations that are left.
+    /// fall to it in the remaining iterations.
     Below(f64),
 }
 
@@ -54,17 +55,18 @@ impl Effort {
     }
 }
 
-/// Maximum change of a coordinate in one iteration: a logarithm by 1.5 is a factor of 4.5.
+/// Maximum change of a coordinate in one iteration: a change of a logarithm by 1.5 is a factor of
+/// 4.5.
 const LONGEST_STEP: f64 = 1.5;
-/// Factor by which a component may exceed its limit, in order to follow another that is held at the
-/// limit.
+/// Factor by which a component may exceed its limit, in order to follow another component that is
+/// held at its limit.
 const MOST_EXCESS: f64 = 1.3;
 /// Damping in units of χ² per squared unit of an undetermined coordinate.
 const FLOOR: f64 = 1e-3;
-/// Length of a step from which it is omitted if its predicted reduction is at most [`IDLE`].
+/// Minimum length of a step that is omitted if its predicted reduction of χ² is at most [`IDLE`].
 const IDLE_STEP: f64 = 0.1;
-/// Fraction of the effect of one standard deviation on χ²: a parameter is then within 0.06 standard
-/// errors of the minimum.
+/// Negligible reduction of χ² as a fraction of the effect of one standard deviation. A parameter is
+/// then within 0.06 standard errors of the minimum.
 const IDLE: f64 = 3e-3;
 const LEAST_DAMPING: f64 = 1e-8;
 
@@ -97,7 +99,7 @@ impl Linearised {
         }
     }
 
-    /// Returns χ² at `at`; `None` where there is no law or no finite value.
+    /// Returns χ² at `at`; `None` if there is no law at `at`, or if a value is not finite.
     #[allow(
         clippy::indexing_slicing,
         reason = "the lists were made for all lines of the data, with as many parameters as `at` has"
@@ -128,8 +130,8 @@ impl Linearised {
     }
 }
 
-/// Minimises χ² from `start`; the coordinate `held` keeps its value. `None` if there is no law at
-/// the start.
+/// Minimises χ² from `start`; the coordinate `held` keeps its value. Returns `None` if there is no
+/// law at the start.
 pub(super) fn minimise<M: Model + ?Sized>(
     model: &M,
     data: &ModulusData,
@@ -159,7 +161,8 @@ pub(super) fn minimise<M: Model + ?Sized>(
             continue;
         };
         let longest = normal.step.iter().fold(0.0, |l: f64, d| l.max(d.abs()));
-        // far along a flat valley: a relaxation moves out of the band without an effect on the data
+        // a long step in a flat valley: a relaxation moves out of the band without an effect on the
+        // data
         let idle = longest >= IDLE_STEP && promised <= effort.idle() * scale;
         if promised <= negligible || longest < 1e-11 || idle {
             if rejected > 0 {
@@ -224,7 +227,7 @@ struct Normal {
     factor: Vec<f64>,
     target: Vec<f64>,
     step: Vec<f64>,
-    /// Components of the step at their limit.
+    /// Marks of the components of the step that are at their limit.
     held: Vec<bool>,
 }
 
@@ -270,8 +273,9 @@ impl Normal {
     /// Finds the step for `damping` and returns the reduction of χ² predicted by the linear model;
     /// `None` if rounding makes the matrix indefinite.
     ///
-    /// A component that would be too long is held at its limit and all others are determined again:
-    /// truncating it alone would move the others away from the bottom of a valley.
+    /// A component that would be too long is held at its limit, and all other components are
+    /// determined again. If it were only truncated, the other components would move away from the
+    /// bottom of the valley.
     fn step(&mut self, damping: f64) -> Option<f64> {
         self.held.fill(false);
         loop {

@@ -26,29 +26,29 @@ use crate::directions::Directions;
 use crate::error::CmodError;
 use crate::estimate::ErrorSource;
 
-/// Master curve: one Prony series for all temperatures, with a shift factor for each.
+/// Master curve: one Prony series for all temperatures, with a shift factor for each temperature.
 ///
 /// ```text
 /// E(ω, T) = b_T E_ref(ω a_T) ,    a = 1 at the reference
 /// ```
 ///
-/// Neighbouring temperatures are first shifted onto each other where they overlap, if the curves
-/// differ there by no more than their errors. Temperatures that are not connected with the
+/// Curves of neighbouring temperatures are first shifted onto each other where they overlap, if
+/// they then differ by no more than their errors. Temperatures that are not connected with the
 /// reference by such overlaps, or by [stated shifts](TemperatureSweep::with_stated_shifts), are
 /// omitted. Then the series and all shifts are fitted together to all lines, so that the shifts
 /// have a covariance; χ² and the whiteness of the residuals test whether the material has a master
-/// curve. b_T is 1 unless stated; where the overlaps or χ² (p < 0.01) reject that, all b_T are
-/// fitted too, and kept if BIC prefers them.
+/// curve. b_T is 1 unless stated. If the overlaps or χ² (p < 0.01) reject this value, all b_T are
+/// also fitted, and the fit with b_T is kept if BIC prefers it.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 #[must_use]
 pub struct MasterCurve {
-    /// Series at the reference temperature, with all shift factors except that of the reference as
-    /// its last parameters. Its `aicc` and `bic` count them.
+    /// Series at the reference temperature, with all shift factors, except that of the reference,
+    /// as its last parameters. Its `aicc` and `bic` include these parameters.
     pub fit: RheologicalFit,
     /// Orders tried in the last round.
     pub orders: Vec<Order>,
-    /// Tᵣ \[K\].
+    /// Reference temperature Tᵣ \[K\].
     pub reference_temperature: f64,
     /// Shifts, one per temperature that is connected with the reference.
     pub shifts: Vec<Shift>,
@@ -63,12 +63,12 @@ pub struct MasterCurve {
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct Shift {
-    /// T \[K\].
+    /// Temperature T \[K\].
     pub temperature: f64,
-    /// ln a_T, the mean over the orders of the series with their weights, as in
-    /// [`RheologicalFit::prediction`].
+    /// Logarithm ln a_T of the shift factor: the mean over the orders of the series with their
+    /// weights, as in [`RheologicalFit::prediction`].
     pub log_shift: f64,
-    /// Standard error of ln a_T, with the scatter between the orders; 0 at the reference.
+    /// Standard error of ln a_T, including the scatter between the orders; 0 at the reference.
     pub standard_error: f64,
     /// Part of the standard error due to the choice of the order: the scatter between the orders.
     pub order_error: f64,
@@ -78,13 +78,13 @@ pub struct Shift {
     pub verdict: Verdict,
     /// True if ln a_T is the stated value, because the curves do not overlap; it then has no error.
     pub is_stated: bool,
-    /// b_T, as stated or estimated.
+    /// Vertical shift factor b_T, as stated or estimated.
     pub vertical: f64,
-    /// Standard error of ln b_T; 0 if b_T was stated, or is 1 because the data do not require
+    /// Standard error of ln b_T; 0 if b_T was stated, or if it is 1 because the data do not require
     /// another value.
     pub vertical_standard_error: f64,
     /// ln (a_T/a_{T-1}) from the overlap with the previous temperature; `None` for the first
-    /// temperature, and where the curves do not overlap.
+    /// temperature, or if the curves do not overlap.
     pub overlap: Option<f64>,
 }
 
@@ -92,7 +92,7 @@ pub struct Shift {
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct MasterPoint {
-    /// T \[K\].
+    /// Temperature T \[K\].
     pub temperature: f64,
     /// Frequency times a_T \[Hz\]; for a line over time, 1/(2πt) times a_T.
     pub reduced_frequency_hz: f64,
@@ -108,7 +108,7 @@ impl MasterCurve {
     /// Fits the curve to `sweep`, with the temperature of index `reference` as reference.
     ///
     /// # Errors
-    /// [`CmodError::ReferenceTest`] for an index beyond the temperatures; otherwise those of
+    /// [`CmodError::ReferenceTest`] for an index beyond the temperatures; otherwise the errors of
     /// [`RheologicalFit::new`].
     #[allow(
         clippy::indexing_slicing,
@@ -245,7 +245,7 @@ impl MasterCurve {
                     upper: log_shift + quantile * standard_error,
                     method: IntervalMethod::Linear,
                 };
-                // on each side, the wider of the two intervals counts
+                // on each side, the wider of the two intervals is used
                 let profile = own.map(|k| found[k].interval);
                 let interval = match profile.filter(|of| of.method == IntervalMethod::Profile) {
                     Some(of) => Interval {
@@ -279,7 +279,7 @@ impl MasterCurve {
                 };
             }
         }
-        // with the shifts of the result
+        // data with the shifts of the result
         let shifted = ModulusData {
             omega: placed.omega.clone(),
             ..shifted
@@ -309,32 +309,35 @@ impl MasterCurve {
         })
     }
 
-    /// Returns the series at the reference temperature.
+    /// Returns the series at the reference temperature; `None` if the fitted law was replaced by
+    /// another law.
     #[must_use]
     pub fn series(&self) -> Option<&GeneralisedMaxwell> {
         self.fit.law.prony_series()
     }
 
-    /// Fits the laws of Williams, Landel & Ferry and of Arrhenius to the identified shifts.
+    /// Fits the laws of Williams, Landel & Ferry and of Arrhenius to the shifts that are
+    /// identified.
     ///
     /// # Errors
     /// [`CmodError::TooFewReadings`] for fewer than three temperatures whose shifts are identified;
-    /// [`CmodError::ShiftsUndetermined`] if the data leave a combination of the shifts
-    /// undetermined; [`CmodError::ChangedResult`] if lists of this result were changed and there
-    /// are more shifts than parameters.
+    /// [`CmodError::ShiftsUndetermined`] if the data do not determine a combination of the shifts;
+    /// [`CmodError::ChangedResult`] if lists of this result were changed, so that there are more
+    /// shifts than parameters.
     pub fn shift_laws(&self) -> Result<ShiftLaws, CmodError> {
         self.shift_laws_with(None)
     }
 
-    /// Fits the same laws with equal and independent errors of all identified shifts. The size of
-    /// these errors is the scatter of the shifts about WLF.
+    /// Fits the same laws as [`Self::shift_laws`], but with equal and independent errors of all
+    /// identified shifts. The size of these errors is the scatter of the shifts about WLF.
     ///
-    /// The errors of the shifts of a master curve are correlated, so that [`Self::shift_laws`]
-    /// weights the differences of neighbours far more than the shifts themselves. Where WLF does
-    /// not hold within these errors, its minimum may miss all shifts. Then the laws fitted by
-    /// scatter describe the shifts.
+    /// The errors of the shifts of a master curve are correlated. Therefore [`Self::shift_laws`]
+    /// gives the differences between neighbouring shifts far more weight than the shifts
+    /// themselves. If WLF does not hold within these errors, the fitted law may miss all shifts.
+    /// The laws fitted by scatter then describe the shifts.
+    ///
     /// # Errors
-    /// Those of [`Self::shift_laws`]; [`CmodError::TooFewReadings`] for fewer than four
+    /// The errors of [`Self::shift_laws`]; [`CmodError::TooFewReadings`] for fewer than four
     /// temperatures whose shifts are identified.
     pub fn shift_laws_by_scatter(&self) -> Result<ShiftLaws, CmodError> {
         let equal = self.shift_laws_with(Some(1.0))?.wlf;
@@ -364,7 +367,8 @@ impl MasterCurve {
                 expected: others.len(),
             });
         };
-        // a shift that is unbounded at one end or both contains no information about the law
+        // a shift whose interval is unbounded at one or both ends contains no information about the
+        // law
         let identified: Vec<usize> = (0..others.len())
             .filter(|k| {
                 others
@@ -402,7 +406,7 @@ impl MasterCurve {
     }
 }
 
-/// Logarithms of the shifts that were fitted, as means over the orders of the series.
+/// Logarithms of the fitted shifts, as means over the orders of the series.
 struct OfShifts {
     means: Vec<f64>,
     covariance: Vec<Vec<f64>>,
@@ -411,8 +415,8 @@ struct OfShifts {
 }
 
 /// Returns the last `count` coordinates, which are shifts, as means over the orders, with their
-/// covariance due to random errors, those common errors that are `counted`, and the scatter between
-/// the orders.
+/// covariance. The covariance is due to the random errors, to the common errors selected by
+/// `counted`, and to the scatter between the orders.
 fn shifts_of(
     fit: &RheologicalFit,
     count: usize,

@@ -1,10 +1,10 @@
-//! A fitted law with its errors, in a form that later calculations can propagate.
+//! Fitted law with its errors, in a form in which later calculations can propagate the errors.
 
 use super::fit::RheologicalFit;
 use super::law::FittedLaw;
 use crate::error::CmodError;
 
-/// Part of the error of a law, independent of all other parts, of the size of one standard
+/// Part of the error of a law that is independent of all other parts, with the size of one standard
 /// uncertainty.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LawError {
@@ -16,10 +16,11 @@ pub struct LawError {
 
 /// Law with independent errors of its parameters.
 ///
-/// The covariance of the parameters of a [`RheologicalFit`] is $`\sum_k e_k e_k^T`$: the axes of
-/// the random errors, and one vector for each common source. With standard normal numbers $`z_k`$
-/// the parameters $`p + \sum_k z_k e_k`$ are a random draw of the law; one $`z_k = \pm 1`$ at a
-/// time gives the effect of each source on any quantity computed from the law.
+/// The covariance of the parameters of a [`RheologicalFit`] is $`\sum_k e_k e_k^T`$: the vectors
+/// $`e_k`$ are the axes of the random errors, and one vector for each common source. With standard
+/// normal numbers $`z_k`$ the parameters $`p + \sum_k z_k e_k`$ are a random draw of the law.
+/// Setting one $`z_k = \pm 1`$ at a time gives the effect of each source on any quantity computed
+/// from the law.
 ///
 /// ```
 /// use cmod::rheology::{FitOptions, Law, MeasuredLaw, ModulusData, ModulusPoint, RheologicalFit};
@@ -43,25 +44,25 @@ pub struct MeasuredLaw {
     errors: Vec<LawError>,
 }
 
-/// Least factor by which a modulus or viscosity is multiplied.
+/// Smallest factor by which a modulus or a viscosity is multiplied.
 const LEAST_FACTOR: f64 = 1e-3;
 
-/// Lengths to which the change of the parameters by a common error is limited; the first that
-/// reproduces enough of the effect of the error is used. A law is nearly linear over the first
-/// length. For example, for a series with weakly determined branches, from lines of 0.03 % with a
-/// lateral inertia of 0.2 %, the second length doubles the error of the force of an impact. The
-/// shifts of a master curve need longer changes.
+/// Lengths to which the change of the parameters due to a common error is limited. The first length
+/// that reproduces enough of the effect of the error is used. A law is nearly linear over the first
+/// length. For example, for a series with weakly determined branches, from lines with an error of
+/// 0.03 % and a lateral inertia of 0.2 %, the second length doubles the error of the impact force.
+/// The shifts of a master curve need longer changes.
 const REACHES: [f64; 3] = [0.3, 1.0, 3.0];
 
-/// Largest part of the effect of a common error that a change of the parameters may fail to
+/// Largest fraction of the effect of a common error that a change of the parameters may fail to
 /// reproduce.
 const MOST_LOST: f64 = 0.5;
 
-/// Effect that may be missing in any case: one standard error of all data together.
+/// Effect that is always allowed to be missing: one standard error of all data together.
 const LEAST_LOST: f64 = 1.0;
 
 /// Change of the parameters along the axes of their errors that reproduces the effect of a common
-/// error, as far as its limited length allows.
+/// error as well as the limited length allows.
 struct Held {
     change: Vec<f64>,
     /// Effect of the error on the data, in standard errors of all data together.
@@ -72,7 +73,7 @@ struct Held {
 
 impl Held {
     /// Returns the shortest change that reproduces enough of the effect of the `wanted` change, or
-    /// the longest if none does. `signals` holds the signal-to-noise ratios S of the axes.
+    /// the longest change if none does. `signals` holds the signal-to-noise ratios S of the axes.
     fn of(wanted: &[f64], signals: &[f64]) -> Self {
         let [shorter @ .., longest] = REACHES;
         let tried = shorter.into_iter();
@@ -86,7 +87,8 @@ impl Held {
         self.lost <= LEAST_LOST.max(MOST_LOST * self.effect)
     }
 
-    /// Minimises |S (x - `wanted`)|² + μ |x|² for the least μ >= 0 at which |x| is within `reach`.
+    /// Minimises |S (x - `wanted`)|² + μ |x|² over x, with the smallest μ >= 0 for which |x| is at
+    /// most `reach`.
     fn within(reach: f64, wanted: &[f64], signals: &[f64]) -> Self {
         let held = |factor: f64| -> Vec<f64> {
             let pairs = wanted.iter().zip(signals);
@@ -127,14 +129,15 @@ impl MeasuredLaw {
     /// Creates the law of `fit` with the axes of its random errors and its common errors.
     ///
     /// An axis that the data determine poorly is limited by a prior, whose standard deviation is a
-    /// factor e for the parameters: with a signal-to-noise ratio s its length is 1/√(1 + s²)
-    /// instead of 1/s, and 1 where the data do not determine it at all. A common error is
-    /// represented by a change of the parameters as small as its effect on the data allows.
+    /// factor e of the parameters. With a signal-to-noise ratio s, the axis has the length 1/√(1 +
+    /// s²) instead of 1/s; the length is 1 if the data do not determine the axis at all. A common
+    /// error is represented by the smallest change of the parameters that reproduces enough of its
+    /// effect on the data.
     ///
     /// # Errors
     ///
-    /// [`CmodError::CardUndetermined`] if more than half of the effect of a common error is missing
-    /// from such a change.
+    /// [`CmodError::CardUndetermined`] if more than half of the effect of a common error is not
+    /// reproduced by such a change.
     pub fn of(fit: &RheologicalFit) -> Result<Self, CmodError> {
         let size = fit.variance_factor.sqrt();
         let signals: Vec<f64> = fit.signal_to_noise.iter().map(|s| s / size).collect();
@@ -175,7 +178,7 @@ impl MeasuredLaw {
             });
         }
         let whole = fit.law.model()?;
-        // a fit may have held some parameters
+        // some parameters may have been held constant in the fit
         let of_all = |error: LawError| {
             let shift = whole.kinds().iter().map(|kind| {
                 let mut own = fit.parameters.iter().zip(&error.shift);
@@ -191,7 +194,7 @@ impl MeasuredLaw {
         Self::new(fit.law.clone(), errors)
     }
 
-    /// Creates a law with independent errors.
+    /// Creates a measured law from a law and its independent errors.
     ///
     /// # Errors
     ///
@@ -237,11 +240,12 @@ impl MeasuredLaw {
         &self.errors
     }
 
-    /// Returns the law moved by `standard[k]` standard uncertainties of error k; errors beyond the
+    /// Returns the law, moved by `standard[k]` standard uncertainties of error k. Errors beyond the
     /// end of the slice are not applied.
     ///
-    /// Moduli and viscosities change by fractions of themselves, so that changes of branches that
-    /// cancel each other do so for any size; all other parameters change on their scales.
+    /// Moduli and viscosities change by fractions of their values, so that changes of branches that
+    /// cancel each other cancel for any size of the change. All other parameters change on their
+    /// scales.
     ///
     /// # Errors
     ///
@@ -279,7 +283,7 @@ mod tests {
     use crate::estimate::ErrorSource;
     use crate::rheology::{CommonError, FitOptions, Law, ModulusData, ModulusPoint};
 
-    /// Lines with a relative error of 1e-3 and a common error of 2e-3.
+    /// Returns lines with a relative error of 1e-3 and a common error of 2e-3.
     fn data() -> ModulusData {
         let material = FractionalZener::new(1.8e9, 3.4e9, 4e-5, 0.45).unwrap();
         let points: Vec<ModulusPoint> = (0..40)
@@ -300,8 +304,8 @@ mod tests {
             .unwrap()
     }
 
-    /// Compares the sum of squares of half the differences, with one error at a time, with the
-    /// covariance that the fit predicts.
+    /// Compares the covariance that the fit predicts with the sum of squares of half the
+    /// differences due to one error at a time.
     #[test]
     fn independent_errors_have_the_covariance_of_the_prediction() {
         let data = data();
@@ -319,8 +323,8 @@ mod tests {
                         standard[k] = z;
                         measured.moved(&standard).unwrap().modulus(omega)
                     };
-                    // a small step, for the derivative: some directions are far from linear at one
-                    // standard uncertainty
+                    // a small step, because some directions are far from linear at one standard
+                    // uncertainty
                     let half = (at(1e-3) - at(-1e-3)) / 2e-3;
                     found[0] += half.re * half.re;
                     found[1] += half.im * half.im;
@@ -328,8 +332,8 @@ mod tests {
                 let expected = fit.prediction(omega).unwrap().covariance;
                 for (part, found) in found.into_iter().enumerate() {
                     let expected = expected[part][part];
-                    // the prior reduces an error, and only the prediction includes other orders of
-                    // a series
+                    // the two may differ: the prior reduces an error, and only the prediction
+                    // includes other orders of a series
                     let least = fit
                         .signal_to_noise
                         .iter()
@@ -352,9 +356,9 @@ mod tests {
         }
     }
 
-    /// A polymer with branches over four decades, measured over one and a half decades to 0.1 %,
-    /// with an error that rises as the square of the frequency: branches and spring compensate each
-    /// other.
+    /// Fits a polymer with branches over four decades, measured over one and a half decades to 0.1
+    /// %, with an error that rises as the square of the frequency. Changes of the branches and of
+    /// the spring compensate each other.
     #[test]
     fn a_series_with_weakly_determined_branches_is_followed() {
         let branches = (2..6).map(|k| MaxwellBranch {
@@ -413,13 +417,14 @@ mod tests {
                 "density" => points.iter().map(|_| Complex64::from(5e-3)).collect(),
                 "diameter" => points.iter().map(|p| of_inertia(p) / p.modulus).collect(),
                 _ => {
-                    // noise stays within the errors of the lines
+                    // the effect of noise stays within the errors of the lines
                     assert!(rms(&odd) < 3e-4 && rms(&even) < 1e-4, "{}", error.source);
                     continue;
                 }
             };
             let off: Vec<Complex64> = odd.iter().zip(&wanted).map(|(o, w)| o - w).collect();
-            // no relaxing law can follow half of it: a storage modulus that rises without a loss
+            // no relaxing law can reproduce half of this error, a storage modulus that rises
+            // without a loss
             assert!(
                 rms(&off) < 0.6 * rms(&wanted) && rms(&even) < 0.25 * rms(&wanted),
                 "{}: {:e} and {:e} of {:e}",

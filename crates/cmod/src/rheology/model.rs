@@ -1,5 +1,5 @@
 //! Interface of a law to the fit: coordinates, and the modulus on all lines with its derivatives
-//! with respect to them.
+//! with respect to the coordinates.
 
 use num_complex::Complex64;
 use rodwave::modulus::{
@@ -14,14 +14,14 @@ use super::transient::{Lines, respond};
 pub(super) trait Model {
     fn kinds(&self) -> &[ParameterKind];
 
-    /// Returns true if the parameters are in the order of their names: a law with interchanged
-    /// branches is the same law.
+    /// Returns true if the parameters are in the order of their names. A law with interchanged
+    /// branches is the same law, so only one order is accepted.
     fn is_in_order(&self, _at: &[f64]) -> bool {
         true
     }
 
     /// Writes the moduli at `lines` and, by rows, their derivatives with respect to the
-    /// coordinates; returns false where there is no such law.
+    /// coordinates; returns false if there is no law at these coordinates.
     fn evaluate(
         &self,
         at: &[f64],
@@ -31,24 +31,25 @@ pub(super) trait Model {
     ) -> bool;
 }
 
-/// Kind of a coordinate.
+/// Description of a coordinate and its parameter.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct ParameterKind {
     pub(super) name: String,
     pub(super) unit: &'static str,
     pub(super) scale: Scale,
-    /// Coordinate of the relaxation time that the parameter belongs to, if any.
+    /// Index of the coordinate of the relaxation time to which the parameter belongs, if there is
+    /// one.
     pub(super) relaxation_time: Option<usize>,
-    /// Loss described by the parameter, if any.
+    /// Loss that the parameter describes, if there is one.
     pub(super) loss: Option<Loss>,
 }
 
-/// Loss that vanishes where a coordinate goes to an end of its range.
+/// Loss that vanishes if a coordinate goes to an end of its range.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Loss {
-    /// Coordinate.
+    /// Index of the coordinate.
     pub(super) coordinate: usize,
-    /// Sign of the direction.
+    /// Sign of the direction in which the loss vanishes.
     pub(super) vanishes_towards: f64,
 }
 
@@ -63,13 +64,13 @@ impl ParameterKind {
         }
     }
 
-    /// Marks the parameter as describing a loss that vanishes where `coordinate` goes to -∞.
+    /// Marks the parameter as describing a loss that vanishes if `coordinate` goes to -∞.
     pub(super) fn of_loss(self, coordinate: usize) -> Self {
         self.of_loss_towards(coordinate, -1.0)
     }
 
-    /// Marks the parameter as describing a loss that vanishes where `coordinate` goes to ∞ (1) or
-    /// to -∞ (-1).
+    /// Marks the parameter as describing a loss that vanishes if `coordinate` goes to ∞ (1) or to
+    /// -∞ (-1).
     pub(super) fn of_loss_towards(mut self, coordinate: usize, vanishes_towards: f64) -> Self {
         self.loss = Some(Loss {
             coordinate,
@@ -94,8 +95,8 @@ pub(super) struct Partial<'a, M> {
 }
 
 impl<'a, M: Model> Partial<'a, M> {
-    /// Creates the model; `at` has one entry per coordinate of `whole`, and `free` lists the free
-    /// ones.
+    /// Creates the model; `at` has one entry per coordinate of `whole`, and `free` lists the
+    /// indices of the free coordinates.
     pub(super) fn new(whole: &'a M, at: Vec<f64>, free: Vec<usize>) -> Self {
         let of = |index: &usize| {
             let kind = whole.kinds().get(*index)?;
@@ -165,7 +166,7 @@ impl<M: Model> Model for Partial<'_, M> {
     }
 }
 
-/// Law of `rodwave` whose exponents are given by coordinates without bounds.
+/// Law of `rodwave` as a model, with coordinates without bounds for its exponents.
 #[derive(Debug, Clone)]
 pub(super) struct Linked<L> {
     law: L,
@@ -180,8 +181,8 @@ enum Link {
     Identity,
     /// The last parameter α is 1/(1 + e^{-u}).
     Exponent,
-    /// The last two parameters α and β are such that α and αβ are 1/(1 + e^{-u}) of the
-    /// coordinates.
+    /// The last two parameters are α and β. Both α and αβ are 1/(1 + e^{-u}) of their coordinates
+    /// u.
     TwoExponents,
 }
 
@@ -259,7 +260,7 @@ impl<L: DifferentiableModulus> Model for Linked<L> {
 }
 
 impl<L: DifferentiableModulus> Linked<L> {
-    /// Returns the law at the coordinates.
+    /// Returns the law at the coordinates `at`.
     pub(super) fn law_at(&self, at: &[f64]) -> Result<L, rodwave::RodwaveError> {
         let mut parameters = Vec::with_capacity(at.len());
         self.link.parameters(at, &mut parameters);
@@ -272,7 +273,7 @@ impl<L: DifferentiableModulus> Linked<L> {
     }
 }
 
-/// Returns the model; of the law in it only the type matters.
+/// Returns the model. Only the type of the law in it is used, not its values.
 pub(super) fn kelvin_voigt() -> Result<Linked<KelvinVoigt>, rodwave::RodwaveError> {
     Ok(Linked {
         law: KelvinVoigt::new(1.0, 1.0)?,
@@ -292,8 +293,8 @@ pub(super) fn elastic() -> Result<Linked<Elastic>, rodwave::RodwaveError> {
     })
 }
 
-/// Returns the model with |E| and the loss factor of constant Q at the angular frequency
-/// `reference`.
+/// Returns the model of constant Q with |E| at the angular frequency `reference` and the loss
+/// factor.
 pub(super) fn constant_q(reference: f64) -> Result<Linked<ConstantQ>, rodwave::RodwaveError> {
     Ok(Linked {
         law: ConstantQ::new(1.0, 0.1, reference)?,
@@ -305,7 +306,8 @@ pub(super) fn constant_q(reference: f64) -> Result<Linked<ConstantQ>, rodwave::R
     })
 }
 
-/// Returns the model with |E| at the angular frequency `reference` and the exponent.
+/// Returns the model of the spring-pot with |E| at the angular frequency `reference` and the
+/// exponent.
 pub(super) fn spring_pot(reference: f64) -> Result<Linked<SpringPot>, rodwave::RodwaveError> {
     Ok(Linked {
         law: SpringPot::new(1.0, 0.5, reference)?,
@@ -392,7 +394,7 @@ mod tests {
     use super::super::prony::Prony;
     use super::*;
 
-    /// Compares the derivatives with differences of fourth order at three frequencies.
+    /// Compares the derivatives with finite differences of fourth order at the frequencies `omega`.
     fn check(model: &dyn Model, at: &[f64], omega: &[f64]) {
         let p = at.len();
         assert_eq!(model.kinds().len(), p);
@@ -417,8 +419,8 @@ mod tests {
             for line in 0..omega.len() {
                 let difference = (8.0 * odd(h, line) - odd(2.0 * h, line)) / (12.0 * h);
                 let error = (difference - gradient[line * p + j]).norm();
-                // truncation h⁴/30 = 3e-18 times the fifth derivative, (2 ln ω)⁵ = 6e6 of a power
-                // law; rounding of e^21, 4e-15/h
+                // the truncation error is h⁴/30 = 3e-18 times the fifth derivative, (2 ln ω)⁵ = 6e6
+                // for a power law; the rounding error of e^21 is 4e-15/h
                 assert!(
                     error < 3e-10 * modulus[line].norm(),
                     "{} at {}: {difference} {}",
@@ -465,7 +467,8 @@ mod tests {
         check(&Prony::new(false, 2), &at[1..], &OMEGA);
     }
 
-    /// Coordinates for exponents that are both away from their limits.
+    /// Compares the law at its coordinates with the law itself, for two exponents away from their
+    /// limits.
     #[test]
     fn coordinates_of_two_exponents_are_those_of_the_law() {
         use rodwave::modulus::ComplexModulus;
@@ -482,7 +485,7 @@ mod tests {
             product / alpha,
         );
         let error = law.at(4e3) - direct.unwrap().at(4e3);
-        // rounding of exponentials of 21
+        // the tolerance covers the rounding of e^21
         assert!(error.norm() < 1e-13 * law.at(4e3).norm());
     }
 }

@@ -1,4 +1,4 @@
-//! Least squares with coefficients that are not negative, from the normal equations.
+//! Least squares with non-negative coefficients, from the normal equations.
 
 use super::count;
 use super::symmetric::{add_products, factorise, solve};
@@ -7,19 +7,20 @@ use super::symmetric::{add_products, factorise, solve};
 /// Squares Problems*, 1974, ch. 23), on AᵀA and Aᵀb as in Bro & de Jong (*J. Chemom.* **11** (1997)
 /// 393).
 ///
-/// The columns are whitened values of a law. Two neighbours of a grid of relaxation times differ
-/// enough that squaring their condition number does not matter for a start that is refined
-/// afterwards; a column that depends on the others within rounding is not used.
+/// The columns are whitened values of a law. Columns of neighbouring relaxation times of a grid
+/// differ so much that the squared condition number of the normal equations is acceptable for a
+/// starting point that is refined afterwards. A column that depends linearly on the other columns
+/// within rounding is not used.
 #[derive(Debug)]
 pub(crate) struct NonNegative {
     columns: usize,
     values: usize,
-    /// AᵀA of columns of length 1, by rows.
+    /// Matrix AᵀA of the columns, scaled to length 1, by rows.
     gram: Vec<f64>,
-    /// Aᵀb of columns of length 1.
+    /// Vector Aᵀb of the columns, scaled to length 1.
     target: Vec<f64>,
     lengths: Vec<f64>,
-    /// bᵀb.
+    /// Square bᵀb of the target.
     square: f64,
 }
 
@@ -27,13 +28,13 @@ pub(crate) struct NonNegative {
 #[derive(Debug)]
 pub(crate) struct Optimum {
     pub(crate) coefficients: Vec<f64>,
-    /// |b - A x|².
+    /// Sum of squares |b - A x|².
     pub(crate) square: f64,
 }
 
-/// Pivot of columns of length 1 below which it counts as rounding.
+/// Pivot, for columns of length 1, below which a pivot counts as rounding.
 const LEAST_PIVOT: f64 = 1e-12;
-/// Number of columns up to which all are tried at once before the search.
+/// Largest number of columns that are all tried at once before the search.
 const FEW: usize = 40;
 
 #[allow(
@@ -41,7 +42,7 @@ const FEW: usize = 40;
     reason = "the matrix has n rows of n elements and the lists n, and all indices are numbers of columns, of which there are n"
 )]
 impl NonNegative {
-    /// Creates the problem of `columns` and `target` of the same length; columns that are 0 get the
+    /// Creates the problem of `columns` and `target` of the same length. Columns that are 0 get the
     /// coefficient 0.
     pub(crate) fn new(columns: &[Vec<f64>], target: &[f64]) -> Self {
         let n = columns.len();
@@ -72,7 +73,7 @@ impl NonNegative {
         }
     }
 
-    /// Replaces the target; `columns` must be those of the problem.
+    /// Replaces the target; `columns` must be the columns of the problem.
     pub(crate) fn set_target(&mut self, columns: &[Vec<f64>], target: &[f64]) {
         for ((own, column), length) in self.target.iter_mut().zip(columns).zip(&self.lengths) {
             *own = dot(column, target) / length;
@@ -96,15 +97,15 @@ impl NonNegative {
         }
     }
 
-    /// Solves until no single column is predicted to lower |b - A x|² by 1e-4 of its mean per value
-    /// (or of 1, if that is less): close enough for a start.
+    /// Solves until no single column is predicted to lower |b - A x|² by more than 1e-4 of its mean
+    /// per value (or of 1, if that is less). This accuracy is sufficient for a starting point.
     pub(crate) fn solve(&self) -> Optimum {
         self.solve_to(1e-4)
     }
 
-    /// Solves until no single column is predicted to lower |b - A x|² by the fraction `tolerance`
-    /// of its mean per value (or of 1, if that is less). Many columns together may lower it by far
-    /// more, where they are nearly dependent.
+    /// Solves until no single column is predicted to lower |b - A x|² by more than the fraction
+    /// `tolerance` of its mean per value (or of 1, if that is less). Many columns together may
+    /// lower it by far more if they are nearly dependent.
     pub(crate) fn solve_to(&self, tolerance: f64) -> Optimum {
         let n = self.columns;
         let mut x = vec![0.0; n];
@@ -151,8 +152,9 @@ impl NonNegative {
         }
     }
 
-    /// Moves to the optimum of the passive columns; those that would become negative are removed.
-    /// Returns false, without a move, if the entering column would become negative.
+    /// Moves to the optimum of the passive columns; passive columns whose coefficients would become
+    /// negative are removed. Returns false, without a move, if the entering column would become
+    /// negative.
     fn settle(&self, x: &mut [f64], passive: &mut Vec<usize>, entering: usize) -> bool {
         loop {
             let Some(optimum) = self.least_squares(passive) else {
@@ -186,8 +188,8 @@ impl NonNegative {
         }
     }
 
-    /// Returns the optimum over the given columns, by Cholesky factors; `None` if they are not
-    /// independent.
+    /// Returns the optimum over the given columns, by Cholesky factors; `None` if the columns are
+    /// not independent.
     fn least_squares(&self, passive: &[usize]) -> Option<Vec<f64>> {
         let k = passive.len();
         let mut factor = vec![0.0; k * k];
@@ -229,8 +231,8 @@ pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
 mod tests {
     use super::*;
 
-    /// The optimum is the only point that satisfies the conditions of Karush, Kuhn and Tucker;
-    /// tested on a problem whose unconstrained optimum has negative coefficients.
+    /// Checks the conditions of Karush, Kuhn and Tucker, which only the optimum satisfies, on a
+    /// problem whose unconstrained optimum has negative coefficients.
     #[test]
     fn optimum_satisfies_its_conditions() {
         let columns: Vec<Vec<f64>> = (0..12)
@@ -249,8 +251,8 @@ mod tests {
         let enough = 1e-2 * (optimum.square / 20.0).sqrt();
         for (column, amount) in columns.iter().zip(&optimum.coefficients) {
             let gradient = dot(column, &rest) / dot(column, column).sqrt();
-            // the tolerance that ends the search; for passive columns, rounding at a condition
-            // number of 1e6
+            // the tolerance that ends the search; for passive columns, the rounding error at a
+            // condition number of 1e6
             assert!(gradient < 1.01 * enough, "{gradient:e}");
             assert!(*amount == 0.0 || gradient.abs() < 1e-10, "{gradient:e}");
         }

@@ -1,11 +1,12 @@
-//! Number of branches of a Prony series, and the series with them.
+//! Choice of the number of branches of a Prony series.
 //!
 //! χ² is a convex function of the relaxation spectrum, a distribution E(τ) >= 0, and the best
 //! spectrum consists of discrete lines. These lines are found by non-negative least squares on a
-//! grid of relaxation times, neighbours are merged, and all parameters of the series are refined.
-//! Further lines are added as long as they lower χ². No series with more branches fits better, so
-//! only shorter ones are tried: branches are merged or removed one at a time, each time the one of
-//! least cost, and the rest is refined again. The criterion chooses among the orders.
+//! grid of relaxation times, neighbouring lines are merged, and all parameters of the series are
+//! refined. Further lines are added as long as they lower χ². No series with more branches fits
+//! better, so only shorter series are tried. Branches are merged or removed one at a time, choosing
+//! the change that increases χ² least, and the remaining series is refined again. The criterion
+//! chooses among the orders.
 
 mod refined;
 mod series;
@@ -26,7 +27,8 @@ use crate::error::CmodError;
 
 /// Weight relative to the best order below which an order does not contribute to a prediction.
 const LEAST_WEIGHT: f64 = 1e-3;
-/// The search ends when the criterion exceeds its best value by this amount at two orders in a row.
+/// The search ends when the criterion exceeds its best value by this amount at two successive
+/// orders.
 const HOPELESS: f64 = 30.0;
 
 /// Generalised Maxwell model of a chosen or given order.
@@ -40,7 +42,7 @@ pub struct PronyFit {
     pub orders: Vec<Order>,
 }
 
-/// Order tried.
+/// Order of a Prony series that was tried.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct Order {
@@ -62,7 +64,7 @@ impl PronyFit {
     /// Fits a series of the order that the criterion of `options` chooses.
     ///
     /// # Errors
-    /// Those of [`RheologicalFit::new`].
+    /// The errors of [`RheologicalFit::new`].
     pub fn new(data: &ModulusData, options: &FitOptions) -> Result<Self, CmodError> {
         let options = options.checked()?;
         enough(data, 1, options.error_scale)?;
@@ -71,10 +73,10 @@ impl PronyFit {
     }
 
     /// Fits a series of `branches` branches, even if the data do not resolve them; the verdicts
-    /// report this.
+    /// then report this.
     ///
     /// # Errors
-    /// Those of [`RheologicalFit::new`].
+    /// The errors of [`RheologicalFit::new`].
     pub fn with_order(
         data: &ModulusData,
         branches: usize,
@@ -139,7 +141,7 @@ impl PronyFit {
     }
 }
 
-/// Returns the value of the criterion.
+/// Returns the value of the criterion of `options` for a series.
 fn score(refined: &Refined, data: &ModulusData, options: &FitOptions) -> f64 {
     let order = refined.order(data, options);
     options.criterion.of(order.aicc, order.bic)
@@ -151,17 +153,17 @@ fn no_law() -> CmodError {
     }
 }
 
-/// Series preferred by the criterion.
+/// Series that the criterion prefers, with the orders that were tried.
 pub(super) struct Chosen {
     pub(super) best: Refined,
     pub(super) orders: Vec<Order>,
-    /// Series of these orders; empty if the order was given.
+    /// Series of the orders that were tried; empty if the order was given.
     tried: Vec<Refined>,
 }
 
 impl Chosen {
-    /// Returns the series that may contribute to a prediction, each with the value of its
-    /// criterion.
+    /// Returns the series that may contribute to a prediction, each with its value of the criterion
+    /// for predictions.
     pub(super) fn candidates(&self) -> Vec<(f64, &Refined)> {
         let score = |order: &Order| order.prediction;
         let least = self.orders.iter().map(score).fold(f64::INFINITY, f64::min);
@@ -170,7 +172,7 @@ impl Chosen {
             .collect()
     }
 
-    /// Returns the upper limit of E∞ for a spring added to the branches of a series without one.
+    /// Returns the upper limit of E∞ for a spring that is added to a series without a spring.
     fn equilibrium_limit(&self, data: &ModulusData, options: &FitOptions) -> Option<f64> {
         let solid = self.best.with_spring(data).filter(|_| options.profiles)?;
         let model = Prony::new(true, solid.series.branches.len());
@@ -210,8 +212,8 @@ impl Chosen {
     }
 }
 
-/// Returns the alternatives with their weights exp(-A/2), normalised, from their criterion A for
-/// predictions.
+/// Returns the alternatives with their normalised weights exp(-A/2), where A is the criterion for
+/// predictions of the alternative.
 pub(super) fn weighted(mut all: Vec<(f64, Alternative)>) -> Vec<Alternative> {
     let least = all
         .iter()

@@ -10,7 +10,8 @@ use super::straight_line;
 use super::transient::{Reading, respond};
 use crate::error::CmodError;
 
-/// Distance in ln ω within which lines determine the slope of the creep modulus at a line.
+/// Distance in ln ω from a line, within which the lines determine the slope of the creep modulus at
+/// that line.
 const SLOPE_WITHIN: f64 = 1.2;
 
 /// Modulus measured at one time after the start of the load.
@@ -18,7 +19,7 @@ const SLOPE_WITHIN: f64 = 1.2;
 pub struct TransientPoint {
     /// Time since the load began to rise \[s\], longer than the rise.
     pub time: f64,
-    /// Stress over strain \[Pa\]: E(t) of relaxation, 1/J(t) of creep.
+    /// Stress divided by strain \[Pa\]: E(t) for relaxation, 1/J(t) for creep.
     pub modulus: f64,
     /// Standard error of the modulus \[Pa\], independent from point to point.
     pub standard_error: f64,
@@ -27,9 +28,9 @@ pub struct TransientPoint {
 /// Quantity that is kept constant in a test over time.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum TransientTest {
-    /// Strain: the stress relaxes.
+    /// The strain is constant, and the stress relaxes.
     Relaxation,
-    /// Stress: the strain creeps.
+    /// The stress is constant, and the strain creeps.
     Creep,
 }
 
@@ -45,16 +46,16 @@ impl TransientTest {
 
 impl ModulusData {
     /// Creates the data from moduli over time of a test whose load rose in proportion to time
-    /// during the first `ramp` \[s\] and was held from then on; `ramp` is 0 for a step.
+    /// during the first `ramp` \[s\] and was held from then on; `ramp` is 0 for a step load.
     ///
-    /// The response of a law is E(t), or 1/J(t), for this load, without approximation: points
-    /// shortly after the ramp count fully. Predictions of the laws remain functions of frequency;
-    /// the band of the data is that of the inverse times, ω = 1/t.
+    /// The response of a law is E(t), or 1/J(t), for this load, without approximation, so points
+    /// shortly after the ramp have their full weight. Predictions of the laws remain functions of
+    /// frequency; the band of the data is the range of the inverse times, ω = 1/t.
     ///
     /// # Errors
     /// [`CmodError::NoLines`]; [`CmodError::NonPhysical`] unless the ramp is finite and not below
     /// 0; [`CmodError::ModulusPoint`] unless the times increase and are longer than the ramp, and
-    /// moduli and standard errors are finite and above 0.
+    /// the moduli and standard errors are finite and above 0.
     ///
     /// ```
     /// use cmod::rheology::{ModulusData, FitOptions, Law, RheologicalFit, TransientPoint, TransientTest};
@@ -101,7 +102,7 @@ impl ModulusData {
                 })
             };
             let (quantity, time) = ("time since the start of the load [s]", point.time);
-            // NaN is not above
+            // a comparison with NaN is false, so a NaN is refused
             if !(time > previous && time.is_finite() && time.recip().is_finite()) {
                 let expected = if index == 0 {
                     "a finite value above the duration of the ramp"
@@ -135,7 +136,7 @@ impl ModulusData {
     }
 
     /// Joins data of one material at one temperature, such as data over frequency and data over
-    /// time. A common error of one source is one error for all of them.
+    /// time. Common errors of the same source are treated as the same error in all parts.
     ///
     /// # Errors
     /// [`CmodError::NoLines`] without data.
@@ -167,7 +168,8 @@ impl ModulusData {
         }
     }
 
-    /// Returns the data as if all loads had been steps, to draw a law without the ramps.
+    /// Returns the data as if all loads had been steps, for example to draw a law without the
+    /// ramps.
     #[must_use]
     pub fn with_steps(mut self) -> Self {
         for reading in &mut self.readings {
@@ -178,15 +180,15 @@ impl ModulusData {
         self
     }
 
-    /// Returns true if some lines are over time.
+    /// Returns true if there are lines over time.
     #[must_use]
     pub fn has_times(&self) -> bool {
         self.readings.iter().any(|reading| reading.is_real())
     }
 
-    /// Returns moduli that are linear in the moduli of the springs of a law, to start fits. Where
-    /// ln(1/J) has the slope m with respect to ln ω, the creep modulus 1/J(t) is E(t) πm/sin πm,
-    /// exactly so for a power of time.
+    /// Returns moduli that are linear in the moduli of the springs of a law, for the starting
+    /// points of fits. Where ln(1/J) has the slope m with respect to ln ω, the creep modulus 1/J(t)
+    /// is E(t) πm/sin πm; this is exact for a power of time.
     #[allow(
         clippy::indexing_slicing,
         reason = "every line has a frequency, a reading and a modulus"
@@ -226,9 +228,9 @@ impl ModulusData {
         place.and_then(of).unwrap_or(Complex64::ZERO)
     }
 
-    /// Returns the lines of the kind of `reading`. For tests over time, the times count from the
-    /// middle of the ramp, which makes a smooth modulus nearly that of a step (Zapas & Phillips,
-    /// *J. Res. Natl. Bur. Stand.* **75A** (1971) 33).
+    /// Returns the lines of the kind of `reading`. For tests over time, the times are counted from
+    /// the middle of the ramp. A smooth modulus is then nearly the modulus after a step (Zapas &
+    /// Phillips, *J. Res. Natl. Bur. Stand.* **75A** (1971) 33).
     pub(super) fn as_steps(&self, reading: Reading) -> Self {
         let is_own = |line: &usize| {
             self.readings

@@ -5,31 +5,32 @@ use num_complex::Complex64;
 use super::count;
 use super::data::ModulusData;
 
-/// Steps of the shift per mean distance of the lines.
+/// Number of steps of the shift per mean distance between the lines.
 const STEPS_A_LINE: f64 = 4.0;
-/// Number of golden sections of two steps: they determine the shift to a hundredth of a step.
+/// Number of golden-section steps on an interval of two steps of the shift; they determine the
+/// shift to a hundredth of a step.
 const REFINEMENTS: u32 = 12;
 const GOLDEN: f64 = 0.618_033_988_749_894_9;
 /// Minimum number of points in the overlap, of both curves together.
 const FEWEST: usize = 3;
-/// Correction for an overlap of few points, which may be good by chance: the mean square is raised
-/// by the fraction `CHANCE` over the number of points.
+/// Correction for an overlap of few points, which may be good by chance: the mean square is
+/// increased by the fraction `CHANCE` divided by the number of points.
 const CHANCE: f64 = 6.0;
 
 /// Mean square of a point, which has two values, relative to the covariances of both curves, if the
 /// curves differ by noise only.
 const OF_NOISE: f64 = 2.0;
-/// Accepted excess over [`OF_NOISE`]: `UNDERSTATED` for errors that are stated too small by half;
-/// `MOST_EXCESS` as a fraction for one point, which is less by √m for m points.
+/// Accepted excess over [`OF_NOISE`]: `UNDERSTATED` allows for stated errors that are half of the
+/// true errors. `MOST_EXCESS` is a fraction for one point, and is divided by √m for m points.
 const UNDERSTATED: f64 = 3.0;
 const MOST_EXCESS: f64 = 4.0;
 
 /// Best overlap of two curves.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Overlap {
-    /// Shift s.
+    /// Logarithmic shift s.
     pub(super) log_shift: f64,
-    /// ln of the factor b.
+    /// Logarithm of the factor b.
     pub(super) log_factor: f64,
     /// Number of points of both curves within the band of the other curve.
     pub(super) points: usize,
@@ -45,13 +46,13 @@ impl Overlap {
     }
 }
 
-/// Returns the shift s for which E_b(ω) = b E_a(ω e^s) fits best, with b = 1 or free; `None` if no
-/// shift makes the curves overlap.
+/// Returns the shift s for which E_b(ω) = b E_a(ω e^s) fits best, with b = 1 or b fitted; `None` if
+/// no shift makes the curves overlap.
 ///
 /// The measure is the mean square of the difference between a point and the other curve,
-/// interpolated over ln ω, relative to the covariance of both. The mean is over all points of both
-/// curves within the band of the other curve. A mean is used so that no overlap is preferred for
-/// its length.
+/// interpolated over ln ω, relative to the covariance of both. The mean is taken over all points of
+/// both curves within the band of the other curve. A mean is used, and not a sum, so that the
+/// length of the overlap has no influence.
 pub(super) fn best(a: &ModulusData, b: &ModulusData, free_factor: bool) -> Option<Overlap> {
     let ((a_low, a_high), (b_low, b_high)) = (a.band(), b.band());
     let spacing = (b_high / b_low).ln() / count(b.len() - 1).max(1.0);
@@ -64,7 +65,7 @@ pub(super) fn best(a: &ModulusData, b: &ModulusData, free_factor: bool) -> Optio
     )]
     let steps = ((last - first) / step).ceil().min(1e5) as u32;
     let at = |k: u32| first + (last - first) * f64::from(k) / f64::from(steps);
-    // only lines of one kind are compared with each other
+    // only lines of the same kind are compared with each other
     let mut pairs: Vec<(ModulusData, ModulusData)> = Vec::new();
     for reading in &a.readings {
         let is_new = |(own, _): &(ModulusData, ModulusData)| {
@@ -99,8 +100,8 @@ pub(super) fn best(a: &ModulusData, b: &ModulusData, free_factor: bool) -> Optio
     let (_, k, found) = (0..=steps)
         .filter_map(|k| measure(at(k)).map(|found| (value(&found), k, found)))
         .min_by(|x, y| x.0.total_cmp(&y.0))?;
-    // for few lines a step is many standard errors of the shift: find the least value between the
-    // neighbours
+    // if there are few lines, a step is many standard errors of the shift, so the least value
+    // between the neighbouring steps is determined
     let (mut low, mut high) = (at(k.saturating_sub(1)), at((k + 1).min(steps)));
     let mut least = (value(&found), found);
     for _ in 0..REFINEMENTS {
@@ -121,8 +122,8 @@ pub(super) fn best(a: &ModulusData, b: &ModulusData, free_factor: bool) -> Optio
     Some(least.1)
 }
 
-/// Returns the mean of ln(|E_data|/|E_curve|) over the points of the data that, shifted by `s`, are
-/// within the band of the curve. Each pair is a curve and its data.
+/// Returns the mean of ln(|E_data|/|E_curve|) over the points of the data that are within the band
+/// of the curve after the shift by `s`. Each pair is a curve and its data.
 fn factor(pairs: &[(ModulusData, ModulusData)], s: f64) -> Option<f64> {
     let lines = pairs.iter().flat_map(|(curve, data)| {
         let lines = data.omega.iter().zip(&data.modulus);
@@ -137,9 +138,9 @@ fn factor(pairs: &[(ModulusData, ModulusData)], s: f64) -> Option<f64> {
     (!ratios.is_empty()).then(|| ratios.iter().sum::<f64>() / count(ratios.len()))
 }
 
-/// Returns the sum of the squares of the difference between `data` and `curve` times the factor,
-/// relative to the covariance of both, over the points of `data` that, shifted by `s`, are within
-/// the band of `curve`; and the number of these points.
+/// Returns the sum of squares of the differences between `data` and `curve` times the factor,
+/// relative to the covariance of both, and the number of points in the sum. The sum is over the
+/// points of `data` that are within the band of `curve` after the shift by `s`.
 fn distance(data: &ModulusData, curve: &ModulusData, s: f64, log_factor: f64) -> (f64, usize) {
     let (shift, factor) = (s.exp(), log_factor.exp());
     let mut sum = 0.0;
@@ -166,12 +167,12 @@ fn distance(data: &ModulusData, curve: &ModulusData, s: f64, log_factor: f64) ->
     (sum, points)
 }
 
-/// Returns the modulus at `omega` within the band, by the polynomial in ln ω through the two points
-/// on either side, of which one may be missing, with its covariance as in
-/// [`Whitening::covariance`].
+/// Returns the modulus at `omega` within the band, with its covariance as in
+/// [`Whitening::covariance`]. It is interpolated by the polynomial in ln ω through two points on
+/// either side, of which the outer ones may be missing.
 ///
-/// With two points per decade, a straight line is off by some per cent at the peak of the loss,
-/// more than the noise of an instrument.
+/// A straight line is not sufficient: with two points per decade, its error at the peak of the loss
+/// is some per cent, which is more than the noise of an instrument.
 fn interpolated(curve: &ModulusData, omega: f64) -> Option<(Complex64, [f64; 3])> {
     let after = curve.omega.partition_point(|line| *line < omega);
     let inside = after > 0 && after < curve.omega.len();

@@ -6,8 +6,8 @@ use crate::estimate::ErrorSource;
 
 /// Largest standard error, on the scale of the parameter, up to which the linearised interval is
 /// used and the parameter counts as identified without further search. At a standard error of a
-/// quarter of a natural logarithm, this interval and that of the profile differ by some tenths of
-/// their width.
+/// quarter of a natural logarithm, this interval and the interval from the profile differ by some
+/// tenths of their width.
 pub const LINEAR_BELOW: f64 = 0.25;
 
 /// Widest interval of a parameter that counts as identified, on its scale: a factor of ten.
@@ -17,11 +17,11 @@ pub const WIDEST: f64 = std::f64::consts::LN_10;
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Scale {
-    /// Natural logarithm, of any number above 0.
+    /// Natural logarithm, for any number above 0.
     Ratio,
-    /// ln(α/(1 - α)), of an exponent between 0 and 1.
+    /// Log odds ln(α/(1 - α)), for an exponent between 0 and 1.
     LogOdds,
-    /// Value itself.
+    /// The value itself.
     Difference,
 }
 
@@ -36,7 +36,7 @@ impl Scale {
         }
     }
 
-    /// Returns the coordinate of a value; not finite for a value out of the range.
+    /// Returns the coordinate of a value; the result is not finite for a value out of the range.
     #[must_use]
     pub fn coordinate(self, value: f64) -> f64 {
         match self {
@@ -58,18 +58,18 @@ pub(super) fn logistic(coordinate: f64) -> f64 {
 pub struct Parameter {
     /// Name, such as `relaxation time 2`.
     pub name: String,
-    /// SI unit; 1 for a number.
+    /// SI unit; `1` for a dimensionless number.
     pub unit: &'static str,
     /// Value at the minimum.
     pub value: f64,
     /// Scale of the standard error.
     pub scale: Scale,
-    /// Standard error on the scale due to random and common errors together, from the linearised
+    /// Standard error on this scale, due to random and common errors together, from the linearised
     /// law; infinite if undetermined.
     pub standard_error: f64,
     /// Part of the error due to the random errors of the lines.
     pub random_error: f64,
-    /// Part of the error due to the errors that the lines share.
+    /// Part of the error due to the common errors of the lines.
     pub common_error: f64,
     /// Confidence interval at the level of the fit.
     pub interval: Interval,
@@ -83,7 +83,7 @@ pub struct Parameter {
 pub struct CommonShift {
     /// Source of the error.
     pub source: ErrorSource,
-    /// Changes, in the order of the parameters and on their scales.
+    /// Changes of the parameters, in their order and on their scales.
     pub shift: Vec<f64>,
 }
 
@@ -93,14 +93,14 @@ pub struct CommonShift {
 pub struct Interval {
     /// Lower end, or the end of the range of the parameter if the data set no limit.
     pub lower: f64,
-    /// Upper end, likewise.
+    /// Upper end, or the end of the range of the parameter if the data set no limit.
     pub upper: f64,
-    /// Method of determination.
+    /// Method by which the interval was determined.
     pub method: IntervalMethod,
 }
 
 impl Interval {
-    /// Returns true if `value` lies within.
+    /// Returns true if `value` lies within the interval.
     #[must_use]
     pub fn contains(&self, value: f64) -> bool {
         self.lower <= value && value <= self.upper
@@ -111,11 +111,11 @@ impl Interval {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum IntervalMethod {
-    /// Linear interval, from the standard error on the scale of the parameter.
+    /// Linearised interval, from the standard error on the scale of the parameter.
     Linear,
-    /// Profile of χ²: the parameter is held at a value, all others are fitted again, and the end is
-    /// where χ² has risen by the quantile of its distribution. Common errors widen the interval on
-    /// both sides, added in squares.
+    /// Profile of χ²: the parameter is held at a value, and all other parameters are fitted again.
+    /// An end of the interval is where χ² has risen by the quantile of its distribution. Common
+    /// errors are added in squares to both sides of the interval.
     Profile,
 }
 
@@ -160,23 +160,23 @@ impl Verdict {
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub enum Reason {
-    /// The relaxation takes place outside of the band; only its flank is inside.
+    /// The relaxation takes place outside the band; only its flank is inside the band.
     OutsideBand {
         /// Relaxation time τ \[s\].
         relaxation_time: f64,
-        /// 1/ω of the highest line \[s\].
+        /// Value of 1/ω of the highest line \[s\].
         shortest: f64,
-        /// 1/ω of the lowest line \[s\].
+        /// Value of 1/ω of the lowest line \[s\].
         longest: f64,
     },
-    /// Another parameter compensates for a change of this one.
+    /// Another parameter compensates for a change of this parameter.
     Correlated {
         /// Name of the other parameter.
         with: String,
-        /// Correlation coefficient of their errors.
+        /// Correlation coefficient of the errors of the two parameters.
         correlation: f64,
     },
-    /// The influence of the parameter on the law is below rounding.
+    /// The influence of the parameter on the law is below the rounding error.
     NoInfluence,
     /// The errors of the data are too large.
     Noise {

@@ -1,4 +1,5 @@
-//! Power laws for damping coefficient and wave number, with a density, as a law for the modulus.
+//! Power laws of the damping coefficient and the wave number, which together with a density give
+//! the modulus.
 
 use num_complex::Complex64;
 use rodwave::RodwaveError;
@@ -10,22 +11,22 @@ use super::parameter::Scale;
 use super::straight_line;
 use super::transient::Lines;
 
-/// E = -ρω²/γ² with γ = a ω^p + i b ω^q (Ödeen 1993, paper E, eq. 7).
+/// Law E = -ρω²/γ² with γ = a ω^p + i b ω^q (Ödeen 1993, paper E, eq. 7).
 ///
-/// p and q are the fitted values, even where they are not physical: for an elastic rod, q is 1 plus
-/// an error of either sign.
+/// p and q are the fitted values, even if they are not physical. For an elastic rod, q is 1 plus an
+/// error of either sign.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct PowerLaw {
-    /// a [s^p/m].
+    /// Factor a [s^p/m].
     pub damping_factor: f64,
-    /// p.
+    /// Exponent p.
     pub damping_exponent: f64,
-    /// b [s^q/m].
+    /// Factor b [s^q/m].
     pub wave_number_factor: f64,
-    /// q.
+    /// Exponent q.
     pub wave_number_exponent: f64,
-    /// ρ [kg/m³], as given.
+    /// Density ρ [kg/m³], as given.
     pub density: f64,
 }
 
@@ -46,11 +47,11 @@ impl PowerLaw {
         -self.density / (slowness * slowness)
     }
 
-    /// Returns the law of `rodwave`.
+    /// Returns the corresponding law of `rodwave`.
     ///
     /// # Errors
-    /// [`RodwaveError::NonPhysical`] for q > 1, a material that softens with the rate of loading,
-    /// and for p <= 0.
+    /// [`RodwaveError::NonPhysical`] for q > 1, which means a material that softens as the rate of
+    /// loading increases, and for p <= 0.
     pub fn law(&self) -> Result<PowerLawPropagation, RodwaveError> {
         PowerLawPropagation::new(
             self.damping_factor,
@@ -90,7 +91,7 @@ impl PowerLawModel {
                 wave_number_exponent: q,
                 density: self.density,
             },
-            // all callers have this number of coordinates
+            // unreachable, because all callers have four coordinates
             _ => PowerLaw {
                 damping_factor: f64::NAN,
                 damping_exponent: f64::NAN,

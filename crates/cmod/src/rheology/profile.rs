@@ -1,31 +1,31 @@
-//! Profile of χ²: range of a parameter with all others refitted.
+//! Profile of χ²: range of a parameter when all other parameters are refitted.
 
 use super::data::ModulusData;
 use super::least_squares::{Effort, Minimum, minimise};
 use super::model::Model;
 
-/// Range over which a parameter is followed on its scale, a factor of 1e21 for a logarithm: beyond
-/// it, no law here depends on the parameter.
+/// Range over which a parameter is followed on its scale, which is a factor of 1e21 for a
+/// logarithm. Beyond this range no law of this module depends on the parameter.
 const RANGE: f64 = 50.0;
 /// Distances beyond an end at which χ² is evaluated again: a plateau may follow a rise.
 const BEYOND: [f64; 5] = [0.0, 1.0, 3.0, 9.0, 27.0];
-/// Longest step of a walk.
+/// Longest step of a walk along the profile.
 const LONGEST: f64 = 8.0;
-/// Maximum number of plateaus beyond an end.
+/// Maximum number of plateaus that are followed beyond an end.
 const MOST_PLATEAUS: usize = 4;
-/// Number of lines on which a search from another region begins: it is long, and all lines are
-/// only needed at its end.
+/// Number of lines on which a search from another region begins: the search is long, and all lines
+/// are only needed at its end.
 const SOME_LINES: usize = 64;
 
 /// End of the interval on one side of the minimum.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum End {
-    /// χ² has risen by the threshold at this coordinate, and stays above it over the distances
-    /// tried.
+    /// χ² has risen by the threshold at this coordinate, and stays above the threshold over the
+    /// distances that are tried.
     At(f64),
     /// χ² has not risen by the threshold within [`RANGE`].
     Open,
-    /// χ² has fallen: the start of the profile was no global minimum.
+    /// χ² has fallen: the start of the profile was not a global minimum.
     LowerMinimum(Vec<f64>),
 }
 
@@ -33,7 +33,7 @@ pub(super) enum End {
 #[derive(Default)]
 pub(super) struct Elsewhere {
     starts: Vec<Vec<f64>>,
-    /// Some of the lines of the data, if these have many more.
+    /// Selection of the lines of the data, if there are many more lines than [`SOME_LINES`].
     some_lines: Option<ModulusData>,
 }
 
@@ -49,7 +49,8 @@ impl Elsewhere {
     }
 
     /// Returns the minima of χ² found from these coordinates, with the parameter `held` at its
-    /// coordinate. A minimum whose χ² is not below `least` may be too large.
+    /// coordinate. If χ² of a minimum is not below `least`, the value may be larger than the true
+    /// minimum.
     pub(super) fn minima<M: Model + ?Sized>(
         &self,
         (model, data): (&M, &ModulusData),
@@ -73,7 +74,7 @@ impl Elsewhere {
     }
 }
 
-/// Minimum of χ² and a parameter whose profile is followed from there.
+/// Minimum of χ², and the parameter whose profile is followed from this minimum.
 pub(super) struct Profile<'a, M: ?Sized> {
     pub(super) model: &'a M,
     pub(super) data: &'a ModulusData,
@@ -132,8 +133,8 @@ impl<M: Model + ?Sized> Profile<'_, M> {
             .map(|minimum| (minimum.chi_squared - self.chi_squared, minimum.at))
     }
 
-    /// Returns the least χ² at a coordinate from the other starts; one above the threshold may be
-    /// too large.
+    /// Returns the least χ² at a coordinate from the other starting points. A value above the
+    /// threshold may be larger than the true minimum.
     fn least(&self, coordinate: f64) -> Option<Reached> {
         let problem = (self.model, self.data);
         let held = Some((self.index, coordinate));
@@ -144,9 +145,9 @@ impl<M: Model + ?Sized> Profile<'_, M> {
             .min_by(|a, b| a.0.total_cmp(&b.0))
     }
 
-    /// Walks from a point inside until χ² has risen by the threshold. The other coordinates start
-    /// from their last values, or are extrapolated by the last step: a valley is straight in
-    /// the logarithms.
+    /// Walks from a point inside the interval until χ² has risen by the threshold. The other
+    /// coordinates start from their last values, or are extrapolated by the last step: a valley is
+    /// nearly straight in the logarithms.
     fn walk(&self, mut inside: Reached, mut step: f64) -> Walk {
         let mut coordinate = inside.1[self.index];
         let mut before: Option<Vec<f64>> = None;
@@ -224,7 +225,7 @@ impl<M: Model + ?Sized> Profile<'_, M> {
 }
 
 enum Walk {
-    /// Last point inside, and the coordinate and the rise outside.
+    /// Last point inside the interval, and the coordinate and the rise of the next point outside.
     Risen(Reached, (f64, f64)),
     Open,
     Lower(Vec<f64>),

@@ -9,16 +9,16 @@ use super::model::{Model, ParameterKind};
 use super::parameter::Scale;
 use super::transient::{Lines, Reading, left_of_branch, respond};
 
-/// E = E∞ + Σ Eᵢ z(ωτᵢ) with z(x) = ix/(1 + ix), as a function of ln E∞ (unless E∞ = 0), ln Eᵢ, ln
-/// τᵢ, and the logarithms of the shifts a_T: at a line of temperature T the law is evaluated at ω
-/// a_T.
+/// Model E = E∞ + Σ Eᵢ z(ωτᵢ) with z(x) = ix/(1 + ix). Its coordinates are ln E∞ (unless E∞ = 0),
+/// ln Eᵢ, ln τᵢ, and the logarithms of the shifts a_T. At a line of temperature T the law is
+/// evaluated at ω a_T.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Prony {
     solid: bool,
     branches: usize,
-    /// Index of the shift per line, if any; empty without shifts.
+    /// Index of the shift of each line, if the line has one; empty without shifts.
     shift_of_line: Vec<Option<usize>>,
-    /// Number of vertical factors, and their index per line, if any.
+    /// Number of vertical factors, and the index of the factor of each line, if the line has one.
     factors: usize,
     factor_of_line: Vec<Option<usize>>,
     kinds: Vec<ParameterKind>,
@@ -53,7 +53,8 @@ impl Prony {
             let (modulus, relaxation) = if solid || i + 1 < branches {
                 (modulus.of_loss(time - 1), relaxation.of_loss(time - 1))
             } else {
-                // without a spring the slowest branch acts as one when its time is long
+                // without a spring the slowest branch acts as a spring if its relaxation time is
+                // long
                 (modulus, relaxation.of_loss_towards(time, 1.0))
             };
             kinds.push(modulus.of_relaxation(time));
@@ -90,7 +91,7 @@ impl Prony {
         self
     }
 
-    /// Returns the first coordinate of a branch.
+    /// Returns the index of the first coordinate of a branch.
     fn first(&self) -> usize {
         usize::from(self.solid)
     }
@@ -128,7 +129,8 @@ impl Prony {
     }
 }
 
-/// Returns z = ix/(1 + ix), the fraction of a spring active at x = ωτ; never overflows.
+/// Returns z = ix/(1 + ix), the fraction of the modulus of a branch that is active at x = ωτ. It
+/// never overflows.
 pub(super) fn share(x: f64) -> Complex64 {
     if x < 1e150 {
         let d = (1.0 + x * x).recip();
@@ -139,7 +141,7 @@ pub(super) fn share(x: f64) -> Complex64 {
 }
 
 /// Returns the part of the modulus of a branch that is active at x = ωτ, and its derivative with
-/// respect to ln x; for creep, the values of relaxation.
+/// respect to ln x; for creep, the values of relaxation are returned.
 pub(super) fn share_of(reading: Reading, x: f64) -> (Complex64, Complex64) {
     match reading {
         Reading::Oscillation => {
@@ -174,7 +176,7 @@ impl Model for Prony {
         modulus: &mut [Complex64],
         gradient: &mut [Complex64],
     ) -> bool {
-        // e^±230 = 1e±100: products neither overflow nor underflow
+        // within e^±230 = 1e±100 products neither overflow nor underflow
         if at.iter().any(|coordinate| coordinate.abs() > 230.0) {
             return false;
         }

@@ -7,9 +7,9 @@
 //! ```
 //!
 //! WLF has C₁ = β/(κ ln 10) and C₂ = 1/κ; Arrhenius, ln a_T = (E_a/R)(1/T - 1/Tᵣ), is the case κ =
-//! 1/Tᵣ with β = E_a/(R Tᵣ²), because T = Tᵣ + d. The laws are therefore nested, and one parameter
-//! decides between them. β and κ remain finite where the shifts are a straight line, whereas C₁ and
-//! C₂ do not.
+//! 1/Tᵣ with β = E_a/(R Tᵣ²), because T = Tᵣ + d. The laws are therefore nested, and the value of κ
+//! decides between them. If the shifts are a straight line, β and κ remain finite, whereas C₁ and
+//! C₂ are infinite.
 
 use std::fmt;
 
@@ -18,28 +18,29 @@ use statrs::distribution::{ChiSquared, ContinuousCDF};
 use super::count;
 use crate::error::CmodError;
 
-/// R [J/(mol K)], exact since 2019 (CODATA 2018).
+/// Gas constant R [J/(mol K)], exact since 2019 (CODATA 2018).
 pub const GAS_CONSTANT: f64 = 8.314_462_618_153_24;
 
-/// log₁₀ a_T = -C₁ (T - Tᵣ)/(C₂ + T - Tᵣ) (Williams, Landel & Ferry, *J. Am. Chem. Soc.* **77**
+/// WLF law log₁₀ a_T = -C₁ (T - Tᵣ)/(C₂ + T - Tᵣ) (Williams, Landel & Ferry, *J. Am. Chem. Soc.*
+/// **77**
 /// (1955) 3701).
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct Wlf {
-    /// Tᵣ \[K\].
+    /// Reference temperature Tᵣ \[K\].
     pub reference_temperature: f64,
-    /// C₁; infinite where the shifts are a straight line, κ = 0, and negative for the opposite
-    /// curvature.
+    /// Constant C₁; infinite if the shifts are a straight line (κ = 0), and negative for the
+    /// opposite curvature.
     pub c1: f64,
-    /// C₂ \[K\].
+    /// Constant C₂ \[K\].
     pub c2: f64,
-    /// Standard error of C₁, to first order in that of κ.
+    /// Standard error of C₁, to first order in the error of κ.
     pub c1_standard_error: f64,
-    /// Standard error of C₂ \[K\], to first order in that of κ.
+    /// Standard error of C₂ \[K\], to first order in the error of κ.
     pub c2_standard_error: f64,
-    /// β [1/K], the slope of -ln a_T at Tᵣ.
+    /// Parameter β [1/K], the slope of -ln a_T at Tᵣ.
     pub slope: f64,
-    /// κ [1/K].
+    /// Parameter κ [1/K].
     pub curvature: f64,
     /// Covariance of (β, κ), by rows.
     pub covariance: [[f64; 2]; 2],
@@ -51,7 +52,7 @@ pub struct Wlf {
 
 impl Wlf {
     /// Returns ln a_T at `temperature` \[K\] with its standard error; `None` at and beyond the
-    /// pole, 1 + κ(T - Tᵣ) <= 0.
+    /// pole, that is, for 1 + κ(T - Tᵣ) <= 0.
     #[must_use]
     pub fn log_shift(&self, temperature: f64) -> Option<(f64, f64)> {
         let d = temperature - self.reference_temperature;
@@ -60,21 +61,21 @@ impl Wlf {
         Some((value, variance.sqrt()))
     }
 
-    /// Returns true if the shifts determine C₁ and C₂ separately: κ exceeds two of its standard
-    /// errors. Otherwise only their ratio is determined, C₁/C₂ = β/ln 10.
+    /// Returns true if the shifts determine C₁ and C₂ separately, that is, if κ exceeds twice its
+    /// standard error. Otherwise only the ratio C₁/C₂ = β/ln 10 is determined.
     #[must_use]
     pub fn constants_are_identified(&self) -> bool {
         self.curvature > 2.0 * self.covariance[1][1].sqrt()
     }
 }
 
-/// ln a_T = (E_a/R)(1/T - 1/Tᵣ).
+/// Arrhenius law ln a_T = (E_a/R)(1/T - 1/Tᵣ).
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct Arrhenius {
-    /// Tᵣ \[K\].
+    /// Reference temperature Tᵣ \[K\].
     pub reference_temperature: f64,
-    /// E_a [J/mol].
+    /// Activation energy E_a [J/mol].
     pub activation_energy: f64,
     /// Standard error of E_a [J/mol].
     pub standard_error: f64,
@@ -96,7 +97,7 @@ impl Arrhenius {
     }
 }
 
-/// Both laws fitted to the same shifts.
+/// Laws of Williams, Landel & Ferry and of Arrhenius, fitted to the same shifts.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 #[must_use]
@@ -105,8 +106,8 @@ pub struct ShiftLaws {
     pub wlf: Wlf,
     /// Law of Arrhenius.
     pub arrhenius: Arrhenius,
-    /// Probability of a decrease of χ² from Arrhenius to WLF at least as large as found, if
-    /// Arrhenius is true (χ² of one degree of freedom).
+    /// Probability of a decrease of χ² from Arrhenius to WLF at least as large as found, if the
+    /// Arrhenius law is true (χ² of one degree of freedom).
     pub arrhenius_p_value: f64,
 }
 
@@ -140,7 +141,7 @@ impl ShiftLaws {
         })
     }
 
-    /// Returns the probability of a χ² at least as large if WLF is true.
+    /// Returns the probability of a χ² at least as large if the WLF law is true.
     #[must_use]
     pub fn wlf_p_value(&self) -> f64 {
         if self.wlf.degrees_of_freedom == 0 {
@@ -197,7 +198,7 @@ struct Problem<'a> {
 }
 
 impl Problem<'_> {
-    /// Returns χ², and the normal equations of the step.
+    /// Returns χ² and the normal equations of a Gauss-Newton step.
     fn linearised(&self, slope: f64, curvature: f64) -> Option<(f64, [[f64; 2]; 2], [f64; 2])> {
         let n = self.differences.len();
         let mut residual = Vec::with_capacity(n);
@@ -223,7 +224,7 @@ impl Problem<'_> {
     }
 
     fn arrhenius(&self, reference: f64) -> Arrhenius {
-        // linear in β at κ = 1/Tᵣ
+        // at κ = 1/Tᵣ the problem is linear in β
         let curvature = reference.recip();
         let to_energy = GAS_CONSTANT * reference * reference;
         let (chi_squared, slope, variance) = self
@@ -243,8 +244,8 @@ impl Problem<'_> {
         }
     }
 
-    /// Fits WLF by Gauss-Newton with halved steps from the law of Arrhenius, which has the same
-    /// form.
+    /// Fits the WLF law by Gauss-Newton steps with halving, starting from the Arrhenius law, which
+    /// has the same form.
     fn wlf(&self, reference: f64, arrhenius: &Arrhenius) -> Wlf {
         let mut slope = arrhenius.activation_energy / (GAS_CONSTANT * reference * reference);
         let mut curvature = reference.recip();
@@ -309,7 +310,8 @@ fn inverse(m: &[[f64; 2]; 2]) -> [[f64; 2]; 2] {
     ]
 }
 
-/// Lower triangular L with LLᵀ the covariance of the shifts.
+/// Cholesky factor of the covariance of the shifts: the lower triangular L with LLᵀ equal to the
+/// covariance.
 struct Cholesky {
     rows: Vec<Vec<f64>>,
 }

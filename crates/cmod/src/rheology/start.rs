@@ -1,5 +1,5 @@
-//! Starts for the laws with one relaxation: the best points of a grid. At each point the law is
-//! linear in its moduli.
+//! Starting points for the laws with one relaxation: the best points of a grid. At each point of
+//! the grid the law is linear in its moduli.
 
 use std::f64::consts::FRAC_PI_2;
 
@@ -11,10 +11,10 @@ use super::{count, straight_line};
 
 /// Maximum number of lines on which the grid is evaluated.
 const MOST_LINES: usize = 32;
-/// Values of ln τ per decade, over the band and a factor of ten to either side.
+/// Values of τ per decade, over the band and a factor of ten on either side.
 const TIMES_A_DECADE: f64 = 3.0;
 
-/// Distribution of the increment of the modulus over the frequencies.
+/// Shape of the relaxation, that is, of the increase of the modulus with frequency.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Shape {
     Zener,
@@ -90,8 +90,8 @@ pub(super) fn of_one_relaxation(data: &ModulusData, shape: Shape) -> Vec<Vec<f64
     best.into_iter().map(|(_, at)| at).collect()
 }
 
-/// Returns coordinates at the limits that a relaxation may reach without an effect on the data:
-/// slower than the band, with a parallel spring and without one, and faster.
+/// Returns starting coordinates with a relaxation outside the band, where it has no effect on the
+/// data: slower than the band, with and without a parallel spring, and faster than the band.
 pub(super) fn at_the_limits(data: &ModulusData, shape: Shape) -> Vec<Vec<f64>> {
     const FAR: f64 = 30.0;
     let lines = some_lines(data);
@@ -127,14 +127,14 @@ pub(super) fn at_the_limits(data: &ModulusData, shape: Shape) -> Vec<Vec<f64>> {
     .collect()
 }
 
-/// Returns ln E of the elastic law, which is linear in E.
+/// Returns the best ln E of the elastic law, which is linear in E.
 pub(super) fn of_elastic(data: &ModulusData) -> Vec<Vec<f64>> {
     let (_, modulus) = one_modulus(data, &data.linear_moduli(), |_| Complex64::ONE);
     vec![vec![modulus.ln()]]
 }
 
-/// Returns ln |E| and ln of the loss factor, as means; the latter from the slope of the modulus if
-/// there are lines over time.
+/// Returns the mean of ln |E| and the mean of the logarithm of the loss factor. If there are lines
+/// over time, the loss factor is computed from the slope of the modulus.
 pub(super) fn of_constant_q(data: &ModulusData) -> Vec<f64> {
     let n = count(data.len());
     let size: f64 = data.modulus.iter().map(|e| e.norm().ln() / n).sum();
@@ -159,9 +159,9 @@ pub(super) fn of_spring_pot(data: &ModulusData) -> Vec<f64> {
     at
 }
 
-/// Returns starts for a law without a spring: ln E₁, ln τ and, for exponents below 1, the log-odds
-/// of the exponent. They are the best of a grid for each of the `exponents`, and of these the two
-/// best.
+/// Returns the two best starting points for a law without a spring: ln E₁, ln τ and, for exponents
+/// below 1, the log odds of the exponent. They are selected from the best point of a grid for each
+/// of the `exponents`.
 pub(super) fn of_fluid(data: &ModulusData, exponents: &[f64]) -> Vec<Vec<f64>> {
     let (lowest, highest) = data.band();
     let decade = std::f64::consts::LN_10;
@@ -195,7 +195,7 @@ pub(super) fn of_fluid(data: &ModulusData, exponents: &[f64]) -> Vec<Vec<f64>> {
     best.into_iter().take(2).map(|(_, at)| at).collect()
 }
 
-/// Returns χ² and the best modulus E of the law E `law`(s).
+/// Returns χ² and the best modulus E of the law E · `law`(s).
 fn one_modulus(
     data: &ModulusData,
     moduli: &[Complex64],
@@ -214,8 +214,9 @@ fn one_modulus(
     (square - mixed * mixed / own, mixed / own)
 }
 
-/// Returns ln E and ln η of the Kelvin-Voigt model, which is linear in E and η over frequency. For
-/// data over time, E is the least modulus and η/E is the geometric middle of the times.
+/// Returns the best ln E and ln η of the Kelvin-Voigt model, which is linear in E and η over
+/// frequency. For data over time, E is the least modulus and η/E is the geometric mean of the
+/// shortest and the longest time.
 pub(super) fn of_kelvin_voigt(data: &ModulusData) -> Vec<f64> {
     if data.has_times() {
         let moduli = data.modulus.iter().map(|modulus| modulus.norm());
@@ -234,14 +235,14 @@ pub(super) fn of_power_law(data: &ModulusData, model: &PowerLawModel) -> Option<
     model.start(data)
 }
 
-/// Returns the numbers of evenly spaced lines, at most [`MOST_LINES`].
+/// Returns the indices of evenly spaced lines, at most [`MOST_LINES`] of them.
 fn some_lines(data: &ModulusData) -> Vec<usize> {
     let stride = data.len().div_ceil(MOST_LINES);
     (0..data.len()).step_by(stride.max(1)).collect()
 }
 
-/// Returns the best E₀ and ΔE >= 0 of E₀ + ΔE `law`(s), and χ². A value that is not above a
-/// thousandth of the modulus is set to this thousandth, from which the iteration can depart.
+/// Returns the best E₀ and ΔE >= 0 of E₀ + ΔE `law`(s), and χ². A value below a thousandth of the
+/// modulus is set to a thousandth of the modulus, so that the iteration can change it.
 #[allow(
     clippy::indexing_slicing,
     reason = "`lines` are numbers of lines of `data`"

@@ -1,13 +1,14 @@
-//! Lines of the data near a frequency, which limit the accuracy of a series of chosen order there.
+//! Lines of the data near a frequency, which limit the stated accuracy of a series at that
+//! frequency if its order was chosen from the data.
 
 use super::data::ModulusData;
 use super::transient::Reading;
 
-/// Reach of a line on both sides, as a factor of the frequency: the loss of a branch falls to a
-/// fifth within a decade, so that a series cannot follow the lines more closely than this.
+/// Range of a line on both sides, as a factor of the frequency. The loss of a branch falls to a
+/// fifth within a decade, so a series cannot follow the lines more closely than this.
 const REACH: f64 = 10.0;
 
-/// Lines to which a series of chosen order was fitted.
+/// Lines to which a series was fitted whose order was chosen from the data.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(super) struct Support {
     lines: Vec<Line>,
@@ -41,7 +42,7 @@ impl Support {
     }
 
     /// Returns the variances of the real and the imaginary part \[Pa²\] of the mean of the lines
-    /// within a decade of `omega`; 0 where there is no line of this kind.
+    /// within a decade of `omega`; 0 if there is no line of this kind.
     pub(super) fn variances_about(&self, omega: f64, reading: Reading) -> [f64; 2] {
         let is_near = |line: &&Line| {
             line.reading.is_like(reading) && (omega / REACH..=omega * REACH).contains(&line.omega)

@@ -1,36 +1,38 @@
-//! Moduli at several temperatures.
+//! Moduli of a material at several temperatures.
 
 use super::data::ModulusData;
 use crate::error::{CmodError, check_positive};
 
-/// Moduli of one material at several temperatures, with the known factor of the modulus at each.
+/// Moduli of one material at several temperatures, with the factor of the modulus at each
+/// temperature, if it is known.
 ///
 /// ```text
 /// E(ω, T) = b_T E_ref(ω a_T)
 /// ```
 ///
 /// A master curve determines a_T. If densities are given, b_T = ρT/(ρᵣTᵣ) follows from rubber
-/// elasticity, which is entropic. Otherwise b_T is 1 as long as the curves are compatible with
-/// that, and is estimated where they are not.
+/// elasticity, which is entropic. Otherwise b_T is 1 if the curves are compatible with this value,
+/// and is estimated if they are not.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TemperatureSweep {
     pub(super) temperatures: Vec<f64>,
     pub(super) data: Vec<ModulusData>,
-    /// ρT, or 1; the factor b_T is its ratio to the value at the reference.
+    /// Value ρT, or 1, of each temperature; the factor b_T is the ratio of this value to the value
+    /// at the reference.
     pub(super) vertical: Vec<f64>,
     /// True if the factors are stated.
     pub(super) vertical_is_stated: bool,
-    /// Stated ln a_T, up to a constant, to connect temperatures whose curves do not overlap.
+    /// Stated ln a_T, up to a constant; they connect temperatures whose curves do not overlap.
     pub(super) stated_shifts: Option<Vec<f64>>,
 }
 
 impl TemperatureSweep {
-    /// Creates a sweep from data at absolute temperatures \[K\], in the order of increasing
+    /// Creates a sweep from data at absolute temperatures \[K\], in order of increasing
     /// temperature.
     ///
     /// # Errors
     /// [`CmodError::TooFewReadings`] for fewer than two temperatures, or fewer than three points at
-    /// one of them; [`CmodError::Temperature`] unless all temperatures are finite, above 0 and
+    /// one temperature; [`CmodError::Temperature`] unless all temperatures are finite, above 0 and
     /// increasing.
     pub fn new(steps: Vec<(f64, ModulusData)>) -> Result<Self, CmodError> {
         if steps.len() < 2 {
@@ -67,8 +69,8 @@ impl TemperatureSweep {
     }
 
     /// Sets ln a_T at each temperature, up to a constant, for example from a known law of
-    /// [shifts](super::ShiftLaws). Where neighbouring curves do not overlap, the shift between them
-    /// is the stated one; where they overlap, it is fitted as usual.
+    /// [shifts](super::ShiftLaws). If neighbouring curves do not overlap, the stated shift between
+    /// them is used; if they overlap, the shift is fitted.
     ///
     /// # Errors
     /// [`CmodError::LengthMismatch`]; [`CmodError::NonPhysical`] unless all values are finite.
@@ -85,7 +87,7 @@ impl TemperatureSweep {
         Ok(self)
     }
 
-    /// Sets the factor of rubber elasticity, b_T = ρT/(ρᵣTᵣ), for `densities` [kg/m³] at the
+    /// Sets the factor of rubber elasticity, b_T = ρT/(ρᵣTᵣ), from the `densities` [kg/m³] at all
     /// temperatures.
     ///
     /// # Errors
@@ -105,7 +107,7 @@ impl TemperatureSweep {
         Ok(self)
     }
 
-    /// Sets the factor of the modulus to 1 at all temperatures, so that none is estimated.
+    /// Sets the factor of the modulus to 1 at all temperatures, so that no factor is estimated.
     #[must_use]
     pub fn without_factors(mut self) -> Self {
         self.vertical.fill(1.0);

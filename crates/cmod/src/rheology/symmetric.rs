@@ -1,13 +1,13 @@
-//! Sums of products and Cholesky factors, which take most of the time of a fit.
+//! Sums of products and Cholesky factors, which take most of the computing time of a fit.
 //!
-//! Both are vectorised over columns, so that every sum adds its terms in their order and all
+//! Both are vectorised over columns. Each sum therefore adds its terms in the same order, and all
 //! processors give the same digits.
 
 /// Number of rows, or columns of a factor, that are added to the sums together.
 const ROWS: usize = 4;
 
 /// Adds AᵀA to `sums`, `columns` by `columns`; `rows` holds A by rows. Entries below the diagonal
-/// are not those of AᵀA.
+/// are not valid.
 pub(crate) fn add_products(sums: &mut [f64], rows: &[f64], columns: usize) {
     if columns > 0 {
         pulp::Arch::new().dispatch(Products {
@@ -45,7 +45,7 @@ fn add_products_vectorised(sums: &mut [f64], rows: &[f64], columns: usize) {
         let (a, b) = block.split_at(2 * columns);
         let ((a, b), (c, d)) = (a.split_at(columns), b.split_at(columns));
         for (i, sums) in sums.chunks_exact_mut(columns).enumerate() {
-            // starts at a whole vector; the elements below the diagonal are never read
+            // the range starts at a whole vector; the elements below the diagonal are never read
             let first = i - i % 4;
             let factors = [a[i], b[i], c[i], d[i]];
             let rest = a[first..]
@@ -167,7 +167,7 @@ pub(crate) fn solve(factor: &[f64], z: &mut [f64]) {
 mod tests {
     use super::*;
 
-    /// Irregular numbers.
+    /// Returns irregular numbers between -1 and 1.
     fn numbers(count: u32) -> Vec<f64> {
         (0..count)
             .map(|k| (1e4 * f64::from(k + 1).sin()).fract())
@@ -224,8 +224,8 @@ mod tests {
             let mut factor = matrix.clone();
             assert!(factorise(&mut factor, size, 0.0));
             solve(&factor, &mut z);
-            // the right side is M times ones, so that the solution is 1, to rounding times a
-            // condition number of some thousands
+            // the right side is M times a vector of ones, so the solution is 1 within rounding
+            // times a condition number of some thousands
             assert!(z.iter().all(|z| (z - 1.0).abs() < 1e-11), "{z:?}");
             matrix[size * size - 1] = -1.0;
             assert!(!factorise(&mut matrix, size, 0.0));

@@ -1,52 +1,54 @@
-//! Moduli over time: relaxation after a step or a ramp of strain, and creep after one of stress.
+//! Moduli over time: relaxation after a step or a ramp of strain, and creep after a step or a ramp
+//! of stress.
 //!
-//! A strain that rises in proportion to time up to ε₀ at t₁ and is then held requires the stress
-//! E(t) ε₀. A stress with this history, up to σ₀, causes the strain J(t) σ₀, with
+//! A strain that rises in proportion to time up to ε₀ at t₁, and is then held, requires the stress
+//! E(t) ε₀. A stress that rises in the same way up to σ₀, and is then held, causes the strain J(t)
+//! σ₀, with
 //!
 //! ```text
 //! E(t) = (1/2πi) ∫ e^{st} E(s)/s h(st₁) ds ,    J(t) = (1/2πi) ∫ e^{st} 1/(s E(s)) h(st₁) ds ,
 //! h(y) = (1 - e^{-y})/y
 //! ```
 //!
-//! so that every law that can be evaluated at complex s can be evaluated over time, with the same
+//! Therefore every law that can be evaluated at complex s can also be evaluated over time, with its
 //! derivatives. The integrals are computed by the midpoint rule on the cotangent contour of
 //! Trefethen, Weideman & Schmelzer (*BIT* **46** (2006) 653), z = st = N (0.5017 θ cot 0.6407θ -
 //! 0.6122 + 0.2645 iθ), whose error is 3.9^{-N}.
 //!
-//! A line over time has ω = 1/t, so that the shift a_T of a temperature moves it in the same way as
-//! a frequency.
+//! A line over time has ω = 1/t, so the shift a_T of a temperature moves the line in the same way
+//! as a frequency.
 
 use std::f64::consts::PI;
 use std::sync::LazyLock;
 
 use num_complex::Complex64;
 
-/// Number N of points of the contour; half of them are the conjugates of the others.
+/// Number N of points of the contour; half of the points are the conjugates of the other half.
 const POINTS: u32 = 24;
-/// Fraction of the time taken by the ramp up to which one contour suffices. Above it, e^{-st₁}
-/// grows too much on the contour, and the ramp is computed as the difference of two ramps without
-/// end.
+/// Largest fraction of the time taken by the ramp for which one contour suffices. Above this
+/// fraction, e^{-st₁} grows too much on the contour, and the ramp is computed as the difference of
+/// two ramps without end.
 const SHORT_RAMP: f64 = 0.25;
 
-/// Kind of a line of data.
+/// Quantity that a line of data contains.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Reading {
-    /// E(iω).
+    /// Modulus E(iω) at an angular frequency.
     Oscillation,
-    /// E(t) at t = 1/ω.
+    /// Relaxation modulus E(t) at t = 1/ω.
     Relaxation {
-        /// Fraction of the time that the ramp of strain took.
+        /// Duration of the ramp of strain as a fraction of the time t.
         ramp: f64,
     },
-    /// 1/J(t) at t = 1/ω.
+    /// Creep modulus 1/J(t) at t = 1/ω.
     Creep {
-        /// Fraction of the time that the ramp of stress took.
+        /// Duration of the ramp of stress as a fraction of the time t.
         ramp: f64,
     },
 }
 
 impl Reading {
-    /// Returns the fraction of the time that the ramp took.
+    /// Returns the duration of the ramp as a fraction of the time t; 0 without a ramp.
     pub(super) fn ramp(&self) -> f64 {
         match self {
             Self::Oscillation => 0.0,
@@ -54,7 +56,7 @@ impl Reading {
         }
     }
 
-    /// Returns true if two readings are of one kind.
+    /// Returns true if two readings are of the same kind.
     pub(super) fn is_like(&self, other: Self) -> bool {
         std::mem::discriminant(self) == std::mem::discriminant(&other)
     }
@@ -104,8 +106,8 @@ impl<'a> Lines<'a> {
     }
 }
 
-/// Points z of the contour in the upper half plane, with 2 e^z z'(θ)/(iN): the 2 is for the
-/// conjugates.
+/// Points z of the contour in the upper half plane, with 2 e^z z'(θ)/(iN): the factor 2 accounts
+/// for the conjugate points.
 static CONTOUR: LazyLock<Vec<(Complex64, Complex64)>> = LazyLock::new(|| {
     let n = f64::from(POINTS);
     let at = |k: u32| {
@@ -120,10 +122,10 @@ static CONTOUR: LazyLock<Vec<(Complex64, Complex64)>> = LazyLock::new(|| {
     (1..=POINTS / 2).map(at).collect()
 });
 
-/// h(y) = (1 - e^{-y})/y.
+/// Returns h(y) = (1 - e^{-y})/y.
 fn mean_of_ramp(y: Complex64) -> Complex64 {
     if y.norm_sqr() < 1e-4 {
-        // the next term is y⁵/720, 1e-13 of 1
+        // the next term, y⁵/720, is at most 1.4e-13
         1.0 - y / 2.0 * (1.0 - y / 3.0 * (1.0 - y / 4.0 * (1.0 - y / 5.0)))
     } else {
         (1.0 - (-y).exp()) / y
@@ -139,7 +141,7 @@ fn points(ramp: f64, mut with: impl FnMut(Complex64, Complex64)) {
         }
         return;
     }
-    // a ramp without end, minus one that begins where the load is held
+    // a ramp without end, minus a ramp without end that begins when the first ramp should end
     let rest = 1.0 - ramp;
     for (z, c) in CONTOUR.iter() {
         let c = c / (z * z) / ramp;
@@ -148,7 +150,7 @@ fn points(ramp: f64, mut with: impl FnMut(Complex64, Complex64)) {
     }
 }
 
-/// Returns the response of a law at one line; `None` where there is no law.
+/// Returns the response of a law at one line; `None` if there is no law.
 ///
 /// `at_s` returns E(s) and writes its derivatives with respect to the parameters; the derivatives
 /// of the response are written to `gradient`. `scratch` has the length of `gradient`.
@@ -193,11 +195,11 @@ pub(super) fn respond(
     is_law.then(|| sum.into())
 }
 
-/// Returns the fraction of the modulus of a branch that is left under a held strain, and its
-/// derivative with respect to ln τ. The time is `x` relaxation times, and the strain rose during
-/// the fraction `ramp` of it.
+/// Returns the fraction of the modulus of a branch that remains under a constant strain, and the
+/// derivative of this fraction with respect to ln τ. The time is `x` relaxation times, and the
+/// strain rose during the fraction `ramp` of this time.
 pub(super) fn left_of_branch(x: f64, ramp: f64) -> (f64, f64) {
-    // nothing is left, and infinity times 0 would be NaN
+    // at larger x the fraction is 0, and infinity times 0 would be NaN
     let x = x.min(1e4);
     if ramp <= 0.0 {
         let left = (-x).exp();
@@ -247,15 +249,15 @@ mod tests {
         ]
     }
 
-    /// Mean of `f` over the ramp, from t - t₁ to t, by the tanh-sinh rule, as laws are infinite
-    /// at 0.
+    /// Computes the mean of `f` over the ramp, from t - t₁ to t, by the tanh-sinh rule, because
+    /// some laws are infinite at 0.
     fn mean_over_ramp(time: f64, ramp: f64, f: impl Fn(f64) -> f64) -> f64 {
         let h = 1.0 / 64.0;
         (-256..=256)
             .map(|k| h * f64::from(k))
             .map(|u| {
                 let inner = 0.5 * PI * u.sinh();
-                // distance from the start, without cancellation
+                // distance from the start of the ramp, without cancellation
                 let share = (1.0 + (-2.0 * inner).exp()).recip();
                 let weight = 0.25 * PI * u.cosh() / inner.cosh().powi(2);
                 weight * h * f(time * (1.0 - ramp) + time * ramp * share)
@@ -270,7 +272,8 @@ mod tests {
                 let time = 10f64.powi(decade);
                 let exact = law.relaxation_modulus(time).unwrap();
                 let found = response(law.as_ref(), time, Reading::Relaxation { ramp: 0.0 });
-                // 3.9^-24 = 7e-15 and rounding, relative to the modulus before its relaxation
+                // the error is 3.9^-24 = 7e-15 and rounding, relative to the modulus before
+                // relaxation
                 let scale = law.at(1.0 / time).norm();
                 assert!(
                     (found - exact).abs() < 1e-12 * scale,
@@ -278,8 +281,8 @@ mod tests {
                 );
                 let exact = law.creep_compliance(time).unwrap().recip();
                 let found = response(law.as_ref(), time, Reading::Creep { ramp: 0.0 });
-                // the closed form of a soft solid is the difference of two numbers of 2000 times
-                // its size
+                // the closed form of a soft solid is the difference of two numbers that are 2000
+                // times as large
                 assert!(
                     (found / exact - 1.0).abs() < 1e-11,
                     "{index} {time}: {found} {exact}"
@@ -296,8 +299,9 @@ mod tests {
                     let relaxation = |t: f64| law.relaxation_modulus(t).unwrap();
                     let exact = mean_over_ramp(time, ramp, relaxation);
                     let found = response(law.as_ref(), time, Reading::Relaxation { ramp });
-                    // the difference of two ramps loses a factor of four at most; a long ramp ends
-                    // where the law is steep: the rule for the mean has an error of some 1e-11
+                    // the difference of two ramps loses a factor of four at most; the end of a long
+                    // ramp is where the law is steep, and the rule for the mean then has an error
+                    // of some 1e-11
                     let scale = exact.abs() + law.at(1.0 / time).norm();
                     assert!(
                         (found - exact).abs() < 1e-10 * scale,

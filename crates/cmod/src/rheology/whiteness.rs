@@ -8,37 +8,37 @@ use statrs::distribution::{ContinuousCDF, Normal};
 use super::count;
 use super::transient::Reading;
 
-/// Two tests of the whitened residuals in the order of frequency: one of their signs, and one of
-/// the correlation of neighbours.
+/// Two tests of the whitened residuals in order of frequency: a test of their signs, and a test of
+/// the correlation between neighbours.
 ///
 /// A law that does not describe the material leaves residuals that keep their sign over many lines.
 /// χ² detects this only if the stated errors are right; these two tests do not use the size of the
-/// errors. Both use the residuals of E' and E'' together, and are one-sided: few runs, positive
-/// correlation.
+/// errors. Both use the residuals of E' and E'' together. They are one-sided: they detect too few
+/// runs and a positive correlation.
 ///
 /// # Validity
-/// The tests are asymptotic: they apply from some twenty residuals on, to errors that are
-/// independent from line to line. The fitted parameters reduce the correlation slightly, so that
-/// the probabilities are slightly too large.
+/// The tests are asymptotic: they apply to some twenty residuals or more, with errors that are
+/// independent from line to line. The fitted parameters reduce the correlation slightly, so the
+/// probabilities are slightly too large.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct Whiteness {
-    /// Number of runs, series of residuals of one sign.
+    /// Number of runs, that is, of sequences of residuals with the same sign.
     pub runs: usize,
     /// Expected number of runs for independent residuals (Wald & Wolfowitz, *Ann. Math. Stat.*
     /// **11** (1940) 147).
     pub expected_runs: f64,
     /// Probability of at most this number of runs, for independent residuals.
     pub runs_p_value: f64,
-    /// Correlation coefficient of neighbours.
+    /// Correlation coefficient of neighbouring residuals.
     pub autocorrelation: f64,
     /// Probability of at least this coefficient, for independent residuals.
     pub autocorrelation_p_value: f64,
 }
 
 impl Whiteness {
-    /// Tests `residual`, which has two entries per line, the second of which counts only for data
-    /// over frequency; neighbours are lines within one of the `sequences`.
+    /// Tests `residual`, which has two entries per line; the second entry is only used for data
+    /// over frequency. Lines are neighbours only within one of the `sequences`.
     pub(super) fn of(residual: &[f64], readings: &[Reading], sequences: &[Range<usize>]) -> Self {
         let mut runs = 0;
         let (mut expected, mut variance) = (0.0, 0.0);
@@ -75,7 +75,7 @@ impl Whiteness {
             }
         }
         let standard = Normal::standard();
-        // half a run for the continuity of the normal distribution
+        // the addition of half a run is the continuity correction of the normal approximation
         let runs_p_value = if variance > 0.0 {
             standard.cdf((count(runs) + 0.5 - expected) / variance.sqrt())
         } else {
@@ -95,8 +95,8 @@ impl Whiteness {
         }
     }
 
-    /// Returns true if neither test rejects white residuals at `significance`, the maximum
-    /// probability that one of the two rejects them wrongly (Bonferroni).
+    /// Returns true if neither test rejects the residuals as white. `significance` is the maximum
+    /// probability that at least one of the two tests wrongly rejects white residuals (Bonferroni).
     #[must_use]
     pub fn is_white(&self, significance: f64) -> bool {
         self.runs_p_value.min(self.autocorrelation_p_value) >= 0.5 * significance

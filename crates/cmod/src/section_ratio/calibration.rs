@@ -1,4 +1,4 @@
-//! Gain ratio and delay of two sensors from the lines of their ratio.
+//! Gain ratio and delay of two sensors, determined from the lines of their ratio.
 
 use num_complex::Complex64;
 
@@ -10,10 +10,11 @@ use crate::lateral_inertia::LateralInertia;
 use crate::self_calibration::{Experiment, LinearisedLine, SelfCalibration, found};
 
 impl SelfCalibration {
-    /// Returns the estimate of a `method` for a ratio, with the [common errors](RatioLines::common)
-    /// of the ratio determined from its lines.
+    /// Returns the estimate of a `method` for a ratio, in which the [common
+    /// errors](RatioLines::common) of the ratio are determined from its lines.
     ///
-    /// `None` if there are no common errors, or if the lines are too few to determine them.
+    /// Returns `None` if there are no common errors, or if there are too few lines to determine
+    /// them.
     ///
     /// ```
     /// use cmod::estimate::ErrorSource;
@@ -47,7 +48,7 @@ impl SelfCalibration {
     /// ```
     ///
     /// # Errors
-    /// Those of the method.
+    /// The errors of the `method`.
     pub fn of_ratio(
         method: &(impl RatioMethod + ?Sized),
         lines: &RatioLines<'_>,
@@ -62,17 +63,16 @@ impl SelfCalibration {
 
 impl CausalEstimate {
     /// Projects the lines of a measured ratio, evaluated by a `method`, onto the relaxing
-    /// materials, with the [common errors](RatioLines::common) of the ratio and those of the rod.
-    /// If the theory of lateral inertia is given, its effect is removed.
+    /// materials, with the [common errors](RatioLines::common) of the ratio and of the rod. If a
+    /// theory of lateral inertia is given, the effect of lateral inertia is removed.
     ///
-    /// The lines between the first and the last valid one are used, including those without a valid
-    /// modulus of their own, except where the wave is not one-dimensional or the coherence is below
-    /// its limit. A method whose ratio does not determine the rod to first order, such as
-    /// [`Resonances`](crate::Resonances), has no such estimate; project its
-    /// [moduli](CausalEstimate::new).
+    /// The lines between the first and the last valid line are used. They include lines that are
+    /// not valid, except where the wave is not one-dimensional or the coherence is below its limit.
+    /// For a method without a ratio between its lines, such as [`Resonances`](crate::Resonances),
+    /// there is no such estimate; project its [moduli](CausalEstimate::new) instead.
     ///
     /// # Errors
-    /// Those of the method; [`CmodError::TooFewReadings`] for fewer than three lines;
+    /// The errors of the `method`; [`CmodError::TooFewReadings`] for fewer than three lines;
     /// [`CmodError::NonPhysical`] for variances with 4 degrees of freedom or fewer.
     pub fn of_ratio(
         method: &(impl RatioMethod + ?Sized),
@@ -104,7 +104,7 @@ impl<M: RatioMethod + ?Sized> RatioExperiment<'_, M> {
         measured
     }
 
-    /// Returns the size of the error of the mass in `removed`, where it follows the errors of the
+    /// Returns the size of the error of the mass in `removed`; this entry follows the errors of the
     /// ratio.
     fn error_of_mass(&self, removed: &[f64]) -> Option<f64> {
         removed.get(self.lines.common.len()).copied()
@@ -168,8 +168,8 @@ impl<M: RatioMethod + ?Sized> Experiment for RatioExperiment<'_, M> {
         ));
         Some(LinearisedLine {
             modulus: about.modulus + by_ratio * (measured - about.ratio),
-            // of the ratio without its errors; correlated lines are less informative than as many
-            // independent ones
+            // the variance of the ratio after removal of its common errors; correlated lines carry
+            // less information than the same number of independent lines
             variance: self.lines.variance.get(line.index)?
                 * factor.norm_sqr()
                 * self.lines.lines_per_independent_line.max(1.0)

@@ -1,4 +1,4 @@
-//! Expectation of the next line from the lines so far.
+//! Expectation of the next line from the lines processed so far.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -13,20 +13,20 @@ const MEMORY: f64 = PI;
 /// is 0.03 for a loss factor of 0.1.
 const DISPERSION: f64 = 0.05;
 
-/// Linear regression of γ/ω on ln ω. Previous lines are weighted with their information on γ/ω,
-/// which decreases with the phase.
+/// Linear regression of γ/ω on ln ω. Previous lines are weighted with their information on γ/ω;
+/// this weight decreases as the phase advances.
 ///
-/// Lines near singular ones have almost no weight. A prior on the dispersion keeps the slope near 0
-/// if the lines are few or noisy.
+/// Lines near singular lines have almost no weight. A prior on the dispersion keeps the slope near
+/// 0 if there are few lines or much noise.
 pub(super) struct Expectation {
-    /// Initial γ/ω [s/m], until there are lines.
+    /// Initial γ/ω [s/m], which is used until there are lines.
     start: Complex64,
-    /// Distance for counting waves \[m\].
+    /// Distance over which waves are counted \[m\].
     distance: f64,
     /// Known delay [s], in which no waves need to be counted.
     delay: f64,
     last_omega: f64,
-    /// Weighted means of ln ω and γ/ω, and the sums about them.
+    /// Weighted means of ln ω and γ/ω, and the sums about these means.
     weight: f64,
     abscissa: f64,
     slowness: Complex64,
@@ -49,7 +49,7 @@ impl Expectation {
         }
     }
 
-    /// Sets the known delay of the later pulse, if any.
+    /// Sets the known delay of the later pulse, if there is one.
     pub(super) fn with_delay(self, delay: Option<f64>) -> Self {
         Self {
             delay: delay.unwrap_or(0.0),
@@ -57,7 +57,7 @@ impl Expectation {
         }
     }
 
-    /// Returns γ expected at ω.
+    /// Returns the γ expected at `omega`.
     pub(super) fn gamma(&self, omega: f64) -> Complex64 {
         let prior = (DISPERSION * self.start.norm()).powi(-2);
         let slope = self.product / (self.spread + prior);
@@ -75,7 +75,7 @@ impl Expectation {
         (self.advance(omega) - self.delay * (omega - self.last_omega)).abs()
     }
 
-    /// Returns the doubt about `gamma`, found at ω.
+    /// Returns the doubt about `gamma`, found at `omega`.
     pub(super) fn doubt(&self, omega: f64, gamma: Complex64) -> Option<BranchDoubt> {
         let advance = self.unknown_advance(omega);
         let expected = self.gamma(omega).im * self.distance;
@@ -113,8 +113,8 @@ impl Expectation {
 mod tests {
     use super::*;
 
-    /// A power law is followed except for its curvature, and outliers without weight do not change
-    /// the line.
+    /// Follows a power law. The error is due to the curvature of the law, and outliers without
+    /// weight do not change the regression.
     #[test]
     fn dispersion_is_followed() {
         let law = |omega: f64| Complex64::new(0.02, 1.0) * 9e-4 * omega.powf(0.97);
@@ -123,8 +123,8 @@ mod tests {
             let omega = 100.0 * f64::from(j);
             if j > 20 {
                 let error = (expectation.gamma(omega) - law(omega)).norm() * 0.5;
-                // Curvature: half of 0.03² kd Δ(ln ω)², Δ(ln ω) = π/kd, and the reduction of the
-                // slope by the prior.
+                // The error is due to the curvature, half of 0.03² kd Δ(ln ω)² with Δ(ln ω) = π/kd,
+                // and to the reduction of the slope by the prior.
                 assert!(error < 0.02, "{omega}: {error}");
             }
             let information = if j % 7 == 0 { 0.0 } else { 1e6 };

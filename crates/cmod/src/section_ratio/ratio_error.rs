@@ -1,4 +1,4 @@
-//! Errors of a measured ratio that are the same in every hit: those of the sensitivities, and of
+//! Errors of a measured ratio that are the same in every hit: errors of the sensitivities, and of
 //! the delay between the channels.
 
 use std::f64::consts::TAU;
@@ -9,7 +9,7 @@ use crate::error::{CmodError, check_frequencies, check_not_negative};
 use crate::estimate::{ErrorSource, SystematicShift};
 
 /// Error δΨ/Ψ of a measured ratio at every line, due to one source that is wrong by its standard
-/// uncertainty. Averages over hits do not reduce it.
+/// uncertainty. Averaging over hits does not reduce this error.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RatioError {
     source: ErrorSource,
@@ -38,11 +38,11 @@ impl RatioError {
         })
     }
 
-    /// Creates the error of a delay of the numerator relative to the denominator with
-    /// `standard_uncertainty` u \[s\]: δΨ/Ψ = -iωu.
+    /// Creates the error of a delay of the numerator relative to the denominator, with the
+    /// `standard_uncertainty` u \[s\] of the delay: δΨ/Ψ = -iωu.
     ///
     /// # Errors
-    /// Those of [`RatioError::of_gain_ratio`].
+    /// The errors of [`RatioError::of_gain_ratio`].
     pub fn of_delay(frequency_hz: &[f64], standard_uncertainty: f64) -> Result<Self, CmodError> {
         check_frequencies(frequency_hz)?;
         let delay = check_not_negative("uncertainty of the delay [s]", standard_uncertainty)?;
@@ -67,7 +67,7 @@ impl RatioError {
         &self.relative
     }
 
-    /// Removes this error from the ratio, for an error of `size` standard uncertainties.
+    /// Removes an error of `size` standard uncertainties from the `ratio`.
     pub(crate) fn removed(&self, ratio: &mut [Complex64], size: f64) {
         for (ratio, relative) in ratio.iter_mut().zip(&self.relative) {
             *ratio *= (-size * relative).exp();
@@ -75,13 +75,13 @@ impl RatioError {
     }
 }
 
-/// Returns E|δΨ|² of a `ratio` at line `index` due to all these errors.
+/// Returns E|δΨ|² of a `ratio` at line `index` due to all `errors`.
 pub(crate) fn variance(errors: &[RatioError], index: usize, ratio: Complex64) -> f64 {
     let relative = errors.iter().filter_map(|error| error.relative.get(index));
     relative.map(|relative| (ratio * relative).norm_sqr()).sum()
 }
 
-/// Returns the shifts of line `index` with γ, E and Ψ due to errors of Ψ, from dγ/dΨ.
+/// Returns the shifts of γ and E of line `index` due to the errors of Ψ, computed from dγ/dΨ.
 pub(crate) fn shifts(
     errors: &[RatioError],
     index: usize,

@@ -1,4 +1,5 @@
-//! Common settings of the methods of a ratio: a guess, uncertainties, limits.
+//! Common settings of the methods that evaluate a ratio: guess of the wave speed, uncertainties,
+//! limits.
 
 use crate::error::{CmodError, check_not_negative};
 use crate::estimate::{ErrorSource, SystematicShift};
@@ -7,13 +8,13 @@ use num_complex::Complex64;
 
 use super::{SectionRatio, slope};
 
-/// Standard uncertainties of a rod and its sections, each in the unit of its quantity; 0, the
-/// default, for exact quantities. The errors are independent of each other and the same on all
-/// lines.
+/// Standard uncertainties of a rod and its sections, each in the unit of its quantity. The value is
+/// 0, the default, for exact quantities. The errors are independent of each other and the same on
+/// all lines.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct SectionUncertainty {
     /// Uncertainty of each distance of a section \[m\]: from the free end, or from the other
-    /// section. A sensor on the end itself has no such uncertainty.
+    /// section. It does not apply to a sensor on the end itself.
     pub distance: f64,
     /// Uncertainty of the diameter \[m\]. It acts only through the mass on the end.
     pub diameter: f64,
@@ -33,7 +34,7 @@ impl SectionUncertainty {
     }
 }
 
-/// Settings of one method; a method sets only those that it has.
+/// Settings of a method that evaluates a ratio; each method uses only some of them.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(crate) struct Settings {
     pub(crate) wave_speed: Option<f64>,
@@ -43,7 +44,8 @@ pub(crate) struct Settings {
     pub(crate) limits: AcceptanceLimits,
 }
 
-/// Arrangement with one of its quantities increased and decreased by its standard uncertainty.
+/// Two copies of an arrangement, with one quantity increased and decreased by its standard
+/// uncertainty.
 pub(crate) struct Changed<T> {
     pub(crate) source: ErrorSource,
     pub(crate) larger: T,
@@ -51,8 +53,8 @@ pub(crate) struct Changed<T> {
 }
 
 impl<T> Changed<T> {
-    /// Returns the arrangements with a quantity changed by plus and minus its uncertainty; `None`
-    /// if the quantity is exact.
+    /// Creates the two arrangements that `by` returns for a change of the quantity by plus and
+    /// minus its `uncertainty`; `None` if the quantity is exact.
     pub(crate) fn of(source: ErrorSource, uncertainty: f64, by: impl Fn(f64) -> T) -> Option<Self> {
         (uncertainty > 0.0).then(|| Self {
             source,

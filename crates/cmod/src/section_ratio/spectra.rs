@@ -12,20 +12,20 @@ use crate::estimate::VarianceFreedom;
 pub struct RatioLines<'a> {
     /// Frequencies \[Hz\].
     pub frequency_hz: &'a [f64],
-    /// Ψ.
+    /// Ratio Ψ.
     pub ratio: &'a [Complex64],
-    /// E|δΨ|², of real and imaginary part together, of an error without preferred phase; 0 means
-    /// data without noise.
+    /// Variance E|δΨ|², of real and imaginary part together, for an error without preferred phase;
+    /// 0 means data without noise.
     pub variance: &'a [f64],
-    /// Degrees of freedom of the variances; `None` if they are known.
+    /// Degrees of freedom of the variances; `None` if the variances are known.
     pub freedom: Option<&'a [VarianceFreedom]>,
-    /// Ordinary coherence, if available; used only by [`TwoPoint`](crate::TwoPoint), for its
+    /// Ordinary coherence, if available. It is used only by [`TwoPoint`](crate::TwoPoint), for its
     /// [limit](crate::validity::AcceptanceLimits::coherence).
     pub coherence: Option<&'a [f64]>,
-    /// Common errors of the ratio, each with one entry per line; none for exact sensors.
+    /// Common errors of the ratio, each with one entry per line; empty for exact sensors.
     pub common: &'a [RatioError],
-    /// Number of lines per line with independent noise: 1, or more where short pulses are part of
-    /// long records.
+    /// Number of lines per line with independent noise. It is 1, or more if short pulses are part
+    /// of long records.
     pub lines_per_independent_line: f64,
 }
 
@@ -79,29 +79,29 @@ impl<'a> RatioLines<'a> {
     }
 }
 
-/// Ψ = q̂₁/q̂₂ with its variance, from the spectra of one test or several.
+/// Ratio Ψ = q̂₁/q̂₂ with its variance, from the spectra of one test or several.
 ///
-/// Several tests are combined by least squares with the second spectrum as input,
+/// Several tests are combined by least squares, with the second spectrum as the input:
 ///
 /// ```text
 /// Ψ = Σ q̂₁ q̂₂* / Σ|q̂₂|² ,    E|δΨ|² = (σ₁² + |Ψ|² σ₂²) / Σ|q̂₂|²
 /// ```
 ///
-/// to first order in the noise, which is circular and independent between the two. Noise in q̂₂ of M
-/// tests lowers Ψ by the factor 1/(1 + Mσ₂²/Σ|q̂₂|²): the larger of the two signals belongs in the
-/// denominator.
+/// The variance is of first order in the noise, which is circular and independent between the two
+/// spectra. Noise in q̂₂ of M tests lowers Ψ by the factor 1/(1 + Mσ₂²/Σ|q̂₂|²). Use the larger of
+/// the two signals as the denominator.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct RatioOfSpectra {
-    /// Ψ; NaN at a line without signal in the denominator.
+    /// Ratio Ψ; NaN at a line without signal in the denominator.
     pub ratio: Vec<Complex64>,
-    /// E|δΨ|², real and imaginary part together.
+    /// Variance E|δΨ|², of real and imaginary part together.
     pub variance: Vec<f64>,
 }
 
 impl RatioOfSpectra {
-    /// Computes the ratio from spectra, each `(n_tests)(n_lines)`, and the root mean square |δ| of
-    /// their noise `(n_lines)`, real and imaginary part together, in the unit of its spectra.
+    /// Computes the ratio from two spectra `(n_tests)(n_lines)` and the root mean square |δ| of the
+    /// noise `(n_lines)` of each, of real and imaginary part together, in the unit of the spectrum.
     ///
     /// # Errors
     /// [`CmodError::NoTests`]; [`CmodError::TestCount`];
@@ -173,7 +173,7 @@ mod tests {
         let n = d.map(|d| psi * d);
         let pair = RatioOfSpectra::new(&[&n[..1], &n[1..]], &[&d[..1], &d[1..]], &[0.2], &[0.1]);
         let pair = pair.unwrap();
-        // A few roundings.
+        // The tolerance is a few roundings of numbers of the order of 1.
         assert!((pair.ratio[0] - psi).norm() < 1e-15);
         assert!((pair.variance[0] - (0.04 + 0.25 * 0.01) / 14.25).abs() < 1e-16);
     }

@@ -1,48 +1,50 @@
-//! Start of γ: one wave speed for the first lines together.
+//! Starting value of γ: one wave speed for all first lines together.
 //!
 //! A single ratio has many roots, but the speed that explains all lines with up to one wavelength
 //! over the distance of the sections is unique. The logarithm of the misfit is averaged without the
-//! worst third of the lines, so that outliers do not decide; a second speed with almost the same
-//! misfit is reported as a doubt on every line.
+//! worst third of the lines, to exclude outliers. A second speed with almost the same misfit is
+//! reported as a doubt on every line.
 
 use num_complex::Complex64;
 
 use super::{MeasuredRatio, SectionRatio, Settings};
 use crate::branch::BranchDoubt;
 
-/// Speeds tried without a guess [m/s], from that of soft rubber to above that of any solid rod.
+/// Speeds tried without a guess [m/s], from the speed in soft rubber to above the speed in any
+/// solid rod.
 const SLOWEST: f64 = 20.0;
 const FASTEST: f64 = 20e3;
-/// Factor of the range around a guess.
+/// Factor from a guess to either end of the searched range.
 const GUESS_FACTOR: f64 = 1.5;
-/// Ratio of neighbouring speeds: a fifth of a radian at one wavelength; closer to 1 where lines
-/// beyond one wavelength are compared.
+/// Ratio of neighbouring speeds, which changes the phase by a fifth of a radian at one wavelength
+/// over the distance. The ratio is closer to 1 if lines beyond one wavelength are compared.
 const SPEED_RATIO: f64 = 1.03;
 /// Values of α/k tried: loss factors of about 0, 0.12 and 0.4.
 const DAMPING: [f64; 3] = [0.0, 0.06, 0.2];
 /// Number of lines compared at each speed.
 const LINES: usize = 24;
-/// Minimum number of lines compared, even where they are beyond one wavelength over the distance:
-/// without a delay, and with one, where dispersion over many waves matters more than the number of
-/// lines.
+/// Minimum number of lines compared, even if they are beyond one wavelength over the distance. It
+/// is smaller with a known delay, because dispersion over many waves then has a greater effect than
+/// the number of lines.
 const FEWEST_COMPARED: usize = LINES / 2;
 const FEWEST_COMPARED_WITH_DELAY: usize = 4;
 /// Minimum number of lines for distinguishing speeds without a guess.
 const FEWEST_LINES: usize = 8;
-/// Misfit of one speed and one damping for all lines, relative to the size of the ratio.
+/// Misfit allowed because one speed and one damping are used for all lines, relative to the size of
+/// the ratio.
 const MODEL_ERROR: f64 = 0.05;
 /// Logarithm of the ratio of two speeds above which they are distinct.
 const DISTINCT: f64 = 0.2;
-/// Difference of mean log misfits below which two speeds are not distinguished.
+/// Difference of mean log misfits below which the data do not distinguish two speeds.
 const TOO_CLOSE: f64 = 0.1;
 
-/// γ/ω of the first lines [s/m], and the doubt about it.
+/// Slowness γ/ω of the first lines [s/m], and the doubt about it.
 pub(super) struct Start {
     pub(super) slowness: Complex64,
     pub(super) doubt: Option<BranchDoubt>,
 }
 
-/// Compares speeds; `None` if there is no line.
+/// Finds the wave speed by comparing speeds; `None` if there is no line.
 pub(super) fn wave_speed(
     equation: &impl SectionRatio,
     measured: &[MeasuredRatio<'_>],
@@ -53,7 +55,8 @@ pub(super) fn wave_speed(
     let step_hz = median_step(measured);
     let (slowest, fastest) = match (guess, settings.delay) {
         (Some(speed), _) => (speed / GUESS_FACTOR, speed * GUESS_FACTOR),
-        // equivalent to a guess of the speed, known within half a turn per line to either side
+        // a known delay is equivalent to a guess of the speed within half a turn per line to either
+        // side
         (None, Some(delay)) => {
             let unknown = (0.5 / step_hz).min(delay / 3.0);
             (distance / (delay + unknown), distance / (delay - unknown))
@@ -67,7 +70,7 @@ pub(super) fn wave_speed(
         Some(_) => FEWEST_COMPARED_WITH_DELAY,
         None => FEWEST_COMPARED,
     };
-    // waves over the distance at the last line that is compared at all speeds
+    // number of waves over the distance at the last line that is compared at all speeds
     let last = measured.get(..fewest).unwrap_or(measured).last();
     let waves = last.map_or(1.0, |line| line.frequency_hz * distance / slowest);
     let ratio = match settings.delay {
@@ -106,7 +109,7 @@ pub(super) fn wave_speed(
             expected: FEWEST_LINES,
         })
     } else {
-        // A rival is another minimum, not the flank of the chosen one.
+        // A rival speed must be another minimum, not on the flank of the chosen minimum.
         let is_minimum = |index: usize| {
             let score = |index: usize| tried.get(index).map_or(f64::INFINITY, |t| t.0);
             score(index) <= score(index.wrapping_sub(1)) && score(index) <= score(index + 1)
@@ -141,8 +144,8 @@ fn median_step(measured: &[MeasuredRatio<'_>]) -> f64 {
     steps.get(steps.len() / 2).map_or(0.0, |step| *step)
 }
 
-/// Returns the mean log of the misfit, relative to noise and [`MODEL_ERROR`], of the better two
-/// thirds of the lines.
+/// Returns the mean logarithm of the misfit, relative to the noise and [`MODEL_ERROR`], over the
+/// better two thirds of the lines.
 fn score(
     equation: &impl SectionRatio,
     measured: &[MeasuredRatio<'_>],

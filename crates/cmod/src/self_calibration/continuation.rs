@@ -1,4 +1,5 @@
-//! Continuation of lines s = σ + iω of records with added damping to the frequency axis.
+//! Continuation of the modulus from the lines s = σ + iω of records with added damping to the
+//! frequency axis.
 
 use num_complex::Complex64;
 
@@ -12,14 +13,15 @@ use crate::estimate::{ComplexCovariance, ModulusEstimate, ModulusLine, Refusal};
 use crate::validity::{Validity, conditions};
 
 /// Standard deviation of the largest contribution of a term in the band, relative to the largest
-/// modulus there. For a passive material every term is positive, and none exceeds the modulus.
+/// modulus in the band. For a passive material every term is positive, and none exceeds the
+/// modulus.
 const LARGEST_TERM: f64 = 0.3;
 
 /// Minimum number of lines that determine the variation of the modulus.
 const FEWEST_LINES: usize = 8;
 
-/// Returns the number of lines per line with independent noise, where `added_damping` σ \[1/s\]
-/// correlates neighbours: for stationary noise
+/// Returns the number of lines per line with independent noise, if `added_damping` σ \[1/s\]
+/// correlates neighbouring lines. For stationary noise it is
 ///
 /// ```text
 /// Σ|ρ|² = ∫ df/(1 + (πf/σ)²)/Δf = σ/Δf .
@@ -36,7 +38,7 @@ pub fn lines_per_independent_line(frequency_hz: &[f64], added_damping: f64) -> f
 }
 
 /// Returns the modulus on the axis, E(iω) = E(s) + [E_smooth(iω) - E_smooth(s)], from an `estimate`
-/// on the lines s. Where the lines are too few for a smooth modulus, all are refused.
+/// on the lines s. If there are too few lines for a smooth modulus, all lines are refused.
 pub(crate) fn on_axis(
     estimate: &ModulusEstimate,
     added_damping: f64,
@@ -67,7 +69,7 @@ pub(crate) fn on_axis(
         let freedom = 2.0 * lines.len() as f64 - smoothing.parameters;
         Continuation {
             parts: smoothing.parts(&moduli),
-            // correlated noise counts less: the weights are reduced accordingly
+            // the weights are reduced because the noise is correlated
             mean_square: (alike * dot(&rest, &rest) / freedom.max(1.0)).max(1.0),
             smoothing,
             added_damping,
@@ -101,7 +103,7 @@ impl Continuation {
             .map(|d| ComplexCovariance::of_shift(d * self.mean_square.sqrt()))
             .fold(ComplexCovariance::default(), |sum, own| sum + own);
         let modulus = line.modulus + step;
-        // E = ρs²/γ²
+        // from E = ρs²/γ² follows the factor on γ
         let turn = (axis / frequency.laplace()) * (line.modulus / modulus).sqrt();
         let gamma = line.propagation_coefficient * turn;
         if !(modulus.is_finite() && gamma.is_finite() && gamma != Complex64::ZERO) {

@@ -1,24 +1,24 @@
-//! Line linearised about a smooth modulus, and the residual that no modulus explains.
+//! Lines linearised about a smooth modulus, and the residual that no modulus explains.
 
 use num_complex::Complex64;
 
 use super::vectors::{dot, subtract};
 use crate::estimate::{ErrorSource, SystematicShift};
 
-/// Line linearised about a smooth modulus. Its derivatives are independent of the noise, unlike
-/// those at the modulus of the line itself: where the data determine a source poorly, their
-/// correlation with the noise would be mistaken for an error of the source.
+/// Line linearised about a smooth modulus. Its derivatives are independent of the noise.
+/// Derivatives at the modulus of the line itself would be correlated with the noise, and if the
+/// data determine a source poorly, this correlation would be mistaken for an error of the source.
 pub(crate) struct LinearisedLine {
     pub(crate) modulus: Complex64,
-    /// E|δE|² \[Pa²\].
+    /// Variance E|δE|² \[Pa²\].
     pub(crate) variance: f64,
     pub(crate) shifts: Vec<SystematicShift>,
     /// Residual that no modulus explains, if there are redundant measurements.
     pub(crate) misfit: Option<Misfit>,
 }
 
-/// Least squares of the residual that no modulus explains, in units of the noise, with respect to
-/// errors of the measured sources.
+/// Normal equations for the errors of the measured sources, from the residual that no modulus
+/// explains, in units of the noise.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Misfit {
     /// Products of the derivatives with each other, by rows.
@@ -31,8 +31,8 @@ pub(crate) struct Misfit {
 }
 
 impl Misfit {
-    /// Returns the sum over the lines, from which errors of the sizes `removed` were removed, as it
-    /// is before their removal.
+    /// Returns the sum over the `lines`, from which errors of the sizes `removed` were removed. The
+    /// sum is converted to its value before this removal.
     pub(crate) fn of(lines: &[LinearisedLine], removed: &[f64]) -> Self {
         let n = removed.len();
         let mut sum = Self {
@@ -56,11 +56,11 @@ impl Misfit {
         sum
     }
 
-    /// Returns the same information on `n` sources, the measured ones first, as readings with
-    /// errors of variance 1: each is a sum of the sizes with given factors, and the value of this
-    /// sum.
+    /// Returns the same information on `n` sources, the measured sources first, as readings with
+    /// errors of variance 1. Each reading consists of the factors of a sum of the sizes, and the
+    /// value of this sum.
     pub(crate) fn readings(&self, n: usize) -> Vec<(Vec<f64>, f64)> {
-        // Cholesky factors by rows; a source that depends on earlier ones leaves no pivot
+        // Cholesky factors by rows; a source that depends on earlier sources has no pivot
         let measured = self.gradient.len();
         let mut rest = self.normal.clone();
         let mut right = self.gradient.clone();
@@ -89,7 +89,7 @@ impl Misfit {
         readings
     }
 
-    /// Returns the sum of squares after removal of errors of these `sizes`.
+    /// Returns the sum of squares that remains after removal of errors of these `sizes`.
     pub(super) fn left(&self, sizes: &[f64]) -> f64 {
         let rows = self.normal.chunks_exact(self.gradient.len().max(1));
         let quadratic: f64 = rows
@@ -100,7 +100,7 @@ impl Misfit {
     }
 }
 
-/// Returns the sources of all lines that have a standard uncertainty, the `measured` ones first.
+/// Returns the sources of all lines that have a standard uncertainty, the `measured` sources first.
 pub(crate) fn sources_of(lines: &[LinearisedLine], measured: &[ErrorSource]) -> Vec<ErrorSource> {
     let mut sources = measured.to_vec();
     for shift in lines.iter().flat_map(|line| &line.shifts) {

@@ -13,7 +13,7 @@ use crate::estimate::{ErrorSource, ModulusLine};
 /// Minimum ratio of twice the number of lines to the number of unknowns.
 const FEWEST_PER_UNKNOWN: f64 = 3.0;
 
-/// Sizes of the errors and the remaining errors.
+/// Estimated sizes of the errors, and the covariance of the remaining errors.
 pub(super) struct Posterior {
     pub(super) sources: Vec<ErrorSource>,
     pub(super) sizes: Vec<f64>,
@@ -25,9 +25,9 @@ pub(super) struct Posterior {
 }
 
 impl Posterior {
-    /// Solves for the errors from `lines` linearised about a smooth modulus, from which errors of
-    /// the `measured` sources with the sizes `removed` were removed. `None` if the lines are too
-    /// few.
+    /// Solves for the errors from `lines`, which are linearised about a smooth modulus. Errors of
+    /// the `measured` sources with the sizes `removed` were removed from these lines. Returns
+    /// `None` if there are too few lines.
     pub(super) fn of(
         lines: &[&ModulusLine],
         about: &[LinearisedLine],
@@ -43,7 +43,7 @@ impl Posterior {
         if (rows as f64) < FEWEST_PER_UNKNOWN * unknowns {
             return None;
         }
-        // the modulus including all errors, to first order
+        // the modulus including the errors that were removed, to first order
         let with_errors = smoothing.whitened(about.iter().map(|line| {
             let back = measured.iter().zip(removed);
             line.modulus
@@ -71,7 +71,8 @@ impl Posterior {
             / (freedom + misfit.degrees_of_freedom);
         let (sizes, covariance) = ridge(&columns, &target, &misfit, mean_square.max(1.0))?;
         let mut smooth = smoothing.smooth(&without(&with_errors, &shifts, &sizes));
-        // the next round linearises about lines that still contain the errors of the specimen
+        // the errors of the specimen are added, because the next round linearises about lines that
+        // still contain them
         let specimen = || sources.iter().zip(&sizes).skip(measured.len());
         for (modulus, line) in smooth.iter_mut().zip(about) {
             let errors =
@@ -92,8 +93,8 @@ impl Posterior {
         })
     }
 
-    /// Returns the largest difference of a size from that of `others`, in standard errors of the
-    /// size.
+    /// Returns the largest difference between a size and the corresponding size in `others`, in
+    /// standard errors of the size.
     pub(super) fn distance(&self, others: &[f64]) -> f64 {
         others
             .iter()
@@ -105,7 +106,7 @@ impl Posterior {
 }
 
 /// Returns the ξ that minimises (|b - Jξ|² + the square of the `misfit`)/s² + |ξ|², and the
-/// covariance of ξ, (I + JᵀJ/s²)⁻¹. `None` if a value is not finite.
+/// covariance of ξ, (I + JᵀJ/s²)⁻¹; `None` if a value is not finite.
 fn ridge(
     columns: &[Vec<f64>],
     target: &[f64],

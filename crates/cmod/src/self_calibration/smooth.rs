@@ -9,9 +9,9 @@ use super::vectors::{dot, subtract};
 use crate::complex_frequency::ComplexFrequency;
 use crate::estimate::ModulusLine;
 
-/// Ratio of neighbouring relaxation times. With a ratio of 2.5, coefficients of any sign leave 1e-4
-/// of a loss that rises by powers of ten, which causes a bias of many standard errors in quiet
-/// records; with this ratio the residual is below any noise.
+/// Ratio of neighbouring relaxation times. With a ratio of 2.5, coefficients of any sign leave a
+/// residual of 1e-4 of a loss that rises by powers of ten; in quiet records this causes a bias of
+/// many standard errors. With the ratio of 1.5 the residual is below any noise.
 const GRID: f64 = 1.5;
 /// Factor by which the grid extends beyond the band.
 const BEYOND: f64 = 1000.0;
@@ -30,7 +30,7 @@ pub(super) struct Smoothing {
 impl Smoothing {
     /// Creates the fit for values on the lines s = σ + iω of the `added_damping` σ, and terms whose
     /// contribution has the standard deviation `largest_term` relative to the largest modulus.
-    /// `None` without lines, or where a value is not finite.
+    /// Returns `None` without lines, or if a value is not finite.
     pub(super) fn of(
         lines: &[&ModulusLine],
         about: &[LinearisedLine],
@@ -54,7 +54,8 @@ impl Smoothing {
             .collect();
         let rows = 2 * lines.len();
         let basis = basis(&columns, rows)?;
-        // directions in the rows of the lines; the remaining rows are those of the priors
+        // squares of the directions in the rows of the lines; the remaining rows are the rows of
+        // the priors
         let of_lines =
             |direction: &Vec<f64>| direction.iter().take(rows).map(|x| x * x).sum::<f64>();
         Some(Self {
@@ -73,9 +74,9 @@ impl Smoothing {
             .collect()
     }
 
-    /// Returns the difference of the smooth modulus at `to` and at `from` \[1/s\], per component
-    /// along each direction. The rows of the priors are the coefficients of the functions in
-    /// each direction.
+    /// Returns, for each direction, the difference between the smooth modulus at `to` and at `from`
+    /// \[1/s\] for a component of 1. The rows of the priors are the coefficients of the functions
+    /// in each direction.
     pub(super) fn difference(&self, from: Complex64, to: Complex64) -> Vec<Complex64> {
         let rows = 2 * self.weights.len();
         let terms = self
@@ -95,8 +96,8 @@ impl Smoothing {
         self.basis.iter().map(along).collect()
     }
 
-    /// Returns the values of the lines divided by their noise, real and imaginary parts
-    /// alternating, and 0 for the priors.
+    /// Returns the values of the lines divided by their noise, with alternating real and imaginary
+    /// parts, followed by 0 for each prior.
     pub(super) fn whitened(&self, values: impl Iterator<Item = Complex64>) -> Vec<f64> {
         let mut values = whitened(&self.weights, values);
         values.resize(values.len() + self.basis.len(), 0.0);
@@ -113,7 +114,7 @@ impl Smoothing {
         rest
     }
 
-    /// Returns the smooth modulus of each line nearest to whitened `values`.
+    /// Returns the values on all lines of the smooth modulus that is nearest to whitened `values`.
     pub(super) fn smooth(&self, values: &[f64]) -> Vec<Complex64> {
         let mut smooth = values.to_vec();
         subtract(&mut smooth, 1.0, &self.rest_of(values));
@@ -135,7 +136,7 @@ fn whitened(weights: &[f64], values: impl Iterator<Item = Complex64>) -> Vec<f64
 /// Functions of s that span the smooth and causal moduli in a band.
 struct SmoothModulus {
     relaxation_times: Vec<f64>,
-    /// \[rad/s\].
+    /// Highest angular frequency of the band \[rad/s\].
     highest: f64,
     /// Scale of each function: a coefficient of 1 then contributes at most the largest expected
     /// value in the band.
@@ -143,7 +144,7 @@ struct SmoothModulus {
 }
 
 impl SmoothModulus {
-    /// Creates the functions with terms up to `largest` \[Pa\] at increasing places s; `None`
+    /// Creates the functions with terms up to `largest` \[Pa\] at increasing `places` s; `None`
     /// without places.
     fn on(places: &[Complex64], largest: f64) -> Option<Self> {
         let lowest = places.first()?.im;
@@ -168,7 +169,7 @@ impl SmoothModulus {
         Some(functions)
     }
 
-    /// Returns each function at s.
+    /// Returns the value of each function at s.
     fn at(&self, s: Complex64) -> Vec<Complex64> {
         let relative = s / self.highest;
         let first = [Complex64::ONE, relative, -(relative * relative)];
@@ -183,8 +184,8 @@ impl SmoothModulus {
     }
 }
 
-/// Returns orthonormal directions that span the `columns` of `rows` rows on top of a unit matrix,
-/// which is the prior of their coefficients. `None` if an entry is not finite.
+/// Returns orthonormal directions that span the `columns` of `rows` rows, stacked on a unit matrix,
+/// which represents the prior of the coefficients; `None` if an entry is not finite.
 fn basis(columns: &[Vec<f64>], rows: usize) -> Option<Vec<Vec<f64>>> {
     let entry = |i: usize, j: usize| -> f64 {
         match i.checked_sub(rows) {

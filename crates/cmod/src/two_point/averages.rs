@@ -1,28 +1,28 @@
-//! Conversion of averaged spectra to the acceleration ratio with its variance.
+//! Acceleration ratio and its variance from averaged spectra.
 //!
-//! Ψ of paper A, section 3, is the averaged cross-spectrum of both ends divided by the averaged
-//! auto-spectrum of the free end: over n blows the least-squares slope of â₁ on â₂, an H₁ estimate
-//! with the free end as input. The residual of â₁ has the mean square (1 - γ²) G₁₁, γ² being the
-//! ordinary coherence, and n - 1 complex degrees of freedom: its variance is n(1 - γ²) G₁₁/(n - 1),
-//! and the variance of the slope, a mean over n blows, is
+//! In paper A, section 3, Ψ is the averaged cross-spectrum of both ends divided by the averaged
+//! auto-spectrum of the free end. This is the least-squares slope of â₁ on â₂ over n blows, an H₁
+//! estimate with the free end as input. The residual of â₁ has the mean square (1 - γ²) G₁₁, where
+//! γ² is the ordinary coherence, and n - 1 complex degrees of freedom. Its variance is n(1 - γ²)
+//! G₁₁/(n - 1), and the variance of the slope, a mean over n blows, is
 //!
 //! ```text
 //! E|δΨ|² = (1 - γ²) G₁₁ / ((n - 1) G₂₂) = |Ψ|² (1 - γ²) / ((n - 1) γ²)
 //! ```
 //!
 //! With n instead of n - 1, as often written, the variance would be right only for many averages:
-//! for ten blows it would be a tenth too small. Estimated with 2(n - 1) real degrees of freedom,
-//! the variance scatters from line to line by the fraction 1/(n - 1)^½, and an error divided by the
-//! square root of the variance is distributed as Student's t. Neighbouring lines can share their
-//! information on the noise: [`crate::section_ratio::pooling`].
+//! for ten blows it would be a tenth too small. The variance is estimated with 2(n - 1) real
+//! degrees of freedom. It scatters from line to line by the fraction 1/(n - 1)^½, and an error
+//! divided by the square root of the variance is distributed as Student's t. Neighbouring lines can
+//! share their information on the noise; see [`crate::section_ratio::pooling`].
 //!
 //! # Bias
-//! Noise of relative power a in â₂ lowers Ψ by the factor 1/(1 + a). As γ² <= 1/(1 + a), the bias
-//! is at most the fraction 1 - γ² of Ψ. Relative to the standard error of the real or imaginary
-//! part, it is at most [2(n - 1) γ² (1 - γ²)]^½: for ten blows, a tenth of the standard error at
-//! γ² = 0.9994. Averaging does not remove the bias. The error limits keep it small unless they are
-//! relaxed; then a limit on the [coherence](crate::validity::AcceptanceLimits::coherence) is
-//! needed.
+//! Noise of relative power a in â₂ lowers Ψ by the factor 1/(1 + a). Since γ² <= 1/(1 + a), the
+//! bias is at most the fraction 1 - γ² of Ψ. Relative to the standard error of the real or
+//! imaginary part, it is at most [2(n - 1) γ² (1 - γ²)]^½: for ten blows at γ² = 0.9994, this is a
+//! tenth of the standard error. Averaging does not remove the bias. The default error limits keep
+//! the bias small. If they are relaxed, a limit on the
+//! [coherence](crate::validity::AcceptanceLimits::coherence) is needed.
 
 use num_complex::Complex64;
 
@@ -37,18 +37,18 @@ const ROUNDING: f64 = 1e-12;
 pub struct AveragedRatio<'a> {
     /// Frequencies \[Hz\].
     pub frequency_hz: &'a [f64],
-    /// Ψ, impacted end to free end, as H₁ = G₂₁/G₂₂ with G₂₁ the mean of â₁ â₂*.
+    /// Ratio Ψ of the impacted end to the free end, as H₁ = G₂₁/G₂₂ with G₂₁ the mean of â₁ â₂*.
     pub acceleration_ratio: &'a [Complex64],
-    /// Ordinary coherence γ² of the two accelerations; NaN where there is none: the line is
-    /// refused.
+    /// Ordinary coherence γ² of the two accelerations; NaN where there is no coherence, in which
+    /// case the line is refused.
     pub coherence: &'a [f64],
-    /// Number n of averages; the effective number for overlapping segments.
+    /// Number n of averages. For overlapping segments, state the effective number.
     pub averages: f64,
 }
 
-/// Returns E|δΨ|² at every line, real and imaginary part together, from the ordinary `coherence` γ²
-/// and the number of `averages` n: |Ψ|² (1 - γ²)/((n - 1) γ²). The result is infinite where γ² is 0
-/// or NaN; such a line is refused later.
+/// Returns E|δΨ|² of every line, of real and imaginary part together, from the ordinary `coherence`
+/// γ² and the number of `averages` n: |Ψ|² (1 - γ²)/((n - 1) γ²). The result is infinite where γ²
+/// is 0 or NaN; such a line is refused later.
 ///
 /// ```
 /// use cmod::two_point::variance_from_coherence;
@@ -61,8 +61,9 @@ pub struct AveragedRatio<'a> {
 /// ```
 ///
 /// # Errors
-/// [`CmodError::TooFewAverages`] below 2 averages, with which a coherence is always 1;
-/// [`CmodError::Coherence`] for a coherence that is not from 0 to 1; [`CmodError::LengthMismatch`].
+/// [`CmodError::TooFewAverages`] for fewer than 2 averages, because the coherence of one average is
+/// always 1; [`CmodError::Coherence`] for a coherence outside the range from 0 to 1;
+/// [`CmodError::LengthMismatch`].
 pub fn variance_from_coherence(
     acceleration_ratio: &[Complex64],
     coherence: &[f64],
@@ -85,7 +86,7 @@ pub fn variance_from_coherence(
             return Ok(f64::INFINITY);
         }
         if incoherent == 0.0 {
-            return Ok(0.0); // also where the square of the ratio overflows
+            return Ok(0.0); // also if the square of the ratio overflows
         }
         Ok(ratio.norm_sqr() * incoherent / ((averages - 1.0) * coherence))
     };
@@ -118,7 +119,7 @@ mod tests {
             text(&[0.9], 10.0),
             "coherence has 1 lines, expected 2, one per frequency"
         );
-        // a line without coherence is no error
+        // a line without coherence is not an error
         let variance = variance_from_coherence(&ratio, &[f64::NAN, 0.0], 10.0).unwrap();
         assert!(variance.iter().all(|variance| variance.is_infinite()));
         let variance = variance_from_coherence(&ratio, &[1.0 + 1e-15, 1.0], 10.0).unwrap();

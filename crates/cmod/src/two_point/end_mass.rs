@@ -1,5 +1,5 @@
-//! Characteristic equation of a specimen with a mass at its free end, and three methods to solve
-//! it.
+//! Characteristic equation of a specimen with a mass at its free end, and three methods of
+//! solution.
 
 use num_complex::Complex64;
 
@@ -11,28 +11,29 @@ pub const MOST_NEWTON_STEPS: u32 = 50;
 /// Maximum number of Newton steps at an intermediate mass ratio.
 const NEWTON_STEPS_EACH: u32 = 5;
 
-/// Limit of |f f''|/|f'|² up to which Newton's iteration converges to the nearest root: it would be
-/// one half (Kantorovich) if f'' were constant; the margin allows for the change of f'' over the
-/// step.
+/// Limit of |f f''|/|f'|² up to which Newton's iteration converges to the nearest root. If f'' were
+/// constant, the limit would be one half (Kantorovich); the margin allows for the change of f''
+/// over the step.
 const SURE_CONVERGENCE: f64 = 0.2;
 
-/// Limit of |f f''|/|f'|² (Kantorovich) at which the root of an intermediate mass ratio is accurate
-/// enough for the next step.
+/// Limit of |f f''|/|f'|² (Kantorovich) below which the root for an intermediate mass ratio is
+/// accurate enough for the next step.
 const NEAR_ENOUGH: f64 = 1e-4;
 
-/// Smallest step in the mass ratio, as a fraction of it.
+/// Smallest step in the mass ratio, as a fraction of the mass ratio.
 const SMALLEST_PART: f64 = 1.0 / 1024.0;
 
-/// Relative size of a Newton step below which the next one would be below rounding: convergence is
-/// quadratic.
+/// Relative size of a Newton step below which the next step would be below rounding, because
+/// convergence is quadratic.
 const SMALLEST_STEP: f64 = 1e-12;
 
-/// f(γL) = cosh γL + μ γL sinh γL - Ψ = 0 (Ödeen 1993, paper A, eq. 1) at one frequency.
+/// Characteristic equation f(γL) = cosh γL + μ γL sinh γL - Ψ = 0 (Ödeen 1993, paper A, eq. 1) at
+/// one frequency.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct EndMassEquation {
-    /// μ = m/(ρAL), ratio of the mass of the accelerometer to that of the specimen.
+    /// Ratio μ = m/(ρAL) of the mass of the accelerometer to the mass of the specimen.
     pub mass_ratio: f64,
-    /// Ψ = â₁/â₂, impacted end to free end.
+    /// Ratio Ψ = â₁/â₂ of the impacted end to the free end.
     pub acceleration_ratio: Complex64,
 }
 
@@ -40,14 +41,14 @@ pub struct EndMassEquation {
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct EndMassRoot {
-    /// γL; not finite if the iteration diverged.
+    /// Root γL; not finite if the iteration diverged.
     pub gamma_length: Complex64,
     /// Termination of the iteration.
     pub termination: Termination,
     /// Number of steps in the mass ratio: more than one where another root is near.
     pub steps: u32,
-    /// Mass ratio at which the continuation came so near a double root that it may have left its
-    /// branch.
+    /// Mass ratio at which the continuation came so near to a double root that it may have left its
+    /// branch; `None` if this did not happen.
     pub lost_at: Option<f64>,
 }
 
@@ -65,11 +66,11 @@ impl EndMassRoot {
 /// Derivatives of f at one γL.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Slopes {
-    /// f'(x), also dΨ/dx.
+    /// First derivative f'(x), which is also dΨ/dx.
     pub(super) first: Complex64,
-    /// f''(x).
+    /// Second derivative f''(x).
     pub(super) second: Complex64,
-    /// ∂f/∂μ = x sinh x.
+    /// Derivative ∂f/∂μ = x sinh x.
     pub(super) by_mass_ratio: Complex64,
 }
 
@@ -94,16 +95,16 @@ impl Way {
         self.start + step * (self.velocity + step * self.half_acceleration)
     }
 
-    /// Returns true if the second order is at most half of the first order: beyond this, the
-    /// parabola may lead to any root, and its end may be near a wrong one.
+    /// Returns true if the second order of the step is at most half of the first order. In longer
+    /// steps, the parabola may lead to any root, and its end may be near a wrong root.
     fn bends_little(&self, step: f64) -> bool {
         4.0 * step * step * self.half_acceleration.norm_sqr() <= self.velocity.norm_sqr()
     }
 }
 
 impl Hyperbolic {
-    /// Computes one exponential, and sine and cosine; uses the exponential minus 1, so that a small
-    /// α keeps its digits.
+    /// Computes the functions from one exponential, one sine and one cosine. The exponential minus
+    /// 1 is used, so that a small α keeps its digits.
     fn of(x: Complex64) -> Self {
         let less_one = x.re.exp_m1();
         let exponential = less_one + 1.0;
@@ -153,7 +154,7 @@ impl Hyperbolic {
         self.value(equation, mass_ratio).norm_sqr() * second <= (limit * first).powi(2)
     }
 
-    /// Returns the size of f due to rounding alone.
+    /// Returns the size of f that rounding alone can cause.
     fn rounding(&self, equation: &EndMassEquation) -> f64 {
         let size = |z: Complex64| z.re.abs() + z.im.abs();
         4.0 * f64::EPSILON
@@ -163,16 +164,16 @@ impl Hyperbolic {
     }
 }
 
-/// Coefficients of γL = x₀ + x₁μ + x₂μ² + x₃μ³ + ... (paper A, eqs. 6-7, times L).
+/// Coefficients of the series γL = x₀ + x₁μ + x₂μ² + x₃μ³ + ... (paper A, eqs. 6-7, times L).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MassSeries {
-    /// x₀ = γ₀L, the root for μ = 0.
+    /// Coefficient x₀ = γ₀L, the root for μ = 0.
     pub zeroth: Complex64,
-    /// x₁ = -x₀.
+    /// Coefficient x₁ = -x₀.
     pub first: Complex64,
-    /// x₂ = x₀ [1 + ½ x₀ coth x₀].
+    /// Coefficient x₂ = x₀ [1 + ½ x₀ coth x₀].
     pub second: Complex64,
-    /// x₃ = -x₀ [1 + (3/2) x₀ coth x₀ + (1/3) x₀²].
+    /// Coefficient x₃ = -x₀ [1 + (3/2) x₀ coth x₀ + (1/3) x₀²].
     pub third: Complex64,
 }
 
@@ -252,12 +253,13 @@ impl EndMassEquation {
     /// Follows the root from `free_end`, the root for μ = 0, by continuation in the mass ratio.
     ///
     /// The mass is increased in steps, and the root is followed on its branch. A step follows the
-    /// parabola given by dx/dμ and d²x/dμ². It is limited such that its second order is at most
-    /// half of the first order, and that Newton's iteration surely finds the root, |f f''| <=
-    /// |f'|²/5, from the end and from the middle of the step. In between, the parabola is nearer to
-    /// its roots, and these are one branch. Usually one step suffices, or a few for many waves.
-    /// More steps are needed where two roots come near each other; where two roots meet within
-    /// 1/1024 of the mass, the root counts as [lost](EndMassRoot::lost_at).
+    /// parabola given by dx/dμ and d²x/dμ². The length of a step is limited by two conditions: its
+    /// second order is at most half of its first order, and Newton's iteration surely finds the
+    /// root, |f f''| <= |f'|²/5, from the end and from the middle of the step. In between, the
+    /// parabola is nearer to the roots, so all these roots belong to one branch. Usually one step
+    /// suffices; more steps are needed for many waves, and where two roots come near each other.
+    /// Where two roots meet within 1/1024 of the mass, the root counts as
+    /// [lost](EndMassRoot::lost_at).
     #[must_use]
     pub fn continuation(&self, free_end: Complex64) -> EndMassRoot {
         if self.mass_ratio == 0.0 {
@@ -290,7 +292,8 @@ impl EndMassEquation {
             }
             at = end;
             reached += step;
-            // steps halve the remainder: the last one ends at the mass itself except for rounding
+            // the steps halve the remainder, so the last step ends at the mass ratio itself except
+            // for rounding
             if self.mass_ratio - reached <= f64::EPSILON * self.mass_ratio {
                 return EndMassRoot {
                     steps,
@@ -310,9 +313,9 @@ impl EndMassEquation {
 }
 
 impl EndMassEquation {
-    /// Continues from the free end. If the result differs from the root `tracked` along the lines,
-    /// returns the tracked root: on a noisy line the path from μ = 0 can pass a point where two
-    /// roots meet on the wrong side.
+    /// Continues from the root `free_end` for μ = 0. If the result differs from the root `tracked`
+    /// along the lines, the tracked root is returned, because on a noisy line the path from μ = 0
+    /// can pass on the wrong side of a point where two roots meet.
     pub(super) fn continuation_checked(
         &self,
         free_end: Complex64,
@@ -377,13 +380,13 @@ mod tests {
         for x in roots() {
             let h = 1e-5;
             let difference = (equation.value(x + h) - equation.value(x - h)) / (2.0 * h);
-            // Truncation |x| h²/6, rounding 1e-15/h: both below 1e-9.
+            // The truncation error |x| h²/6 and the rounding error 1e-15/h are both below 1e-9.
             assert!((difference - equation.derivative(x)).norm() < 1e-9);
         }
     }
 
-    /// Compares equation 7 with differences of exact roots in μ: five-point central formulas at μ =
-    /// 0 (Ödeen 1993, paper A, eqs. 6 and 7).
+    /// Compares equation 7 with finite differences of exact roots with respect to μ, by five-point
+    /// central formulas at μ = 0 (Ödeen 1993, paper A, eqs. 6 and 7).
     #[test]
     fn series_has_the_derivatives_of_the_exact_root() {
         for free_end in roots() {
@@ -396,23 +399,24 @@ mod tests {
                 assert!(root.termination.was_successful());
                 root.gamma_length
             };
-            // The terms of the series grow like (|x| / |sinh x|)^n: h keeps their ratio at 1e-2 or
-            // less.
+            // The terms of the series grow like (|x| / |sinh x|)^n; with this h their ratio is 1e-2
+            // or less.
             let h = 1e-2 * free_end.sinh().norm() / (1.0 + free_end.norm()).powi(2);
             let [b, a, o, c, d] = [-2.0, -1.0, 0.0, 1.0, 2.0].map(|j| root(j * h));
             let first = (b - d + 8.0 * (c - a)) / (12.0 * h);
             let second = (16.0 * (a + c) - 30.0 * o - b - d) / (12.0 * h * h) / 2.0;
             let third = (d - b - 2.0 * (c - a)) / (2.0 * h * h * h) / 6.0;
             let series = MassSeries::about(free_end);
-            // Truncation 1e-8, 1e-8 and 1e-4; rounding of the roots 1e-14 over h, h² and h³.
+            // The truncation errors are 1e-8, 1e-8 and 1e-4; the rounding errors are 1e-14 divided
+            // by h, h² and h³.
             assert!((first - series.first).norm() < 1e-7 * series.first.norm());
             assert!((second - series.second).norm() < 1e-5 * series.second.norm());
             assert!((third - series.third).norm() < 1e-2 * series.third.norm());
         }
     }
 
-    /// The branch is followed even with heavy accelerometers, up to the mass of the specimen
-    /// itself.
+    /// The branch is followed even with heavy accelerometers, up to a mass equal to the mass of the
+    /// specimen.
     #[test]
     fn continuation_follows_its_branch() {
         for mass_ratio in [0.0, 0.04, 0.2, 1.0] {
@@ -422,8 +426,8 @@ mod tests {
                     acceleration_ratio: Complex64::ZERO,
                 };
                 equation.acceleration_ratio = equation.value(exact);
-                // the start: the root for μ = 0 that is connected with the exact one, found by
-                // removing the mass
+                // the start is the root for μ = 0 that is connected with the exact root; it is
+                // found by removing the mass in steps
                 let mut free_end = exact;
                 for step in (0..400).rev() {
                     let lighter = EndMassEquation {
@@ -434,7 +438,7 @@ mod tests {
                 }
                 let root = equation.continuation(free_end);
                 assert!(root.termination.was_successful());
-                // Tolerance: rounding divided by |f'| >= 0.05.
+                // The tolerance is rounding divided by |f'| >= 0.05.
                 assert!((root.gamma_length - exact).norm() < 1e-12 * (1.0 + exact.norm()));
             }
         }

@@ -1,11 +1,11 @@
-//! Rod of paper A with its accelerometers, and its uncertainties.
+//! Specimen of paper A, a rod with an accelerometer, and its uncertainties.
 
 use std::f64::consts::PI;
 
 use crate::error::{CmodError, check_not_negative, check_positive};
 
 /// Straight cylindrical rod with an accelerometer at the free end. Attachments at the impacted end
-/// do not matter.
+/// have no effect on the ratio.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Specimen {
     /// Length L \[m\].
@@ -42,8 +42,9 @@ impl Specimen {
     }
 }
 
-/// Standard uncertainties of a [`Specimen`], each in the unit of its quantity; 0, the default, for
-/// exact quantities. The errors are independent of each other and the same on all lines.
+/// Standard uncertainties of a [`Specimen`], each in the unit of its quantity. The value is 0, the
+/// default, for exact quantities. The errors are independent of each other and the same on all
+/// lines.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct SpecimenUncertainty {
     /// Uncertainty of the length \[m\].

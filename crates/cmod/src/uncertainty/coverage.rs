@@ -41,7 +41,7 @@ pub fn coverage_factor(
 
 /// Returns the factor from the quantile of the distribution.
 fn directly(probability: f64, degrees_of_freedom: Option<f64>) -> Result<f64, CmodError> {
-    // the lower tail: 1 - p/2 would lose the digits of a small p
+    // the lower tail is used, because the upper tail would lose digits for a small tail probability
     let tail = 0.5 * (1.0 - probability);
     let quantile = match degrees_of_freedom {
         None => Normal::standard().inverse_cdf(tail),
@@ -64,7 +64,7 @@ fn directly(probability: f64, degrees_of_freedom: Option<f64>) -> Result<f64, Cm
                     expected: "a finite value above 0",
                 })?;
             let quantile = student.inverse_cdf(tail);
-            // for few degrees of freedom the inverse of the incomplete beta function is not always
+            // with few degrees of freedom the inverse of the incomplete beta function is not always
             // accurate
             if (student.cdf(quantile) / tail - 1.0).abs() < 1e-6 {
                 quantile
@@ -84,16 +84,17 @@ fn directly(probability: f64, degrees_of_freedom: Option<f64>) -> Result<f64, Cm
     }
 }
 
-/// Least degrees of freedom. With one there is neither mean nor variance; far below, the inverse of
-/// the incomplete beta function has no correct digits.
+/// Minimum degrees of freedom. With one degree of freedom there is neither a mean nor a variance;
+/// far below one, the inverse of the incomplete beta function has no correct digits.
 const FEWEST: f64 = 0.01;
 
-/// Degrees of freedom from which Student's distribution is expanded about the normal one; the
-/// inverse of the incomplete beta function does not terminate for very many.
+/// Degrees of freedom above which Student's distribution is expanded about the normal distribution,
+/// because the inverse of the incomplete beta function does not terminate for very many degrees of
+/// freedom.
 const MANY: f64 = 1e4;
 
-/// Student's quantile from the normal one `z` (Abramowitz & Stegun, 26.7.5); the first omitted term
-/// is z⁹/(1000 ν⁴), below 1e-11 for every tail that a double can represent.
+/// Returns Student's quantile from the normal quantile `z` (Abramowitz & Stegun, 26.7.5). The first
+/// omitted term is z⁹/(1000 ν⁴), below 1e-11 for every tail that a double can represent.
 fn quantile_of_many(z: f64, freedom: f64) -> f64 {
     let w = z * z;
     let first = (w + 1.0) / 4.0;
@@ -102,7 +103,7 @@ fn quantile_of_many(z: f64, freedom: f64) -> f64 {
     z * (1.0 + (first + (second + third / freedom) / freedom) / freedom)
 }
 
-/// Degrees of freedom from which the factor has a series.
+/// Minimum degrees of freedom for which the factor has a series.
 const FEWEST_OF_SERIES: f64 = 1.0;
 
 /// Number of terms of a [`Series`].
@@ -110,13 +111,14 @@ const TERMS: usize = 48;
 
 /// Chebyshev series of ln k in 1/ν, for one probability and ν from 1 to [`MANY`]. The degrees of
 /// freedom may differ from line to line, and the computation of Student's quantile takes as long as
-/// the rest of the line. The two probabilities that every line needs therefore have a series,
-/// accurate to 1e-10 of k.
+/// the rest of the computation of a line. Therefore the two probabilities that are needed on every
+/// line have a series, with an accuracy of 1e-10 of k.
 struct Series {
     coefficients: [f64; TERMS],
 }
 
-/// Probabilities with a series: that of the limits of a line, and that of a stated interval.
+/// Probabilities with a series: the probability of the limits of a line, and the probability of a
+/// stated interval.
 static SERIES: [(f64, LazyLock<Option<Series>>); 2] = [
     (
         PROBABILITY_WITHIN,
@@ -132,8 +134,8 @@ fn series_of(probability: f64) -> Option<&'static Series> {
 }
 
 impl Series {
-    /// Returns the series through the factors at the zeros of the Chebyshev polynomial of as many
-    /// terms; `None` if one of them is not a number.
+    /// Returns the series through the factors at the [`TERMS`] zeros of the Chebyshev polynomial;
+    /// `None` if one of the factors is not a number.
     fn of(probability: f64) -> Option<Self> {
         let angle = |node: usize| PI * (node as f64 + 0.5) / TERMS as f64;
         let mut logarithms = [0.0; TERMS];
@@ -171,7 +173,8 @@ const LEAST_INVERSE: f64 = 1.0 / MANY;
 mod tests {
     use super::*;
 
-    /// Tables of Student's distribution; the normal distribution for many degrees of freedom.
+    /// Compares with tables of Student's distribution and, for many degrees of freedom, with the
+    /// normal distribution.
     #[test]
     fn coverage_factors_are_those_of_the_tables() {
         for (probability, freedom, quantile) in [
@@ -196,7 +199,7 @@ mod tests {
         ] {
             assert!(coverage_factor(probability, freedom).is_err());
         }
-        // one degree of freedom is Cauchy's distribution
+        // with one degree of freedom it is Cauchy's distribution
         for probability in [1e-3, 0.5, 0.99, 0.999_999] {
             let factor = coverage_factor(probability, Some(1.0)).unwrap();
             let exact = (0.5 * PI * probability).tan();
@@ -204,7 +207,7 @@ mod tests {
         }
     }
 
-    /// The factor increases with the probability, or does not exist.
+    /// Checks that the factor increases with the probability, or does not exist.
     #[test]
     fn coverage_factors_rise_with_the_probability() {
         for exponent in -8..=20 {
@@ -219,9 +222,9 @@ mod tests {
         }
     }
 
-    /// Compares the series with the quantile at five hundred degrees of freedom: 48 terms leave an
-    /// error of 4e-13 of ln k, and the inverse of the incomplete beta function has errors of some
-    /// 1e-11; 24 terms would leave 5e-9.
+    /// Compares the series with the quantile at five hundred values of the degrees of freedom. With
+    /// 48 terms the error of ln k is 4e-13, and the inverse of the incomplete beta function has
+    /// errors of some 1e-11; with 24 terms the error would be 5e-9.
     #[test]
     fn the_series_is_the_quantile() {
         for probability in [PROBABILITY_WITHIN, 0.95] {

@@ -1,28 +1,29 @@
-//! Limits of a line beyond the conditions of the paper: errors, amplification, coherence.
+//! Limits of a line in addition to the conditions of the paper: errors, amplification, coherence.
 
 use crate::error::CmodError;
 
-/// Default of [`AcceptanceLimits::storage_modulus`]: E' to 1 %.
+/// Default of [`AcceptanceLimits::storage_modulus`]: 1 % of E'.
 pub const GREATEST_STORAGE_MODULUS_ERROR: f64 = 0.01;
 
-/// Default of [`AcceptanceLimits::loss_factor`]: the loss factor to 5 %.
+/// Default of [`AcceptanceLimits::loss_factor`]: 5 % of the loss factor.
 pub const GREATEST_LOSS_FACTOR_ERROR: f64 = 0.05;
 
 /// Number of standard errors that must lie within the accepted error of E' and of the loss factor.
-/// At five, one line in 1.7 million at the very limit exceeds it: in practice no line of a record.
+/// With five, one in 1.7 million lines whose error is exactly at the limit exceeds the limit, which
+/// in practice is no line of a record.
 pub const STANDARD_ERRORS_WITHIN: f64 = 5.0;
 
 /// Default of [`AcceptanceLimits::error_amplification`]. No calibration of a pair of sensors
-/// excludes an error of 0.1 % in the ratio; amplified ten times it is 1 % of the modulus, the whole
-/// accepted error of E'.
+/// excludes an error of 0.1 % in the ratio. Amplified ten times, this error is 1 % of the modulus,
+/// which is the whole accepted error of E'.
 pub const GREATEST_ERROR_AMPLIFICATION: f64 = 10.0;
 
-/// Maximum ratio of the second order of an error to its standard error. At 0.1 it is a bias of a
-/// tenth of σ, and the bounds of 1σ and 2σ keep their meaning.
+/// Maximum ratio of the second order of an error to its standard error. At 0.1 the second order is
+/// a bias of a tenth of σ, and the bounds of 1σ and 2σ remain meaningful.
 pub const GREATEST_SECOND_ORDER: f64 = 0.1;
 
-/// Default of [`AcceptanceLimits::greatest_poisson_ratio`]: that of an incompressible material, the
-/// maximum for an isotropic one.
+/// Default of [`AcceptanceLimits::greatest_poisson_ratio`]: the value of an incompressible
+/// material, which is the maximum for an isotropic material.
 pub const GREATEST_POISSON_RATIO: f64 = 0.5;
 
 /// Number of standard errors of the common sources for
@@ -34,12 +35,13 @@ pub const COMMON_STANDARD_ERRORS_WITHIN: f64 = 2.0;
 /// The conditions (i)-(iii) of paper A concern the physics of a line and not the size of its error.
 /// These limits concern the errors that differ from line to line and between methods: the random
 /// error, and the lateral inertia that the theory of the waves leaves in the modulus. With the
-/// defaults, noise and theory leave E' of a valid line within 1 % and its loss factor within 5 %.
+/// defaults, the errors of a valid line due to noise and theory are within 1 % of E' and within 5 %
+/// of the loss factor.
 ///
-/// A common error, of the length, the density or the mass of the accelerometer, shifts all lines
-/// alike and therefore makes none invalid. It is stated next to the random error
+/// A common error, for example of the length, the density or the mass of the accelerometer, affects
+/// all lines and therefore makes no line invalid. It is stated next to the random error
 /// ([`ModulusLine::systematic_error`](crate::ModulusLine::systematic_error)) and is part of the
-/// standard error. `common_storage_modulus` sets a bound on it, too.
+/// standard error. `common_storage_modulus` can also limit this error.
 ///
 /// A limit that is infinite (0 for the coherence) is not checked.
 ///
@@ -52,26 +54,26 @@ pub const COMMON_STANDARD_ERRORS_WITHIN: f64 = 2.0;
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct AcceptanceLimits {
-    /// Greatest relative error of E' due to noise and to the theory of the waves:
+    /// Largest relative error of E' due to noise and to the theory of the waves:
     /// [`STANDARD_ERRORS_WITHIN`] standard errors of the random part, and the
-    /// [bound](crate::estimate::Uncertainty::lateral_inertia_bound) on lateral inertia that
-    /// was not removed. If the variance was estimated from few averages, the number of standard
-    /// errors of the random part is the one with the same probability by Student's
-    /// distribution; 7.6 for ten averages.
+    /// [bound](crate::estimate::Uncertainty::lateral_inertia_bound) on lateral inertia that was not
+    /// removed. If the variance was estimated from few averages, the number of standard errors of
+    /// the random part is increased to give the same probability by Student's distribution; it is
+    /// 7.6 for ten averages.
     pub storage_modulus: f64,
-    /// Greatest relative error of E''/E', likewise.
+    /// Largest relative error of E''/E', with the same number of standard errors.
     pub loss_factor: f64,
-    /// Greatest relative common error of E' due to all common sources together, as
+    /// Largest relative error of E' due to all common sources together, as
     /// [`COMMON_STANDARD_ERRORS_WITHIN`] standard errors. Infinite by default.
     pub common_storage_modulus: f64,
-    /// Greatest Poisson's ratio ν that the material may have, from 0 to 0.5. One-dimensional theory
-    /// makes E' too small by up to the fraction (πνD/λ)²/2: with 0.5, the default, 1 % at λ = 11 D.
-    /// Where ν is known, [`LateralInertia`](crate::LateralInertia) removes that error. 0 is for
-    /// waves without lateral inertia, as in one-dimensional simulations.
+    /// Largest Poisson's ratio ν that the material may have, from 0 to 0.5. One-dimensional theory
+    /// makes E' too small by up to the fraction (πνD/λ)²/2: with 0.5, the default, this is 1 % at λ
+    /// = 11 D. If ν is known, [`LateralInertia`](crate::LateralInertia) removes this error. Set 0
+    /// for waves without lateral inertia, as in one-dimensional simulations.
     pub greatest_poisson_ratio: f64,
-    /// Greatest |dE/E| divided by |dΨ/Ψ|.
+    /// Largest |dE/E| divided by |dΨ/Ψ|.
     pub error_amplification: f64,
-    /// Least ordinary coherence, where a coherence is known.
+    /// Smallest ordinary coherence, if a coherence is known.
     pub coherence: f64,
 }
 
@@ -85,8 +87,8 @@ impl Default for AcceptanceLimits {
 }
 
 impl AcceptanceLimits {
-    /// Default limits for waves without lateral inertia: simulated ones, or those of a rod whose
-    /// Poisson's ratio is 0.
+    /// Default limits for waves without lateral inertia: simulated waves, or the waves of a rod
+    /// whose Poisson's ratio is 0.
     pub const ONE_DIMENSIONAL: Self = Self {
         storage_modulus: GREATEST_STORAGE_MODULUS_ERROR,
         loss_factor: GREATEST_LOSS_FACTOR_ERROR,
@@ -96,8 +98,8 @@ impl AcceptanceLimits {
         coherence: 0.0,
     };
 
-    /// No limits: only the conditions of the paper and the reports of the solution are checked.
-    /// One-dimensional theory counts as exact.
+    /// No limits. Only the conditions of the paper and the reports of the solver are checked, and
+    /// one-dimensional theory is treated as exact.
     pub const NONE: Self = Self {
         storage_modulus: f64::INFINITY,
         loss_factor: f64::INFINITY,

@@ -1,4 +1,5 @@
-//! Random materials, rods, noise, frequencies and gaps, in search of a line that is silently wrong.
+//! Random materials, rods, noise, frequencies and gaps, to search for lines that are silently
+//! wrong.
 
 use std::cell::Cell;
 use std::ops::Range;
@@ -13,8 +14,8 @@ use rand_chacha::ChaCha8Rng;
 use super::rig::{Clean, Rod, is_silently_wrong};
 use crate::materials::flat;
 
-/// The same cases on every run: a doubt of 1 in 10 000 lines is allowed for, and would else fail
-/// one run in many.
+/// Creates a runner with the same cases on every run. A doubt of 1 in 10 000 lines is allowed; with
+/// random cases this would fail one run in many.
 fn runner(cases: u32) -> TestRunner {
     TestRunner::new_with_rng(
         Config::with_cases(cases),
@@ -33,8 +34,8 @@ fn rods() -> impl Strategy<Value = Rod> {
     )
 }
 
-/// Increasing frequencies with steps between a half and twice the mean, whatever they begin with,
-/// and one long gap.
+/// Increasing frequencies from `first_hz`, with steps between half and twice the mean step, and one
+/// long gap.
 fn frequencies(first_hz: f64, step_hz: f64, seed: u64) -> Vec<f64> {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let mut f = first_hz;
@@ -89,7 +90,7 @@ fn no_line_is_silently_wrong() {
         .unwrap();
 }
 
-/// Anything at all, NaN and infinities among it, is answered and mostly not believed.
+/// Arbitrary input, including NaN and infinities, gives a result, and most lines are not trusted.
 #[test]
 fn numbers_without_meaning_are_not_believed() {
     let number = prop_oneof![
@@ -121,11 +122,11 @@ fn numbers_without_meaning_are_not_believed() {
             Ok(())
         })
         .unwrap();
-    // As noise of the size of the signal is allowed for, any material explains some of it.
+    // Noise of the size of the signal is allowed for, so any material explains some of the signal.
     assert!(believed.get() < 60 * cases / 50, "{}", believed.get());
 }
 
-/// A free end that counts the roots that it is asked for.
+/// Free end that counts the requests for roots.
 struct Counting(Cell<usize>);
 
 impl PhaseObservation for Counting {
@@ -151,7 +152,7 @@ impl PhaseObservation for Counting {
 }
 
 /// A typing error in a column of frequencies: 199999999999 Hz after 6 kHz. There are 10^8 waves in
-/// between, and no line determines the right number.
+/// between, and no line determines the right number of waves.
 #[test]
 fn a_line_beyond_all_others_is_doubted_and_not_searched() {
     let counting = Counting(Cell::new(0));
@@ -181,7 +182,7 @@ fn a_line_beyond_all_others_is_doubted_and_not_searched() {
         assert!(line.doubt.is_none() && other.doubt.is_none());
     }
     assert!(with_slip.records[0][60].confidence < 0.9);
-    // the same where nothing else is there to begin with
+    // the same frequency error, but on all lines
     let beyond: Vec<f64> = frequency_hz.iter().map(|f| f + 2e11).collect();
     let lost = track(&beyond[..60]);
     for line in &lost.records[0] {

@@ -1,4 +1,5 @@
-//! Anchors for lines that do not determine the count, and phases other than that of a free end.
+//! Anchors for lines that do not determine the count of waves, and phases other than that of a free
+//! end.
 
 use std::f64::consts::TAU;
 
@@ -11,7 +12,8 @@ use rodwave::element::Circle;
 use super::rig::{Clean, Measured, is_silently_wrong, rods_of_paper_a};
 use crate::materials::flat;
 
-/// Test 6 of paper A, seen only between 17 and 17.2 kHz: behind 15 half waves, over a sixth of one.
+/// Returns Test 6 of paper A, restricted to 17 to 17.2 kHz: the lines begin above 15 half waves and
+/// extend over a sixth of a half wave.
 fn narrow_band() -> (Clean, Measured) {
     let rod = rods_of_paper_a()[5];
     let lines = (0..32).map(|j| 17_000.0 + 6.0 * f64::from(j)).collect();
@@ -67,7 +69,7 @@ fn a_narrow_band_behind_many_waves_is_doubted() {
         "{:?}",
         tracked.hypotheses
     );
-    // the right one is among the hypotheses, and their probabilities are one
+    // the right speed is among the hypotheses, and the sum of their probabilities is 1
     let speed = TAU * 17_000.0 * clean.rod.length / clean.exact[0].im;
     let sum: f64 = tracked.hypotheses.iter().map(|h| h.probability).sum();
     assert!((0.99..1.0 + 1e-12).contains(&sum), "{sum}");
@@ -89,7 +91,7 @@ fn a_wave_speed_decides() {
         .with_wave_speed(1.01 * speed, 0.01)
         .unwrap();
     assert_counted(&track(&tracker, &clean, &measured), &clean, 0);
-    // a vague one does not
+    // a guess with a large error does not
     let tracker = BranchTracker::new().with_wave_speed(speed, 0.3).unwrap();
     let tracked = track(&tracker, &clean, &measured);
     let (doubted, all) = doubted(&tracked, 0);
@@ -105,7 +107,7 @@ fn a_known_branch_decides() {
         .with_branch(clean.frequency_hz[10], branch, clean.rod.length)
         .unwrap();
     assert_counted(&track(&tracker, &clean, &measured), &clean, 0);
-    // known somewhat below the band, as from a resonance
+    // wave number known slightly below the band, for example from a resonance
     let k = flat(clean.rod.density, 0.02).wave_number(TAU * 16_800.0);
     let tracker = BranchTracker::new()
         .with_wave_number(16_800.0, k, 0.01 * k)
@@ -113,7 +115,7 @@ fn a_known_branch_decides() {
     assert_counted(&track(&tracker, &clean, &measured), &clean, 0);
 }
 
-/// A shorter specimen of the same material, with fewer waves before the first line.
+/// Tracks a second, shorter specimen of the same material, with fewer waves below the first line.
 #[test]
 fn two_lengths_decide_together() {
     let (long, seen_long) = narrow_band();
@@ -133,7 +135,7 @@ fn two_lengths_decide_together() {
     assert_counted(&together, &short, 1);
 }
 
-/// Three lengths with their own lines, noise and gaps.
+/// Tracks three lengths, each with its own lines, noise and gaps.
 #[test]
 fn records_of_any_lines_share_one_material() {
     let records: Vec<(Clean, Measured, EndMass)> = [3, 4, 5]
@@ -166,7 +168,8 @@ fn records_of_any_lines_share_one_material() {
     }
 }
 
-/// A wave that passes two sections of a long rod: velocities by the chain, Ψ = v₂/v₁ = e^{-γd}.
+/// Unwraps the phase of a wave that passes two sections of a long rod: velocities by the chain,
+/// with Ψ = v₂/v₁ = e^{-γd}.
 #[test]
 fn the_phase_of_a_travelling_wave_is_unwrapped() {
     let medium = flat(912.0, 0.07);
@@ -176,7 +179,7 @@ fn the_phase_of_a_travelling_wave_is_unwrapped() {
         .rod(&medium, section, 1.0)
         .end(Termination::semi_infinite(&medium, section))
         .unwrap();
-    // from the third wave on
+    // the lines begin in the third wave
     let frequency_hz: Vec<f64> = (0..400).map(|j| 6_000.0 + 20.0 * f64::from(j)).collect();
     let observed = frequency_hz.iter().map(|f| {
         let velocity = |x: f64| {

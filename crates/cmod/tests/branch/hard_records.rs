@@ -1,4 +1,4 @@
-//! The virtual Tests 1 to 10 of paper A with 5 % of noise and a fifth of the lines missing.
+//! Virtual Tests 1 to 10 of paper A with 5 % of noise and a fifth of the lines missing.
 
 use cmod::branch::{BranchDoubt, BranchTracker};
 use rodwave::chain::{AngularFrequency, WaveMedium};
@@ -9,13 +9,13 @@ use crate::materials::{flat, polyamide};
 
 const SEEDS: u64 = 50;
 
-/// From 12.5 Hz to 20 kHz.
+/// Returns frequencies from 12.5 Hz to 20 kHz.
 fn lines() -> Vec<f64> {
     (1..=1600).map(|j| 12.5 * f64::from(j)).collect()
 }
 
-/// Lines inside the conditions of validity, and those of them that are right and not doubted, over
-/// all seeds.
+/// Returns, over all seeds, the number of lines inside the conditions of validity, and the number
+/// of these lines that are right and not doubted.
 fn count<L>(test: usize, medium: &Medium<L>, name: &str) -> (usize, usize)
 where
     L: PropagationLaw,
@@ -45,7 +45,7 @@ where
                 "{label}: {line:?} instead of {}",
                 clean.exact[index]
             );
-            // the smooth curve itself never loses a wave
+            // the smooth curve itself does not lose a wave on any line
             let off = (line.expected - clean.exact[index]).norm();
             assert!(off < 0.6, "{label}: {off}");
             if clean.is_inside(index) {
@@ -58,9 +58,9 @@ where
     (inside, sure)
 }
 
-/// Losses of polypropylene and polyamide 6; a fifth of that of polyamide 6, where of the specimens
-/// of 200 mm a multiple of π is hidden in noise for hundreds of lines; and a loss factor of 0.005,
-/// as of a glass or a metal, though at the wave speed of a polymer.
+/// Records with the loss of polypropylene and of polyamide 6; with a fifth of the loss of polyamide
+/// 6, where a multiple of π is hidden in noise on hundreds of lines of the specimens of 200 mm; and
+/// with a loss factor of 0.005, as of a glass or a metal, but at the wave speed of a polymer.
 #[test]
 fn records_of_any_loss() {
     for (index, rod) in rods_of_paper_a().into_iter().enumerate() {
@@ -72,7 +72,7 @@ fn records_of_any_loss() {
         };
         let low = count(test, &polyamide(rod.density, 0.2), "a fifth of polyamide 6");
         let lost = count(test, &flat(rod.density, 0.005), "loss factor 0.005");
-        // measured: 0.995 to 0.998, and 0.975 to 0.993
+        // found in earlier runs: 0.995 to 0.998, and 0.975 to 0.993
         for ((inside, sure), least) in [(high, 0.99), (low, 0.96), (lost, 0.9)] {
             let share = sure as f64 / inside as f64;
             assert!(share > least, "test {test}: {share}, expected {least}");
@@ -80,7 +80,7 @@ fn records_of_any_loss() {
     }
 }
 
-/// The noise need not be stated.
+/// Checks that the noise need not be stated.
 #[test]
 fn noise_that_is_not_told_is_found() {
     for (index, rod) in rods_of_paper_a().into_iter().enumerate() {
@@ -90,7 +90,7 @@ fn noise_that_is_not_told_is_found() {
         for seed in 1..=5 {
             let measured = clean.measured(0.05, 0.2, seed);
             let mut record = measured.record(&clean, &observation);
-            // stated: a fiftieth of the noise, or nothing
+            // the stated noise is a fiftieth of the true noise, or there is no stated noise
             let told: Vec<f64> = measured.variance.iter().map(|v| v / 2500.0).collect();
             for variance in [None, Some(&told[..])] {
                 record.variance = variance;
@@ -109,7 +109,7 @@ fn noise_that_is_not_told_is_found() {
                 }
                 assert!(doubted < 200, "test {}: {doubted}", index + 1);
                 if variance.is_some() {
-                    // the floor of the noise, 1e-4, is a tenth of the stated noise
+                    // the lower limit of the noise, 1e-4, is a tenth of the stated noise
                     let factor = tracked.noise_factor;
                     assert!((30.0..70.0).contains(&factor), "{factor}");
                 }
@@ -118,8 +118,8 @@ fn noise_that_is_not_told_is_found() {
     }
 }
 
-/// 30 disordered lines at 4 kHz: the doubt is reported, and the count resumed after them is not
-/// accepted, because they extend over more than half a wave.
+/// Checks that 30 disordered lines at 4 kHz are reported as doubtful. The count that resumes after
+/// them is not accepted, because the disordered lines extend over more than half a wave.
 #[test]
 fn disorder_is_noticed() {
     let rod = rods_of_paper_a()[5];

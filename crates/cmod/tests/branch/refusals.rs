@@ -90,7 +90,7 @@ fn anchors_that_cannot_be() {
     }
 }
 
-/// Nothing but missing lines, or lines of noise: no root, or no belief.
+/// Records of missing lines only, or of noise only, give no root or no confidence.
 #[test]
 fn records_without_information() {
     let frequency_hz: Vec<f64> = (0..50).map(|j| 10.0 * f64::from(j)).collect();

@@ -1,4 +1,4 @@
-//! A stated confidence of p means that a share p is right.
+//! A stated confidence of p means that the fraction p of the lines is right.
 
 use std::f64::consts::TAU;
 
@@ -9,10 +9,10 @@ use rand_chacha::ChaCha8Rng;
 use super::rig::{ACCELEROMETER, Clean, Rod, is_right};
 use crate::materials::flat;
 
-/// Lines from 0.5 on, by their confidence.
+/// Confidences that separate the bins, for lines with a confidence of 0.5 or more.
 const EDGES: [f64; 6] = [0.5, 0.6, 0.7, 0.8, 0.9, 0.99];
 
-/// Lines with confidences above each edge.
+/// Lines with confidences between two successive edges.
 #[derive(Default, Clone, Copy)]
 struct Bin {
     count: f64,
@@ -26,8 +26,8 @@ struct Reliability {
     wrong: f64,
 }
 
-/// Records of random materials, rods, noise and gaps, with an advance of kL from line to line
-/// between two limits.
+/// Collects the lines of records of random materials, rods, noise and gaps, in which kL advances
+/// from line to line by an amount between two limits.
 fn reliability(advance: (f64, f64), most_missing: f64, records: u64) -> Reliability {
     let mut random = ChaCha8Rng::seed_from_u64(1993);
     let mut found = Reliability {
@@ -44,7 +44,7 @@ fn reliability(advance: (f64, f64), most_missing: f64, records: u64) -> Reliabil
             accelerometer: ACCELEROMETER,
         };
         let medium = flat(rod.density, between(0.005, 0.05));
-        // c is 1600 m/s or so
+        // c is about 1600 m/s
         let step = between(advance.0, advance.1) * 1600.0 / (TAU * rod.length);
         let noise = between(0.01, 0.1);
         let missing = between(0.05, most_missing);
@@ -83,9 +83,8 @@ fn of_lines_with_confidence_p_a_share_p_is_right() {
     for (edge, bin) in EDGES.iter().zip(found.bins) {
         let (stated, right) = (bin.stated / bin.count, bin.right / bin.count);
         assert!(bin.count > 200.0, "from {edge}: {} lines", bin.count);
-        // Three standard errors of a share, and 0.05 for the spread of the smooth curve, which the
-        // filter states with the wandering that it allows any material, more than that of
-        // these.
+        // The tolerance is three standard errors of a fraction, and 0.05 because the filter allows
+        // the smooth curve of any material more variation than these materials have.
         let tolerance = 3.0 * (stated * (1.0 - stated) / bin.count).sqrt() + 0.05;
         assert!(
             (right - stated).abs() < tolerance,
@@ -93,13 +92,14 @@ fn of_lines_with_confidence_p_a_share_p_is_right() {
             bin.count
         );
     }
-    // All lines together: the number of wrong ones is the sum of their probabilities.
+    // The number of wrong lines among all lines must equal the sum of their probabilities of being
+    // wrong.
     let ratio = found.wrong / found.expected_wrong;
     assert!((0.6..1.2).contains(&ratio), "{ratio}");
 }
 
-/// Lines that are far apart are smoothed by the wandering alone, which is more than these materials
-/// have: stated too low, never too high.
+/// Lines that are far apart are smoothed only by the assumed variation of the slope, which is
+/// larger than in these materials. Their confidence may be stated too low, but never too high.
 #[test]
 fn lines_far_apart_are_not_trusted_too_much() {
     let found = reliability((0.05, 0.4), 0.5, 400);

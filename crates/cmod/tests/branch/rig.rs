@@ -1,5 +1,4 @@
-//! Specimens of paper A, materials, noise and gaps; and which root of a noisy line is the right
-//! one.
+//! Specimens of paper A, materials, noise and gaps, and a test for the right root of a noisy line.
 
 use std::f64::consts::{PI, TAU};
 
@@ -17,7 +16,7 @@ use testbed::noise::Noise;
 /// Mass of the accelerometers of paper A with their connectors [kg].
 pub(crate) const ACCELEROMETER: f64 = 2.9e-3;
 
-/// A rod with its accelerometer.
+/// Rod with its accelerometer.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Rod {
     pub(crate) length: f64,
@@ -38,7 +37,7 @@ impl Rod {
     }
 }
 
-/// Tests 1 to 10 (paper A, Table 2).
+/// Returns the rods of Tests 1 to 10 (paper A, Table 2).
 pub(crate) fn rods_of_paper_a() -> Vec<Rod> {
     let rows = golden("paper_a_table_2.ron");
     assert_eq!(rows.len(), 10);
@@ -51,12 +50,12 @@ pub(crate) fn rods_of_paper_a() -> Vec<Rod> {
     rows.iter().map(of).collect()
 }
 
-/// Lines without noise.
+/// Record without noise.
 pub(crate) struct Clean {
     pub(crate) rod: Rod,
     pub(crate) frequency_hz: Vec<f64>,
     pub(crate) ratio: Vec<Complex64>,
-    /// γL of the material.
+    /// Exact γL of the material.
     pub(crate) exact: Vec<Complex64>,
 }
 
@@ -82,7 +81,7 @@ impl Clean {
         }
     }
 
-    /// With noise of `noise` times |Ψ|, and `missing` of the lines not a number.
+    /// Adds noise of `noise` times |Ψ|, and replaces the fraction `missing` of the lines by NaN.
     pub(crate) fn measured(&self, noise: f64, missing: f64, seed: u64) -> Measured {
         let mut random = Noise::seeded(seed);
         let mut observed = Vec::with_capacity(self.ratio.len());
@@ -102,14 +101,15 @@ impl Clean {
         Measured { observed, variance }
     }
 
-    /// Conditions (i) and (ii) of paper A, by the exact wave number.
+    /// Returns true if a line fulfils conditions (i) and (ii) of paper A with the exact wave
+    /// number.
     pub(crate) fn is_inside(&self, line: usize) -> bool {
         let wavelength = TAU * self.rod.length / self.exact[line].im;
         wavelength > 5.0 * self.rod.diameter && wavelength < 5.0 * self.rod.length
     }
 }
 
-/// Values from the analyser, with their variances.
+/// Ratios as an analyser would return them, with their variances.
 pub(crate) struct Measured {
     pub(crate) observed: Vec<Complex64>,
     pub(crate) variance: Vec<f64>,
@@ -131,11 +131,11 @@ impl Measured {
     }
 }
 
-/// Returns true if a root is the one nearest to the exact γL.
+/// Returns true if a root is the root nearest to the exact γL.
 ///
-/// Where two roots meet, Ψ is a parabola, and the other root the reflection of the first; the
-/// nearest one else is π or more away. Roots within 0.005 of each other are one, as the tracker has
-/// it.
+/// Where two roots meet, Ψ is a parabola, and the other root is the reflection of the first; all
+/// further roots are at a distance of π or more. Roots within 0.005 of each other count as one
+/// root, as in the tracker.
 pub(crate) fn is_right(
     observation: &EndMass,
     root: Complex64,
@@ -147,8 +147,8 @@ pub(crate) fn is_right(
         (value - observed).norm() < 1e-7 * (1.0 + observed.norm()),
         "{root} is no root"
     );
-    // the parabola is good near where they meet; Newton's iteration does the rest, unless it
-    // returns to the root
+    // the parabola is accurate near the point where the roots meet; Newton's iteration refines the
+    // other root, unless it returns to the first root
     let mut reflected = root - 2.0 * slope / curvature;
     if (reflected - root).norm() < 2.0 {
         let mut refined = reflected;

@@ -1,4 +1,4 @@
-//! Table 1 of paper A, as far as it survives and as it is reconstructed.
+//! Table 1 of paper A, both the part that is legible in print and the reconstructed part.
 
 use std::f64::consts::FRAC_PI_2;
 
@@ -12,7 +12,7 @@ use super::rig::{Clean, rods_of_paper_a};
 use crate::golden::golden;
 use crate::materials::flat;
 
-/// The same integers as of paper B, table 1.
+/// Compares with the integers of paper B, table 1, which are the same.
 #[test]
 fn every_quarter_turn_has_its_integers() {
     let rows = golden("paper_a_table_1_branches.ron");
@@ -38,7 +38,7 @@ fn every_quarter_turn_has_its_integers() {
     }
 }
 
-/// A specimen without accelerometer, line by line.
+/// Checks the integers of a specimen without accelerometer, line by line.
 #[test]
 fn the_integers_of_a_record_are_those_of_its_quadrants() {
     let mut rod = rods_of_paper_a()[5];
@@ -92,7 +92,7 @@ fn the_integers_of_a_record_are_those_of_its_quadrants() {
     hold!(claims);
 }
 
-/// Relative error of αL = 1e-6 at kL = 0.3 (j + 1).
+/// Returns the relative error of αL = 1e-6 at kL = 0.3 (j + 1).
 fn small_damping(j: u32) -> f64 {
     let damping = 1e-6;
     let angle = 0.3 * f64::from(j + 1);

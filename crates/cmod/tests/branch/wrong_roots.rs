@@ -1,6 +1,6 @@
-//! Roots at which Newton's iteration as printed (paper A, eq. 5) ends, and those of continuation: a
-//! rod of polyamide 6 with a fifth of its loss, 800 mm, μ = 0.036, 1572 lines between 362 Hz and 20
-//! kHz.
+//! Roots to which Newton's iteration as printed (paper A, eq. 5) converges, and roots from
+//! continuation, for a rod of polyamide 6 with a fifth of its loss, 800 mm, μ = 0.036, 1572 lines
+//! between 362 Hz and 20 kHz.
 
 use cmod::{Solver, Specimen, TwoPoint};
 use num_complex::Complex64;
@@ -22,7 +22,7 @@ fn record() -> Clean {
     Clean::of(&polyamide(rod.density, 0.2), rod, lines)
 }
 
-/// cosh x + μ x sinh x and its derivative.
+/// Returns cosh x + μ x sinh x and its derivative.
 fn equation(x: Complex64, mass_ratio: f64) -> (Complex64, Complex64) {
     let (cosh, sinh) = (x.cosh(), x.sinh());
     (
@@ -31,8 +31,8 @@ fn equation(x: Complex64, mass_ratio: f64) -> (Complex64, Complex64) {
     )
 }
 
-/// The root to which the exact γL moves when the noise is put on little by little: in 400 steps
-/// along the straight line from the exact Ψ to the noisy one.
+/// Returns the root to which the exact γL moves when the noise is added gradually, in 400 steps
+/// along the straight line from the exact to the noisy Ψ.
 fn moved_by_noise(exact: Complex64, mass_ratio: f64, observed: Complex64) -> Complex64 {
     let (start, _) = equation(exact, mass_ratio);
     let mut x = exact;
@@ -48,7 +48,7 @@ fn moved_by_noise(exact: Complex64, mass_ratio: f64, observed: Complex64) -> Com
 
 /// Counts of a solver on 1572 lines.
 struct Roots {
-    /// Lost lines included.
+    /// Number of wrong roots, including lost lines.
     wrong: usize,
     valid: usize,
     wrong_and_valid: usize,
@@ -82,8 +82,8 @@ fn roots(clean: &Clean, measured: &Measured, solver: Solver) -> Roots {
     }
 }
 
-/// With 2 % noise two roots meet on the wrong side on 6 lines. After comparison with the
-/// neighbouring lines a few remain undecided and are not valid.
+/// With 2 % noise two roots meet on the wrong side on 6 lines. After the comparison with the
+/// neighbouring lines some of them remain undecided; these lines are not valid.
 #[test]
 fn newton_as_printed_runs_to_wrong_roots_and_continuation_does_not() {
     let clean = record();

@@ -4,7 +4,8 @@ use rodwave::modulus::Elastic;
 
 use super::*;
 
-/// Losses within their errors are neither positive nor negative.
+/// Checks that losses within their errors are undecided, because they are neither positive nor
+/// negative.
 #[test]
 fn losses_that_are_not_seen_are_undecided() {
     let undecided = (0..40)
@@ -13,11 +14,13 @@ fn losses_that_are_not_seen_are_undecided() {
             outcome.verdict == CheckVerdict::Undecided
         })
         .count();
-    // |z| < 1 of the pooled losses: 68 %; four standard deviations of 40.
+    // |z| < 1 of the pooled losses has the probability 68 %; the tolerance is four standard
+    // deviations for 40 records.
     assert!(undecided.abs_diff(27) <= 12, "{undecided}");
 }
 
-/// A wave without losses at two sections: the border between passive and active.
+/// Returns the estimate of a wave without losses at two sections, the limit between passive and
+/// active.
 fn elastic_wave(seed: u64) -> ModulusEstimate {
     let medium = Medium::new(DENSITY, Elastic::new(2.6e9).unwrap()).unwrap();
     let section = Circle::of_diameter(DIAMETER).unwrap();
@@ -46,8 +49,8 @@ fn elastic_wave(seed: u64) -> ModulusEstimate {
     .unwrap()
 }
 
-/// Number of false alarms of 400 at the level 5 %: 20, four standard deviations of 4.4 to either
-/// side.
+/// Checks the number of false alarms in 400 records at the level 5 %: 20, with four standard
+/// deviations of 4.4 on either side.
 fn assert_rate(name: &str, alarms: usize) {
     assert!(alarms.abs_diff(20) <= 17, "{name}: {alarms} of 400");
 }
@@ -83,8 +86,8 @@ fn false_alarms_come_at_the_stated_level() {
     assert_rate("passivity", alarms);
 }
 
-/// For Kramers and Kronig the level is an upper bound, as the nearest of many materials takes up
-/// some of the noise.
+/// For the Kramers-Kronig check the level is an upper bound, because the nearest of many materials
+/// absorbs some of the noise.
 #[test]
 fn kramers_and_kronig_cry_wolf_less_often_than_stated() {
     let mut random = Noise::seeded(14);
@@ -97,7 +100,7 @@ fn kramers_and_kronig_cry_wolf_less_often_than_stated() {
     }
     // P(more than 8 of 60 at 5 %) is 0.5 %.
     assert!(alarms <= 8, "{alarms}");
-    // Some hundred lines: 1 less what a dozen parameters take up, less half of the relative scatter
-    // 1/√(2n).
+    // For some hundred lines the mean is 1, less the part that a dozen parameters absorb, less half
+    // of the relative scatter 1/√(2n).
     assert!((sum / 60.0 - 0.97).abs() < 0.06, "{}", sum / 60.0);
 }

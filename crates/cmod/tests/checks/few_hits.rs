@@ -8,8 +8,9 @@ use labio::ratio::pooling::AveragedVariance;
 
 use super::*;
 
-/// Spectra of few hits, drawn directly: a pulse at two sections with noise in both, what it makes
-/// of the modulus by its own lines or with neighbours.
+/// Returns the estimate from spectra of few hits, which are drawn directly: a pulse at two sections
+/// with noise in both. The variances are estimated from the hits of each line alone or pooled with
+/// neighbouring lines.
 fn of_few_hits(random: &mut Noise, hits: usize, pooled: bool) -> ModulusEstimate {
     let (medium, distance) = (relaxing(), 0.4);
     let frequency_hz: Vec<f64> = (1..=150).map(|j| 60.0 * f64::from(j)).collect();
@@ -69,8 +70,8 @@ fn of_few_hits(random: &mut Noise, hits: usize, pooled: bool) -> ModulusEstimate
         .unwrap()
 }
 
-/// At a level of 5 % at most 6 of 40 right records fail: more happens once in 300 times at the
-/// level, and rarer below it.
+/// At a level of 5 % at most 6 of 40 correct records may fail. The probability of more is 1 in 300
+/// at the level, and less below the level.
 #[test]
 fn r14_variances_of_few_hits_fail_no_right_record() {
     for (hits, pooled) in [(2, false), (3, false), (3, true), (5, true)] {
@@ -85,13 +86,13 @@ fn r14_variances_of_few_hits_fail_no_right_record() {
     }
 }
 
-/// They also detect a modulus that is not that of a relaxing material.
+/// Checks that few hits also detect a modulus that is not that of a relaxing material.
 #[test]
 fn r14_few_hits_still_see_a_modulus_that_is_none() {
     let mut random = Noise::seeded(17);
     let estimate = of_few_hits(&mut random, 3, true);
     assert!(!kramers_kronig(&estimate, 0.01).unwrap().has_failed());
-    // nothing that relaxes stiffens and softens by 2 % every kilohertz
+    // no relaxing material stiffens and softens by 2 % every kilohertz
     let frequency_hz: Vec<f64> = estimate.lines().iter().map(|l| l.frequency_hz).collect();
     let ratio: Vec<Complex64> = estimate
         .lines()
@@ -122,8 +123,8 @@ fn r14_few_hits_still_see_a_modulus_that_is_none() {
     assert!(kramers_kronig(&wavy, 0.01).unwrap().has_failed());
 }
 
-/// A noise of which each sensor and line has an estimate of its own, of 10 degrees of freedom:
-/// right records pass.
+/// Noise that is estimated separately for each sensor and line, with 10 degrees of freedom: correct
+/// records pass.
 #[test]
 fn r14_noise_from_a_short_silence_fails_no_right_record() {
     let (mut kept, mut taken) = (0, 0);
@@ -152,13 +153,13 @@ fn r14_noise_from_a_short_silence_fails_no_right_record() {
         kept += u32::from(known.has_failed());
         taken += u32::from(estimated.has_failed());
     }
-    // taken as known, the noise fails several: 4 of 30 at the level of 1 % is once in 4000 times,
-    // and 3 once in 300
+    // if the noise is treated as known, several records fail; at the level of 1 %, 4 of 30 failures
+    // happen once in 4000 times, and 3 once in 300
     assert!(kept >= 4 && taken <= 2, "{kept} {taken}");
 }
 
-/// Three gauges with a noise that is known by a silence of a few segments: ten degrees of freedom
-/// for fifteen lines.
+/// Returns the estimate from three gauges whose noise is known from a silence of a few segments,
+/// with ten degrees of freedom for fifteen lines.
 fn of_gauges(random: &mut Noise, loss: f64) -> ModulusEstimate {
     let positions = [0.0, 0.15, 0.35];
     let frequency_hz: Vec<f64> = (1..=120).map(|j| 60.0 * f64::from(j) + 800.0).collect();
@@ -198,9 +199,10 @@ fn of_gauges(random: &mut Noise, loss: f64) -> ModulusEstimate {
     method.estimate(&measured).unwrap().modulus().clone()
 }
 
-/// The fit of the nearest material absorbs one degree of freedom of the noise per parameter.
-/// Without these the statistic is 1 on average, and the level is kept. If a dozen of 300 are not
-/// subtracted, it is 0.98, and the rate of false alarms at 5 % is one in a hundred.
+/// The fit of the nearest material absorbs one degree of freedom of the noise per parameter. If
+/// these are subtracted, the statistic is 1 on average, and the level is kept. If a dozen of 300
+/// are not subtracted, the statistic is 0.98, and the rate of false alarms at 5 % is one in a
+/// hundred.
 #[test]
 fn r14_kramers_and_kronig_alarm_at_their_level() {
     let seeds: u64 = testbed::noise::draws(30);
@@ -229,7 +231,7 @@ fn r14_kramers_and_kronig_alarm_at_their_level() {
     });
     let (mean, below, seen) = case("3 gauges", &|random, loss| of_gauges(random, loss));
     assert_eq!(seen, 10, "a doubled loss");
-    // 150 records: 0.04 each
+    // 150 records with a standard deviation of 0.04 each
     let mean = (few.iter().map(|(mean, ..)| mean).sum::<f64>() + mean) / 5.0;
     assert!((mean - 1.0).abs() < 0.013, "{mean}");
     // 5 % of 150 and four standard deviations

@@ -1,4 +1,4 @@
-//! A right record, wrong ones, and those that cannot be checked.
+//! Correct records, wrong records, and records that cannot be checked.
 
 use cmod::checks::Check;
 use rodwave::experiment::end_accelerations::RaisedCosine;
@@ -7,7 +7,8 @@ use rodwave::synthesis::DampedSynthesis;
 
 use super::*;
 
-/// E' and E'' that are both constant over frequency: passive, but no material.
+/// Modulus with E' and E'' that are both constant over frequency: it is passive, but belongs to no
+/// material.
 #[derive(Debug, Clone)]
 struct ConstantBoth {
     loss_factor: f64,
@@ -19,7 +20,8 @@ impl ComplexModulus for ConstantBoth {
     }
 }
 
-/// Histories of the three strains with noise, sampled every 2 µs, 1.2 ms of it before the blow.
+/// Returns histories of the three strains with noise, sampled every 2 µs, 1.2 ms of them before the
+/// blow.
 fn histories(random: &mut Noise, persistence: f64) -> Vec<Vec<f64>> {
     let positions = DISTANCES.map(|distance| LENGTH - distance);
     let member = FrameMember::analytic(
@@ -54,7 +56,7 @@ fn polarity(histories: &[Vec<f64>]) -> CheckOutcome {
         .unwrap()
 }
 
-/// All outcomes of one record.
+/// Returns the outcomes of all checks of one record.
 fn all(spectra: &SpectraOfTest, histories: &[Vec<f64>]) -> Vec<CheckOutcome> {
     let estimate = spectra.estimate();
     vec![
@@ -107,9 +109,9 @@ fn a_gauge_the_wrong_way_round_is_named() {
         *value = -*value;
     }
     assert!(spectra.free_end_null(USUAL_LEVEL).has_failed());
-    // An early or a late wave is another matter.
+    // A wave of the wrong sign is neither early nor late.
     assert!(!causality(&histories, USUAL_LEVEL).has_failed());
-    // A wave below the noise gives no information.
+    // A wave below the noise gives no information about its sign.
     let mut random = Noise::seeded(8);
     let silence: Vec<Vec<f64>> = (0..3)
         .map(|_| noisy([0.0; 2000].into_iter(), 1.0, 0.0, &mut random))
@@ -121,8 +123,8 @@ fn a_gauge_the_wrong_way_round_is_named() {
 fn a_channel_that_is_early_is_not_causal() {
     let mut random = Noise::seeded(9);
     let mut histories = histories(&mut random, 0.0);
-    // 80 µs. The wave needs 0.63 ms to this section, 5 % more than the front, and rises slowly:
-    // earlier by less than some 40 µs it is not impossible.
+    // 80 µs early. The wave needs 0.63 ms to reach this section, 5 % more than the front, and rises
+    // slowly: a shift of less than some 40 µs is not impossible.
     histories[2].rotate_left(40);
     let outcome = causality(&histories, USUAL_LEVEL);
     assert!(outcome.has_failed(), "{outcome}");
@@ -130,8 +132,8 @@ fn a_channel_that_is_early_is_not_causal() {
     assert!(!polarity(&histories).has_failed());
 }
 
-/// A delay of a microsecond, whatever its sign, is too little to be seen as an arrival, but not for
-/// the free end.
+/// A delay of a microsecond, of either sign, is too short for the arrival checks, but the free-end
+/// check detects it.
 #[test]
 fn a_delay_between_channels_leaves_a_force_at_the_free_end() {
     for delay in [-1e-6, 1e-6] {
@@ -154,7 +156,7 @@ fn a_modulus_that_is_not_causal_fails_kramers_and_kronig_only() {
     assert_eq!(failures(&outcomes), [Check::KramersKronig]);
 }
 
-/// Spectra that were made with the other kernel: the material seems to give energy.
+/// Spectra computed with the other kernel: the material appears to generate energy.
 #[test]
 fn negative_losses_are_not_passive() {
     let mut random = Noise::seeded(12);

@@ -16,7 +16,7 @@ use testbed::claim::{Claims, Ours, Within, of};
 use testbed::difference::largest;
 use testbed::hold;
 
-/// Of the shifts, in K.
+/// Reference temperature of the shifts, in K.
 const REFERENCE: f64 = 353.15;
 
 #[test]
@@ -45,7 +45,8 @@ fn series(spring: f64, branches: &[(f64, f64)]) -> Ours<GeneralisedMaxwell> {
     )?)
 }
 
-/// Noise of E' and E'' in shares of the modulus, and their correlation.
+/// Returns moduli with noise of E' and E'', relative to the modulus, and with the given
+/// correlation.
 fn with_noise(
     modulus: &dyn Fn(f64) -> Complex64,
     frequency_hz: &[f64],
@@ -75,7 +76,7 @@ fn with_noise(
     Ok(ModulusData::new(&points)?)
 }
 
-/// ln a_T by Williams, Landel and Ferry, and by Arrhenius.
+/// Returns ln a_T by Williams, Landel and Ferry.
 fn wlf(temperature: f64) -> f64 {
     let d = temperature - REFERENCE;
     -std::f64::consts::LN_10 * 8.0 * d / (180.0 + d)

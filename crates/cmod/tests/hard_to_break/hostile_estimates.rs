@@ -1,5 +1,5 @@
-//! Every method with extreme specimens, settings and lines: each estimate is a number with an
-//! error, or the line is refused.
+//! Every method with extreme specimens, settings and lines: each estimate is either a number with
+//! an error, or the line is refused.
 
 use num_complex::Complex64;
 
@@ -28,13 +28,13 @@ const SOUND: cmod::Specimen = cmod::Specimen {
     accelerometer_mass: 0.0,
 };
 
-/// Frequencies over some half waves of the specimen, scaled.
+/// Returns scaled frequencies over some half waves of the specimen.
 fn frequencies(specimen: &Specimen, scale: f64) -> Vec<f64> {
     let step = scale * 0.1 * specimen.fundamental_hz();
     (1..=LINES).map(|k| step * k as f64).collect()
 }
 
-/// All results of an estimate for its lines.
+/// Returns all results of an estimate for its lines.
 fn numbers(estimate: &ModulusEstimate) -> Vec<f64> {
     let mut numbers = Vec::new();
     for line in estimate.lines() {
@@ -68,7 +68,7 @@ fn numbers(estimate: &ModulusEstimate) -> Vec<f64> {
     numbers
 }
 
-/// The ratios of a sound specimen, one line of which has been spoilt.
+/// Returns the ratios of a valid specimen, with one invalid line.
 fn spoilt(specimen: &Specimen, value: f64) -> (Vec<f64>, Vec<Complex64>) {
     let frequency_hz = frequencies(specimen, 1.0);
     let motion = |f: &f64| specimen.motion_at(specimen.length, *f);
@@ -77,8 +77,8 @@ fn spoilt(specimen: &Specimen, value: f64) -> (Vec<f64>, Vec<Complex64>) {
     (frequency_hz, ratio)
 }
 
-/// Estimate from lines whose frequencies are scaled by the first number, one of which is spoilt by
-/// the second, and whose variance is the third.
+/// Returns the estimate from lines whose frequencies are scaled by the first number; one line is
+/// replaced by the second number, and the variance is the third number.
 fn estimated(
     a: &[f64],
     estimate: impl Fn(&[f64], &[Complex64], &[f64]) -> Result<ModulusEstimate, CmodError>,
@@ -127,7 +127,7 @@ fn two_points() {
     findings.sweep_pairs("variance_from_coherence", &[1.0, 0.9, 10.0], |a| {
         let ratio = [Complex64::new(a[0], 0.5)];
         let variance = variance_from_coherence(&ratio, &[a[1]], a[2])?;
-        // a line of no coherence has an infinite variance, and is refused later
+        // a line without coherence has an infinite variance, and is refused later
         assert!(
             variance
                 .iter()
@@ -219,7 +219,7 @@ fn neighbours_of_two_points() {
     );
     findings.sweep("RatioOfSpectra", &[1.0, 2.0, 0.1, 0.2], |a| {
         let (above, below) = ([Complex64::new(a[0], 1.0)], [Complex64::new(a[1], 0.3)]);
-        // a ratio that is no number is refused where it is used
+        // a ratio that is NaN is refused where it is used
         RatioOfSpectra::new(&[&above], &[&below], &[a[2]], &[a[3]]).map(|_| Vec::new())
     });
     findings.none();
@@ -363,8 +363,8 @@ fn branches() {
     findings.none();
 }
 
-/// A band far above its resolution: waves of a kilometre at a terahertz cannot be counted, and no
-/// count is tried.
+/// Checks a band far above its resolution: waves of a kilometre at a terahertz cannot be counted,
+/// and no count is tried.
 #[test]
 fn hopeless_bands_are_undetermined() {
     for (first, step) in [(1e6, 1.0), (1e9, 1e-3), (1e12, 1e-3), (1e12, 1e9)] {
@@ -442,7 +442,7 @@ fn checks_and_corrections() {
     findings.none();
 }
 
-/// Nothing, one of everything, and arrays that do not belong together.
+/// Checks empty arrays, arrays of one entry, and arrays of different lengths.
 #[test]
 fn empty_and_unequal_arrays() {
     let one = [Complex64::ONE];
@@ -487,12 +487,12 @@ fn empty_and_unequal_arrays() {
             for ratio in [0.0, 1.0, -1.0, f64::NAN, 1e300, 5e-324] {
                 let ratio = [Complex64::new(ratio, 0.0)];
                 let estimate = method(&[frequency_hz], &ratio, &[0.0]).unwrap();
-                // one line cannot be counted
+                // the waves of a single line cannot be counted
                 assert_eq!(estimate.valid().count(), 0);
                 assert!(numbers(&estimate).iter().all(|number| number.is_finite()));
             }
         }
-        // all lines dead
+        // all lines are without a signal
         let frequency_hz: Vec<f64> = (1..=LINES).map(|k| k as f64).collect();
         let estimate = method(&frequency_hz, &[Complex64::ZERO; LINES], &[0.0; LINES]).unwrap();
         assert_eq!(estimate.valid().count(), 0);

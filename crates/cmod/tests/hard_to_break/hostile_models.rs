@@ -32,8 +32,8 @@ fn recovered(model: &ThreeElement, recovery: &Recovery, omega: f64, time: f64) -
     ]
 }
 
-/// Stresses at which the dashpot flows so fast that the integration takes all of its four million
-/// steps before it gives up.
+/// Returns true for stresses at which the dashpot flows so fast that the integration needs all of
+/// its four million steps before it fails.
 fn is_stiff(stress: &[f64]) -> bool {
     stress
         .iter()
@@ -182,7 +182,7 @@ fn laws_of_moduli() {
     findings.none();
 }
 
-/// Correlations that are 1 but for rounding have no weight.
+/// Checks points whose correlation is 1 except for rounding; they have no weight.
 #[test]
 fn points_that_are_all_but_correlated() {
     let mut accepted = 0;
@@ -216,7 +216,7 @@ fn card(a: &[f64]) -> Numbers {
         modulus: a[3],
         relaxation_time: a[4],
     }];
-    // not asked where there is no such law
+    // skipped if there is no such law
     let Ok(law) = GeneralisedMaxwell::new(a[2], branches) else {
         return Ok(Vec::new());
     };

@@ -1,5 +1,5 @@
-//! Random specimens, made in closed form by exponentials: every method recovers the modulus, counts
-//! waves that only grow, and gives the same result in every unit, thread and file.
+//! Random specimens, computed in closed form by exponentials. Every method recovers the modulus,
+//! counts waves that only increase, and gives the same result in every unit, thread and file.
 
 use num_complex::Complex64;
 use proptest::prelude::*;
@@ -55,7 +55,7 @@ fn any_specimen() -> impl Strategy<Value = Specimen> {
         })
 }
 
-/// Lines over the first four half waves, from far below the first.
+/// Returns lines over the first four half waves, starting far below the first half wave.
 fn frequencies(specimen: &Specimen) -> Vec<f64> {
     let step = 4.0 * specimen.fundamental_hz() / LINES as f64;
     (1..=LINES).map(|k| step * k as f64).collect()
@@ -85,8 +85,8 @@ fn estimated(specimen: &Specimen) -> ModulusEstimate {
         .unwrap()
 }
 
-/// Of the lines whose branch is sure, most of all, the modulus is that of the specimen: rounding of
-/// Ψ, 1e-16 or so, magnified as relative errors are.
+/// Checks that most lines have a certain branch, and that the modulus of these lines is that of the
+/// specimen, within a rounding error of Ψ of about 1e-16, amplified like relative errors.
 fn is_modulus_of(estimate: &ModulusEstimate, specimen: &Specimen, fewest: usize) {
     let valid: Vec<_> = estimate.valid().collect();
     assert!(
@@ -113,7 +113,7 @@ proptest! {
         let estimate = estimated(&specimen);
         // below 2/5 half waves the wave is longer than five specimens
         is_modulus_of(&estimate, &specimen, LINES / 2);
-        // waves counted never become fewer, and kL only grows
+        // the count of waves never decreases, and kL only increases
         let mut before = 0.0;
         for line in estimate.lines() {
             let phase = line.wave_number() * specimen.length;
@@ -136,11 +136,12 @@ proptest! {
         }
     }
 
-    /// A second of another clock, a metre of another ruler: powers of two are exact, and the ratio has no unit.
+    /// Checks that the result does not depend on the units of time, length and mass; powers of two
+    /// are exact, and the ratio has no unit.
     #[test]
     fn scales_are_a_matter_of_taste(specimen in any_specimen(), metre in -2..3_i32, second in 0..2_i32, kilogram in -30..30_i32) {
         let (metre, second, kilogram) = (2f64.powi(metre), 2f64.powi(second), 2f64.powi(kilogram));
-        // wave speeds must stay where the search for them looks
+        // wave speeds must remain in the range of the search
         prop_assume!((100.0..5000.0).contains(&((specimen.modulus / specimen.density).sqrt() * metre / second)));
         prop_assume!((100.0..5000.0).contains(&(specimen.modulus / specimen.density).sqrt()));
         let pascal = kilogram / (metre * second * second);
@@ -161,8 +162,8 @@ proptest! {
     }
 }
 
-/// tan δ from 1e-9 to 10 for every method: valid lines are correct to the rounding amplified by the
-/// method, and losses below rounding are valid only as far as their stated error allows.
+/// Checks tan δ from 1e-9 to 10 for every method: valid lines are correct within the rounding error
+/// amplified by the method, and losses below rounding are valid only within their stated error.
 #[test]
 fn all_but_lossless_and_all_but_fluid() {
     for exponent in [-9, -8, -7, -6, -5, -4, -3, -2, -1, 0, 1] {
@@ -190,7 +191,7 @@ fn all_but_lossless_and_all_but_fluid() {
             .iter()
             .map(|f| strain_of_two_waves(specimen.gamma(*f), 0.4, Complex64::ZERO))
             .collect();
-        // the wave reflected by the free end over the one that arrived: the way there and back,
+        // wave reflected by the free end divided by the wave that arrived: the path there and back;
         // strains change sign
         let reflected: Vec<Complex64> = frequency_hz
             .iter()
@@ -222,8 +223,8 @@ fn all_but_lossless_and_all_but_fluid() {
             for line in estimate.valid() {
                 let storage = (line.modulus.re / specimen.modulus - 1.0).abs();
                 let loss = (line.loss_factor / specimen.loss_factor - 1.0).abs();
-                // a rounding of Ψ moves E by 1e-16 of it, magnified, in any direction: of tan δ
-                // that is 1/tan δ times more
+                // a rounding error of Ψ changes E by 1e-16 of E, amplified, in any direction;
+                // relative to tan δ the change is larger by 1/tan δ
                 let roundings = if method == 3 { 1e-14 } else { 1e-15 };
                 let rounding = roundings * (10.0 + line.error_amplification);
                 let seen = rounding * (1.0 + specimen.loss_factor + specimen.loss_factor.recip());
@@ -236,7 +237,7 @@ fn all_but_lossless_and_all_but_fluid() {
                     "method {method}, tan δ 1e{exponent}: {loss:e}"
                 );
             }
-            // of one gauge fewer lines are within five distances
+            // for one gauge fewer lines are within five distances
             if (-6..=-1).contains(&exponent) && method < 3 {
                 let valid = estimate.valid().count();
                 assert!(
@@ -248,7 +249,7 @@ fn all_but_lossless_and_all_but_fluid() {
     }
 }
 
-/// Rods of a millimetre and of a kilometre are evaluated alike.
+/// Rods of a millimetre and of a kilometre are evaluated equally well.
 #[test]
 fn rods_of_all_lengths() {
     for length in [1e-3, 1e-2, 1.0, 1e2, 1e3] {
@@ -266,7 +267,7 @@ fn rods_of_all_lengths() {
     }
 }
 
-/// Many lines take memory and time in proportion.
+/// Checks that many lines take memory and time in proportion to their number.
 #[test]
 fn a_hundred_thousand_lines() {
     let specimen = Specimen::polymer();
@@ -282,7 +283,7 @@ fn a_hundred_thousand_lines() {
     is_modulus_of(&estimate, &specimen, 50_000);
 }
 
-/// A table written and read again has every number to its last bit.
+/// Checks that a table that is written and read again has every number to its last bit.
 #[test]
 fn files_keep_every_bit() {
     let estimate = estimated(&Specimen::polymer());
@@ -319,8 +320,9 @@ fn numbers(value: &ron::Value, into: &mut Vec<f64>) {
     }
 }
 
-/// Student's factor goes down to the normal one without a step, for any number of averages. Values
-/// of mpmath 1.3.0 at 40 digits: the root of the regularised incomplete beta function.
+/// Checks that Student's factor approaches the normal factor without a step as the number of
+/// averages increases. Reference values from mpmath 1.3.0 with 40 digits: the root of the
+/// regularised incomplete beta function.
 #[test]
 fn coverage_of_many_averages() {
     let reference = [

@@ -1,4 +1,4 @@
-//! Predicted errors of sets of positions.
+//! Predicted errors of sets of gauge positions.
 
 use std::f64::consts::{PI, TAU};
 
@@ -15,8 +15,8 @@ const THREE_EQUAL: [f64; 3] = [-0.1, 0.0, 0.1];
 const THREE_UNEQUAL: [f64; 3] = [-0.1, -0.03, 0.1];
 const FIVE_EQUAL: [f64; 5] = [-0.1, -0.05, 0.0, 0.05, 0.1];
 
-/// Median of the relative deviation over 0.5-20 kHz, part of the lines below 1 %, and the deviation
-/// at ka = 0.987 π.
+/// Returns the median of the relative deviation over 0.5-20 kHz, the fraction of the lines below 1
+/// %, and the deviation at ka = 0.987 π.
 fn summary(positions: &[f64]) -> (f64, f64, f64) {
     let medium = polypropylene();
     let waves = ExpectedWaves {
@@ -51,8 +51,8 @@ fn plans_of_positions() {
     hold!(claims);
 }
 
-/// The material and the reflected wave of the independent computation are not stated: not its
-/// digits are asked for but, with waves of our own, its size.
+/// The material and the reflected wave of the independent computation are not stated. Therefore its
+/// digits are not compared; with waves of our own, its order of magnitude is compared.
 fn what_unequal_distances_and_more_gauges_gain(claims: &mut Claims) {
     let [equal, unequal, five] = [&THREE_EQUAL[..], &THREE_UNEQUAL, &FIVE_EQUAL].map(summary);
     claims.by("errors of sets of positions over 0.2 m, computed apart for 1 % of noise (its material and reflection are not stated)");
@@ -75,13 +75,14 @@ fn what_unequal_distances_and_more_gauges_gain(claims: &mut Claims) {
         Within(0.5, "another reflected wave moves it by half"),
         Ok(largest([equal.2 / 2.8e-2 - 1.0, unequal.2 / 2.8e-3 - 1.0])),
     );
-    // five on a grid of half the spacing are not singular there, nor five at unequal distances
+    // five gauges on a grid of half the spacing are not singular at this frequency, and neither are
+    // five gauges at unequal distances
     let five_unequal = summary(&[-0.1, -0.072, -0.01, 0.059, 0.1]);
     assert!(five_unequal.0 < five.0 * 1.05);
     assert!(five_unequal.2 < 0.1 * equal.2);
 }
 
-/// From the errors of Ψ = (q₁ + q₂)/(2q₀).
+/// Compares with the error that follows from the errors of Ψ = (q₁ + q₂)/(2q₀).
 fn three_equal_distances(claims: &mut Claims) {
     let medium = polypropylene();
     let waves = ExpectedWaves {
@@ -157,7 +158,7 @@ fn impossible_plans_are_refused() {
     };
     assert!(predict(&medium, &THREE_EQUAL, nowhere, 0.01, &[1e3]).is_err());
     assert!(common_spacing(&THREE_EQUAL, 0.0).is_err());
-    // 0 Hz: no wave number, no error, and no NaN
+    // at 0 Hz there is no wave number and no error, but no NaN either
     let at_rest = predict(&medium, &THREE_EQUAL, waves, 0.01, &[0.0]).unwrap();
     assert!(at_rest[0].relative_deviation.is_infinite());
 }

@@ -1,4 +1,4 @@
-//! With noise: do the stated errors cover the truth, and is the branch never lost?
+//! Tests with noise: the stated errors must cover the truth, and the branch must not be lost.
 
 use std::f64::consts::TAU;
 
@@ -17,7 +17,7 @@ use super::frame::{
 
 const SEEDS: u64 = 200;
 
-/// Errors of E' and E'' by their standard errors, within one and within two.
+/// Errors of E' and E'' divided by their standard errors, counted within one and within two.
 #[derive(Default)]
 struct Coverage {
     one: f64,
@@ -40,7 +40,8 @@ impl Coverage {
         self.add(error.im, line.standard_error.loss_modulus);
     }
 
-    /// 68.3 % ± 5 % and 95.4 % ± 2 %; the sampling error of 5000 and more is below 0.7 %.
+    /// Checks for 68.3 % ± 5 % and 95.4 % ± 2 %; the sampling error of 5000 and more is below 0.7
+    /// %.
     fn check(&self, name: &str) {
         self.check_within(name, [0.05, 0.02]);
     }
@@ -60,10 +61,11 @@ impl Coverage {
     }
 }
 
-/// Some 25 000 values scatter by 0.3 % and 0.13 %, four of each.
+/// Tolerances for some 25 000 values, which scatter by 0.3 % and 0.13 %: four times each.
 const OF_25_000: [f64; 2] = [0.012, 0.0055];
 
-/// Lines of 500 Hz to 8 kHz and noise of the gauges, by the root mean square of all strains.
+/// Returns lines from 500 Hz to 8 kHz and the noise of the gauges, relative to the root mean square
+/// of all strains.
 fn set_up(
     structure: Structure,
     positions: &[f64],
@@ -143,7 +145,8 @@ fn least_squares_state_their_errors() {
     }
 }
 
-/// Ten tests of paper B together: the error falls by the root of ten, and is still stated.
+/// Evaluates ten tests of paper B together: the error decreases by √10, and is still stated
+/// correctly.
 #[test]
 fn ten_tests_together_state_their_errors() {
     let positions = [0.25, 0.35, 0.55];
@@ -171,7 +174,7 @@ fn ten_tests_together_state_their_errors() {
             let error = found.sum() - exact;
             waves.add(error.re, (0.5 * found.sum_variance()).sqrt());
             waves.add(error.im, (0.5 * found.sum_variance()).sqrt());
-            // each wave as a velocity: v = iω u, ε = -γu for P and γu for N
+            // each wave is converted to a velocity: v = iω u, ε = -γu for P and γu for N
             let found = result.waves(index, 3, 0.1, Quantity::Velocity).unwrap();
             let exact = truth(&spectra, &positions, line);
             let gamma = polypropylene().propagation_coefficient(TAU * line.frequency_hz);
@@ -187,7 +190,7 @@ fn ten_tests_together_state_their_errors() {
     single.check("single waves");
 }
 
-/// The waves of the strain, from the gauges without noise and the exact γ.
+/// Returns the waves of the strain, from the gauges without noise and the exact γ.
 fn truth(spectra: &[Vec<Complex64>], positions: &[f64], line: &ModulusLine) -> TravellingWaves {
     let gamma = polypropylene().propagation_coefficient(TAU * line.frequency_hz);
     let values: Vec<Complex64> = spectra.iter().map(|s| s[line.index]).collect();
@@ -195,14 +198,14 @@ fn truth(spectra: &[Vec<Complex64>], positions: &[f64], line: &ModulusLine) -> T
     found.unwrap().waves
 }
 
-/// A fifth of the lines is rubbish and the others have 5 % noise: the count of waves stays right on
-/// all the others.
+/// A fifth of the lines is arbitrary and the others have 5 % noise: the count of waves stays right
+/// on all the other lines.
 #[test]
 fn the_branch_survives_bad_lines() {
     let positions = [0.2, 0.27, 0.4, 0.45, 0.6];
     let frequency_hz = lines(100.0, 25.0, 400);
     let spectra = strains(Structure::I, &positions, &frequency_hz);
-    // by the root mean square of the five gauges on each line
+    // relative to the root mean square of the five gauges on each line
     let relative = |factor: f64| -> Vec<Vec<f64>> {
         let of_line = |index: usize| {
             let power: f64 = spectra.iter().map(|s| s[index].norm_sqr()).sum();
@@ -240,7 +243,7 @@ fn the_branch_survives_bad_lines() {
             valid += 1;
             let exact = polypropylene().propagation_coefficient(TAU * line.frequency_hz);
             let error = (line.propagation_coefficient - exact).norm();
-            // half a wave more or less over the aperture would be 7.9
+            // an error of half a wave over the aperture would give 7.9
             assert!(
                 error < 3.0,
                 "seed {seed}, {} Hz: {error}",

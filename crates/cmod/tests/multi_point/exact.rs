@@ -1,4 +1,5 @@
-//! Without noise: the propagation coefficient of the material, whatever the ends are.
+//! Tests without noise: the estimate is the propagation coefficient of the material, whatever the
+//! ends are.
 
 use std::f64::consts::TAU;
 
@@ -14,13 +15,13 @@ use testbed::hold;
 
 use super::frame::{STRUCTURES, clean, flat, lines, polypropylene, rod, strains};
 
-/// Relative error of γ of a line.
+/// Returns the relative error of γ of a line.
 fn error(line: &ModulusLine) -> f64 {
     let exact = polypropylene().propagation_coefficient(TAU * line.frequency_hz);
     relative(line.propagation_coefficient, exact)
 }
 
-/// Largest error of γ. All lines are there, and doubtful nowhere.
+/// Returns the largest error of γ, and checks that all lines are present and none is doubtful.
 fn worst(estimate: &ModulusEstimate, n_lines: usize) -> f64 {
     assert!(estimate.refused().is_empty(), "{:?}", estimate.refused());
     assert_eq!(estimate.lines().len(), n_lines);
@@ -31,8 +32,8 @@ fn worst(estimate: &ModulusEstimate, n_lines: usize) -> f64 {
     largest(estimate.lines().iter().map(error))
 }
 
-/// A member of a structure with gauges at three sections, equidistant in the closed form (paper B,
-/// figure 1), and at more.
+/// Evaluates a member of a structure with gauges at three sections, equidistant for the closed form
+/// (paper B, figure 1), and with more gauges.
 #[test]
 fn closed_form_is_exact_in_any_structure() {
     let frequency_hz = lines(50.0, 25.0, 400);
@@ -80,7 +81,7 @@ fn closed_form_is_exact_in_any_structure() {
     hold!(claims);
 }
 
-/// The joint estimate takes each test with the waves that it has.
+/// The joint estimate evaluates each test with its own waves.
 #[test]
 fn tests_on_different_structures_are_evaluated_together() {
     let frequency_hz = lines(100.0, 50.0, 150);
@@ -103,7 +104,7 @@ fn tests_on_different_structures_are_evaluated_together() {
         .collect();
     for (index, fit) in joint.fits().iter().enumerate() {
         assert_eq!(fit.degrees_of_freedom, 4); // 2 (3 · 1 - 1)
-        // information adds up
+        // the information of the tests adds up
         let sum: f64 = single
             .iter()
             .map(|single| single.fits()[index].propagation_variance.recip())
@@ -112,8 +113,8 @@ fn tests_on_different_structures_are_evaluated_together() {
     }
 }
 
-/// Three gauges: the same γ and the same errors as in closed form, 1/(a²|q₀|²|sinh γa|²) (½ + |Ψ|²)
-/// σ².
+/// For three gauges γ and its errors are the same as in closed form, 1/(a²|q₀|²|sinh γa|²) (½ +
+/// |Ψ|²) σ².
 #[test]
 fn three_equal_distances_are_the_closed_form() {
     let frequency_hz = lines(100.0, 50.0, 150);
@@ -132,7 +133,8 @@ fn three_equal_distances_are_the_closed_form() {
             let difference = a.propagation_coefficient - b.propagation_coefficient;
             assert!(difference.norm() < 1e-9 * a.propagation_coefficient.norm());
             let ratio = a.standard_error.storage_modulus / b.standard_error.storage_modulus;
-            // 1e-5: ill-conditioned near nodes of the middle gauge
+            // the tolerance is 1e-5, because the problem is ill-conditioned near nodes of the
+            // middle gauge
             assert!((ratio - 1.0).abs() < 1e-5, "{} Hz: {ratio}", a.frequency_hz);
         }
         for fit in squares.fits() {
@@ -141,8 +143,8 @@ fn three_equal_distances_are_the_closed_form() {
     }
 }
 
-/// P and N against the separation of waves with the exact propagation coefficient; and a free end
-/// sends back -1.
+/// Compares P and N with the separation of waves by the exact propagation coefficient, and the
+/// reflection of a free end with -1.
 #[test]
 fn the_waves_are_those_of_the_rod() {
     let frequency_hz = lines(300.0, 50.0, 100);
@@ -164,7 +166,7 @@ fn the_waves_are_those_of_the_rod() {
         assert!((found.backward - known.waves.backward_at(0.4)).norm() < 1e-8 * size);
         let end = result.waves(index, 0, 0.8, Quantity::Strain).unwrap();
         assert!(end.sum().norm() < 1e-8 * end.forward.norm());
-        // a = -ω² u, ε = ∂u/∂x: at a free end both waves of the acceleration are alike
+        // a = -ω² u, ε = ∂u/∂x: at a free end the two waves of the acceleration are equal
         let acceleration = result.waves(index, 0, 0.8, Quantity::Acceleration).unwrap();
         assert!((acceleration.backward / acceleration.forward - 1.0).norm() < 1e-8);
         let expected = (TAU * frequency).powi(2) / gamma * end.forward;
@@ -177,8 +179,9 @@ fn the_waves_are_those_of_the_rod() {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(200))]
 
-    /// Any gauges at least 30 mm apart, any structure, any weights and any scale of the spectra, the noise being far below the strains. Three
-    /// strains have two exact solutions, which lie close to each other next to half a wave between gauges: those lines are invalid.
+    /// Any gauges at least 30 mm apart, any structure, any weights and any scale of the spectra,
+    /// with noise far below the strains. Three strains have two exact solutions, which are close to
+    /// each other near half a wave between gauges; those lines are invalid.
     #[test]
     fn any_gauges_find_the_material(
         first in 0.05..0.2_f64,
@@ -205,7 +208,8 @@ proptest! {
         prop_assert_eq!(result.modulus().lines().len(), 120);
         let mut wrong = 0;
         for line in result.modulus().lines() {
-            // 1e-12 of the generator by what the gauges make of a relative error: dE/E is twice dγ/γ
+            // 1e-12 of the generator, amplified as a relative error of the gauges; dE/E is twice
+            // dγ/γ
             if error(line) > 1e-11 * (1.0 + line.error_amplification) {
                 prop_assert!(!line.validity.is_valid(), "{} Hz: {:e}", line.frequency_hz, error(line));
                 wrong += 1;
@@ -216,7 +220,7 @@ proptest! {
 }
 
 /// A single line has many possible wave numbers and is reported as ambiguous; a guess of the speed
-/// decides.
+/// resolves this.
 #[test]
 fn one_line_needs_a_guess() {
     let frequency_hz = [6000.0];

@@ -1,4 +1,4 @@
-//! The bar of paper B in its structures.
+//! Bar of paper B in its structures.
 
 use std::f64::consts::TAU;
 
@@ -23,17 +23,18 @@ pub(crate) fn polypropylene() -> Medium<ConstantQ> {
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Structure {
-    /// Two cantilever beams.
+    /// Bar between two cantilever beams.
     I,
-    /// The same with a lump of 0.1 kg at the right end; the paper gives no mass.
+    /// Structure I with a lump of 0.1 kg at the right end; the paper gives no mass.
     II,
-    /// Dismounted.
+    /// Dismounted bar with free ends.
     Free,
 }
 
 pub(crate) const STRUCTURES: [Structure; 3] = [Structure::I, Structure::II, Structure::Free];
 
-/// Strains (n_gauges)(n_lines) of the bar, 800 mm long, struck by a half sine of 50 N and 0.1 ms.
+/// Returns the strains (n_gauges)(n_lines) of the bar, 800 mm long, struck by a half sine of 50 N
+/// and 0.1 ms.
 pub(crate) fn strains(
     structure: Structure,
     positions: &[f64],
@@ -65,24 +66,24 @@ pub(crate) fn rod(positions: &[f64]) -> GaugedRod {
     }
 }
 
-/// `count` lines from `first` in steps of `step` [Hz].
+/// Returns `count` frequencies from `first` in steps of `step` [Hz].
 pub(crate) fn lines(first: f64, step: f64, count: u32) -> Vec<f64> {
     (0..count).map(|j| first + step * f64::from(j)).collect()
 }
 
-/// Root mean square of all values.
+/// Returns the root mean square of all values.
 pub(crate) fn size(spectra: &[Vec<Complex64>]) -> f64 {
     let power: f64 = spectra.iter().flatten().map(Complex64::norm_sqr).sum();
     let count = spectra.iter().map(Vec::len).sum::<usize>();
     (power / count as f64).sqrt()
 }
 
-/// The same noise on all lines of a gauge.
+/// Returns the noise of each gauge, the same on all lines.
 pub(crate) fn flat(noise: &[f64], n_lines: usize) -> Vec<Vec<f64>> {
     noise.iter().map(|&noise| vec![noise; n_lines]).collect()
 }
 
-/// Circular Gaussian noise of `noise` (n_gauges)(n_lines) on `clean` spectra.
+/// Returns `clean` spectra with circular Gaussian noise of the size `noise` (n_gauges)(n_lines).
 pub(crate) fn noisy(
     clean: &[Vec<Complex64>],
     noise: &[Vec<f64>],
@@ -98,7 +99,7 @@ pub(crate) fn noisy(
         .collect()
 }
 
-/// One test without noise.
+/// Returns one test without noise.
 pub(crate) fn clean<'a>(
     frequency_hz: &'a [f64],
     tests: &'a [&'a [Vec<Complex64>]],

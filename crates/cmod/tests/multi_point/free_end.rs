@@ -1,4 +1,4 @@
-//! Two gauges or more before a free end, and records that end while the bar rings.
+//! Two or more gauges before a free end, and records that end while the bar still vibrates.
 
 use std::f64::consts::TAU;
 
@@ -26,12 +26,13 @@ fn rod(positions: &[f64]) -> GaugedRod {
     }
 }
 
-/// E of the glassy bar on the axis.
+/// Returns E of the glassy bar on the axis s = iω.
 fn exact(frequency_hz: f64) -> Complex64 {
     (LongBar::glassy().modulus)(Complex64::new(0.0, TAU * frequency_hz))
 }
 
-/// Largest relative error over the valid lines, of which there are at least so many.
+/// Returns the largest relative error over the valid lines, and checks that there are at least
+/// `least` of them.
 fn largest_error(estimate: &ModulusEstimate, least: usize) -> f64 {
     assert!(
         estimate.valid().count() >= least,
@@ -45,8 +46,8 @@ fn largest_error(estimate: &ModulusEstimate, least: usize) -> f64 {
     errors.fold(0.0, f64::max)
 }
 
-/// Waves on the line s before an end at 2.5 m, of strain or of displacement; factors common to the
-/// gauges are omitted.
+/// Returns the waves on the line s before an end at 2.5 m, of strain or of displacement; factors
+/// common to the gauges are omitted.
 fn waves(
     positions: &[f64],
     frequency_hz: &[f64],
@@ -56,8 +57,9 @@ fn waves(
     waves_before_mass(0.0, positions, frequency_hz, damping, quantity)
 }
 
-/// The same before a mass [kg] on the end, whose force is m s² times its displacement: the sum of
-/// the waves before a free end and before a fixed one, in the ratio of that force to the impedance.
+/// Returns the waves before a mass [kg] on the end, whose force is m s² times its displacement.
+/// They are the sum of the waves before a free end and before a fixed end, in the ratio of this
+/// force to the impedance.
 fn waves_before_mass(
     mass: f64,
     positions: &[f64],
@@ -155,8 +157,8 @@ fn exact_lines(claims: &mut Claims) {
     }
 }
 
-/// Without noise only the smooth modulus is between E(s) and E(iω): the same law where σ is 0, 300
-/// and 1500 per second.
+/// Without noise, the continuation from E(s) to E(iω) depends only on the smooth modulus; the law
+/// is the same for σ of 0, 300 and 1500 per second.
 fn added_damping(claims: &mut Claims) {
     let frequency_hz: Vec<f64> = (10..300).map(|j| 50.0 * f64::from(j)).collect();
     for (what, damping, within) in [
@@ -176,7 +178,7 @@ fn added_damping(claims: &mut Claims) {
                 noise: &noise,
             })
             .unwrap();
-        // without the step the loss factor is 0.0127 σ/ω too small, 0.006 at 500 Hz
+        // without the continuation the loss factor is 0.0127 σ/ω too small, 0.006 at 500 Hz
         claims.by("E(s) of constant loss").claim(
             what,
             "1",
@@ -190,8 +192,8 @@ fn added_damping(claims: &mut Claims) {
     }
 }
 
-/// Spectra of a shot from the end of its silence on, on the line s, with the noise that the silence
-/// has.
+/// Spectra of a shot on the line s, starting at the end of its silence, with the noise of the
+/// silence.
 struct Shot {
     frequency_hz: Vec<f64>,
     spectra: Vec<Vec<Complex64>>,
@@ -232,7 +234,7 @@ impl Shot {
         self.calibrated_with(factor, damping, 0.0)
     }
 
-    /// The same with a standard uncertainty of the density [kg/m³].
+    /// Calibrates as above, with a standard uncertainty of the density [kg/m³].
     fn calibrated_with(&self, factor: f64, damping: f64, density: f64) -> SelfCalibration {
         let method = MultiPoint::before_free_end(rod(&[1.6, 2.0]), 2.5)
             .and_then(|method| method.with_limits(WIDE))
@@ -256,8 +258,8 @@ impl Shot {
     }
 }
 
-/// One shot on a bar that rings at the end of its record, 14 bits, the second gauge calibrated to 3
-/// %.
+/// Evaluates one shot on a bar that still vibrates at the end of its record, with 14 bits and the
+/// second gauge calibrated to 3 %.
 #[test]
 fn one_shot_on_a_ringing_bar_is_covered() {
     let bar = LongBar::glassy();
@@ -283,8 +285,9 @@ fn one_shot_on_a_ringing_bar_is_covered() {
         }
     }
     assert!(count > 2500.0, "{count} lines");
-    // some 12 lines have common noise, and 40 shots 300 values of their own: 2.7 and 1.3 %, three
-    // of each; at the lower end errors are stated too large
+    // some 12 lines have common noise, so 40 shots have 300 independent values, which scatter by
+    // 2.7 and 1.3 %; the tolerance is three times each. At the lower end errors are stated too
+    // large
     for [one, two] in within {
         assert!((0.60..0.80).contains(&(one / count)), "{}", one / count);
         assert!((0.91..0.99).contains(&(two / count)), "{}", two / count);
@@ -317,15 +320,15 @@ fn uncertain_density_does_not_move_the_modulus() {
     let mut n_lines = 0;
     for (exact, uncertain) in pairs.filter(|(exact, _)| exact.validity.is_valid()) {
         let off = (uncertain.modulus - exact.modulus).norm() / exact.modulus.norm();
-        // 3 % of density, which is not stated
+        // effect of an error of 3 % of the density that is not stated
         assert!(off < 1e-3, "{} Hz: {off:e}", exact.frequency_hz);
         n_lines += 1;
     }
     assert!(n_lines > 30, "{n_lines}");
 }
 
-/// An error of the mass on the end, of the diameter and of the density moves the modulus by what
-/// the estimate with these errors shows; that of a mass also where none is known.
+/// An error of the mass on the end, of the diameter and of the density changes the modulus as shown
+/// by the estimate with these errors; an error of the mass also does so where the stated mass is 0.
 #[test]
 fn errors_of_an_end_mass_are_those_of_the_changed_rod() {
     use ErrorSource::{AccelerometerMass, Density, Diameter};
@@ -376,7 +379,7 @@ fn errors_are_those_of_the_changed_rod(mass: f64, sources: &[ErrorSource]) {
                 continue;
             };
             let found = other.modulus - line.modulus;
-            // second order in 1e-5, near singular lines by some hundred times
+            // the second order in 1e-5, amplified some hundred times near singular lines
             assert!(
                 (found - shift.modulus).norm() < 3e-3 * found.norm() + 1e-10 * line.modulus.norm(),
                 "{source:?} {} Hz: {found} {}",

@@ -1,4 +1,4 @@
-//! Input that is wrong as a whole, and lines that are.
+//! Input that is invalid as a whole, and lines that are invalid.
 
 use cmod::estimate::Refusal;
 use cmod::validity::Violation;
@@ -81,7 +81,7 @@ fn spectra_that_do_not_fit_are_refused() {
     );
 }
 
-/// A bad line is refused with its reason, and the others are as they were without it.
+/// A bad line is refused with its reason, and the other lines are not affected.
 #[test]
 fn a_line_without_information_is_refused_alone() {
     let positions = [0.3, 0.4, 0.5];
@@ -135,8 +135,8 @@ fn a_line_without_information_is_refused_alone() {
     );
 }
 
-/// Half a wave between the gauges: the errors grow and the line is marked, by both methods; unequal
-/// distances and more gauges are free of it.
+/// Half a wave between the gauges: the errors grow and the line is marked by both methods. Unequal
+/// distances and more gauges do not have this singular line.
 #[test]
 fn singular_lines_are_marked_and_can_be_avoided() {
     // c = 1680 m/s at 10 krad/s: half a wave of 0.1 m near 8.5 kHz
@@ -169,7 +169,7 @@ fn singular_lines_are_marked_and_can_be_avoided() {
     assert_eq!(squares, 0);
 }
 
-/// Nothing but noise: a line in fifty may look like waves by chance, not more.
+/// With noise alone, at most one line in fifty may look like waves by chance.
 #[test]
 fn noise_alone_gives_no_modulus() {
     let positions = [0.2, 0.27, 0.4, 0.45, 0.6];

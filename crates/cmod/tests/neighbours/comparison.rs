@@ -1,9 +1,10 @@
-//! All methods on one virtual rod, as figure 3 of paper A compares two.
+//! All methods on one virtual rod, in the manner of figure 3 of paper A, which compares two
+//! methods.
 //!
 //! A rod of polypropylene with accelerometers on both ends and strain gauges between is struck ten
 //! times. Every method gets the records that it would get in a laboratory, with white noise in
-//! each; the histories are exact transforms of a chain of impedances, pulses are cut out of them
-//! with rectangular windows.
+//! each. The histories are exact transforms of a chain of impedances, and pulses are cut out of
+//! them with rectangular windows.
 
 use std::f64::consts::TAU;
 use std::ops::Range;
@@ -27,22 +28,22 @@ use testbed::noise::Noise;
 
 const ACCELEROMETER: f64 = 2.9e-3;
 const INTERVAL: f64 = 4e-6;
-/// The first mode decays by e^{-13}.
+/// Duration of a record; within it the first mode decays by e^{-13}.
 const DURATION: f64 = 60e-3;
 const SAMPLES: usize = 15_000;
 const HITS: usize = 10;
-/// Standard deviation of the noise by the peak of each channel.
+/// Standard deviation of the noise, relative to the peak of each channel.
 const NOISE: f64 = 1e-3;
 /// Distances of the strain gauges from the free end [m].
 const GAUGES: [f64; 4] = [0.70, 0.50, 0.35, 0.25];
 
-/// One channel of all hits.
+/// Records of all hits in one channel.
 struct Channel {
     hits: Vec<Vec<f64>>,
     deviation: f64,
 }
 
-/// Spectra of the hits and root mean square of their noise.
+/// Spectra of the hits, with the root mean square of their noise.
 struct Spectra {
     hits: Vec<Vec<Complex64>>,
     noise: Vec<f64>,
@@ -63,7 +64,7 @@ impl Channel {
         }
     }
 
-    /// Of the samples of a window.
+    /// Returns the spectra of the samples of a window.
     fn spectra(&self, frequency_hz: &[f64], range: Range<usize>) -> Spectra {
         let of_hit = |hit: &Vec<f64>| {
             let at = |f: &f64| {
@@ -86,7 +87,8 @@ impl Channel {
         }
     }
 
-    /// Of a pulse in a window, with what that cuts off as part of the noise.
+    /// Returns the spectra of a pulse in a window; the part that is cut off is included in the
+    /// noise.
     fn pulse(&self, frequency_hz: &[f64], window: Range<usize>) -> Spectra {
         let edge = |middle: usize| {
             let around = self
@@ -97,11 +99,11 @@ impl Channel {
         };
         let edges = [window.start, window.end];
         let whole = self.spectra(frequency_hz, window);
-        // The truncation is the same in all blows and does not average out: one mean spectrum is
-        // used further.
+        // The truncation is the same in all blows and is not reduced by averaging, so one mean
+        // spectrum is used from here on.
         let mean =
             |line: usize| whole.hits.iter().map(|hit| hit[line]).sum::<Complex64>() / HITS as f64;
-        // nothing is cut at the beginning of the record
+        // there is no truncation at the beginning of the record
         let edges = edges.map(|sample| if sample > 0 { edge(sample) } else { 0.0 });
         let noise = whole.noise[0] / (HITS as f64).sqrt();
         Spectra {
@@ -125,7 +127,7 @@ fn ratio(numerator: &Spectra, denominator: &Spectra) -> RatioOfSpectra {
     .unwrap()
 }
 
-/// Accelerations of the struck and the free end, and the strains.
+/// Returns the accelerations of the struck and the free end, and the strains.
 fn histories() -> ([Vec<f64>; 2], Vec<Vec<f64>>) {
     let medium = polypropylene();
     let section = Circle::of_diameter(DIAMETER).unwrap();
@@ -161,7 +163,8 @@ fn histories() -> ([Vec<f64>; 2], Vec<Vec<f64>>) {
     (accelerations, strains)
 }
 
-/// Root mean square of the errors of E' and E'' by what a method states of its valid lines.
+/// Returns the root mean square of the errors of E' and E'' of the valid lines, divided by the
+/// stated errors.
 fn deviations(name: &str, least_count: usize, estimate: &ModulusEstimate) -> (f64, f64) {
     let medium = polypropylene();
     let valid: Vec<&ModulusLine> = estimate.valid().collect();
@@ -177,7 +180,7 @@ fn deviations(name: &str, least_count: usize, estimate: &ModulusEstimate) -> (f6
             ]
         })
         .collect();
-    // Once in 1e5 for a normal variable.
+    // The limit is exceeded once in 1e5 for a normal variable.
     let largest = largest(deviations.iter().copied());
     assert!(largest < 4.4, "{name}: {largest}");
     let n = deviations.len() as f64;
@@ -189,15 +192,16 @@ fn deviations(name: &str, least_count: usize, estimate: &ModulusEstimate) -> (f6
 
 fn assert_within_stated_errors(name: &str, least_count: usize, estimate: &ModulusEstimate) {
     let (root_mean_square, n) = deviations(name, least_count, estimate);
-    // Four standard deviations of a root mean square of n values; lines share no noise.
+    // The tolerance is four standard deviations of a root mean square of n values; the lines share
+    // no noise.
     assert!(
         (root_mean_square - 1.0).abs() < 4.0 / (2.0 * n).sqrt(),
         "{name}: {root_mean_square}"
     );
 }
 
-/// Of pulses that are cut out the error has the stated size and a phase that turns with the
-/// frequency: a root mean square of 1, but of a few turns only.
+/// Checks pulses that are cut out. Their error has the stated size, and a phase that turns with
+/// frequency: the root mean square is 1, but is taken over few turns only.
 fn assert_not_beyond_stated_errors(name: &str, least_count: usize, estimate: &ModulusEstimate) {
     let (root_mean_square, _) = deviations(name, least_count, estimate);
     assert!(
@@ -242,7 +246,7 @@ fn all_methods_agree_on_one_rod_within_their_stated_errors() {
         .and_then(|method| method.estimate(&frequency_hz, &psi.ratio, &psi.variance));
     assert_within_stated_errors("two-point", 60, &estimate.unwrap());
 
-    // two gauges, and one gauge and the free end, with pulses that overlap
+    // two gauges, and one gauge with the free end, for pulses that overlap
     let end = EndSection {
         distance: 0.0,
         quantity: Quantity::Acceleration,
@@ -257,9 +261,8 @@ fn all_methods_agree_on_one_rod_within_their_stated_errors() {
         assert_within_stated_errors(name, 60, &estimate.unwrap());
     }
 
-    // The wave reaches the gauge 0.35 m from the end after 0.26 ms, comes back after 0.67 ms and
-    // again after 1.2 ms; at 20 kHz it is 6 % faster. The windows hold one period and more
-    // above 2 kHz.
+    // The wave reaches the gauge 0.35 m from the end after 0.26 ms, returns after 0.67 ms and again
+    // after 1.2 ms; at 20 kHz it is 6 % faster. The windows contain one period or more above 2 kHz.
     let high_hz: Vec<f64> = frequency_hz.iter().copied().filter(|f| *f >= 2e3).collect();
     let incident = gauges[2].pulse(&high_hz, 0..150);
     let reflected = gauges[2].pulse(&high_hz, 150..275);

@@ -1,4 +1,4 @@
-//! Stated standard errors against repeated noise, and what heavy noise does.
+//! Stated standard errors compared with repeated noise, and the effect of strong noise.
 
 use std::f64::consts::TAU;
 
@@ -10,8 +10,8 @@ use super::methods::{Belief, methods, resonances};
 use super::rod::{lines, polypropylene};
 use testbed::noise::Noise;
 
-/// The ratio over four tests with noise of `noise` times the root mean square of the two signals of
-/// each line.
+/// Returns the ratio over four tests with noise of `noise` times the root mean square of the two
+/// signals of each line.
 fn measured(spectra: &[[Complex64; 2]], noise: f64, random: &mut Noise) -> RatioOfSpectra {
     let level: Vec<f64> = spectra
         .iter()
@@ -29,8 +29,8 @@ fn measured(spectra: &[[Complex64; 2]], noise: f64, random: &mut Noise) -> Ratio
     RatioOfSpectra::new(&numerators, &denominators, &level, &level).unwrap()
 }
 
-/// Stated errors of E', E'' and E''/E' against repetitions of noise in four tests each. Their mean
-/// squares are compared, as they differ a little from repetition to repetition.
+/// Compares the stated errors of E', E'' and E''/E' with repetitions of noise in four tests each.
+/// The mean squares are compared, because the errors differ slightly from repetition to repetition.
 fn assert_scatter(
     name: &str,
     repetitions: u32,
@@ -58,7 +58,8 @@ fn assert_scatter(
     }
     for (line, sums) in sums.into_iter().enumerate() {
         for [found, expected] in sums {
-            // a root mean square of n values scatters by 1/√(2n); four of them
+            // a root mean square of n values scatters by 1/√(2n); the tolerance is four times this
+            // value
             let ratio = f64::sqrt(found / expected);
             let tolerance = 4.0 / f64::from(2 * repetitions).sqrt();
             assert!(
@@ -71,7 +72,7 @@ fn assert_scatter(
 
 #[test]
 fn standard_errors_are_those_of_repeated_noise() {
-    // Sections and lines away from what is singular, where the first order is all there is.
+    // Sections and lines away from singular lines, where the errors are of first order only.
     let frequency_hz = lines(12, 620.0);
     let certain = Belief::certain(Some(1700.0));
     for method in methods(&frequency_hz) {
@@ -92,8 +93,8 @@ fn standard_errors_are_those_of_repeated_noise() {
     });
 }
 
-/// Noise of 5 % and a fifth of the lines lost: whatever line claims to be valid is on the right
-/// branch.
+/// With noise of 5 % and a fifth of the lines missing, every line that is reported as valid is on
+/// the right branch.
 #[test]
 fn valid_lines_are_on_their_branch_whatever_the_noise() {
     let frequency_hz = lines(300, 40.0);
@@ -114,7 +115,7 @@ fn valid_lines_are_on_their_branch_whatever_the_noise() {
                 kept += 1;
                 let exact = medium.propagation_coefficient(TAU * line.frequency_hz);
                 // Another branch is more than a quarter wave of the longest distance, 0.6 m, away;
-                // noise is not.
+                // errors due to noise are smaller.
                 let away = (line.propagation_coefficient - exact).norm() * 0.6;
                 assert!(
                     away < 0.8,
@@ -123,7 +124,8 @@ fn valid_lines_are_on_their_branch_whatever_the_noise() {
                 );
             }
         }
-        // Of 6000 lines a fifth is lost, and near singular lines or below condition (ii) some more.
+        // A fifth of 6000 lines is missing, and some lines near singular lines or below condition
+        // (ii) are not valid.
         assert!(kept > 2000, "{name}: {kept}");
     }
 }

@@ -1,4 +1,4 @@
-//! Without noise, γ to the rounding of the data.
+//! Tests without noise: γ to the rounding of the data.
 
 use std::f64::consts::TAU;
 
@@ -21,7 +21,7 @@ use super::rod::{
 };
 use crate::materials::polyamide;
 
-/// 25 Hz to 15 kHz.
+/// Returns frequencies from 25 Hz to 15 kHz.
 fn band() -> Vec<f64> {
     lines(600, 25.0)
 }
@@ -30,8 +30,8 @@ fn at(distance: f64, quantity: Quantity) -> EndSection {
     EndSection { distance, quantity }
 }
 
-/// Largest error of the modulus by the amplification of its line. All lines are there, and doubtful
-/// nowhere.
+/// Returns the largest error of the modulus, divided by the amplification of its line, and checks
+/// that all lines are present and none is doubtful.
 fn error_of<L: PropagationLaw>(estimate: &ModulusEstimate, medium: &Medium<L>) -> f64 {
     assert!(estimate.refused().is_empty(), "{:?}", estimate.refused());
     assert_eq!(estimate.lines().len(), band().len());
@@ -44,7 +44,7 @@ fn error_of<L: PropagationLaw>(estimate: &ModulusEstimate, medium: &Medium<L>) -
     largest(estimate.lines().iter().map(error))
 }
 
-/// Worst errors of free end, one gauge and separate pulses.
+/// Returns the largest errors of the free end, one gauge and separate pulses.
 fn worst_of_material<L>(medium: &Medium<L>) -> [f64; 3]
 where
     Medium<L>: WaveMedium<AngularFrequency> + Clone + 'static,
@@ -58,7 +58,7 @@ where
         frequency_hz.iter().map(|f| of(TAU * f)).collect()
     };
     let mut worst = [0.0_f64; 3];
-    // from none over the accelerometer of paper A to a quarter of the rod's mass
+    // end masses from none, over the accelerometer of paper A, to a quarter of the mass of the rod
     for end_mass in [0.0, 2.9e-3, 0.016] {
         let rod = VirtualRod::new(medium, end_mass);
         for (first, second) in [
@@ -68,7 +68,7 @@ where
             (at(LENGTH, Acceleration), at(0.0, Acceleration)),
             (at(0.6, Velocity), at(0.1, Velocity)),
             (at(0.4, Displacement), at(0.0, Acceleration)),
-            // Bacon's pair of pulses when they overlap
+            // Bacon's arrangement with overlapping pulses
             (at(0.35, Strain), at(0.0, Acceleration)),
         ] {
             let observed = ratio(&|w| {
@@ -84,7 +84,7 @@ where
             let estimate = method.estimate(&frequency_hz, &observed, &none).unwrap();
             worst[0] = worst[0].max(error_of(&estimate, medium));
         }
-        // the wave of velocity comes back with the other sign
+        // the velocity wave is reflected with the opposite sign
         for (quantity, sign) in [(Strain, 1.0), (Velocity, -1.0)] {
             let reflected = ratio(&|w| {
                 let [incident, reflected] = rod.waves(0.3, w);
@@ -168,7 +168,8 @@ fn damping_of_one_gauge(claims: &mut Claims) {
     );
 }
 
-/// At every resonance of the band, and at no other frequency, whatever the mass on the end.
+/// Checks the estimates at every resonance of the band and at no other frequency, for several
+/// masses on the end.
 fn resonances(claims: &mut Claims) {
     let medium = polypropylene();
     let frequency_hz = lines(1500, 5.0);
@@ -197,8 +198,9 @@ fn resonances(claims: &mut Claims) {
     claims.by("resonances: the real part of the ratio of the ends changes its sign");
     claims.deviation(
         "modulus at the n-th resonance up to 7.5 kHz, n times the error, three end masses",
-        // 0.3⁴/192 = 4.2e-5 of kL, times 2/kL, for a massless end. The mass μ puts 1 + μ(4 + kL)
-        // on the fourth derivative and takes as much off by the first.
+        // The error is 0.3⁴/192 = 4.2e-5 of kL, times 2/kL, without a mass on the end. The mass μ
+        // multiplies the fourth derivative by 1 + μ(4 + kL), and the first derivative increases
+        // equally.
         Within(
             6e-5,
             "a polynomial of third degree over 0.3 rad, 0.3^4/192, and the mass",
@@ -207,7 +209,7 @@ fn resonances(claims: &mut Claims) {
     );
 }
 
-/// The two-point method and the free end with d₁ = L, d₂ = 0 are one method.
+/// The two-point method and the free end with d₁ = L, d₂ = 0 are the same method.
 #[test]
 fn two_accelerations_are_the_two_point_method() {
     let end_mass = 2.9e-3;
@@ -236,7 +238,7 @@ fn two_accelerations_are_the_two_point_method() {
     .estimate(&frequency_hz, &ratio, &variance)
     .unwrap();
     for (one, other) in free_end.lines().iter().zip(two_point.lines()) {
-        // Two iterations on the same numbers: a few roundings, amplified.
+        // Two iterations on the same numbers differ by a few roundings, amplified.
         let tolerance = 1e-13 * (1.0 + one.error_amplification);
         assert!((one.modulus - other.modulus).norm() < tolerance * one.modulus.norm());
         let errors = [one, other].map(|line| line.standard_error.loss_modulus);

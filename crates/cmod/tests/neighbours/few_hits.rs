@@ -21,8 +21,8 @@ fn lines(count: u32, step_hz: f64) -> Vec<f64> {
     (1..=count).map(|j| step_hz * f64::from(j)).collect()
 }
 
-/// A ratio with a relative error of 0.1 % on every line, of four degrees of freedom or of known
-/// variance.
+/// Returns the estimate from a ratio with a relative error of 0.1 % on every line, with four
+/// degrees of freedom or with a known variance.
 fn estimate(
     frequency_hz: &[f64],
     ratio: impl Fn(Complex64) -> Complex64,
@@ -39,8 +39,8 @@ fn estimate(
     [of(&few).unwrap(), of(&known).unwrap()]
 }
 
-/// The errors are those of the known variance, their degrees of freedom are said, and five standard
-/// errors are forty: fewer lines are good enough.
+/// The errors are those of the known variance, and their degrees of freedom are stated. Five
+/// standard errors become forty, so fewer lines are valid.
 fn assert_freedom([few, known]: &[ModulusEstimate; 2], expected: f64, method: &str) {
     assert!(known.lines().len() >= 3, "{method}");
     for (line, certain) in few.lines().iter().zip(known.lines()) {
@@ -107,8 +107,8 @@ fn r14_every_method_of_a_ratio_carries_degrees_of_freedom() {
     assert_freedom(&found, 4.0, "two-point");
 }
 
-/// A resonance is read with several lines: the variance of their polynomial has more degrees of
-/// freedom than a line, and at most those of all lines that take part.
+/// A resonance is determined from several lines. The variance of their polynomial has more degrees
+/// of freedom than a line, and at most those of all lines that are used.
 #[test]
 fn r14_resonances_have_the_degrees_of_freedom_of_their_lines() {
     let method = Resonances::new(with_end_mass(0.0), 0.8).unwrap();
@@ -119,17 +119,17 @@ fn r14_resonances_have_the_degrees_of_freedom_of_their_lines() {
     );
     assert!(known.lines().len() >= 6);
     for (line, certain) in few.lines().iter().zip(known.lines()) {
-        // 0.3 rad of kL to either side are some 10 lines
+        // there are some 10 lines within 0.3 rad of kL on either side
         let freedom = line.uncertainty.degrees_of_freedom.unwrap();
         assert!((8.0..80.0).contains(&freedom), "{freedom}");
-        // equal weights on lines whose error is a part of Ψ, against the best weights
+        // equal weights on lines whose error is a fraction of Ψ, compared with the best weights
         let quotient = line.standard_error.storage_modulus / certain.standard_error.storage_modulus;
         assert!((0.99..3.0).contains(&quotient), "{quotient}");
     }
 }
 
-/// Three gauges with noise from a silence of ten segments; the sum over them has between one and
-/// three times their degrees of freedom.
+/// Three gauges with noise from a silence of ten segments; the sum over the gauges has between one
+/// and three times the degrees of freedom of a gauge.
 #[test]
 fn r14_noise_of_gauges_carries_degrees_of_freedom() {
     let frequency_hz = lines(200, 40.0);
@@ -166,7 +166,7 @@ fn r14_noise_of_gauges_carries_degrees_of_freedom() {
     for (a, b) in three.lines().iter().zip(multi.lines()) {
         let of = |line: &cmod::ModulusLine| line.uncertainty.degrees_of_freedom.unwrap();
         assert!((20.0..60.001).contains(&of(a)), "{}", of(a));
-        // three gauges leave nothing to weigh: both methods are one
+        // with three gauges the weights have no effect, so both methods are the same
         assert!((of(a) / of(b) - 1.0).abs() < 1e-6, "{} {}", of(a), of(b));
         let own = a.uncertainty.own_degrees_of_freedom.unwrap();
         assert!((own / of(a) - 0.25).abs() < 1e-9);
@@ -174,8 +174,8 @@ fn r14_noise_of_gauges_carries_degrees_of_freedom() {
 }
 
 /// Records between 1.2 and 2.2 delays long: the phase turns by up to 1.7 π from line to line. With
-/// the delay between the pulses the waves are counted right, and the lines are what the material
-/// is.
+/// the delay between the pulses the waves are counted correctly, and the lines give the modulus of
+/// the material.
 #[test]
 fn r16_pulses_in_records_of_two_delays_keep_their_branch() {
     let rod = PulsedRod {
@@ -183,7 +183,7 @@ fn r16_pulses_in_records_of_two_delays_keep_their_branch() {
         diameter: DIAMETER,
         density: DENSITY,
     };
-    // 0.4 m at 1700 m/s; the centre of energy of a pulse of some kilohertz
+    // 0.4 m at 1700 m/s, to the centre of energy of a pulse of some kilohertz
     let delay = 0.4 * gamma(3000.0).im / (TAU * 3000.0);
     let one_dimensional = cmod::validity::AcceptanceLimits {
         greatest_poisson_ratio: 0.0,
@@ -223,8 +223,8 @@ fn r16_pulses_in_records_of_two_delays_keep_their_branch() {
                     })
                     .count();
                 assert_eq!(right, estimate.valid().count(), "{of_delay}, {error}");
-                // but for wavelengths above five distances and below five diameters, 0.9 to 31 kHz,
-                // and a line at each end
+                // all lines except those with wavelengths above five distances and below five
+                // diameters, 0.9 to 31 kHz, and one line at each end
                 let within = frequency_hz.iter().filter(|f| (900.0..31e3).contains(*f));
                 let expected = within.count();
                 assert!(

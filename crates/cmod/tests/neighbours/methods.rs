@@ -1,4 +1,4 @@
-//! Every method on its own data of one rod, as a function of what is believed of the rod.
+//! Every method on its own data of one rod, as a function of the assumed description of the rod.
 
 use std::f64::consts::TAU;
 
@@ -29,7 +29,7 @@ pub(crate) struct Belief {
     moved: [f64; 2],
     rod: RodWithFreeEnd,
     uncertainty: SectionUncertainty,
-    /// For the branch.
+    /// Assumed wave speed, for the count of waves.
     wave_speed: Option<f64>,
 }
 
@@ -53,7 +53,7 @@ impl Belief {
         }
     }
 
-    /// None where only the noise is looked at.
+    /// Returns the limits; there are none for tests of the noise alone.
     fn limits(&self) -> AcceptanceLimits {
         if self.uncertainty == UNCERTAINTY {
             AcceptanceLimits::default()
@@ -80,7 +80,7 @@ type Estimate = fn(&Belief, &[f64], &[Complex64], &[f64]) -> Result<ModulusEstim
 
 pub(crate) struct Method {
     pub(crate) name: &'static str,
-    /// Numerator and denominator of the ratio.
+    /// Spectra of the numerator and of the denominator of the ratio.
     pub(crate) spectra: Vec<[Complex64; 2]>,
     estimate: Estimate,
     frequency_hz: Vec<f64>,
@@ -106,7 +106,7 @@ fn section(distance: f64, quantity: Quantity) -> EndSection {
     EndSection { distance, quantity }
 }
 
-/// Free end, one gauge and separate pulses.
+/// Returns the methods: free end, one gauge and separate pulses.
 pub(crate) fn methods(frequency_hz: &[f64]) -> [Method; 3] {
     use Quantity::Strain;
 

@@ -1,4 +1,4 @@
-//! The virtual rods.
+//! Virtual rods.
 
 use cmod::multi_point::Quantity;
 use cmod::{EndSection, RodWithFreeEnd};
@@ -10,7 +10,7 @@ use rodwave::modulus::{ConstantQ, Zener};
 
 use crate::materials::flat;
 
-/// Length of all rods \[m\], that of Test 3 of paper A.
+/// Length of all rods \[m\], as in Test 3 of paper A.
 pub(crate) const LENGTH: f64 = 0.801;
 pub(crate) const DIAMETER: f64 = 0.0106;
 pub(crate) const DENSITY: f64 = 903.0;
@@ -19,7 +19,7 @@ pub(crate) fn polypropylene() -> Medium<ConstantQ> {
     flat(DENSITY, 0.07)
 }
 
-/// A material with one relaxation within the band.
+/// Returns a material with one relaxation within the band.
 pub(crate) fn relaxing() -> Medium<Zener> {
     Medium::new(DENSITY, Zener::new(2.4e9, 2.8e9, 4e-5).unwrap()).unwrap()
 }
@@ -32,7 +32,7 @@ pub(crate) fn with_end_mass(end_mass: f64) -> RodWithFreeEnd {
     }
 }
 
-/// A struck rod with a mass on its other end.
+/// Rod that is struck at one end and has a mass on the other end.
 pub(crate) struct VirtualRod {
     chain: Chain,
 }
@@ -49,7 +49,7 @@ impl VirtualRod {
         Self { chain }
     }
 
-    /// Quantity measured at a section, up to a real factor, for a blow of 1 N s.
+    /// Returns the quantity measured at a section, up to a real factor, for a blow of 1 N s.
     pub(crate) fn at(&self, section: EndSection, omega: f64) -> Complex64 {
         let position = LENGTH - section.distance;
         let state = self
@@ -66,7 +66,8 @@ impl VirtualRod {
         }
     }
 
-    /// Normal forces of the waves towards the free end and back, at this distance from it.
+    /// Returns the normal forces of the waves towards the free end and back, at this distance from
+    /// the end.
     pub(crate) fn waves(&self, distance: f64, omega: f64) -> [Complex64; 2] {
         let section = self.chain.section(0, LENGTH - distance).unwrap();
         let waves = section.waves(omega).unwrap();
@@ -74,7 +75,7 @@ impl VirtualRod {
     }
 }
 
-/// `count` lines, `step` \[Hz\] apart.
+/// Returns `count` frequencies, `step` \[Hz\] apart.
 pub(crate) fn lines(count: u32, step: f64) -> Vec<f64> {
     (1..=count).map(|j| step * f64::from(j)).collect()
 }

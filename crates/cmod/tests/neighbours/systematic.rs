@@ -1,5 +1,5 @@
-//! Stated uncertainties of rod and sections, against repeated draws of a wrong description of the
-//! same rod.
+//! Stated uncertainties of rod and sections, compared with repeated draws of a wrong description of
+//! the same rod.
 
 use cmod::estimate::ErrorSource;
 
@@ -32,8 +32,8 @@ fn systematic_errors_are_those_of_wrong_descriptions() {
             let expected = [stated.storage_modulus, stated.loss_modulus];
             for (sum, expected) in squares.into_iter().zip(expected) {
                 let found = (sum / f64::from(repetitions)).sqrt();
-                // Scatter of 500 draws, 3.2 %, four of them; the second order of errors of some per
-                // mille is less.
+                // The scatter of 500 draws is 3.2 %; the tolerance is four times this value. The
+                // second order of errors of some per mille is smaller.
                 assert!(
                     (found / expected - 1.0).abs() < 0.128,
                     "{name}, {} Hz: {found:e} instead of {expected:e}",
@@ -44,7 +44,7 @@ fn systematic_errors_are_those_of_wrong_descriptions() {
     }
 }
 
-/// Density is in E = -ρω²/γ² even where it is in no ratio: δE/E = δρ/ρ, and a distance gives 2
+/// The density affects E = -ρω²/γ² even if no ratio depends on it: δE/E = δρ/ρ. A distance gives 2
 /// δL/L.
 #[test]
 fn pulses_have_two_sources_and_both_in_closed_form() {
@@ -67,7 +67,7 @@ fn pulses_have_two_sources_and_both_in_closed_form() {
                 ErrorSource::LateralInertia
             )
         );
-        // Central difference over 5e-4 of 0.4: its remainder is (γ δL)²/6, below 1e-4 here.
+        // The central difference over 5e-4 of 0.4 has the remainder (γ δL)²/6, below 1e-4 here.
         assert!((by_distance / (2.0 * UNCERTAINTY.distance / 0.4) - 1.0).norm() < 1e-4);
         assert!((by_density / (UNCERTAINTY.density / DENSITY) - 1.0).norm() < 1e-12);
     }

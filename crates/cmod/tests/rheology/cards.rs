@@ -1,4 +1,4 @@
-//! Cards are read back by a small parser of each format, and E(ω) is computed from their numbers.
+//! Cards are read by a small parser for each format, and E(ω) is computed from their numbers.
 
 use std::f64::consts::TAU;
 
@@ -25,7 +25,7 @@ fn law() -> GeneralisedMaxwell {
     series(1.5e9, &branches)
 }
 
-/// Shear and bulk modulus of instantaneous values and terms (modulus, relaxation time).
+/// Solid with instantaneous shear and bulk moduli and terms (modulus, relaxation time).
 #[derive(Debug, Default)]
 struct Solid {
     shear: f64,
@@ -167,7 +167,7 @@ fn read_comsol(text: &str) -> Solid {
         value.unwrap().parse().unwrap()
     };
     assert!((stated("density") - 912.0).abs() < 1e-12);
-    // of the main branch: all others add to its shear modulus
+    // the values are those of the main branch; all other branches add to its shear modulus
     let mut solid = Solid::of_young(stated("Young's modulus"), stated("Poisson's ratio"));
     for line in text.lines().filter(|line| !line.starts_with('%')) {
         let (shear, time) = line.split_once(' ').unwrap();
@@ -196,7 +196,7 @@ fn read_json(text: &str) -> Solid {
     }
 }
 
-/// The points (frequency, value) of a function of Code_Aster.
+/// Returns the points (frequency, value) of a function for Code_Aster.
 fn read_code_aster(text: &str, name: &str) -> Vec<(f64, f64)> {
     let (_, after) = text
         .split_once(&format!("{name} = DEFI_FONCTION("))
@@ -263,7 +263,7 @@ fn modulus_is_that_of_the_numbers_on_the_card() {
     hold!(claims);
 }
 
-/// Code_Aster interpolates between the points on logarithmic scales, and has no values outside of
+/// Code_Aster interpolates between the points on logarithmic scales, and defines no values outside
 /// them.
 #[test]
 fn functions_of_code_aster_are_those_of_the_law_in_its_band() {
@@ -297,7 +297,8 @@ fn functions_of_code_aster_are_those_of_the_law_in_its_band() {
             .abs()
             .max((found[1] * exact.re / exact.im - 1.0).abs())
     }));
-    // steps of 0.115 in ln f: an eighth of their square times a curvature of ln eta of about one
+    // the steps are 0.115 in ln f; the error is an eighth of their square times the curvature of ln
+    // eta, which is about one
     assert!(worst < 2e-3, "{worst}");
     for (lowest, highest) in [
         (0.0, 1.0),
@@ -312,8 +313,8 @@ fn functions_of_code_aster_are_those_of_the_law_in_its_band() {
     assert_eq!(json["rod"]["branches"].as_array().unwrap().len(), 4);
 }
 
-/// With an elastic bulk the Poisson ratio grows as the material relaxes, and the times of shear are
-/// shorter than those of E.
+/// With an elastic bulk the Poisson ratio increases as the material relaxes, and the relaxation
+/// times in shear are shorter than those of E.
 #[test]
 fn elastic_bulk_is_not_a_constant_ratio() {
     let law = law();
@@ -341,7 +342,8 @@ fn elastic_bulk_is_not_a_constant_ratio() {
     );
 }
 
-/// The texts as they are; ten columns and the ends of lines matter to programs of this age.
+/// Compares the texts of the cards literally, because these programs depend on ten-column fields
+/// and on the ends of lines.
 #[test]
 fn texts_of_the_cards() {
     let law = series(1.5e9, &[(0.5e9, 1e-4)]);
@@ -426,9 +428,9 @@ fn materials_that_have_no_card() {
     assert!(card.ansys(1, BulkBehaviour::Elastic).is_err());
 }
 
-/// Records of constant Q over two decades: whatever series the criterion takes, the card is no
-/// stiffer beyond the band than E' + E'' at its top, no softer than E' - E'' at its bottom, and its
-/// Poisson ratio is the stated one at the stated frequency.
+/// Records of constant Q over two decades. Whatever series the criterion chooses, beyond the band
+/// the card is not stiffer than E' + E'' at the top and not softer than E' - E'' at the bottom, and
+/// its Poisson ratio is the stated one at the stated frequency.
 #[test]
 fn l1_cards_hold_what_the_band_of_the_data_allows() {
     let law = ConstantQ::new(2.6e9, 0.1, 6e3).unwrap();
@@ -450,7 +452,7 @@ fn l1_cards_hold_what_the_band_of_the_data_allows() {
         let solid = read_abaqus(&text);
         let young = |omega: f64| solid.young(omega);
         let instantaneous = young(1e12).re;
-        // E' + E'' is 1.095 |E|; three standard errors of 1 % on a line
+        // E' + E'' is 1.095 |E|; the tolerance is three standard errors of 1 % on a line
         assert!(instantaneous < 1.13 * top.norm(), "{text}");
         assert!(young(1e-6).re > 0.87 * law.at(TAU * 150.0).norm(), "{text}");
         let (k, g) = (
@@ -459,7 +461,8 @@ fn l1_cards_hold_what_the_band_of_the_data_allows() {
         );
         let poisson = (3.0 * k - 2.0 * g) / (2.0 * (3.0 * k + g));
         assert!((poisson.re - 0.35).abs() < 1e-9, "{poisson}");
-        // 40 lines of 1 % and a law of few branches: the largest deviation is some standard errors
+        // 40 lines with 1 % noise and a law of few branches: the largest deviation is some standard
+        // errors
         let deviation = frequency
             .iter()
             .map(|f| (young(TAU * f) / law.at(TAU * f) - 1.0).norm())
@@ -496,7 +499,7 @@ fn l1_cards_begin_with_what_they_rest_on() {
     let comments = || text.lines().filter(|line| line.starts_with("$ "));
     assert!(comments().all(|line| line.len() <= 80), "{text}");
 
-    // a fluid, and a spring: no card, with the reason
+    // a fluid and a spring have no card, and the reason is reported
     let refused = |law: &dyn ComplexModulus| {
         let data = with_noise(law, &frequency, 0.003, 1);
         let fit = PronyFit::new(&data, &FitOptions::default()).unwrap().fit;
@@ -512,7 +515,8 @@ fn l1_cards_begin_with_what_they_rest_on() {
     assert!(reason.contains("number of relaxations"), "{reason}");
 }
 
-/// 600 cards of draws scatter as the data of the fit: errors of the lines, and one of all of them.
+/// 600 cards of random draws scatter like the data of the fit, with errors of the lines and one
+/// common error of all lines.
 #[test]
 fn l1_cards_of_draws_scatter_by_the_errors_of_the_modulus() {
     let law = law();

@@ -1,4 +1,4 @@
-//! Errors that all lines share, in the parameters of laws: repeated experiments with a drawn length
+//! Common errors of all lines, in the parameters of laws: repeated experiments with a random length
 //! and density.
 
 use std::f64::consts::{PI, TAU};
@@ -32,7 +32,7 @@ const UNCERTAINTY: SpecimenUncertainty = SpecimenUncertainty {
     accelerometer_mass: 0.02e-3,
 };
 
-/// Relaxed modulus, increment and relaxation time of Zener's law.
+/// True relaxed modulus, increment and relaxation time of Zener's law.
 const TRUTH: [f64; 3] = [2.0e9, 0.9e9, 4e-5];
 
 fn zener(omega: f64) -> Complex64 {
@@ -44,7 +44,8 @@ fn frequencies() -> Vec<f64> {
     (0..80).map(|j| 400.0 + 125.0 * f64::from(j)).collect()
 }
 
-/// Accelerations of both ends of a rod without lateral inertia, with noise.
+/// Returns the ratio of the accelerations of both ends of a rod without lateral inertia, with
+/// noise.
 fn ratio(specimen: &Specimen, variance: f64, normal: &mut impl FnMut() -> f64) -> Vec<Complex64> {
     let area = 0.25 * PI * specimen.diameter * specimen.diameter;
     let mass_ratio = specimen.accelerometer_mass / (specimen.density * area * specimen.length);
@@ -95,8 +96,9 @@ fn drawn(uncertainty: &SpecimenUncertainty, normal: &mut impl FnMut() -> f64) ->
     }
 }
 
-/// 60 quiet records of rods whose end mass is known to 3 %, which bends the modulus by more than noise: χ² and the residuals of the right law are those of noise, a series has its one branch, and a
-/// wrong law is refused all the same.
+/// 60 records with little noise of rods whose end mass is known to 3 %. The error of the mass
+/// distorts the modulus by more than noise does. χ² and the residuals of the right law must be
+/// those of noise, a series must have one branch, and a wrong law must still be refused.
 #[test]
 fn the_right_law_is_not_refused_for_what_an_uncertain_mass_bends() {
     let repetitions = 60;
@@ -127,18 +129,18 @@ fn the_right_law_is_not_refused_for_what_an_uncertain_mass_bends() {
         assert!(wrong.p_value() < 1e-6, "{}", wrong.chi_squared);
     }
     let mean = chi_squared / f64::from(repetitions);
-    // of two tests at the level of 1 % six alarms in 60 have a probability below 1e-3
+    // with two tests at the level of 1 %, six alarms in 60 have a probability below 1e-3
     assert!(refused <= 4 && coloured <= 5, "{refused} {coloured}");
-    // a branch too many costs 2 ln 160: it is taken in one record of a hundred
+    // an additional branch costs 2 ln 160, and is accepted in one record of a hundred
     assert!(branched <= 4, "{branched}");
-    // mean of 60 of 157 degrees of freedom, four of ± 0.0146
+    // mean of 60 values of χ² with 157 degrees of freedom; the tolerance is four times 0.0146
     assert!((mean - 1.0).abs() < 0.06, "{mean}");
     assert!(refused_as_exact >= 30, "{refused_as_exact}");
 }
 
-/// 200 specimens of drawn length, density and mass: the intervals of the parameters and of the
-/// predicted modulus cover 95 %, those of the random errors alone hardly ever, and χ² is that of
-/// noise.
+/// 200 specimens of random length, density and mass. The intervals of the parameters and of the
+/// predicted modulus cover 95 %, the intervals from the random errors alone hardly ever cover the
+/// truth, and χ² is that of noise.
 #[test]
 fn r23_parameters_cover_the_truth_of_drawn_specimens() {
     let repetitions = 200;
@@ -167,12 +169,12 @@ fn r23_parameters_cover_the_truth_of_drawn_specimens() {
         assert!((180..=199).contains(&count), "{covered:?} {predicted}");
     }
     assert!(by_random[0] < 60, "{by_random:?}");
-    // mean of 200 of 157 degrees of freedom, four of ± 0.008
+    // mean of 200 values of χ² with 157 degrees of freedom; the tolerance is four times 0.008
     let mean = chi_squared / f64::from(repetitions);
     assert!((mean - 1.0).abs() < 0.032, "{mean}");
 }
 
-/// The change of the parameters by each source is that of a fit to changed moduli.
+/// Compares the change of the parameters due to each source with that of a fit to changed moduli.
 #[test]
 fn r23_common_shifts_are_the_derivatives_of_the_fit() {
     let frequency_hz = logarithmic(100.0, 30e3, 60);
@@ -207,7 +209,7 @@ fn r23_common_shifts_are_the_derivatives_of_the_fit() {
     let random = here.random_covariance.as_ref().unwrap();
     for (index, parameter) in here.parameters.iter().enumerate() {
         let change = (plus.parameters[index].value / minus.parameters[index].value).ln() / 0.02;
-        // J⁺ leaves out the curvature of the law times the residual, some per cent of noise
+        // J⁺ neglects the curvature of the law times the residual, some per cent for this noise
         assert!(
             (change / stated.shift[index] - 1.0).abs() < 0.05,
             "{}: {change} {}",
@@ -276,7 +278,7 @@ fn r23_cards_and_master_curves_take_common_errors() {
     let predicted = curve.fit.prediction(TAU * 5e3).unwrap();
     let relative = predicted.covariance[0][0].sqrt() / predicted.modulus.re;
     assert!((relative / 0.01 - 1.0).abs() < 0.01, "{relative}");
-    // both temperatures err alike: the shift between them does not
+    // both temperatures have the same error, so the shift between them has none
     let shift = curve.fit.parameters.last().unwrap();
     assert!(shift.common_error < 0.1 * shift.random_error);
 }

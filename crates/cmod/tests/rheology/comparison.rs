@@ -1,4 +1,4 @@
-//! Laws side by side.
+//! Comparison of laws.
 
 use cmod::rheology::{Comparison, FitOptions, Law};
 use rodwave::modulus::{
@@ -16,8 +16,8 @@ const LAWS: [Law; 6] = [
     Law::PowerLaw { density: 912.0 },
 ];
 
-/// The true law is preferred to all that do not contain it. Havriliak-Negami does: it costs one
-/// parameter more, and gains no more than chance.
+/// The true law is preferred to all laws that do not contain it. The Havriliak-Negami law contains
+/// it; this law costs one parameter more, and gains no more than chance.
 #[test]
 fn true_law_is_preferred() {
     let law = FractionalZener::new(1.8e9, 3.4e9, 4e-5, 0.45).unwrap();
@@ -41,18 +41,20 @@ fn true_law_is_preferred() {
         first += u32::from(best.law.law() == Law::FractionalZener);
         let (nested, truth) = (row(Law::HavriliakNegami), row(Law::FractionalZener));
         let gain = truth.fit.chi_squared - nested.fit.chi_squared;
-        // χ² of one degree of freedom: above 12 once in 2000; the larger law is never worse
+        // χ² of one degree of freedom: it exceeds 12 once in 2000; χ² of the larger law is never
+        // larger
         assert!((-1e-6..12.0).contains(&gain), "{comparison}");
         assert!(truth.difference < 12.0 - 5.7, "{comparison}");
         assert!(row(Law::GeneralisedMaxwell).difference > truth.difference + 6.0);
         assert!(row(Law::Zener).difference > 100.0);
         assert!(row(Law::KelvinVoigt).difference > row(Law::Zener).difference);
     }
-    // a gain of more than ln 300 = 5.7 has the probability 0.017: 2 of 10 seeds once in 80
+    // a gain of more than ln 300 = 5.7 has the probability 0.017; this happens for 2 of 10 seeds
+    // once in 80
     assert!(first >= 8, "{first}");
 }
 
-/// The table has a line for each law, refused ones included.
+/// The table has a line for each law, including laws that could not be fitted.
 #[test]
 fn table_names_what_was_refused() {
     let law = FractionalZener::new(1.8e9, 3.4e9, 4e-5, 0.45).unwrap();
@@ -68,8 +70,8 @@ fn table_names_what_was_refused() {
     );
 }
 
-/// Zener's law and a generalised Maxwell model of one branch are one function: they share one
-/// weight, and the name is Zener's.
+/// Zener's law and a generalised Maxwell model with one branch are the same function. They share
+/// one weight, and the law is named Zener's.
 #[test]
 fn l7_same_function_counts_once() {
     let law = Zener::new(2.0e9, 2.6e9, 4e-5).unwrap();
@@ -93,12 +95,12 @@ fn l7_same_function_counts_once() {
         let all: f64 = comparison.rows.iter().map(|row| row.weight).sum();
         assert!((all - 1.0).abs() < 1e-12);
     }
-    // by BIC one parameter more is taken in e^-ln n of all cases: P(chi-square of 1 > 4.8) = 0.03
+    // BIC accepts one parameter too many with the probability P(chi-square of 1 > 4.8) = 0.03
     assert!(right >= 36, "{right}");
 }
 
-/// Of constant loss, constant Q is named, with its loss factor; of the other simple laws each is
-/// its own.
+/// For a constant loss factor, constant Q is selected, with its loss factor. Each of the other
+/// simple laws is selected for its own data.
 #[test]
 fn l8_simple_laws_are_named() {
     let frequency = logarithmic(100.0, 20e3, 60);
@@ -142,7 +144,7 @@ fn l8_simple_laws_are_named() {
             assert!(error.abs() < 5.0 * predicted.covariance[0][0].sqrt());
         }
         println!("{name}: {right} of 20");
-        // nine other laws, each taken by chance in some per cent of all cases
+        // nine other laws, each of which is selected by chance in some per cent of all cases
         assert!(right >= 16, "{name}: {right}");
         assert!(name != Law::ConstantQ || covered + 3 >= right, "{covered}");
     }

@@ -1,5 +1,5 @@
-//! Closed laws: true values recovered, errors equal to the scatter, coverage of intervals,
-//! residuals that reveal a wrong law.
+//! Laws in closed form: the true values are recovered, errors equal the scatter, intervals cover
+//! the truth, and residuals reveal a wrong law.
 
 use cmod::rheology::{
     Ending, ErrorScale, FitOptions, FittedLaw, Law, ModulusData, ModulusPoint, PronyFit,
@@ -17,7 +17,7 @@ use crate::materials::printed_nylon;
 
 type Truth = (Law, Box<dyn Fn(f64) -> Complex64>, Vec<f64>);
 
-/// Laws with the values of their parameters in the order of the fit.
+/// Returns laws with the true values of their parameters, in the order of the fit.
 fn truths() -> Vec<Truth> {
     let kelvin_voigt = KelvinVoigt::new(2.0e9, 1.5e4).unwrap();
     let zener = Zener::new(2.0e9, 2.7e9, 4e-5).unwrap();
@@ -71,7 +71,8 @@ fn fitted(data: &ModulusData, law: Law) -> RheologicalFit {
     }
 }
 
-/// Stated errors of 1 % and no error: the minimum is the truth, up to where the iteration ends.
+/// With stated errors of 1 % but no actual error, the minimum is at the true values, to the
+/// accuracy at which the iteration ends.
 #[test]
 fn exact_data_return_their_law() {
     let mut worst = 0.0_f64;
@@ -96,15 +97,15 @@ fn exact_data_return_their_law() {
     claims.by("parameters of the law that has made the modulus, among them the printed ones of paper E, eq. 7");
     claims.deviation(
         "Kelvin and Voigt, Zener, fractional Zener, Havriliak and Negami, power laws, two branches: worst parameter of a fit to exact data",
-        // the last steps are those of Newton
+        // the last steps of the iteration are Newton steps
         Within(1e-6, "1e-4 of the error that the stated 1 % leaves"),
         Ok(worst),
     );
     hold!(claims);
 }
 
-/// Scatter over 200 seeds against the stated covariance, and how often the 95 % intervals contain
-/// the truth. Errors of E' and E'' are correlated.
+/// Compares the scatter over 200 seeds with the stated covariance, and counts how often the 95 %
+/// intervals contain the true values. The errors of E' and E'' are correlated.
 #[test]
 fn covariance_is_the_scatter_and_intervals_cover() {
     let seeds: u32 = 200;
@@ -161,8 +162,8 @@ fn covariance_is_the_scatter_and_intervals_cover() {
     }
 }
 
-/// Errors stated five times too small: those from the residual are right again, and the scatter is
-/// reported.
+/// If the stated errors are five times too small, the errors from the residual are still right, and
+/// the scatter is reported.
 #[test]
 fn errors_from_the_residual_do_not_depend_on_the_stated_ones() {
     let law = Zener::new(2.0e9, 2.7e9, 4e-5).unwrap();
@@ -180,10 +181,10 @@ fn errors_from_the_residual_do_not_depend_on_the_stated_ones() {
     };
     let (right, wrong) = (fit(&points), fit(&optimistic));
     assert!((wrong.variance_factor / right.variance_factor / 25.0 - 1.0).abs() < 1e-6);
-    // standard deviation of χ²/ν with ν = 197: 0.1
+    // the standard deviation of χ²/ν with ν = 197 is 0.1
     assert!((right.variance_factor - 1.0).abs() < 0.3);
     for (a, b) in right.parameters.iter().zip(&wrong.parameters) {
-        // both minima to 1e-9 of χ²: 3e-5 of an error
+        // both minima are accurate to 1e-9 of χ², which is 3e-5 of an error
         assert!((a.standard_error / b.standard_error - 1.0).abs() < 1e-4);
     }
 }
@@ -212,13 +213,14 @@ fn predicted_errors_are_the_scatter_of_the_prediction() {
     }
     for sums in mean_square {
         for mean in sums {
-            // χ² of 200 by 200: 1 ± 0.1; three of these
+            // χ² of 200 values divided by 200 is 1 ± 0.1; the tolerance is three times this
             assert!((0.7..1.35).contains(&mean), "{mean_square:?}");
         }
     }
 }
 
-/// White under the true law with the stated probability; not white under laws that are not.
+/// Checks that residuals are white under the true law with the stated probability, and not white
+/// under wrong laws.
 #[test]
 fn residuals_tell_a_wrong_law() {
     let law = FractionalZener::new(1.8e9, 3.4e9, 4e-5, 0.45).unwrap();
@@ -241,12 +243,12 @@ fn residuals_tell_a_wrong_law() {
             assert!(wrong.bic > right.bic + 20.0);
         }
     }
-    // at most 0.05 of 200 with ±3.1; three of these above. The two tests are nearly independent, so
-    // it is not far below
+    // 0.05 of 200 cases is 10 ± 3.1, and the limit is three of these above. The two tests are
+    // nearly independent, so the number is not far below
     assert!((1..=20).contains(&refused), "{refused}");
 }
 
-/// The law of a power-law fit is that of rodwave, where it is one.
+/// Checks that the law of a power-law fit is the law of rodwave, if rodwave accepts it.
 #[test]
 fn power_laws_are_those_of_rodwave() {
     let nylon = printed_nylon(1.0);
@@ -264,7 +266,8 @@ fn power_laws_are_those_of_rodwave() {
     let same = found.law().unwrap();
     let error = PropagationLaw::modulus(&same, 1e4, 1150.0) - found.modulus(1e4);
     assert!(error.norm() < 1e-14 * found.modulus(1e4).norm());
-    // an elastic rod has q = 1 and no damping: the fit may find q > 1, which is no law
+    // an elastic rod has q = 1 and no damping: the fit may find q > 1, which rodwave does not
+    // accept
     let mut softer = found;
     softer.wave_number_exponent = 1.001;
     assert!(softer.law().is_err());

@@ -1,4 +1,4 @@
-//! Moduli of a law with Gaussian noise of a stated covariance.
+//! Moduli of a law with Gaussian noise of a given covariance.
 
 use std::f64::consts::TAU;
 
@@ -9,7 +9,7 @@ use rodwave::modulus::{ComplexModulus, GeneralisedMaxwell, MaxwellBranch};
 
 use testbed::noise;
 
-/// Frequencies at equal ratios.
+/// Returns frequencies at equal ratios.
 pub(crate) fn logarithmic(from: f64, to: f64, lines: u32) -> Vec<f64> {
     let step = (to / from).ln() / f64::from(lines - 1);
     (0..lines)
@@ -17,7 +17,7 @@ pub(crate) fn logarithmic(from: f64, to: f64, lines: u32) -> Vec<f64> {
         .collect()
 }
 
-/// Noise of E' and of E'', in shares of |E|, and their correlation.
+/// Noise of E' and of E'', relative to |E|, and their correlation.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Noise {
     pub(crate) storage: f64,
@@ -78,7 +78,7 @@ pub(crate) fn measured(
     ModulusData::new(&points(law, frequency_hz, noise, seed)).unwrap()
 }
 
-/// With circular noise of this share of the modulus.
+/// Returns moduli with circular noise, relative to the modulus.
 pub(crate) fn with_noise(
     law: &dyn ComplexModulus,
     frequency_hz: &[f64],
@@ -88,7 +88,7 @@ pub(crate) fn with_noise(
     measured(|w| law.at(w), frequency_hz, Noise::circular(share), seed)
 }
 
-/// A generalised Maxwell law of these moduli and relaxation times.
+/// Returns a generalised Maxwell law with these moduli and relaxation times.
 pub(crate) fn series(equilibrium: f64, branches: &[(f64, f64)]) -> GeneralisedMaxwell {
     let branch = |&(modulus, relaxation_time): &(f64, f64)| MaxwellBranch {
         modulus,

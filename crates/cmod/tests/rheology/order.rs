@@ -1,4 +1,4 @@
-//! The number of branches of a Prony series.
+//! Choice of the number of branches of a Prony series.
 
 use cmod::rheology::{Criterion, FitOptions, Law, PronyFit, RheologicalFit};
 use std::f64::consts::TAU;
@@ -7,8 +7,8 @@ use rodwave::modulus::{ComplexModulus, ConstantQ, FractionalZener, HavriliakNega
 
 use super::measured::{logarithmic, series, with_noise};
 
-/// One to five branches, 1.2 decades apart and more: the true order in 90 of 100 seeds at least,
-/// and in all no branch that is not positive.
+/// One to five branches, at least 1.2 decades apart: the true order must be found for at least 90
+/// of 100 seeds, and no branch may be negative or 0.
 #[test]
 fn separated_branches_are_counted() {
     let all = [
@@ -42,7 +42,7 @@ fn separated_branches_are_counted() {
     }
 }
 
-/// A fluid has no spring, and is not given one.
+/// A fluid has no spring, and the chosen series has none.
 #[test]
 fn fluid_keeps_no_spring() {
     let law = series(0.0, &[(0.3e9, 4e-5), (0.2e9, 8e-4)]);
@@ -57,8 +57,8 @@ fn fluid_keeps_no_spring() {
     assert!(right >= 18, "{right} of 20");
 }
 
-/// No longer series has a lower χ² than the longest that was tried, by more than the search leaves:
-/// χ² is convex in the spectrum.
+/// No longer series has a lower χ² than the longest series that was tried, except for the accuracy
+/// of the search, because χ² is convex in the spectrum.
 #[test]
 fn no_longer_series_fits_better() {
     let law = FractionalZener::new(1.8e9, 3.4e9, 4e-5, 0.45).unwrap();
@@ -75,7 +75,7 @@ fn no_longer_series_fits_better() {
         let longest = fit.orders.iter().map(|order| order.branches).max().unwrap();
         for more in 1..=2 {
             let longer = PronyFit::with_order(&data, longest + more, &options).unwrap();
-            // the search for further lines ends where one promises to gain less than 1
+            // the search for further lines ends where the predicted gain is less than 1
             assert!(
                 longer.fit.chi_squared > least - 1.5,
                 "{least} {}",
@@ -85,9 +85,9 @@ fn no_longer_series_fits_better() {
     }
 }
 
-/// A fractional material is no Prony series: it takes one or two branches a decade, by AICc no
-/// fewer than by BIC, the fractional law is preferred by far, and its residuals are white where
-/// those of too short a series are not.
+/// A fractional material is not a Prony series. The fit needs one or two branches per decade, with
+/// AICc no fewer than with BIC. The fractional law is preferred by far, and its residuals are
+/// white, whereas the residuals of a series that is too short are not.
 #[test]
 fn fractional_material_is_recognised() {
     let law = FractionalZener::new(1.8e9, 3.4e9, 4e-5, 0.45).unwrap();
@@ -101,7 +101,7 @@ fn fractional_material_is_recognised() {
         assert!((3..=8).contains(&branches), "{branches}");
         assert!(fractional.bic < series.fit.bic - 6.0);
         assert!(fractional.whiteness.is_white(0.001));
-        // a single relaxation leaves waves
+        // a single relaxation leaves systematic residuals
         let one = PronyFit::with_order(&data, 1, &options).unwrap();
         assert!(!one.fit.whiteness.is_white(0.001));
         let [by_aicc, by_bic] = [Criterion::Aicc, Criterion::Bic].map(|criterion| {
@@ -113,8 +113,9 @@ fn fractional_material_is_recognised() {
     }
 }
 
-/// Materials with a continuous spectrum are no Prony series: 95 % intervals of a predicted modulus
-/// have their nominal coverage inside the band only with the scatter between the orders.
+/// Materials with a continuous spectrum are not Prony series. The 95 % intervals of a predicted
+/// modulus have their nominal coverage inside the band only if the scatter between the orders is
+/// included.
 #[test]
 fn l5_predictions_of_continuous_spectra_cover() {
     let fractional = FractionalZener::new(1.8e9, 3.4e9, 4e-5, 0.45).unwrap();
@@ -161,8 +162,9 @@ fn l5_predictions_of_continuous_spectra_cover() {
     }
 }
 
-/// A series without a spring states the largest spring that the data allow: none for a fluid that
-/// has relaxed in the band, most of the modulus if a slow branch replaces the spring by chance.
+/// A series without a spring states the largest spring that the data allow: almost none for a fluid
+/// that has relaxed in the band, and most of the modulus if a slow branch replaces the spring by
+/// chance.
 #[test]
 fn l8_missing_spring_has_a_limit() {
     let frequency = logarithmic(5.0, 5e4, 100);
@@ -177,7 +179,7 @@ fn l8_missing_spring_has_a_limit() {
         assert!(limit < 1e6, "{seed}: {limit:e} {fit}");
         fluids += usize::from(fit.equilibrium_limit.is_some());
     }
-    // BIC takes a spring by chance in some per cent of all fluids
+    // BIC selects a spring by chance for some per cent of all fluids
     assert!(fluids >= 3, "{fluids} of 5");
     let solid = series(1.5e9, &[(0.4e9, 4e-5), (0.3e9, 6e-3)]);
     let frequency = logarithmic(100.0, 5e4, 40);
@@ -195,8 +197,8 @@ fn l8_missing_spring_has_a_limit() {
     println!("{without} of 40 solids without a spring");
 }
 
-/// A series of a fractional law takes five branches and more; with a limit of three the best of three,
-/// which leaves more than noise.
+/// A series for a fractional law has five branches or more. With a limit of three, the best series
+/// of three branches is returned, whose residuals exceed noise.
 #[test]
 fn the_number_of_branches_can_be_limited() {
     let law = FractionalZener::new(1.8e9, 3.4e9, 4e-5, 0.45).unwrap();

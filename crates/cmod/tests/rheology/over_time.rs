@@ -1,5 +1,6 @@
-//! Moduli over time. The records are those of the closed forms of relaxation and creep, whose ramps
-//! are means over them by Simpson's rule: nothing here inverts a transform.
+//! Moduli over time. The records are computed from the closed forms of relaxation and creep; the
+//! responses to ramps are means of these by Simpson's rule. Nothing in this module inverts a
+//! transform.
 
 use std::f64::consts::TAU;
 
@@ -16,14 +17,15 @@ use testbed::noise::{Noise, draws};
 
 use super::measured::{logarithmic, series, with_noise};
 
-/// E(t), or 1/J(t), of a load that grows for `ramp` seconds.
+/// Returns E(t), or 1/J(t), for a load that increases for `ramp` seconds.
 fn modulus(law: &dyn TimeDomainModulus, test: TransientTest, ramp: f64, time: f64) -> f64 {
     let at = |time: f64| match test {
         TransientTest::Relaxation => law.relaxation_modulus(time).unwrap(),
         TransientTest::Creep => law.creep_compliance(time).unwrap(),
     };
     let response = if ramp > 0.0 {
-        // from the begin of the ramp, in squares of time: closer points where E(t) is steep
+        // the variable is the square root of the time since the start of the ramp, so that points
+        // are closer where E(t) is steep
         let (first, last) = ((time - ramp).sqrt(), time.sqrt());
         let h = (last - first) / 400.0;
         let value = |k: i32| {
@@ -72,7 +74,7 @@ const TESTS: [(TransientTest, f64); 4] = [
     (TransientTest::Creep, 0.4),
 ];
 
-/// Without noise the parameters come back, through laws that stretch over two decades of modulus.
+/// Without noise the true parameters are found, for laws that extend over two decades of modulus.
 #[test]
 fn laws_are_found_from_relaxation_and_creep() {
     let zener = Zener::new(0.02e9, 2e9, 3.0).unwrap();
@@ -96,7 +98,7 @@ fn laws_are_found_from_relaxation_and_creep() {
             let data = over_time(law, test, ramp, &times, (1e-4, 1));
             let fit = RheologicalFit::new(&data, kind, &FitOptions::default()).unwrap();
             assert!(fit.p_value() > 1e-4, "{kind} {test:?} {ramp}: {fit}");
-            // noise of 1e-4 and its errors, in a band that contains the relaxation
+            // with noise of 1e-4, in a band that contains the relaxation, the errors are as stated
             for omega in logarithmic(1e-3, 1.0, 7) {
                 let error = fit.law.modulus(omega) / law.at(omega) - 1.0;
                 assert!(
@@ -104,7 +106,7 @@ fn laws_are_found_from_relaxation_and_creep() {
                     "{kind} {test:?} {ramp}: {error} at {omega}"
                 );
             }
-            // over time, for a step: the closed form, with the errors of the parameters
+            // over time, for a step: the closed form within the errors of the parameters
             for time in [2.0, 300.0] {
                 let predicted = fit.prediction_over_time(test, time).unwrap();
                 let error = predicted.modulus.re / modulus(law, test, 0.0, time) - 1.0;
@@ -114,7 +116,7 @@ fn laws_are_found_from_relaxation_and_creep() {
                 );
                 assert!(predicted.covariance[0][0].sqrt() < 5e-4 * predicted.modulus.re);
             }
-            // the lines reported by the fit are those measured
+            // the lines reported by the fit are the measured lines
             let left = fit.law.response(&data).into_iter().zip(data.modulus());
             let worst = left.map(|(law, own)| (law / own - 1.0).norm());
             assert!(worst.fold(0.0, f64::max) < 5e-4, "{kind} {test:?} {ramp}");
@@ -122,8 +124,8 @@ fn laws_are_found_from_relaxation_and_creep() {
     }
 }
 
-/// A rubber of three branches over four decades of time: the order is chosen, and the predicted
-/// modulus over frequency has the nominal coverage.
+/// A rubber of three branches over four decades of time: the order is chosen from the data, and the
+/// predicted modulus over frequency has the nominal coverage.
 #[test]
 fn series_from_relaxation_and_creep_cover() {
     let branches = [(0.6e6, 0.3), (0.5e6, 7.0), (0.4e6, 150.0)];
@@ -160,8 +162,8 @@ fn series_from_relaxation_and_creep_cover() {
     }
 }
 
-/// A DMA above the shortest time and a relaxation test below: one law for both, and better known
-/// than from either.
+/// A DMA at times above the shortest time and a relaxation test below: one law for both, with
+/// smaller errors than from either alone.
 #[test]
 fn moduli_over_frequency_and_over_time_are_fitted_together() {
     let law = series(1.2e6, &[(0.6e6, 0.03), (0.5e6, 2.0), (0.4e6, 150.0)]);
@@ -191,8 +193,8 @@ fn moduli_over_frequency_and_over_time_are_fitted_together() {
     }
 }
 
-/// Relaxation at seven temperatures, each with a ramp of its own law: shifts of WLF within their
-/// errors.
+/// Relaxation at seven temperatures, with a different ramp at each: the shifts follow WLF within
+/// their errors.
 #[test]
 fn master_curve_of_relaxation() {
     let branches = [
@@ -228,7 +230,7 @@ fn master_curve_of_relaxation() {
                 square += (error / own.standard_error).powi(2);
                 number += 1.0;
             }
-            // reduced lines carry the errors of the shifts: the law of the truth fits them
+            // reduced lines contain the errors of the shifts: the true law fits them
             let reduced = curve.reduced(&sweep).unwrap();
             let fit =
                 PronyFit::with_order(&reduced, 5, &FitOptions::default().with_profiles(false));
@@ -236,7 +238,7 @@ fn master_curve_of_relaxation() {
             let error = predicted.modulus.re - reference.at(0.1).re;
             assert!(error.abs() < 4.0 * predicted.covariance[0][0].sqrt());
         }
-        // 36 shifts that neighbours correlate
+        // mean of 36 shifts, which are correlated between neighbours
         let mean = square / number;
         println!("{test:?}: mean square of the shifts in their errors {mean:.2}");
         assert!((0.3..2.5).contains(&mean), "{test:?} {mean}");
@@ -289,7 +291,7 @@ fn what_cannot_be_is_refused() {
     }
     let creep = ModulusData::over_time(creep, 0.0, &points).unwrap();
     assert!(RheologicalFit::new(&creep, Law::KelvinVoigt, &options).is_ok());
-    // draws of weights move nothing where the errors are known
+    // draws of weights change nothing if the errors are known
     let drawn = data.clone().with_scatter_of_weights(|| 1.0);
     assert_eq!(drawn.modulus(), data.modulus());
     assert!(matches!(

@@ -1,4 +1,4 @@
-//! Refusal of points and requests that cannot be.
+//! Refusal of impossible points and requests.
 
 use cmod::CmodError;
 use cmod::rheology::{ErrorScale, FitOptions, Law, ModulusData, ModulusPoint, RheologicalFit};
@@ -43,7 +43,7 @@ fn points_that_cannot_be() {
             "correlation of storage and loss modulus of point 1 is 1.5, expected a value between -1 and 1",
         ]
     );
-    // a grid of relaxation times over a band without end would have no end either
+    // for a band without end, the grid of relaxation times would have no end
     for frequency_hz in [1e308, 1e-310] {
         assert_eq!(
             refused(&|p| p.frequency_hz = frequency_hz),
@@ -86,7 +86,7 @@ fn requests_that_cannot_be() {
     ));
     let fit = RheologicalFit::new(&data, Law::Zener, &options).unwrap();
     assert!(fit.prediction(0.0).is_err());
-    // moduli of the other sign of the time factor: waves that grow
+    // moduli with the other sign of the time factor describe growing waves
     let growing: Vec<_> = good()
         .iter()
         .map(|point| ModulusPoint {

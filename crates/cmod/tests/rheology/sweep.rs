@@ -1,5 +1,5 @@
-//! Temperature sweeps: shifts, their errors, and the laws of the shifts. Among them Test 6 of paper
-//! A as a virtual test, from end accelerations.
+//! Temperature sweeps: shifts, their errors, and the laws of the shifts. They include Test 6 of
+//! paper A as a virtual test, from end accelerations.
 
 use std::f64::consts::TAU;
 
@@ -19,13 +19,13 @@ use super::measured::{Noise, logarithmic, measured};
 
 const REFERENCE: f64 = 353.15;
 
-/// ln a_T by Williams, Landel and Ferry.
+/// Returns ln a_T by Williams, Landel and Ferry.
 fn wlf(c1: f64, c2: f64, temperature: f64) -> f64 {
     let d = temperature - REFERENCE;
     -std::f64::consts::LN_10 * c1 * d / (c2 + d)
 }
 
-/// ln a_T by Arrhenius, for an energy in J/mol.
+/// Returns ln a_T by Arrhenius, for an energy in J/mol.
 fn arrhenius(energy: f64, temperature: f64) -> f64 {
     energy / 8.314462618 * (1.0 / temperature - 1.0 / REFERENCE)
 }
@@ -43,7 +43,7 @@ fn four_branches() -> GeneralisedMaxwell {
     GeneralisedMaxwell::new(0.4e9, branches.map(branch).to_vec()).unwrap()
 }
 
-/// Sixteen lines from 400 Hz to 10 kHz at each temperature.
+/// Returns sixteen lines from 400 Hz to 10 kHz at each temperature.
 fn sweep(
     law: &dyn Fn(f64) -> Complex64,
     log_shift: &dyn Fn(f64) -> f64,
@@ -69,8 +69,8 @@ fn sweep(
     TemperatureSweep::new(steps).unwrap()
 }
 
-/// Shifts by WLF, with errors that are those of the scatter; C₁ and C₂ within theirs; Arrhenius
-/// refused.
+/// The shifts follow WLF, with errors equal to their scatter; C₁ and C₂ are within their errors;
+/// Arrhenius is refused.
 #[test]
 fn shifts_and_their_law_are_found_with_their_errors() {
     let law = four_branches();
@@ -105,12 +105,12 @@ fn shifts_and_their_law_are_found_with_their_errors() {
         assert!(laws.wlf_p_value() > 1e-4, "{laws}");
         refused += u32::from(laws.arrhenius_p_value < 0.01);
     }
-    // The shifts are correlated: their 240 squares are worth some tens. The order, chosen from the
-    // same data, adds a little.
+    // The shifts are correlated: their 240 squares are equivalent to some tens of independent ones.
+    // The order, which is chosen from the same data, adds a little.
     assert!((0.6..1.7).contains(&mean_square), "{mean_square}");
-    // another order is never beyond doubt: its shifts scatter about the mean
+    // another order is never excluded completely, and its shifts scatter about the mean
     assert!(by_order > 100, "{by_order}");
-    // C₁ and C₂ are nearly one number: both within two errors in 19 of 20
+    // C₁ and C₂ are almost completely correlated: both are within two errors in 19 of 20 cases
     assert!(covered >= 16, "{covered}");
     assert!(refused >= 18, "{refused}");
 }
@@ -143,7 +143,7 @@ fn arrhenius_is_kept_where_it_is_true() {
     assert!(covered >= 16, "{covered}");
 }
 
-/// A factor ρT that is known is taken out; the series is that of the reference.
+/// A known factor ρT is removed; the series is the series at the reference.
 #[test]
 fn rubber_elasticity_is_taken_out() {
     let law = four_branches();
@@ -172,7 +172,7 @@ fn rubber_elasticity_is_taken_out() {
     let omega = 1e4;
     let error = right.series().unwrap().at(omega) - law.at(omega);
     assert!(error.norm() < 0.01 * law.at(omega).norm());
-    // without it the data demand a factor, which changes by 30 %, and it is found
+    // without the known factor the data require a factor, which changes by 30 %, and it is found
     let found = MasterCurve::new(&sweep, 6, &options).unwrap();
     assert!(found.fit.p_value() > 1e-3, "{found}");
     for shift in &found.shifts {
@@ -188,8 +188,8 @@ fn rubber_elasticity_is_taken_out() {
 }
 
 /// Test 6 of paper A: a rod of polypropylene, 799 mm long and 15.8 mm thick, with an accelerometer
-/// of 2.9 g, from 20 to 140 °C. The material is a fractional Zener model that shifts by WLF, a
-/// stated choice: the paper prints no numbers.
+/// of 2.9 g, from 20 to 140 °C. The material is a fractional Zener model that shifts by WLF. It is
+/// our choice, because the paper prints no numbers.
 #[test]
 fn test_6_of_paper_a() {
     let at_reference = FractionalZener::new(0.15e9, 3.6e9, 1.2e-5, 0.32).unwrap();
@@ -243,12 +243,12 @@ fn test_6_of_paper_a() {
     let curve = MasterCurve::new(&sweep, 6, &options).unwrap();
     for shift in &curve.shifts {
         let error = shift.log_shift - wlf(c1, c2, shift.temperature);
-        // five standard errors, and 0.05 for what first-order errors of single lines leave in the
-        // mean
+        // five standard errors, and 0.05 for the remaining effect of first-order errors of single
+        // lines on the mean
         assert!(error.abs() < 5.0 * shift.standard_error + 0.05, "{curve}");
     }
-    // the modulus at 80 °C from 20 Hz to 200 kHz, far beyond what one temperature shows: 1 % of E',
-    // 5 % of E''
+    // modulus at 80 °C from 20 Hz to 200 kHz, far beyond the band of one temperature: 1 % of E', 5
+    // % of E''
     for f in [20.0, 200.0, 2e3, 2e4, 2e5] {
         let truth = at_reference.at(TAU * f);
         let found = curve.series().unwrap().at(TAU * f);
@@ -264,7 +264,7 @@ fn test_6_of_paper_a() {
     let laws = curve.shift_laws().unwrap();
     let (log_shift, _) = laws.wlf.log_shift(413.15).unwrap();
     assert!((log_shift - wlf(c1, c2, 413.15)).abs() < 0.15, "{laws}");
-    // a list that has been cut holds no shifts any more
+    // a list that was truncated has too few shifts
     let mut cut = curve;
     cut.fit.parameters.truncate(3);
     assert_eq!(
@@ -273,7 +273,7 @@ fn test_6_of_paper_a() {
     );
 }
 
-/// A law at ω a.
+/// Law evaluated at ω a.
 #[derive(Debug, Clone, Copy)]
 struct Shifted {
     law: FractionalZener,
@@ -321,10 +321,10 @@ fn sweeps_that_cannot_be() {
     ));
 }
 
-/// A fractional material with five and with thirteen frequencies a temperature: the order of the
-/// series is not known, and without the scatter between orders the shifts are covered too seldom.
-/// With five frequencies the overlaps are found to a small part of their distance, or most
-/// temperatures count as not connected and the others are a choice of chance.
+/// A fractional material with five and with thirteen frequencies per temperature. The order of the
+/// series is not known, and without the scatter between orders the intervals of the shifts cover
+/// too seldom. With five frequencies the overlaps must be found to a small fraction of the distance
+/// between lines; otherwise most temperatures would count as not connected.
 #[test]
 fn l6_shifts_cover_with_few_frequencies() {
     let law = FractionalZener::new(0.2e9, 3.6e9, 2e-5, 0.4).unwrap();
@@ -361,16 +361,16 @@ fn l6_shifts_cover_with_few_frequencies() {
         }
         let (one, two) = (one / all, two / all);
         println!("{lines} frequencies: {one:.3} {two:.3}");
-        // of 320 shifts, correlated within a curve: 68 and 95 %, three standard deviations of 120
-        // independent ones
+        // 320 shifts, which are correlated within a curve: 68 and 95 %, with three standard
+        // deviations of 120 independent ones
         assert!((0.55..0.81).contains(&one), "{lines}: {one}");
         assert!((0.89..=1.0).contains(&two), "{lines}: {two}");
     }
 }
 
-/// Sweeps of a band so narrow that neighbouring temperatures have no modulus in common are not
-/// shifted onto each other: they are named and not used for the shift laws. A stated shift connects
-/// them, and the curve reports this.
+/// Sweeps with a band so narrow that neighbouring temperatures have no modulus in common are not
+/// shifted onto each other. These temperatures are reported and not used for the shift laws. A
+/// stated shift connects them, and the curve reports this.
 #[test]
 fn l3_curves_without_overlap_are_not_shifted() {
     let law = FractionalZener::new(0.2e9, 3.6e9, 2e-5, 0.4).unwrap();
@@ -410,8 +410,8 @@ fn l3_curves_without_overlap_are_not_shifted() {
     assert!(sweep.with_stated_shifts(&[f64::NAN; 6]).is_err());
 }
 
-/// An unstated factor b_T, as of a material that softens equally at all frequencies: it is
-/// estimated only if the data require it, and the shifts then have their coverage.
+/// An unstated factor b_T, as of a material that softens equally at all frequencies, is estimated
+/// only if the data require it, and the shifts then have their coverage.
 #[test]
 fn l3_vertical_shift_is_estimated_where_it_is_demanded() {
     let law = FractionalZener::new(0.2e9, 3.6e9, 2e-5, 0.4).unwrap();
@@ -457,13 +457,13 @@ fn l3_vertical_shift_is_estimated_where_it_is_demanded() {
         }
     }
     println!("{covered} of {all} shifts, {without} of 8 without a factor");
-    // 45.6 of 48, correlated within a curve
+    // 45.6 of 48 are expected; the values are correlated within a curve
     assert!(covered >= 40, "{covered} of {all}");
     assert!(without >= 7, "{without}");
 }
 
-/// At the coldest temperature the curve is flat within its errors and its shift bounded below only:
-/// the laws of the shifts leave it out.
+/// At the coldest temperature the curve is flat within its errors and its shift is bounded only
+/// from below; the shift laws do not use it.
 #[test]
 fn l4_shift_laws_use_identified_shifts_only() {
     let law = four_branches();
@@ -478,7 +478,7 @@ fn l4_shift_laws_use_identified_shifts_only() {
             .count();
         left_out += curve.shifts.len() - identified;
         let laws = curve.shift_laws().unwrap();
-        // less the reference, and two parameters
+        // the number is reduced by the reference and by two parameters
         assert_eq!(laws.wlf.degrees_of_freedom, identified - 3, "{curve}");
         covered += u32::from((laws.wlf.c1 - 8.0).abs() < 2.0 * laws.wlf.c1_standard_error);
         for shift in &mut curve.shifts {
@@ -492,8 +492,9 @@ fn l4_shift_laws_use_identified_shifts_only() {
     assert!(covered >= 4, "{covered} of 5");
 }
 
-/// Temperatures that are wrong by 1 K: with that uncertainty stated the shifts and the series at the
-/// reference cover, as do the reduced lines; the scatter of the shifts tells its size.
+/// Temperatures that are wrong by 1 K: if this uncertainty is stated, the intervals of the shifts,
+/// of the series at the reference and of the reduced lines cover the truth. The scatter of the
+/// shifts gives the size of the uncertainty.
 #[test]
 fn errors_of_temperatures_are_errors_of_shifts_and_curve() {
     let law = four_branches();
@@ -528,7 +529,7 @@ fn errors_of_temperatures_are_errors_of_shifts_and_curve() {
         let found = curve.fit.prediction(omega).unwrap();
         let z = (found.modulus.re - law.at(omega).re) / found.covariance[0][0].sqrt();
         curve_at += z * z / seeds as f64;
-        // one common error of all lines, the change of E by that of the reference
+        // one common error of all lines: the change of E due to the temperature of the reference
         let reduced = curve.reduced(&sweep).unwrap();
         let of_temperature = reduced.common_errors().last().unwrap();
         let near = reduced.omega().partition_point(|at| *at < omega);
@@ -537,7 +538,7 @@ fn errors_of_temperatures_are_errors_of_shifts_and_curve() {
         let expected = slope * by_kelvin * kelvin;
         lines += of_temperature.shift[near].norm() / expected.norm() / seeds as f64;
     }
-    // each with some tens of independent squares, or twelve
+    // each mean is over some tens of independent squares, or over twelve
     assert!(
         (0.4..1.8).contains(&shifts) && unstated > 20.0,
         "{shifts}, {unstated}"

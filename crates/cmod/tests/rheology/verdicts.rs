@@ -5,8 +5,8 @@ use rodwave::modulus::{ComplexModulus, FractionalZener, HavriliakNegami, Zener};
 
 use super::measured::{Noise, logarithmic, measured, series, with_noise};
 
-/// Two relaxation times of ratio 1.3 with 1 %: one is enough, and with two forced nothing of the
-/// pair is identified.
+/// Two relaxation times with the ratio 1.3 and 1 % noise: one branch is sufficient, and if two are
+/// forced, no parameter of the pair is identified.
 #[test]
 fn close_relaxation_times_are_not_resolved() {
     let law = series(2.0e9, &[(0.4e9, 1e-4), (0.4e9, 1.3e-4)]);
@@ -26,14 +26,14 @@ fn close_relaxation_times_are_not_resolved() {
         let forced = PronyFit::with_order(&data, 2, &FitOptions::default()).unwrap();
         let pair = &forced.fit.parameters[1..];
         let open = pair.iter().filter(|p| !p.verdict.is_identified()).count();
-        // the modulus of one of them may be 0, and then its time is any
+        // the modulus of one branch may be 0, and its time is then arbitrary
         assert!(open >= 2, "{}", forced.fit);
     }
 }
 
-/// A relaxation forty times faster than the band: its flank has the slope Eτ, so that its time is
-/// bounded above and its modulus below. One seed in twenty shows by chance a curvature that is not
-/// there.
+/// A relaxation forty times faster than the band. Its flank has the slope Eτ, so its time is
+/// bounded from above and its modulus from below. One seed in twenty has by chance a curvature that
+/// is not real.
 #[test]
 fn relaxation_above_the_band_is_bounded_on_one_side() {
     let law = Zener::new(2.0e9, 3.0e9, 2e-7).unwrap();
@@ -66,8 +66,9 @@ fn relaxation_above_the_band_is_bounded_on_one_side() {
     assert!(covered >= 16, "{covered}");
 }
 
-/// Below the band the slow flank E/τ is seen and the sum E∞ + E: the spring may carry any share of
-/// it, so E∞ is bounded above only, and E and τ lie within a factor of more than ten.
+/// Below the band the data determine the slow flank E/τ and the sum E∞ + E. The spring may have any
+/// part of this sum, so E∞ is bounded only from above, and E and τ are known only within a factor
+/// of more than ten.
 #[test]
 fn relaxation_below_the_band_hides_the_spring() {
     let law = series(2.0e9, &[(0.4e9, 5e-5), (1.0e9, 0.3)]);
@@ -97,7 +98,7 @@ fn relaxation_below_the_band_hides_the_spring() {
 }
 
 /// Profiles of a parameter with a large error are asymmetric and have their nominal coverage, where
-/// linear intervals do not apply. Few lines, much noise.
+/// linear intervals do not apply. The data have few lines and much noise.
 #[test]
 fn profiles_cover() {
     let law = Zener::new(2.0e9, 2.7e9, 2e-5).unwrap();
@@ -112,11 +113,11 @@ fn profiles_cover() {
         profiles += u32::from(time.interval.method == IntervalMethod::Profile);
     }
     assert!(profiles > 150, "{profiles}");
-    // 190 ± 3.1; four of these below, all above
+    // 190 ± 3.1 are expected; four of these below, any number above
     assert!(covered >= 177, "{covered}");
 }
 
-/// Without profiles a large error is no bound.
+/// Without profiles a parameter with a large error has no bound.
 #[test]
 fn profiles_can_be_left_out() {
     let law = Zener::new(2.0e9, 3.0e9, 2e-7).unwrap();
@@ -128,8 +129,8 @@ fn profiles_can_be_left_out() {
     assert!(matches!(time.verdict, Verdict::NotIdentifiable(_)), "{fit}");
 }
 
-/// A relaxation of one second and more, seen from 50 Hz on: only E₀ + ΔE and ΔE/τ are seen. The
-/// relaxed modulus may be anything below their sum, far from where the minimum happens to lie.
+/// A relaxation of one second or more, measured from 50 Hz: only E₀ + ΔE and ΔE/τ are determined.
+/// The relaxed modulus may have any value below their sum, far from the minimum that was found.
 #[test]
 fn l2_spring_below_a_slow_relaxation_is_never_identified() {
     let frequency = logarithmic(50.0, 10e3, 60);
@@ -145,11 +146,11 @@ fn l2_spring_below_a_slow_relaxation_is_never_identified() {
             seeds += 1;
         }
     }
-    // 57 of 60, less three standard deviations
+    // 57 of 60 are expected, less three standard deviations
     assert!(covered >= 52, "{covered} of {seeds}");
 }
 
-/// An elastic rod has no loss: with noise alone no parameter of a loss is identified, under any
+/// An elastic rod has no loss: from noise alone no parameter of a loss is identified, for any
 /// requested law.
 #[test]
 fn l2_elastic_rod_has_no_identified_loss() {
@@ -185,13 +186,13 @@ fn l2_elastic_rod_has_no_identified_loss() {
     }
 }
 
-/// Weak data identify few parameters, those with a minimum that is sharp by chance: their intervals
-/// have the nominal coverage only if other minima are examined too.
+/// Weak data identify few parameters, whose minimum is sharp by chance. Their intervals have the
+/// nominal coverage only if other minima are also examined.
 #[test]
 fn l9_identified_parameters_of_weak_data_cover() {
     let skew = HavriliakNegami::new(1.0e9, 3.0e9, 1e-4, 0.7, 0.5).unwrap();
     let symmetric = FractionalZener::new(1.0e9, 3.0e9, 1e-4, 0.5).unwrap();
-    // E₀, ΔE, τ and the exponents, αβ that of Havriliak and Negami
+    // E₀, ΔE, τ and the exponents; the exponent of Havriliak and Negami is αβ
     let cases: [(&dyn ComplexModulus, Law, &[f64]); 2] = [
         (
             &skew,
@@ -218,7 +219,7 @@ fn l9_identified_parameters_of_weak_data_cover() {
             }
         }
         println!("{name}: {identified} of {all} identified, {covered} covered");
-        // 95 %, less three standard deviations of the few that are identified
+        // 95 %, less three standard deviations for the few parameters that are identified
         let few: f64 = 3.0 * (0.95 * 0.05 / f64::max(identified, 1.0)).sqrt();
         assert!(covered >= (0.95 - few - 0.02) * identified, "{name}");
     }

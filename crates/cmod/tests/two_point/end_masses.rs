@@ -1,4 +1,4 @@
-//! Masses of the two accelerometers, of which only that on the free end enters.
+//! Masses of the two accelerometers, of which only the mass on the free end has an effect.
 
 use std::f64::consts::TAU;
 
@@ -26,9 +26,9 @@ fn frequencies() -> Vec<f64> {
     (1..=400).map(|j| 50.0 * f64::from(j)).collect()
 }
 
-/// Both accelerometers of paper A, figure 1. Unequal masses: none, the same, and twenty times as
-/// much at the struck end give the modulus of the material. Without a mass at the free end the
-/// solution is the closed form, nothing is iterated.
+/// Both accelerometers of paper A, figure 1, with unequal masses: no mass, the same mass, and
+/// twenty times the mass at the struck end give the modulus of the material. Without a mass at the
+/// free end the solution is the closed form, without iteration.
 #[test]
 fn the_mass_on_the_impacted_end_does_not_matter() {
     let frequency_hz = frequencies();
@@ -53,7 +53,7 @@ fn the_mass_on_the_impacted_end_does_not_matter() {
         for line in estimate.lines() {
             let exact = polypropylene().modulus(TAU * line.frequency_hz);
             let error = (line.modulus - exact).norm() / exact.norm();
-            // rounding of Ψ, 1e-14 through the mass at the struck end, comes out amplified
+            // rounding of Ψ, 1e-14 because of the mass at the struck end, is amplified
             let tolerance = 1e-13 * (1.0 + line.error_amplification);
             assert!(error < tolerance, "{} Hz: {error:e}", line.frequency_hz);
             let is_closed = line.termination == Termination::ClosedForm;
@@ -62,7 +62,7 @@ fn the_mass_on_the_impacted_end_does_not_matter() {
     }
 }
 
-/// The mass on the free end does matter: left out, E' is wrong by about 2μ, 8 % here.
+/// If the mass on the free end is omitted, E' is wrong by about 2μ, 8 % here.
 #[test]
 fn the_mass_on_the_free_end_matters() {
     let frequency_hz = frequencies();
@@ -78,8 +78,8 @@ fn the_mass_on_the_free_end_matters() {
     let expected = (1.0 + SPECIMEN.mass_ratio()).powi(-2);
     for line in estimate.valid() {
         let exact = polypropylene().modulus(TAU * line.frequency_hz);
-        // γL(μ = 0) of the same Ψ is x (1 + μ) to first order, the next of order μ² x coth x: near
-        // kL = nπ not small
+        // γL(μ = 0) of the same Ψ is x (1 + μ) to first order; the next term is of order μ² x coth
+        // x, which is not small near kL = nπ
         if line.error_amplification < 1.0 {
             let found = line.modulus.re / exact.re;
             assert!(

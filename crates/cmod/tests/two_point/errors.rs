@@ -1,5 +1,5 @@
-//! Linear propagation against Monte Carlo: noise, specimen, and the variance that the coherence
-//! gives.
+//! Linear propagation compared with Monte Carlo: noise, specimen, and the variance from the
+//! coherence.
 
 use std::f64::consts::TAU;
 
@@ -18,7 +18,7 @@ use super::rod::acceleration_ratio;
 use crate::materials;
 use testbed::noise::Noise;
 
-/// Test 2 of paper A.
+/// Specimen of Test 2 of paper A.
 const SPECIMEN: Specimen = Specimen {
     length: 0.401,
     diameter: 0.0107,
@@ -59,8 +59,8 @@ impl Moments {
         self.loss_factor += (line.loss_factor - clean.loss_factor).powi(2) * share;
     }
 
-    /// Against the statement of `line`. A variance of 4000 values scatters by (2/4000)^½ = 2.2 %;
-    /// four of that.
+    /// Compares with the stated errors of `line`. A variance of 4000 values scatters by (2/4000)^½
+    /// = 2.2 %; the tolerance is four times this value.
     fn check(&self, line: &ModulusLine, what: &str) {
         let name = format!("{what}, {} Hz", line.frequency_hz);
         let stated = &line.standard_error;
@@ -83,17 +83,18 @@ impl Moments {
             (self.modulus, total.modulus),
             (self.gamma, total.propagation_coefficient),
         ] {
-            // a correlation scatters by 1/4000^½ = 1.6 % or less; four of that
+            // a correlation scatters by 1/4000^½ = 1.6 % or less; the tolerance is four times this
+            // value
             let difference = found.correlation() - stated.correlation();
             assert!(difference.abs() < 0.065, "{name}: correlation {difference}");
         }
     }
 }
 
-/// Noise alone, an uncertain specimen alone, and both.
+/// Compares for noise alone, for an uncertain specimen alone, and for both.
 #[test]
 fn linear_propagation_is_that_of_monte_carlo() {
-    // from poor to good: kL = 0.6, π/2, 0.9 π, 3π/2 and beyond
+    // from poorly to well determined lines: kL = 0.6, π/2, 0.9 π, 3π/2 and beyond
     let frequency_hz = [400.0, 1060.0, 1900.0, 3150.0, 6000.0];
     let exact = acceleration_ratio(&polypropylene(), &SPECIMEN, 2.9e-3, &frequency_hz);
     let repetitions = 4000;
@@ -119,7 +120,7 @@ fn linear_propagation_is_that_of_monte_carlo() {
             .unwrap();
         let mut random = Noise::seeded(1993);
         let mut moments = [Moments::default(); 5];
-        // errors of the second and the last line together
+        // covariance of the errors of the second and the last line
         let mut together = 0.0;
         for _ in 0..repetitions {
             let ratio = random.on(&exact, &variance);
@@ -158,8 +159,8 @@ fn linear_propagation_is_that_of_monte_carlo() {
             ((together - stated) / size).abs() < 0.065,
             "{what}: {together:e}, {stated:e}"
         );
-        // noise is independent from line to line, a specimen the same but for what the mass ratio
-        // does differently
+        // noise is independent from line to line; the error of a specimen is the same except for
+        // the effect of the mass ratio
         match what {
             "noise" => assert!(stated.abs() <= 0.0),
             "specimen" => assert!(stated / size > 0.95, "{}", stated / size),
@@ -168,7 +169,7 @@ fn linear_propagation_is_that_of_monte_carlo() {
     }
 }
 
-/// Every shift against differences of estimates with a changed specimen.
+/// Compares every shift with differences of estimates with a changed specimen.
 #[test]
 fn shifts_are_the_derivatives_by_the_specimen() {
     let frequency_hz = [700.0, 1500.0, 2300.0, 9000.0];
@@ -202,8 +203,8 @@ fn shifts_are_the_derivatives_by_the_specimen() {
             let modulus = (plus.modulus - minus.modulus) / (2.0 * step);
             let gamma =
                 (plus.propagation_coefficient - minus.propagation_coefficient) / (2.0 * step);
-            // relative changes of 1e-5 and less: second order 1e-8, rounding 1e-15/1e-5 of E,
-            // amplified
+            // for relative changes of 1e-5 or less the second order is 1e-8, and the rounding error
+            // is 1e-15/1e-5 of E, amplified
             let name = format!("{}, {} Hz", shift.source, line.frequency_hz);
             assert!(
                 (modulus - shift.modulus).norm() < 1e-6 * shift.modulus.norm(),
@@ -249,8 +250,8 @@ fn of_noise(claims: &mut Claims) {
     );
 }
 
-/// Ten blows on one line, as complex numbers: errors by the root of their variance are Student's,
-/// not normal.
+/// Ten blows on one line, as complex numbers: errors divided by the root of their estimated
+/// variance follow Student's distribution, not the normal distribution.
 fn of_ten_blows(claims: &mut Claims) {
     let (blows, repetitions) = (10_u32, 40_000_u32);
     let ratio = Complex64::new(0.4, -1.1);
@@ -317,8 +318,8 @@ fn of_ten_blows(claims: &mut Claims) {
     }
 }
 
-/// Lines whose error of Ψ is so large that it bends, near kL = π and at low frequency, are marked;
-/// the bend is the second difference of E in Ψ.
+/// Lines whose error of Ψ is so large that E is nonlinear in it, near kL = π and at low frequency,
+/// are marked. The nonlinearity is the second difference of E in Ψ.
 #[test]
 fn lines_whose_error_bends_are_marked() {
     let frequency_hz: Vec<f64> = (10..=120).map(|j| 20.0 * f64::from(j)).collect();
@@ -356,7 +357,7 @@ fn lines_whose_error_bends_are_marked() {
     };
     let (plus, minus) = (shifted(step.into()), shifted((-step).into()));
     for ((line, plus), minus) in estimate.lines().iter().zip(plus.lines()).zip(minus.lines()) {
-        // half waves of 0.15 and more: below, a step of 1e-4 is itself a bend
+        // half waves of 0.15 and more: below, a step of 1e-4 is itself nonlinear
         if half_waves(line) < 0.15 {
             continue;
         }
@@ -372,7 +373,7 @@ fn lines_whose_error_bends_are_marked() {
     }
 }
 
-/// A coherence below what is asked, and too few averages.
+/// Checks a coherence below the limit, and too few averages.
 #[test]
 fn coherence_is_asked_if_wished() {
     let frequency_hz = [1000.0, 1060.0, 1120.0];
@@ -415,8 +416,9 @@ fn coherence_is_asked_if_wished() {
     assert!(averaged(&[1.0; 3], 1.0).is_err());
 }
 
-/// The error of a density known to 1 % is part of the stated error. It makes lines invalid, and is
-/// named, only under a limit on common errors. Large noise makes all lines invalid.
+/// The error of a density known to 1 % is part of the stated error. Only a limit on common errors
+/// makes the lines invalid, and the report then names the density. Large noise makes all lines
+/// invalid.
 #[test]
 fn r15_common_errors_stand_beside_and_judge_no_line() {
     let frequency_hz: Vec<f64> = (1..=60).map(|j| 100.0 * f64::from(j)).collect();
@@ -444,13 +446,13 @@ fn r15_common_errors_stand_beside_and_judge_no_line() {
     for line in with.valid() {
         let random = line.random_error().storage_modulus / line.modulus.re;
         assert!(random < 0.002, "{random}");
-        // dE/E = dρ/ρ, and what the mass of the accelerometer is relative to the rod
+        // dE/E = dρ/ρ, and the effect of the mass of the accelerometer relative to the rod
         let common = line.systematic_error().storage_modulus / line.modulus.re;
         assert!((0.006..0.0125).contains(&common), "{common}");
         let total = line.standard_error.storage_modulus / line.modulus.re;
         assert!((total / random.hypot(common) - 1.0).abs() < 1e-12);
     }
-    // five standard errors of noise above 1 %
+    // five standard errors due to noise are above 1 %
     assert_eq!(estimate(0.0, 1e-2, usual).valid().count(), 0);
 
     let asked = AcceptanceLimits {

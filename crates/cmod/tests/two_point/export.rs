@@ -1,4 +1,4 @@
-//! An estimate as columns and as curves.
+//! Estimate as columns and as curves.
 
 use cmod::estimate::PlottedQuantity;
 use cmod::two_point::SpecimenUncertainty;
@@ -15,8 +15,8 @@ const SPECIMEN: Specimen = Specimen {
     accelerometer_mass: 2.9e-3,
 };
 
-/// Lines of 100 Hz to 4 kHz, of which the first are too long a wave, one is bad, and those at half
-/// a wave scatter.
+/// Returns an estimate on lines from 100 Hz to 4 kHz. The first lines have too long a wavelength,
+/// one line is bad, and the lines near half a wave scatter.
 fn estimate() -> ModulusEstimate {
     let medium = polypropylene(SPECIMEN.density);
     let frequency_hz: Vec<f64> = (1..=40).map(|j| 100.0 * f64::from(j)).collect();
@@ -55,7 +55,7 @@ fn columns_hold_what_the_lines_do() {
         exact("modulus_covariance", line.covariance().mixed);
         exact("phase_velocity_error", line.standard_error.phase_velocity);
         exact("valid", f64::from(u8::from(line.validity.is_valid())));
-        // random and systematic part make the total
+        // the random and the systematic part add up to the total
         let total = values("storage_modulus_random_error")[row]
             .hypot(values("storage_modulus_systematic_error")[row]);
         assert!((total / values("storage_modulus_error")[row] - 1.0).abs() < 1e-12);
@@ -100,7 +100,7 @@ fn curves_are_in_pieces_of_one_verdict() {
     assert_eq!(curve.quantity.unit(), "1");
 }
 
-/// A table goes into a file by serde.
+/// Checks that tables and curves are serialised by serde.
 #[test]
 fn tables_and_curves_are_serialised() {
     let estimate = estimate();

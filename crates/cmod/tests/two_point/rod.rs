@@ -1,4 +1,4 @@
-//! A rod with a mass at either end, by the chain of `rodwave`.
+//! Rod with a mass at either end, computed by the chain of `rodwave`.
 
 use std::f64::consts::TAU;
 
@@ -7,8 +7,8 @@ use num_complex::Complex64;
 use rodwave::chain::{AngularFrequency, Chain, Termination, WaveMedium};
 use rodwave::element::Circle;
 
-/// â₁/â₂ of a rod of `medium` that carries `impacted_mass` [kg] at the struck end and the
-/// accelerometer of the `specimen` at the other.
+/// Returns â₁/â₂ of a rod of `medium` that carries `impacted_mass` [kg] at the struck end and the
+/// accelerometer of the `specimen` at the other end.
 pub(crate) fn acceleration_ratio<M>(
     medium: &M,
     specimen: &Specimen,

@@ -5,8 +5,8 @@ use std::fmt;
 use cmod::ModulusLine;
 use num_complex::Complex64;
 
-/// Errors of E' and E'' by their standard errors, within the factors of 68.3 % and 95 %, and the
-/// largest relative ones.
+/// Errors of E' and E'' divided by their standard errors, counted within the factors of 68.3 % and
+/// 95 %, and the largest relative errors.
 #[derive(Default)]
 pub(crate) struct Coverage {
     one: f64,
@@ -18,7 +18,7 @@ pub(crate) struct Coverage {
 }
 
 impl Coverage {
-    /// One line, with the coverage factors of 68.3 % and 95 %.
+    /// Adds one line, with the coverage factors of 68.3 % and 95 %.
     pub(crate) fn add_with(&mut self, line: &ModulusLine, exact: Complex64, [one, two]: [f64; 2]) {
         let error = line.modulus - exact;
         let stated = &line.standard_error;
@@ -33,7 +33,7 @@ impl Coverage {
         self.worst_loss_factor = self.worst_loss_factor.max(loss_factor);
     }
 
-    /// One complex error with the standard errors of its parts.
+    /// Adds one complex error with the standard errors of its parts.
     pub(crate) fn add_error(&mut self, error: Complex64, stated: [f64; 2], [one, two]: [f64; 2]) {
         for (error, stated) in [error.re, error.im].into_iter().zip(stated) {
             let ratio = error.abs() / stated;
@@ -44,13 +44,13 @@ impl Coverage {
         self.lines += 1;
     }
 
-    /// Parts of the values within the two factors.
+    /// Returns the fractions of the values within the two factors.
     pub(crate) fn parts(&self) -> (f64, f64) {
         (self.one / self.count, self.two / self.count)
     }
 
-    /// 68 % ± 5 % and 95 % ± 2 %, the bounds to which the errors are to be stated. The sampling
-    /// error of 4000 independent values and more is below 0.8 %.
+    /// Checks for 68 % ± 5 % and 95 % ± 2 %, the required accuracy of stated errors. The sampling
+    /// error of 4000 or more independent values is below 0.8 %.
     pub(crate) fn check(&self, name: &str) {
         let (one, two) = self.parts();
         assert!(self.count > 4000.0, "{name}: {} values", self.count);
@@ -58,7 +58,7 @@ impl Coverage {
         assert!((two - 0.95).abs() < 0.02, "{name}: {two:.3} within 95 %");
     }
 
-    /// E' within 1 %, the loss factor within 5 %.
+    /// Checks that E' is within 1 % and the loss factor within 5 %.
     pub(crate) fn check_errors(&self, name: &str) {
         let (storage, loss) = (self.worst_storage, self.worst_loss_factor);
         assert!(storage < 0.01, "{name}: E' off by {storage:.2e}");

@@ -22,13 +22,13 @@ use crate::golden::{constant, golden};
 use crate::materials::{polyamide, polypropylene};
 use testbed::recorder::{BLOW, LEAD, OVERSAMPLING, RATE_HZ, Recorder, end_accelerations, name};
 
-/// Two hundred repetitions of ten tests of ten blows are 20 000 records.
+/// Number of repetitions. Two hundred repetitions of ten tests of ten blows are 20 000 records.
 const SEEDS: u64 = 200;
 /// The band of paper A for the longest specimens is 400 Hz to 20 kHz; the blow, of 80 µs, excites
 /// up to 20 kHz.
 const HIGHEST_HZ: f64 = 20e3;
 
-/// Specimen and material of test `label`.
+/// Returns the specimen and the material of test `label`.
 fn test(label: u32) -> (Specimen, String) {
     let rows = golden("paper_a_table_2.ron");
     let row = rows.iter().find(|row| row.label == label.to_string());
@@ -42,11 +42,12 @@ fn test(label: u32) -> (Specimen, String) {
     (specimen, row.text["material"].clone())
 }
 
-/// The moduli that the virtual specimens have.
+/// Materials of the virtual specimens.
 enum Material {
-    /// 2.6 GPa and a loss factor of 0.07, constant and causal, as figure 3 of paper A shows.
+    /// Modulus of 2.6 GPa and loss factor of 0.07, constant and causal, as figure 3 of paper A
+    /// shows.
     Polypropylene(Medium<ConstantQ>),
-    /// Paper E, eq. 7.
+    /// Power laws of paper E, eq. 7.
     Polyamide(Medium<PowerLawPropagation>),
 }
 
@@ -67,13 +68,14 @@ impl Material {
         }
     }
 
-    /// Exact accelerations of both ends under a blow of 100 N, [`LEAD`] samples of `n_samples` of
-    /// the recorder after the beginning.
+    /// Returns the exact accelerations of both ends under a blow of 100 N, which begins [`LEAD`]
+    /// samples of the recorder after the start of the `n_samples`.
     fn accelerations(&self, rig: &Rig, n_samples: usize) -> [Vec<f64>; 2] {
         match self {
             Self::Polypropylene(medium) => end_accelerations(medium, rig, n_samples).unwrap(),
-            // A law on the real axis only: one period, in which it must have decayed. Not quite
-            // causal, it moves a little before the blow: the end of the period.
+            // A law that is only known on the real axis: one period is computed, in which the
+            // motion must have decayed. The law is not quite causal, so there is a small motion
+            // before the blow, at the end of the period.
             Self::Polyamide(medium) => {
                 let blow = RaisedCosine::new(BLOW.0, BLOW.1).unwrap();
                 let count = n_samples * OVERSAMPLING;
@@ -91,7 +93,7 @@ impl Material {
     }
 }
 
-/// One of the ten tests with its rig.
+/// One of the ten tests, with its rig.
 struct VirtualTest {
     name: String,
     specimen: Specimen,
@@ -100,7 +102,7 @@ struct VirtualTest {
 }
 
 impl VirtualTest {
-    /// Test `label` by a converter of `bits`.
+    /// Creates test `label` with a converter of `bits`.
     fn new(label: u32, bits: u32) -> Self {
         let (specimen, material) = test(label);
         let material = Material::of(&specimen, &material);
@@ -109,7 +111,7 @@ impl VirtualTest {
             length: specimen.length,
             accelerometer_mass: specimen.accelerometer_mass,
         };
-        // a length of 400 mm rings down by e^-14 in 30 ms, one of 800 mm in 60 ms
+        // the motion of a length of 400 mm decays by e^-14 in 30 ms, of 800 mm in 60 ms
         let n_samples = if specimen.length < 0.5 { 2048 } else { 4096 };
         let histories = material.accelerations(&rig, n_samples);
         Self {
@@ -126,7 +128,7 @@ impl VirtualTest {
         }
     }
 
-    /// H₁ of paper A, section 3, evaluated with these limits.
+    /// Evaluates H₁ of paper A, section 3, with these limits.
     fn estimate(&self, spectra: &AveragedSpectra, limits: AcceptanceLimits) -> ModulusEstimate {
         let response = spectra.h1(&name(1), &name(0)).unwrap();
         let within = response.frequency_hz.partition_point(|f| *f <= HIGHEST_HZ);
@@ -159,8 +161,9 @@ impl VirtualTest {
     }
 }
 
-/// On every valid line E' within 1 % and the loss factor within 5 %, and stated errors that cover
-/// the truth. Of the band, at least `least_valid` lines are valid on average.
+/// Checks that on every valid line E' is within 1 % and the loss factor within 5 %, and that the
+/// stated errors cover the truth. At least `least_valid` lines of the band must be valid on
+/// average.
 fn check(label: u32, bits: u32, seeds: u64, least_valid: usize) {
     let test = VirtualTest::new(label, bits);
     // the waves of the rig have no lateral inertia
@@ -180,7 +183,7 @@ fn check(label: u32, bits: u32, seeds: u64, least_valid: usize) {
     coverage.check(&test.name);
 }
 
-/// 629 lines, 32 Hz apart; the wavelength is below five lengths from 1.7 kHz on.
+/// 629 lines, 32 Hz apart; the wavelength is below five lengths from 1.7 kHz upwards.
 #[test]
 fn specimens_of_200_mm() {
     check(1, 14, SEEDS, 240);
@@ -188,7 +191,7 @@ fn specimens_of_200_mm() {
     check(7, 16, SEEDS, 280);
 }
 
-/// The wavelength is below five lengths from 840 Hz on.
+/// The wavelength is below five lengths from 840 Hz upwards.
 #[test]
 fn specimens_of_400_mm() {
     check(2, 14, SEEDS, 380);
@@ -197,8 +200,8 @@ fn specimens_of_400_mm() {
 }
 
 /// The instruments of paper A, figure 2. 1257 lines, 16 Hz apart. The two hundred repetitions are
-/// spread over the four tests, to save time: each still has 45 000 valid lines, and the sampling
-/// error is no more than 0.3 %.
+/// spread over the four tests to save time; each test still has 45 000 valid lines, and the
+/// sampling error is at most 0.3 %.
 #[test]
 fn specimens_of_800_mm() {
     for (label, bits, least_valid) in [(3, 14, 800), (6, 14, 900), (9, 16, 900), (10, 16, 880)] {
@@ -206,8 +209,8 @@ fn specimens_of_800_mm() {
     }
 }
 
-/// Errors without a limit are large and still stated, except by what H₁ is biased: with a coherence
-/// of 0.998 at least, that is no more than 0.19 of a standard error.
+/// Without limits the errors are large but still stated correctly, except for the bias of H₁: with
+/// a coherence of at least 0.998 the bias is at most 0.19 of a standard error.
 #[test]
 fn large_errors_are_stated() {
     let test = VirtualTest::new(5, 12);

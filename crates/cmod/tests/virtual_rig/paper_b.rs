@@ -1,4 +1,4 @@
-//! Structures I and II of paper B: strains of a bar between two cantilever beams, and the same with
+//! Structures I and II of paper B: strains of a bar between two cantilever beams, without and with
 //! a lump.
 
 use std::f64::consts::TAU;
@@ -22,11 +22,13 @@ use testbed::recorder::{OVERSAMPLING, RATE_HZ, Recorder, after_rest, name};
 
 const SEEDS: u64 = 200;
 const N_SAMPLES: usize = 4096;
-/// A quarter of the record before the blow and a quarter at its end are tapered: the waves have
-/// decayed by then, and the slow swing of the bar on its beams, which has not, ends without a step.
+/// Number of samples before the blow. A quarter of the record before the blow and a quarter at its
+/// end are tapered: the waves have decayed by then, and the slow motion of the bar on its beams,
+/// which has not decayed, ends without a step.
 const LEAD: usize = 1024;
 const WINDOW: Window = Window::TukeyPeriodic { taper: 0.5 };
-/// Lines of 496 Hz to 8 kHz, 64 Hz apart: neighbours of the window's main lobe are left out.
+/// Index of the first line. The lines are from 496 Hz to 8 kHz, 64 Hz apart: neighbours within the
+/// main lobe of the window are omitted.
 const FIRST_LINE: usize = 31;
 const STEP: usize = 4;
 const COUNT: usize = 118;
@@ -48,7 +50,7 @@ fn rod(gauges: &[usize]) -> GaugedRod {
     }
 }
 
-/// A bar with its gauges, and the noise that they were found to have.
+/// Bar with its gauges, and the measured noise of the gauges.
 struct Structure {
     recorder: Recorder,
     frequency_hz: Vec<f64>,
@@ -56,7 +58,7 @@ struct Structure {
 }
 
 impl Structure {
-    /// Structure I, or with a `lump` [kg] structure II.
+    /// Creates structure I, or structure II with a `lump` [kg].
     fn new(lump: f64) -> Self {
         let beam = EndSupport::PAPER_B_BEAM;
         let section = Circle::of_diameter(0.016).unwrap();
@@ -83,7 +85,7 @@ impl Structure {
         let silence = recorder.blows(1.0, 32, u64::MAX, |_| 0.0).unwrap();
         let silence = recorder.averaged(&silence).unwrap();
         let frequency_hz = thinned(silence.frequency_hz());
-        // white, so that the mean over 118 lines of 32 records gives it to 1 %
+        // the noise is white, so the mean over 118 lines of 32 records gives it to 1 %
         let noise = (0..POSITIONS.len())
             .map(|gauge| {
                 let power = thinned(&silence.auto(&name(gauge)).unwrap());
@@ -97,8 +99,8 @@ impl Structure {
         }
     }
 
-    /// Spectra (n_blows)(n_gauges)(n_lines) of test `seed`, each blow turned by the phase of its
-    /// first gauge.
+    /// Returns the spectra (n_blows)(n_gauges)(n_lines) of test `seed`, each blow multiplied by the
+    /// phase of its first gauge.
     fn spectra(&self, seed: u64) -> Vec<Vec<Vec<Complex64>>> {
         let of_blow = |record| {
             let spectra = self.recorder.averaged(&[record]).unwrap();
@@ -116,7 +118,7 @@ impl Structure {
             .collect()
     }
 
-    /// Estimates by three gauges in closed form and by five.
+    /// Returns the estimates from three gauges in closed form and from five gauges.
     fn estimates(&self, seed: u64) -> [ModulusEstimate; 2] {
         let spectra = self.spectra(seed);
         let estimate = |gauges: &[usize], method: &dyn Fn(&GaugeSpectra<'_>) -> ModulusEstimate| {
@@ -159,9 +161,9 @@ fn factors() -> [f64; 2] {
     [0.683, 0.95].map(|probability| coverage_factor(probability, None).unwrap())
 }
 
-/// The structures of paper B, figures 3 and 4. In both on every valid line E' within 1 % and the
-/// loss factor within 5 %, and stated errors that cover the truth; and the estimates differ by no
-/// more than their errors, though the ends do.
+/// Structures of paper B, figures 3 and 4. In both, on every valid line E' must be within 1 % and
+/// the loss factor within 5 %, and the stated errors must cover the truth. The two estimates must
+/// differ by no more than their errors, although the ends of the bar differ.
 #[test]
 fn structures_i_and_ii() {
     // the paper gives no mass of the lump
@@ -169,7 +171,7 @@ fn structures_i_and_ii() {
     let coverage = || [Coverage::default(), Coverage::default()];
     let (mut of_structures, mut of_difference) = ([coverage(), coverage()], coverage());
     for seed in 0..SEEDS {
-        // noise of its own in either structure
+        // the noise is independent in the two structures
         let [first, second] = [0, 1].map(|lump| structures[lump].estimates(2 * seed + lump as u64));
         for (estimates, coverage) in [&first, &second].into_iter().zip(&mut of_structures) {
             for (estimate, coverage) in estimates.iter().zip(coverage) {

@@ -1,4 +1,4 @@
-//! The frame of a panel with its grid, ticks and numbers.
+//! Frame of a panel with its grid, ticks and numbers.
 
 use std::fmt::Write;
 
@@ -19,7 +19,7 @@ pub(super) struct Frame {
 }
 
 impl Frame {
-    /// Returns the upper left corner, width and height.
+    /// Returns the upper left corner, the width and the height.
     pub(super) fn sides(&self) -> [f64; 4] {
         let (width, height) = (self.right - self.left, self.bottom - self.top);
         [self.left, self.top, width, height]
@@ -66,7 +66,7 @@ impl Frame {
             let pixel = x.at(*value);
             _ = write!(lines, "M{pixel} {bottom:.1}v5");
             let half = 0.5 * text::width(label, SMALL);
-            // the last one stays inside the image
+            // the last number stays inside the image
             let middle = pixel.min(super::WIDTH - half - 1.0);
             svg.text(label, [middle, bottom + 17.0], SMALL, Anchor::Middle);
         }

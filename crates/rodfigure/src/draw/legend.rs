@@ -23,7 +23,7 @@ enum Swatch {
     Grey,
 }
 
-/// Names in rows.
+/// Names, arranged in rows.
 #[derive(Debug)]
 pub(super) struct Legend {
     rows: Vec<Vec<(Swatch, String)>>,
@@ -75,7 +75,7 @@ impl Legend {
         rows
     }
 
-    /// Draws the legend from `left`, `top` to the right and down.
+    /// Draws the legend with its upper left corner at `left`, `top`.
     pub(super) fn draw(&self, left: f64, top: f64, svg: &mut Svg) {
         let mut middle = (top + 0.5 * ROW).round();
         for row in &self.rows {

@@ -26,8 +26,8 @@ impl Mapping {
         }
     }
 
-    /// Returns the pixel of `value`, limited to a distance that every viewer can draw; NaN for
-    /// values that the axis cannot show.
+    /// Returns the pixel of `value`, limited to a distance that every viewer can draw; NaN for a
+    /// value that the axis cannot show.
     pub(super) fn at(&self, value: f64) -> f64 {
         let place = if self.logarithmic {
             value.log10()
@@ -37,13 +37,13 @@ impl Mapping {
         if place.is_nan() || self.logarithmic && value <= 0.0 {
             return f64::NAN;
         }
-        // tenths of pixels are fine enough, and shorter
+        // a tenth of a pixel is fine enough, and its text is shorter
         let pixel = self.start + (place - self.from) * self.per_unit;
         (pixel.clamp(-5000.0, 9000.0) * 10.0).round() / 10.0
     }
 
-    /// Returns the pixel of `value`; values that a logarithmic axis cannot show are below its lower
-    /// end.
+    /// Returns the pixel of `value`; a value that a logarithmic axis cannot show is placed below
+    /// its lower end.
     pub(super) fn at_or_below(&self, value: f64) -> f64 {
         if self.logarithmic && value <= 0.0 {
             9000.0

@@ -1,4 +1,4 @@
-//! Lines, points with their error bars, and bands.
+//! Drawing of lines, points with error bars, and bands.
 
 use std::fmt::Write;
 
@@ -19,7 +19,7 @@ pub(super) fn draw_mark(mark: &Mark, x: &Mapping, y: &Mapping, svg: &mut Svg) {
         } => {
             let look = look(*role);
             for points in pieces(abscissae.iter().zip(ordinates).map(at)) {
-                // a point between two gaps is a dot
+                // a single point between two gaps is drawn as a dot
                 if let [(x, y)] = points[..] {
                     svg.circle([x, y], 0.8 * look.width, look.color);
                 } else {
@@ -96,7 +96,7 @@ fn pieces(points: impl Iterator<Item = (f64, f64)>) -> Vec<Vec<(f64, f64)>> {
     pieces
 }
 
-/// Returns the outline of the band between edges, in pieces separated by NaN.
+/// Returns the outline of the band between two edges, in pieces separated by NaN.
 fn outline_of(edges: impl Iterator<Item = (f64, [f64; 2])>) -> String {
     let mut d = String::new();
     let mut piece: Vec<(f64, [f64; 2])> = Vec::new();
@@ -123,7 +123,7 @@ fn outline_of(edges: impl Iterator<Item = (f64, [f64; 2])>) -> String {
     d
 }
 
-/// Adds the marker of `role` at a place to the data of a path.
+/// Appends the marker of `role`, at (`x`, `y`), to the data of a path.
 pub(super) fn marker(d: &mut String, role: Role, x: f64, y: f64) {
     let shape = look(role).marker;
     if let Some(outline) = shape.outline() {

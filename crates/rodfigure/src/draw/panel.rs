@@ -14,7 +14,7 @@ use crate::{Axis, Panel, Scale, unit_as_read};
 
 /// Size of the labels of axes.
 const LABEL: f64 = 12.0;
-/// Line spacing of these labels.
+/// Line spacing of the labels of axes.
 const LABEL_LINE: f64 = 14.0;
 /// Height of the axes.
 const HEIGHT: f64 = 230.0;
@@ -24,7 +24,7 @@ const BELOW: f64 = 40.0;
 /// Height of a row of names of vertical lines.
 const NAMES: f64 = 14.0;
 
-/// The place of a panel.
+/// Place of a panel in the figure.
 pub(super) struct Place {
     pub(super) left: f64,
     pub(super) right: f64,
@@ -33,7 +33,7 @@ pub(super) struct Place {
     pub(super) clip: String,
 }
 
-/// A panel with the ranges on which its margins depend.
+/// Panel with the ranges of its axes, which determine its margins.
 pub(super) struct Arranged<'a> {
     panel: &'a Panel,
     x: [f64; 2],
@@ -61,7 +61,7 @@ impl<'a> Arranged<'a> {
         ticks(&self.panel.y, y, (self.height() / 45.0).floor())
     }
 
-    /// Returns the width of the numbers and the label of the vertical axis.
+    /// Returns the width that the numbers and the label of the vertical axis need.
     pub(super) fn left_margin(&self) -> f64 {
         let widest = self
             .y_ticks(self.y)
@@ -72,7 +72,7 @@ impl<'a> Arranged<'a> {
         widest + 8.0 + 8.0 + self.y_label().iter().map(|_| LABEL_LINE).sum::<f64>()
     }
 
-    /// Returns the label of the vertical axis, in lines that are no longer than the axis.
+    /// Returns the label of the vertical axis, broken into lines that are no longer than the axis.
     fn y_label(&self) -> Vec<String> {
         text::lines(&title(&self.panel.y), LABEL, self.height())
     }
@@ -151,7 +151,7 @@ impl<'a> Arranged<'a> {
         }
     }
 
-    /// Writes the labels of the axes, and a note if there are no data.
+    /// Writes the labels of the axes, and a note if there is nothing to show.
     fn label(&self, frame: &Frame, svg: &mut Svg) {
         let centre = 0.5 * (frame.left + frame.right);
         let middle = 0.5 * (frame.top + frame.bottom);
@@ -167,7 +167,7 @@ impl<'a> Arranged<'a> {
         }
     }
 
-    /// Returns the ranges; with equal axes the shorter one is widened on both sides.
+    /// Returns the ranges. With equal scales, the shorter range is widened on both sides.
     fn ranges(&self, place: &Place) -> ([f64; 2], [f64; 2]) {
         let linear = self.panel.x.scale == Scale::Linear && self.panel.y.scale == Scale::Linear;
         if !self.panel.equal_axes || !linear {

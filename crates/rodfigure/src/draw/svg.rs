@@ -96,7 +96,7 @@ impl Svg {
         );
     }
 
-    /// Adds a rectangle from its upper left corner, width and height.
+    /// Adds a rectangle, given by its upper left corner, width and height.
     pub(super) fn rectangle(&mut self, sides: [f64; 4], fill: &str, opacity: f64) {
         let sides = place(sides);
         _ = write!(
@@ -146,8 +146,8 @@ impl Svg {
         self.elements.push_str("</g>");
     }
 
-    /// Returns the text of the file, with a white background. Without a view box, the figure would
-    /// be cut off instead of reduced in size.
+    /// Returns the text of the file, with a white background. It has a view box, without which a
+    /// viewer would cut the figure off instead of reducing it.
     pub(super) fn finish(self, width: f64, height: f64) -> String {
         let Self { clips, elements } = self;
         format!(
@@ -176,7 +176,7 @@ fn place(sides: [f64; 4]) -> String {
     format!(r#"x="{x}" y="{y}" width="{width}" height="{height}""#)
 }
 
-/// Escapes the characters of `text` that have a meaning in markup.
+/// Escapes the characters of `text` that have a meaning in XML.
 fn escaped(text: &str) -> String {
     let text = text.replace('&', "&amp;").replace('<', "&lt;");
     text.replace('>', "&gt;").replace('"', "&quot;")

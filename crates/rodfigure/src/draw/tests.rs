@@ -29,7 +29,7 @@ fn line(x: Vec<f64>, y: Vec<f64>) -> Mark {
     }
 }
 
-/// Returns the points of the first curve in the colour of the first role, except that of the
+/// Returns the points of the first curve in the colour of the first role, without the curve in the
 /// legend.
 fn drawn(svg: &str) -> Vec<Vec<(f64, f64)>> {
     svg.split("<path d=\"M")

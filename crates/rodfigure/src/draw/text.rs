@@ -4,7 +4,7 @@
 pub(super) const SMALL: f64 = 11.0;
 
 /// Estimates the width of `text` in a sans-serif font of `size` pixels. No font is read; the
-/// estimate is rather too long than too short.
+/// estimate is more likely too long than too short.
 pub(super) fn width(text: &str, size: f64) -> f64 {
     let em: f64 = text
         .chars()
@@ -20,7 +20,7 @@ pub(super) fn width(text: &str, size: f64) -> f64 {
     em * size
 }
 
-/// Breaks `text` into lines no longer than `most`, as far as its words allow.
+/// Breaks `text` into lines no longer than `most`, if its words are short enough.
 pub(super) fn lines(text: &str, size: f64, most: f64) -> Vec<String> {
     let mut lines: Vec<String> = Vec::new();
     for word in text.split_whitespace() {

@@ -4,7 +4,7 @@ use super::mapping::Mapping;
 use super::text::{self, SMALL};
 use crate::Mark;
 
-/// A vertical line and the place of its name.
+/// Vertical line and the place of its name.
 pub(super) struct VerticalLine<'a> {
     pub(super) name: &'a str,
     pub(super) pixel: f64,
@@ -12,7 +12,7 @@ pub(super) struct VerticalLine<'a> {
     pub(super) row: usize,
 }
 
-/// Returns the vertical lines with the rows of their names. A name begins at its line and is placed
+/// Returns the vertical lines with the rows of their names. A name begins at its line. It is placed
 /// above every line that it reaches, so that no line crosses a name.
 #[allow(
     clippy::indexing_slicing,
@@ -42,8 +42,8 @@ pub(super) fn vertical_lines<'a>(
     }
     lines.sort_by(|a, b| a.pixel.total_cmp(&b.pixel));
     let end = |line: &VerticalLine<'_>| line.text_from + text::width(line.name, SMALL) + 6.0;
-    // names shifted left of their lines by the right end of the axes are placed above the lines
-    // they then overlap
+    // names that the right end of the axes shifts to the left of their lines are placed above the
+    // lines that they then overlap
     let (pushed, mut placed): (Vec<_>, Vec<_>) = lines
         .into_iter()
         .partition(|line: &VerticalLine<'_>| line.text_from < line.pixel);

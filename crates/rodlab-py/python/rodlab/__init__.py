@@ -1,8 +1,7 @@
 """Complex moduli, constitutive laws and impact forces from recordings of struck rods, with their errors.
 
 Arrays are float64 or complex128. Quantities are numbers in SI, or texts with a unit and a standard uncertainty, such as
-``"799 mm ± 0.3 mm"``.
-Results have one of three standings: ``answered``, ``in doubt`` and ``not allowed``.
+``"799 mm ± 0.3 mm"``. A result has one of three standings: ``answered``, ``in doubt`` or ``not allowed``.
 """
 
 from __future__ import annotations
@@ -55,7 +54,7 @@ __all__ = [
 
 if TYPE_CHECKING:
     from . import bars, force, frf, mobility, modulus, rheology, rods, sheet
-else:  # imported on first use, which shortens the import by two fifths; a type checker would accept any name
+else:  # imports on first use, which shortens the import by two fifths; hidden from type checkers, to which any name would be valid
 
     def __getattr__(name: str) -> Any:
         if name.startswith("_") or name not in __all__:

@@ -1,4 +1,4 @@
-"""Many sheets, here or on Dask."""
+"""Campaigns of many sheets, in this process or on a Dask cluster."""
 
 from __future__ import annotations
 
@@ -21,12 +21,12 @@ T = TypeVar("T")
 
 @dataclass(frozen=True)
 class Campaign:
-    """The result of a campaign.
+    """Result of a campaign.
 
     Attributes
     ----------
     folder : Path
-        Contains a folder for each test, and ``summary.csv``, ``quantities.csv``, ``summary.json``, ``index.html``.
+        Folder that contains a folder for each test, and ``summary.csv``, ``quantities.csv``, ``summary.json``, ``index.html``.
     tests : tuple of dict
         One entry per test, in the order of the names, with ``test``, ``job``, ``title``, ``status``, ``warnings``, ``headline``, ``quantities``.
     """
@@ -49,7 +49,7 @@ def campaign(
     retries: int = 2,
     progress: Progress | None = None,
 ) -> Campaign:
-    """Does the jobs of many sheets in parallel, like ``rodlab batch``, and writes one summary. The files are the same, byte for byte.
+    """Does the jobs of many sheets in parallel and writes one summary. The files are those of ``rodlab batch``, byte for byte.
 
     Parameters
     ----------
@@ -59,21 +59,21 @@ def campaign(
         Folder that receives a folder for each test, and the summary. Workers on other machines must see sheets, records and this folder
         under the same paths.
     client : distributed.Client, optional
-        The cluster that does the tests, one task per sheet, keyed by the hash of the sheet. A test whose worker dies is repeated.
-        Without a client the tests are done in this process.
+        Cluster that does the tests, one task per sheet; the key of a task is the hash of its sheet. A test whose worker dies is repeated.
+        Without a client, the tests are done in this process.
     resume : bool
-        Leaves out the tests that have a complete result of the same sheet, files and software.
+        True to leave out the tests that already have a complete result from the same sheet, files and software.
     jobs : int, optional
         Number of tests at a time in this process; by default the number of processors.
     retries : int
-        Number of times that a task with an exception is tried again, for example for a folder that cannot be written.
+        Number of times that a task is repeated after an exception, for example because a folder cannot be written.
     progress : callable, optional
         ``progress(step, done, of)``.
 
     Raises
     ------
     ReadError
-        A path or pattern leads to no sheet. A wrong sheet raises no exception: its test has the standing ``wrong input``.
+        A path or pattern matches no sheet. A wrong sheet raises no exception: its test has the standing ``wrong input``.
     WriteError
         The summary cannot be written.
     KeyboardInterrupt
@@ -85,7 +85,7 @@ def campaign(
         raise Error("sheets is empty, expected a sheet, a folder or a pattern")
     if client is not None:
         _on_cluster(client, names, Path(out), resume, retries, progress)
-        # every result is compared with its sheet and files once more, and the rows are those of a campaign in one process
+        # compares every result with its sheet and files again, and makes the same rows as a campaign in one process
         resume, progress = True, None
     told = json.loads(_rodlab.batch(names, out, resume=resume, jobs=jobs, progress=progress))
     return Campaign(Path(out), tuple(told["tests"]))
@@ -94,8 +94,8 @@ def campaign(
 def map(function: Callable[[int], T], seeds: Iterable[int], client: Client | None = None) -> list[T]:
     """Returns ``[function(seed) for seed in seeds]``, computed on the workers of `client` if there is one.
 
-    Each call gets a seed of its own and nothing else, so that the results are the same on any number of workers. With a client the
-    function and its results must be picklable; a call whose worker dies is repeated.
+    Each call gets only its own seed; the results are therefore the same on any number of workers. With a client, the function and its
+    results must be picklable; a call whose worker dies is repeated.
     """
     numbers = list(seeds)
     if client is None:
@@ -129,7 +129,7 @@ def _on_cluster(
     done = 0
     try:
         for batch in as_completed(list(waiting), with_results=True).batches():
-            # a finished result is in its folder: it is not lost if the worker dies later
+            # a finished result is in its folder and is not lost if the worker dies later
             for future, _ in batch:
                 waiting.discard(future)
                 future.release()

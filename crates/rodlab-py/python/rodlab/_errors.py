@@ -9,20 +9,20 @@ if TYPE_CHECKING:
 
 
 class Error(ValueError):
-    """A request that cannot be met. The message states what was found, where, and what was expected."""
+    """Request that cannot be met. The message states what was found, where, and what was expected."""
 
 
 class SheetError(Error):
-    """The mistakes in a test sheet, or in arguments that replace one. The attributes describe the first mistake.
+    """Mistakes in a test sheet, or in arguments that replace a sheet. The attributes describe the first mistake.
 
     Attributes
     ----------
     line, column : int or None
-        Place in the file of the sheet, from 1; None for arguments and for statements that contradict each other.
+        Place in the file of the sheet, counted from 1; None for arguments, and for statements that contradict each other.
     field : str or None
         Place in the sheet, such as ``Modulus.specimen.length``.
     help : str or None
-        A suggestion, such as the nearest known name.
+        Suggestion, such as the nearest known name.
     others : tuple of str
         The other mistakes, each with its place.
     """
@@ -50,11 +50,11 @@ class SheetError(Error):
 
 
 class ReadError(OSError):
-    """A file that is missing, cannot be read or is not a recording."""
+    """File that is missing, cannot be read or is not a recording."""
 
 
 class WriteError(OSError):
-    """A file or folder that cannot be written, or that would replace something other than an earlier result."""
+    """File or folder that cannot be written, or that would replace something other than an earlier result."""
 
 
 class NotAllowed(Error):

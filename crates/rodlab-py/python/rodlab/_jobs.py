@@ -1,4 +1,4 @@
-"""Sheets from files and from memory, and what surrounds them."""
+"""Jobs of sheets from files and from memory; check, inspect, convert, init."""
 
 from __future__ import annotations
 
@@ -29,17 +29,17 @@ def run(
     folder: str | os.PathLike[str] = ".",
     progress: Progress | None = None,
 ) -> Result:
-    """Does the job of a test sheet, like the command of that job.
+    """Does the job of a test sheet, as the command with the name of the job does.
 
     Parameters
     ----------
     sheet : path or Part
-        File of the sheet; or a sheet written in Python with :mod:`rodlab.sheet`.
+        File of the sheet, or a sheet written in Python with :mod:`rodlab.sheet`.
     out : path, optional
-        Folder for the files of the result; by default next to the sheet, with its name and ``-result``. For a sheet written in
-        Python nothing is written by default.
+        Folder for the files of the result. By default it is next to the sheet, with the name of the sheet and ``-result``; for a sheet
+        written in Python, nothing is written by default.
     job : str, optional
-        The job that the sheet must state, such as ``"modulus"``.
+        Job that the sheet must state, such as ``"modulus"``.
     write : bool
         True to write the files of the result, if the sheet is a file.
     folder : path
@@ -50,7 +50,7 @@ def run(
     Returns
     -------
     Result
-        The result, with any standing; :meth:`Result.require` raises an exception if the data do not allow a result.
+        Result with any standing; :meth:`Result.require` raises an exception if the data do not allow a result.
 
     Raises
     ------
@@ -75,13 +75,13 @@ def run_part(
     progress: Progress | None = None,
     kept: TemporaryDirectory[str] | None = None,
 ) -> R:
-    """Returns the result, of the class `of`, of a sheet written in Python; `kept` is a temporary folder of the sheet that the result keeps."""
+    """Returns the result of a sheet written in Python, as the class `of`; `kept` is a temporary folder that must exist as long as the result."""
     outcome = _rodlab.run_text(text_of(sheet), folder, out=out, progress=progress)
     return of._of(outcome, sheet, folder, kept)
 
 
 def check(sheet: str | os.PathLike[str]) -> str:
-    """Reads a sheet and the files that it names, without computing anything; returns the name of its job.
+    """Reads a sheet and the files that it names without computing anything; returns the name of the job.
 
     Raises
     ------
@@ -118,13 +118,13 @@ def convert(
     Parameters
     ----------
     tolerant : bool
-        Converts the readable part of a damaged file, and lists the rest.
+        True to convert the readable part of a damaged file and to list the rest.
     lossless : bool
-        Refuses a conversion that would lose anything.
+        True to reject a conversion that would lose anything.
     binary : bool
-        Writes a universal file with IEEE numbers (58b), which keeps every bit.
+        True to write a universal file with IEEE numbers (58b), which preserves every bit.
     force : bool
-        Replaces `output` if it exists.
+        True to replace `output` if it exists.
 
     Returns
     -------
@@ -140,9 +140,9 @@ def convert(
 
 
 def init(job: str, path: str | os.PathLike[str] | None = None, *, rig: str | None = None) -> Path:
-    """Writes a commented sheet as a start, to ``<job>.ron`` by default, and returns its path.
+    """Writes a commented sheet to start from, by default to ``<job>.ron``, and returns its path.
 
-    With a test rig ``rig`` the sheet has the fields of this rig alone: ``"two-accelerometers"``, ``"three-gauges"``, ``"hopkinson-bar"``,
+    If the test rig ``rig`` is given, the sheet has only the fields of this rig: ``"two-accelerometers"``, ``"three-gauges"``, ``"hopkinson-bar"``,
     ``"hammer-frf"``, ``"shpb"`` or ``"dma"``.
 
     Raises

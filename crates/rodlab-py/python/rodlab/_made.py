@@ -1,4 +1,4 @@
-"""Jobs whose sheets are given by arguments with the names of the fields."""
+"""Jobs whose sheets are stated by arguments, which have the names of the fields."""
 
 from __future__ import annotations
 
@@ -26,13 +26,13 @@ def identify(
     folder: str | os.PathLike[str] = ".",
     progress: Progress | None = None,
 ) -> Result:
-    """Returns the constitutive law of impacted rods from the histories of two sections (Ödeen 1993, paper D), like ``rodlab identify``.
+    """Returns the constitutive law of impacted rods from the histories of two sections (Ödeen 1993, paper D), as ``rodlab identify`` does.
 
     Parameters
     ----------
     tests : list of mapping
-        Each as in a sheet: ``name``, ``records``, ``excitation``, ``response``, ``impact_velocity``, ...; for rods of several lengths also
-        ``specimen``, such as ``{"length": "394 mm ± 0.5 mm", "density": "1140 kg/m3 ± 0.5 %"}``.
+        Tests with the fields of a sheet: ``name``, ``records``, ``excitation``, ``response``, ``impact_velocity``, ...; for rods of several
+        lengths also ``specimen``, such as ``{"length": "394 mm ± 0.5 mm", "density": "1140 kg/m3 ± 0.5 %"}``.
     length : float or str, optional
         Distance from the section of the excitation to the free end, in m, for all tests without a ``specimen``.
     density : float or str, optional
@@ -40,7 +40,7 @@ def identify(
     recorder : Part, optional
         Filter of the recorder of all tests, such as ``sheet.Butterworth(order=8, cutoff="17.9 kHz")``; nonlinear laws are then identified through it.
     laws : list of str, optional
-        Any of ``Maxwell``, ``Norton``, ``GurevichRabinovich``; by default all.
+        Laws to be fitted: ``Maxwell``, ``Norton``, ``GurevichRabinovich``; by default all.
     compare, profiles : bool
         True to compare the laws with each other and with linear competitors, and to compute profile likelihoods.
     cell : float or str, optional
@@ -89,13 +89,13 @@ def recovery(
     folder: str | os.PathLike[str] = ".",
     progress: Progress | None = None,
 ) -> Result:
-    """Returns the loss factor after creep loads, with one model for all tests (Ödeen 1993, paper C), like ``rodlab recovery``.
+    """Returns the loss factor after creep loads, with one model for all tests (Ödeen 1993, paper C), as ``rodlab recovery`` does.
 
     Parameters
     ----------
     tests : list of mapping
-        Each as in a sheet: ``name``, ``load`` such as ``[sheet.Constant(stress="45 MPa", duration="30 min")]``, and ``readings`` such as
-        ``sheet.Here([{"at": "1 min", "value": 0.0435}, ...])`` or ``sheet.File(path="test_2.csv", readings="loss factor")``.
+        Tests with the fields of a sheet: ``name``, ``load`` such as ``[sheet.Constant(stress="45 MPa", duration="30 min")]``, and ``readings``
+        such as ``sheet.Here([{"at": "1 min", "value": 0.0435}, ...])`` or ``sheet.File(path="test_2.csv", readings="loss factor")``.
     series_modulus : float or str
         Modulus of the virgin material in Pa at the frequency of the readings.
     frequency : float or str
@@ -103,7 +103,7 @@ def recovery(
     virgin_loss_factor : float or str, optional
         Loss factor before any load, such as ``"0.025 ± 0.0002"``.
     standard_error : float or str, optional
-        Standard error of a reading that states none.
+        Standard error of the readings that state none.
     readings_are : str, optional
         ``LossFactors`` (default) or ``Changes``.
     error_scale : str, optional
@@ -111,7 +111,7 @@ def recovery(
     predictions : list of mapping, optional
         Loads whose recovery is predicted: ``name`` and ``load``.
     paper_procedure : mapping, optional
-        For the procedure of the paper in addition to the joint fit, such as ``{"reference": "45 MPa"}``.
+        Settings of the procedure of the paper, such as ``{"reference": "45 MPa"}``, to apply it in addition to the joint fit.
     folder : path
         Start of relative paths.
 
@@ -149,7 +149,7 @@ def simulate(
     out: str | os.PathLike[str] | None = None,
     progress: Progress | None = None,
 ) -> Result:
-    """Computes a virtual test, like ``rodlab simulate``: records as from a laboratory, and the sheet that evaluates them.
+    """Computes a virtual test, as ``rodlab simulate`` does: records like those of a laboratory, and the sheet that evaluates them.
 
     Parameters
     ----------
@@ -170,7 +170,7 @@ def simulate(
     Returns
     -------
     Result
-        With the records and sheets as `attachments`, and the true values as tables.
+        Result with the records and sheets as `attachments`, and the true values as tables.
 
     Raises
     ------

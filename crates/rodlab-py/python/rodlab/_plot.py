@@ -1,4 +1,4 @@
-"""Figures in the form that is usual in the field, drawn with matplotlib."""
+"""Figures drawn with matplotlib, in the usual form of the field."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 
 def axes(ax: Sequence[Axes] | None, count: int) -> Sequence[Axes]:
-    """Returns `count` axes one above the other with one frequency axis, or the axes that were given."""
+    """Returns `count` axes, one above the other, with a common frequency axis; or the axes that were given."""
     import matplotlib.pyplot as plt
 
     if ax is None:

@@ -22,16 +22,16 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class Hit:
-    """A hit.
+    """Hit with its samples and the decisions on it.
 
     Attributes
     ----------
     name : str
-        Name in the log of a report.
+        Name in the log of hits of a report.
     accepted : bool
-        True if the hit is averaged.
+        True if the hit contributes to the average.
     reasons : tuple of str
-        Reasons against the hit, and decisions by hand.
+        Reasons against the hit, and decisions made by hand.
     samples : array, shape (n_channels, n_samples)
         Calibrated samples in SI, read-only.
     sampling_rate_hz, start_time : float
@@ -53,13 +53,13 @@ class Hit:
 
 @dataclass(frozen=True, eq=False)
 class Hits:
-    """The hits of a test, accepted and rejected, and how they were read.
+    """Hits of a test, accepted and rejected, with the units and warnings of their recordings.
 
     Attributes
     ----------
     hits : tuple of Hit
     units : mapping of str to str
-        SI unit of each channel by its name, in the order of the rows of `samples`.
+        SI unit of each channel by the name of the channel, in the order of the rows of `samples`.
     warnings : tuple of str
         Contradictions between the arguments and a file, and data that were left out.
     """
@@ -129,9 +129,9 @@ def read(
     trigger_channel: str | None = None,
     folder: str | os.PathLike[str] = ".",
 ) -> Hits:
-    """Reads recordings, calibrates them, cuts them into hits and judges the hits.
+    """Reads recordings, calibrates them, cuts them into hits, and accepts or rejects the hits.
 
-    The arguments are those of a test sheet: ``rodlab.init("frf")`` writes a sheet that explains all of them.
+    The arguments are the fields of a test sheet: ``rodlab.init("frf")`` writes a sheet that explains all of them.
 
     Parameters
     ----------
@@ -141,13 +141,14 @@ def read(
         Maps the name of each channel to its unit in the file, such as ``"m/s2"``, or to the fields of a channel, such as
         ``{"from": 2, "unit": "V", "sensitivity": "10.2 mV/g ± 2 %"}``. Without ``from``, the n-th entry is the n-th channel of the file.
     sampling_rate_hz : float or str, optional
-        In Hz, or a text such as ``"65.536 kHz"``, if the files do not contain it.
+        Sampling rate in Hz, or as a text such as ``"65.536 kHz"``; needed if the files do not contain it.
     cut : Part, optional
-        By default each record is a hit; ``sheet.Trigger(level="20 N", pre_trigger="1 ms", length="4096 samples")`` cuts long ones.
+        Rule that cuts long records into hits, such as ``sheet.Trigger(level="20 N", pre_trigger="1 ms", length="4096 samples")``; by default each
+        record is a hit.
     criteria : mapping, optional
-        Conditions for a hit to be accepted, such as ``{"double_hit": 0.1}``.
+        Conditions that an accepted hit must meet, such as ``{"double_hit": 0.1}``.
     reject, accept : mapping of int to str, optional
-        Decisions by hand: number of the hit, from 1, and the reason.
+        Decisions made by hand: number of the hit, from 1, and the reason.
     trigger_channel : str, optional
         Channel that determines the start of a hit; by default the first.
     folder : path
@@ -162,7 +163,7 @@ def read(
     ReadError
         A file is missing or is not a recording.
     SheetError
-        An argument is wrong, or does not suit the files.
+        An argument is wrong, or does not agree with the files.
     """
     if not channels:
         raise Error("channels is empty, expected a name and a unit of at least one channel")
@@ -204,9 +205,9 @@ def of_arrays(
     sampling_rate_hz: float | str,
     **options: Unpack[HitOptions],
 ) -> Hits:
-    """Returns hits from arrays in memory, judged like hits from files.
+    """Returns hits from arrays in memory, which are accepted or rejected as hits from files are.
 
-    The arrays are kept as files in a temporary folder as long as the hits exist, so that every job can read them.
+    As long as the hits exist, the arrays are kept as files in a temporary folder, from which every job can read them.
 
     Parameters
     ----------
@@ -218,7 +219,7 @@ def of_arrays(
     Raises
     ------
     SheetError
-        An array is empty, has another shape or no real numbers, or an argument is wrong.
+        An array is empty, has a wrong shape or contains no real numbers, or an argument is wrong.
     Error
         Two arrays are equal and count as one measurement.
     ReadError

@@ -28,7 +28,7 @@ Column = NDArray[np.float64] | NDArray[np.str_] | NDArray[np.bool_]
 
 @dataclass(frozen=True)
 class Quantity:
-    """A scalar result: name, unit ("" for a pure number), value and standard error in that unit (None if there is none), its validity,
+    """Scalar result: name, unit ("" for a pure number), value and standard error in that unit (None if there is none), its validity,
     and a verdict with the reason."""
 
     name: str
@@ -41,16 +41,16 @@ class Quantity:
 
 @dataclass(frozen=True, eq=False)
 class Table:
-    """A table: columns of one length, as in the file of the same name. Numbers are float64, NaN where there is none.
+    """Table with columns of equal length, as in the file of the same name. Numbers are float64; a missing number is NaN.
 
-    The name of a column ends with its unit, such as ``storage_modulus_pa``; a table of lines has ``valid`` and, in words, ``reasons``.
+    The name of a column ends with its unit, such as ``storage_modulus_pa``; a table of lines also has the columns ``valid`` and ``reasons``.
 
     Attributes
     ----------
     name, title : str
-        Name of the file without extension; heading.
+        Name of the file without extension; heading of the table.
     units : mapping of str to str
-        Unit of each column, without a prefix; "" for pure numbers and words.
+        Unit of each column, without a prefix; "" for pure numbers and texts.
     words : mapping of str to str
         Name of each column in reports and figures.
     """
@@ -66,12 +66,12 @@ class Table:
         return dict(self._columns)
 
     def numbers(self, name: str) -> NDArray[np.float64]:
-        """Returns the column `name`, which must contain numbers.
+        """Returns the column `name` as numbers.
 
         Raises
         ------
         Error
-            There is no such column, or it contains words.
+            There is no such column, or it contains texts.
         """
         column = self._columns.get(name)
         if column is None:
@@ -111,7 +111,7 @@ class Table:
 
 @dataclass(frozen=True, eq=False)
 class Result:
-    """The result of a job on one sheet, with the contents of the report and of `result.json` of the command.
+    """Result of the job of one sheet, with the contents of the report and of the file `result.json` of the command.
 
     Attributes
     ----------
@@ -121,11 +121,11 @@ class Result:
     reasons : tuple of str
         Reasons why the result is in doubt or not allowed.
     summary, warnings : tuple of str
-        Findings, in sentences; facts to consider before the result is used.
+        Findings, as sentences; facts that must be considered before the result is used.
     quantities : tuple of Quantity
     tables : mapping of str to Table
     settings, log, inputs : tuple of dict
-        All choices; hits and lines with reasons; the files that were read, with their SHA-256.
+        All choices that were made; hits and lines with reasons; the files that were read, with their SHA-256.
     attachments : mapping of str to bytes
         Files for other programs, such as cards and universal files, by name.
     files : tuple of Path
@@ -154,8 +154,8 @@ class Result:
     def _of(
         cls, outcome: Outcome, sheet: Part | None = None, folder: Path | None = None, kept: TemporaryDirectory[str] | None = None
     ) -> Self:
-        """Returns the result of an `outcome`. `sheet` is its sheet if it was made of arguments, `folder` the start of its paths, and `kept`
-        this folder if it exists no longer than the result."""
+        """Returns the result of an `outcome`. If the sheet was made of arguments, `sheet` is this sheet and `folder` the start of its paths;
+        `kept` is this folder if it must be deleted together with the result."""
         told = json.loads(outcome.json)
         verdict = told["verdict"]
         return cls(
@@ -180,28 +180,28 @@ class Result:
 
     @property
     def verdict(self) -> str:
-        """The standing with its reasons, in one line."""
+        """Standing with its reasons, as one line."""
         return f"{self.standing}: {self.headline}"
 
     @property
     def headline(self) -> str:
-        """The reasons why the result is in doubt or not allowed, or else the first sentence of the summary."""
+        """Reasons why the result is in doubt or not allowed; otherwise the first sentence of the summary."""
         if self.standing == "answered":
             return next(iter(self.summary), "")
         return "; ".join(self.reasons)
 
     @property
     def folder(self) -> Path | None:
-        """Folder of the files of the result; None if none were written."""
+        """Folder of the files of the result; None if no files were written."""
         return self.files[-1].parent if self.files else None
 
     @property
     def valid(self) -> Any:
-        """True if the result may be used: it is answered, and no check fails."""
+        """True if the result may be used: its standing is ``answered``, and no check fails."""
         return self.standing == "answered"
 
     def quantity(self, name: str) -> Quantity:
-        """Returns the quantity of this name.
+        """Returns the quantity with this name.
 
         Raises
         ------
@@ -214,7 +214,7 @@ class Result:
         return found
 
     def table(self, name: str) -> Table:
-        """Returns the table of this name, such as ``modulus`` for ``modulus.csv``.
+        """Returns the table with this name, such as ``modulus`` for ``modulus.csv``.
 
         Raises
         ------
@@ -227,7 +227,7 @@ class Result:
         return found
 
     def require(self) -> Self:
-        """Returns the result itself, if the data allow it.
+        """Returns the result itself if the data allow a result; otherwise raises an exception.
 
         Raises
         ------

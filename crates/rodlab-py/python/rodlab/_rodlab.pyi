@@ -1,4 +1,4 @@
-"""The extension module on which the package is built; it is not a public interface."""
+"""Extension module on which the package is built; it is not a public interface."""
 
 import os
 from collections.abc import Callable, Sequence

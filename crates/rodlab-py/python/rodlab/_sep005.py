@@ -1,4 +1,4 @@
-"""Records as time series in the form of SEP-005 of SDyPy: a list of dictionaries, one for each channel."""
+"""Records as time series in the form of SEP-005 of SDyPy: a list of dictionaries, one per channel."""
 
 from __future__ import annotations
 
@@ -14,23 +14,23 @@ from ._sheet import number
 
 Series = Mapping[str, Any]
 
-# Quantities of the standard by our units; quantities that do not follow from a unit are left out.
+# Quantities of the standard by our units; a quantity that does not follow from the unit is left out.
 _QUANTITIES = {"N": "f", "m/s^2": "a", "m/s": "v", "m": "d"}
 
-# Largest deviation of a time from an even grid, in steps: times are often rounded to six digits or so.
+# Largest deviation of a time from an even grid, in steps: times are often rounded to about six digits.
 _UNEVEN = 1e-3
-# Largest relative difference between a stated rate and the rate of the times.
+# Largest relative difference between a stated rate and the rate that the times give.
 _OTHER_RATE = 1e-6
 
 
 def of_sep005(records: Sequence[Series] | Sequence[Sequence[Series]], **options: Unpack[HitOptions]) -> Hits:
-    """Returns hits from time series in the form of SEP-005, judged like hits from files.
+    """Returns hits from time series in the form of SEP-005, which are accepted or rejected as hits from files are.
 
     Parameters
     ----------
     records : list of dict, or list of such lists
-        The channels of one record, or of several records with the same channels in the same order. Each has ``name``, ``data``,
-        ``unit_str`` and ``fs`` in Hz or ``time`` in s. Samples are evenly spaced. Times of day, groups and other fields are not kept.
+        Channels of one record, or of several records with the same channels in the same order. Each channel has ``name``, ``data``,
+        ``unit_str``, and ``fs`` in Hz or ``time`` in s. The samples must be evenly spaced. Times of day, groups and other fields are not kept.
     **options
         As for :func:`rodlab.read`.
 
@@ -75,10 +75,10 @@ def of_sep005(records: Sequence[Series] | Sequence[Sequence[Series]], **options:
 
 
 def to_sep005(hits: Hits) -> list[list[dict[str, Any]]]:
-    """Returns the hits, accepted or not, as time series in the form of SEP-005: a list for each hit, a dictionary for each channel.
+    """Returns the hits, accepted or not, as time series in the form of SEP-005: one list per hit, with one dictionary per channel.
 
     The fields are ``name``, ``data`` (float64), ``fs`` in Hz, ``unit_str`` in SI, ``group`` (the name of the hit), ``quantity`` of forces
-    and motions; and, in addition to the standard, ``start_time``, the time of the first sample in s from the start of its record.
+    and motions and, in addition to the standard, ``start_time``: the time of the first sample in s from the start of its record.
     """
     return [
         [
@@ -98,7 +98,7 @@ def to_sep005(hits: Hits) -> list[list[dict[str, Any]]]:
 
 
 def _series(series: object, place: str) -> tuple[str, str, NDArray[np.float64], float]:
-    """Returns name, unit, samples and sampling rate of a time series."""
+    """Returns the name, unit, samples and sampling rate of a time series."""
     if not isinstance(series, Mapping):
         raise SheetError(f"{place} is of the type {type(series).__name__}, expected a mapping", field=place)
     for key in ("name", "unit_str"):

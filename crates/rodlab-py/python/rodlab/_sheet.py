@@ -12,13 +12,13 @@ import numpy as np
 
 from ._errors import Error, SheetError
 
-# Fields of sheets whose content is a map from names that the user chooses; all other mappings are lists of known fields.
+# Fields of sheets that contain a map with names chosen by the user; all other mappings are lists of known fields.
 _MAPS = frozenset({"materials", "full_scales", "noise_of"})
 
 
 @dataclass(frozen=True)
 class Part:
-    """A named part of a sheet, such as ``sheet.Cone(material="nylon", ...)``, with the fields of the part of this name in a file."""
+    """Named part of a sheet, such as ``sheet.Cone(material="nylon", ...)``, with the fields that the part has in a file."""
 
     name: str
     values: tuple[Any, ...] = ()
@@ -26,7 +26,7 @@ class Part:
 
 
 def check_options(options: Mapping[str, Any], known: type) -> None:
-    """Refuses an option that the typed dictionary `known` does not have."""
+    """Rejects an option that the typed dictionary `known` does not contain."""
     for name in options:
         if name not in known.__annotations__:
             near = difflib.get_close_matches(name, known.__annotations__, 1)
@@ -35,7 +35,7 @@ def check_options(options: Mapping[str, Any], known: type) -> None:
 
 
 def quantity(value: object, unit: str, argument: str) -> str:
-    """Returns the text of a quantity: a text unchanged, a number with the SI unit `unit` ("" for a pure number)."""
+    """Returns a quantity as text: a text is unchanged, a number gets the SI unit `unit` ("" for a pure number)."""
     return value if isinstance(value, str) else f"{number(value, unit, argument)!r} {unit}".strip()
 
 
@@ -54,7 +54,7 @@ def number(value: object, unit: str, argument: str) -> float:
 
 
 def text_of(value: object) -> str:
-    """Returns the text of a sheet, or of a part of a sheet, in RON. Fields that are None are left out."""
+    """Returns a sheet, or a part of a sheet, as RON text. Fields that are None are left out."""
     return _text(value, "")
 
 

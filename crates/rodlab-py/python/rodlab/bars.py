@@ -1,6 +1,6 @@
-"""Long bars: propagation of their waves, and the stress-strain curve of a specimen between two of them.
+"""Long bars: propagation of waves in a bar, and the stress-strain curve of a specimen between two bars.
 
-Every function gives the results of the commands ``rodlab bar`` and ``rodlab shpb`` for a sheet with the same statements, to the last digit.
+Every function gives the same results as ``rodlab bar`` or ``rodlab shpb`` for a sheet with the same statements, to the last digit.
 """
 
 from __future__ import annotations
@@ -30,13 +30,13 @@ __all__ = ["Propagation", "StressStrain", "bar", "propagation", "stress_strain"]
 class Propagation(Modulus):
     """Propagation of waves in a bar, and the modulus of its material. Arrays have the shape (n_lines,).
 
-    The table ``propagation`` has alpha, k and the phase velocity with their covariance; ``attachments["material.json"]``, if laws were
-    fitted, is a material for later sheets.
+    The table ``propagation`` contains alpha, k and the phase velocity with their covariance. If laws were fitted,
+    ``attachments["material.json"]`` is a material for later sheets.
     """
 
     @property
     def propagation(self) -> Table:
-        """Damping coefficient, wave number and phase velocity of all lines, with half widths of 95 %."""
+        """Damping coefficient, wave number and phase velocity of all lines, with the half widths of their 95 % bands."""
         return self.table("propagation")
 
     @property
@@ -56,15 +56,15 @@ class Propagation(Modulus):
 
 
 class StressStrain(Result):
-    """The stress-strain curve of a specimen. Arrays have the shape (n_times,); engineering values, positive in the sense of the loading.
+    """Stress-strain curve of a specimen. Arrays have the shape (n_times,); values are engineering values, positive in the sense of the loading.
 
-    The table ``stress_strain`` also has true values and the parts of the errors, ``faces`` the forces and velocities of both faces,
-    ``waves`` the strain waves at the faces, ``budget`` the sources of the errors.
+    The table ``stress_strain`` also contains true values and the parts of the errors; ``faces`` the forces and velocities of both faces;
+    ``waves`` the strain waves at the faces; ``budget`` the sources of the errors.
     """
 
     @property
     def curve(self) -> Table:
-        """The table of the curve: of one shot against time, of several shots their mean against strain."""
+        """Table of the curve: for one shot against time, for several shots the mean curve against strain."""
         return self.tables.get("mean") or self.table("stress_strain")
 
     @property
@@ -117,29 +117,29 @@ def bar(
     separation: str | None = None,
     averaged_with: Mapping[str, Sequence[str]] | None = None,
 ) -> Part:
-    """Returns one of the two bars for :func:`stress_strain`.
+    """Returns the description of one of the two bars for :func:`stress_strain`.
 
     Parameters
     ----------
     diameter, length : float or str
-        In m.
+        Dimensions of the bar in m.
     gauges : mapping of str to float or str
-        Distance in m from the specimen to the gauge of each channel: one or two gauges.
+        Distance in m from the specimen to the gauge of each channel, for one or two gauges.
     material : str, optional
-        Name of one of the materials.
+        Name of one of the `materials` of :func:`stress_strain`.
     density, wave_speed : float or str, optional
         Density in kg/m³ and wave speed in m/s of an elastic bar, instead of a material.
     poisson_ratio : float or str, optional
-        Poisson's ratio, for the dispersion by lateral inertia in the theory of Pochhammer and Chree; without it waves are one-dimensional.
+        Poisson's ratio, for the dispersion by lateral inertia in the theory of Pochhammer and Chree; without it, the waves are one-dimensional.
     separation : str, optional
         ``Passages``, ``TwoGauges``, ``FreeEnd`` or ``Balanced``; by default ``Passages`` for one gauge and ``TwoGauges`` for two.
     averaged_with : mapping of str to list of str, optional
-        For a channel, the channels of other gauges around the same section: bending cancels in their mean.
+        For a channel, the channels of other gauges around the same section, with which it is averaged; bending cancels in the mean.
 
     Raises
     ------
     SheetError
-        An argument is not a quantity, or both or none of material and wave speed are stated.
+        An argument is not a quantity, or material and wave speed are both stated or both missing.
     """
     if material is not None and density is None and wave_speed is None:
         waves = Part("Material", (material,))
@@ -178,9 +178,9 @@ def propagation(
     out: str | os.PathLike[str] | None = None,
     progress: Progress | None = None,
 ) -> Propagation:
-    """Determines the propagation of waves in a long bar from one shot or several: damping, wave number and phase velocity with their covariance.
+    """Returns the propagation of waves in a long bar from one or several shots: damping, wave number and phase velocity with their covariance.
 
-    One gauge uses a pulse and its reflection; two or more gauges use least squares, and their waves may overlap.
+    With one gauge, a pulse and its reflection are used. With two or more gauges, least squares are used, and the waves may overlap.
 
     Parameters
     ----------
@@ -195,11 +195,11 @@ def propagation(
     poisson_ratio : float or str, optional
         Poisson's ratio, to correct the modulus for lateral inertia; ``0`` for simulated waves in one dimension.
     wave_speed : float or str, optional
-        A first guess in m/s; found by a search by default.
+        First guess in m/s; by default it is found by a search.
     band : tuple, optional
         Lowest and highest frequency in Hz.
     limits : mapping, optional
-        Requirements on a valid line, such as ``{"storage_modulus": "1 %"}``.
+        Limits that a valid line must meet, such as ``{"storage_modulus": "1 %"}``.
     laws : list of str, optional
         Laws as in :func:`rodlab.rheology.fit`; the preferred law becomes the material.
     report_at : list of str, optional
@@ -259,16 +259,16 @@ def stress_strain(
 ) -> StressStrain:
     """Returns the stress-strain curve of a specimen between split Hopkinson bars, with its band (Zhao and Gary 1996; Bacon 1998).
 
-    The waves are carried from the gauges to the faces of the specimen by the law of the bars, elastic or viscoelastic.
+    The law of the bars, elastic or viscoelastic, gives the waves at the faces of the specimen from those at the gauges.
 
     Parameters
     ----------
     shots : Hits or list of Hits
-        Strains of a shot, from :func:`rodlab.read`; for several shots with the same bars the result is their mean curve.
+        Strains of a shot, from :func:`rodlab.read`. For several shots with the same bars, the result is the mean curve.
     incident, transmitted : Part
         The two bars, from :func:`bar`.
     specimen_length, specimen_diameter, specimen_wall : float or str
-        In m; the wall is that of a tube in torsion.
+        Dimensions in m; the wall is that of a tube in torsion.
     silent : float or str
         Time in s before any pulse, from which level and noise are estimated.
     loading : str
@@ -279,11 +279,11 @@ def stress_strain(
     stress_from : str, optional
         ``Both`` (default), ``Incident`` or ``Transmitted``.
     band : float or str, optional
-        Upper end of the band in Hz; chosen for the bars by default.
+        Upper end of the band in Hz; by default it is chosen for the bars.
     align_arrivals : bool
-        Subtracts the lag between the arrivals at both faces, instead of relying on positions and wave speeds.
+        True to subtract the lag between the arrivals at both faces, instead of relying on positions and wave speeds.
     monte_carlo : int, optional
-        Number of draws of noise and all sources together, which check the linear errors.
+        Number of draws in which noise and all other sources vary together, as a check of the linear errors.
     folder : path, optional
         Start of the relative paths of materials; the folder of the shots by default.
     out : path, optional

@@ -19,25 +19,25 @@ __all__ = ["Force", "predict"]
 
 
 class Force(Result):
-    """A force over time. Arrays have the shape (n_times,); the force is positive in compression.
+    """Force over time. Arrays have the shape (n_times,); the force is positive in compression.
 
-    The table ``force`` has the force by time marching, ``force_in_band`` the force in the band with its error, ``contacts`` the times at which
-    the faces meet and part.
+    The table ``force`` contains the force by time marching, ``force_in_band`` the force in the band with its error, and ``contacts`` the times
+    at which the faces meet and part.
     """
 
     @property
     def time(self) -> NDArray[np.float64]:
-        """Times of the force in the band in s."""
+        """Times in s of the force in the band."""
         return self.table("force_in_band").numbers("time_s")
 
     @property
     def force(self) -> NDArray[np.float64]:
-        """The force in the band in N."""
+        """Force in the band in N."""
         return self.table("force_in_band").numbers("force_in_band_n")
 
     @property
     def standard_error(self) -> NDArray[np.float64] | None:
-        """Standard error of the force in the band in N; None if nothing was stated with ±."""
+        """Standard error of the force in the band in N; None if no uncertainty was stated with ±."""
         name = "standard_error_force_n"
         table = self.table("force_in_band")
         return table.numbers(name) if name in table.units else None
@@ -72,15 +72,15 @@ def predict(
     progress: Progress | None = None,
     **fields: Any,
 ) -> Force:
-    """Returns the force between two bodies that meet, like the command ``rodlab force`` (Ödeen 1993, paper E, eqs. 2-3).
+    """Returns the force between two bodies that meet, as ``rodlab force`` does (Ödeen 1993, paper E, eqs. 2-3).
 
     Parameters
     ----------
     first, second : Part
-        The body that moves and the body at rest, such as ``sheet.LongRod(material="steel", diameter="10 mm")`` or
-        ``sheet.Chain(elements=[sheet.Cone(...)])``; :meth:`rodlab.mobility.Mobility.body` returns a measured body. Without the
-        ``front_impedance`` of a measured body there is no time marching and no table ``force_in_band``: the table ``force`` then ends with
-        the first contact.
+        Moving body and body at rest, such as ``sheet.LongRod(material="steel", diameter="10 mm")`` or
+        ``sheet.Chain(elements=[sheet.Cone(...)])``; :meth:`rodlab.mobility.Mobility.body` returns a measured body. If the
+        ``front_impedance`` of a measured body is not stated, there is no time marching and no table ``force_in_band``; the table ``force`` then
+        ends with the first contact.
     velocity : float or str
         Relative velocity before the bodies meet, in m/s.
     duration : float or str

@@ -1,6 +1,6 @@
 """Frequency responses, with coherence and errors.
 
-From arrays: :func:`h1`, :func:`h2`, :func:`hv`. From hits in files, like the command ``rodlab frf``: :func:`of_hits`.
+:func:`h1`, :func:`h2` and :func:`hv` compute them from arrays, :func:`of_hits` from hits in files, as ``rodlab frf`` does.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ __all__ = ["FrequencyResponse", "h1", "h2", "hv", "of_hits"]
 
 @dataclass(frozen=True, eq=False)
 class FrequencyResponse:
-    """A frequency response; all arrays have the shape (n_lines,), from 0 Hz, and are read-only.
+    """Frequency response. All arrays have the shape (n_lines,), start at 0 Hz and are read-only.
 
     Attributes
     ----------
@@ -39,7 +39,7 @@ class FrequencyResponse:
         Unit of the output divided by unit of the input, time factor exp(+iωt); NaN on lines that are not valid.
     coherence : array of float, or None for one hit
     variance : array of float, or None for one hit
-        E|δH|², twice the variance of the real or of the imaginary part.
+        E|δH|², which is twice the variance of the real part or of the imaginary part.
     magnitude_error, phase_error : array of float, or None for one hit
         Standard errors of \\|H\\| relative to \\|H\\|, and of the phase in rad (Bendat and Piersol, *Random Data*).
     valid : array of bool
@@ -58,7 +58,7 @@ class FrequencyResponse:
     n_averages: int
 
     def columns(self) -> dict[str, NDArray[Any]]:
-        """Returns the arrays that exist, by their names."""
+        """Returns the arrays that are not None, by their names."""
         names = ("frequency_hz", "values", "coherence", "variance", "magnitude_error", "phase_error", "valid")
         return {name: getattr(self, name) for name in names if getattr(self, name) is not None}
 
@@ -87,14 +87,14 @@ def h1(input: ArrayLike, output: ArrayLike, *, sampling_rate_hz: float, window: 
     input, output : array_like, shape (n_hits, n_samples) or (n_samples,)
         Histories of x and y, real numbers of any type.
     sampling_rate_hz : float
-        In Hz.
+        Sampling rate in Hz.
     window : str
         ``rectangular`` (for hits that decay within the record), ``hann``, ``hamming``, ``blackman-harris`` or ``flat top``.
 
     Returns
     -------
     FrequencyResponse
-        n_samples // 2 + 1 lines. One hit gives neither coherence nor errors.
+        Response on n_samples // 2 + 1 lines. A single hit gives neither coherence nor errors.
 
     Raises
     ------
@@ -128,7 +128,7 @@ def of_hits(
     progress: Progress | None = None,
     **fields: Mapping[str, Any] | Part | str,
 ) -> Result:
-    """Returns the frequency responses of accepted hits, like the command ``rodlab frf``.
+    """Returns the frequency responses of accepted hits, as ``rodlab frf`` does.
 
     Parameters
     ----------

@@ -1,6 +1,6 @@
 """Mobility of an impact face, measured or computed (Ödeen 1993, paper E, section 3.1).
 
-Every function gives the results of the command ``rodlab mobility`` for a sheet with the same statements, to the last digit.
+Every function gives the same results as ``rodlab mobility`` for a sheet with the same statements, to the last digit.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ __all__ = ["Mobility", "Options", "of_body", "of_file", "of_hits", "of_two_hamme
 
 
 class Options(TypedDict, total=False):
-    """Options of every source; the defaults are those of a sheet."""
+    """Options for every source; the defaults are those of a sheet."""
 
     title: str
     head_mass: Number
@@ -41,11 +41,11 @@ class Options(TypedDict, total=False):
 
 
 class Mobility(Result):
-    """A mobility v/F as a function of frequency. Arrays have the shape (n_lines,), from 0 Hz; time factor exp(+iωt)."""
+    """Mobility v/F as a function of frequency. Arrays have the shape (n_lines,) and start at 0 Hz; time factor exp(+iωt)."""
 
     @property
     def lines(self) -> Table:
-        """The table of all lines: mobility, errors, coherence, validity."""
+        """Table of all lines: mobility, errors, coherence, validity."""
         return self.table("mobility")
 
     @property
@@ -55,7 +55,7 @@ class Mobility(Result):
 
     @property
     def mobility(self) -> NDArray[np.complex128]:
-        """The mobility in m/(N s); NaN on lines without information."""
+        """Mobility in m/(N s); NaN on lines without information."""
         of = self.lines.numbers
         return np.asarray(of("real_part_m_per_n_s") + 1j * of("imaginary_part_m_per_n_s"), dtype=np.complex128)
 
@@ -71,7 +71,7 @@ class Mobility(Result):
         return np.asarray(self.lines.columns()["valid"], dtype=np.bool_)
 
     def body(self, file: str | os.PathLike[str], **fields: Any) -> Part:
-        """Writes the mobility to the new universal file `file`, and returns the body for :func:`rodlab.force.predict`.
+        """Writes the mobility to a new universal file `file`, and returns the measured body for :func:`rodlab.force.predict`.
 
         Parameters
         ----------
@@ -181,9 +181,9 @@ def of_file(
     file : path
         Universal file, or any format with lines on a frequency axis.
     kind : str, optional
-        ``Mobility``, ``Accelerance``, ...; by default the kind that the unit in the file gives.
+        ``Mobility``, ``Accelerance``, ...; by default the kind that follows from the unit in the file.
     data_set : int or str, optional
-        Data set, by number from 1 or by name; by default the only complex one.
+        Data set, by its number (from 1) or its name; by default the only complex data set.
     source : mapping, optional
         Other fields of ``File`` in a sheet, such as ``{"coherence": 3, "averages": 8}``.
     folder : path
@@ -208,9 +208,9 @@ def of_body(
     materials: Mapping[str, Mapping[str, Any]] | None = None,
     **options: Unpack[Options],
 ) -> Mobility:
-    """Returns the mobility of a computed body on equidistant lines, with the checks of a measured mobility.
+    """Returns the mobility of a computed body on equidistant lines, with the same checks as a measured mobility.
 
-    :func:`rodlab.rods.mobility` gives the values alone, at any frequencies.
+    :func:`rodlab.rods.mobility` gives only the values, at any frequencies.
 
     Parameters
     ----------

@@ -1,6 +1,6 @@
 """Complex modulus of a rod, by the methods of papers A and B (Ödeen 1993) and related methods.
 
-Every function gives the results of the command ``rodlab modulus`` for a sheet with the same statements, to the last digit.
+Every function gives the same results as ``rodlab modulus`` for a sheet with the same statements, to the last digit.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ Number = float | str
 
 
 class Options(TypedDict, total=False):
-    """Options of every method; the defaults are those of a sheet."""
+    """Options for every method; the defaults are those of a sheet."""
 
     title: str
     band: tuple[Number, Number]
@@ -56,14 +56,14 @@ class Options(TypedDict, total=False):
 
 
 class Modulus(Result):
-    """A complex modulus as a function of frequency. Arrays have the shape (n_lines,).
+    """Complex modulus as a function of frequency. Arrays have the shape (n_lines,).
 
-    The table ``modulus`` and the properties are in SI, like ``modulus.csv``.
+    The table ``modulus`` and the properties are in SI, as ``modulus.csv`` is.
     """
 
     @property
     def lines(self) -> Table:
-        """The table of all lines: modulus, loss factor, wave number, damping coefficient, phase velocity, their errors, validity."""
+        """Table of all lines: modulus, loss factor, wave number, damping coefficient, phase velocity, their errors, validity."""
         return self.table("modulus")
 
     @property
@@ -73,7 +73,7 @@ class Modulus(Result):
 
     @property
     def causal(self) -> Table | None:
-        """The relaxing material nearest to all lines together, with its errors; None unless requested with ``causal=True``."""
+        """Causal estimate, the relaxing material nearest to all lines together, with its errors; None unless requested with ``causal=True``."""
         return self.tables.get("causal")
 
     @property
@@ -105,7 +105,7 @@ class Modulus(Result):
         return self.lines.numbers("loss_factor")
 
     def columns(self) -> dict[str, Column]:
-        """The columns of the table of all lines."""
+        """Returns the columns of the table of all lines."""
         return self.lines.columns()
 
     def to_pandas(self) -> pandas.DataFrame:
@@ -147,15 +147,16 @@ def two_point(
     Parameters
     ----------
     source : Hits or Part
-        Accepted hits from :func:`rodlab.read`; or ``sheet.Ratio(...)``, a file with the ratio of the impacted to the free end.
+        Accepted hits from :func:`rodlab.read`; or ``sheet.Ratio(...)``, a file with the ratio of the motion of the impacted end to that of the
+        free end.
     length, diameter : float or str
         Dimensions of the specimen in m.
     density : float or str
         Density in kg/m³.
     accelerometer_mass : float or str, optional
-        Mass in kg on the free end, of the accelerometer with its connector; none by default.
+        Mass in kg of the accelerometer on the free end with its connector; none by default.
     impacted_end, free_end : str, optional
-        Channels; by default the first and the second.
+        Channels of the two ends; by default the first and the second.
     solver : str, optional
         ``Continuation`` (default), ``Newton`` or ``Series``.
     **options
@@ -194,9 +195,9 @@ def three_point(
     source : Hits
         Accepted hits from :func:`rodlab.read`.
     gauges : mapping of str to float or str
-        Position in m along the rod of each of the three channels, in order of the positions.
+        Position of the gauge of each of the three channels along the rod in m, in increasing order.
     diameter, density : float or str
-        In m and kg/m³.
+        Diameter in m and density in kg/m³.
     **options
         See :class:`Options`.
 
@@ -220,19 +221,19 @@ def multi_point(
     **options: Unpack[Options],
 ) -> Modulus:
     """Returns the complex modulus from three or more gauges at any positions, or from two gauges and a free end, by least squares
-    (generalises Ödeen 1993, paper B).
+    (a generalisation of Ödeen 1993, paper B).
 
-    One shot suffices: its errors follow from the silence before it, and a record may end while the rod rings.
+    One shot suffices: its errors follow from the silence before it. A record may end while the rod still rings.
 
     Parameters
     ----------
     source, gauges, diameter, density
         As for :func:`three_point`.
     free_end_at : float or str, optional
-        Position of a free end in m, beyond the last gauge. For two gauges it is the third condition; three or more gauges are checked
-        against it.
+        Position of a free end in m, beyond the last gauge. With two gauges, the free end is the third condition; three or more gauges are
+        checked against it.
     wave_speed : float or str, optional
-        A first guess in m/s; found by a search by default.
+        First guess in m/s; by default it is found by a search.
     **options
         See :class:`Options`.
 

@@ -1,4 +1,4 @@
-"""Rheological laws fitted to a complex modulus, and material cards of the laws for other programs."""
+"""Rheological laws fitted to a complex modulus, and their material cards for other programs."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ class _Laws(Result):
     """Fitted laws. The table ``laws`` compares them."""
 
     def parameters(self, law: str) -> dict[str, Quantity]:
-        """Returns the parameters of a fitted law by their names, with standard errors and verdicts.
+        """Returns the parameters of a fitted law by name, with standard errors and verdicts.
 
         Raises
         ------
@@ -67,7 +67,7 @@ class _Laws(Result):
         temperature: str | None = None,
         progress: Progress | None = None,
     ) -> str:
-        """Returns the text of a material card of the Prony series, ``generalised maxwell``, which must be among the fitted laws.
+        """Returns the text of a material card of the Prony series, the law ``generalised maxwell``, which must be among the fitted laws.
 
         Parameters
         ----------
@@ -85,7 +85,7 @@ class _Laws(Result):
         Raises
         ------
         Error
-            There is no such program, or the series determines no card.
+            There is no such program, or no card follows from the series.
         """
         return self._cards(program, None, name, poisson_ratio, poisson_ratio_at, temperature, progress)[0]
 
@@ -100,12 +100,12 @@ class _Laws(Result):
         temperature: str | None = None,
         progress: Progress | None = None,
     ) -> list[str]:
-        """Returns the texts of cards for `draws` draws of modulus, density and Poisson's ratio, for a Monte Carlo calculation with the program.
+        """Returns the texts of cards for `draws` random draws of modulus, density and Poisson's ratio, for a Monte Carlo calculation.
 
         Parameters
         ----------
         draws : int
-            Number of cards, 1 to 1000; the other parameters are as for ``card``.
+            Number of cards, from 1 to 1000; the other parameters are those of ``card``.
 
         Raises
         ------
@@ -146,25 +146,25 @@ class Fit(_Laws, Modulus):
 
 
 class Sweep(_Laws):
-    """Tables of a modulus against frequency or time, at one temperature or at several, and the laws fitted to them.
+    """Tables of a modulus against frequency or time, at one or several temperatures, and the laws fitted to them.
 
-    The table ``data`` has the rows. For several temperatures ``master_curve`` has the rows at their reduced frequencies or times, ``shifts``
-    the shift of each temperature, and ``shift_laws`` the laws of WLF and Arrhenius.
+    The table ``data`` contains the rows. For several temperatures, ``master_curve`` contains the rows at their reduced frequencies or times,
+    ``shifts`` the shift of each temperature, and ``shift_laws`` the laws of WLF and Arrhenius.
     """
 
     @property
     def causal(self) -> Table | None:
-        """The relaxing material nearest to all rows together, with its errors; None unless requested with ``causal=True``."""
+        """Causal estimate, the relaxing material nearest to all rows together, with its errors; None unless requested with ``causal=True``."""
         return self.tables.get("causal")
 
     @property
     def lines(self) -> Table:
-        """The rows with their frequencies or times, which are reduced ones for several temperatures."""
+        """Rows with their frequencies or times; for several temperatures, these are the reduced ones."""
         return self.tables.get("master_curve") or self.table("data")
 
     @property
     def frequency_hz(self) -> NDArray[np.float64]:
-        """Frequencies in Hz, reduced ones for several temperatures, shape (n_rows,); only for rows over frequency."""
+        """Frequencies in Hz (reduced frequencies for several temperatures), shape (n_rows,); only for rows over frequency."""
         return self.lines.numbers("reduced_frequency_hz" if "master_curve" in self.tables else "frequency_hz")
 
     @property
@@ -175,12 +175,12 @@ class Sweep(_Laws):
 
     @property
     def time(self) -> NDArray[np.float64]:
-        """Times in s from the start of the load, reduced times for several temperatures, shape (n_rows,); only for rows over time."""
+        """Times in s from the start of the load (reduced times for several temperatures), shape (n_rows,); only for rows over time."""
         return self.lines.numbers("reduced_time_s" if "master_curve" in self.tables else "time_s")
 
     @property
     def modulus_over_time(self) -> NDArray[np.float64]:
-        """E(t), or 1/J(t) of creep, in Pa, shape (n_rows,), with the vertical shifts removed."""
+        """Modulus E(t), or 1/J(t) of creep, in Pa, shape (n_rows,), with the vertical shifts removed."""
         return self.lines.numbers("modulus_over_time_pa")
 
     def plot(self, ax: Axes | None = None) -> Axes:
@@ -217,7 +217,7 @@ def fit(
     most_lines: int | None = None,
     progress: Progress | None = None,
 ) -> Fit:
-    """Fits laws to the valid lines of a modulus and compares the laws, like ``laws`` in a sheet for ``rodlab modulus``.
+    """Fits laws to the valid lines of a modulus and compares the laws, as the field ``laws`` of a sheet for ``rodlab modulus`` does.
 
     Parameters
     ----------
@@ -233,7 +233,7 @@ def fit(
     most_branches : int, optional
         Largest number of branches of a generalised Maxwell model; not limited by default.
     most_lines : int, optional
-        Largest number of fitted lines, evenly chosen among the valid ones; 400 by default.
+        Largest number of fitted lines, chosen evenly among the valid lines; 400 by default.
 
     Raises
     ------
@@ -281,13 +281,13 @@ class SweepOptions(TypedDict, total=False):
 def sweep(
     tables: Sequence[Mapping[str, Any]], *, folder: str | os.PathLike[str] = ".", **options: Unpack[SweepOptions]
 ) -> Sweep:
-    """Returns laws and a master curve of measured moduli, for example from a DMA, like ``rodlab fit``.
+    """Returns laws and a master curve of measured moduli, for example from a DMA, as ``rodlab fit`` does.
 
     Parameters
     ----------
     tables : list of mapping
-        Each as in a sheet: ``files``, ``frequency``, ``modulus`` such as ``sheet.Parts(storage="E'", loss="E''")``, ``temperature`` such as
-        ``sheet.Column("T")``, ``units``, ``errors``. For moduli over time: ``time`` and ``ramp`` instead of ``frequency``, ``modulus`` such as
+        Tables with the fields of a sheet: ``files``, ``frequency``, ``modulus`` such as ``sheet.Parts(storage="E'", loss="E''")``, ``temperature``
+        such as ``sheet.Column("T")``, ``units``, ``errors``. For moduli over time: ``time`` and ``ramp`` instead of ``frequency``, ``modulus`` such as
         ``sheet.Relaxation(modulus="E")``, ``sheet.Creep(compliance="J")`` or ``sheet.CreepModulus(modulus="E")``.
     folder : path
         Start of relative paths.
@@ -312,7 +312,7 @@ def of_arrays(
     standard_error: ArrayLike | None = None,
     **options: Unpack[SweepOptions],
 ) -> Sweep:
-    """Returns laws and a master curve of moduli in memory.
+    """Returns laws and a master curve of moduli that are arrays in memory.
 
     Parameters
     ----------
@@ -355,7 +355,7 @@ def over_time(
     standard_error: ArrayLike | None = None,
     **options: Unpack[SweepOptions],
 ) -> Sweep:
-    """Returns laws and a master curve of moduli over time in memory.
+    """Returns laws and a master curve of moduli over time that are arrays in memory.
 
     Parameters
     ----------
@@ -366,7 +366,7 @@ def over_time(
     test : str
         ``relaxation`` or ``creep``.
     ramp : float or str, optional
-        Duration in s of the growth of the load, in proportion to time; a step by default.
+        Duration in s of the ramp, during which the load grows in proportion to time; by default the load is a step.
     temperature : array_like of shape (n_rows,), or str
         Temperatures in °C; or one temperature of all rows, such as ``"23 degC"``.
     standard_error : array_like, shape (n_rows,), optional
@@ -469,7 +469,7 @@ def _stated_laws(
 
 
 def _with_laws(of: Result, more: Mapping[str, Any], progress: Progress | None, kind: type[L]) -> L:
-    """Does the sheet of `of` again, with `more` in its laws."""
+    """Does the job of the sheet of `of` again, with the fields `more` added to its laws."""
     if of._sheet is None:
         raise Error("the modulus is the result of a sheet in a file, expected one of this package: add `laws` to the sheet instead")
     fields = dict(of._sheet.fields)
@@ -479,7 +479,7 @@ def _with_laws(of: Result, more: Mapping[str, Any], progress: Progress | None, k
 
 
 def named_law(name: str) -> Part:
-    """Returns the law as a part of a sheet: ``fractional zener``, or ``fractional_zener``, is ``FractionalZener`` there."""
+    """Returns the law as a part of a sheet, such as ``FractionalZener`` for ``fractional zener`` or ``fractional_zener``."""
     words = name.replace("-", " ").replace("_", " ").split()
     return Part("".join(word[:1].upper() + word[1:] for word in words))
 

@@ -1,8 +1,8 @@
-"""Forward physics: waves in rods, and in bodies made of rods, of known materials (Ödeen 1993, papers A, B, E).
+"""Forward physics: waves in rods of known materials, and in bodies made of such rods (Ödeen 1993, papers A, B, E).
 
-Bodies and materials are stated as in a sheet, ``sheet.Chain(elements=[sheet.Rod(material="nylon", diameter="10 mm", length="1 m")])`` and
+Bodies and materials are stated as in a sheet: ``sheet.Chain(elements=[sheet.Rod(material="nylon", diameter="10 mm", length="1 m")])`` and
 ``{"nylon": {"density": "1150 kg/m3", "law": sheet.Elastic(modulus="3 GPa")}}``. Uncertainties are not propagated here; only
-the values are used. Time factor exp(+iωt).
+the values are used. The time factor is exp(+iωt).
 """
 
 from __future__ import annotations
@@ -23,14 +23,14 @@ Materials = Mapping[str, Mapping[str, Any]]
 
 
 def mobility(body: Part, frequency_hz: ArrayLike, *, materials: Materials | None = None) -> NDArray[np.complex128]:
-    """Returns the mobility v/F of the impact face in s/kg, with the end of the body (Ödeen 1993, paper E, eq. A13).
+    """Returns the mobility v/F of the impact face in s/kg; the termination of the body is included (Ödeen 1993, paper E, eq. A13).
 
     Parameters
     ----------
     body : Part
         ``sheet.Chain``, ``sheet.LongRod``, ``sheet.RigidMass`` or ``sheet.Impedance``.
     frequency_hz : array_like, shape (n,)
-        Above 0 Hz for a free body, whose mobility has a pole at 0 Hz.
+        Frequencies in Hz; above 0 Hz for a free body, whose mobility has a pole at 0 Hz.
     materials : mapping
         Materials by name.
 
@@ -47,13 +47,13 @@ def mobility(body: Part, frequency_hz: ArrayLike, *, materials: Materials | None
 
 
 def transition_matrix(body: Part, frequency_hz: ArrayLike, *, materials: Materials | None = None) -> NDArray[np.complex128]:
-    """Returns the transition matrices of the state (N, v), normal force in N s and velocity in m, from the impact face to the other end of a chain
-    (Ödeen 1993, paper E, eqs. A2-A4, A10).
+    """Returns the transition matrices of the state (N, v), the normal force in N s and the velocity in m, from the impact face to the other end
+    of a chain (Ödeen 1993, paper E, eqs. A2-A4, A10).
 
     Parameters
     ----------
     body : Part
-        ``sheet.Chain``; the end after its last element is not part of the matrix.
+        ``sheet.Chain``; its termination is not part of the matrix.
     frequency_hz : array_like, shape (n,)
 
     Returns
@@ -65,13 +65,13 @@ def transition_matrix(body: Part, frequency_hz: ArrayLike, *, materials: Materia
     SheetError
         The body, a material or the frequencies are wrong.
     Error
-        An entry is beyond the range of numbers: the chain is too long for its damping.
+        An entry exceeds the range of floating-point numbers: the chain is too long for its damping.
     """
     return _rodlab.transition_matrix(_text(body, materials), _frequencies(frequency_hz))
 
 
 def propagation_coefficient(material: Mapping[str, Any], frequency_hz: ArrayLike) -> NDArray[np.complex128]:
-    """Returns the propagation coefficient α + ik in 1/m, damping coefficient and wave number, of a material (Ödeen 1993, paper B, eq. 3).
+    """Returns the propagation coefficient α + ik of a material in 1/m: damping coefficient and wave number (Ödeen 1993, paper B, eq. 3).
 
     Parameters
     ----------
@@ -93,7 +93,7 @@ def propagation_coefficient(material: Mapping[str, Any], frequency_hz: ArrayLike
 
 
 def _text(body: Part, materials: Materials | None) -> str:
-    """Returns a sheet with the body, which the extension reads; velocity and duration are not used."""
+    """Returns a sheet with the body for the extension module; its velocity and duration are not used."""
     rest = (("second", Part("RigidMass", ("1 kg",))), ("velocity", "1 m/s"), ("duration", "1 s"))
     problem = Part("Impact", (), (("first", body), *rest))
     return text_of(Part("Force", (), (("title", ""), ("materials", materials or {}), ("problem", problem))))

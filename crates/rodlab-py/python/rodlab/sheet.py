@@ -1,9 +1,9 @@
 """Parts of test sheets by their names, for sheets that are written in Python.
 
 Every capitalised name is a part: ``sheet.Cone(material="nylon", near="75 mm", far="30 mm", length="400 mm")`` is
-``Cone(material: "nylon", near: "75 mm", far: "30 mm", length: "400 mm")`` in a file. A mapping becomes a list of fields, a list a list.
-The commented sheets of :func:`rodlab.init` show the parts and their fields; an unknown name is refused when the sheet is run, with the
-nearest known name. :func:`rodlab.run` takes a sheet: ``rodlab.run(sheet.Force(title="...", ...))``.
+``Cone(material: "nylon", near: "75 mm", far: "30 mm", length: "400 mm")`` in a file. A mapping becomes a list of fields, and a list
+remains a list. The commented sheets of :func:`rodlab.init` show the parts and their fields; an unknown name is rejected when the sheet is
+run, with the nearest known name as a suggestion. :func:`rodlab.run` takes a sheet: ``rodlab.run(sheet.Force(title="...", ...))``.
 """
 
 from __future__ import annotations

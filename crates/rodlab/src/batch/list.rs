@@ -1,4 +1,4 @@
-//! Listing of the sheets of a campaign: job, input files and hashes. Nothing is computed.
+//! List of the sheets of a campaign with their jobs, input files and hashes. Nothing is computed.
 
 use std::sync::atomic::AtomicBool;
 
@@ -13,7 +13,7 @@ use crate::job::{self, Sheet, Silent};
 use crate::outcome::InputFile;
 use crate::output::SOFTWARE;
 
-/// A sheet of a campaign with everything that its result depends on.
+/// A sheet of a campaign, with the files and hashes on which its result depends.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct Listed {
     /// Name of the test, which is the path of its result in the campaign.
@@ -26,8 +26,8 @@ pub struct Listed {
     pub sha256: Option<String>,
     /// The input files; their paths are relative to the sheet.
     pub inputs: Vec<InputFile>,
-    /// SHA-256 of software, sheet and input files: it changes whenever `rodlab batch --resume`
-    /// would do the test again because of one of them. Absent if the sheet or a file is wrong.
+    /// SHA-256 of software, sheet and input files together. If it changes, `rodlab batch --resume`
+    /// repeats the test. Absent if the sheet or a file is wrong.
     pub key: Option<String>,
     /// The error, if the sheet or a file is wrong.
     pub error: Option<String>,
@@ -37,7 +37,8 @@ pub struct Listed {
 ///
 /// # Errors
 ///
-/// [`RodlabError::Interrupted`]. A wrong sheet is listed with its error.
+/// [`RodlabError::Interrupted`] if `interrupted` is set. A wrong sheet is no error: it is listed
+/// with its message.
 pub fn list(tests: &[Test], interrupted: &AtomicBool) -> Result<Vec<Listed>, RodlabError> {
     tests
         .par_iter()
@@ -72,7 +73,8 @@ fn one(test: &Test, interrupted: &AtomicBool) -> Result<Listed, RodlabError> {
 }
 
 /// Returns the hash of software, sheet and input files. The hashed text has one line for each of
-/// them: neither a hash nor the name of the software contains a line break.
+/// them; this is unambiguous, because neither a hash nor the name of the software contains a line
+/// break.
 fn key(sheet: &str, inputs: &[InputFile]) -> String {
     let mut text = format!("{SOFTWARE}\n{sheet}\n");
     for input in inputs {

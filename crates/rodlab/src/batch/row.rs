@@ -33,7 +33,7 @@ pub struct Row {
     /// The warnings, for the terminal.
     #[serde(skip)]
     pub warnings_in_words: Vec<String>,
-    /// True for an earlier result that is still current.
+    /// True for an earlier result that was kept because it is still current.
     #[serde(skip)]
     pub kept: bool,
 }
@@ -53,8 +53,8 @@ impl Row {
         }
     }
 
-    /// The row of the result, or of the failure, in `folder`; `None` if there is neither or it
-    /// cannot be read.
+    /// Returns the row of the result, or of the failure, in `folder`; `None` if the folder contains
+    /// neither, or the file cannot be read.
     pub(super) fn read(test: &str, folder: &Path) -> Option<Self> {
         if let Ok(text) = input::read_text(&folder.join(FAILURE)) {
             let row = serde_json::from_str(&text).ok()?;
@@ -104,9 +104,9 @@ fn result_in(folder: &Path) -> Option<StoredResult> {
     serde_json::from_str(&text).ok()
 }
 
-/// Returns the row of a result in `folder` that a new run would reproduce: software, sheet and
-/// files are the same, no other files match the patterns of the sheet, and all files of the result
-/// are unchanged.
+/// Returns the row of the result in `folder` if a new run would reproduce the result: software,
+/// sheet and input files are the same, no other files match the patterns of the sheet, and all
+/// files of the result are unchanged.
 pub(super) fn current(test: &Test, folder: &Path) -> Option<Row> {
     let stored = result_in(folder)?;
     let hash = |path: &Path| Some(ContentHash::of(&input::read(path).ok()?).to_string());
@@ -144,8 +144,8 @@ fn finds_the_same(inputs: &[InputFile], base: &Path) -> bool {
     now.iter().map(String::as_str).eq(found)
 }
 
-/// Writes the failure in place of an older result: the result of a sheet that is now wrong is no
-/// longer valid.
+/// Writes the failure in place of an older result, because the result of a sheet that is now wrong
+/// is no longer valid.
 pub(crate) fn remember_failure(row: &Row, folder: &Path) -> Result<(), RodlabError> {
     #[derive(Serialize)]
     struct Failure<'a> {

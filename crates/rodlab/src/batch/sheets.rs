@@ -18,17 +18,17 @@ pub struct Test {
     pub sheet: PathBuf,
 }
 
-/// The tests in `places`: sheets, folders searched recursively for sheets, and patterns; in order
-/// of their names.
+/// Returns the tests in `places`, in order of their names. A place is a sheet, a folder, which is
+/// searched recursively for sheets, or a pattern.
 ///
 /// Folders with a result of this program are skipped. Links to folders are followed, and no folder
-/// is searched twice: of several names of a folder, the one without links is used.
+/// is searched twice: if a folder has several names, the name without links is used.
 ///
 /// # Errors
 ///
 /// [`RodlabError::NoFile`] for a place without a sheet, [`RodlabError::Read`] for a folder that
-/// cannot be read, and [`RodlabError::Request`] if two sheets differ only in the extension, or a
-/// name is not valid without it.
+/// cannot be read, and [`RodlabError::Request`] if the names of two sheets differ only in the
+/// extension, or a name without its extension cannot name a folder.
 pub fn tests_of(places: &[String]) -> Result<Vec<Test>, RodlabError> {
     let mut search = Search::default();
     let mut roots = Vec::new();
@@ -76,8 +76,8 @@ fn found_at(place: &str) -> Result<Vec<PathBuf>, RodlabError> {
     listed.map(|found| found.map_err(unreadable)).collect()
 }
 
-/// A folder or a sheet: its path as given, and its full path without `..` and without links except
-/// those followed to it.
+/// A folder or a sheet: its path as given, and its full path without `..`, which contains only
+/// those links through which it was found.
 #[derive(Debug, Clone)]
 struct Place {
     shown: PathBuf,
@@ -96,7 +96,7 @@ impl Place {
 /// Sheets found so far.
 #[derive(Debug, Default)]
 struct Search {
-    /// Paths as given, by their full paths.
+    /// Paths of the sheets as given, by their full paths.
     sheets: BTreeMap<PathBuf, PathBuf>,
     /// Searched folders, without any links.
     folders: BTreeSet<PathBuf>,
@@ -107,7 +107,7 @@ struct Search {
 }
 
 impl Search {
-    /// Adds the sheet at `path`, or those in the folder at `path`, and returns its full path.
+    /// Adds the sheet at `path`, or the sheets in the folder at `path`, and returns the full path.
     fn place(&mut self, path: &Path) -> Result<PathBuf, RodlabError> {
         let shown = path.to_path_buf();
         if path.is_dir() {
@@ -152,7 +152,7 @@ impl Search {
         Ok(())
     }
 
-    /// Searches the folders to which links lead, in order of the names of the links.
+    /// Searches the folders to which links lead, in the order of the names of the links.
     fn follow_links(&mut self) -> Result<(), RodlabError> {
         while let Some((full, shown)) = self.links.pop_first() {
             self.followed.insert(full.clone());
@@ -169,8 +169,8 @@ impl Search {
     }
 }
 
-/// Returns true for a file `*.ron`, and for a file `*.toml` that names a job, unlike the TOML files
-/// of other programs.
+/// Returns true for a file `*.ron`, and for a file `*.toml` that names a job; TOML files of other
+/// programs do not.
 fn is_sheet(path: &Path) -> bool {
     let Some(ending) = path.extension() else {
         return false;
@@ -181,7 +181,7 @@ fn is_sheet(path: &Path) -> bool {
             && fs::read(path).map_or(true, |bytes| sheet::names_a_job(&bytes))
 }
 
-/// The full path of a folder, without links.
+/// Returns the full path of a folder, without links.
 fn real(folder: &Path) -> Result<PathBuf, RodlabError> {
     folder
         .canonicalize()
@@ -232,8 +232,8 @@ fn named(sheets: BTreeMap<PathBuf, PathBuf>) -> Result<Vec<Test>, RodlabError> {
         .collect())
 }
 
-/// The path of `sheet` below `common` without extension; `None` if the name without extension leads
-/// to another folder, as with `...ron`.
+/// Returns the path of `sheet` below `common` without extension; `None` if the name without
+/// extension means another folder, such as `..` from `...ron`.
 fn name_of(sheet: &Path, common: &Path) -> Option<String> {
     let stem = sheet.file_stem()?;
     if stem == "." || stem == ".." {

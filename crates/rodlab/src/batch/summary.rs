@@ -27,7 +27,7 @@ pub struct Summary {
 }
 
 impl Summary {
-    /// A summary of these rows.
+    /// Returns the summary of these rows.
     #[must_use]
     pub fn of(mut tests: Vec<Row>) -> Self {
         tests.sort_by(|a, b| a.test.cmp(&b.test));
@@ -43,7 +43,7 @@ impl Summary {
         }
     }
 
-    /// Number of tests with this standing.
+    /// Returns the number of tests with this standing.
     #[must_use]
     pub fn count(&self, standing: Standing) -> usize {
         match standing {
@@ -54,7 +54,7 @@ impl Summary {
         }
     }
 
-    /// The standing of the worst test, which is the standing of the campaign.
+    /// Returns the standing of the worst test, which is the standing of the campaign.
     #[must_use]
     pub fn worst(&self) -> Standing {
         let all = self.tests.iter().map(|row| row.status);
@@ -67,7 +67,7 @@ impl Summary {
         &self.tests
     }
 
-    /// The summary in one sentence.
+    /// Returns the summary in one sentence.
     #[must_use]
     pub fn sentence(&self) -> String {
         let counts = Standing::ALL.map(|standing| format!("{} {standing}", self.count(standing)));
@@ -79,8 +79,9 @@ impl Summary {
         )
     }
 
-    /// Lines for the terminal above the [`sentence`](Self::sentence): each distinct warning with the
-    /// number of its tests, the most frequent first, and the number of kept results.
+    /// Returns the lines that the terminal shows above the [`sentence`](Self::sentence): each
+    /// distinct warning with the number of tests that have it, the most frequent first, and the
+    /// number of earlier results that were kept.
     #[must_use]
     pub fn remarks(&self) -> Vec<String> {
         let mut counts: BTreeMap<&str, usize> = BTreeMap::new();
@@ -115,7 +116,7 @@ impl Summary {
         lines
     }
 
-    /// One CSV line per test.
+    /// Returns the CSV table with one line per test.
     ///
     /// # Errors
     ///
@@ -138,7 +139,7 @@ impl Summary {
         )
     }
 
-    /// One CSV line per number of a test.
+    /// Returns the CSV table with one line per test and quantity.
     ///
     /// # Errors
     ///
@@ -172,18 +173,18 @@ impl Summary {
         table("quantities.csv", heads, rows)
     }
 
-    /// The summary as JSON.
+    /// Returns the summary as JSON.
     ///
     /// # Errors
     ///
-    /// [`RodlabError::Step`] if it cannot be written.
+    /// [`RodlabError::Step`] if the text cannot be written.
     pub fn to_json(&self) -> Result<String, RodlabError> {
         serde_json::to_string_pretty(self)
             .map(|text| text + "\n")
             .map_err(|error| RodlabError::step("writing summary.json", error))
     }
 
-    /// One page with a link to the report of each test.
+    /// Returns the HTML page with a link to the report of each test.
     ///
     /// # Errors
     ///
@@ -214,7 +215,7 @@ impl Summary {
     }
 }
 
-/// The address of the report of a test, relative to the folder of the campaign.
+/// Returns the address of the report of a test, relative to the folder of the campaign.
 fn link(test: &str) -> String {
     let mut address = String::new();
     for byte in test.bytes() {
@@ -244,13 +245,13 @@ fn table<const N: usize>(
     String::from_utf8(bytes).map_err(|error| RodlabError::step(format!("writing {name}"), error))
 }
 
-/// Returns the results and failures below `folders`, named after their folders; with several
-/// folders, each name begins with the name of its folder.
+/// Returns the results and failures below `folders`, each named by its path there; with several
+/// `folders`, the name of the folder comes first.
 ///
 /// # Errors
 ///
-/// [`RodlabError::Read`] for a folder that cannot be read, [`RodlabError::NoFile`] for one without
-/// results.
+/// [`RodlabError::Read`] for a folder that cannot be read, [`RodlabError::NoFile`] for a folder
+/// without results.
 pub fn collect(folders: &[PathBuf]) -> Result<Summary, RodlabError> {
     let mut rows = Vec::new();
     for folder in folders {

@@ -31,7 +31,7 @@ const SEED: &str = "seed";
 /// File that lists the sheets with their values.
 const LIST: &str = "sweep.csv";
 
-/// A plan of sheets.
+/// A plan, as read from its file.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(rename = "Sweep", deny_unknown_fields)]
 struct Plan {
@@ -85,14 +85,16 @@ pub struct SweptSheet {
     pub sha256: String,
 }
 
-/// Writes the sheets of the plan at `plan` and the list `sweep.csv` to `folder`, by default next to
-/// the plan, with its name and `-sheets`. All sheets are parsed before the first one is written.
+/// Writes the sheets of the plan at `plan` and the list `sweep.csv` to `folder`. The default folder
+/// is next to the plan and has the name of the plan with `-sheets`. All sheets are parsed before
+/// the first one is written.
 ///
 /// # Errors
 ///
 /// [`RodlabError::Sheet`] for a mistake in the plan or in a filled template,
-/// [`RodlabError::Request`] for values and placeholders that do not match, [`RodlabError::Exists`]
-/// for a file that exists: nothing is written then. [`RodlabError::Read`], [`RodlabError::Write`].
+/// [`RodlabError::Request`] for values and placeholders that do not match, and
+/// [`RodlabError::Exists`] for a file that exists already; in these cases nothing is written.
+/// [`RodlabError::Read`] or [`RodlabError::Write`] for a file that cannot be read or written.
 pub fn sweep(plan: &Path, folder: Option<&Path>) -> Result<Sweep, RodlabError> {
     let text = input::read_text(plan)?;
     let stated: Plan = sheet::parse_as(plan, &text)?;
@@ -149,7 +151,7 @@ pub fn sweep(plan: &Path, folder: Option<&Path>) -> Result<Sweep, RodlabError> {
     Ok(sweep)
 }
 
-/// The placeholders with their values; the seed is the last.
+/// Returns the placeholders with their values; the seed is the last one.
 fn axes_of(plan: Plan) -> Result<Vec<Axis>, RodlabError> {
     let mut axes = plan.grid;
     let mut sheets = 1.0;
@@ -226,7 +228,8 @@ enum TemplatePart<'a> {
     Value(usize),
 }
 
-/// The pieces of `template`. Every axis has a placeholder, and every placeholder an axis.
+/// Returns the pieces of `template`. It is an error if an axis has no placeholder in it, or a
+/// placeholder no axis.
 fn parts_of<'a>(
     path: &Path,
     template: &'a str,
@@ -273,7 +276,7 @@ fn parts_of<'a>(
     }
 }
 
-/// Returns the error at the placeholder before `behind`, the rest of `template`.
+/// Returns the error at the two braces before `behind`, which is the rest of `template`.
 fn misplaced(
     path: &Path,
     template: &str,
@@ -291,7 +294,7 @@ fn misplaced(
     )
 }
 
-/// The values of the sheet with this number, from 0; the last axis varies fastest.
+/// Returns the values of the sheet with this number, from 0; the last axis varies fastest.
 fn combination(axes: &[Axis], number: usize) -> Vec<&str> {
     let mut rest = number;
     let mut values: Vec<&str> = axes

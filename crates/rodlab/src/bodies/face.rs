@@ -1,5 +1,5 @@
-//! Bodies of a sheet: computed chains of elements, single lumps, measured bodies, and several
-//! bodies joined.
+//! Bodies of a sheet: computed chains of elements, single lumps, measured bodies, and assemblies of
+//! several bodies.
 
 pub mod assembly;
 mod slenderness;
@@ -25,15 +25,16 @@ use crate::RodlabError;
 use crate::sheet::plausible;
 use crate::sheet::{AddedMass, ImpactMass, Length, SpecificImpedance, Stated, Stiffness};
 
-/// A body: a chain of elements from its impact face on, a lump, a measured body, or an assembly.
+/// A body: a chain of elements that starts at its impact face, a lump, a measured body, or an
+/// assembly.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub enum BodySheet {
-    /// Elements in a row.
+    /// A chain of elements.
     Chain {
-        /// The elements, from the impact face on.
+        /// The elements in their order from the impact face.
         elements: Vec<ElementSheet>,
-        /// The end after the last element; free unless stated.
+        /// End after the last element; by default free.
         #[serde(default)]
         end: EndSheet,
     },
@@ -122,9 +123,9 @@ pub enum EndSheet {
 /// A computed body.
 #[derive(Debug, Clone)]
 pub enum ComputedBody {
-    /// A chain of materials known in the right half plane.
+    /// A chain whose materials are all known in the right half plane of the Laplace variable.
     Analytic(AnalyticChain),
-    /// A chain with a material known for real frequencies only.
+    /// A chain with at least one material that is known for real frequencies only.
     OnAxis(Chain),
     /// A lump.
     Lump {
@@ -138,12 +139,11 @@ pub enum ComputedBody {
 }
 
 impl BodySheet {
-    /// The computed body; `field` is its place in the sheet.
+    /// Returns the computed body; `field` is its place in the sheet.
     ///
     /// # Errors
     ///
-    /// [`RodlabError`] with the element and its error; [`RodlabError::Request`] for a measured
-    /// body.
+    /// [`RodlabError`] that names the faulty element; [`RodlabError::Request`] for a measured body.
     pub fn body(&self, materials: &Materials, field: &str) -> Result<ComputedBody, RodlabError> {
         match self {
             Self::RigidMass(mass) => Ok(ComputedBody::Lump {
@@ -178,7 +178,7 @@ impl BodySheet {
     }
 }
 
-/// The materials of the elements that have one, and of the end.
+/// Materials of the elements and of the end; `None` for an element or an end without a material.
 struct Placed {
     elements: Vec<Option<Material>>,
     end: Option<Material>,
@@ -245,8 +245,8 @@ fn chain(
     }
 }
 
-/// Builders of chains differ only in the argument of their media, for which `rodwave` has no common
-/// trait: one macro makes the two functions below.
+/// The builders of the two kinds of chain differ only in the argument of their media, for which
+/// `rodwave` has no common trait. This macro therefore makes both functions.
 macro_rules! chain_of {
     ($name:ident, $argument:ty, $begin:expr, $($kind:ident)|+) => {
         fn $name(
@@ -302,11 +302,11 @@ chain_of!(
 );
 
 impl ComputedBody {
-    /// The body in the form used by `impulse`.
+    /// Returns the body in the form used by `impulse`.
     ///
     /// # Errors
     ///
-    /// [`RodlabError::Step`] if it is not a valid body.
+    /// [`RodlabError::Step`] if this is not a valid body.
     pub fn impact_body(&self) -> Result<Arc<dyn ImpactBody + Send + Sync>, RodlabError> {
         Ok(match self {
             Self::Analytic(chain) => Arc::new(chain.clone()),
@@ -316,11 +316,11 @@ impl ComputedBody {
         })
     }
 
-    /// The body as a member of an assembly: a chain has its two faces as points.
+    /// Returns the body as a member of an assembly. The two faces of a chain are its points.
     ///
     /// # Errors
     ///
-    /// [`RodlabError::Step`] if it is not a valid body.
+    /// [`RodlabError::Step`] if this is not a valid body.
     pub fn substructure(&self) -> Result<SharedSubstructure, RodlabError> {
         Ok(match self {
             Self::Analytic(chain) => Arc::new(chain.clone()),
@@ -334,7 +334,7 @@ impl ComputedBody {
     ///
     /// # Errors
     ///
-    /// Those of `rodwave` or `impulse`.
+    /// The errors of `rodwave` or `impulse`.
     pub fn mobility(&self, frequency_hz: f64) -> Result<Complex64, ImpulseError> {
         self.mobility_at(Complex64::new(0.0, std::f64::consts::TAU * frequency_hz))
     }
@@ -343,7 +343,7 @@ impl ComputedBody {
     ///
     /// # Errors
     ///
-    /// Those of `rodwave` or `impulse`.
+    /// The errors of `rodwave` or `impulse`.
     pub fn mobility_at(&self, s: Complex64) -> Result<Complex64, ImpulseError> {
         match self {
             Self::Analytic(chain) => chain.mobility_at(s),
@@ -353,7 +353,7 @@ impl ComputedBody {
         }
     }
 
-    /// Mass of a free body \[kg\].
+    /// Mass of the body \[kg\] if it is free, otherwise `None`.
     #[must_use]
     pub fn free_mass(&self) -> Option<f64> {
         match self {
@@ -364,7 +364,7 @@ impl ComputedBody {
         }
     }
 
-    /// Domain in which the mobility is known.
+    /// Domain of the Laplace variable in which the mobility is known.
     #[must_use]
     pub fn domain(&self) -> Domain {
         match self {
@@ -376,7 +376,8 @@ impl ComputedBody {
     }
 }
 
-/// A rigid mass, or a long rod of this impedance.
+/// Returns the mobility law of a rigid mass, or, without a `mass`, of a long rod with this
+/// impedance.
 fn lump(
     mass: Option<f64>,
     impedance: f64,

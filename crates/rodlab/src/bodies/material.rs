@@ -35,14 +35,15 @@ impl LaplaceModulus for AnalyticLaw {
 /// A material of a body in which waves propagate.
 #[derive(Debug, Clone)]
 pub enum Material {
-    /// Known in the right half plane.
+    /// Known in the right half plane of the Laplace variable.
     Analytic(Medium<AnalyticLaw>),
-    /// Known for real frequencies.
+    /// Known for real frequencies only.
     OnAxis(Medium<PowerLawPropagation>),
 }
 
 impl Material {
-    /// A material whose law is known in the right half plane; `field` is its place in the sheet.
+    /// Returns a material whose law is known in the right half plane; `field` is its place in the
+    /// sheet.
     pub(crate) fn analytic(
         density: f64,
         law: Arc<dyn LaplaceModulus + Send + Sync>,
@@ -53,7 +54,8 @@ impl Material {
             .map_err(|error| RodlabError::step(field, error))
     }
 
-    /// Damping alpha [1/m] and wave number k [rad/m], combined as alpha + ik, at `frequency_hz`.
+    /// Propagation coefficient alpha + ik at `frequency_hz`, with the damping coefficient alpha
+    /// \[1/m\] and the wave number k \[rad/m\].
     #[must_use]
     pub fn propagation_coefficient(&self, frequency_hz: f64) -> Complex64 {
         match self {

@@ -21,8 +21,8 @@ use crate::sheet::plausible;
 use crate::sheet::{Density, Duration, Frequency, Kind, Pressure, Ratio, Stated, Viscosity};
 use crate::{Outcome, RodlabError, input};
 
-/// Frequency \[Hz\] at which the wave speed is checked, typical of the resonances of laboratory
-/// rods.
+/// Frequency \[Hz\] at which the wave speed is checked; it is typical of the resonances of
+/// laboratory rods.
 const SOMEWHERE_HZ: f64 = 1e3;
 
 /// Materials by their names in the sheet.
@@ -32,7 +32,8 @@ pub type Materials = BTreeMap<String, MaterialSheet>;
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct MaterialSheet {
-    /// Density, such as `"1150 kg/m3"`; left out with a law from a result, which has its density.
+    /// Density, such as `"1150 kg/m3"`; not stated for a law from a result, because the result
+    /// contains the density.
     #[serde(default)]
     pub density: Option<Stated<Density>>,
     /// Law of the modulus.
@@ -40,7 +41,7 @@ pub struct MaterialSheet {
     /// Confirms a wave speed outside the range of solids.
     #[serde(default)]
     pub unusual: bool,
-    /// Law and density of the file of [`LawSheet::Result`], once it is read.
+    /// Law and density in the file of [`LawSheet::Result`], after it has been read.
     #[serde(skip)]
     pub(crate) measured: Option<MeasuredMaterial>,
 }
@@ -54,7 +55,7 @@ pub enum LawSheet {
         /// Young's modulus, such as `"206 GPa"`.
         modulus: Stated<Pressure>,
     },
-    /// Equal loss factor at all frequencies.
+    /// Same loss factor at all frequencies.
     ConstantQ {
         /// Absolute value of the modulus at the reference frequency.
         modulus: Stated<Pressure>,
@@ -77,7 +78,7 @@ pub enum LawSheet {
         /// Viscosity, such as `"2 MPa s"`.
         viscosity: Stated<Viscosity>,
     },
-    /// Three elements.
+    /// Zener's law of three elements: a spring in parallel with a spring and a dashpot in series.
     Zener {
         /// Modulus at low frequency.
         relaxed: Stated<Pressure>,
@@ -86,7 +87,7 @@ pub enum LawSheet {
         /// Relaxation time.
         relaxation_time: Stated<Duration>,
     },
-    /// Three elements, with a fractional dashpot.
+    /// Zener's law with a fractional dashpot.
     FractionalZener {
         /// Modulus at low frequency.
         relaxed: Stated<Pressure>,
@@ -102,7 +103,7 @@ pub enum LawSheet {
         /// Modulus of the spring; absent if there is none.
         #[serde(default)]
         equilibrium: Option<Stated<Pressure>>,
-        /// Branches: modulus and relaxation time.
+        /// Branches, each with a modulus and a relaxation time.
         branches: Vec<BranchSheet>,
     },
     /// Power laws fitted to damping and wave number, as in paper E (eq. 7): alpha = a omega^p, k =
@@ -118,7 +119,7 @@ pub enum LawSheet {
         /// q.
         wave_number_exponent: f64,
     },
-    /// Law with its errors, and density, from an earlier result: the path of its file
+    /// Law with its errors and density from an earlier result, stated by the path of the file
     /// `material.json`, relative to the sheet, such as `"nylon-result/material.json"`.
     Result(String),
 }
@@ -131,7 +132,8 @@ impl LawSheet {
         name.unwrap_or_default().to_owned()
     }
 
-    /// The law as springs and Maxwell branches; `None` if it cannot be written in this form.
+    /// Returns the law as springs and Maxwell branches; `None` if it cannot be written in this
+    /// form.
     fn prony(&self) -> Option<Result<GeneralisedMaxwell, RodwaveError>> {
         let branch = |modulus: f64, relaxation_time: f64| {
             vec![MaxwellBranch {
@@ -189,7 +191,7 @@ pub struct BranchSheet {
 }
 
 impl MaterialSheet {
-    /// The material; `field` is its place in the sheet.
+    /// Returns the material; `field` is its place in the sheet.
     ///
     /// # Errors
     ///
@@ -205,7 +207,7 @@ impl MaterialSheet {
         Ok(material)
     }
 
-    /// The stated density; `field` is the place of the material in the sheet.
+    /// Returns the stated density; `field` is the place of the material in the sheet.
     ///
     /// # Errors
     ///
@@ -220,8 +222,8 @@ impl MaterialSheet {
         })
     }
 
-    /// Density \[kg/m³\] and law as springs and Maxwell branches; `None` if the law cannot be
-    /// written in this form. `field` is the place of the material in the sheet.
+    /// Returns the density \[kg/m³\] and the law as springs and Maxwell branches; `None` if the law
+    /// cannot be written in this form. `field` is the place of the material in the sheet.
     pub(crate) fn prony(
         &self,
         field: &str,
@@ -236,7 +238,7 @@ impl MaterialSheet {
         Ok(Some((self.stated_density(field)?.nominal(), law)))
     }
 
-    /// Density and law in words, for the settings.
+    /// Returns density and law in words, for the settings.
     pub(crate) fn in_words(&self) -> String {
         match (&self.density, &self.law) {
             (None, LawSheet::Result(path)) => format!("law and density of {path}"),
@@ -322,18 +324,18 @@ impl MaterialSheet {
                 let medium = Medium::new(density, law).map_err(refused)?;
                 return Ok(Material::OnAxis(medium));
             }
-            // refused above
+            // not reached: a law from a result is refused above
             LawSheet::Result(_) => return Err(RodlabError::request(field, "no law", "a law")),
         };
         Material::analytic(density, law, field)
     }
 }
 
-/// The material called `name`; `field` is the place of the name in the sheet.
+/// Returns the material called `name`; `field` is the place of the name in the sheet.
 ///
 /// # Errors
 ///
-/// [`RodlabError::Request`] with the existing names.
+/// [`RodlabError::Request`] with the existing names if there is no such material.
 pub fn material_called(
     materials: &Materials,
     name: &str,
@@ -355,14 +357,15 @@ pub fn material_called(
 }
 
 impl MaterialSheet {
-    /// Lowest and highest frequency of the data of a law from a result \[Hz\].
+    /// Lowest and highest frequency \[Hz\] of the data behind a law from a result; `None` for other
+    /// laws.
     pub(crate) fn measured_band_hz(&self) -> Option<[f64; 2]> {
         self.measured.as_ref().map(MeasuredMaterial::band_hz)
     }
 }
 
-/// Returns the materials, with every law from a result read. The files read become inputs of the
-/// outcome, and their doubts become doubts of the outcome.
+/// Returns the materials after reading every law that comes from a result. The files become inputs
+/// of the outcome, and doubts about their laws become doubts of the outcome.
 pub(crate) fn read(
     materials: &Materials,
     folder: &Path,

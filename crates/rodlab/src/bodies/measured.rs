@@ -12,20 +12,21 @@ use crate::sheet::{Duration, Exact, Frequency, Ratio, SpecificImpedance, Stated}
 pub struct MeasuredBodySheet {
     /// Name of the file, relative to the sheet, such as `"hammer.uff"`.
     pub file: String,
-    /// The data set, by number from 1 or by name; by default the only complex one.
+    /// The data set, by number from 1 or by name; by default the only complex data set.
     #[serde(default)]
     pub data_set: Option<Selector>,
     /// Column of the imaginary part, if it is separate.
     #[serde(default)]
     pub imaginary: Option<Selector>,
-    /// Kind of response, such as `Mobility` or `Accelerance`; by default the kind that fits its
+    /// Kind of response, such as `Mobility` or `Accelerance`; by default the kind that suits the
     /// unit.
     #[serde(default)]
     pub kind: Option<KindSheet>,
-    /// Data set of the standard error of the lines.
+    /// Data set with the standard errors of the lines.
     #[serde(default)]
     pub standard_error: Option<Selector>,
-    /// Data set of the coherence, which gives the standard error together with `averages`.
+    /// Data set with the coherence, from which the standard error is computed together with
+    /// `averages`.
     #[serde(default)]
     pub coherence: Option<Selector>,
     /// Number of averaged hits.
@@ -56,14 +57,14 @@ pub struct MeasuredBodySheet {
     /// Removes the part of the impulse response before the impulse; by default it is kept.
     #[serde(default)]
     pub causal: bool,
-    /// Removes real parts below 0, with which the body would deliver energy; by default they are
+    /// Removes negative real parts, with which the body would give out energy; by default they are
     /// kept.
     #[serde(default)]
     pub passive: bool,
 }
 
 impl MeasuredBodySheet {
-    /// The file of the response.
+    /// Returns the file of the response.
     #[must_use]
     pub fn response(&self) -> ResponseFile {
         ResponseFile {

@@ -1,4 +1,4 @@
-//! Materials of a sheet whose law and density are those of an earlier result.
+//! Materials of a sheet that take their law and density from an earlier result.
 
 use std::sync::Arc;
 
@@ -10,7 +10,7 @@ use super::material::Material;
 use crate::RodlabError;
 use crate::material_file::MaterialFile;
 
-/// Law and density of a result, each independent error moved by a number of its standard
+/// Law and density of a result. Each independent error is moved by a number of its standard
 /// uncertainties.
 #[derive(Debug, Clone)]
 pub(crate) struct MeasuredMaterial {
@@ -20,7 +20,7 @@ pub(crate) struct MeasuredMaterial {
 }
 
 impl MeasuredMaterial {
-    /// The material as found.
+    /// Returns the material as found.
     pub(super) fn of(file: Arc<MaterialFile>) -> Self {
         Self {
             file,
@@ -41,7 +41,7 @@ impl MeasuredMaterial {
         })
     }
 
-    /// The material; `field` is its place in the sheet.
+    /// Returns the material; `field` is its place in the sheet.
     pub(crate) fn material(&self, field: &str) -> Result<Material, RodlabError> {
         let (density, law) = self.file.moved(&self.standard, field)?;
         let law: Arc<dyn LaplaceModulus + Send + Sync> = match law {
@@ -73,14 +73,15 @@ impl MeasuredMaterial {
         Material::analytic(density, law, field)
     }
 
-    /// Density \[kg/m³\] and law as springs and Maxwell branches; `None` if the law cannot be
-    /// written in this form. `field` is the place of the material in the sheet.
+    /// Returns the density \[kg/m³\] and the law as springs and Maxwell branches; `None` if the law
+    /// cannot be written in this form. `field` is the place of the material in the sheet.
     pub(super) fn prony(
         &self,
         field: &str,
     ) -> Result<Option<(f64, GeneralisedMaxwell)>, RodlabError> {
         let (density, law) = self.file.moved(&self.standard, field)?;
-        // logarithms of one modulus, of a modulus and a time, or of two moduli and a time
+        // the parameters are logarithms: of one modulus, of a modulus and a time, or of two moduli
+        // and a time
         let numbers = match &law {
             FittedLaw::Elastic(law) => law.parameters(),
             FittedLaw::Maxwell(law) => law.parameters(),
@@ -104,7 +105,7 @@ impl MeasuredMaterial {
         Ok(Some((density, law)))
     }
 
-    /// Lowest and highest frequency of the data of the law \[Hz\].
+    /// Lowest and highest frequency \[Hz\] of the data from which the law was fitted.
     pub(crate) fn band_hz(&self) -> [f64; 2] {
         self.file.band_hz()
     }

@@ -1,4 +1,4 @@
-//! Sheets of materials and bodies with every stated quantity replaced.
+//! Replacement of every stated quantity in the sheets of materials and bodies.
 
 use super::face::assembly::AssemblySheet;
 use super::face::{BodySheet, ElementSheet, EndSheet};
@@ -6,18 +6,18 @@ use super::material_sheet::{BranchSheet, LawSheet, MaterialSheet, Materials};
 use crate::RodlabError;
 use crate::sheet::{Kind, Stated};
 
-/// A replacement of stated quantities: a draw within their uncertainties, or the refusal of
-/// quantities with an uncertainty.
+/// A replacement of stated quantities: by draws within their uncertainties, or by an error for
+/// every quantity with an uncertainty.
 pub(crate) trait Replacement {
-    /// The quantity in place of `stated`; `field` is its place in the sheet.
+    /// Returns the quantity that replaces `stated`; `field` is its place in the sheet.
     fn stated<K: Kind>(
         &mut self,
         stated: &Stated<K>,
         field: &str,
     ) -> Result<Stated<K>, RodlabError>;
 
-    /// Number of standard uncertainties by which an independent error of a law from a result is
-    /// moved; `source` names the error.
+    /// Returns the number of standard uncertainties by which an independent error of a law from a
+    /// result is moved; `source` names the error.
     fn standard(&mut self, source: &str) -> Result<f64, RodlabError>;
 
     fn materials(&mut self, materials: &Materials) -> Result<Materials, RodlabError> {
@@ -106,7 +106,7 @@ pub(crate) trait Replacement {
         })
     }
 
-    /// A computed body; a measured body is kept as stated.
+    /// Replaces the quantities of a computed body; a measured body is kept as stated.
     fn body(&mut self, body: &BodySheet, field: &str) -> Result<BodySheet, RodlabError> {
         Ok(match body {
             BodySheet::Chain { elements, end } => BodySheet::Chain {
@@ -129,7 +129,7 @@ pub(crate) trait Replacement {
         })
     }
 
-    /// An assembly; measured members are kept as stated.
+    /// Replaces the quantities of an assembly; measured members are kept as stated.
     fn assembly(
         &mut self,
         assembly: &AssemblySheet,
@@ -210,10 +210,11 @@ pub(crate) trait Replacement {
     }
 }
 
-/// Refuses every quantity stated with an uncertainty, for a job that cannot propagate it.
+/// Replacement that refuses every quantity with an uncertainty, for a job that cannot propagate
+/// uncertainties.
 #[derive(Debug)]
 pub(crate) struct WithoutUncertainty {
-    /// Completes "the value without ±, because".
+    /// Reason, which completes the message "the value without ±, because".
     pub(crate) why: &'static str,
 }
 

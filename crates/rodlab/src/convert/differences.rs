@@ -14,7 +14,7 @@ const OF_THE_FORM: [&str; 8] = [
     "encoding",
 ];
 
-/// The differences from `source` to `written`, in words.
+/// Returns the differences between `source` and `written`, in words.
 pub(super) fn between(source: &Contents, written: &Contents) -> Vec<String> {
     let mut lost = Vec::new();
     properties(

@@ -2,8 +2,8 @@
 
 use labio::{Abscissa, Contents, Series, SeriesAxis, SeriesKind};
 
-/// Returns `contents` without the parts, other than values, that the format called `format` cannot
-/// hold. The comparison of the written file with its source lists the removed parts.
+/// Returns `contents` without the parts that `format` cannot hold; values are always kept. The
+/// comparison of the written file with its source lists the removed parts.
 pub(super) fn fitted(contents: &Contents, format: &str) -> Contents {
     let mut fitted = Contents::of_format(contents.format);
     fitted.series.clone_from(&contents.series);
@@ -33,7 +33,7 @@ pub(super) fn fitted(contents: &Contents, format: &str) -> Contents {
                 series
                     .properties
                     .retain(|(key, _)| key.starts_with("uff58."));
-                // the encoding of the source does not concern the new file
+                // properties of the encoding of the source do not apply to the new file
                 let of_source = ["uff58.encoding", "uff58.precision", "uff58.step_half_unit"];
                 series
                     .properties
@@ -43,7 +43,7 @@ pub(super) fn fitted(contents: &Contents, format: &str) -> Contents {
         "npz" => {
             fitted.properties.clone_from(&contents.properties);
             for series in &mut fitted.series {
-                // the layout of an array in its source
+                // these keys describe the layout of the array in the source
                 series.properties.retain(|(key, _)| {
                     !["array", "shape", "fortran_order"].contains(&key.as_str())
                 });

@@ -1,11 +1,11 @@
-//! Numbers for reading, without meaningless digits.
+//! Numbers for tables and sentences, without meaningless digits.
 
 use super::prefix_for;
 
-/// `value` with its standard error, both to the second digit of the error; without an error, to
-/// five digits.
+/// Returns `value` with its standard error, both to the second digit of the error. Without an error
+/// the value has five digits.
 ///
-/// Large and small numbers have a common power of ten: `(2.612 ± 0.014)×10⁹`.
+/// Large and small numbers share a power of ten with their error: `(2.612 ± 0.014)×10⁹`.
 pub(crate) fn with_error(value: Option<f64>, error: Option<f64>) -> String {
     let Some(value) = value.filter(|value| value.is_finite()) else {
         return "none".to_owned();
@@ -16,7 +16,7 @@ pub(crate) fn with_error(value: Option<f64>, error: Option<f64>) -> String {
     if error <= 0.0 {
         return format!("{} ± 0", alone(value));
     }
-    // rounding may carry into the next power: 0.0996 is 0.10
+    // rounding may carry into the next power of ten: 0.0996 becomes 0.10
     let last = exponent(rounded(error, exponent(error) - 1.0)) - 1.0;
     let leading = exponent(value.abs().max(error));
     let power = if (-3.0..6.0).contains(&leading) && (-7.0..=1.0).contains(&last) {
@@ -38,7 +38,7 @@ pub(crate) fn with_error(value: Option<f64>, error: Option<f64>) -> String {
     })
 }
 
-/// `value` in `unit` with the prefix of the larger of it and its standard error:
+/// Returns `value` in `unit`, with the prefix that suits the larger of value and standard error:
 /// `(2.012 ± 0.021) kN`, or `2.0118 kN` without an error.
 pub(crate) fn with_unit(value: f64, error: Option<f64>, unit: &str) -> String {
     let error = error.filter(|error| error.is_finite() && *error > 0.0);
@@ -53,7 +53,7 @@ pub(crate) fn with_unit(value: f64, error: Option<f64>, unit: &str) -> String {
     format!("{} {prefix}{unit}", number.replace('−', "-"))
 }
 
-/// `value` to five digits.
+/// Returns `value` to five significant digits.
 pub(crate) fn alone(value: f64) -> String {
     if !value.is_finite() {
         return String::new();
@@ -74,8 +74,8 @@ pub(crate) fn alone(value: f64) -> String {
     ))
 }
 
-/// Numbers of one column, with their decimal points aligned if their sizes allow it: the greatest
-/// has five digits, six from a thousand on. Values that are not finite are empty.
+/// Returns the numbers of one column, with the same number of decimals if their sizes allow it. The
+/// greatest has five digits, or six from 1000 on. Values that are not finite are empty.
 pub(crate) fn in_line(values: &[f64]) -> Vec<String> {
     let sizes = || {
         values
@@ -107,7 +107,7 @@ pub(crate) fn in_line(values: &[f64]) -> Vec<String> {
             })
             .collect()
     };
-    // digits that are zero in all numbers are omitted
+    // trailing decimals that are zero in all numbers are omitted
     let full = written(most);
     let needed = full
         .iter()

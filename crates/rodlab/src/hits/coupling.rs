@@ -10,22 +10,23 @@ use super::FoundHits;
 use crate::RodlabError;
 use crate::digits::{hertz, significant};
 
-/// Part of its peak above which the force belongs to the blow.
+/// Fraction of the peak force above which a sample belongs to the blow.
 const OF_BLOW: f64 = 0.05;
 /// Least number of samples at rest before a blow.
 const FEWEST_AT_REST: usize = 16;
-/// Relative error of a line that is tolerated.
+/// Largest tolerated relative error of a line.
 const TOLERATED: f64 = 0.02;
-/// Least ratio of the mean over the hits to its standard error.
+/// Least ratio of the mean error over the hits to its standard error at which the error counts as
+/// alike in all hits.
 const ABOVE_CHANCE: f64 = 4.0;
-/// The lowest line that is used unless a band is stated: a multiple of the spacing of lines.
+/// Lowest line that is used if no band is stated, as a multiple of the line spacing.
 const LOWEST_LINE: f64 = 4.0;
 
 impl FoundHits {
-    /// Returns a reason for doubt if what the `force` does after the blow changes its spectrum at
-    /// `from_hz`, the lowest frequency of the band, by more than 2 %, alike in all hits: the
-    /// undershoot of an AC coupling, or a drift of the sensor. A body that is free of the hammer
-    /// exerts no force.
+    /// Returns a reason for doubt if the `force` after the blow changes the spectrum of the force
+    /// by more than 2 % at `from_hz`, the lowest frequency of the band, and does so alike in all
+    /// hits. The true force is zero after the blow; the cause is the undershoot of an AC coupling,
+    /// or a drift of the sensor.
     ///
     /// # Errors
     ///
@@ -63,8 +64,8 @@ impl FoundHits {
     }
 }
 
-/// Ratio of the spectrum of the force after the blow to that of the blow at a frequency; `None`
-/// without a rest before the blow.
+/// Returns the spectrum of the force after the blow divided by that of the blow, at `frequency_hz`;
+/// `None` if the hit has fewer than `FEWEST_AT_REST` samples at rest before the blow.
 fn ratio_after_blow(
     hit: &Record,
     force: &str,
@@ -78,7 +79,7 @@ fn ratio_after_blow(
 
 fn ratio(samples: &[f64], omega: f64) -> Option<Complex64> {
     let (first, end) = extent(samples)?;
-    // room for the edges of a filter
+    // margin before and after the blow, for the transients of a filter
     let beside = end - first;
     let before = first.saturating_sub(beside);
     if before < FEWEST_AT_REST {
@@ -97,7 +98,7 @@ fn ratio(samples: &[f64], omega: f64) -> Option<Complex64> {
     (blow.norm() > 0.0).then(|| sum(over..samples.len()) / blow)
 }
 
-/// First sample of the blow, and the first after it.
+/// Returns the first sample of the blow, and the first sample after the blow.
 fn extent(samples: &[f64]) -> Option<(usize, usize)> {
     let magnitudes = samples.iter().map(|x| x.abs()).enumerate();
     let (at, peak) = magnitudes.max_by(|(_, a), (_, b)| a.total_cmp(b))?;
@@ -111,8 +112,8 @@ fn extent(samples: &[f64]) -> Option<(usize, usize)> {
 mod tests {
     use super::*;
 
-    /// The high-pass 1/(1 + ω_c/(iω)) of an AC coupling at 5 Hz takes away ω_c/ω = 0.25 at 20 Hz,
-    /// to first order in it, with the phase of an integral.
+    /// The high-pass 1/(1 + ω_c/(iω)) of an AC coupling at 5 Hz removes a fraction of the force. To
+    /// first order, this fraction is ω_c/(iω), with magnitude 0.25 at 20 Hz.
     #[test]
     fn an_ac_coupling_leaves_an_undershoot() {
         let rate_hz = 8192.0;
@@ -126,7 +127,7 @@ mod tests {
                 0.0
             }
         };
-        // an offset is no undershoot
+        // a constant offset is not an undershoot
         let force: Vec<f64> = (0..65_536).map(|n| blow(n) + 0.01).collect();
         assert!(ratio(&force, omega).unwrap().norm() < 1e-9);
         let decay = (-TAU * 5.0 / rate_hz).exp();
@@ -140,7 +141,7 @@ mod tests {
             .collect();
         let found = ratio(&coupled, omega).unwrap();
         let expected = -(1.0 / (1.0 + Complex64::new(0.0, 4.0)));
-        // the undershoot of the first 0.7 ms counts as part of the blow: 2 %
+        // the test counts the first 0.7 ms of the undershoot as part of the blow, an error of 2 %
         assert!((found - expected).norm() < 0.03, "{found}");
         assert_eq!(ratio(&coupled[795..], omega), None);
     }

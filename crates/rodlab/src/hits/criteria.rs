@@ -13,23 +13,24 @@ use super::Reading;
 use crate::RodlabError;
 use crate::outcome::Setting;
 
-/// Limits of the checks. A limit that is not stated has its default; `None` disables the check.
+/// Limits of the checks of a hit. A limit that is not stated has its default; `None` disables its
+/// check.
 #[derive(Debug, Clone, Default, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct CriteriaSheet {
     /// Kind of hit: `Hammer`, `Bar`, `RingingBar` or `BarPulses`; by default the kind for the
     /// method of the job.
     pub kind: Option<HitKind>,
-    /// Channel searched for double hits; by default the one that marks the beginning of a hit, if
-    /// that is a force.
+    /// Channel that is searched for double hits; by default the channel that marks the beginning of
+    /// a hit, if it is a force.
     pub force_channel: Option<String>,
-    /// Ranges of the recorder, such as `{"hammer": "10 V"}`, in a unit of the recorded signal; 99
-    /// % of the range is an overload.
+    /// Ranges of the recorder, such as `{"hammer": "10 V"}`, in a unit of the recorded signal; from
+    /// 99 % of the range on, a sample counts as an overload.
     pub full_scales: BTreeMap<String, Reading>,
     /// Smallest ratio of the peak to the standard deviation of the noise; by default 10.
     pub peak_over_noise: Limit<f64>,
-    /// Smallest ratio of the second contact to the first for a double hit; by default 0.05, not
-    /// checked in bars.
+    /// Smallest ratio of the second contact to the first that counts as a double hit; by default
+    /// 0.05, not checked in bars.
     pub double_hit: Limit<f64>,
     /// Number of equal extreme samples that counts as clipping; by default 3.
     pub clipped_run: Limit<usize>,
@@ -38,18 +39,18 @@ pub struct CriteriaSheet {
     pub drop_out_run: Limit<usize>,
     /// Largest ratio of the rest level to the peak; by default 0.25.
     pub static_offset: Limit<f64>,
-    /// Largest difference between the rest levels before and after, relative to the peak; by
-    /// default 0.02, not checked for pulses of bars.
+    /// Largest difference between the rest levels before and after the hit, relative to the peak;
+    /// by default 0.02, not checked for pulses of bars.
     pub level_shift: Limit<f64>,
-    /// Largest remainder at the end, relative to the peak; by default 0.01, not checked for pulses
-    /// of bars.
+    /// Largest remaining signal at the end, relative to the peak; by default 0.01, not checked for
+    /// pulses of bars.
     pub remainder: Limit<f64>,
 }
 
 /// The kind of hit in a record, which sets the defaults of the limits.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
 pub enum HitKind {
-    /// One short contact, and a motion that decays to rest.
+    /// One short contact, followed by a motion that decays to rest.
     Hammer,
     /// Waves that pass the sensors of a bar several times, in a record that is transformed as a
     /// whole.
@@ -110,7 +111,7 @@ impl<'de, T: Deserialize<'de>> Deserialize<'de> for Limit<T> {
                 Ok(Limit::Off)
             }
 
-            // TOML has no null value
+            // TOML has no null value and uses the word "none"
             fn visit_str<E: de::Error>(self, word: &str) -> Result<Limit<T>, E> {
                 if word == "none" {
                     Ok(Limit::Off)
@@ -141,7 +142,7 @@ impl<'de, T: Deserialize<'de>> Deserialize<'de> for Limit<T> {
 }
 
 impl<T: Copy> Limit<T> {
-    /// Returns `criteria` with this limit, which `put` enters.
+    /// Returns `criteria` after `put` has entered this limit.
     fn put<E>(
         self,
         criteria: Criteria,
@@ -156,8 +157,8 @@ impl<T: Copy> Limit<T> {
 }
 
 impl CriteriaSheet {
-    /// The criteria for records of `channels`, with the defaults of `usual` if the sheet states no
-    /// kind.
+    /// Returns the criteria for records of `channels`, with the defaults of the kind `usual` if the
+    /// sheet states no kind.
     pub(super) fn limits(
         &self,
         usual: HitKind,
@@ -219,14 +220,14 @@ impl CriteriaSheet {
         Ok(criteria)
     }
 
-    /// Returns settings for the kind of hit and the limits that the sheet leaves open. The limits
-    /// are those of `criteria`, which were made from the sheet.
+    /// Returns settings for the kind of hit and the limits that the sheet does not state. The
+    /// limits are taken from `criteria`, which were made from the sheet.
     pub(super) fn defaults(
         criteria: &Criteria,
         usual: HitKind,
         field: &str,
     ) -> Result<Vec<Setting>, RodlabError> {
-        // the default limits are known only to the criteria
+        // only `Criteria` contains the default limits
         let limits = serde_json::to_value(criteria)
             .map_err(|error| RodlabError::step(format!("{field}, listing the limits"), error))?;
         let of_limit = |name: &str| {

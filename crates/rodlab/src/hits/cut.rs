@@ -22,8 +22,8 @@ pub enum Cut {
         level: Reading,
         /// Length of a hit with its pre-trigger, such as `"0.5 s"` or `"4096 samples"`.
         length: Stretch,
-        /// Time before the crossing, such as `"10 ms"`; it gives the rest level and the noise, from
-        /// at least eight samples.
+        /// Time before the crossing, such as `"10 ms"`. The rest level and the noise are measured
+        /// in it, so it needs at least eight samples.
         pre_trigger: Stretch,
         /// Direction of the crossing: `Rising` (default), `Falling` or `Either`.
         #[serde(default)]
@@ -32,8 +32,8 @@ pub enum Cut {
         /// `"10 N"`; by default half the level.
         #[serde(default)]
         hysteresis: Option<Reading>,
-        /// Time without a new trigger, such as `"0.5 s"`; by default until the end of the hit, to
-        /// include a second contact.
+        /// Time without a new trigger, such as `"0.5 s"`; by default until the end of the hit, so
+        /// that a second contact belongs to the same hit.
         #[serde(default)]
         hold_off: Option<Stretch>,
     },
@@ -45,7 +45,7 @@ impl Cut {
         matches!(self, Self::Trigger { .. })
     }
 
-    /// The trigger on `channel` of `record`; `None` if each record is a hit.
+    /// Returns the trigger on `channel` of `record`; `None` if each record is a hit.
     pub(super) fn trigger(
         &self,
         record: &Record,

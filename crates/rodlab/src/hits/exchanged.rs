@@ -1,4 +1,4 @@
-//! Tests for an input and an output that are exchanged, and for a reversed force.
+//! Tests for exchanged input and output, and for a reversed force.
 
 use labio::{Quantity, Record};
 use ndarray::ArrayView1;
@@ -9,12 +9,14 @@ use crate::digits::significant;
 
 /// Fraction of the greatest deviation from the median above which a channel counts as moving.
 const MOVING: f64 = 0.1;
-/// Ratio of the duration of the input to that of an output above which they appear exchanged.
+/// Ratio of the duration of the input to the duration of an output above which the two appear
+/// exchanged.
 const LONGER: f64 = 3.0;
 
 impl FoundHits {
-    /// Returns a reason for doubt for each of `outputs` that is over long before `input`: a blow
-    /// ends before the response to it. The durations are medians over the accepted hits.
+    /// Returns a reason for doubt for each of `outputs` that `input` outlasts more than three
+    /// times: a blow should end before the response to it. The durations are medians over the
+    /// accepted hits.
     ///
     /// # Errors
     ///
@@ -62,7 +64,7 @@ impl FoundHits {
             let samples = hit
                 .channel(force)
                 .map_err(|error| RodlabError::step("comparing hits", error))?;
-            // a blow is too short to move the mean
+            // the mean is the rest level, because a blow is too short to change it
             let level = samples.mean().unwrap_or(0.0);
             let largest = samples.iter().map(|x| x - level);
             let largest =
@@ -77,7 +79,7 @@ impl FoundHits {
     }
 }
 
-/// Time \[s\] from the first to the last moving sample of a channel.
+/// Returns the time \[s\] from the first to the last moving sample of a channel.
 fn duration_s(hit: &Record, channel: &str) -> Result<f64, RodlabError> {
     let samples = hit
         .channel(channel)
@@ -85,7 +87,7 @@ fn duration_s(hit: &Record, channel: &str) -> Result<f64, RodlabError> {
     Ok(n_moving(samples) as f64 / hit.sampling_rate_hz())
 }
 
-/// Number of samples from the first to the last moving one.
+/// Returns the number of samples from the first to the last moving sample.
 fn n_moving(samples: ArrayView1<'_, f64>) -> usize {
     let level = median(samples.to_vec());
     let deviation = |x: &f64| (x - level).abs();
@@ -98,7 +100,7 @@ fn n_moving(samples: ArrayView1<'_, f64>) -> usize {
     first.zip(last).map_or(0, |(first, last)| last - first + 1)
 }
 
-/// Median; 0 of no values.
+/// Returns the median; 0 if there are no values.
 fn median(mut values: Vec<f64>) -> f64 {
     let middle = values.len() / 2;
     if values.is_empty() {

@@ -8,7 +8,7 @@ use super::SAMPLING_RATE_TOLERANCE;
 use crate::RodlabError;
 use crate::outcome::{LogEntry, Setting};
 
-/// The treatment of a hit that departs from the response of the others.
+/// Treatment of a hit whose response departs from that of the other hits.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
 pub enum OddSheet {
     /// Averaged, with the result in doubt.
@@ -26,7 +26,7 @@ pub struct FoundHits {
     /// True if hits were cut out of longer records; they are then distinguished by their times.
     by_trigger: bool,
     pub(super) settings: Vec<Setting>,
-    /// The treatment of a hit that departs from the others.
+    /// Treatment of a hit that departs from the others.
     pub(super) odd: OddSheet,
 }
 
@@ -37,7 +37,7 @@ pub struct FoundHit<'a> {
     pub number: usize,
     /// Name of its record, such as `hits.uff, record 3`.
     pub of: &'a str,
-    /// Time, samples, objections of the checks and decisions by hand.
+    /// Time and samples of the hit, objections of the checks, and decision by hand.
     pub hit: &'a Hit,
     by_trigger: bool,
 }
@@ -58,7 +58,7 @@ impl FoundHit<'_> {
         }
     }
 
-    /// Returns true if it is a hit; otherwise it represents a record in which the trigger never
+    /// Returns true for a hit; false if this entry represents a record in which the trigger never
     /// fired.
     #[must_use]
     pub fn is_found(&self) -> bool {
@@ -66,14 +66,14 @@ impl FoundHit<'_> {
         !self.hit.reasons().iter().any(silent)
     }
 
-    /// Returns true if the hit was cut out of a longer record, so that its time is that of the
+    /// Returns true if the hit was cut out of a longer record; its time is then the time of the
     /// trigger.
     #[must_use]
     pub fn is_by_trigger(&self) -> bool {
         self.by_trigger
     }
 
-    /// The decision and its reasons.
+    /// Returns the decision about the hit, with its reasons.
     #[must_use]
     pub fn log_entry(&self) -> LogEntry {
         let mut reasons: Vec<String> = Vec::new();
@@ -110,7 +110,7 @@ impl FoundHits {
         }
     }
 
-    /// All hits in their order.
+    /// Returns all hits in their order.
     pub fn hits(&self) -> impl Iterator<Item = FoundHit<'_>> {
         self.logs
             .iter()
@@ -124,7 +124,7 @@ impl FoundHits {
             })
     }
 
-    /// The records of the accepted hits for the spectra; all of the same length and sampling rate.
+    /// Returns the records of the accepted hits, which all have the same length and sampling rate.
     #[must_use]
     pub fn accepted(&self) -> Vec<&Record> {
         self.logs
@@ -133,7 +133,7 @@ impl FoundHits {
             .collect()
     }
 
-    /// The accepted hits with their numbers.
+    /// Returns the accepted hits with their numbers.
     pub(super) fn numbered(&self) -> (Vec<usize>, Vec<&Record>) {
         self.hits()
             .filter(|found| found.hit.is_accepted())
@@ -141,8 +141,8 @@ impl FoundHits {
             .unzip()
     }
 
-    /// Returns the log that contains hit `number`, counted over all logs, and the number of the hit
-    /// in that log.
+    /// Returns the log that contains hit `number`, counted from 1 over all logs, and the number of
+    /// the hit in that log.
     pub(super) fn log_of(&mut self, number: usize) -> Option<(&mut HitLog, usize)> {
         super::within(&mut self.logs, number)
     }
@@ -159,20 +159,20 @@ impl FoundHits {
         self.hits().filter(|found| found.hit.is_accepted()).count()
     }
 
-    /// Every decision with its reasons, for [`Outcome::log`](crate::Outcome::log).
+    /// Returns every decision with its reasons, for [`Outcome::log`](crate::Outcome::log).
     #[must_use]
     pub fn log(&self) -> Vec<LogEntry> {
         self.hits().map(|found| found.log_entry()).collect()
     }
 
-    /// The settings, for [`Outcome::settings`](crate::Outcome::settings).
+    /// Returns the settings, for [`Outcome::settings`](crate::Outcome::settings).
     #[must_use]
     pub fn settings(&self) -> &[Setting] {
         &self.settings
     }
 
-    /// The number of accepted hits and, for each reason, the rejected ones, in a sentence. A hit
-    /// with several reasons is listed under each of them.
+    /// Returns a sentence with the number of accepted hits and, for each reason, the rejected hits.
+    /// A hit with several reasons is listed under each of them.
     #[must_use]
     pub fn in_words(&self) -> String {
         let (n_accepted, n_found) = (self.n_accepted(), self.n_found());
@@ -199,8 +199,8 @@ impl FoundHits {
         )
     }
 
-    /// The reasons of rejections in the order of their first occurrence, each with the numbers of
-    /// its hits.
+    /// Returns the reasons for rejection in the order of their first occurrence, each with the
+    /// numbers of the rejected hits.
     fn rejected(&self) -> Vec<(&'static str, Vec<usize>)> {
         let mut rejected: Vec<(&'static str, Vec<usize>)> = Vec::new();
         for found in self.hits().filter(|found| !found.hit.is_accepted()) {
@@ -208,7 +208,7 @@ impl FoundHits {
                 Some(_) => vec!["by hand"],
                 None => found.hit.reasons().iter().map(Reason::name).collect(),
             };
-            // one reason may apply to several channels
+            // the same reason may apply to several channels of a hit
             names.sort_unstable();
             names.dedup();
             for name in names {
@@ -221,8 +221,8 @@ impl FoundHits {
         rejected
     }
 
-    /// Extends accepted hits at their rest level to the length of the longest, and adds a setting
-    /// that states this.
+    /// Extends accepted hits at their rest level to the length of the longest hit, and adds a
+    /// setting that states this.
     pub(super) fn pad(&mut self, field: &str) -> Result<(), RodlabError> {
         let (numbers, hits) = self.numbered();
         let lengths: Vec<usize> = hits.iter().map(|hit| hit.n_samples()).collect();
@@ -254,7 +254,7 @@ impl FoundHits {
         Ok(())
     }
 
-    /// Refuses accepted hits of different sampling rates.
+    /// Refuses accepted hits with different sampling rates.
     pub(super) fn check_alike(&self, field: &str) -> Result<(), RodlabError> {
         let mut accepted = self
             .hits()
@@ -279,7 +279,8 @@ impl FoundHits {
     }
 }
 
-/// Increasing numbers in words, with three or more consecutive ones as a range: `1, 2, 4-7`.
+/// Returns increasing numbers as text, with three or more consecutive numbers as a range:
+/// `1, 2, 4-7`.
 fn ranges(numbers: &[usize]) -> String {
     let runs = numbers.chunk_by(|a, b| a + 1 == *b);
     let words: Vec<String> = runs

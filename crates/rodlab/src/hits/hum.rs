@@ -12,22 +12,23 @@ use crate::digits::{hertz, significant};
 const MAINS: [f64; 2] = [50.0, 60.0];
 /// Highest harmonic that is tested.
 const HARMONICS: u32 = 6;
-/// Least rate to which records are decimated \[Hz\]: block means change the highest harmonic by 1 %.
+/// Least sampling rate \[Hz\] after decimation. At this rate the block means change the amplitude
+/// of the highest harmonic by 1 %.
 const SLOW_HZ: f64 = 4000.0;
 /// Least duration of the record after the blow, in periods of the hum.
 const PERIODS: f64 = 4.0;
-/// Amplitude of a hum relative to the standard error of an amplitude from noise alone.
+/// Least amplitude of a hum, relative to the standard error of an amplitude from noise alone.
 const ABOVE_NOISE: f64 = 6.0;
-/// Largest change of a hum between the two halves of that time, relative to it; the return of a
-/// sensor to zero changes by more.
+/// Largest change of a hum between the two halves of the time after the blow, relative to the hum.
+/// The return of a sensor to zero changes by more.
 const STEADY: f64 = 0.5;
-/// Part of the spectrum of the force from which hum is reported.
+/// Fraction of the spectrum of the force above which hum is reported.
 const LARGE_PART: f64 = 0.2;
 
 impl FoundHits {
     /// Returns a reason for doubt for each harmonic of the mains at which the `force` continues
-    /// after the blow, if this hum is a large part of its spectrum there. The frequency response is
-    /// then the ratio of two hums, with a high coherence.
+    /// after the blow, if this hum is more than 20 % of the spectrum of the force there. The
+    /// frequency response at this line would be the ratio of two hums, with a high coherence.
     ///
     /// # Errors
     ///
@@ -71,7 +72,8 @@ impl FoundHits {
     }
 }
 
-/// Means of blocks of samples, at a rate that is still far above the harmonics, and this rate \[Hz\].
+/// Returns means of blocks of samples, and their sampling rate \[Hz\], which is still far above the
+/// tested harmonics.
 fn decimated(samples: Vec<f64>, rate_hz: f64) -> (Vec<f64>, f64) {
     #[expect(
         clippy::cast_possible_truncation,
@@ -87,8 +89,9 @@ fn decimated(samples: Vec<f64>, rate_hz: f64) -> (Vec<f64>, f64) {
     (means.collect(), rate_hz / block as f64)
 }
 
-/// Amplitude of a vibration at `omega`, per sample, in the second half of a record, in which the
-/// blow is over; `None` if there is none beyond the noise, or the half is too short.
+/// Returns the amplitude of a vibration at `omega` (in rad per sample) in the second half of a
+/// record. Returns `None` if the blow is not over there, no vibration exceeds the noise, or the
+/// half is too short.
 fn hum_after_blow(samples: &[f64], omega: f64) -> Option<f64> {
     let half = samples.len() / 2;
     let largest = |range: std::ops::Range<usize>| {
@@ -126,7 +129,7 @@ fn hum_after_blow(samples: &[f64], omega: f64) -> Option<f64> {
     (is_above_noise && is_steady).then_some(amplitude)
 }
 
-/// Fourier sum at `omega`, per sample.
+/// Returns the Fourier sum at `omega` (in rad per sample).
 fn transform<'a>(samples: impl Iterator<Item = &'a f64>, omega: f64) -> Complex64 {
     let each = samples.enumerate();
     each.map(|(n, x)| x * Complex64::cis(-omega * n as f64))
@@ -157,17 +160,17 @@ mod tests {
                 .collect()
         };
         let found = hum_after_blow(&with(0.6), omega).unwrap();
-        // noise of 0.015 N over 4096 samples
+        // the error is due to noise of 0.015 N over 4096 samples
         assert!((found - 0.6).abs() < 2e-3, "{found}");
         assert_eq!(hum_after_blow(&with(0.0), omega), None);
-        // the return of a sensor to zero, 5 N with 0.1 s
+        // a sensor that returns to zero from 5 N with a time constant of 0.1 s
         let mut returning = with(0.0);
         let each = returning.iter_mut().enumerate().skip(800);
         each.for_each(|(n, x)| *x -= 5.0 * (-(n as f64 - 800.0) / 819.2).exp());
         assert_eq!(hum_after_blow(&returning, omega), None);
-        // the second half must contain four periods
+        // no hum is found if the second half contains fewer than four periods
         assert_eq!(hum_after_blow(&with(0.6)[700..1200], omega), None);
-        // at a rate half as high the hum is the same
+        // the amplitude does not depend on the sampling rate
         let (slow, rate_hz) = decimated(with(0.6), 8192.0);
         let found = hum_after_blow(&slow, TAU * 50.0 / rate_hz).unwrap();
         assert!(

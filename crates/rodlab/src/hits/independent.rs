@@ -7,17 +7,17 @@ use super::FoundHits;
 use crate::RodlabError;
 use crate::digits::significant;
 
-/// Probability that independent hits are wrongly called doubtful.
+/// Probability of a wrong doubt about independent hits.
 const LEVEL: f64 = 0.01;
 
 /// Refuses accepted hits of `sets` that are the same measurement, and `channels` that have the same
-/// samples; returns one reason for doubt per pair of hits that differ by less than their noise
+/// samples. Returns one reason for doubt for each pair of hits that differ by less than their noise
 /// ([`find_near_copies`]).
 ///
 /// # Errors
 ///
-/// [`RodlabError::OneMeasurement`] with the names of the two; [`RodlabError::Step`] for a missing
-/// channel.
+/// [`RodlabError::OneMeasurement`] with the names of the two hits or channels;
+/// [`RodlabError::Step`] for a missing channel.
 pub fn expect_independent(
     sets: &[&FoundHits],
     channels: &[&str],
@@ -62,11 +62,11 @@ pub fn expect_independent(
         .collect())
 }
 
-/// Refuses averages whose coherence is 1 to rounding; `place` is their place in the sheet.
+/// Refuses averages whose coherence is 1 within rounding; `place` is their place in the sheet.
 ///
 /// # Errors
 ///
-/// [`RodlabError::NoNoise`]; [`RodlabError::Step`] for a missing channel.
+/// [`RodlabError::NoNoise`] for a coherence of 1; [`RodlabError::Step`] for a missing channel.
 pub fn expect_noise(
     spectra: &AveragedSpectra,
     (input, output): (&str, &str),

@@ -6,8 +6,8 @@ use labio::{Detrend, LabioError, Record};
 use super::{FoundHits, OddSheet};
 use crate::RodlabError;
 
-/// The level at rest of `hits`, to be subtracted from them; none if they have no rest before the
-/// blow. `field` is the place of the choice in the sheet.
+/// Returns the subtraction of the level at rest from `hits`, or [`Detrend::None`] if they are not
+/// at rest before the blow. `field` is the place of the choice in the sheet.
 ///
 /// # Errors
 ///
@@ -23,8 +23,9 @@ pub fn level_at_rest(hits: &[&Record], field: &str) -> Result<Detrend, RodlabErr
 
 impl FoundHits {
     /// Compares each accepted hit with the response of `outputs` to `input` in all other hits.
-    /// Returns a reason for doubt for each hit that departs, or leaves it out, as stated in the
-    /// sheet, and one for each output that appears exchanged with the input.
+    /// Depending on the sheet, a hit that departs is left out, or a reason for doubt is returned
+    /// for it. A reason for doubt is also returned for each output that appears exchanged with the
+    /// input.
     ///
     /// # Errors
     ///
@@ -35,8 +36,8 @@ impl FoundHits {
         Ok(doubts)
     }
 
-    /// Compares each accepted hit with the response of `outputs` to `input` in all other hits, as
-    /// [`Self::compare`], for two responses of which neither is the cause of the other.
+    /// Compares each accepted hit like [`Self::compare`], but without the test for an exchanged
+    /// input. It is used if `input` and `outputs` are all responses, of which none causes another.
     ///
     /// # Errors
     ///

@@ -1,4 +1,4 @@
-//! Levels and stretches of a sheet, whose meaning depends on the channel or on the sampling rate.
+//! Levels and lengths of a sheet, whose meaning depends on the channel or on the sampling rate.
 
 use std::fmt;
 
@@ -39,11 +39,12 @@ impl fmt::Display for Reading {
 }
 
 impl Reading {
-    /// The level in the SI unit of `channel`; `field` is its place in the sheet.
+    /// Returns the level in the SI unit of `channel`; `field` is the place of the level in the
+    /// sheet.
     ///
     /// # Errors
     ///
-    /// [`RodlabError::Request`] if it has another dimension than the channel.
+    /// [`RodlabError::Request`] if the dimension of the level is not that of the channel.
     pub fn of(&self, channel: &Channel, field: &str) -> Result<f64, RodlabError> {
         let quantity = channel.quantity();
         if self.dimension == quantity.dimension() {
@@ -63,7 +64,8 @@ impl Reading {
     }
 }
 
-/// A stretch of a record: a duration, such as `"0.5 s"`, or `"4096 samples"`.
+/// Length of a part of a record: a duration such as `"0.5 s"`, or a number of samples such as
+/// `"4096 samples"`.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(try_from = "String")]
 pub struct Stretch {
@@ -104,7 +106,7 @@ impl fmt::Display for Stretch {
 }
 
 impl Stretch {
-    /// The stretch in the form used by the trigger.
+    /// Returns the length in the form used by the trigger.
     #[must_use]
     pub fn extent(&self) -> Extent {
         self.extent

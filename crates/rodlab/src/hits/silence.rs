@@ -12,7 +12,7 @@ use crate::sheet::{Duration, Exact};
 /// silence.
 const RISE: f64 = 0.2e-3;
 
-/// Number of samples before the blow, if known.
+/// Returns the number of samples before the blow, if it is known.
 pub(crate) fn silent_samples(
     found: &FoundHits,
     stated: Option<&Exact<Duration>>,
@@ -33,7 +33,7 @@ pub(crate) fn silent_samples(
         return extent(stated.si()).map(Some);
     }
     if let Some(trigger) = trigger_of(hit.hit, record) {
-        // the trigger fires some time after the beginning of the blow
+        // the blow begins before the trigger fires, by at most `RISE` or a fifth of the pre-trigger
         let before = trigger as f64 / rate;
         let silent = before - (0.2 * before).min(RISE);
         settings.push(Setting::by_default(
@@ -63,17 +63,17 @@ pub(crate) fn silent_samples(
     Ok(rest)
 }
 
-/// Fraction of its greatest deviation that a channel may reach during the silence.
+/// Fraction of its greatest deviation in the hit that a channel may reach during the silence.
 const MOST_IN_SILENCE: f64 = 0.5;
-/// Number of samples for the level of a channel.
+/// Number of first samples whose mean is the rest level of a channel.
 const FOR_LEVEL: usize = 8;
 
 /// Checks that the blow is not in the first `n_silent` samples of the hits; `name` is the place of
-/// the silence in the sheet, `stated` its text.
+/// the silence in the sheet, and `stated` the silence as stated there.
 ///
 /// # Errors
 ///
-/// [`RodlabError::Request`].
+/// [`RodlabError::Request`] if the silence is longer than a hit, or a channel moves within it.
 pub(crate) fn expect_silence(
     hits: &[&Record],
     channels: &[&str],
@@ -109,7 +109,7 @@ pub(crate) fn expect_silence(
     Ok(())
 }
 
-/// The sample of a hit at which the trigger fired; `None` if each record is a hit.
+/// Returns the sample of a hit at which the trigger fired; `None` if each record is a hit.
 pub(crate) fn trigger_of(hit: &Hit, record: &Record) -> Option<usize> {
     let before = hit.time() - record.start_time();
     (before > 0.0)

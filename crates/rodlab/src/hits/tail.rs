@@ -1,4 +1,4 @@
-//! Shortening of hits to the part in which something moves.
+//! Shortening of hits to the part in which the channels move.
 
 use labio::hits::samples_of_motion;
 

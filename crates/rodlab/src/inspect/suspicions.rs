@@ -1,12 +1,12 @@
-//! Suspicions about the records of a file, from the checks for hits.
+//! Suspicions about the records of a file, found by the checks that are made for hits.
 
 use labio::hits::{Criteria, Reason};
 use labio::{Contents, Quantity, Record, Unit};
 
 use crate::RodlabError;
 
-/// Gives data sets without a unit or a time a default for inspection; returns true if every rate
-/// was recorded in the file.
+/// Gives data sets without a known unit, or without a unit of time, a default for the inspection.
+/// Returns true if the file records every sampling rate.
 pub(super) fn complete(contents: &mut Contents) -> Result<bool, RodlabError> {
     let unit =
         |text| Unit::parse(text).map_err(|error| RodlabError::step("checking levels", error));
@@ -28,8 +28,8 @@ pub(super) fn complete(contents: &mut Contents) -> Result<bool, RodlabError> {
 /// Minimum number of samples of a record that could be a hit.
 const SHORTEST_HIT: usize = 64;
 
-/// Returns suspicions about the channels, and objections to each record, judged as one hit. There
-/// are objections only if the times are known.
+/// Returns suspicions about the channels, and objections to each record if it is judged as one hit.
+/// The objections are given only if the sampling rate is known.
 pub(super) fn of_records(
     records: &[Record],
     rate_is_told: bool,

@@ -10,7 +10,7 @@ const MOST_RECORDS: usize = 8;
 /// Largest number of data sets or channels listed one by one.
 const MOST_LISTED: usize = 20;
 
-/// The first names, separated by commas, and the number of the others.
+/// Returns the first [`MOST_LISTED`] names, separated by commas, and the number of the others.
 pub(super) fn listed(names: &[String]) -> String {
     match names.split_at_checked(MOST_LISTED) {
         Some((first, others)) if !others.is_empty() => {
@@ -21,7 +21,7 @@ pub(super) fn listed(names: &[String]) -> String {
 }
 
 impl Inspection {
-    /// The inspection as text, one line per data set.
+    /// Returns the inspection as text, with one line per data set.
     #[must_use]
     pub fn to_text(&self) -> String {
         let mut text = String::new();
@@ -136,7 +136,7 @@ fn row(series: &InspectedSeries) -> [String; 11] {
     ]
 }
 
-/// Columns of equal width: words aligned left, numbers right.
+/// Appends the rows in columns, with words aligned left and numbers right.
 fn aligned(rows: &[[String; 11]], text: &mut String) -> std::fmt::Result {
     const TO_THE_LEFT: [bool; 11] = [
         false, true, true, true, false, false, false, false, false, false, false,

@@ -2,13 +2,13 @@
 
 use labio::{Ordinate, Series};
 
-/// Tolerance of a time, as a fraction of the step: times are written with few digits.
+/// Tolerance of a time, as a fraction of the step, because times may be written with few digits.
 const OFF: f64 = 0.1;
 /// Minimum number of values; fewer may be evenly spaced by chance.
 const FEWEST: usize = 16;
 
-/// The step of increasing, evenly spaced values; `None` for other or fewer than [`FEWEST`] values,
-/// and for a data set with a unit.
+/// Returns the step of increasing, evenly spaced values; `None` for other values, for fewer than
+/// [`FEWEST`] values, and for a data set with a unit.
 pub(super) fn step_of(series: &Series) -> Option<f64> {
     let Ordinate::Real(values) = &series.ordinate else {
         return None;

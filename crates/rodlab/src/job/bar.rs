@@ -1,7 +1,8 @@
-//! Calibration of a long bar: the propagation of its waves, from one or more shots.
+//! Calibration of a long bar: propagation of its waves, measured in one or more shots.
 //!
-//! The methods are those of [`modulus`]: least squares for two or more gauges before the free end;
-//! for one gauge, the pulse and its reflection, whose windows are found here.
+//! The methods are those of [`modulus`]. Two or more gauges before the free end are evaluated by
+//! least squares; one gauge is evaluated from the pulse and its reflection, whose windows are found
+//! here.
 
 mod figures;
 mod passages;
@@ -41,13 +42,13 @@ pub struct BarSheet {
     pub gauges: Vec<BarGaugeSheet>,
     /// Files and channels; each record is a shot.
     pub records: Records,
-    /// Silence of each record before the pulse, such as `"0.9 ms"`; it gives the level at rest and
-    /// the noise.
+    /// Silence of each record before the pulse, such as `"0.9 ms"`; the level at rest and the noise
+    /// are measured in it.
     pub silent: Exact<Duration>,
-    /// A guess of the wave speed, such as `"1700 m/s"`; searched by default.
+    /// Guess of the wave speed, such as `"1700 m/s"`; by default the speed is searched.
     #[serde(default)]
     pub wave_speed: Option<Exact<Velocity>>,
-    /// Lines used, such as `(from: "500 Hz", to: "15 kHz")`; all above 0 Hz by default.
+    /// Lines used, such as `(from: "500 Hz", to: "15 kHz")`; by default all lines above 0 Hz.
     #[serde(default)]
     pub band: Option<BandSheet>,
     /// Requirements of a valid line.
@@ -56,14 +57,14 @@ pub struct BarSheet {
     /// Checks that need no reference values.
     #[serde(default)]
     pub checks: ChecksSheet,
-    /// Laws fitted to the valid lines; the preferred one becomes a material of later sheets.
+    /// Laws fitted to the valid lines; later sheets can use the preferred law as a material.
     #[serde(default)]
     pub laws: Option<LawsSheet>,
     /// Frequencies whose results are reported individually.
     #[serde(default)]
     pub report_at: Option<Vec<Exact<Frequency>>>,
-    /// Number of draws of the noise and of every quantity stated with ±, such as 1000, to check the
-    /// linear errors.
+    /// Number of Monte Carlo draws, such as 1000, of the noise and of every quantity stated with ±;
+    /// they check the linear errors.
     #[serde(default)]
     pub monte_carlo: Option<usize>,
 }
@@ -76,10 +77,11 @@ pub struct LongBarSheet {
     pub length: Exact<Length>,
     /// Diameter, such as `"20 mm"`.
     pub diameter: Exact<Length>,
-    /// Density, such as `"1190 kg/m3 ± 1 kg/m3"`: the modulus depends on it, the waves do not.
+    /// Density, such as `"1190 kg/m3 ± 1 kg/m3"`. The modulus depends on it; the measured wave
+    /// propagation does not.
     pub density: Stated<Density>,
-    /// Poisson's ratio, such as `"0.37 ± 0.02"`, for lateral inertia; `"0"` for simulated waves in
-    /// one dimension.
+    /// Poisson's ratio, such as `"0.37 ± 0.02"`, for lateral inertia; `"0"` for simulated
+    /// one-dimensional waves.
     #[serde(default)]
     pub poisson_ratio: Option<Stated<PoissonRatio>>,
 }
@@ -101,7 +103,8 @@ impl BarGaugeSheet {
 }
 
 impl BarSheet {
-    /// Refuses gauges that cannot be on the bar, or are not in the order of the pulse.
+    /// Refuses gauges that cannot be on the bar, or are not in the order in which the pulse passes
+    /// them.
     fn check(&self) -> Result<(), RodlabError> {
         if self.gauges.is_empty() {
             return Err(RodlabError::request(
@@ -128,7 +131,7 @@ impl BarSheet {
         Ok(())
     }
 
-    /// Returns the sheet of [`modulus`] for this test.
+    /// Returns a sheet for the job [`modulus`] that evaluates this test.
     fn as_modulus(&self, passages: &Passages) -> Result<ModulusSheet, RodlabError> {
         let method = match (self.gauges.as_slice(), passages.stated_windows()?) {
             ([gauge], Some([incident, reflected])) => MethodSheet::OneGauge {
@@ -142,7 +145,7 @@ impl BarSheet {
                 wave_speed: self.wave_speed.clone(),
             },
             (several, _) => MethodSheet::MultiPoint {
-                // towards the free end, which is at 0
+                // the coordinate grows towards the free end, which is at 0
                 gauges: several
                     .iter()
                     .map(|gauge| {
@@ -216,8 +219,8 @@ pub(crate) fn run(sheet: &BarSheet, context: &JobContext<'_>) -> Result<Outcome,
     Ok(outcome)
 }
 
-/// Renames a setting of a modulus to its name in the sheet of a bar; returns false for a setting
-/// that no bar has.
+/// Renames a setting of the job `modulus` to its name in the sheet of a bar. Returns false for a
+/// setting that sheets of bars do not have.
 fn in_terms_of_a_bar(setting: &mut Setting) -> bool {
     setting.name = match setting.name.as_str() {
         "specimen.accelerometer_mass" => return false,
@@ -229,7 +232,7 @@ fn in_terms_of_a_bar(setting: &mut Setting) -> bool {
     true
 }
 
-/// Adds the results of a bar other than the modulus of its material.
+/// Adds the results for the bar that the job `modulus` does not have.
 fn add(
     outcome: &mut Outcome,
     found: &Found<'_>,

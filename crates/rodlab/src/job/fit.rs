@@ -1,10 +1,11 @@
-//! Laws, master curve, shift laws and material cards from tables of a complex modulus, such as
-//! those of a DMA, and of relaxation and creep over time.
+//! Laws, master curve, shift laws and material cards from tables of a complex modulus, such as DMA
+//! results, and from tables of relaxation or creep over time.
 //!
-//! Rows of all tables are sorted into steps of one temperature each. Laws are fitted to a single
-//! step. Several steps are shifted to one master curve by `cmod::rheology::MasterCurve`; the laws
-//! of Williams, Landel and Ferry and of Arrhenius are fitted to the shifts, and laws are fitted to
-//! the reduced lines with the errors of the shifts.
+//! The rows of all tables are sorted into steps of one temperature each. If there is one step, laws
+//! of the modulus are fitted to its rows. Several steps are shifted to one master curve by
+//! `cmod::rheology::MasterCurve`; the laws of Williams, Landel and Ferry and of Arrhenius are
+//! fitted to the shifts, and laws of the modulus to the reduced lines, with the errors of the
+//! shifts.
 
 mod columns;
 mod errors;
@@ -54,23 +55,23 @@ pub struct FitSheet {
     pub about: About,
     /// Tables of moduli.
     pub tables: Vec<TableSheet>,
-    /// Loading, which decides the name of the modulus; `Tension` by default.
+    /// Loading, which determines the name of the modulus; by default `Tension`.
     #[serde(default)]
     pub kind: Option<LoadingSheet>,
-    /// Grouping of the rows into steps of one temperature; by default all rows within 1 K.
+    /// Grouping of the rows into steps of one temperature; by default `Within("1 K")`.
     #[serde(default)]
     pub steps: Option<StepsSheet>,
-    /// Reference of the master curve, such as `"20 degC"`: the nearest step is used. Needed for
-    /// several temperatures.
+    /// Reference temperature of the master curve, such as `"20 degC"`; the nearest step is used. It
+    /// must be stated if there are several temperatures.
     #[serde(default)]
     pub reference_temperature: Option<Exact<Temperature>>,
     /// Shifts that connect temperatures whose curves do not overlap; none by default.
     #[serde(default)]
     pub stated_shifts: Option<StatedShiftsSheet>,
-    /// Factors of the modulus; by default estimated if the data require them.
+    /// Factors of the modulus at each temperature; by default estimated if the data require them.
     #[serde(default)]
     pub vertical_shifts: Option<VerticalSheet>,
-    /// Measured frequencies used, such as `(from: "0.1 Hz", to: "50 Hz")`; all by default.
+    /// Measured frequencies used, such as `(from: "0.1 Hz", to: "50 Hz")`; by default all.
     #[serde(default)]
     pub band: Option<BandSheet>,
     /// Standard uncertainty of the scale of all moduli, such as `"2 %"`, due to the force, the
@@ -78,7 +79,7 @@ pub struct FitSheet {
     #[serde(default)]
     pub scale_uncertainty: Option<Exact<Ratio>>,
     /// Standard uncertainty of the temperature of each step, such as `"0.5 K"`, independent between
-    /// steps. It enters the errors of the shifts and, through the reference step, those of the
+    /// steps. It enters the errors of the shifts and, through the reference step, the errors of the
     /// master curve. None by default.
     #[serde(default)]
     pub temperature_uncertainty: Option<Exact<Temperature>>,
@@ -89,12 +90,12 @@ pub struct FitSheet {
     /// Laws fitted to the modulus or to the master curve, and cards; none by default.
     #[serde(default)]
     pub laws: Option<LawsSheet>,
-    /// Computes the relaxing material nearest to all rows together, with its errors, and checks
-    /// whether the rows agree with it; off by default.
+    /// Computes the causal estimate, that is the relaxing material nearest to all rows together,
+    /// with its errors, and checks whether the rows agree with it; off by default.
     #[serde(default)]
     pub causal: bool,
-    /// Number of draws of the rows and of every quantity stated with ±, such as 1000, to check the
-    /// linear errors.
+    /// Number of Monte Carlo draws, such as 1000, of the rows and of every quantity stated with ±;
+    /// they check the linear errors.
     #[serde(default)]
     pub monte_carlo: Option<usize>,
 }
@@ -102,14 +103,14 @@ pub struct FitSheet {
 /// Loading of the specimen.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize)]
 pub enum LoadingSheet {
-    /// Tension or compression of a bar: Young's modulus.
+    /// Tension or compression of a bar; gives Young's modulus.
     #[default]
     Tension,
-    /// Bending of a beam: Young's modulus.
+    /// Bending of a beam; gives Young's modulus.
     Bending,
-    /// Shear or torsion: the shear modulus.
+    /// Shear or torsion; gives the shear modulus.
     Shear,
-    /// Change of volume: the bulk modulus.
+    /// Change of volume; gives the bulk modulus.
     Bulk,
 }
 
@@ -134,7 +135,7 @@ impl LoadingSheet {
     }
 }
 
-/// The results for tables, figures and sentences.
+/// Results from which tables, figures and sentences are made.
 struct Found<'a> {
     sheet: &'a FitSheet,
     steps: &'a [Step],
@@ -144,15 +145,16 @@ struct Found<'a> {
     sweep: Option<Sweep>,
 }
 
-/// Largest standard uncertainty of a temperature \[K\]; a larger number is a temperature in degrees.
+/// Largest accepted standard uncertainty of a temperature \[K\]; a larger number is probably a
+/// temperature in degrees.
 const MOST_UNCERTAIN: f64 = 20.0;
 
-/// Several temperatures as one curve.
+/// Master curve of several temperatures.
 struct Sweep {
     curve: MasterCurve,
     shift_laws: Result<ShiftLaws, cmod::CmodError>,
-    /// The shift laws with errors from the scatter of the shifts, if WLF does not fit the shifts
-    /// within their own errors.
+    /// Shift laws with errors from the scatter of the shifts, if WLF does not fit the shifts within
+    /// their own errors.
     by_scatter: Option<ShiftLaws>,
     /// Reduced lines.
     reduced: ModulusData,
@@ -284,7 +286,7 @@ pub(crate) fn run(sheet: &FitSheet, context: &JobContext<'_>) -> Result<Outcome,
 }
 
 impl FitSheet {
-    /// Defaults of the fields that the sheet leaves open.
+    /// Returns the defaults of the fields that the sheet does not state.
     fn defaults(&self) -> Vec<Setting> {
         let errors = |at: usize| {
             Setting::by_default(
@@ -315,7 +317,7 @@ impl FitSheet {
     }
 }
 
-/// Refuses settings that are wrong for any data.
+/// Refuses settings that are wrong whatever the data are.
 fn check(sheet: &FitSheet) -> Result<(), RodlabError> {
     if sheet.tables.is_empty() {
         return Err(RodlabError::request(
@@ -402,7 +404,7 @@ fn check(sheet: &FitSheet) -> Result<(), RodlabError> {
     Ok(())
 }
 
-/// The rows, in the form in which the causal estimate is shown.
+/// Returns the rows in the form in which the causal estimate is shown.
 fn shown<'a>(found: &Found<'a>, data: &ModulusData) -> Shown<'a> {
     let Lines {
         points,
@@ -424,7 +426,8 @@ fn shown<'a>(found: &Found<'a>, data: &ModulusData) -> Shown<'a> {
     }
 }
 
-/// Lines for the fit of laws: the lines of a single temperature, or the reduced lines.
+/// Returns the lines for the fit of laws: the lines of a single temperature, or the reduced lines
+/// of several.
 fn lines<'a>(found: &Found<'_>, data: &'a ModulusData) -> Lines<'a> {
     let points: Vec<(f64, Complex64)> = data
         .omega()

@@ -1,5 +1,5 @@
-//! Force between two bodies that meet, from their mobilities (Ödeen 1993, paper E); or force from a
-//! measured response.
+//! Force between two bodies that meet, from their mobilities (Ödeen 1993, paper E), or force on a
+//! body, from a measured response.
 
 mod bodies;
 mod draws;
@@ -44,8 +44,8 @@ pub struct ForceSheet {
     pub materials: Materials,
     /// The force to be found.
     pub problem: Problem,
-    /// Number of draws of the mobilities and of every quantity stated with ±, such as 1000, to
-    /// check the errors of an impact.
+    /// Number of Monte Carlo draws, such as 1000, of the mobilities and of every quantity stated
+    /// with ±; they check the errors of an impact.
     #[serde(default)]
     pub monte_carlo: Option<usize>,
 }
@@ -58,9 +58,9 @@ pub struct ForceSheet {
     reason = "a sheet has one problem; it is read once and never moved about"
 )]
 pub enum Problem {
-    /// The force when two bodies meet.
+    /// Force between two bodies that meet.
     Impact(ImpactSheet),
-    /// The force determined from a measured response.
+    /// Force determined from a measured response.
     Response(ResponseSheet),
 }
 

@@ -1,9 +1,10 @@
 //! Frequency responses of hits, with coherence and errors.
 //!
-//! Hits are averaged to spectra, whose ratio is the response, with its coherence, the random error
-//! of every line, and the histories and spectra needed to judge it. Two hammers give one response;
-//! the weighed mass of a free body replaces the low-frequency lines; motions are converted into
-//! each other. All numerical methods are those of `labio`.
+//! Hits are averaged to spectra. Their ratio is the response, reported with its coherence, the
+//! random error of every line, and the histories and spectra needed to judge it. Optionally the
+//! responses of two hammers are merged, the weighed mass of a free body replaces low-frequency
+//! lines, and one kind of motion is converted into another. All numerical methods are those of
+//! `labio`.
 
 mod estimate;
 mod input_spectra;
@@ -37,7 +38,7 @@ use crate::records::{Records, SKEW_NOT_FOLLOWED, expect_different_files};
 use crate::responses::{MergeSheet, disagreements, with_silence};
 use crate::{Outcome, RodlabError};
 
-/// The response of one output to one input, with its place.
+/// The response of one output to one input, with the names of both.
 #[derive(Debug)]
 struct Named {
     output: String,
@@ -197,7 +198,7 @@ fn find(
     Ok(found)
 }
 
-/// Figure and table of the hits of one hammer.
+/// Adds figure and table of the hits of one hammer.
 fn describe(
     sheet: &FrfSheet,
     found: &FoundHits,
@@ -219,7 +220,7 @@ fn describe(
     Ok(())
 }
 
-/// The reason why the accepted hits give no response; `None` if they give one.
+/// Returns the reason why the accepted hits give no response; `None` if they give one.
 fn too_few(sheet: &FrfSheet, sets: &[FoundHits]) -> Option<String> {
     for (found, hammer) in sets.iter().zip(["", " of the second hammer"]) {
         let n_found = found.n_found();
@@ -368,7 +369,7 @@ fn report(
             ));
         }
     }
-    // the figures of the answer come before those of the records
+    // the figures of the responses come before the figures of the records
     outcome.figures.splice(0..0, figures);
     if only_chance {
         let reason = format!(

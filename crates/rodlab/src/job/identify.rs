@@ -1,5 +1,5 @@
 //! Constitutive law from the motion of two sections of impacted rods (Ödeen 1993, paper D):
-//! parameters with errors and verdicts, and the laws supported by the data.
+//! parameters with errors and verdicts, and the laws that the data support.
 
 mod answer;
 mod figures;
@@ -31,7 +31,7 @@ use crate::{Outcome, RodlabError};
 use answer::Left;
 use laws::{FittedLaw, Identified, LawFit, Standing};
 
-/// Maximum number of cells of a rod: the computing time is proportional to the square of their
+/// Maximum number of cells of a rod; the computing time is proportional to the square of this
 /// number.
 const MOST_CELLS: f64 = 2000.0;
 
@@ -44,47 +44,47 @@ pub struct IdentifySheet {
     /// Free texts for the report.
     #[serde(default)]
     pub about: About,
-    /// The rod, for all tests that do not state a rod of their own.
+    /// Rod of all tests that do not state their own.
     #[serde(default)]
     pub specimen: Option<SpecimenSheet>,
-    /// The tests used together.
+    /// Tests that are evaluated together.
     pub tests: Vec<TestSheet>,
     /// Filter of the recorder, for all tests. If it is stated, the recorder is part of the model,
-    /// and nonlinear laws are compared and identified through it.
+    /// so that nonlinear laws can be compared and identified in spite of it.
     #[serde(default)]
     pub recorder: Option<AntiAliasSheet>,
     /// Makes the rates and relaxation times of all laws thermally activated.
     #[serde(default)]
     pub arrhenius: Option<ArrheniusSheet>,
-    /// Differentiation of displacements.
+    /// Differentiator for displacements.
     #[serde(default)]
     pub differentiator: DifferentiatorSheet,
-    /// Laws to be fitted; by default those of paper D.
+    /// Laws to be fitted; by default the laws of paper D.
     #[serde(default = "laws_of_paper_d")]
     pub laws: Vec<Law>,
-    /// Compares the laws with each other and with linear competitors.
+    /// Compares the laws with each other and with linear laws.
     #[serde(default = "yes")]
     pub compare: bool,
-    /// Computes profile likelihoods for the resulting law, or else for the law with the nearest
-    /// response, if the data determine its damping.
+    /// Computes profile likelihoods for the law that the comparison names or, if it names none, for
+    /// the law with the nearest response; only if the data may determine the damping of this law.
     #[serde(default = "yes")]
     pub profiles: bool,
-    /// Cell of the rod in the direct problem, at most `"4 mm"`; by default as short as the accuracy
-    /// requires.
+    /// Cell length of the rod in the direct problem, at most `"4 mm"`; by default as short as the
+    /// accuracy requires.
     #[serde(default)]
     pub cell: Option<Exact<Length>>,
-    /// Tests that may be made next. The job finds the most informative of them, to decide between
-    /// the remaining laws, or to determine the parameters of the only one.
+    /// Tests that may be made next. The job finds the most informative of these tests: to decide
+    /// between the remaining laws or, if one law remains, to determine its parameters.
     #[serde(default)]
     pub next: Option<NextSheet>,
-    /// Number of draws of the noise and of every quantity stated with ±, such as 200, to check the
-    /// linear errors.
+    /// Number of Monte Carlo draws, such as 200, of the noise and of every quantity stated with ±;
+    /// they check the linear errors.
     #[serde(default)]
     pub monte_carlo: Option<usize>,
 }
 
 impl IdentifySheet {
-    /// The candidate with thermally activated rates, if the sheet requests them.
+    /// Returns the candidate, with thermally activated rates if the sheet requests them.
     fn activated(&self, candidate: Candidate) -> Result<Candidate, RodlabError> {
         match &self.arrhenius {
             None => Ok(candidate),
@@ -94,9 +94,9 @@ impl IdentifySheet {
         }
     }
 
-    /// Cell that the sheet fixes \[m\]; `None` if a fit chooses it. A stated cell longer than the
-    /// default is ignored: with the error of such a grid, a law would be refuted, or its parameters
-    /// would be wrong by more than their errors.
+    /// Cell length fixed by the sheet \[m\]; `None` if a fit chooses it. A stated cell longer than
+    /// the default is ignored, because the error of such a grid would refute a correct law, or
+    /// change its parameters by more than their errors.
     fn fixed_cell(&self) -> Option<f64> {
         let stated = self.cell.as_ref().map(Exact::si);
         stated.filter(|cell| *cell <= DEFAULT_CELL)
@@ -107,7 +107,7 @@ impl IdentifySheet {
         self.fixed_cell().unwrap_or(DEFAULT_CELL)
     }
 
-    /// The rod of `test`, whose place in the sheet is `field`.
+    /// Returns the rod of `test`; `field` is the place of the test in the sheet.
     fn specimen_of<'a>(
         &'a self,
         test: &'a TestSheet,
@@ -129,7 +129,7 @@ impl IdentifySheet {
         Ok(specimen)
     }
 
-    /// The rods of the tests.
+    /// Returns the rods of the tests.
     fn specimens(&self) -> impl Iterator<Item = &SpecimenSheet> {
         let own = |test: &'_ TestSheet| test.specimen.is_some();
         let of_all = self.specimen.iter();
@@ -137,15 +137,16 @@ impl IdentifySheet {
         used.chain(self.tests.iter().filter_map(|test| test.specimen.as_ref()))
     }
 
-    /// The rod, if all tests are made on one.
+    /// Returns the rod, if all tests are made on the same rod.
     fn single_specimen(&self) -> Option<&SpecimenSheet> {
         let mut all = self.specimens();
         let first = all.next()?;
         all.all(|other| other.is_stated_as(first)).then_some(first)
     }
 
-    /// Relative errors of length and density that are the same in all tests. For several rods, only
-    /// that of the density: the largest one stated, since the rods are of one material.
+    /// Returns the relative errors of length and density that all tests share. Several rods share
+    /// only the error of the density, because they are of one material; the largest stated error is
+    /// used.
     fn specimen_uncertainty(&self) -> Result<SpecimenUncertainty, RodlabError> {
         let length = self.single_specimen().map_or(0.0, |specimen| {
             specimen.length.with_uncertainty().relative()
@@ -171,10 +172,11 @@ pub struct ArrheniusSheet {
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SpecimenSheet {
-    /// Distance from the section of excitation to the free end, such as `"394 mm ± 0.5 mm"`. The
-    /// relative error of E is twice that of the length.
+    /// Distance from the section of excitation to the free end, such as `"394 mm ± 0.5 mm"`. Its
+    /// relative error contributes twice its amount to the relative error of E.
     pub length: Stated<Length>,
-    /// Density, such as `"1140 kg/m3 ± 0.2 %"`. The relative error of E is that of the density.
+    /// Density, such as `"1140 kg/m3 ± 0.2 %"`. Its relative error contributes the same amount to
+    /// the relative error of E.
     pub density: Stated<Density>,
 }
 
@@ -193,10 +195,10 @@ fn yes() -> bool {
     true
 }
 
-/// The computed results.
+/// Results of the computation.
 struct Found {
     tests: Vec<RodTest>,
-    /// Impact velocity of each test [m/s].
+    /// Impact velocity of each test \[m/s\].
     impact_velocities: Vec<f64>,
     /// True if the tests have distinct impact velocities.
     several_velocities: bool,
@@ -205,10 +207,10 @@ struct Found {
     comparison: Option<Comparison>,
     /// Recorder check of each test.
     recorders: Vec<RecorderCheck>,
-    /// Estimates of nonlinear laws on a narrower band, for recorders not already biased by their
-    /// excitation.
+    /// Estimates of nonlinear laws on a narrower band. They are made only if the excitation alone
+    /// does not already show that the recorder biases these laws.
     bands: Vec<NarrowedBand>,
-    /// Errors of the transducers without which no law explains the data.
+    /// Errors of the transducers that must be assumed for a law to explain the data.
     transducers: Option<answer::SuspectTransducers>,
     /// The law whose profiles were computed.
     profiled: Option<Law>,
@@ -216,7 +218,7 @@ struct Found {
 }
 
 impl Found {
-    /// The estimates that change on a narrower band.
+    /// Returns the estimates that change on a narrower band.
     fn sensitive(&self) -> impl Iterator<Item = &NarrowedBand> {
         let laws = self.bands.len();
         self.bands
@@ -224,7 +226,7 @@ impl Found {
             .filter(move |band| band.is_sensitive(laws))
     }
 
-    /// The evidence that the recorder biases nonlinear laws.
+    /// Returns the evidence, in words, that the recorder biases nonlinear laws.
     fn why_biased(&self) -> String {
         let of_excitation = || {
             "the excitation has a significant part above 0.6 of the recorder's cut-off".to_owned()
@@ -235,7 +237,7 @@ impl Found {
     }
 
     /// Returns true if the law at this place of the comparison was fitted, the data do not
-    /// determine its damping, and an elastic rod explains the data.
+    /// determine its damping, and the comparison does not refute an elastic rod.
     fn is_without_damping(&self, place: usize) -> bool {
         let comparison = self.comparison.as_ref();
         let law = comparison.and_then(|found| found.laws.get(place)?.law);
@@ -261,8 +263,9 @@ impl Found {
     }
 }
 
-/// Excess of χ² of an elastic rod over that of a law with up to five more parameters, which would
-/// have a probability of 0.001 if the rod were elastic.
+/// Excess of the χ² of an elastic rod over the χ² of the best law that refutes the elastic rod. For
+/// a law with up to five more parameters, such an excess has a probability of 0.001 if the rod is
+/// elastic.
 const REFUTED: f64 = 20.5;
 
 /// Returns true if the fastest test is distinctly faster than the slowest, by the criterion of the
@@ -274,7 +277,7 @@ fn have_several_velocities(tests: &[TestSheet]) -> bool {
     fastest >= DISTINCT_VELOCITIES * slowest
 }
 
-/// Checks of recorders that are not part of the model.
+/// Returns the recorder check of each test; none if the recorder is part of the model.
 fn recorders(sheet: &IdentifySheet, tests: &[RodTest]) -> Result<Vec<RecorderCheck>, RodlabError> {
     if sheet.recorder.is_some() {
         return Ok(Vec::new());
@@ -290,7 +293,7 @@ fn recorders(sheet: &IdentifySheet, tests: &[RodTest]) -> Result<Vec<RecorderChe
         .collect()
 }
 
-/// The standard candidates, and those of the sheet's `laws` that are not among them.
+/// Returns the standard candidates, and the `laws` of the sheet that are not among them.
 fn candidates(sheet: &IdentifySheet) -> Result<Vec<Candidate>, RodlabError> {
     let mut all = Candidate::standard();
     for law in &sheet.laws {
@@ -301,8 +304,8 @@ fn candidates(sheet: &IdentifySheet) -> Result<Vec<Candidate>, RodlabError> {
     all.into_iter().map(|one| sheet.activated(one)).collect()
 }
 
-/// The laws of the sheet and, among the laws left by the comparison, the linear ones and those with
-/// an equilibrium.
+/// Returns the laws of the sheet and, of the laws left by the comparison, the linear laws and the
+/// laws with an equilibrium.
 fn laws_to_fit(sheet: &IdentifySheet, left: &Left, comparison: Option<&Comparison>) -> Vec<Law> {
     let mut laws = sheet.laws.clone();
     let compared = |place: &usize| comparison?.laws.get(*place)?.law;
@@ -367,8 +370,8 @@ pub(crate) fn run(sheet: &IdentifySheet, context: &JobContext<'_>) -> Result<Out
             .map_err(|error| RodlabError::step("comparing the laws", error))
     };
     let mut comparison = None;
-    // the misfit of the best law with the transducers as stated, if no law explains the data unless
-    // the transducers have errors
+    // misfit of the best law with the errors of the transducers as stated, set if a law explains
+    // the data only with additional errors of the transducers
     let mut misfit_as_stated = None;
     if sheet.compare {
         let as_stated = compared(&tests)?;
@@ -459,7 +462,8 @@ pub(crate) fn run(sheet: &IdentifySheet, context: &JobContext<'_>) -> Result<Out
             profiles = found;
         }
     }
-    // verdicts follow from the data; the uncertainty of the specimen is added to the errors
+    // the verdicts are based on the data alone; the uncertainty of the specimen is added to the
+    // errors afterwards
     let specimen = sheet.specimen_uncertainty()?;
     let laws = laws
         .into_iter()
@@ -521,7 +525,7 @@ pub(crate) fn run(sheet: &IdentifySheet, context: &JobContext<'_>) -> Result<Out
     Ok(outcome)
 }
 
-/// The parameters of the laws of the result, fitted to drawn tests.
+/// Fits the laws of the result to drawn tests, and reports their parameters.
 fn drawn(
     sheet: &IdentifySheet,
     tests: &[RodTest],
@@ -536,9 +540,9 @@ fn drawn(
     Ok(outcome)
 }
 
-/// The law whose profiles are computed: of the remaining fitted laws, the most probable one
-/// whose damping may be determined; without a comparison, or if no law remains, the one with the
-/// nearest response.
+/// Returns the law whose profiles are computed. It is the most probable of the remaining fitted
+/// laws whose damping the data may determine; without a comparison, or if no law remains, it is the
+/// law with the nearest response.
 fn law_to_profile(laws: &[FittedLaw], left: &Left, comparison: Option<&Comparison>) -> Option<Law> {
     let named = left.places().iter().filter_map(|index| {
         let named = comparison?.laws.get(*index)?.law;
@@ -556,7 +560,7 @@ fn law_to_profile(laws: &[FittedLaw], left: &Left, comparison: Option<&Compariso
         .map(|law| law.law)
 }
 
-/// Defaults of the fields that the sheet leaves open.
+/// Returns the defaults of the fields that the sheet does not state.
 fn defaults() -> Vec<Setting> {
     let laws: Vec<String> = laws_of_paper_d()
         .iter()

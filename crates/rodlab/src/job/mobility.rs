@@ -1,5 +1,5 @@
-//! Mobility of an impact face (Ödeen 1993, paper E, section 3.1), measured or computed; screening
-//! and impulse response.
+//! Measured or computed mobility of an impact face (Ödeen 1993, paper E, section 3.1), with its
+//! screening and impulse response.
 
 mod figures;
 mod known;
@@ -34,7 +34,7 @@ pub struct MobilitySheet {
     pub materials: Materials,
     /// Source of the mobility.
     pub source: SourceSheet,
-    /// Mass between the force gauge of an impedance head and the face, screw included, such as
+    /// Mass between the force gauge of an impedance head and the face, including the screw, such as
     /// `"12.5 gram ± 0.1 gram"`.
     #[serde(default)]
     pub head_mass: Option<Stated<AddedMass>>,
@@ -81,7 +81,7 @@ pub(crate) fn run(sheet: &MobilitySheet, context: &JobContext<'_>) -> Result<Out
     Ok(outcome)
 }
 
-/// Defaults of the fields that the sheet leaves open, except those of its source.
+/// Returns the defaults of the fields that the sheet does not state, except those of the source.
 fn defaults() -> [Setting; 5] {
     [
         Setting::by_default("head_mass", "none"),
@@ -92,7 +92,7 @@ fn defaults() -> [Setting; 5] {
     ]
 }
 
-/// States the number of valid lines and their accuracy.
+/// Reports the number of valid lines and their accuracy.
 #[allow(
     clippy::indexing_slicing,
     reason = "the lines that are counted are those of the mobility, which has a frequency and an error for each"

@@ -1,4 +1,4 @@
-//! Complex modulus of a rod, by any of the methods of `cmod`, from hits or from a ratio of spectra
+//! Complex modulus of a rod by any of the methods of `cmod`, from hits, or from a ratio of spectra
 //! that another program computed.
 
 mod calibration;
@@ -67,15 +67,15 @@ pub struct ModulusSheet {
     #[serde(default)]
     pub limits: LimitsSheet,
     /// Correction of the modulus for lateral inertia; by default none. Without it Poisson's ratio
-    /// is assumed to be anything up to 0.5, the resulting error is one of the common errors, and a
+    /// is assumed to be any value up to 0.5. The resulting error is one of the common errors, and a
     /// line is not valid if this error exceeds the limit of E'.
     #[serde(default)]
     pub lateral_inertia: Option<LateralInertiaSheet>,
     /// Checks that need no reference values.
     #[serde(default)]
     pub checks: ChecksSheet,
-    /// Also finds the relaxing material nearest to all lines together, with its errors; off by
-    /// default.
+    /// Computes in addition the causal estimate, that is the relaxing material nearest to all lines
+    /// together, with its errors; off by default.
     #[serde(default)]
     pub causal: bool,
     /// Laws fitted to the valid lines; none by default.
@@ -88,8 +88,8 @@ pub struct ModulusSheet {
     /// Temperatures of the hits, and the temperature to which the modulus is referred.
     #[serde(default)]
     pub temperature: Option<TemperatureSheet>,
-    /// Number of draws of the noise and of every quantity stated with ±, such as 1000, to check the
-    /// linear errors.
+    /// Number of Monte Carlo draws, such as 1000, of the noise and of every quantity stated with ±;
+    /// they check the linear errors.
     #[serde(default)]
     pub monte_carlo: Option<usize>,
 }
@@ -103,10 +103,11 @@ pub struct SpecimenSheet {
     pub length: Option<Stated<Length>>,
     /// Diameter, such as `"15.8 mm"`.
     pub diameter: Stated<Length>,
-    /// Density, such as `"912 kg/m3 ± 0.1 %"`. The modulus has the same relative error.
+    /// Density, such as `"912 kg/m3 ± 0.1 %"`. Its relative error causes the same relative error of
+    /// the modulus.
     pub density: Stated<Density>,
-    /// Mass on the free end, the accelerometer with its connector, such as `"2.9 gram"`; none by
-    /// default.
+    /// Mass on the free end, that is the accelerometer with its connector, such as `"2.9 gram"`;
+    /// none by default.
     #[serde(default)]
     pub accelerometer_mass: Option<Stated<AddedMass>>,
 }
@@ -120,7 +121,8 @@ impl SpecimenSheet {
         Some(self.density.with_uncertainty().value * section * length)
     }
 
-    /// Refuses a mass on the end above that of the rod, if its length is stated.
+    /// Refuses a mass on the end that is larger than the mass of the rod, if the length of the rod
+    /// is stated.
     fn check_end_mass(&self) -> Result<(), RodlabError> {
         let (Some(rod), Some(mass)) = (self.mass(), &self.accelerometer_mass) else {
             return Ok(());
@@ -137,7 +139,7 @@ pub struct LimitsSheet {
     /// Largest relative error of E', such as `"1 %"`, which is the default. Five standard errors of
     /// the random part, and uncorrected lateral inertia, must be within it.
     pub storage_modulus: Option<Exact<Ratio>>,
-    /// Largest relative error of the loss factor, likewise; `"5 %"` by default.
+    /// Largest relative error of the loss factor, defined in the same way; `"5 %"` by default.
     pub loss_factor: Option<Exact<Ratio>>,
     /// Largest relative common error of E'. Two standard errors of all common sources must be
     /// within it; not required by default.
@@ -152,7 +154,8 @@ pub struct LimitsSheet {
 const LARGEST_LIMIT: f64 = 2.0;
 
 impl LimitsSheet {
-    /// Refuses limits of relative errors that lack a `%`.
+    /// Refuses limits of relative errors above [`LARGEST_LIMIT`], in which a `%` is probably
+    /// missing.
     fn check(&self) -> Result<(), RodlabError> {
         for (name, limit) in [
             ("storage_modulus", &self.storage_modulus),
@@ -168,7 +171,8 @@ impl LimitsSheet {
 }
 
 impl ModulusSheet {
-    /// Defaults of the fields that the sheet leaves open, except those of its source.
+    /// Returns the defaults of the fields that the sheet does not state, except those of its
+    /// source.
     fn defaults(&self) -> Vec<Setting> {
         let mut defaults = Vec::new();
         let mut open = |name: &str, value: &str| defaults.push(Setting::by_default(name, value));
@@ -208,9 +212,9 @@ impl ModulusSheet {
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct LateralInertiaSheet {
-    /// Poisson's ratio, such as `"0.40 ± 0.02"`; `"0"` for simulated waves in one dimension.
+    /// Poisson's ratio, such as `"0.40 ± 0.02"`; `"0"` for simulated one-dimensional waves.
     pub poisson_ratio: Stated<PoissonRatio>,
-    /// The theory; by default that of Pochhammer and Chree at all wavelengths.
+    /// Theory; by default that of Pochhammer and Chree at all wavelengths.
     #[serde(default)]
     pub theory: Option<TheorySheet>,
 }
@@ -218,19 +222,19 @@ pub struct LateralInertiaSheet {
 /// A theory of rods.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
 pub enum TheorySheet {
-    /// Love and Rayleigh; its remaining error, 1 % of E' at three diameters per wavelength, is one
-    /// of the common errors.
+    /// Theory of Love and Rayleigh. Its remaining error, 1 % of E' at three diameters per
+    /// wavelength, is one of the common errors.
     LoveRayleigh,
-    /// Pochhammer and Chree, exact for a round rod.
+    /// Theory of Pochhammer and Chree, exact for a round rod.
     PochhammerChree,
 }
 
-/// The results for tables, figures and sentences.
+/// Results from which tables, figures and sentences are made.
 #[derive(Clone, Copy)]
 pub(super) struct Found<'a> {
     sheet: &'a ModulusSheet,
     measured: &'a Measured,
-    /// The estimate: corrected for lateral inertia, if requested.
+    /// The estimate, corrected for lateral inertia if requested.
     pub(super) estimate: &'a ModulusEstimate,
     pub(super) corrected: Option<&'a CorrectedEstimate>,
     /// Results for the errors of the sensors, if such errors are stated.
@@ -243,7 +247,7 @@ pub(crate) fn run(sheet: &ModulusSheet, context: &JobContext<'_>) -> Result<Outc
     run_with(sheet, context, |_, _| Ok(()))
 }
 
-/// Does the job and lets `add` complete the outcome before the checks.
+/// Runs the job; `add` completes the outcome before the checks.
 pub(super) fn run_with(
     sheet: &ModulusSheet,
     context: &JobContext<'_>,
@@ -315,7 +319,7 @@ pub(super) fn run_with(
         outcome.doubt(doubt.as_str());
     }
     match found.calibration {
-        // results for sensors of a draw would be those of the drawn sensors
+        // a draw reports no results for the sensors: they would be those of the drawn sensors
         _ if context.draw.is_some() => {}
         Some(calibrated) => calibration::state(&mut outcome, sheet, &measured, calibrated),
         None => calibration::state_none(&mut outcome, sheet, &measured),
@@ -343,7 +347,7 @@ pub(super) fn run_with(
         outcome.tables.push(table);
     }
     outcome.attachments.extend(universal::attachment(&found)?);
-    // the figures of the answer come before those of the records
+    // the figures of the modulus come before the figures of the records
     let answer = figures::figures(&found, &reasons);
     outcome.figures.splice(0..0, answer);
     add(&mut outcome, &found)?;

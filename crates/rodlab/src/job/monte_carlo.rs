@@ -1,7 +1,7 @@
 //! Monte Carlo computation in addition to the linear errors of a result (JCGM 101).
 //!
-//! Each draw is the job itself, on a sheet in which every quantity with ± is drawn within its
-//! uncertainty, and on data to which the random errors are added once more. The scatter of each
+//! Each draw runs the job itself, with a sheet in which every quantity with ± is drawn within its
+//! uncertainty, and with data to which random errors are added once more. The scatter of each
 //! number over the draws is compared with its stated standard error, which is linear in the errors.
 
 use rand_chacha::ChaCha8Rng;
@@ -15,23 +15,25 @@ use crate::outcome::{CHECK, Cells, Column, Quantity, Table};
 use crate::sheet::{self, plausible};
 use crate::{Outcome, RodlabError};
 
-/// Smallest number of draws: the scatter of fewer draws is not meaningful.
+/// Smallest number of draws; the scatter of fewer draws is not meaningful.
 const LEAST: usize = 20;
 /// Largest number of draws.
 const MOST: f64 = 1e6;
 /// Seed of the draws.
 const SEED: u64 = 1;
-/// Number of draws computed at a time, before they are summed in the order of the draws.
+/// Number of draws that are computed in parallel before their results are summed in the order of
+/// the draws.
 const BATCH: usize = 64;
 /// Relative difference of two standard errors up to which they count as equal.
 const DIFFERENCE: f64 = 0.1;
-/// Smallest scatter that is compared, in stated standard errors: if a number scatters less, its
-/// error is not due to a drawn quantity, but for example to the step of a march.
+/// Smallest scatter that is compared, in stated standard errors. If a number scatters less, its
+/// error is not due to a drawn quantity, but for example to the time step of a march.
 const MOVED: f64 = 0.01;
 /// Number of standard errors of the scatter by which a difference must exceed [`DIFFERENCE`].
 const CERTAIN: f64 = 3.0;
 
-/// Beginning of the name of the column with the errors of a column.
+/// Beginning of the name of a column of standard errors; the name of the column with the values
+/// follows.
 const ERROR_OF: &str = "standard error of ";
 
 /// A number of a result that has a standard error.
@@ -42,7 +44,7 @@ struct Number<'a> {
     unit: &'a str,
     value: f64,
     standard_error: f64,
-    /// True if the number is used, so that a difference counts.
+    /// True if the number is valid; only then does a difference count.
     used: bool,
 }
 
@@ -99,8 +101,8 @@ impl Scatter {
 ///
 /// # Errors
 ///
-/// [`RodlabError::Request`] for too few or too many draws, or if most of them have no result;
-/// [`RodlabError::Interrupted`].
+/// [`RodlabError::Request`] for too few or too many draws, or if more than half of them have no
+/// result; [`RodlabError::Interrupted`] if the job must stop.
 pub(super) fn judge(
     outcome: &mut Outcome,
     sheet: &Sheet,
@@ -178,7 +180,7 @@ pub(super) fn judge(
     Ok(())
 }
 
-/// The outcome of one draw.
+/// Computes the outcome of one draw.
 fn drawn(
     sheet: &Sheet,
     context: &JobContext<'_>,
@@ -202,7 +204,7 @@ fn drawn(
     job.run(&context)
 }
 
-/// All numbers with a standard error.
+/// Returns all numbers with a standard error.
 fn numbers(outcome: &Outcome) -> Vec<Number<'_>> {
     let mut numbers = Vec::new();
     for (index, quantity) in outcome.quantities.iter().enumerate() {
@@ -246,7 +248,7 @@ fn numbers(outcome: &Outcome) -> Vec<Number<'_>> {
     numbers
 }
 
-/// A column of a table that has a column of standard errors.
+/// Column of a table for which there is a column of standard errors.
 struct Uncertain<'a> {
     name: &'a str,
     unit: &'a str,
@@ -277,8 +279,8 @@ fn uncertain(table: &Table) -> impl Iterator<Item = Uncertain<'_>> {
 }
 
 impl Place {
-    /// The number in the outcome `drawn`, which may have other quantities and rows than `base`; NaN
-    /// if `drawn` does not have the number.
+    /// Returns the number in the outcome `drawn`, whose quantities and rows may differ from those
+    /// of `base`; NaN if `drawn` does not contain the number.
     fn find(self, base: &Outcome, drawn: &Outcome) -> f64 {
         self.found(base, drawn).unwrap_or(f64::NAN)
     }
@@ -299,7 +301,8 @@ impl Place {
                     .filter(same)
                     .or_else(|| drawn.tables.iter().find(same))?;
                 let at = cell(known, 0, row)?;
-                // a line without a result shifts the rows after it
+                // rows are found by their first column, because a line without a result shifts the
+                // rows after it
                 let row = (0..=row)
                     .rev()
                     .take_while(|row| cell(other, 0, *row).is_none_or(|other| other >= at))
@@ -334,7 +337,7 @@ impl<'a> Judged<'a> {
         self.numbers.iter().zip(&self.scatters)
     }
 
-    /// Table of the single numbers.
+    /// Returns the table of the single numbers.
     fn quantities(&self) -> Option<Table> {
         let rows: Vec<_> = self
             .all()
@@ -377,8 +380,9 @@ impl<'a> Judged<'a> {
         })
     }
 
-    /// Columns for the tables of `base`: the index of the table, the place in the table, and the
-    /// column. The columns of a table are in descending order of their places.
+    /// Returns the new columns for the tables of `base`: the index of the table, the place in the
+    /// table, and the column. The columns of a table are in descending order of their places, so
+    /// that inserting one does not move the next.
     fn columns(&self, base: &Outcome) -> Vec<(usize, usize, Column)> {
         let mut columns = Vec::new();
         for (at, table) in base.tables.iter().enumerate() {
@@ -401,7 +405,7 @@ impl<'a> Judged<'a> {
         columns
     }
 
-    /// A sentence, and the warnings.
+    /// Returns the sentence for the summary, and the warnings.
     fn in_words(&self) -> (String, Vec<String>) {
         let used = || {
             self.all()

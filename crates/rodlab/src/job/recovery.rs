@@ -1,8 +1,9 @@
-//! Loss factor from creep recovery: the model of paper C from tests with one or several loads.
+//! Loss factor during creep recovery: the model of paper C, fitted to tests with one or several
+//! loads.
 //!
-//! A rod is loaded for a while and unloaded, and its loss factor is read while it recovers. The
-//! readings are fitted by one model for all tests (`cmod::recovery`), which then predicts the
-//! recovery from other loads, such as a periodic one.
+//! A rod is loaded for a while and unloaded, and its loss factor is read while it recovers. One
+//! model is fitted to the readings of all tests (`cmod::recovery`). It then predicts the recovery
+//! from other loads, such as a periodic load.
 
 mod curves;
 mod figures;
@@ -37,7 +38,7 @@ pub struct RecoverySheet {
     #[serde(default)]
     pub about: About,
     /// Modulus of the virgin material at the frequency of the tests, E₁ of the model, such as
-    /// `"3.1 GPa ± 50 MPa"`. Loss factors do not determine it.
+    /// `"3.1 GPa ± 50 MPa"`. It must be stated because loss factors do not determine it.
     pub series_modulus: Stated<Pressure>,
     /// Frequency at which the loss factor was read, such as `"10 kHz"`.
     pub frequency: NotFollowed<Frequency>,
@@ -45,10 +46,10 @@ pub struct RecoverySheet {
     /// to all readings.
     #[serde(default)]
     pub virgin_loss_factor: Option<Stated<Ratio>>,
-    /// Kind of the readings: loss factors (the default), or changes.
+    /// Kind of the readings: loss factors (the default), or changes of the loss factor.
     #[serde(default)]
     pub readings_are: Option<ReadingsAre>,
-    /// Standard error of readings that state none themselves, such as `"0.0012"`.
+    /// Standard error, such as `"0.0012"`, of readings for which none is stated.
     #[serde(default)]
     pub standard_error: Option<Exact<Ratio>>,
     /// Basis of the errors of the result; by default the stated errors.
@@ -62,8 +63,8 @@ pub struct RecoverySheet {
     /// Applies the procedure of paper C in addition to the joint fit.
     #[serde(default)]
     pub paper_procedure: Option<PaperProcedureSheet>,
-    /// Number of draws of the readings and of every quantity stated with ±, such as 1000, to check
-    /// the linear errors.
+    /// Number of Monte Carlo draws, such as 1000, of the readings and of every quantity stated with
+    /// ±; they check the linear errors.
     #[serde(default)]
     pub monte_carlo: Option<usize>,
 }
@@ -71,9 +72,9 @@ pub struct RecoverySheet {
 /// Kind of the readings.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
 pub enum ReadingsAre {
-    /// Loss factors; `virgin_loss_factor` is subtracted.
+    /// Loss factors, from which `virgin_loss_factor` is subtracted.
     LossFactors,
-    /// Changes of the loss factor from that of the virgin material.
+    /// Changes of the loss factor relative to the virgin material.
     Changes,
 }
 
@@ -82,7 +83,7 @@ pub enum ReadingsAre {
 pub enum ErrorScaleSheet {
     /// The standard errors of the readings.
     Stated,
-    /// The scatter about the fit: the standard errors of the readings are only weights.
+    /// The scatter about the fit; the standard errors of the readings are only used as weights.
     FromResidual,
 }
 
@@ -101,7 +102,7 @@ impl From<ErrorScaleSheet> for ErrorScale {
 pub struct TestSheet {
     /// Name, such as `"Test 1"`.
     pub name: String,
-    /// The load, part by part, from the virgin specimen to the unloading.
+    /// Parts of the load in their order, from the virgin specimen to the unloading.
     pub load: Vec<LoadSheet>,
     /// Frequency of this test, if it differs from that of the sheet.
     #[serde(default)]
@@ -116,23 +117,23 @@ pub struct TestSheet {
 pub struct PredictionSheet {
     /// Name, such as `"4 Hz about 32 MPa"`.
     pub name: String,
-    /// The load, part by part.
+    /// Parts of the load in their order.
     pub load: Vec<LoadSheet>,
 }
 
-/// The procedure of paper C: E₂ and B from one test for every exponent, the exponent from the other
-/// tests.
+/// Procedure of paper C: E₂ and B are determined from one test for every exponent, and the exponent
+/// from the other tests.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PaperProcedureSheet {
-    /// Name of the test for E₂ and B.
+    /// Name of the test that determines E₂ and B.
     pub reference: String,
     /// Search range of exponents; (0.2, 5.0) by default.
     #[serde(default)]
     pub exponents: Option<(f64, f64)>,
 }
 
-/// The results for tables, figures and sentences.
+/// Results from which tables, figures and sentences are made.
 struct Found<'a> {
     sheet: &'a RecoverySheet,
     tests: Vec<RecoveryTest>,
@@ -199,7 +200,7 @@ pub(crate) fn run(sheet: &RecoverySheet, context: &JobContext<'_>) -> Result<Out
     };
     context.check_cancelled()?;
     let error_factor = if scale == ErrorScale::FromResidual {
-        // a fit with errors from the residual has degrees of freedom, or does not exist
+        // a fit with errors from the residual exists only if it has degrees of freedom
         (fit.chi_squared / fit.degrees_of_freedom as f64).sqrt()
     } else {
         1.0
@@ -263,7 +264,7 @@ fn paper(sheet: &RecoverySheet, tests: &[RecoveryTest]) -> Result<Option<PaperFi
     .map_err(|error| RodlabError::step("paper_procedure", error))
 }
 
-/// The tests without readings that are predicted, at the times of the curves.
+/// Returns the loads to be predicted, as tests without readings at the times of the curves.
 fn predictions(
     sheet: &RecoverySheet,
     tests: &[RecoveryTest],

@@ -1,4 +1,4 @@
-//! A parsed sheet with its job.
+//! Parsed sheets, each with its job.
 
 use std::path::{Path, PathBuf};
 
@@ -9,7 +9,7 @@ use super::{bar, fit, force, frf, identify, mobility, modulus, recovery, shpb, s
 use crate::sheet::{self, Language, SheetError, Statement};
 use crate::{Outcome, RodlabError};
 
-/// A parsed sheet.
+/// A parsed sheet with its path and text.
 #[derive(Debug, Clone)]
 pub struct Sheet {
     /// Path as it was given.
@@ -20,7 +20,7 @@ pub struct Sheet {
     pub job: Job,
 }
 
-/// The job of a sheet with its statements.
+/// Job of a sheet, with the statements of the sheet.
 #[derive(Debug, Clone, Deserialize)]
 #[non_exhaustive]
 #[allow(
@@ -51,7 +51,7 @@ pub enum Job {
 }
 
 impl Job {
-    /// Name of the job and of its command.
+    /// Returns the name of the job, which is also the name of its command.
     #[must_use]
     pub fn name(&self) -> &'static str {
         match self {
@@ -70,7 +70,7 @@ impl Job {
 }
 
 impl Job {
-    /// Does the job, without a Monte Carlo computation of the whole job.
+    /// Runs the job, without a Monte Carlo computation of the whole job.
     pub(super) fn run(&self, context: &JobContext<'_>) -> Result<Outcome, RodlabError> {
         match self {
             Self::Frf(sheet) => frf::run(sheet, context),
@@ -86,8 +86,8 @@ impl Job {
         }
     }
 
-    /// Number of draws of a Monte Carlo computation of the whole job, if it is requested. For the
-    /// shots of a Hopkinson bar, the job itself makes the draws.
+    /// Returns the number of draws of a Monte Carlo computation of the whole job, if the sheet
+    /// requests one. `None` for split Hopkinson bars, because that job makes its draws itself.
     pub(super) fn monte_carlo(&self) -> Option<usize> {
         match self {
             Self::Modulus(sheet) => sheet.monte_carlo,
@@ -100,8 +100,8 @@ impl Job {
         }
     }
 
-    /// Removes the Monte Carlo draws from the sheet, and from that of a modulus also the laws;
-    /// returns true if the sheet had any of them.
+    /// Removes the Monte Carlo draws from the sheet, and the laws from a sheet for a modulus.
+    /// Returns true if there was anything to remove.
     pub(crate) fn leave_out_what_takes_long(&mut self) -> bool {
         let draws = match self {
             Self::Modulus(sheet) => {
@@ -124,8 +124,9 @@ impl Sheet {
     ///
     /// # Errors
     ///
-    /// [`RodlabError::Read`]; [`RodlabError::NoSheet`] for a recording, [`RodlabError::Encoding`]
-    /// for a text that is not UTF-8; [`RodlabError::Sheet`] with the place in the text.
+    /// [`RodlabError::Read`] for a file that cannot be read; [`RodlabError::NoSheet`] for a
+    /// recording; [`RodlabError::Encoding`] for a text that is not UTF-8; [`RodlabError::Sheet`]
+    /// for a mistake, with its place in the text.
     pub fn read(path: &Path) -> Result<Self, RodlabError> {
         let (text, job) = sheet::read(path)?;
         Ok(Self {
@@ -135,20 +136,20 @@ impl Sheet {
         })
     }
 
-    /// The language of the sheet.
+    /// Returns the language of the sheet.
     #[must_use]
     pub fn language(&self) -> Language {
         sheet::language_of(&self.text)
     }
 
-    /// All statements of the sheet except its title, with their places and as written.
+    /// Returns all statements of the sheet except its title, as written, with their places.
     pub(crate) fn statements(&self) -> Vec<Statement> {
         let mut statements = sheet::statements::<Job>(&self.text);
         statements.retain(|statement| statement.name != "title");
         statements
     }
 
-    /// The folder of the relative paths in the sheet.
+    /// Returns the folder to which paths in the sheet are relative.
     #[must_use]
     pub fn folder(&self) -> &Path {
         match self.path.parent() {

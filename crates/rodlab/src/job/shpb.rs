@@ -1,4 +1,4 @@
-//! Stress-strain curve of specimens between split Hopkinson bars, from one shot or several.
+//! Stress-strain curve of specimens between split Hopkinson bars, from one or several shots.
 
 mod answer;
 mod average;
@@ -22,7 +22,7 @@ use crate::bodies::material_sheet;
 use crate::records::{Records, clipped, expect_quantity};
 use crate::{Outcome, RodlabError};
 
-/// Seed of the draws of the noise: the same sheet gives the same digits.
+/// Seed of the draws of the noise, so that the same sheet gives the same digits.
 const SEED: u64 = 1;
 
 pub(crate) fn run(sheet: &ShpbSheet, context: &JobContext<'_>) -> Result<Outcome, RodlabError> {
@@ -104,7 +104,7 @@ pub(crate) fn run(sheet: &ShpbSheet, context: &JobContext<'_>) -> Result<Outcome
     Ok(outcome)
 }
 
-/// The records of one shot.
+/// Reads the records of one shot.
 fn load(
     field: &str,
     records: &[Records],
@@ -138,7 +138,7 @@ fn load(
     Ok(loaded)
 }
 
-/// The test and its record.
+/// Returns the test and its record.
 fn of_sheet(
     sheet: &ShpbSheet,
     field: &str,
@@ -199,7 +199,8 @@ fn of_sheet(
     Ok((test, record))
 }
 
-/// Mean of the channels of a gauge; the errors of their chains are independent of each other.
+/// Returns the mean of the channels of a gauge. The errors of their sensor chains are independent
+/// of each other.
 fn mean(
     gauge: &ShpbGaugeSheet,
     loaded: &[Record],

@@ -1,5 +1,5 @@
-//! A virtual test, for planning and for trying the other commands: records like those of a
-//! laboratory, and the sheet that evaluates them.
+//! Virtual tests, for planning and for trying the other commands. A virtual test produces records
+//! like those of a laboratory, and a sheet that evaluates them.
 
 mod blows;
 mod creep_recovery;
@@ -65,12 +65,12 @@ pub struct SimulateSheet {
     /// Sensors, filter, sampling and converter; needed by every experiment except `CreepRecovery`.
     #[serde(default)]
     pub instrument: Option<InstrumentSheet>,
-    /// Name of the files of the records, which are numbered: `"hits.csv"` gives `hits-1.csv`,
-    /// `hits-2.csv`, ... The extension sets the format: csv, npy, npz, uff, wav.
+    /// Name of the files of the records. The files are numbered: `"hits.csv"` gives `hits-1.csv`,
+    /// `hits-2.csv`, ... The extension determines the format: csv, npy, npz, uff or wav.
     /// `"records.csv"` by default.
     #[serde(default)]
     pub output: Option<String>,
-    /// Seed of scatter and noise, 1 by default: the same sheet gives identical files.
+    /// Seed of scatter and noise; by default 1. The same sheet gives identical files.
     #[serde(default)]
     pub seed: Option<u64>,
 }
@@ -93,7 +93,7 @@ pub enum ExperimentSheet {
     HopkinsonBars(Box<HopkinsonBarsSheet>),
 }
 
-/// Data of the sheet for all experiments.
+/// Data of the sheet that all experiments use.
 struct Request<'a> {
     title: &'a str,
     materials: &'a Materials,
@@ -102,16 +102,16 @@ struct Request<'a> {
 }
 
 impl Request<'_> {
-    /// Duration of silence at the beginning of a record \[s\]: up to the precursor of the filter
-    /// before the blow.
+    /// Returns the duration of the silence at the beginning of a record \[s\]. It ends before the
+    /// precursor that the filter produces ahead of the blow.
     fn silent(&self, instrument: &InstrumentSheet) -> f64 {
         instrument.before() - 25.0 / instrument.sampling_rate.si()
     }
 
-    /// Density and law of the material called `name`, as springs and Maxwell branches for a march
-    /// in time.
+    /// Returns density and law of the material called `name`. The law consists of springs and
+    /// Maxwell branches, for a march in time.
     fn prony(&self, name: &str, field: &str) -> Result<(f64, GeneralisedMaxwell), RodlabError> {
-        // this checks the name, the density and the numbers of the law
+        // checks the name, the density and the numbers of the law
         material_called(self.materials, name, field)?;
         let of_sheet = self.materials.get(name).map(|sheet| sheet.prony(field));
         of_sheet.transpose()?.flatten().ok_or_else(|| {
@@ -123,7 +123,8 @@ impl Request<'_> {
         })
     }
 
-    /// The fields `files`, `sampling_rate` and `channels` of a sheet that evaluates the records.
+    /// Returns the fields `files`, `sampling_rate` and `channels` of a sheet that evaluates the
+    /// records.
     fn records_of_sheet(&self, recorded: &Recorded, indent: &str) -> String {
         let pattern = self.naming.pattern();
         let first = recorded.records.first();
@@ -133,7 +134,7 @@ impl Request<'_> {
     }
 }
 
-/// A struck rod whose modulus a sheet evaluates from its hits.
+/// A struck rod, for which a sheet evaluates the modulus from the hits.
 struct StruckRod<'a> {
     length: &'a Exact<Length>,
     diameter: &'a Exact<Length>,
@@ -188,14 +189,14 @@ impl StruckRod<'_> {
     }
 }
 
-/// The results of an experiment.
+/// Results of an experiment.
 struct Made {
     recorded: Option<Recorded>,
     truth: Truth,
     tables: Vec<Table>,
     figures: Vec<Figure>,
     in_words: String,
-    /// Sheets for evaluation; the first is the recommended one.
+    /// Sheets that evaluate the records; the first one is recommended.
     evaluations: Vec<Evaluation>,
 }
 
@@ -237,8 +238,8 @@ impl Evaluation {
     }
 }
 
-/// The material called `name`, which must be known in the right half plane for the computation of
-/// histories.
+/// Returns the material called `name`. Its law must be known in the right half plane, because
+/// histories are computed.
 fn analytic(
     request: &Request<'_>,
     name: &str,
@@ -255,7 +256,7 @@ fn analytic(
 }
 
 impl SimulateSheet {
-    /// Defaults of the fields that the sheet leaves open.
+    /// Returns the defaults of the fields that the sheet does not state.
     fn defaults(&self) -> Vec<Setting> {
         let of_experiment: &[(&str, &str)] = match &self.experiment {
             ExperimentSheet::EndAccelerations(_) => &[
@@ -364,7 +365,7 @@ fn tell(
             1 => "1 record".to_owned(),
             n => format!("{n} records"),
         };
-        // the path of a module is not a name in words
+        // a generator that is the path of a module is not written into a sentence
         outcome.summary.push(if recorded.generator.contains("::") {
             format!("{records}.")
         } else {

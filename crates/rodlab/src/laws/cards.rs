@@ -1,4 +1,4 @@
-//! Cards of the Prony series for programs that use material models.
+//! Material cards of the Prony series for other programs.
 
 use cmod::CmodError;
 use cmod::rheology::Comparison;
@@ -15,10 +15,10 @@ use crate::outcome::Attachment;
 use crate::sheet::{Exact, ValueWithUncertainty};
 use crate::{Outcome, RodlabError};
 
-/// Deviation of a card from the fitted series, relative to |E|, from which it is reported.
+/// Least deviation of a card from the fitted series, relative to |E|, that is reported.
 const NOTABLE: f64 = 5e-3;
 
-/// The cards of the Prony series.
+/// Adds the cards of the Prony series.
 pub(super) fn attach(
     outcome: &mut Outcome,
     lines: &Lines<'_>,
@@ -31,7 +31,7 @@ pub(super) fn attach(
         .into_iter()
         .find(|fit| fit.law.prony_series().is_some())
     else {
-        // the log states why it could not be fitted
+        // the log states why the series could not be fitted
         return Ok(());
     };
     let ratio = asked.poisson_ratio.with_uncertainty();
@@ -67,8 +67,8 @@ pub(super) fn attach(
     let at = at.unwrap_or_else(|| lines.data.middle_frequency_hz());
     let card = match card.with_poisson_ratio_at(at, ratio.standard_uncertainty) {
         Ok(card) => card,
-        // with a stiff bulk, this ratio does not give a solid at frequencies where the modulus
-        // differs
+        // with the elastic bulk modulus from this ratio, the material is no possible solid at
+        // frequencies at which the modulus differs
         Err(error @ CmodError::NonPhysical { .. }) if asked.poisson_ratio_at.is_none() => {
             outcome.warnings.push(format!(
                 "No card is written: {error}. The ratio is assumed to apply at {}; state `poisson_ratio_at` if it applies at another frequency.",
@@ -130,14 +130,15 @@ pub(super) fn attach(
     Ok(())
 }
 
-/// Seed of the draws: the same sheet and files give the same cards.
+/// Seed of the draws, so that the same sheet and files give the same cards.
 const SEED: u64 = 1;
 
-/// Number of draws that are tried if a number is out of its range.
+/// Largest number of draws that are tried if a number is out of its range.
 const MOST_TRIES: usize = 100;
 
-/// One draw of `card`: of the errors of its series, its density and its Poisson's ratio. The error
-/// of the density also moves the series, if the moduli were found with the density.
+/// Returns one draw of `card`, with drawn errors of its series, its density and its Poisson's
+/// ratio. If the moduli were computed with the density, the error of the density also moves the
+/// series.
 fn drawn<'a>(
     card: &MaterialCard<'a>,
     (density, ratio): (ValueWithUncertainty, ValueWithUncertainty),
@@ -155,7 +156,7 @@ fn drawn<'a>(
     )
 }
 
-/// Name and text of the file of one program.
+/// Returns name and text of the file for one program.
 fn written(
     name: &str,
     program: ProgramSheet,

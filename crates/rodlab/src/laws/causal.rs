@@ -1,4 +1,4 @@
-//! The causal estimate of all lines: table, figure, sentences.
+//! Table, figure and sentences of the causal estimate of all lines.
 
 use cmod::CmodError;
 use cmod::causal::CausalEstimate;
@@ -11,10 +11,10 @@ use crate::digits::{hertz, percent, significant};
 use crate::outcome::{Column, Table};
 use crate::{Outcome, RodlabError};
 
-/// Half the width of a band, in standard errors.
+/// Half width of a band, in standard errors.
 const BAND: f64 = 2.0;
 
-/// The lines of the estimate, for its figure and its table.
+/// Lines and axes for the figure and the table of the estimate.
 pub(crate) struct Shown<'a> {
     /// Symbol of the modulus.
     pub(crate) symbol: &'a str,
@@ -25,7 +25,8 @@ pub(crate) struct Shown<'a> {
     /// Axes, and the unit of moduli in the table.
     pub(crate) drawn: Drawn,
     pub(crate) pascal: (&'a str, f64),
-    /// Probability below which the lines contradict causality; `None` if their errors are not known.
+    /// Probability below which the lines contradict causality; `None` if their errors are not
+    /// known.
     pub(crate) level: Option<f64>,
 }
 
@@ -200,7 +201,7 @@ fn table(lines: &[Line], shown: &Shown<'_>) -> Table {
     }
 }
 
-/// The material with its band over the lines.
+/// Figure of the causal modulus with its band, and of the lines.
 fn figure(lines: &[Line], shown: &Shown<'_>) -> Figure {
     let (frequency, hertz) = &shown.drawn.frequency;
     let (storage, pascal) = &shown.drawn.storage;

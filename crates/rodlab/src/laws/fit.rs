@@ -1,4 +1,4 @@
-//! Fits of laws to lines, as sentences, numbers, a table and a figure.
+//! Fits of laws to lines, reported as sentences, numbers, a table and figures.
 
 use cmod::rheology::{Comparison, Parameter, RheologicalFit, Scale, TransientTest};
 use num_complex::Complex64;
@@ -12,8 +12,8 @@ use crate::material_file::{self, MaterialFile};
 use crate::outcome::{Attachment, Column, LogEntry, Quantity, Table, Verdict};
 use crate::{Outcome, RodlabError};
 
-/// Fits the laws of a sheet and adds them to `outcome`; returns the comparison if a law could be
-/// fitted.
+/// Fits the laws of a sheet and adds them to `outcome`. Returns the comparison if at least one law
+/// could be fitted.
 pub(crate) fn fit(
     outcome: &mut Outcome,
     lines: &Lines<'_>,
@@ -96,7 +96,7 @@ pub(crate) fn fit(
     Ok(Some(comparison))
 }
 
-/// The preferred law with its errors, for the sheets of later jobs.
+/// Attaches the preferred law with its errors, for the sheets of later jobs.
 fn attach_material(outcome: &mut Outcome, lines: &Lines<'_>, best: &RheologicalFit) {
     let Some(density) = lines.density.filter(|_| lines.is_youngs) else {
         return;
@@ -240,7 +240,7 @@ fn table(comparison: &Comparison) -> Table {
     }
 }
 
-/// The laws over frequency, and over time, if there are such lines.
+/// Figures of the laws over frequency and over time, as far as there are such lines.
 fn figures(lines: &Lines<'_>, comparison: &Comparison, best: &RheologicalFit) -> Vec<Figure> {
     let (frequency, hertz) = &lines.drawn.frequency;
     let (storage, pascal) = &lines.drawn.storage;
@@ -256,7 +256,7 @@ fn figures(lines: &Lines<'_>, comparison: &Comparison, best: &RheologicalFit) ->
         .filter_map(|line| Some((line, hertz * lines.points.get(line)?.0)))
         .collect();
     let rows = comparison.rows.iter();
-    // every temperature has a ramp of its own in reduced time
+    // in reduced time, every temperature has its own ramp
     let steps = lines.data.clone().with_steps();
     let responses: Vec<(String, Vec<Complex64>)> = rows
         .map(|row| (row.fit.law.law().to_string(), row.fit.law.response(&steps)))

@@ -6,22 +6,22 @@ use rodfigure::Axis;
 
 use crate::sheet::ValueWithUncertainty;
 
-/// Lines to which laws are fitted.
+/// Lines to which laws are fitted, with the settings of the fit and its figure.
 pub(crate) struct Lines<'a> {
     /// Lines with their errors.
     pub(crate) data: &'a ModulusData,
-    /// Frequency \[Hz\] and modulus \[Pa\] of each, for the figure.
+    /// Frequency \[Hz\] and modulus \[Pa\] of each line, for the figure.
     pub(crate) points: Vec<(f64, Complex64)>,
     /// Basis of the errors.
     pub(crate) error_scale: ErrorScale,
-    /// True to compute profiles of the parameters of a Prony series, which take long for many
+    /// True to compute profiles of the parameters of a Prony series; this takes long for many
     /// branches.
     pub(crate) series_profiles: bool,
-    /// Density of the material [kg/m³], if it is known.
+    /// Density of the material \[kg/m³\], if it is known.
     pub(crate) density: Option<ValueWithUncertainty>,
-    /// True if the modulus is Young's, with which later sheets can describe rods.
+    /// True for Young's modulus, with which later sheets can describe rods.
     pub(crate) is_youngs: bool,
-    /// Temperature of the lines for a card, unless the sheet states it there.
+    /// Temperature of the lines for a card, if the sheet states none for the card.
     pub(crate) temperature: Option<String>,
     /// Appearance of the figure.
     pub(crate) drawn: Drawn,
@@ -29,9 +29,9 @@ pub(crate) struct Lines<'a> {
 
 /// Appearance of the figure of laws.
 pub(crate) struct Drawn {
-    /// Axis of frequency, and its unit in Hz.
+    /// Axis of frequency, and number of axis units per Hz.
     pub(crate) frequency: (Axis, f64),
-    /// Axis of the storage modulus, and its unit in Pa.
+    /// Axis of the storage modulus, and number of axis units per Pa.
     pub(crate) storage: (Axis, f64),
     /// End of the caption, after the preferred law.
     pub(crate) caption: String,

@@ -1,10 +1,11 @@
 //! Names and units of columns for other programs: `storage_modulus_pa` for "E'" in GPa.
 //!
-//! A column is declared once, by its words and its unit, as shown in reports and figures. CSV, JSON
-//! and Python use the name that is derived here: the words in lower case with `_` between them, and
-//! the unit. Numbers are in units without a prefix (Pa, not GPa); `%`, `deg` and `degC` stay.
+//! A column is declared once, by its words and its unit, as they appear in reports and figures.
+//! CSV, JSON and Python use the name that is derived here: the words in lower case with `_` between
+//! them, and the unit. Their numbers are in units without a prefix (Pa, not GPa); `%`, `deg` and
+//! `degC` are kept.
 
-/// Units with a prefix: their unit without one, and the factor to it.
+/// Units with a prefix, each with the unit without prefix and the factor to it.
 const PREFIXED: [(&str, &str, f64); 18] = [
     ("kHz", "Hz", 1e3),
     ("MHz", "Hz", 1e6),
@@ -29,7 +30,7 @@ const PREFIXED: [(&str, &str, f64); 18] = [
 /// Words that are left out of a name.
 const ARTICLES: [&str; 2] = ["of", "the"];
 
-/// The unit of a column for other programs, and the factor from `unit` to it.
+/// Returns the unit of a column for other programs, and the factor from `unit` to it.
 pub(super) fn unit_without_prefix(unit: &str) -> (&str, f64) {
     PREFIXED
         .iter()
@@ -37,7 +38,7 @@ pub(super) fn unit_without_prefix(unit: &str) -> (&str, f64) {
         .map_or((unit, 1.0), |(_, plain, factor)| (*plain, *factor))
 }
 
-/// The name of the column `words` in `unit`, which has no prefix.
+/// Returns the name of the column `words` in `unit`, which has no prefix.
 pub(super) fn name_of(words: &str, unit: &str) -> String {
     let mut plain = words.to_owned();
     for symbol in ["E", "G", "K"] {
@@ -50,7 +51,7 @@ pub(super) fn name_of(words: &str, unit: &str) -> String {
         .split(|c: char| !c.is_alphanumeric())
         .filter(|part| !part.is_empty() && !ARTICLES.contains(part))
         .collect();
-    // a name begins with a letter: `95 % half width` is `half_width_95`
+    // a name must begin with a letter: `95 % half width` becomes `half_width_95`
     let numbers = parts
         .iter()
         .take_while(|part| part.starts_with(|c: char| c.is_numeric()))
@@ -147,7 +148,7 @@ mod tests {
             let (from, to) = (Unit::parse(prefixed).unwrap(), Unit::parse(plain).unwrap());
             assert_eq!(from.dimension(), to.dimension());
             let ratio = from.to_si(1.0) / to.to_si(1.0) / factor;
-            // a few roundings
+            // the tolerance allows a few rounding errors
             assert!((ratio - 1.0).abs() < 1e-14, "{prefixed}: {ratio}");
         }
     }

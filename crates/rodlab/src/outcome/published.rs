@@ -1,4 +1,4 @@
-//! Tables in the form for CSV, JSON and Python.
+//! Tables in the form used for CSV, JSON and Python.
 
 use std::fmt::Write;
 
@@ -13,7 +13,7 @@ pub struct PublishedColumn<'a> {
     /// Name with its unit, such as `storage_modulus_pa`; different from the names of the other
     /// columns of the table.
     pub name: String,
-    /// The name in reports and figures, such as `E'`.
+    /// Name in reports and figures, such as `E'`.
     pub words: &'a str,
     /// Unit, without a prefix; empty for pure numbers and words.
     pub unit: &'a str,
@@ -34,9 +34,9 @@ pub enum PublishedCells<'a> {
 }
 
 impl PublishedCells<'_> {
-    /// Appends the cell of `row` as text to `text`; nothing if there is none.
+    /// Appends the cell of `row` to `text`; appends nothing if there is no such cell.
     pub(crate) fn write_to(&self, text: &mut String, row: usize) {
-        // a string takes every write
+        // writing to a string does not fail
         let _ = match self {
             Self::Numbers(values) => match values.get(row).filter(|value| value.is_finite()) {
                 Some(value) => write!(text, "{value}"),
@@ -52,7 +52,8 @@ impl PublishedCells<'_> {
 }
 
 impl Table {
-    /// The columns for other programs. A column of verdicts becomes two: `valid` and `reasons`.
+    /// Returns the columns for other programs. A column of verdicts becomes two columns, `valid`
+    /// and `reasons`.
     #[must_use]
     pub fn published(&self) -> Vec<PublishedColumn<'_>> {
         let mut columns: Vec<PublishedColumn<'_>> = Vec::with_capacity(self.columns.len() + 1);

@@ -1,5 +1,5 @@
-//! The date of a report, reproducible from the same files: the date of the newest input, not the
-//! current time.
+//! Date of a report. It is the date of the newest input, not the current time, so that the same
+//! files give the same report.
 
 use std::env;
 use std::fs;
@@ -8,15 +8,16 @@ use std::time::UNIX_EPOCH;
 
 use crate::RodlabError;
 
-/// Environment variable that sets the date, in seconds since 1970 (<https://reproducible-builds.org/specs/source-date-epoch/>).
+/// Environment variable that sets the date, in seconds since 1970
+/// (<https://reproducible-builds.org/specs/source-date-epoch/>).
 const VARIABLE: &str = "SOURCE_DATE_EPOCH";
 
-/// The last second of the year 9999.
+/// Last second of the year 9999.
 const LATEST: u64 = 253_402_300_799;
 const SECONDS_PER_DAY: u64 = 86_400;
 
-/// The date of `SOURCE_DATE_EPOCH` if it is set, otherwise the date of the newest input file;
-/// `None` if neither is known.
+/// Returns the date of `SOURCE_DATE_EPOCH` if this is set, otherwise the date of the newest input
+/// file; `None` if neither is known.
 ///
 /// # Errors
 ///
@@ -44,7 +45,7 @@ fn of_variable(text: &str) -> Result<String, RodlabError> {
     })
 }
 
-/// A time in seconds since 1970, in the form `2026-11-22 12:24:59 UTC`.
+/// Returns a time in seconds since 1970 in the form `2026-11-22 12:24:59 UTC`.
 fn in_words(seconds: u64) -> String {
     let (days, second) = (seconds / SECONDS_PER_DAY, seconds % SECONDS_PER_DAY);
     // the Gregorian calendar has 146097 days in 400 years; a year that begins in March has its leap

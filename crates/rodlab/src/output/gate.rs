@@ -1,5 +1,5 @@
-//! The gate for all changes of files, so that the program ends between two changes and never within
-//! one.
+//! Gate for all changes of files. It lets the program end between two changes, and never in the
+//! middle of one.
 
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 
@@ -8,14 +8,14 @@ use crate::RodlabError;
 /// The gate of this process.
 static GATE: Gate = Gate::open();
 
-/// Waits until no file is being changed, and prevents any later change: a later attempt ends with
-/// [`RodlabError::Interrupted`]. A program that ends while other threads still compute calls this
-/// first.
+/// Waits until no file is being changed, and prevents later changes: a later attempt returns
+/// [`RodlabError::Interrupted`]. A program that ends while other threads still compute must call
+/// this first.
 pub fn stop_writing() {
     GATE.close();
 }
 
-/// The right to change files until it is dropped.
+/// Returns the right to change files, which lasts until it is dropped.
 ///
 /// # Errors
 ///
@@ -53,8 +53,8 @@ impl Gate {
         }
     }
 
-    /// The state; a thread that panicked while it held the lock has changed at most a counter, in
-    /// one step.
+    /// Returns the state. It is consistent even if a thread panicked while it held the lock,
+    /// because such a thread has changed at most a counter, in one step.
     fn state(&self) -> MutexGuard<'_, State> {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }

@@ -1,12 +1,12 @@
-//! The layout of `result.json`: one line per key of an object, and one line per array of numbers or
-//! words.
+//! Layout of `result.json`: one line for each key of an object, and one line for each array of
+//! numbers or words.
 
 use std::io::{self, Write};
 
 use serde_json::ser::Formatter;
 
-/// Formatter that writes objects on several lines and arrays on one: a column of a thousand numbers
-/// is one line, not a thousand.
+/// Formatter that writes objects on several lines and arrays on one line. A column of a thousand
+/// numbers is then one line, not a thousand.
 #[derive(Debug, Default)]
 pub(super) struct ArraysOnOneLine {
     depth: usize,

@@ -1,9 +1,9 @@
 //! Lock of a folder for one writer at a time, with a list of the files being replaced.
 //!
 //! The lock is a lock of the operating system on a file in the folder. It is released however the
-//! process ends, so that no stale lock remains. The file also lists the names that are being
-//! replaced. The file is removed when a result is complete; after a run that ended earlier, the
-//! next run finds in it the possible files of the unfinished run.
+//! process ends, so that no stale lock remains. The file also lists the names of the files that are
+//! being replaced. It is removed when a result is complete. If a run ends before that, the next run
+//! finds in it the names of the files that the unfinished run may have written.
 
 use std::collections::BTreeSet;
 use std::fs::{self, File, OpenOptions, TryLockError};
@@ -18,19 +18,19 @@ use crate::RodlabError;
 /// Name of the lock file.
 pub(super) const NAME: &str = ".rodlab-lock";
 
-/// Time allowed for another run to put its files into the folder, normally a matter of
+/// Longest wait for another run to put its files into the folder, which normally takes some
 /// milliseconds.
 const PATIENCE: Duration = Duration::from_secs(30);
 const PAUSE: Duration = Duration::from_millis(10);
 
-/// The right to change a folder, until it is dropped.
+/// Right to change a folder; it lasts until it is dropped.
 #[derive(Debug)]
 pub(super) struct FolderLock {
     path: PathBuf,
     file: File,
-    /// Set while the list is still needed.
+    /// True while the list is still needed.
     unfinished: bool,
-    /// Released after the lock, when the file is removed.
+    /// Dropped last, after the lock file has been removed.
     _passage: Passage<'static>,
 }
 
@@ -39,8 +39,8 @@ impl FolderLock {
     ///
     /// # Errors
     ///
-    /// [`RodlabError::Busy`], [`RodlabError::Write`], [`RodlabError::Interrupted`] if the program
-    /// is ending.
+    /// [`RodlabError::Busy`] if another run changes the folder for too long; [`RodlabError::Write`]
+    /// if the lock file cannot be written; [`RodlabError::Interrupted`] if the program is ending.
     pub(super) fn of(folder: &Path) -> Result<Self, RodlabError> {
         Self::within(PATIENCE, folder)
     }
@@ -72,8 +72,8 @@ impl FolderLock {
                     drop(passage);
                     thread::sleep(PAUSE);
                 }
-                // a file system without locks: files are complete there too, but two simultaneous
-                // runs may mix
+                // on a file system without locks files are complete too, but the files of two
+                // simultaneous runs may be mixed
                 Err(TryLockError::Error(error)) if error.kind() == ErrorKind::Unsupported => {
                     return Self::taken(path, file, passage);
                 }
@@ -94,7 +94,7 @@ impl FolderLock {
         Ok(lock)
     }
 
-    /// Names listed by a run that did not finish.
+    /// Returns the names listed by a run that did not finish.
     pub(super) fn listed(&mut self) -> Result<BTreeSet<String>, RodlabError> {
         let mut bytes = Vec::new();
         self.file
@@ -117,7 +117,7 @@ impl FolderLock {
         &mut self,
         names: impl Iterator<Item = &'n str>,
     ) -> Result<(), RodlabError> {
-        // begins with a line ending, because the line before may have none
+        // the text begins with a line ending, because the line before it may have none
         let text: String = std::iter::once("")
             .chain(names)
             .map(|name| format!("{name}\n"))
@@ -149,8 +149,8 @@ impl FolderLock {
 impl Drop for FolderLock {
     fn drop(&mut self) {
         if !self.unfinished {
-            // removed while it is locked, so that a waiting run notices that the file is a
-            // different one
+            // the file is removed while it is locked, so that a waiting run notices that its file
+            // is no longer the one at this path
             let _ = fs::remove_file(&self.path);
         }
     }
@@ -166,13 +166,13 @@ fn is_at(file: &File, path: &Path) -> bool {
     }
     #[cfg(not(unix))]
     {
-        // an open file cannot be replaced on this system
+        // on this system an open file cannot be replaced
         let _ = file;
         path.exists()
     }
 }
 
-/// The owner of the lock, as written in the file.
+/// Returns the owner of the lock, as written in the file.
 fn owner(path: &Path) -> String {
     fs::read_to_string(path)
         .ok()
@@ -212,7 +212,7 @@ mod tests {
         let mut lock = FolderLock::of(folder.path()).unwrap();
         assert!(lock.listed().unwrap().iter().eq(["force.csv"]));
         lock.list(["result.json"].into_iter()).unwrap();
-        // the torn line remains a name without a file
+        // the incomplete line remains as a name without a file
         assert!(lock.listed().unwrap().contains("result.json"));
     }
 

@@ -1,5 +1,5 @@
-//! Files in a folder that belong to an earlier result: only those listed in a result of this
-//! program.
+//! Files in a folder that belong to an earlier result. Only files that a result of this program
+//! lists are counted.
 
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -9,9 +9,9 @@ use serde::Deserialize;
 use super::{FAILURE, PROGRAM, RESULT, RESULT_VERSION, is_plain};
 use crate::input;
 
-/// Names listed in the `result.json` or `failure.json` at `path`, and the name of that file; `None`
-/// if the file is not of this program, cannot be read, is a link, or has a later version of the
-/// structure.
+/// Returns the names listed in the `result.json` or `failure.json` at `path`, and the name of this
+/// file itself. Returns `None` if the file was not written by this program, cannot be read, is a
+/// link, or has a later version of the structure.
 pub(super) fn listed(path: &Path) -> Option<BTreeSet<String>> {
     #[derive(Deserialize)]
     struct Listing {
@@ -39,7 +39,7 @@ pub(super) fn is_summary(path: &Path) -> bool {
     read::<Signed>(path).is_some_and(|signed| is_of_this_program(&signed.software))
 }
 
-/// Returns true if `folder` contains a result, or the failure of one, written by this program.
+/// Returns true if `folder` contains a result or a failure written by this program.
 pub(crate) fn holds_result(folder: &Path) -> bool {
     [RESULT, FAILURE]
         .iter()
@@ -47,7 +47,7 @@ pub(crate) fn holds_result(folder: &Path) -> bool {
 }
 
 fn read<T: serde::de::DeserializeOwned>(path: &Path) -> Option<T> {
-    // a link may lead to a result in another folder
+    // links are not followed: they may lead to a result in another folder
     path.symlink_metadata()
         .ok()
         .filter(|found| found.is_file())?;

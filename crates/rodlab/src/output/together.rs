@@ -1,5 +1,5 @@
-//! Replacement of the files of a folder together: all files belong to one run, the new one or the
-//! earlier one.
+//! Replacement of the files of a folder together, so that all files belong to one run, either the
+//! new run or the earlier one.
 
 use std::collections::BTreeSet;
 use std::fs;
@@ -21,9 +21,9 @@ const AT_A_TIME: usize = 4;
 /// Writes the files of a result to `folder`; `reads` are the files that the run has read.
 ///
 /// All files are on the disk under temporary names before the first existing file changes. Then
-/// `result.json` and `failure.json` of an earlier run are removed, with those of its files that the
-/// new run does not write, and the new files follow in order: if a `result.json` exists, all files
-/// belong to one run.
+/// `result.json` and `failure.json` of an earlier run are removed, together with the files of that
+/// run that the new run does not write. Finally the new files get their names in order. If a
+/// `result.json` exists, all files therefore belong to one run.
 pub(crate) fn replace_result(
     folder: &Path,
     files: &[(&str, &[u8])],
@@ -53,8 +53,9 @@ pub(crate) fn replace_result(
 }
 
 /// Puts a `failure.json` into `folder` in place of a `result.json`. The report of the earlier
-/// result is renamed accordingly; its other files stay as they are, and `text` receives their
-/// names: if a disk with recordings was missing, the earlier report is all that is left.
+/// result is renamed [`EARLIER_REPORT`], the other files of this result stay as they are, and
+/// `text` receives the names of all these files. They are kept because the failure may only be due
+/// to a missing disk with the recordings.
 pub(crate) fn replace_by_failure(
     folder: &Path,
     text: impl FnOnce(Vec<String>) -> Result<Vec<u8>, RodlabError>,
@@ -91,8 +92,8 @@ pub(crate) fn replace_by_failure(
     Ok(())
 }
 
-/// Puts the `files` of a summary, one of which is called `signed` and names this program, into
-/// `folder` in place of the files of an earlier summary.
+/// Puts the `files` of a summary into `folder`, in place of the files of an earlier summary. The
+/// file called `signed` names this program.
 pub(crate) fn replace_summary(
     folder: &Path,
     files: &[(&str, &[u8])],
@@ -134,7 +135,8 @@ fn locked(folder: &Path) -> Result<FolderLock, RodlabError> {
     Ok(lock)
 }
 
-/// Removes temporary files of runs that ended early: no other run is writing here now.
+/// Removes temporary files of runs that ended early; because of the lock, no other run is writing
+/// here now.
 fn remove_parts(folder: &Path) {
     let entries = fs::read_dir(folder).into_iter().flatten().flatten();
     for entry in entries {
@@ -150,8 +152,9 @@ fn stage(folder: &Path, files: &[(&str, &[u8])]) -> Result<Vec<NamedTempFile>, R
         .iter()
         .map(|(name, bytes)| written(&folder.join(name), bytes, PART))
         .collect::<Result<_, _>>()?;
-    // A disk that synchronises several files at a time writes its journal once for all. Threads of
-    // a pool would start other tests while they wait, and keep this folder locked meanwhile.
+    // Several files are synchronised at a time, because the file system then writes its journal
+    // once for all of them. Threads of a pool are not used: they would start other tests while they
+    // wait, and keep this folder locked meanwhile.
     let share = files.len().div_ceil(AT_A_TIME).max(1);
     thread::scope(|scope| {
         let waiting: Vec<_> = files
@@ -186,13 +189,13 @@ fn name_all(
         named(file, &path)?;
         paths.push(path);
     }
-    // also protects the names against a power failure; not supported by every file system
+    // protects the names against a power failure, too; not every file system supports this
     #[cfg(unix)]
     let _ = fs::File::open(folder).and_then(|folder| folder.sync_all());
     Ok(paths)
 }
 
-/// Refuses to change files that the run has read, and protected files.
+/// Refuses to change a file that the run has read, or that is read-only.
 pub(super) fn may_change(path: &Path, reads: &[PathBuf]) -> Result<(), RodlabError> {
     let Ok(found) = path.symlink_metadata() else {
         return Ok(());
@@ -213,14 +216,14 @@ pub(super) fn may_change(path: &Path, reads: &[PathBuf]) -> Result<(), RodlabErr
     Ok(())
 }
 
-/// Files in a folder that may be replaced, because an earlier run made them.
+/// Files in a folder that may be replaced because an earlier run wrote them.
 struct Earlier {
     files: BTreeSet<String>,
 }
 
 impl Earlier {
-    /// The files of the result in `folder`: those in its `result.json` or `failure.json`, and in
-    /// the list of an unfinished run.
+    /// Returns the files of the result in `folder`: those listed in its `result.json` or
+    /// `failure.json`, and those `listed` by an unfinished run.
     fn result(folder: &Path, listed: BTreeSet<String>) -> Self {
         let mut files = listed;
         for name in [RESULT, FAILURE] {
@@ -229,8 +232,8 @@ impl Earlier {
         Self { files }
     }
 
-    /// Refuses to change the file `name` at `path` if it is not of this program, is read-only or
-    /// was read by the run.
+    /// Refuses to change the file `name` at `path` if it does not belong to an earlier result, is
+    /// read-only, or was read by the run.
     fn may_change(&self, path: &Path, name: &str, reads: &[PathBuf]) -> Result<(), RodlabError> {
         may_change(path, reads)?;
         if !self.files.contains(name) && path.symlink_metadata().is_ok() {

@@ -1,4 +1,4 @@
-//! The tables of a result as one workbook.
+//! Workbook with all tables of a result.
 
 use std::collections::BTreeMap;
 
@@ -13,16 +13,16 @@ const MOST_CHARACTERS: usize = 31;
 /// Characters that the name of a sheet must not contain.
 const FORBIDDEN: [char; 7] = ['[', ']', ':', '*', '?', '/', '\\'];
 
-/// Width of a column beyond its name, in characters.
+/// Width of a column beyond the length of its name, in characters.
 const MARGIN: f64 = 2.0;
 
-/// The workbook of `tables`, a sheet for each in their order: names of the columns, units, rows.
-/// Numbers are written as numbers, a missing number as an empty cell. The bytes depend only on the
-/// tables.
+/// Returns the workbook of `tables`, with one sheet for each table in their order. A sheet has the
+/// names of the columns, the units and the rows. Numbers are written as numbers, and a missing
+/// number is an empty cell. The bytes depend only on the tables.
 ///
 /// # Errors
 ///
-/// [`RodlabError::Step`] for a table of more rows than a sheet has.
+/// [`RodlabError::Step`] for a table with more rows than a sheet can have.
 pub(super) fn of(tables: &[Table]) -> Result<Vec<u8>, RodlabError> {
     written(tables)
         .map_err(|error| RodlabError::step(format!("writing {}", super::WORKBOOK), error))

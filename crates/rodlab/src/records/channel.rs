@@ -1,4 +1,4 @@
-//! A channel of a sheet, with its sensor chain.
+//! Channel of a sheet, with its sensor chain.
 
 use std::fmt;
 
@@ -12,18 +12,18 @@ use crate::sheet::{self, Coordinate, NotFollowed, Stated, Time};
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ChannelSheet {
-    /// Name of the channel in the rest of the sheet.
+    /// Name of the channel, by which the rest of the sheet refers to it.
     pub name: String,
     /// Channel of the file.
     pub from: Selector,
     /// Unit of the samples, such as `"V"`, if the file does not record it.
     #[serde(default)]
     pub unit: Option<String>,
-    /// Sensitivity of the sensor, such as `"10.2 mV/g"` or `"4 pC/N ± 1 %"`; absent if the file
+    /// Sensitivity of the sensor, such as `"10.2 mV/g"` or `"4 pC/N ± 1 %"`; not stated if the file
     /// contains the quantity itself.
     #[serde(default)]
     pub sensitivity: Option<Sensitivity>,
-    /// A bridge of strain gauges, instead of a sensitivity.
+    /// Bridge of strain gauges, stated instead of a sensitivity.
     #[serde(default)]
     pub bridge: Option<BridgeSheet>,
     /// Gain of an amplifier after the sensor, such as `"100"` or `"10 mV/pC"`.
@@ -32,7 +32,7 @@ pub struct ChannelSheet {
     /// True for a sensor that is wired or mounted in the opposite direction.
     #[serde(default)]
     pub inverted: bool,
-    /// Reading at rest, in the unit of the file.
+    /// Reading at rest, in the unit of the file, which is subtracted.
     #[serde(default)]
     pub offset: f64,
     /// Delay of the samples of this channel relative to the other channels, such as `"5 us"` or
@@ -52,11 +52,11 @@ pub struct ChannelSheet {
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct BridgeSheet {
-    /// Arms that carry gauges.
+    /// Arms of the bridge that carry gauges.
     pub layout: BridgeLayout,
     /// Gauge factor.
     pub gauge_factor: Sensitivity,
-    /// Voltage of the bridge.
+    /// Supply voltage of the bridge.
     pub excitation: Sensitivity,
 }
 
@@ -77,9 +77,9 @@ impl BridgeSheet {
     expecting = "found neither a channel nor a column, expected its number from 1 or its name in quotes"
 )]
 pub enum Selector {
-    /// Its number, from 1.
+    /// Number, from 1.
     Number(usize),
-    /// Its name.
+    /// Name.
     Name(String),
 }
 
@@ -124,8 +124,8 @@ impl TryFrom<String> for Sensitivity {
 }
 
 impl ChannelSheet {
-    /// The sensor of the channel; `None` if the file contains the quantity itself and needs no
-    /// correction.
+    /// Returns the sensor chain of the channel; `None` if the file contains the quantity itself and
+    /// needs no correction.
     pub(super) fn chain(&self, field: &str) -> Result<Option<SensorChain>, RodlabError> {
         let refused = |error| RodlabError::step(field, error);
         if let Some(Sensitivity(rating)) = &self.sensitivity

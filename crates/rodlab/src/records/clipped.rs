@@ -1,12 +1,12 @@
-//! Test for records that reach the limit of their recorder.
+//! Test for records that reach the limit of the recorder.
 
 use labio::Record;
 use labio::hits::{Criteria, Reason};
 
 use crate::RodlabError;
 
-/// Returns a reason for doubt for each of `channels` that is clipped or has a drop-out, in a record
-/// that is not judged as a hit.
+/// Returns a reason for doubt for each of `channels` that is clipped or has a drop-out. It is used
+/// for records that are not judged as hits.
 pub(crate) fn clipped(
     record: &Record,
     channels: &[&str],

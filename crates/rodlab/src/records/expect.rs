@@ -1,4 +1,4 @@
-//! Requirements of a job on channels and files.
+//! Requirements that a job has on channels and files.
 
 use labio::{Quantity, Record};
 
@@ -10,7 +10,8 @@ use crate::outcome::InputFile;
 ///
 /// # Errors
 ///
-/// [`RodlabError::Request`] with the actual quantity.
+/// [`RodlabError::Request`] with the actual quantity, or with the known channels if there is no
+/// such channel.
 pub fn expect_quantity(
     record: &Record,
     name: &str,
@@ -36,14 +37,15 @@ pub fn expect_quantity(
     }
 }
 
-/// Refuses two files of equal content under different names: one measurement counts once.
+/// Refuses two files with the same content under different names, because one measurement must not
+/// count twice.
 ///
 /// # Errors
 ///
 /// [`RodlabError::OneMeasurement`] with both files.
 pub fn expect_different_files(inputs: &[InputFile]) -> Result<(), RodlabError> {
     let mut by_content: Vec<&InputFile> = inputs.iter().collect();
-    // stable: of equal files, the one read first comes first
+    // the sorting is stable: of equal files, the file that was read first comes first
     by_content.sort_by(|a, b| a.sha256.cmp(&b.sha256));
     let twice = by_content.windows(2).find_map(|pair| match pair {
         [a, b] if a.sha256 == b.sha256 && a.path != b.path => Some((a, b)),

@@ -5,13 +5,13 @@ use std::path::{Path, PathBuf};
 
 use crate::RodlabError;
 
-/// A file, and the first of the names or patterns that match it.
+/// A file, with the first of the names or patterns that match it.
 pub(super) struct FoundFile<'a> {
     pub(super) path: PathBuf,
     pub(super) pattern: &'a str,
 }
 
-/// The files of all patterns, each once; `field` is the place of the patterns in the sheet.
+/// Returns the files of all patterns, each once; `field` is the place of the patterns in the sheet.
 pub(super) fn paths<'a>(
     patterns: &'a [String],
     folder: &Path,
@@ -73,7 +73,7 @@ pub(super) fn paths<'a>(
     Ok(paths)
 }
 
-/// `path` relative to `folder`, with slashes.
+/// Returns `path` relative to `folder`, with slashes.
 pub(super) fn relative(path: &Path, folder: &Path) -> String {
     let short = path.strip_prefix(folder).unwrap_or(path);
     short.to_string_lossy().replace('\\', "/")

@@ -1,4 +1,4 @@
-//! Statements of a file about its channels, and additions from the sheet.
+//! Statements of a file about its channels, completed by statements of the sheet.
 
 use labio::format::uff58::response;
 use labio::{Abscissa, Contents, Dimension, Series, SeriesAxis, Unit};
@@ -7,17 +7,18 @@ use super::{Records, Selector};
 use crate::RodlabError;
 use crate::digits;
 
-/// Relative difference up to which the sampling rate of the sheet counts as that of the file, which
-/// is rounded there.
+/// Largest relative difference at which the sampling rate of the sheet counts as the exact value of
+/// a rate that is rounded in the file.
 const ROUNDED_RATE: f64 = 1e-3;
 
-/// Relative difference from which times without a unit contradict a sampling rate.
+/// Relative difference above which times without a unit contradict a sampling rate.
 const STRANGE_RATE: f64 = 1e-2;
 
-/// Units in which times may be written, in s.
+/// Units, in s, in which times may be written.
 const SECONDS: [f64; 4] = [1.0, 1e-3, 1e-6, 1e-9];
 
-/// Step of evenly spaced times without a unit; `None` for numbers of samples.
+/// Returns the step of evenly spaced times without a unit; `None` if the abscissa is the number of
+/// the sample.
 pub(crate) fn step_without_unit(series: &Series) -> Option<f64> {
     match series.abscissa {
         Abscissa::Even { step, .. } if series.abscissa_axis.unit.is_none() => {
@@ -27,12 +28,12 @@ pub(crate) fn step_without_unit(series: &Series) -> Option<f64> {
     }
 }
 
-/// A unit of the sheet that replaces another one in some of the files.
+/// A unit of the sheet that replaces another unit, which some of the files state.
 #[derive(Debug)]
 pub(super) struct ReplacedUnit {
     /// The files that state the other unit.
     files: Vec<String>,
-    /// The words after "the file states".
+    /// Words after "the file states".
     statement: String,
 }
 
@@ -49,7 +50,7 @@ impl ReplacedUnit {
         }
     }
 
-    /// The warning, which counts the files if there are several.
+    /// Returns the warning; it counts the files if there are several.
     pub(super) fn warning(&self) -> String {
         let statement = &self.statement;
         match self.files.as_slice() {
@@ -70,9 +71,9 @@ fn has_time_column(contents: &Contents) -> bool {
 }
 
 impl Records {
-    /// Adds to `contents` the sampling rate and the units that `file` does not record and the sheet
-    /// states. Returns the series of every channel of the sheet: several if a file contains several
-    /// hits.
+    /// Adds to `contents` the sampling rate and the units that the sheet states and `file` does not
+    /// record. Returns the series of every channel of the sheet, which are several if a file
+    /// contains several hits.
     pub(super) fn complete(
         &self,
         contents: &mut Contents,
@@ -205,7 +206,7 @@ impl Records {
                 }
                 0.0
             }
-            // no time axis, or an uneven one: reported when records are made
+            // a missing or uneven time axis is reported later, when records are made
             _ => return Ok(()),
         };
         let second =
@@ -285,7 +286,7 @@ impl Records {
 }
 
 /// Returns another series of the file that has the `name` of a channel, if none of the selected
-/// series `meant` has it.
+/// series `meant` has this name.
 fn namesake(contents: &Contents, name: &str, meant: &[usize]) -> Option<usize> {
     let has_name = |series: &Series| series.name.trim().eq_ignore_ascii_case(name.trim());
     let mut own = meant.iter().filter_map(|index| contents.series.get(*index));
@@ -293,8 +294,8 @@ fn namesake(contents: &Contents, name: &str, meant: &[usize]) -> Option<usize> {
     if own.any(has_name) { None } else { other() }
 }
 
-/// Returns the series that `selector` selects: all with its name, or the one with its number and
-/// all with the same name at the same point.
+/// Returns the series that `selector` selects. A name selects all series with this name; a number
+/// selects the series with this number and all series with the same name at the same point.
 fn meant(contents: &Contents, selector: &Selector) -> Vec<usize> {
     let all_that = |is_meant: &dyn Fn(&Series) -> bool| -> Vec<usize> {
         let all = contents.series.iter().enumerate();

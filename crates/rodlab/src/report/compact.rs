@@ -1,19 +1,19 @@
 //! Compact form of figures for the script of the report.
 //!
-//! `x`: the different abscissae; `p`: panels with axes `x`, `y` (label, unit, 1 for logarithmic,
-//! range), `e` (1 for equal axes), `g` (greyed ranges with reasons) and `m`, the marks: `t` is `l`,
-//! `p`, `b` or `a` for line, points, band and vertical line, `n` the name, `r` the role from 0, `x`
-//! the number of the abscissae, `y` and `z` the ordinates (`z`: bars, or upper edge), `v` the place
-//! of a vertical line.
+//! `x` contains the different abscissae, and `p` the panels. A panel has the axes `x` and `y`
+//! (label, unit, 1 for logarithmic, range), `e` (1 for equal axes), `g` (greyed ranges with
+//! reasons) and `m` (marks). A mark has the kind `t` (`l`, `p`, `b` or `a` for line, points, band
+//! and vertical line), the name `n`, the role `r` from 0, the number `x` of its abscissae, the
+//! ordinates `y` and `z` (`z`: bars, or upper edge), and the place `v` of a vertical line.
 
 use std::fmt::Write;
 
 use rodfigure::{Axis, Figure, Mark, Panel, Role, Scale, push_decimal, unit_as_read};
 
-/// Digits of abscissae and of ordinates.
+/// Number of digits of abscissae and of ordinates.
 const DIGITS: [i32; 2] = [7, 6];
 
-/// `figure` as JSON that is valid inside a page: without `<`.
+/// Returns `figure` as JSON that is valid inside a page, that is, without `<`.
 pub(super) fn json_of(figure: &Figure) -> String {
     let mut abscissae: Vec<&[f64]> = Vec::new();
     let mut panels = String::new();
@@ -105,7 +105,7 @@ fn write_mark<'a>(json: &mut String, mark: &'a Mark, abscissae: &mut Vec<&'a [f6
     json.push('}');
 }
 
-/// Returns true if the values are equal bit for bit, so that NaN equals itself.
+/// Returns true if the values are equal bit by bit; a NaN is then equal to itself.
 fn same(one: &[f64], other: &[f64]) -> bool {
     one.len() == other.len()
         && one
@@ -152,7 +152,8 @@ fn numbers(json: &mut String, values: &[f64], digits: i32) {
     json.push(']');
 }
 
-/// `value` to this number of digits, in as few characters as possible; null if not finite.
+/// Writes `value` with this number of digits, in as few characters as possible; `null` if it is not
+/// finite.
 #[expect(
     clippy::cast_possible_truncation,
     reason = "the power of ten of a number lies between -324 and 308, and seven digits are far below the greatest integer"
@@ -193,7 +194,8 @@ fn text(json: &mut String, text: &str) {
         match c {
             '"' => json.push_str("\\\""),
             '\\' => json.push_str("\\\\"),
-            // `</script>` and `<!--` end or change a script of any type
+            // these characters are escaped, because `</script>` and `<!--` end or change a script
+            // of any type
             '<' | '>' | '&' | '\0'..='\u{1f}' => {
                 _ = write!(json, "\\u{:04x}", u32::from(c));
             }

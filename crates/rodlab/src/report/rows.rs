@@ -7,11 +7,11 @@ use crate::digits::prefix_for;
 use crate::digits::{alone, in_line, with_error};
 use crate::outcome::{Cells, Column, Quantity, Table};
 
-/// Number of rows visible at once.
+/// Number of rows that are visible at first.
 const FIRST: usize = 12;
 /// Maximum number of rows on the page; the file contains the rest.
 const IN_ALL: usize = 400;
-/// Maximum number of columns visible at once, so that they fit on a sheet of paper.
+/// Maximum number of columns that are visible at first, so that they fit on a sheet of paper.
 const COLUMNS: usize = 8;
 /// Maximum number of different verdicts that are denoted by letters.
 const LETTERS: usize = 20;
@@ -19,7 +19,7 @@ const LETTERS: usize = 20;
 /// Maximum number of characters of a text that is not broken into lines.
 const SHORT: usize = 24;
 
-/// Beginnings of the names of columns that explain other columns.
+/// Beginnings of the names of columns that explain other columns, and are not visible at first.
 const EXPLAINING: [&str; 4] = [
     "random error of",
     "common error of",
@@ -39,7 +39,7 @@ pub(super) struct QuantityRow<'a> {
 
 impl<'a> QuantityRow<'a> {
     pub(super) fn of(quantity: &'a Quantity) -> Self {
-        // the prefix is that of the error if the value is smaller
+        // if the error is larger than the value, the prefix suits the error
         let sizes = [quantity.value, quantity.standard_error]
             .into_iter()
             .flatten();
@@ -55,8 +55,8 @@ impl<'a> QuantityRow<'a> {
     }
 }
 
-/// A table: its principal columns with errors next to their values, a legend of the letters that
-/// denote verdicts, and all columns to unfold.
+/// Table as shown in the report: its principal columns with errors next to their values, a legend
+/// of the letters that denote verdicts, and all columns to unfold.
 #[derive(Serialize)]
 pub(super) struct TableRows<'a> {
     title: &'a str,
@@ -70,7 +70,7 @@ pub(super) struct TableRows<'a> {
     note: String,
 }
 
-/// Some rows of some columns.
+/// Selected rows of selected columns.
 #[derive(Serialize)]
 struct View {
     columns: Vec<Heading>,
@@ -103,7 +103,7 @@ struct Shown {
     texts: Vec<String>,
 }
 
-/// The style class of a column of words: short words stay on one line.
+/// Returns the style class of a column of words; short words stay on one line.
 fn class_of(texts: &[String]) -> &'static str {
     let is_short = |word: &String| word.chars().count() <= SHORT;
     if texts.iter().all(is_short) {
@@ -134,7 +134,7 @@ fn picked<T: Clone>(values: &[T], rows: &[usize]) -> Vec<T> {
         .collect()
 }
 
-/// `column` with its numbers or with all its words.
+/// Returns `column` with its numbers or its words, without errors.
 fn as_it_is(column: &Column, rows: &[usize]) -> Shown {
     match &column.cells {
         Cells::Numbers(values) => Shown {
@@ -151,7 +151,7 @@ fn as_it_is(column: &Column, rows: &[usize]) -> Shown {
     }
 }
 
-/// `column` with its standard errors.
+/// Returns `column` with its standard errors next to the values.
 fn beside_errors(column: &Column, values: &[f64], errors: &[f64], rows: &[usize]) -> Shown {
     let texts = picked(values, rows).into_iter().zip(picked(errors, rows));
     let texts = texts.map(|(value, error)| {
@@ -175,14 +175,15 @@ fn errors_of<'a>(column: &Column, next: Option<&'a Column>) -> Option<&'a [f64]>
     (is_of && next.unit == column.unit).then(|| numbers_of(next))?
 }
 
-/// The value that all rows have; `None` if the values differ, or for three rows or fewer.
+/// Returns the value that all rows have; `None` if the values differ, or if there are three rows or
+/// fewer.
 fn constant(values: &[f64]) -> Option<f64> {
     let first = *values.first()?;
     let same = |value: &f64| value.total_cmp(&first).is_eq() || (value.is_nan() && first.is_nan());
     (values.len() > 3 && values.iter().all(same)).then_some(first)
 }
 
-/// `count` of `rows`, evenly spread.
+/// Returns `count` of `rows`, evenly spread.
 fn spread(rows: &[usize], count: usize) -> Vec<usize> {
     if rows.len() <= count || count < 2 {
         return rows.to_vec();
@@ -193,8 +194,8 @@ fn spread(rows: &[usize], count: usize) -> Vec<usize> {
         .collect()
 }
 
-/// The verdicts of a column as letters, and their legend; `None` if there are too many different
-/// verdicts.
+/// Returns the verdicts of a column as letters, with their legend; `None` if there are too many
+/// different verdicts.
 fn by_letters<'a>(cells: &'a Cells) -> Option<(Vec<String>, Vec<Letter>)> {
     let Cells::Validity {
         valid,
@@ -255,10 +256,11 @@ fn view(columns: &[Shown]) -> View {
     }
 }
 
-/// Rows that show a table in brief: for increasing abscissae, rows spread over the valid ones, or
-/// over all if few are valid; otherwise the first rows.
+/// Returns the rows that show a table in brief, and a description of this choice. If the abscissae
+/// increase, the rows are spread over the valid rows, or over all rows if fewer than [`FIRST`] are
+/// valid; otherwise they are the first rows.
 fn brief_rows(table: &Table, total: usize) -> (Vec<usize>, &'static str) {
-    // a few more rows are not worth folding
+    // up to four more rows are not worth folding
     if total <= FIRST + 4 {
         return ((0..total).collect(), "");
     }
@@ -284,7 +286,7 @@ fn brief_rows(table: &Table, total: usize) -> (Vec<usize>, &'static str) {
 }
 
 impl<'a> TableRows<'a> {
-    /// The rows of `table`, whose columns have equal length.
+    /// Returns the rows of `table`, whose columns have equal length.
     pub(super) fn of(table: &'a Table) -> Self {
         let lengths = table.columns.iter().map(|column| column.cells.len());
         let total = lengths.max().unwrap_or(0);

@@ -3,7 +3,7 @@ use rodfigure::{Panel, Role, svg_of};
 use super::*;
 use crate::outcome::{Cells, Column, Quantity, Setting, Table};
 
-/// A panel with a line, and with markup for labels.
+/// Returns a panel with a line, whose labels contain markup.
 fn line(role: Role, name: &str) -> Panel {
     let marks = vec![Mark::line(name, role, [(0.0, 0.0), (1.0, 1.0)])];
     Panel::new(("</script>", "</noscript>"), ("<g>", ""), marks)
@@ -32,7 +32,7 @@ fn a_title_is_text_whatever_it_contains() {
         panels: vec![line(Role::First, "</noscript></script>")],
     }];
     let page = page(&outcome);
-    // the script, the data of one figure, and nothing else
+    // one script element is the script and one the data of the only figure
     assert_eq!(page.matches("<script").count(), 2, "{page}");
     assert_eq!(page.matches("</script>").count(), 2);
     assert_eq!(page.matches("</noscript>").count(), 1);
@@ -80,7 +80,7 @@ fn r11_the_page_has_the_word_of_its_standing_and_every_failed_check() {
     }
 }
 
-/// A table of 1000 lines, of which those above 50 kHz are not valid.
+/// Returns a table of 1000 lines, of which the lines above 50 kHz are not valid.
 fn long_table() -> Table {
     let numbers = |name: &str, unit: &str, of: fn(f64) -> f64| {
         Column::numbers(name, unit, (0..1000).map(|i| of(f64::from(i))).collect())
@@ -120,7 +120,7 @@ fn a_long_table_shows_valid_rows_with_errors_beside_values_and_the_rest_to_unfol
     let has = |text: &str| assert!(page.contains(text), "{text} in {page}");
     has("1000 rows, 12 are shown, spread over the valid ones");
     has("<td class=\"n\">2.000 ± 0.010</td>");
-    // the last valid line is the last row in brief
+    // the last row of the brief table is the last valid line
     has(
         "<td class=\"n\">50000</td><td class=\"n\">2.040 ± 0.010</td><td class=\"short\">✓</td></tr>\n</tbody>",
     );
@@ -128,7 +128,7 @@ fn a_long_table_shows_valid_rows_with_errors_beside_values_and_the_rest_to_unfol
     has("<summary>All 6 columns, 400 of 1000 rows</summary>");
     has("E&#x27; may be off by 3.1 %");
     has("<a href=\"modulus.csv\">");
-    // no row in brief has the letter
+    // the legend is empty, because no row of the brief table has this letter
     assert!(!page.contains("error of E&#x27; above its limit"), "{page}");
 }
 
@@ -225,11 +225,11 @@ fn the_page_has_the_colours_and_dashes_of_the_files() {
     let roles = (0..5).map(Role::of_series).chain([Role::Reference]);
     for (index, role) in roles.enumerate() {
         let svg = svg_of(&Figure::new("a", "", vec![line(role, "curve")]));
-        // the sample of the legend comes first
+        // the first match is the sample in the legend
         let attribute = |name: &str| svg.split_once(name)?.1.split('"').next();
         let color = attribute("stroke=\"").unwrap();
         let color = format!("--s{index}: {color};");
-        // on screens and on paper
+        // once for screens and once for paper
         assert_eq!(style.matches(&color).count(), 2, "{color}");
         if let Some(dash) = attribute("stroke-dasharray=\"") {
             let dash = format!(".l.s{index} {{ stroke-dasharray: {dash};");

@@ -1,4 +1,4 @@
-//! A frequency response in a file.
+//! Frequency response in a file.
 
 use std::path::Path;
 
@@ -15,24 +15,26 @@ use crate::outcome::InputFile;
 use crate::records::Selector;
 use crate::{Outcome, RodlabError, cut_short, input, universal};
 
-/// Tolerance for the frequency of a line, as a fraction of the spacing: the error of a rounded
-/// frequency.
+/// Tolerance for the frequency of a line, as a fraction of the spacing; it allows for rounding of
+/// the frequencies.
 const OFF_GRID: f64 = 1e-3;
 
-/// Maximum number of lines below the first line of a file, about a million: with a spacing that is
-/// rounded to nearly zero in the file, the lines would need more memory than there is.
+/// Maximum number of lines below the first line of a file, about a million. If the spacing is
+/// rounded to nearly zero in the file, the lines would otherwise need more memory than there is.
 const MOST_BEFORE: usize = 1 << 20;
 
-/// Suffix of the name of a response that gives the name of its standard error.
+/// Suffix that, after the name of a response, is the name of its standard error.
 pub(crate) const STANDARD_ERROR: &str = ", standard error";
 
-/// Suffix for the degrees of freedom of the standard error.
+/// Suffix that, after the name of a response, is the name of the degrees of freedom of its standard
+/// error.
 pub(crate) const FREEDOM: &str = ", degrees of freedom";
 
-/// Suffix for the relative standard uncertainty common to all lines.
+/// Suffix that, after the name of a response, is the name of the relative standard uncertainty
+/// common to all lines.
 pub(crate) const COMMON_ERROR: &str = ", error that lines share";
 
-/// Prefix of the number of averages in the third text of a data set.
+/// Prefix of the number of averages in the third text field of a data set.
 pub(crate) const AVERAGES: &str = "averages: ";
 
 /// A frequency response in a file: UFF58, or any other format with lines on a frequency axis.
@@ -41,22 +43,23 @@ pub(crate) const AVERAGES: &str = "averages: ";
 pub struct ResponseFile {
     /// Name of the file, relative to the sheet.
     pub file: String,
-    /// The data set, by number from 1 or by name; by default the only complex one. If real and
-    /// imaginary part are two columns, the real part.
+    /// Data set, by number from 1 or by name; by default the only complex data set. If real and
+    /// imaginary part are two columns, the data set of the real part.
     #[serde(default)]
     pub data_set: Option<Selector>,
     /// Column of the imaginary part, if it is separate.
     #[serde(default)]
     pub imaginary: Option<Selector>,
-    /// Kind of response, such as `Mobility`; by default the kind that fits its unit.
+    /// Kind of response, such as `Mobility`; by default the kind that suits the unit.
     #[serde(default)]
     pub kind: Option<KindSheet>,
-    /// Data set of the standard error of the lines, the root of the variance of the complex number,
-    /// in the unit of the response. By default the data set with the name of the response and the
-    /// suffix `, standard error`, if there is one.
+    /// Data set with the standard error of each line, that is the square root of the variance of
+    /// the complex number, in the unit of the response. By default the data set that has the name
+    /// of the response with the suffix `, standard error`, if there is one.
     #[serde(default)]
     pub standard_error: Option<Selector>,
-    /// Data set of the coherence, which gives the standard error together with `averages`.
+    /// Data set with the coherence, from which the standard error is computed together with
+    /// `averages`.
     #[serde(default)]
     pub coherence: Option<Selector>,
     /// Number of averaged hits.
@@ -64,10 +67,10 @@ pub struct ResponseFile {
     pub averages: Option<usize>,
 }
 
-/// The lines of a data set on the grid of a response.
+/// Lines of a data set on the grid of a response.
 struct Lines {
     spacing_hz: f64,
-    /// Number of lines of the grid below the first line of the file.
+    /// Number of grid lines below the first line of the file.
     before: usize,
 }
 
@@ -215,7 +218,7 @@ impl ResponseFile {
         Ok(response)
     }
 
-    /// The data set of the response.
+    /// Returns the data set of the response.
     fn data_set<'a>(&self, contents: &'a Contents, field: &str) -> Result<&'a Series, RodlabError> {
         let place = format!("{field}.data_set");
         if let Some(selector) = &self.data_set {
@@ -290,7 +293,7 @@ impl ResponseFile {
         })
     }
 
-    /// The lines of a data set: evenly spaced, at multiples of their spacing.
+    /// Returns the lines of a data set, which must be evenly spaced, at multiples of their spacing.
     fn lines(&self, series: &Series, field: &str) -> Result<Lines, RodlabError> {
         let off = |found: String| {
             RodlabError::request(
@@ -332,7 +335,8 @@ impl ResponseFile {
         if !(step > 0.0 && before >= 0.0 && (start / step - before).abs() < OFF_GRID) {
             return Err(off(format!("lines {step} Hz apart, from {start} Hz")));
         }
-        // memory is allocated for the lines below the first one, too
+        // the number is limited, because memory is also allocated for the lines below the first
+        // line
         let before = (0..MOST_BEFORE).find(|n| *n as f64 >= before);
         Ok(Lines {
             spacing_hz: step,
@@ -431,7 +435,7 @@ const TIME: Dimension = Dimension {
     temperature: 0,
 };
 
-/// A list of the data sets in the file.
+/// Returns a list of the data sets in the file.
 fn listed(contents: &Contents) -> String {
     let named = contents
         .series

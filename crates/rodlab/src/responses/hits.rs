@@ -1,4 +1,4 @@
-//! A frequency response from hits.
+//! Frequency response from hits.
 
 use labio::hits::Criteria;
 use labio::{
@@ -35,15 +35,17 @@ pub struct HitsSource {
     /// response.
     #[serde(default)]
     pub estimator: Option<EstimatorSheet>,
-    /// Window that passes the force only during the contact of the hammer.
+    /// Window that sets the force to 0 outside the contact of the hammer.
     #[serde(default)]
     pub force_window: Option<ForceWindowSheet>,
-    /// Exponential window on both channels, by its weight at the end of a hit, such as `"1 %"`.
+    /// Exponential window on both channels, stated by its weight at the end of a hit, such as
+    /// `"1 %"`.
     #[serde(default)]
     pub exponential_window: Option<Exact<Ratio>>,
-    /// Time before a blow in which the channels rest, such as `"20 ms"`: it gives the noise for
-    /// `Hs`, and the bias of the other estimators. By default the pre-trigger of hits that are cut
-    /// by a trigger, or else the rest that the records show.
+    /// Time before a blow in which the channels are at rest, such as `"20 ms"`. The noise for `Hs`,
+    /// and the bias of the other estimators, are determined in it. By default the pre-trigger of
+    /// hits that are cut by a trigger, less the rise of the blow, or else the rest found in the
+    /// records.
     #[serde(default)]
     pub silent: Option<Exact<Duration>>,
 }
@@ -51,19 +53,19 @@ pub struct HitsSource {
 /// Estimator of a response from averaged spectra.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
 pub enum EstimatorSheet {
-    /// Cross-spectrum over the auto-spectrum of the force.
+    /// Cross-spectrum divided by the auto-spectrum of the force.
     #[default]
     H1,
-    /// Auto-spectrum of the response over the cross-spectrum.
+    /// Auto-spectrum of the response divided by the cross-spectrum.
     H2,
-    /// Geometric mean of the two.
+    /// Geometric mean of `H1` and `H2`.
     Hv,
-    /// Errors in variables, with the noise of both channels before the blow.
+    /// Errors-in-variables estimator, with the noise of both channels before the blow.
     Hs,
 }
 
 impl EstimatorSheet {
-    /// The estimator of `labio`.
+    /// Returns the estimator in the form of `labio`.
     #[must_use]
     pub fn estimator(self) -> Estimator {
         match self {
@@ -75,31 +77,34 @@ impl EstimatorSheet {
     }
 }
 
-/// The method of combining two tests line by line.
+/// Method of combining two tests line by line.
 ///
-/// Both methods state errors with the same coverage, to 1 %. In 100 tests with a soft and a hard
-/// tip on a body of two modes, with noise on force and response: with ten hits each, the mean error
-/// of a line is 0.5 to 1 % smaller by weighting than by choice of a test, and 0.3 % larger if noise
-/// of the force prevails. With three hits, whose variances are poor weights, it is up to 6 % larger
-/// if the noise at rest is known, and up to a quarter larger if not: state `LargerInput` in this
-/// case. For hammers of equal force, weighting gains a third.
+/// The errors that both methods state have the same coverage, to 1 %. The following comparison is
+/// from 100 tests with a soft and a hard tip on a body with two modes, with noise on force and
+/// response. With ten hits each, the mean error of a line is 0.5 to 1 % smaller by weighting than
+/// by choice of a test, and 0.3 % larger if noise of the force prevails. With three hits, whose
+/// variances are poor weights, it is up to 6 % larger by weighting if the noise at rest is known,
+/// and up to a quarter larger if not: state `LargerInput` in this case. For hammers of equal force,
+/// the error is a third smaller by weighting.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize)]
 pub enum MergeSheet {
-    /// Weighting by the inverse of their relative variances.
+    /// Weighting of the two tests by the inverse of their relative variances.
     #[default]
     InverseVariance,
-    /// The test with the larger coherent spectrum of the input (Ödeen 1993, paper E, section 3.1).
+    /// Choice of the test with the larger coherent spectrum of the input (Ödeen 1993, paper E,
+    /// section 3.1).
     #[serde(alias = "LargerForce")]
     LargerInput,
 }
 
 impl MergeSheet {
-    /// The response from these tests, each with the relative standard uncertainty of its sensors,
-    /// common to all of its lines.
+    /// Returns the response merged from `tests`. Each test has the relative standard uncertainty of
+    /// its sensors, which is common to all of its lines.
     ///
     /// # Errors
     ///
-    /// Those of [`MergedResponse::by_inverse_variance`] and [`MergedResponse::by_larger_input`].
+    /// The errors of [`MergedResponse::by_inverse_variance`] and
+    /// [`MergedResponse::by_larger_input`].
     pub fn merge(
         self,
         tests: &[(AveragedSpectra, f64)],
@@ -127,7 +132,8 @@ impl MergeSheet {
     }
 }
 
-/// Differences of two hammers, the second called `second`, beyond their errors, one clause each.
+/// Returns one clause for each difference between two hammers that exceeds its error; `second` is
+/// the name of the second hammer.
 #[must_use]
 pub fn disagreements(merged: &MergedResponse, second: &str, output: &str) -> Vec<String> {
     let mut said = Vec::new();
@@ -165,8 +171,8 @@ pub fn disagreements(merged: &MergedResponse, second: &str, output: &str) -> Vec
     said
 }
 
-/// `spectra` with the noise of both channels from the silence before these hits, if its length is
-/// known.
+/// Returns `spectra` with the noise of both channels, measured in the silence before these hits, if
+/// the length of the silence is known.
 ///
 /// # Errors
 ///
@@ -189,8 +195,8 @@ pub fn with_silence(
     Ok(spectra)
 }
 
-/// A window on the force: 1 from `start` to `end`, falling to 0 over `taper` on either side, in
-/// time from the start of the hit.
+/// Window on the force. It is 1 from `start` to `end` and falls to 0 over `taper` on either side;
+/// times are counted from the start of the hit.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ForceWindowSheet {
@@ -203,7 +209,7 @@ pub struct ForceWindowSheet {
 }
 
 impl ForceWindowSheet {
-    /// The window; `field` is its place in the sheet.
+    /// Returns the window; `field` is its place in the sheet.
     pub(crate) fn window(&self, field: &str) -> Result<ForceWindow, RodlabError> {
         ForceWindow::new(self.start.si(), self.end.si(), self.taper.si())
             .map_err(|error| RodlabError::step(field, error))
@@ -211,13 +217,13 @@ impl ForceWindowSheet {
 }
 
 impl HitsSource {
-    /// Reads the files, finds the hits and judges them; files, settings, warnings and all decisions
+    /// Reads the files, and finds and judges the hits. Files, settings, warnings and all decisions
     /// are entered in `outcome`.
     ///
     /// # Errors
     ///
-    /// [`RodlabError`] with the place below `field`: files, channels, and a response that is not a
-    /// motion.
+    /// [`RodlabError`] with the place below `field` for files, for channels, and for a response
+    /// that is not a motion.
     pub fn read(
         &self,
         context: &JobContext<'_>,
@@ -245,7 +251,7 @@ impl HitsSource {
                         "a channel of acceleration, velocity or displacement",
                     ));
                 }
-                // an error that names the existing channels
+                // returns an error that names the existing channels
                 None => {
                     expect_quantity(record, &self.response, Quantity::Acceleration, &place)?;
                 }
@@ -283,7 +289,7 @@ impl HitsSource {
         Ok(found)
     }
 
-    /// Defaults of the fields that the sheet leaves open, except those of the hits.
+    /// Returns the defaults of the fields that the sheet does not state, except those of the hits.
     fn defaults(field: &str) -> [Setting; 3] {
         let estimator = format!("{:?}", EstimatorSheet::default());
         [
@@ -293,12 +299,13 @@ impl HitsSource {
         ]
     }
 
-    /// The averaged spectra of `hits`, at least one, without their level at rest before the blow
-    /// and completed by the motion after their end.
+    /// Returns the averaged spectra of `hits`, after subtraction of the level at rest before the
+    /// blow, and completed by the motion after the end of each hit. It is an error if there is no
+    /// hit.
     ///
     /// # Errors
     ///
-    /// [`RodlabError::Step`] with the error of `labio`; [`RodlabError::NoNoise`] for several hits
+    /// [`RodlabError::Step`] for an error of `labio`; [`RodlabError::NoNoise`] for several hits
     /// without noise.
     pub fn spectra<'a>(
         &self,
@@ -337,8 +344,8 @@ impl HitsSource {
         Ok(spectra)
     }
 
-    /// Number of samples before a blow in which the channels rest, if known; it is entered in
-    /// `outcome`.
+    /// Returns the number of samples before a blow in which the channels are at rest, if it is
+    /// known, and enters it in `outcome`.
     ///
     /// # Errors
     ///
@@ -355,12 +362,12 @@ impl HitsSource {
         silent_samples(found, self.silent.as_ref(), rest, &mut outcome.settings)
     }
 
-    /// Judges the effect of the force window on the response of `hits`: a doubt if it exceeds the
-    /// stated errors.
+    /// Judges the effect of the force window on the response of `hits`; an effect beyond the stated
+    /// errors is a doubt.
     ///
     /// # Errors
     ///
-    /// Those of [`Self::spectra`].
+    /// The errors of [`Self::spectra`].
     pub fn judge_window(
         &self,
         hits: &[&Record],
@@ -393,8 +400,9 @@ impl HitsSource {
         Ok(())
     }
 
-    /// Adds the error from truncated records to the variance of `response`, and reports its size.
-    /// `shares` are the shares of the first of two tests in the lines.
+    /// Adds the error due to truncated records to the variance of `response`, and warns if it
+    /// exceeds the random error in the median. `shares` are the shares of the first of two tests in
+    /// the lines.
     ///
     /// # Errors
     ///
@@ -444,8 +452,8 @@ impl HitsSource {
         response.with_known_variance(&known).map_err(refused)
     }
 
-    /// Standard uncertainties of the whole response from the sensor chains of `hit`: of its scale, and
-    /// of its delay.
+    /// Returns the standard uncertainties of scale and delay of the whole response, due to the
+    /// sensor chains of `hit`.
     ///
     /// # Errors
     ///

@@ -1,4 +1,4 @@
-//! The six responses between a force and a motion, with their names in a sheet.
+//! Kinds of response between a force and a motion, with their names in a sheet.
 
 use labio::{Dimension, Quantity, ResponseKind};
 use serde::Deserialize;
@@ -21,7 +21,7 @@ pub enum KindSheet {
 }
 
 impl KindSheet {
-    /// The kind of `labio`.
+    /// Returns the kind in the form of `labio`.
     #[must_use]
     pub fn kind(self) -> ResponseKind {
         match self {
@@ -35,7 +35,7 @@ impl KindSheet {
     }
 }
 
-/// Quantities of input and output.
+/// Returns the quantities of input and output.
 pub(super) fn quantities(kind: ResponseKind) -> [Quantity; 2] {
     if kind.is_motion_over_force() {
         [Quantity::Force, kind.motion()]
@@ -44,7 +44,7 @@ pub(super) fn quantities(kind: ResponseKind) -> [Quantity; 2] {
     }
 }
 
-/// Dimension of the values.
+/// Returns the dimension of the values.
 pub(super) fn dimension(kind: ResponseKind) -> Option<Dimension> {
     let [input, output] = quantities(kind);
     output.dimension().quotient(input.dimension())

@@ -1,8 +1,8 @@
 //! Lines with a signal.
 
-/// First and last line of the stretch with a signal: the stretch in which the lines with a
-/// coherence above that of chance outnumber the other lines the most. Single antiresonances do not
-/// end it, and chance peaks of noise do not lengthen it.
+/// Returns the first and the last line of the range with a signal. This is the range in which the
+/// lines with a coherence above that of chance outnumber the other lines by the largest number.
+/// Single antiresonances do not end the range, and chance peaks of noise do not extend it.
 #[must_use]
 pub fn stretch_with_signal(above_chance: impl IntoIterator<Item = bool>) -> Option<(usize, usize)> {
     let mut best: Option<(i64, usize, usize)> = None;

@@ -1,4 +1,4 @@
-//! Behaviour of a body at low frequency, which a force transducer measures poorly.
+//! Behaviour of a body at low frequency, where force transducers measure poorly.
 
 use impulse::{LowFrequency, MeasuredBody, WeighedMass};
 use labio::{FrequencyResponse, ResponseKind, RigidBand, RigidBody};
@@ -11,7 +11,7 @@ use crate::sheet::{
     Exact, Frequency, ImpactMass, NotFollowed, SpecificImpedance, Stated, ValueWithUncertainty,
 };
 
-/// The support of a body.
+/// Support of a body.
 #[derive(Debug, Clone, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub enum SupportSheet {
@@ -33,7 +33,7 @@ pub enum SupportSheet {
 }
 
 impl SupportSheet {
-    /// The support in words, for the report.
+    /// Returns the support in words, for the report.
     #[must_use]
     pub fn in_words(&self) -> String {
         match self {
@@ -44,7 +44,7 @@ impl SupportSheet {
         }
     }
 
-    /// The weighed mass of a free body.
+    /// Returns the weighed mass of a free body; `None` for other supports.
     #[must_use]
     pub fn weighed(&self) -> Option<WeighedMass> {
         match self {
@@ -72,12 +72,13 @@ pub struct CompletionSheet {
 }
 
 impl CompletionSheet {
-    /// `response` with its low-frequency lines replaced, and the number of the first measured line.
+    /// Returns `response` with its low-frequency lines replaced, and the number of the first
+    /// measured line.
     ///
     /// # Errors
     ///
-    /// [`RodlabError::Request`] for a body that is not free; [`RodlabError::Step`] with the error
-    /// of `labio`.
+    /// [`RodlabError::Request`] for a body that is not free; [`RodlabError::Step`] for an error of
+    /// `labio`.
     pub fn complete(
         &self,
         response: &FrequencyResponse,
@@ -107,12 +108,13 @@ impl CompletionSheet {
     }
 }
 
-/// The body of this driving-point response, of any kind.
+/// Returns the body with this driving-point response, which may be of any kind.
 ///
 /// # Errors
 ///
-/// [`RodlabError::Request`] for a response under an exponential window; [`RodlabError::Step`] with
-/// the error of `labio` on the kind, or of `impulse` on the lines, such as one without information.
+/// [`RodlabError::Request`] for a response with an exponential window; [`RodlabError::Step`] if
+/// `labio` cannot convert the kind, or if `impulse` refuses a line, such as a line without
+/// information.
 pub fn measured_body(
     response: &FrequencyResponse,
     support: &SupportSheet,

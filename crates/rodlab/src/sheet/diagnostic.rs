@@ -1,5 +1,5 @@
-//! Error messages about sheets: file, line and column, field, text found and expected, nearest
-//! known name.
+//! Error messages about sheets, with file, line and column, field, the text found, the text
+//! expected, and the nearest known name.
 
 use std::fmt;
 use std::path::Path;
@@ -9,10 +9,10 @@ use miette::{Diagnostic, LabeledSpan, NamedSource, SourceCode};
 
 use super::mistake::Mistake;
 
-/// The mistakes in a sheet: the first one, and the others after it in the text.
+/// The mistakes in a sheet: the first mistake, and the others in the order of the text.
 ///
-/// Its text is one line, `sheet.toml:12:9: specimen.lenght: ...`; as a [`Diagnostic`] it shows an
-/// excerpt of the sheet for each mistake.
+/// Displayed as text, the error is one line, `sheet.toml:12:9: specimen.lenght: ...`; as a
+/// [`Diagnostic`] it shows an excerpt of the sheet for each mistake.
 #[derive(Debug)]
 pub struct SheetError {
     source: Arc<NamedSource<String>>,
@@ -47,43 +47,44 @@ impl SheetError {
         })
     }
 
-    /// Line of the mistake, from 1.
+    /// Returns the line of the mistake, from 1.
     #[must_use]
     pub fn line(&self) -> usize {
         self.line
     }
 
-    /// Column of the mistake, from 1, in characters.
+    /// Returns the column of the mistake, from 1, in characters.
     #[must_use]
     pub fn column(&self) -> usize {
         self.column
     }
 
-    /// Place of the mistake in the sheet, such as `specimen.length`; empty outside of all fields.
+    /// Returns the place of the mistake in the sheet, such as `specimen.length`; empty outside of
+    /// all fields.
     #[must_use]
     pub fn field(&self) -> &str {
         &self.mistake.field
     }
 
-    /// The text found and the text expected, without the place.
+    /// Returns the text found and the text expected, without the place.
     #[must_use]
     pub fn problem(&self) -> &str {
         &self.mistake.problem
     }
 
-    /// A hint, such as the nearest known name.
+    /// Returns a hint, such as the nearest known name, if there is one.
     #[must_use]
     pub fn advice(&self) -> Option<&str> {
         self.mistake.advice.as_deref()
     }
 
-    /// The mistakes further down in the sheet.
+    /// Returns the mistakes further down in the sheet.
     #[must_use]
     pub fn others(&self) -> &[Self] {
         &self.others
     }
 
-    /// Field and problem, and the number of further mistakes.
+    /// Returns field and problem in words, with the number of further mistakes.
     #[must_use]
     pub fn in_words(&self) -> String {
         let place = match self.field() {
@@ -139,7 +140,7 @@ impl Diagnostic for SheetError {
     }
 }
 
-/// The first line of a place, within the text.
+/// Returns the first line of a place, limited to the text.
 fn shown(text: &str, start: usize, end: usize) -> std::ops::Range<usize> {
     let within = |mut at: usize| {
         at = at.min(text.len());

@@ -1,4 +1,4 @@
-//! Changes to the text of a sheet that leave the rest of it as it is, comments included.
+//! Changes to the text of a sheet that leave the rest of the text, including comments, as it is.
 
 use std::ops::Range;
 
@@ -6,16 +6,17 @@ use super::language::Language;
 use super::tree::{self, Entry, Node, Value};
 use super::without_mark;
 
-/// A value without parts, with its place in the text in bytes.
+/// A value without parts, with its place in the text.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct Leaf {
     /// Place in the sheet, such as `specimen.length`.
     pub(crate) name: String,
-    /// Place in the text, with quotes.
+    /// Range of bytes in the text, including quotes.
     pub(crate) place: Range<usize>,
 }
 
-/// Returns the values of a sheet in the order of its text; none if the text cannot be parsed.
+/// Returns the values of a sheet that have no parts, in the order of the text; none if the text
+/// cannot be parsed.
 pub(crate) fn leaves(text: &str) -> Vec<Leaf> {
     let bare = without_mark(text);
     let mut leaves = Vec::new();
@@ -58,19 +59,19 @@ fn gather(node: &Node, name: String, leaves: &mut Vec<Leaf>) {
     }
 }
 
-/// A decision on a hit by hand.
+/// Decision on a hit by hand.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Ruling {
     Accept,
     Reject,
-    /// The criteria decide.
+    /// No decision by hand; the criteria decide.
     Criteria,
 }
 
-/// Names of the two lists of decisions in the description of hits of a sheet.
+/// Names of the two lists of decisions among the hits of a sheet.
 const LISTS: [(&str, Ruling); 2] = [("reject", Ruling::Reject), ("accept", Ruling::Accept)];
 
-/// Path of the description of hits in a sheet; it depends on the job.
+/// Returns the path of the hits in a sheet, which depends on the job.
 fn place_of_hits(root: &Node) -> Option<&'static [&'static str]> {
     let Value::Choice(job) = &root.value else {
         return None;
@@ -83,8 +84,8 @@ fn place_of_hits(root: &Node) -> Option<&'static [&'static str]> {
     }
 }
 
-/// Returns the text of a sheet with the decision `ruling` on hit `hit`, in place of any earlier
-/// decision on that hit.
+/// Returns the text of a sheet with the decision `ruling` on hit `hit`, which replaces an earlier
+/// decision on this hit.
 ///
 /// # Errors
 ///
@@ -104,7 +105,7 @@ pub(crate) fn ruled(text: &str, hit: usize, ruling: Ruling) -> Result<String, St
         return Ok(cleared);
     };
     let changed = with_ruling(&cleared, path, list, hit).ok_or_else(by_hand)?;
-    // a decision that cannot be read back is not in the right place
+    // reads the decision back, because it may be in a place where it has no effect
     if rulings(&changed, path, list).is_some_and(|hits| hits.contains(&hit)) {
         Ok(changed)
     } else {
@@ -112,7 +113,7 @@ pub(crate) fn ruled(text: &str, hit: usize, ruling: Ruling) -> Result<String, St
     }
 }
 
-/// Numbers of the hits on a list.
+/// Returns the numbers of the hits on a list.
 fn rulings(text: &str, path: &[&str], list: &str) -> Option<Vec<usize>> {
     let (_, root) = tree::of(without_mark(text)).ok()?;
     let entry = follow(&root, path).ok()?.entry(list)?;
@@ -138,7 +139,7 @@ fn without_rulings(text: &str, path: &[&str], hit: usize) -> Option<String> {
             if hit_of(element) != Some(hit) {
                 continue;
             }
-            // together with the comma between the element and a neighbour
+            // the element is removed together with the comma between it and a neighbour
             let before = index.checked_sub(1).and_then(|index| elements.get(index));
             gone.push(match (before, elements.get(index + 1)) {
                 (Some(before), _) => before.place.end..element.place.end,
@@ -184,8 +185,8 @@ fn with_ruling(text: &str, path: &[&str], list: &str, hit: usize) -> Option<Stri
             }
             None => inserted(bare, hits, &stated)?,
         },
-        // in TOML the missing tables are appended; in the other languages `hits` is inserted in its
-        // parent, if nothing else is missing
+        // in TOML the missing tables are appended; in the other languages only `hits` can be
+        // inserted in its parent
         Err(_) if language == Language::Toml => {
             let gap = if bare.ends_with('\n') { "" } else { "\n" };
             (
@@ -211,7 +212,7 @@ fn with_ruling(text: &str, path: &[&str], list: &str, hit: usize) -> Option<Stri
     Some(with_mark_of(text, &changed))
 }
 
-/// Returns the place and the words that add the field `stated` to a table.
+/// Returns the place and the text that add the field `stated` to a table.
 fn inserted(text: &str, table: &Node, stated: &str) -> Option<(usize, String)> {
     let Value::Table(entries) = &table.value else {
         return None;
@@ -221,7 +222,7 @@ fn inserted(text: &str, table: &Node, stated: &str) -> Option<(usize, String)> {
         let more = if entries.is_empty() { "" } else { ", " };
         return Some((table.place.start + 1, format!("{stated}{more}")));
     }
-    // a table under its header: a new line above the first field that begins a line
+    // for a table under a header, a new line is inserted above the first field that begins a line
     entries.iter().find_map(|Entry { name_place, .. }| {
         let line = text
             .get(..name_place.start)?
@@ -275,7 +276,7 @@ impl Node {
         }
     }
 
-    /// The field `name` of a table.
+    /// Returns the field `name` of a table.
     fn entry(&self, name: &str) -> Option<&Entry> {
         match &self.value {
             Value::Table(entries) => entries.iter().find(|entry| entry.name == name),
@@ -319,7 +320,8 @@ mod tests {
         assert!(leaves("no sheet").is_empty());
     }
 
-    /// Every decision is found again, replaces an earlier one, and leaves all other text.
+    /// Every decision can be read back, replaces an earlier decision, and leaves the rest of the
+    /// text unchanged.
     #[test]
     fn decisions_on_hits_leave_the_rest_of_the_sheet() {
         let ron = "Modulus(\n    // my rod\n    source: Hits(records: (files: [\"a.npy\"]), hits: (channel: \"x\")),\n)";
@@ -346,7 +348,7 @@ mod tests {
                 (vec![5], vec![3]),
                 "{last}"
             );
-            // the earlier text is unchanged
+            // all values of the earlier text are unchanged
             let kept = leaves(text)
                 .iter()
                 .all(|leaf| last.contains(&text[leaf.place.clone()]));

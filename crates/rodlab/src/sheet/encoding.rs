@@ -1,4 +1,5 @@
-//! The text of a sheet, and errors for files that are not sheets: another encoding, or a recording.
+//! Text of a sheet, and errors for files that are no sheets: texts in another encoding, and
+//! recordings.
 
 use std::path::Path;
 
@@ -10,10 +11,10 @@ use crate::RodlabError;
 /// Byte-order mark, which some editors write at the beginning of a text.
 pub(super) const MARK: char = '\u{feff}';
 
-/// The format without a signature: a text table.
+/// The only format that has no signature: a text table.
 const TABLE: &str = "csv";
 
-/// The text of the sheet at `path`, which must be UTF-8.
+/// Returns the text of the sheet at `path`, which must be UTF-8.
 ///
 /// # Errors
 ///
@@ -37,8 +38,8 @@ pub(super) fn text_of(path: &Path, bytes: &[u8]) -> Result<String, RodlabError> 
     }
 }
 
-/// Returns the error for a text that is not a sheet: [`RodlabError::NoSheet`] for a recording,
-/// which is recognised by its table of numbers; otherwise `error`.
+/// Returns the error for a text that is not a sheet. This is [`RodlabError::NoSheet`] if a table of
+/// numbers shows that the text is a recording; otherwise it is `error`.
 pub(super) fn or_recording(path: &Path, bytes: &[u8], error: Box<SheetError>) -> RodlabError {
     match format::recognise(bytes) {
         Some(reader) => no_sheet(path, reader.name()),
@@ -54,8 +55,8 @@ fn no_sheet(path: &Path, format: &str) -> RodlabError {
     }
 }
 
-/// Returns the name of an encoding with several bytes per character, recognised by its byte-order
-/// mark or by a zero next to the first letter.
+/// Returns the name of an encoding with several bytes per character. It is recognised by its
+/// byte-order mark or by a zero byte next to the first letter.
 fn wide(bytes: &[u8]) -> Option<&'static str> {
     match bytes {
         [0xff, 0xfe, 0, 0, ..] | [0, 0, 0xfe, 0xff, ..] => Some("UTF-32, from its byte-order mark"),
@@ -67,14 +68,14 @@ fn wide(bytes: &[u8]) -> Option<&'static str> {
     }
 }
 
-/// Returns the error for the first byte that is not UTF-8, with its meaning in Latin-1, in which
-/// every byte is a character.
+/// Returns the error for the first byte that is not UTF-8, with the character that this byte is in
+/// Latin-1.
 fn not_utf8(path: &Path, bytes: &[u8], at: usize) -> RodlabError {
     let before = String::from_utf8_lossy(bytes.get(..at).unwrap_or_default());
     let line = before.matches('\n').count() + 1;
     let column = before.chars().rev().take_while(|c| *c != '\n').count() + 1;
     let found = bytes.get(at).map_or_else(String::new, |&byte| {
-        // 0x80 to 0x9f are control characters in Latin-1, and symbols in Windows-1252
+        // the bytes 0x80 to 0x9f are control characters in Latin-1, but symbols in Windows-1252
         let meant = if byte >= 0xa0 {
             format!(
                 ", `{}` in Latin-1 (ISO 8859-1, Windows-1252)",
@@ -152,7 +153,8 @@ mod tests {
             let marked = format!("{MARK}{}", job.template(language));
             let text = text_of(path, marked.as_bytes()).unwrap();
             assert_eq!(parse(path, &text).unwrap().name(), job.name());
-            // a sheet is not recognised as a recording either, so a mistake in it is reported
+            // a sheet must not be recognised as a recording; otherwise its mistakes would not be
+            // reported
             assert!(format::recognise(marked.as_bytes()).is_none());
         }
     }

@@ -1,4 +1,4 @@
-//! A quantity of a sheet that takes no uncertainty, with the reason.
+//! Quantity of a sheet that takes no uncertainty, with the reason for this.
 
 use std::fmt;
 use std::marker::PhantomData;
@@ -10,12 +10,12 @@ use super::kind::Kind;
 use super::quantity_text::value_and_uncertainty;
 use super::stated::{Written, from_text, parsed};
 
-/// Advice for a sheet that states an uncertainty which its job cannot propagate, appended to
-/// another sentence.
+/// Advice, appended to another sentence, for a sheet with an uncertainty that its job cannot
+/// propagate.
 pub(crate) const ADVICE: &str = ". To see the effect of the uncertainty, run a second sheet with the value increased by one standard \
                                  uncertainty: the results differ by the error that it causes";
 
-/// The reason why a field takes no uncertainty.
+/// Reason why a field takes no uncertainty.
 pub trait Reason {
     /// Completes "`10 kHz ± 1 %` has an uncertainty".
     const PROBLEM: &'static str;
@@ -23,8 +23,8 @@ pub trait Reason {
     const ADVICE: &'static str;
 }
 
-/// The value is chosen, not measured: a limit, a band, a window, a threshold, a step, a level, a
-/// noise level, the truth of a virtual test.
+/// Reason: the value is chosen, not measured. Examples are a limit, a band, a window, a threshold,
+/// a step, a level, a noise level, and the true values of a virtual test.
 #[derive(Debug, Clone, Copy)]
 pub enum ByDefinition {}
 
@@ -34,7 +34,7 @@ impl Reason for ByDefinition {
     const ADVICE: &'static str = "";
 }
 
-/// The value is measured, and the job does not propagate its uncertainty to the result.
+/// Reason: the value is measured, but the job does not propagate its uncertainty to the result.
 #[derive(Debug, Clone, Copy)]
 pub enum NoWay {}
 
@@ -44,8 +44,8 @@ impl Reason for NoWay {
     const ADVICE: &'static str = ADVICE;
 }
 
-/// A quantity of a sheet, in SI, without uncertainty: a text with a `±` other than `± 0` is refused
-/// at its place in the sheet, for the reason `R`.
+/// A quantity of a sheet, in SI units, without uncertainty. A text with a `±` other than `± 0` is
+/// refused at its place in the sheet, for the reason `R`.
 ///
 /// # Examples
 ///
@@ -66,12 +66,12 @@ pub struct Exact<K, R = ByDefinition> {
     kind: PhantomData<(K, R)>,
 }
 
-/// A measured quantity whose uncertainty the job does not propagate to its result, so that a sheet
-/// that states one is refused.
+/// A measured quantity whose uncertainty the job does not propagate to its result. A sheet with an
+/// uncertainty of this quantity is refused.
 pub type NotFollowed<K> = Exact<K, NoWay>;
 
 impl<K, R> Exact<K, R> {
-    /// Value in SI.
+    /// Returns the value in SI units.
     #[must_use]
     pub fn si(&self) -> f64 {
         self.si

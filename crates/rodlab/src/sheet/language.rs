@@ -1,19 +1,19 @@
 //! Languages of sheets, recognised by their content.
 
-/// The language of a sheet.
+/// Language of a sheet.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Language {
     /// TOML, in which choices have names such as `two_point`.
     Toml,
     /// RON, in which choices have names such as `TwoPoint`.
     Ron,
-    /// JSON, usually written by programs, with the names and the structure of TOML.
+    /// JSON, with the names and the structure of TOML; usually written by programs.
     Json,
 }
 
 impl Language {
     /// Returns the language of `text`, recognised by its first characters outside comments; `None`
-    /// if it begins like none of the languages.
+    /// if the text begins like none of the languages.
     ///
     /// JSON begins with a brace, TOML with a quoted key, a key and `=` or `.`, or a header in
     /// brackets, RON with `#!`, a parenthesis, or a name and a bracket.
@@ -41,7 +41,7 @@ impl Language {
         }
     }
 
-    /// Extension of the files of the language.
+    /// Returns the extension of files in this language.
     #[must_use]
     pub fn extension(self) -> &'static str {
         match self {
@@ -76,7 +76,7 @@ fn without_comments(text: &str) -> &str {
     }
 }
 
-/// Converts `TwoPoint` to `two_point`, `H1` to `h1`.
+/// Converts a name such as `TwoPoint` to `two_point`, or `H1` to `h1`.
 pub(super) fn snake_case(name: &str) -> String {
     let mut words = String::with_capacity(name.len() + 4);
     for letter in name.chars() {

@@ -30,11 +30,12 @@ impl Mistake {
     }
 }
 
-/// Number of letters from which the beginning of a name stands for it.
+/// Least number of letters with which the beginning of a name stands for the whole name.
 const BEGINNING: usize = 3;
 
-/// Returns the only name of `expected` that begins with `found`, or the nearest one; `None` if more
-/// than a third of the letters of `found` are wrong, for then it is probably a different word.
+/// Returns the only name of `expected` that begins with `found`, or otherwise the nearest name.
+/// Returns `None` if more than a third of the letters of `found` are wrong, because it is then
+/// probably a different word.
 pub(super) fn nearest<'a, N: AsRef<str>>(found: &str, expected: &'a [N]) -> Option<&'a N> {
     let letters = found.chars().count();
     let mut begun = expected

@@ -1,5 +1,5 @@
-//! Checks for implausible values, and for counts whose computation would take too long. Both are
-//! refused before anything is computed.
+//! Checks for implausible values, and for numbers of items that would take too long to compute.
+//! Both are refused before anything is computed.
 
 use std::fmt::Display;
 
@@ -10,7 +10,7 @@ use crate::digits::{hertz, short, significant};
 /// Wave speeds of solids \[m/s\], from soft foams to diamond.
 const WAVE_SPEEDS: [f64; 2] = [20.0, 20_000.0];
 
-/// Checks the speed \[m/s\] of waves in the material at `field`, which follows from its modulus and
+/// Checks the wave speed \[m/s\] in the material at `field`, which is computed from modulus and
 /// density.
 ///
 /// # Errors
@@ -28,10 +28,11 @@ pub(crate) fn wave_speed(speed: f64, unusual: bool, field: &str) -> Result<(), R
     ))
 }
 
-/// Densities of solids [kg/m³], from light foams to osmium. A metal in g/cm³ is below the range.
+/// Densities of solids \[kg/m³\], from light foams to osmium. The density of a metal in g/cm³ is
+/// below this range.
 const DENSITIES: [f64; 2] = [25.0, 25_000.0];
 
-/// Checks the density [kg/m³] at `field`.
+/// Checks the density \[kg/m³\] at `field`.
 ///
 /// # Errors
 ///
@@ -52,7 +53,7 @@ pub(crate) fn density(
     ))
 }
 
-/// Largest diameter of a body \[m\], that of the largest piles.
+/// Largest diameter of a body \[m\]; it is that of the largest piles.
 const LARGEST_DIAMETER: f64 = 5.0;
 
 /// Checks the diameter of a body at `field`.
@@ -74,8 +75,8 @@ pub(crate) fn diameter(
     ))
 }
 
-/// Checks the mass \[kg\] on the end of a specimen, stated at `field`; `specimen` is the mass of the
-/// specimen \[kg\].
+/// Checks the mass \[kg\] on the end of a specimen, stated at `field`; `specimen` is the mass of
+/// the specimen \[kg\].
 ///
 /// # Errors
 ///
@@ -105,7 +106,7 @@ pub(crate) fn end_mass(
 ///
 /// # Errors
 ///
-/// [`RodlabError::Request`] for a number without `%` above `most`.
+/// [`RodlabError::Request`] for a number above `most` that is stated without `%`.
 pub(crate) fn limit(
     stated: &Exact<Ratio>,
     most: f64,
@@ -122,7 +123,8 @@ pub(crate) fn limit(
     ))
 }
 
-/// Relative excess over half the sampling rate that is allowed: rates of files are rounded.
+/// Allowed relative excess over half the sampling rate, because sampling rates in files are
+/// rounded.
 const ROUNDED_RATE: f64 = 1e-3;
 
 /// Checks that the frequency at `field` is not above half the sampling rate \[Hz\].
@@ -145,11 +147,11 @@ pub(crate) fn below_nyquist(
     ))
 }
 
-/// Checks a count of `what` stated at `field`.
+/// Checks the number of `what` that is stated at `field`.
 ///
 /// # Errors
 ///
-/// [`RodlabError::Request`] for more than `most`, with both numbers.
+/// [`RodlabError::Request`] with both numbers, if the number is above `most`.
 pub(crate) fn at_most(
     count: f64,
     most: f64,

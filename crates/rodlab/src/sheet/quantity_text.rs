@@ -1,4 +1,4 @@
-//! The text of a quantity: number, unit, and the uncertainty after `±`.
+//! Text of a quantity: number, unit, and the uncertainty after `±`.
 
 use std::borrow::Cow;
 
@@ -19,21 +19,21 @@ pub(super) fn moved(text: &str, standards: impl FnOnce() -> f64) -> Option<Strin
         if in_unit.symbol() == "%" {
             return Some((value, value.abs() * size / 100.0));
         }
-        // a difference does not depend on the zero of the scale
+        // a difference of two values does not depend on the zero of the scale
         let scale = |unit: &Unit| unit.to_si(1.0) - unit.to_si(0.0);
         let alike = unit.dimension() == in_unit.dimension();
         alike.then(|| (value, size * scale(&in_unit) / scale(&unit)))
     };
-    // in a mass, such as `2.9 g ± 30 mg`, `g` is the gram
+    // if the units do not match, `g` is read as gram, as in the mass `2.9 g ± 30 mg`
     let (value, deviation) = read(Dimension::NONE).or_else(|| read(ImpactMass::DIMENSION))?;
     let unit = quantity.trim().get(number_of(quantity.trim()).len()..)?;
     let drawn = value + standards() * deviation;
     Some(format!("{drawn:e}{unit} ± {}", uncertainty.trim()))
 }
 
-/// The parts before and after the sign of an uncertainty. A unit that both share, as in `(799 ±
-/// 0.3) mm` or `799 ± 0.3 mm`, is added to the parts without it; `%` is no such unit, because `799
-/// mm ± 1 %` is one per cent of the value.
+/// Returns the parts before and after the sign of an uncertainty. A unit that both parts share, as
+/// in `(799 ± 0.3) mm` or `799 ± 0.3 mm`, is added to the part that lacks it. This does not apply
+/// to `%`, because the uncertainty in `799 mm ± 1 %` is one per cent of the value.
 pub(crate) fn value_and_uncertainty(text: &str) -> (Cow<'_, str>, Option<Cow<'_, str>>) {
     let inside = text.trim().strip_prefix('(');
     let (body, unit) = inside
@@ -59,20 +59,21 @@ pub(crate) fn value_and_uncertainty(text: &str) -> (Cow<'_, str>, Option<Cow<'_,
     (value, Some(Cow::Borrowed(uncertainty)))
 }
 
-/// The text after the number at the start of `text`.
+/// Returns the text after the number at the start of `text`.
 fn unit_of(text: &str) -> &str {
     let text = text.trim();
     let unit = text.get(number_of(text).len()..);
     unit.unwrap_or_default().trim()
 }
 
-/// The number at the start of `text` and the unit after it, in which `g` is standard gravity.
+/// Returns the number at the start of `text` and the unit after it, in which `g` is standard
+/// gravity.
 pub(crate) fn number_and_unit(text: &str) -> Result<(f64, Unit), String> {
     number_and_unit_of(text, Dimension::NONE)
 }
 
-/// The number at the start of `text` and the unit after it; `g` is the gram if the expected
-/// dimension requires it.
+/// Returns the number at the start of `text` and the unit after it; `g` is the gram if the expected
+/// dimension requires this.
 pub(super) fn number_and_unit_of(text: &str, expected: Dimension) -> Result<(f64, Unit), String> {
     let text = text.trim();
     let (number, unit) = text.split_at(number_of(text).len());
@@ -85,7 +86,7 @@ pub(super) fn number_and_unit_of(text: &str, expected: Dimension) -> Result<(f64
         let with_point = text.replacen(',', ".", 1);
         let digits = behind.chars().take_while(char::is_ascii_digit).count();
         return Err(if digits == 3 && number.abs() >= 1.0 {
-            // it may separate thousands
+            // the comma may separate thousands
             let without = text.replacen(',', "", 1);
             format!("has a comma in its number; write {with_point} or {without}")
         } else {
@@ -103,7 +104,7 @@ pub(super) fn number_and_unit_of(text: &str, expected: Dimension) -> Result<(f64
     Ok((number, unit))
 }
 
-/// The number at the start of `text`; empty if there is none.
+/// Returns the number at the start of `text`; empty if there is none.
 fn number_of(text: &str) -> &str {
     let end = text
         .char_indices()

@@ -1,4 +1,4 @@
-//! A quantity stated in a sheet: number, unit, and a standard uncertainty if known.
+//! Quantity stated in a sheet: number, unit, and a standard uncertainty, if known.
 
 use std::fmt;
 use std::marker::PhantomData;
@@ -12,17 +12,17 @@ use super::quantity_text::{number_and_unit_of, value_and_uncertainty};
 use super::typed::QUANTITY;
 use crate::RodlabError;
 
-/// A measured quantity of a sheet, in SI, whose uncertainty the job propagates to its result.
+/// A measured quantity of a sheet, in SI units, whose uncertainty the job propagates to its result.
 ///
 /// Written as `"799 mm"`, `"799 mm ± 0.3 mm"`, `"799 mm +- 0.3 mm"`, `"(799 ± 0.3) mm"`,
-/// `"799 ± 0.3 mm"` or `"912 kg/m3 ± 0.1 %"`; the uncertainty is one standard deviation, and in % it
-/// is relative to the value, whatever the quantity is: `"0.025 ± 1 %"` is `"0.025 ± 0.00025"`. A relative uncertainty is refused if it is
-/// meaningless or ambiguous: for the value 0, on a scale with an offset zero (`degC`), and for a
-/// number in %, such as `"2.5 % ± 1 %"`.
+/// `"799 ± 0.3 mm"` or `"912 kg/m3 ± 0.1 %"`. The uncertainty is one standard deviation. An
+/// uncertainty in % is relative to the value, whatever the quantity is: `"0.025 ± 1 %"` is
+/// `"0.025 ± 0.00025"`. It is refused where it is meaningless or ambiguous: for the value 0, on a
+/// scale with an offset zero (`degC`), and for a number in %, such as `"2.5 % ± 1 %"`.
 ///
-/// The value is read together with its uncertainty ([`Stated::with_uncertainty`]), or a stated
-/// uncertainty is refused ([`Stated::exact`]). Fields that never take an uncertainty are of the
-/// type [`Exact`](super::Exact).
+/// A job reads the value together with its uncertainty ([`Stated::with_uncertainty`]), or refuses a
+/// stated uncertainty ([`Stated::exact`]). Fields that never take an uncertainty are of the type
+/// [`Exact`](super::Exact).
 ///
 /// # Examples
 ///
@@ -48,7 +48,7 @@ pub struct Stated<K> {
     kind: PhantomData<K>,
 }
 
-/// A value and its standard uncertainty, in SI.
+/// A value and its standard uncertainty, in SI units.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ValueWithUncertainty {
     /// Value.
@@ -58,13 +58,14 @@ pub struct ValueWithUncertainty {
 }
 
 impl ValueWithUncertainty {
-    /// Standard uncertainty, 0 if none is stated.
+    /// Returns the standard uncertainty, 0 if none is stated.
     #[must_use]
     pub fn uncertainty(&self) -> f64 {
         self.standard_uncertainty.unwrap_or(0.0)
     }
 
-    /// Standard uncertainty over the value, 0 if none is stated. For nonzero quantities.
+    /// Returns the standard uncertainty divided by the absolute value, 0 if no uncertainty is
+    /// stated. The value must not be 0.
     #[must_use]
     pub fn relative(&self) -> f64 {
         self.uncertainty() / self.value.abs()
@@ -87,7 +88,7 @@ impl<K> fmt::Debug for Stated<K> {
     }
 }
 
-/// Text of the quantity as written in the sheet.
+/// Writes the text of the quantity as it is in the sheet.
 impl<K> fmt::Display for Stated<K> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(&self.text)
@@ -95,15 +96,15 @@ impl<K> fmt::Display for Stated<K> {
 }
 
 impl<K> Stated<K> {
-    /// Value and standard uncertainty, for a job that propagates both to its result.
+    /// Returns value and standard uncertainty, for a job that propagates both to its result.
     #[must_use]
     pub fn with_uncertainty(&self) -> ValueWithUncertainty {
         self.stated
     }
 
-    /// Value of a property of a body, a material or a contact, for a job that propagates the
-    /// uncertainty by draws of the whole sheet, or that has already refused any uncertainty with
-    /// [`WithoutUncertainty`](super::replacement::WithoutUncertainty).
+    /// Returns the value of a property of a body, a material or a contact. It is for jobs that
+    /// propagate the uncertainty by draws of the whole sheet, or that have refused any uncertainty
+    /// before by [`WithoutUncertainty`](super::replacement::WithoutUncertainty).
     pub(crate) fn nominal(&self) -> f64 {
         self.stated.value
     }
@@ -126,7 +127,7 @@ impl<K> Stated<K> {
     }
 }
 
-/// The error for a text that is not a valid quantity.
+/// Error for a text that is not a valid quantity.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("`{text}` {problem}, expected {expected}")]
 pub struct Written {
@@ -152,7 +153,7 @@ impl<K: Kind> FromStr for Stated<K> {
     }
 }
 
-/// Value and uncertainty from a text; otherwise its error.
+/// Returns value and uncertainty from a text, or the error in the text.
 pub(super) fn parsed<K: Kind>(text: &str) -> Result<ValueWithUncertainty, String> {
     let (quantity, uncertainty) = value_and_uncertainty(text);
     let (number, unit) = number_and_unit_of(&quantity, K::DIMENSION)?;
@@ -185,7 +186,7 @@ pub(super) fn parsed<K: Kind>(text: &str) -> Result<ValueWithUncertainty, String
     })
 }
 
-/// The fault of a unit whose dimension is not that of `K`.
+/// Describes the fault of a unit whose dimension is not that of `K`.
 fn other_dimension<K: Kind>(unit: &Unit) -> String {
     let dimension = unit.dimension();
     let found = match name_of(dimension) {
@@ -201,7 +202,7 @@ fn other_dimension<K: Kind>(unit: &Unit) -> String {
     }
 }
 
-/// Standard uncertainty that `text` states for `value`, which is written in `unit`.
+/// Returns the standard uncertainty that `text` states for `value`, which is written in `unit`.
 fn uncertainty_of<K: Kind>(value: f64, unit: &Unit, text: &str) -> Result<f64, String> {
     let (number, in_unit) = number_and_unit_of(text, K::DIMENSION)?;
     let in_percent = in_unit.symbol() == "%";
@@ -226,7 +227,7 @@ fn uncertainty_of<K: Kind>(value: f64, unit: &Unit, text: &str) -> Result<f64, S
     let uncertainty = if in_percent {
         value.abs() * number / 100.0
     } else if in_unit.dimension() == K::DIMENSION {
-        // a difference does not depend on the zero of the scale
+        // a difference of two values does not depend on the zero of the scale
         number * (in_unit.to_si(1.0) - in_unit.to_si(0.0))
     } else if in_unit.dimension() == Dimension::NONE {
         return Err("has an uncertainty without a unit".to_owned());
@@ -251,7 +252,7 @@ impl<'de, K: Kind> Deserialize<'de> for Stated<K> {
     }
 }
 
-/// Reads a quantity of the kind `K` from its text in quotes; a pure number needs none.
+/// Reads a quantity of the kind `K` from its text in quotes; a pure number needs no quotes.
 pub(super) fn from_text<'de, T, K, D>(deserializer: D) -> Result<T, D::Error>
 where
     T: FromStr<Err = Written>,
@@ -339,7 +340,7 @@ mod tests {
             "912 kg/m3 +/- 0.2%",
         ] {
             let density = of(text).with_uncertainty();
-            // two roundings
+            // the tolerance allows two rounding errors
             assert!((density.value - 912.0).abs() < 1e-12, "{text}");
             assert!((density.uncertainty() - 1.824).abs() < 1e-12, "{text}");
         }
@@ -356,7 +357,7 @@ mod tests {
         fn si<K: Kind>(text: &str) -> f64 {
             text.parse::<Stated<K>>().unwrap().with_uncertainty().value
         }
-        // one rounding each
+        // each value may have one rounding error
         for (found, expected) in [
             (si::<Density>("1.15 g/cm3"), 1150.0),
             (si::<Density>("1.15 g/cm³"), 1150.0),

@@ -1,4 +1,4 @@
-//! A sheet as text in TOML.
+//! Conversion of a sheet to text in TOML.
 
 use std::fmt::Write as _;
 
@@ -43,7 +43,8 @@ struct Field<'a> {
     node: &'a Node,
 }
 
-/// The fields of a value in TOML: those of a table, or the name of a choice with its settings.
+/// Returns the fields of a value in TOML: the fields of a table, or the name of a choice with its
+/// settings.
 fn fields_of(node: &Node) -> Vec<Field<'_>> {
     match &node.value {
         Value::Table(entries) => {
@@ -88,8 +89,8 @@ impl Written<'_> {
         self.text.push('\n');
     }
 
-    /// Writes the comment lines directly above the place `start`, if `start` is the first place on
-    /// its line.
+    /// Writes the comment lines directly above the place `start`, if only white space precedes
+    /// `start` on its line.
     fn comments_above(&mut self, start: usize) {
         let before = self.source.get(..start).unwrap_or_default();
         let mut lines = before.rsplit('\n');
@@ -115,9 +116,9 @@ impl Written<'_> {
             .unwrap_or_default()
     }
 
-    /// Writes the fields of the table `path`: first those that fit on one line, then tables under
-    /// headers of their own. `above` is the place of the name of a table whose header was left out;
-    /// the comments above that name go to the next header.
+    /// Writes the fields of the table `path`: first the fields that fit on one line, then tables
+    /// under headers of their own. `above` is the place of the name of a table whose header was
+    /// left out; the comments above this name are written above the next header.
     fn table(&mut self, path: &str, fields: &[Field<'_>], mut above: Option<usize>) {
         let mut below = Vec::new();
         for field in fields {
@@ -151,7 +152,7 @@ impl Written<'_> {
                 continue;
             }
             let fields = fields_of(node);
-            // a table of nothing but tables needs no header
+            // a table that contains only tables needs no header
             if fields.is_empty() || fields.iter().any(|field| self.on_a_line(field).is_some()) {
                 self.text.push('\n');
                 above
@@ -167,8 +168,8 @@ impl Written<'_> {
         }
     }
 
-    /// Returns `name = value` for a value without tables, and for short tables without comments; a
-    /// list of short tables has one line per table.
+    /// Returns `name = value` for a value without tables, and for short tables without comments. A
+    /// list of short tables has one line per table. Returns `None` for other values.
     fn on_a_line(&self, field: &Field<'_>) -> Option<String> {
         let line = format!("{} = {}", key(&field.name), inline(field.node));
         let has_comments = || {
@@ -274,7 +275,7 @@ fn key(name: &str) -> String {
     }
 }
 
-/// A text in quotes.
+/// Returns a text in quotes.
 fn quoted(text: &str) -> String {
     let mut quoted = String::from("\"");
     for letter in text.chars() {

@@ -1,4 +1,4 @@
-//! Sheets in any language as values with their places in the text.
+//! Sheets in any language, as values with their places in the text.
 
 mod json;
 mod ron;
@@ -17,7 +17,7 @@ pub(super) struct Node {
 /// A value of a sheet.
 #[derive(Debug, Clone)]
 pub(super) enum Value {
-    /// `None` of RON, `null` of JSON.
+    /// `None` in RON, or `null` in JSON.
     Nothing,
     Bool(bool),
     Integer(i64),
@@ -26,10 +26,10 @@ pub(super) enum Value {
     Float(f64),
     Text(String),
     List(Vec<Node>),
-    /// Names with their values: fields, or a map.
+    /// Names with their values: the fields of a table, or a map.
     Table(Vec<Entry>),
-    /// A named choice with its settings: `TwoPoint(..)` of RON, and the whole sheet with its job in
-    /// every language.
+    /// A named choice with its settings, such as `TwoPoint(..)` in RON. In every language the whole
+    /// sheet is a choice, with the job as its name.
     Choice(Choice),
 }
 
@@ -56,7 +56,7 @@ pub(super) const JOB: &str = "job";
 ///
 /// # Errors
 ///
-/// All syntax errors, or a single mistake if the text is in none of the languages.
+/// All syntax errors, or a single mistake if the text is not in any of the languages.
 pub(super) fn of(text: &str) -> Result<(Language, Node), Vec<Mistake>> {
     let Some(language) = Language::of(text) else {
         let start = text.len() - text.trim_start().len();
@@ -78,7 +78,7 @@ pub(super) fn of(text: &str) -> Result<(Language, Node), Vec<Mistake>> {
 }
 
 /// Converts `root` to the choice of the job that its field `job` names, with the other fields as
-/// settings. A root without that field is returned unchanged.
+/// settings. A root without this field is returned unchanged.
 fn headed(mut root: Node) -> Node {
     let Value::Table(entries) = &mut root.value else {
         return root;

@@ -1,8 +1,8 @@
-//! Conversion of the values of a sheet to its type, with a list of all mistakes.
+//! Conversion of the values of a sheet to the type of the sheet, with a list of all mistakes.
 //!
-//! Serde stops at the first mistake. Here the mistake is kept, its place is filled with a value of
-//! the right type, and the sheet is read again, until nothing new is found. Unknown and repeated
-//! fields do not stop a reading; they are noted as mistakes on the way.
+//! Serde stops at the first mistake. Here the mistake is stored, its place is filled with a value
+//! of the right type, and the sheet is read again, until no new mistake is found. Unknown and
+//! repeated fields do not stop a reading; they are noted as mistakes during the reading.
 
 mod access;
 mod fault;
@@ -25,24 +25,24 @@ use super::mistake::Mistake;
 use super::quantity_text::moved;
 use super::tree::Node;
 
-/// Type name by which a quantity asks for its text, so that an example can replace a faulty
-/// quantity.
+/// Type name with which a quantity is deserialized from its text, so that an example can replace a
+/// faulty quantity.
 pub(super) const QUANTITY: &str = "$rodlab::sheet::Quantity";
 
 /// Maximum number of listed mistakes.
 const MOST_MISTAKES: usize = 20;
 
-/// State of the readings of a sheet, which is read again with a filler in place of each mistake.
+/// State of the repeated readings of a sheet, in which a filler replaces each mistake.
 #[derive(Debug)]
 struct Pass {
     language: Language,
-    /// Fields that are read from a filler.
+    /// Fields for which a filler is read.
     filled: BTreeSet<String>,
     /// Names of the fields of the sheet itself.
     of_sheet: Cell<&'static [&'static str]>,
-    /// Mistakes that did not end the reading.
+    /// Mistakes that did not stop the reading.
     noted: RefCell<Vec<Mistake>>,
-    /// Statements of the sheet, in its order.
+    /// Statements of the sheet, in the order of its text.
     stated: RefCell<Vec<Statement>>,
     /// Random numbers for a draw of the sheet within its stated uncertainties.
     random: Option<RefCell<ChaCha8Rng>>,
@@ -54,7 +54,7 @@ struct Pass {
 pub(crate) struct Statement {
     pub(crate) name: String,
     pub(crate) value: String,
-    /// Start of the last part of the value.
+    /// Byte offset in `value` of its last part.
     last: usize,
 }
 
@@ -103,7 +103,7 @@ impl Pass {
         moved(text, || random.sample(StandardNormal))
     }
 
-    /// Returns true if a field below `field` is filled: then the value of `field` is not the one
+    /// Returns true if a field below `field` is filled; the value of `field` is then not the value
     /// that the sheet states.
     fn is_filled_below(&self, field: &str) -> bool {
         let below = |filled: &String| {
@@ -145,7 +145,7 @@ pub(super) fn read<T: DeserializeOwned>(
             Ok(_) => break,
             Err(fault) => fault,
         };
-        // a value that contains a filler may be refused because of the filler
+        // a fault in a value that contains a filler may be due to the filler
         let is_own = fault.is_missing() || !pass.is_filled_below(fault.field());
         let spot = fault.spot();
         if is_own && !pass.filled.contains(&spot) {

@@ -87,7 +87,8 @@ impl Answer {
         stream.write_all(head.as_bytes())?;
         stream.write_all(&self.body)?;
         stream.flush()?;
-        // if a connection is closed with unread data, its answer may be lost
+        // the rest of the request is read, because the answer may be lost if the connection is
+        // closed with unread data
         stream.shutdown(Shutdown::Write)?;
         stream.set_read_timeout(Some(LINGER))?;
         let mut rest = stream.take(MOST_OF_BODY as u64);
@@ -95,8 +96,8 @@ impl Answer {
     }
 }
 
-/// Reads the request of a connection; returns a refusing answer if it is not a request, or too
-/// long.
+/// Reads the request of a connection. If the data are no request, or the request is too long,
+/// returns the answer that refuses it.
 pub(super) fn read(stream: &mut TcpStream) -> Result<Request, Answer> {
     let cut = |_| Answer::refused("408 Request Timeout");
     stream.set_read_timeout(Some(PATIENCE)).map_err(cut)?;
@@ -128,7 +129,8 @@ pub(super) fn read(stream: &mut TcpStream) -> Result<Request, Answer> {
     Ok(request)
 }
 
-/// The request, the length of its body and that of its head; `None` if the head is not complete.
+/// Returns the request, the length of its body and the length of its head; `None` if the head is
+/// not complete.
 fn parsed(bytes: &[u8]) -> Result<Option<(Request, usize, usize)>, Answer> {
     let bad = || Answer::refused("400 Bad Request");
     let mut headers = [httparse::EMPTY_HEADER; MOST_HEADERS];
@@ -146,7 +148,8 @@ fn parsed(bytes: &[u8]) -> Result<Option<(Request, usize, usize)>, Answer> {
         let header = headers.find(|header| header.name.eq_ignore_ascii_case(name));
         header.map(|header| String::from_utf8_lossy(header.value).into_owned())
     };
-    // browsers state the length of the data that a page sends
+    // a body without stated length is refused: browsers state the length of the data that a page
+    // sends
     if header("transfer-encoding").is_some() {
         return Err(Answer::refused("411 Length Required"));
     }

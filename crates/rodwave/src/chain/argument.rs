@@ -1,4 +1,4 @@
-//! Arguments of a chain: frequencies on the axis, or points of the right half plane of s.
+//! Arguments of a chain: frequencies on the real axis, or points of the right half plane of s.
 
 use std::fmt::Debug;
 
@@ -24,7 +24,7 @@ pub trait Argument: Copy + Debug + sealed::Sealed + 'static {
     /// [`RodwaveError::NonPhysical`] if it is not finite.
     fn on_axis(omega: f64) -> Result<Self, RodwaveError>;
 
-    /// The Laplace variable s [1/s], iω on the axis.
+    /// Laplace variable s [1/s]; on the frequency axis, s = iω.
     fn s(self) -> Complex64;
 }
 

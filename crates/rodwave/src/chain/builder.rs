@@ -39,8 +39,8 @@ impl<V: Argument> ChainBuilder<V> {
         )
     }
 
-    /// Adds a truncated cone of `medium` from the section `near` the impact face to the section
-    /// `far` from it, of `length` \[m\].
+    /// Adds a truncated cone of `medium` and `length` \[m\], from the section `near` at the end
+    /// closer to the impact face to the section `far` at the other end.
     pub fn cone<M>(
         self,
         medium: &M,
@@ -58,8 +58,8 @@ impl<V: Argument> ChainBuilder<V> {
         )
     }
 
-    /// Adds an exponential horn of `medium` from the section `near` the impact face to the section
-    /// `far` from it, of `length` \[m\].
+    /// Adds an exponential horn of `medium` and `length` \[m\], from the section `near` at the end
+    /// closer to the impact face to the section `far` at the other end.
     pub fn horn<M>(
         self,
         medium: &M,
@@ -96,7 +96,7 @@ impl<V: Argument> ChainBuilder<V> {
     ///
     /// # Errors
     /// [`RodwaveError::InElement`] with the first invalid element, counted from 0 at the impact
-    /// face; [`RodwaveError::NonPhysical`] for the termination.
+    /// face; [`RodwaveError::NonPhysical`] if the termination is invalid.
     pub fn end(self, termination: Termination<V>) -> Result<Chain<V>, RodwaveError> {
         if let Some(error) = self.first_error {
             return Err(error);
@@ -112,7 +112,7 @@ impl<V: Argument> ChainBuilder<V> {
     where
         M: WaveMedium<V> + Clone + 'static,
     {
-        // other implementations of the trait have not been checked
+        // a `Medium` has checked its density; other implementations of the trait may not have
         let density = check_positive("density [kg/m^3]", medium.density());
         self.element(density.and(segment).map(|segment| Element::Segment {
             medium: Arc::new(medium.clone()),
@@ -124,8 +124,8 @@ impl<V: Argument> ChainBuilder<V> {
         match element {
             Ok(element) => self.elements.push(element),
             Err(source) => {
-                // later elements are not pushed after an error, so the count is the index of the
-                // first wrong one
+                // no element is pushed after an error, so the count is the index of the first
+                // invalid one
                 let index = self.elements.len();
                 self.first_error
                     .get_or_insert_with(|| in_element(index, source));

@@ -31,7 +31,7 @@ impl Face {
         }
     }
 
-    /// Creates the face of a body of the impedance `impedance` F/v [kg/s].
+    /// Creates the face of a body with the `impedance` F/v [kg/s].
     pub(super) fn of_impedance(impedance: Complex64) -> Result<Self, RodwaveError> {
         check_finite("impedance of the termination [kg/s]", impedance.norm())?;
         let mut face = Self::new(impedance, Complex64::ONE);

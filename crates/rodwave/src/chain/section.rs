@@ -54,7 +54,7 @@ impl<'a, V: Argument> Section<'a, V> {
     /// excitation. Where the waves have decayed below 1e-308, the state is 0.
     ///
     /// # Errors
-    /// As [`Chain::mobility`].
+    /// The errors of [`Chain::mobility`].
     pub fn state(&self, omega: f64) -> Result<State, RodwaveError> {
         self.state_for(V::on_axis(omega)?)
     }
@@ -67,7 +67,8 @@ impl<'a, V: Argument> Section<'a, V> {
     /// those of a uniform rod that continues the section.
     ///
     /// # Errors
-    /// As [`Chain::mobility`]; [`RodwaveError::InElement`] for a lumped element, and at ω = 0.
+    /// The errors of [`Chain::mobility`]; [`RodwaveError::InElement`] for a lumped element, and at
+    /// ω = 0.
     pub fn waves(&self, omega: f64) -> Result<TravellingWaves, RodwaveError> {
         let argument = V::on_axis(omega)?;
         let state = self.state_for(argument)?;
@@ -131,7 +132,7 @@ impl Section<'_, LaplaceVariable> {
     /// of 1 N s on the impact face.
     ///
     /// # Errors
-    /// As [`Section::state`], and [`RodwaveError::NonPhysical`] for Re s < 0.
+    /// The errors of [`Section::state`], and [`RodwaveError::NonPhysical`] for Re s < 0.
     pub fn state_at_s(&self, s: Complex64) -> Result<State, RodwaveError> {
         self.state_for(LaplaceVariable::new(s)?)
     }

@@ -12,7 +12,7 @@ use crate::element::{CrossSection, check_static_impedance};
 use crate::error::{check_positive, check_propagation};
 use crate::quotient::quotient;
 
-/// The termination after the last element of a chain, a relation between N and v on its far face.
+/// Termination after the last element of a chain: a relation between N and v on its far face.
 ///
 /// `V` is inferred from the chain.
 #[derive(Debug, Clone)]
@@ -86,7 +86,8 @@ impl<V: Argument> Termination<V> {
         }
     }
 
-    /// Accepts masses and resistances that are finite and not negative, and a density above 0.
+    /// Checks that masses and resistances are finite and not negative, and that a density is
+    /// above 0.
     pub(super) fn check(&self) -> Result<(), RodwaveError> {
         let (quantity, value) = match self {
             Self::Mass(mass) => ("mass of the termination [kg]", *mass),

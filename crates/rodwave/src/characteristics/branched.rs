@@ -5,9 +5,9 @@
 //! ```
 //!
 //! The waves travel as in [`super`], where σ is the sum of the stresses of the branches. The shift
-//! strains all branches equally, dσᵢ = wᵢ dσ, so that it does not change the *excess* pᵢ = σᵢ - wᵢσ
-//! of a node; each branch relaxes by its own exact flow, and Σ pᵢ = 0. A spring does not relax, and
-//! its excess is not stored.
+//! strains all branches equally, dσᵢ = wᵢ dσ, and so does not change the *excess* pᵢ = σᵢ - wᵢσ of
+//! a branch at a node. Each branch relaxes by its own exact flow, and Σ pᵢ = 0. A spring does not
+//! relax, and its excess is not stored.
 
 use super::by_sample::{Motion, by_samples, slopes_of};
 use super::time_levels::TimeLevels;
@@ -29,9 +29,9 @@ pub struct LinearBranch {
     pub time: f64,
 }
 
-/// A rod in which one branch obeys the law of the rod, in parallel with linear Maxwell branches
-/// and, if the rod has one, with a [spring](InelasticRod::with_spring). The modulus of the rod is
-/// the sum of the moduli of all branches.
+/// Direct problem of a rod in which one branch obeys the law of the rod, in parallel with linear
+/// Maxwell branches and, if the rod has one, with a [spring](InelasticRod::with_spring). The
+/// modulus of the rod is the sum of the moduli of all branches.
 ///
 /// ```
 /// use rodwave::band_limited::SampledHistory;
@@ -73,7 +73,7 @@ pub enum Direction {
 }
 
 impl<L: InelasticLaw> BranchedProblem<L> {
-    /// Cuts `rod`, with these branches in parallel with its law, into `cells` equal cells.
+    /// Cuts `rod` into `cells` equal cells, with `linear` branches in parallel with its law.
     ///
     /// # Errors
     /// [`RodwaveError::NonPhysical`] for fewer than 8 cells or more than 2^27, for a share or a
@@ -116,7 +116,7 @@ impl<L: InelasticLaw> BranchedProblem<L> {
     /// Computes v_r [m/s] at `times` \[s\] for the excitation v_e.
     ///
     /// # Errors
-    /// As [`DirectProblem::free_end_velocity`](super::DirectProblem::free_end_velocity).
+    /// The errors of [`DirectProblem::free_end_velocity`](super::DirectProblem::free_end_velocity).
     pub fn free_end_velocity(
         &self,
         excitation: &dyn VelocityHistory,
@@ -137,12 +137,13 @@ impl<L: InelasticLaw> BranchedProblem<L> {
     }
 
     /// Computes v_r and its derivatives dv_r/dx in `directions` at `times` \[s\] for the excitation
-    /// v_e, by the tangent-linear model. The derivatives are in the order of the directions.
+    /// v_e, with the tangent-linear model. The derivatives are in the order of the directions.
     ///
     /// # Errors
-    /// As [`Self::free_end_velocity`]; [`RodwaveError::LengthMismatch`] for a direction with another
-    /// number of shares or times than the problem has, for a parameter that the law does not have,
-    /// and for a law with more than [`MAX_PARAMETERS`](crate::inelastic::MAX_PARAMETERS) parameters.
+    /// The errors of [`Self::free_end_velocity`]; [`RodwaveError::LengthMismatch`] for a direction
+    /// whose number of shares or times differs from that of the problem, for a parameter that the
+    /// law does not have, and for a law with more than
+    /// [`MAX_PARAMETERS`](crate::inelastic::MAX_PARAMETERS) parameters.
     pub fn free_end_velocity_with_sensitivities(
         &self,
         excitation: &dyn VelocityHistory,
@@ -187,7 +188,7 @@ impl<L: InelasticLaw> BranchedProblem<L> {
         Ok((velocity, derivatives))
     }
 
-    /// Returns the tangent of a direction for each branch that relaxes.
+    /// Returns the coefficients of the tangent of a direction for each branch that relaxes.
     fn source(&self, direction: &Direction) -> Result<Source, RodwaveError> {
         let shares = self.shares();
         let mut source = Source {
@@ -205,7 +206,7 @@ impl<L: InelasticLaw> BranchedProblem<L> {
             }),
         };
         match direction {
-            // at constant dimensionless time Z and E h grow as E^½
+            // at constant dimensionless time, Z and E h are proportional to E^½ (h: time step)
             Direction::LogModulus => {
                 source.stiffening = 0.5;
                 source.of_flow.fill(0.5);
@@ -246,11 +247,11 @@ impl<L: InelasticLaw> BranchedProblem<L> {
     }
 
     /// Computes dv_r/dv_e at `times` \[s\] for the samples of `pulses`, along the motion that
-    /// `excitation` drives; one column per sample, with `least` [m/s] as in
+    /// `excitation` drives. Each sample gives one column; for `least` [m/s] see
     /// [`DirectProblem`](super::DirectProblem::free_end_velocity_by_samples).
     ///
     /// # Errors
-    /// As [`Self::free_end_velocity`].
+    /// The errors of [`Self::free_end_velocity`].
     pub fn free_end_velocity_by_samples(
         &self,
         excitation: &dyn VelocityHistory,
@@ -291,8 +292,8 @@ impl LinearFlow {
     }
 }
 
-/// A [`Direction`] as the march uses it; vectors have one entry per branch that relaxes, that of the
-/// law last.
+/// Coefficients of the tangent of a [`Direction`]. Vectors have one entry per branch that relaxes;
+/// the entry of the branch of the law is the last.
 struct Source {
     /// Relative change of the impedance.
     stiffening: f64,
@@ -386,8 +387,8 @@ impl<L: InelasticLaw> BranchedMarch<L> {
         self.wave.shift(velocity);
     }
 
-    /// Advances, and writes the derivative of the change of each branch with respect to its stress
-    /// at each node.
+    /// Advances one time step and writes the derivative of the change of each branch with respect
+    /// to its stress at each node.
     fn advance_with_slopes(&mut self, velocity: f64, slopes: &mut [Vec<f64>], least: f64) {
         let of_law = self.shares.last().copied().unwrap_or(1.0);
         let least = of_law * self.impedance * least;
@@ -417,7 +418,8 @@ impl<L: InelasticLaw> BranchedMarch<L> {
 /// vector instructions of the processor.
 struct Relax<'a, 's, L: InelasticLaw> {
     march: &'a mut BranchedMarch<L>,
-    /// Slopes to be written, with the least stress \[Pa\] at which that of the law is evaluated.
+    /// Slopes to be written, and the least stress \[Pa\] at which the slope of the law is
+    /// evaluated.
     slopes: Option<(&'s mut [Vec<f64>], f64)>,
 }
 
@@ -448,7 +450,7 @@ impl<L: InelasticLaw> pulp::NullaryFnOnce for Relax<'_, '_, L> {
         let (half, inverse) = (0.5 * *impedance, 1.0 / *impedance);
         let of_law = linear.len();
         let mut slopes = self.slopes;
-        // tangents may move where the rod rests
+        // tangents may move where the rod is at rest
         let count = if slopes.is_some() { nodes } else { *reached };
         let (right, left) = wave.blocks_mut(count);
         for (block, (right, left)) in right.iter_mut().zip(left).enumerate() {

@@ -13,12 +13,12 @@ use crate::inelastic::{InelasticLaw, LANES, RelaxationFlow, lanes};
 
 impl<L: InelasticLaw> DirectProblem<L> {
     /// Computes dv_r/dv_e at `times` \[s\] for the samples of `pulses`, along the motion that
-    /// `excitation` drives; one column per sample. Where |σ|/Z is below `least` [m/s], the law is
-    /// linearised at |σ|/Z = `least`: Norton's law with an exponent below 1 has no finite slope at
-    /// rest.
+    /// `excitation` drives. Each sample gives one column. Where |σ|/Z is below `least` [m/s], the
+    /// law is linearised at |σ|/Z = `least`: Norton's law with an exponent below 1 has no finite
+    /// slope at rest.
     ///
     /// # Errors
-    /// As [`Self::free_end_velocity`].
+    /// The errors of [`Self::free_end_velocity`].
     pub fn free_end_velocity_by_samples(
         &self,
         excitation: &dyn VelocityHistory,
@@ -50,9 +50,10 @@ pub(super) struct Motion<'a> {
     pub(super) shares: &'a [f64],
 }
 
-/// Derivatives of the velocity of the free end with respect to the samples of `pulses`. `advance`
-/// makes a step of the motion; its first argument is the velocity at x = -L at the end of the step.
-/// It writes the derivative of the change of each branch with respect to its stress at each node.
+/// Computes the derivatives of the velocity of the free end with respect to the samples of
+/// `pulses`. `advance` makes a step of the motion; its first argument is the velocity at x = -L at
+/// the end of the step. It writes the derivative of the change of each branch with respect to its
+/// stress at each node.
 pub(super) fn by_samples(
     motion: &Motion<'_>,
     pulses: &SamplePulses,
@@ -122,8 +123,8 @@ struct RelaxWithSlopes<'a, F> {
     least: f64,
 }
 
-/// Returns the slopes of `flow` at these stresses; where a stress is below `least` \[Pa\] in
-/// magnitude, the slope at `least`. `at_stress` are the slopes at the stresses themselves.
+/// Returns the slopes of `flow` at these stresses, or at `least` \[Pa\] where a stress is smaller
+/// in magnitude. `at_stress` contains the slopes at the stresses themselves.
 #[inline(always)]
 pub(super) fn slopes_of<F: RelaxationFlow>(
     flow: &F,
@@ -156,13 +157,14 @@ impl<F: RelaxationFlow> pulp::NullaryFnOnce for RelaxWithSlopes<'_, F> {
     }
 }
 
-/// Tangents of some samples, one per lane: the waves R and L at each node.
+/// Tangents of up to [`LANES`] samples, one per lane: the waves R and L at each node.
 struct PulseGroup {
     members: Vec<usize>,
     nodes: usize,
     /// First step in which a tangent moves.
     begin: usize,
-    /// R, from the index `of_right` on, travels towards the end; L starts at the index `of_left`.
+    /// R at the nodes, from the index `of_right` on; `left` contains L from `of_left` on. A shift
+    /// of the waves moves only these two indices.
     right: Vec<[f64; LANES]>,
     left: Vec<[f64; LANES]>,
     of_right: usize,
@@ -170,7 +172,7 @@ struct PulseGroup {
     /// Excess of each branch over its share of s at each node; empty if there is a single branch
     /// and no spring.
     excess: Vec<Vec<[f64; LANES]>>,
-    /// Derivative of the free end's velocity at each time level, for each member.
+    /// Derivative of the velocity of the free end at each time level, for each sample of the group.
     histories: Vec<Vec<f64>>,
 }
 
@@ -263,8 +265,8 @@ struct RelaxTangents<'a> {
     shares: &'a [f64],
 }
 
-/// Vectors of the processor in place of loops over lanes: a compiler makes one loop over nodes out
-/// of those, which collects each vector from as many nodes.
+/// Uses the vectors of the processor explicitly. From loops over lanes, a compiler makes one loop
+/// over nodes, which must gather each vector from as many nodes as it has lanes.
 impl pulp::WithSimd for RelaxTangents<'_> {
     type Output = ();
 
@@ -324,8 +326,8 @@ mod tests {
 
     const RATE: f64 = 102_400.0;
 
-    /// Compares the derivatives with differences of responses to excitations that differ in one
-    /// sample.
+    /// Compares the derivatives with differences between responses to excitations that differ in
+    /// one sample.
     fn agrees_with_differences<L: crate::inelastic::InelasticLaw>(law: L) {
         let rod = InelasticRod::new(0.3, 1140.0, 3e9, law).unwrap();
         let problem = DirectProblem::new(rod, 60).unwrap();
@@ -335,10 +337,10 @@ mod tests {
                 12.0 * (1.0 - (-t / 2e-5).exp()) * (-t / 2e-4).exp()
             })
             .collect();
-        // the levels of all marches begin with the first sample
+        // a sample at the start, so that the levels of all marches begin there
         samples[0] = 1e-9;
         let times: Vec<f64> = (0..100).map(|k| f64::from(k) / RATE).collect();
-        // more samples than a group has lanes, the first at the start of the record
+        // more samples than a group has lanes; the first one is at the start of the record
         let places: Vec<usize> = (0..95).step_by(5).collect();
         let pulses = SamplePulses::new(&places, RATE).unwrap();
         let excitation = SampledHistory::new(&samples, RATE).unwrap();

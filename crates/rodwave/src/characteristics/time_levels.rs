@@ -4,10 +4,10 @@ use crate::band_limited::{SamplePulses, VelocityHistory, check_times};
 use crate::error::{RodwaveError, check_steps};
 use crate::interpolation::Quintic;
 
-/// The equidistant times of a march, from the time on at which its excitation first moves.
+/// Equidistant times of a march, starting when its excitation first moves.
 ///
-/// The first level does not depend on the length of a step, so that a front enters the grid at the
-/// same fraction of a step whatever the modulus. After a jump the error of a march is of first
+/// The first level does not depend on the length of a step. A front therefore enters the grid at
+/// the same fraction of a step for any modulus. After a jump, the error of a march is of first
 /// order in the step and changes with that fraction: with levels from time 0, the misfit of a sharp
 /// blow oscillated with E by one unit of χ², with a period of one step in the latest arrival.
 #[derive(Debug, Clone, Copy)]
@@ -28,7 +28,7 @@ impl TimeLevels {
         Self::from(excitation.begin(), excitation, times, step)
     }
 
-    /// Returns levels like [`Self::of`], but the first one is not after the start of any of
+    /// Returns levels as [`Self::of`] does, with the first one not later than the start of any of
     /// `pulses`.
     pub(super) fn of_pulses(
         excitation: &dyn VelocityHistory,
@@ -52,7 +52,7 @@ impl TimeLevels {
         Ok(Self { begin, step, steps })
     }
 
-    /// Level `n` \[s\].
+    /// Time \[s\] of level `n`.
     #[expect(clippy::cast_precision_loss, reason = "step counts are far below 2^52")]
     pub(super) fn time(&self, n: usize) -> f64 {
         self.begin + n as f64 * self.step

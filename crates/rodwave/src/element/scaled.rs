@@ -4,8 +4,8 @@ use num_complex::Complex64;
 
 use crate::quotient::quotient;
 
-/// The matrix `e^{exponent} [p11 p12; p21 p22]` for (N, v) on the far side from (N, v) on the near
-/// side.
+/// Matrix `e^{exponent} [p11 p12; p21 p22]` that gives (N, v) on the far side from (N, v) on the
+/// near side.
 ///
 /// The determinant, including the factor, is 1.
 #[derive(Debug, Clone, Copy)]
@@ -44,7 +44,7 @@ impl ScaledHyperbolic {
         }
     }
 
-    /// e^{-|a|} sinh x/x
+    /// Returns e^{-|a|} sinh x/x.
     #[inline]
     fn sinh_over(&self, x: Complex64) -> Complex64 {
         if x == Complex64::ZERO {
@@ -68,7 +68,7 @@ const CONE_SERIES: [f64; 9] = [
     1.0 / 6_758_061_133_824_000.0,
 ];
 
-/// W = (cosh x - sinh x/x)/x², divided by e^{exponent} like its arguments.
+/// Computes W = (cosh x - sinh x/x)/x², divided by e^{exponent} as its arguments are.
 ///
 /// The difference loses accuracy by a factor 3/|x|². Below |x| = 1 the series is used, with a
 /// remainder below 2e-18.
@@ -109,7 +109,7 @@ impl ScaledTransition {
         }
     }
 
-    /// Matrix of a cone from x = γL, `inertia` sM with the geometric mean of the areas, and r =
+    /// Matrix of a cone from x = γL, `inertia` sM (M with the geometric mean of the areas) and r =
     /// `radius_ratio`.
     pub(crate) fn cone(x: Complex64, inertia: Complex64, radius_ratio: f64) -> Self {
         let hyperbolic = ScaledHyperbolic::of(x);
@@ -127,8 +127,8 @@ impl ScaledTransition {
         }
     }
 
-    /// Matrix of a horn from x = γL, `inertia` sM with the mean area as for the cone, r =
-    /// `radius_ratio` and μ = `log_ratio` = ln r.
+    /// Matrix of a horn from x = γL, `inertia` sM (M as for the cone), r = `radius_ratio` and μ =
+    /// `log_ratio` = ln r.
     pub(crate) fn horn(
         x: Complex64,
         inertia: Complex64,
@@ -143,7 +143,7 @@ impl ScaledTransition {
         let t = hyperbolic.sinh_over(root);
         let decaying = Complex64::from_polar((-2.0 * hyperbolic.exponent).exp(), -root.im);
         let x_squared_t = x_squared * t;
-        // on the side of the wide end cosh X - |μ|T, on the other cosh X + |μ|T
+        // the entry of the wide end is cosh X - |μ|T, that of the narrow end cosh X + |μ|T
         let wide = decaying + x_squared_t / (root + steepness);
         let thin = hyperbolic.cosh + steepness * t;
         let (p11, p22) = if log_ratio >= 0.0 {

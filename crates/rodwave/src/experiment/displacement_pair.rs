@@ -5,11 +5,11 @@ use crate::error::{RodwaveError, check_positive};
 use crate::impact::{ImpactBalance, ImpactHistory, ImpactTest};
 use crate::inelastic::InelasticLaw;
 
-/// Displacement histories of a struck rod from the first contact on, exact at the sensors: neither
-/// filtered nor sampled at a recorder's rate (Ödeen 1993, paper D, Figure 2).
+/// Displacement histories of a struck rod from the first contact on. They are exact at the sensors:
+/// neither filtered nor sampled at the rate of a recorder (Ödeen 1993, paper D, Figure 2).
 ///
-/// A displacement is the sum of velocity times step in the chain that computes it, so the
-/// displacements are as accurate as the velocities.
+/// A displacement is the sum of velocity times step in the chain that computes it. The
+/// displacements are therefore as accurate as the velocities.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct DisplacementPair {
@@ -41,8 +41,8 @@ impl DisplacementPair {
         }
     }
 
-    /// Time \[s\] until which both displacements are within `range` \[m\]; the end of the history
-    /// if they always are.
+    /// Time \[s\] until which both displacements are within `range` \[m\]; the end of the histories
+    /// if they never leave the range.
     #[must_use]
     #[expect(clippy::cast_precision_loss, reason = "step counts are far below 2^52")]
     pub fn in_range_until(&self, range: f64) -> f64 {
@@ -75,7 +75,7 @@ impl<L: InelasticLaw> ImpactTest<L> {
     /// ```
     ///
     /// # Errors
-    /// As [`ImpactTest::run`].
+    /// The errors of [`ImpactTest::run`].
     pub fn displacements(
         &self,
         cell: f64,
@@ -121,7 +121,7 @@ mod tests {
             reason = "a time within the history"
         )]
         let at = |of: &[f64], time: f64| of[(time / pair.step) as usize];
-        // at the edges of the pulse the chain rings by a few hundredths, over a few of its hundred
+        // the chain rings by some hundredths at the edges of the pulse, over some of its hundred
         // cells
         for (found, expected) in [
             (at(&pair.section, 0.39 / c), 0.0),

@@ -1,15 +1,15 @@
 //! The test of paper A: accelerations of the two ends of a struck rod.
 //!
 //! A rod of length L with accelerometers of mass m on both ends is struck at one end with a known
-//! force F. With μ = m/(ρAL), the accelerations a₁ of the struck and a₂ of the free end obey for
-//! any force (Ödeen 1993, paper A, eq. 1),
+//! force F. With μ = m/(ρAL), the acceleration a₁ of the struck end and a₂ of the free end obey,
+//! for any force (Ödeen 1993, paper A, eq. 1),
 //!
 //! ```text
 //! Ψ = â₁/â₂ = cosh γL + μ γL sinh γL
 //! ```
 //!
-//! The method of paper A inverts this equation, which is therefore not used here: both ends are
-//! sections of a [`Chain`] of mass, rod and mass.
+//! The method of paper A inverts this equation. The simulation therefore does not use it: both ends
+//! are sections of a [`Chain`] of mass, rod and mass.
 //!
 //! ```
 //! use rodwave::experiment::end_accelerations::{EndAccelerationTest, RaisedCosine, Specimen};
@@ -35,8 +35,8 @@
 //! ```
 //!
 //! # Limitations
-//! The force is prescribed, not computed: a rigid hammer would exert an infinite one on a rigid
-//! accelerometer. The instruments are ideal.
+//! The force is prescribed, not computed: a rigid hammer on a rigid accelerometer would cause an
+//! infinite force. The instruments are ideal.
 
 use std::f64::consts::{PI, TAU};
 
@@ -62,7 +62,7 @@ pub const PERIODIC_GENERATOR: &str =
 /// Largest late level, relative to the peak, of a history that counts as decayed.
 const QUIET: f64 = 1e-3;
 
-/// Number of parts of the period, the last of which shows whether the history has decayed.
+/// Number of parts of the period. The last part shows whether the history has decayed.
 const PARTS_OF_PERIOD: usize = 16;
 
 /// A force or a velocity of finite duration that begins at time 0, known in time and as a
@@ -79,14 +79,15 @@ pub trait Pulse {
     fn transform(&self, s: Complex64) -> Complex64;
 }
 
-/// P sin πt/d for 0 < t < d: the force of a rigid mass on a spring. Its slope jumps at both ends
-/// and its transform decays as 1/s².
+/// Half sine P sin πt/d for 0 < t < d: the force of a rigid mass on a spring. Its slope jumps at
+/// both ends, and its transform decays as 1/s².
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct HalfSine {
     extent: Extent,
 }
 
-/// (P/2)(1 - cos 2πt/d) for 0 < t < d: a smooth pulse, whose transform decays as 1/s³.
+/// Raised cosine (P/2)(1 - cos 2πt/d) for 0 < t < d: a smooth pulse, whose transform decays as
+/// 1/s³.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RaisedCosine {
     extent: Extent,
@@ -117,12 +118,12 @@ impl Extent {
     }
 }
 
-/// (1 - e^{-z})/z, also near z = 0, where it is 1.
+/// Computes (1 - e^{-z})/z, also near z = 0, where it is 1.
 fn decay_integral(z: Complex64) -> Complex64 {
     if z == Complex64::ZERO {
         Complex64::ONE
     } else if z.re.abs() < 1.0 {
-        // sinh of a complex number is accurate in both parts, the difference is not
+        // sinh of a complex number is accurate in both parts, 1 - e^{-z} is not
         let half = 0.5 * z;
         (-half).exp() * half.sinh() / half
     } else {
@@ -193,8 +194,8 @@ pub struct Specimen {
     pub accelerometer_mass: f64,
 }
 
-/// The test of paper A (Ödeen 1993, paper A, Figures 1 and 2). With `V` = [`LaplaceVariable`] the
-/// law of the material is analytic and all histories are exact.
+/// Test of paper A (Ödeen 1993, paper A, Figures 1 and 2). With `V` = [`LaplaceVariable`], the law
+/// of the material is analytic and all histories are exact.
 #[derive(Debug, Clone)]
 pub struct EndAccelerationTest<V: Argument = AngularFrequency> {
     specimen: Specimen,
@@ -202,21 +203,20 @@ pub struct EndAccelerationTest<V: Argument = AngularFrequency> {
     mass: f64,
 }
 
-/// Truncation of the histories.
+/// State of the histories at their end.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub enum Tail {
     /// Histories computed by the damped transform; they may continue beyond the end of the record.
     Free,
-    /// Periodic histories that have decayed within the period: the late part is this far below the
-    /// peak.
+    /// Periodic histories that have decayed within the period, down to this level.
     DiedOut {
         /// Root mean square of the last sixteenth of the period over the peak, for the end of the
         /// rod where this ratio is larger.
         late_level: f64,
     },
-    /// Periodic histories that have not decayed: their beginning contains the end of the previous
-    /// period; not reliable.
+    /// Periodic histories that have not decayed. They are not reliable: their beginning contains
+    /// the end of the previous period.
     WrappedAround {
         /// Root mean square of the last sixteenth of the period over the peak, for the end of the
         /// rod where this ratio is larger.
@@ -238,7 +238,7 @@ pub struct EndAccelerationRecord {
     pub impacted_end: Vec<f64>,
     /// Acceleration a₂ of the free end [m/s²], along the force; `(n_samples)`.
     pub free_end: Vec<f64>,
-    /// Truncation of the histories; shows whether the transform was long enough.
+    /// State of the histories at their end; shows whether the transform was long enough.
     pub tail: Tail,
 }
 
@@ -266,7 +266,7 @@ impl EndAccelerationTest<LaplaceVariable> {
     /// Creates a test of a `specimen` of a `medium` whose law is analytic.
     ///
     /// # Errors
-    /// As [`EndAccelerationTest::new`].
+    /// The errors of [`EndAccelerationTest::new`].
     pub fn analytic<M>(medium: &M, specimen: &Specimen) -> Result<Self, RodwaveError>
     where
         M: WaveMedium<LaplaceVariable> + Clone + 'static,
@@ -274,17 +274,16 @@ impl EndAccelerationTest<LaplaceVariable> {
         Self::build(Chain::analytic_from_impact_face(), medium, specimen)
     }
 
-    /// Computes the accelerations under this `force` \[N\] to the accuracy of the `synthesis`, for
-    /// elastic rods too.
+    /// Computes the accelerations under this `force` \[N\] to the accuracy of the `synthesis`, also
+    /// for elastic rods.
     ///
-    /// The transform of a₁ decays like that of the force at frequencies where the inertia of the
-    /// accelerometer exceeds the impedance of the rod; without accelerometers it decays like s
-    /// times that of the force. Content above the Nyquist frequency causes ringing, which grows as
-    /// e^{at} during the record. Choose an interval much shorter than the force, or a smoothed
-    /// synthesis.
+    /// At frequencies where the inertia of the accelerometer exceeds the impedance of the rod, the
+    /// transform of a₁ decays like that of the force; without accelerometers it decays like s times
+    /// that of the force. Content above the Nyquist frequency causes ringing, which grows as e^{at}
+    /// during the record. Choose an interval much shorter than the force, or a smoothed synthesis.
     ///
     /// # Errors
-    /// As [`Chain::mobility`] and [`DampedSynthesis::history`].
+    /// The errors of [`Chain::mobility`] and [`DampedSynthesis::history`].
     pub fn record(
         &self,
         force: &(impl Pulse + ?Sized),
@@ -341,10 +340,11 @@ impl<V: Argument> EndAccelerationTest<V> {
         self.mass
     }
 
-    /// Ψ = â₁/â₂ at `omega` [rad/s] (paper A, eq. 1), 1 at ω = 0.
+    /// Ratio Ψ = â₁/â₂ at `omega` [rad/s] (paper A, eq. 1); 1 at ω = 0.
     ///
     /// # Errors
-    /// As [`Chain::mobility`]; [`RodwaveError::NonPhysical`] where no wave reaches the free end.
+    /// The errors of [`Chain::mobility`]; [`RodwaveError::NonPhysical`] where no wave reaches the
+    /// free end.
     pub fn acceleration_ratio(&self, omega: f64) -> Result<Complex64, RodwaveError> {
         if omega == 0.0 {
             return Ok(Complex64::ONE);
@@ -360,14 +360,14 @@ impl<V: Argument> EndAccelerationTest<V> {
         Ok(ratio)
     }
 
-    /// Computes the accelerations under a periodic `force` \[N\], for laws that are known on the
-    /// real axis only.
+    /// Computes the accelerations under a periodic `force` \[N\], for laws that are known only on
+    /// the real axis.
     ///
-    /// At 0 Hz both accelerations are F̂(0) over the mass. The [`Tail`] of the record shows whether
-    /// one period represents a single impact.
+    /// At 0 Hz, both accelerations are F̂(0) over the mass. The [`Tail`] of the record shows
+    /// whether one period represents a single impact.
     ///
     /// # Errors
-    /// As [`Chain::mobility`] and [`FourierSynthesis::history`].
+    /// The errors of [`Chain::mobility`] and [`FourierSynthesis::history`].
     pub fn periodic_record(
         &self,
         force: &(impl Pulse + ?Sized),

@@ -1,6 +1,6 @@
 //! The test of paper E: impact and separation of two bodies.
 //!
-//! The first body arrives with the velocity V, the second is at rest. While their faces stick, the
+//! The first body arrives with the velocity V; the second is at rest. While their faces stick, the
 //! force F_s between them obeys (Ödeen 1993, paper E, eq. 2)
 //!
 //! ```text
@@ -9,8 +9,8 @@
 //!
 //! which is solved on the damped line of [`DampedSynthesis`]. This is valid for any two bodies of
 //! analytic laws, including two finite elastic ones. The contact ends when the force ceases to be
-//! compressive (paper E, eq. 3); from then on both faces are free, and their velocities are V -
-//! G₁ * F and G₂ * F with the force up to that time.
+//! compressive (paper E, eq. 3). From then on both faces are free; with the force F up to that
+//! time, their velocities are V - G₁ * F and G₂ * F.
 //!
 //! ```
 //! use rodwave::chain::{AnalyticChain, Termination};
@@ -48,12 +48,12 @@ use crate::synthesis::{DampedSynthesis, SynthesizedHistory};
 /// Generator name of [`ImpactOfTwoBodies::run`].
 pub const GENERATOR: &str = "impact of two bodies: chain recursion, damped Fourier transform";
 
-/// Standard deviation in intervals of the Gaussian that smooths the jump at contact: 3e-14 remains
-/// at the Nyquist frequency.
+/// Standard deviation, in intervals, of the Gaussian that smooths the jump at contact: 3e-14
+/// remains at the Nyquist frequency.
 const SMOOTHING: f64 = 2.5;
 
-/// Fraction of the peak below which a tension is ignored: the alias of the next period is 1e-7, and
-/// the rest is rounding.
+/// Fraction of the peak below which a tension is ignored: the alias of the next period contributes
+/// 1e-7, and rounding the rest.
 const TENSION: f64 = 1e-6;
 
 /// Two bodies whose impact faces meet.
@@ -86,8 +86,8 @@ pub enum ContactEnd {
 pub struct ImpactRecord<'a> {
     /// Generator of the record: [`GENERATOR`].
     pub generator: &'static str,
-    /// Time of the first sample \[s\]: 20 intervals before the contact at time 0, as the jump is
-    /// smoothed over ±15.
+    /// Time of the first sample \[s\]: 20 intervals before the contact at time 0, because the jump
+    /// is smoothed over ±15 intervals.
     pub start: f64,
     /// Interval between samples \[s\].
     pub interval: f64,
@@ -109,24 +109,24 @@ pub struct ImpactRecord<'a> {
 }
 
 impl<'a> ImpactOfTwoBodies<'a> {
-    /// Computes the impact over `duration` \[s\] in steps of `interval` \[s\], from 20 intervals
-    /// before the contact.
+    /// Computes the impact over `duration` \[s\] in steps of `interval` \[s\], starting 20
+    /// intervals before the contact.
     ///
     /// All histories are convolved with a Gaussian of standard deviation 2.5 intervals: impulses
     /// are conserved, a jump is spread over ±15 intervals, and constant or linear parts are
     /// unchanged.
     ///
     /// # Validity
-    /// Until the end of the contact the error is that of [`DampedSynthesis`]. If the stick force
-    /// passes through zero with a slope, the velocities after it have an error of the order of the
-    /// interval squared. If the stick force jumps to tension, the end of the contact is known to ±2
-    /// standard deviations of the Gaussian, and the impulse to the jump times one standard
-    /// deviation. With a massless spring at the impact face the velocity of that face jumps at the
-    /// end of the contact, and rings there.
+    /// Until the end of the contact, the error is that of [`DampedSynthesis`]. If the stick force
+    /// passes through zero with a slope, the velocities after the contact have an error of the
+    /// order of the interval squared. If the stick force jumps to tension, the end of the contact
+    /// is known to ±2 standard deviations of the Gaussian, and the impulse to the jump times one
+    /// standard deviation. With a massless spring at an impact face, the velocity of that face
+    /// jumps at the end of the contact, and rings there.
     ///
     /// # Errors
-    /// [`RodwaveError::NonPhysical`] for the velocity, for times that are not positive or a
-    /// duration of 20 intervals or less; as [`AnalyticChain::mobility_at_s`].
+    /// [`RodwaveError::NonPhysical`] for a velocity or a time that is not positive, or a duration
+    /// of 20 intervals or less; the errors of [`AnalyticChain::mobility_at_s`].
     pub fn run(&self, duration: f64, interval: f64) -> Result<ImpactRecord<'a>, RodwaveError> {
         check_positive("impact velocity [m/s]", self.velocity)?;
         let synthesis = DampedSynthesis::new(duration, interval)?;
@@ -198,12 +198,12 @@ impl ImpactRecord<'_> {
     /// Acceleration of the face of the second body [m/s²], along V; `(n_samples)`.
     ///
     /// # Validity
-    /// A jump of the force causes a jump of the face velocity of an elastic body: the acceleration
-    /// is then limited only by the Gaussian. With a spring or a mass at one of the faces it is
-    /// as accurate as the other histories.
+    /// A jump of the force causes a jump of the face velocity of an elastic body: only the Gaussian
+    /// then limits the acceleration. With a spring or a mass at one of the faces, the acceleration
+    /// is as accurate as the other histories.
     ///
     /// # Errors
-    /// As [`AnalyticChain::mobility_at_s`].
+    /// The errors of [`AnalyticChain::mobility_at_s`].
     pub fn second_acceleration(&self) -> Result<Vec<f64>, RodwaveError> {
         let lines = self.synthesis.arguments().zip(&self.force_transform);
         let transform: Vec<Complex64> = lines
@@ -213,11 +213,11 @@ impl ImpactRecord<'_> {
     }
 
     /// Returns the force -N \[N\], positive in compression, in a section of the second body, at
-    /// `distance` \[m\] from the near face of its `element`; `(n_samples)`. (Ödeen 1993, paper
-    /// E, Figure 4).
+    /// `distance` \[m\] from the near face of its `element` (Ödeen 1993, paper E, Figure 4);
+    /// `(n_samples)`.
     ///
     /// # Errors
-    /// As [`AnalyticChain::section`](crate::Chain::section) and
+    /// The errors of [`AnalyticChain::section`](crate::Chain::section) and
     /// [`Section::state_at_s`](crate::chain::Section::state_at_s).
     pub fn transmitted_force(
         &self,
@@ -262,10 +262,10 @@ fn compressive_part(stick: &SynthesizedHistory) -> (Vec<f64>, ContactEnd) {
     (force, ContactEnd::Separated { time })
 }
 
-/// Σ Δt f_n e^{-s t_n} at the arguments of the synthesis, t_n from the first sample: the transform
-/// of a history without content above the Nyquist frequency.
+/// Computes Σ Δt f_n e^{-s t_n} at the arguments of the synthesis, with t_n from the first sample:
+/// the transform of a history without content above the Nyquist frequency.
 fn transform_of_samples(samples: &[f64], interval: f64, damping: f64) -> Vec<Complex64> {
-    // the samples are half a period and its end point: a period has 2 (n - 1) samples
+    // the samples fill half a period and its end point: a period has 2 (n - 1) samples
     let mut fourier = RealFourier::new(2 * (samples.len() - 1));
     let damped = fourier.samples().iter_mut().zip(samples);
     for (index, (damped, sample)) in damped.enumerate() {

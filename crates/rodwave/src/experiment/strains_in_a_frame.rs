@@ -1,7 +1,7 @@
 //! The test of paper B: strains at sections of a rod that is a member of a structure.
 //!
 //! The method of paper B needs no knowledge of the ends of the rod. At the left end, where the
-//! structure is struck, another body may be attached in parallel to the rod; at the right end is a
+//! structure is struck, another body may be attached in parallel to the rod; the right end has a
 //! [`Termination`]:
 //!
 //! ```text
@@ -10,15 +10,15 @@
 //!      force F --> node ===== rod, sections at x₁, x₂, ... ===== termination
 //! ```
 //!
-//! The velocity of the node is v̂ = F̂/(1/Ĝ_left + 1/Ĝ_rod), so that Ĝ_left/(Ĝ_left + Ĝ_rod) of the
-//! force acts on the rod. For three sections at distances a and for any ends (Ödeen 1993, paper B,
-//! eqs. 6-7),
+//! The velocity of the node is v̂ = F̂/(1/Ĝ_left + 1/Ĝ_rod); the fraction Ĝ_left/(Ĝ_left + Ĝ_rod)
+//! of the force therefore acts on the rod. For three sections a distance a apart and for any ends
+//! (Ödeen 1993, paper B, eqs. 6-7),
 //!
 //! ```text
 //! cosh γa = Ψ = (ε̂₁ + ε̂₂)/(2ε̂₀)
 //! ```
 //!
-//! In structure I of the paper the bar ends at two cantilever beams, in structure II a steel lump
+//! In structure I of the paper, the bar ends at two cantilever beams; in structure II, a steel lump
 //! is added at the right end. [`EndSupport`] models a beam by its lowest mode; the paper gives
 //! neither the damping of the steel nor the mass of the lump.
 //!
@@ -45,9 +45,9 @@
 //! ```
 //!
 //! # Limitations
-//! Bending and the higher modes of the beams are neglected: a beam enters by the impedance of its
-//! tip to the axial motion of the rod, which any measured impedance can replace. The instruments
-//! are ideal.
+//! Bending and the higher modes of the beams are neglected: a beam is represented by the impedance
+//! of its tip to the axial motion of the rod. Any measured impedance can be used in its place. The
+//! instruments are ideal.
 
 use std::fmt;
 use std::sync::Arc;
@@ -145,7 +145,8 @@ impl EndSupport {
 }
 
 /// A rod between two structures, with sections where the strain is observed. With `V` =
-/// [`LaplaceVariable`] all laws are analytic and histories are available; otherwise spectra only.
+/// [`LaplaceVariable`], all laws are analytic and histories are available; otherwise only spectra
+/// are.
 #[derive(Debug, Clone)]
 pub struct FrameMember<V: Argument = AngularFrequency> {
     medium: Arc<dyn WaveMedium<V>>,
@@ -172,12 +173,12 @@ pub struct StrainRecord {
 
 impl FrameMember {
     /// Creates a rod of any `medium` with this `section` and `length` \[m\], observed at
-    /// `positions` x \[m\] from its left end, without a left structure and with a termination
-    /// at the `right`.
+    /// `positions` x \[m\] from its left end. It has no left structure; the termination `right` is
+    /// at its right end.
     ///
     /// # Errors
-    /// [`RodwaveError::InElement`] or [`RodwaveError::NonPhysical`] for the rod, its right end or a
-    /// position outside the rod.
+    /// [`RodwaveError::InElement`] or [`RodwaveError::NonPhysical`] if the rod or its right end is
+    /// invalid, or a position is outside the rod.
     pub fn new<M>(
         medium: &M,
         section: impl Into<CrossSection>,
@@ -198,17 +199,17 @@ impl FrameMember {
     /// Adds a structure parallel to the rod at the left end.
     ///
     /// # Errors
-    /// [`RodwaveError::NonPhysical`] for the structure.
+    /// [`RodwaveError::NonPhysical`] if the structure is invalid.
     pub fn with_left_structure(self, left: Termination) -> Result<Self, RodwaveError> {
         self.beside(Chain::from_impact_face(), left)
     }
 }
 
 impl FrameMember<LaplaceVariable> {
-    /// Creates a rod like [`FrameMember::new`], of a `medium` whose law is analytic.
+    /// Creates a rod as [`FrameMember::new`] does, of a `medium` whose law is analytic.
     ///
     /// # Errors
-    /// As [`FrameMember::new`].
+    /// The errors of [`FrameMember::new`].
     pub fn analytic<M>(
         medium: &M,
         section: impl Into<CrossSection>,
@@ -229,7 +230,7 @@ impl FrameMember<LaplaceVariable> {
     /// Adds a structure parallel to the rod at the left end.
     ///
     /// # Errors
-    /// [`RodwaveError::NonPhysical`] for the structure.
+    /// [`RodwaveError::NonPhysical`] if the structure is invalid.
     pub fn with_analytic_left_structure(
         self,
         left: Termination<LaplaceVariable>,
@@ -240,11 +241,11 @@ impl FrameMember<LaplaceVariable> {
     /// Computes the strain histories under this `excitation` to the accuracy of the `synthesis`,
     /// also for undamped structures.
     ///
-    /// The transforms decay like that of the prescribed force or velocity; content above the
+    /// The transforms decay like that of the prescribed force or velocity. Content above the
     /// Nyquist frequency causes ringing.
     ///
     /// # Errors
-    /// As [`Chain::mobility`] and [`DampedSynthesis::history`].
+    /// The errors of [`Chain::mobility`] and [`DampedSynthesis::history`].
     pub fn record(
         &self,
         excitation: &Excitation<'_>,
@@ -327,8 +328,8 @@ impl<V: Argument> FrameMember<V> {
     /// (paper B, eq. 5); `(n_sections)(n_frequencies)`.
     ///
     /// # Errors
-    /// As [`Chain::mobility`]; [`RodwaveError::NonPhysical`] at ω = 0, where the strain of a law
-    /// that creeps is infinite.
+    /// The errors of [`Chain::mobility`]; [`RodwaveError::NonPhysical`] at ω = 0, where the strain
+    /// of a law that creeps is infinite.
     pub fn strain_spectra(
         &self,
         excitation: &Excitation<'_>,
@@ -360,7 +361,7 @@ impl<V: Argument> FrameMember<V> {
             .collect()
     }
 
-    /// ε = N/(AE), with E = ρs²/γ².
+    /// Strain ε = N/(AE), with E = ρs²/γ².
     fn strain(&self, argument: V, state: State) -> Complex64 {
         let slowness = self.medium.propagation_coefficient(argument) / argument.s();
         state.normal_force * slowness * slowness / (self.medium.density() * self.section.area())

@@ -1,9 +1,9 @@
-//! F = 0: the elastic rod, null hypothesis of every damping law.
+//! The elastic rod, F = 0: the null hypothesis of every damping law.
 
 use super::{InelasticLaw, RelaxationFlow, RelaxedStress, check_count};
 use crate::RodwaveError;
 
-/// The elastic rod, F(σ) = 0.
+/// Elastic law, F(σ) = 0.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Elastic;
 
@@ -33,7 +33,7 @@ impl InelasticLaw for Elastic {
     }
 }
 
-/// No relaxation.
+/// Relaxation of the elastic law: the stress does not change.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct ElasticFlow;
 

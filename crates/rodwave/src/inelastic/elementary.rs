@@ -1,19 +1,20 @@
 //! Branch-free logarithm and exponential of several numbers at once, which the compiler vectorises.
 //!
-//! The relaxation of one step changes a stress by a thousandth or so; a relative error of 1e-14 in
-//! that change is rounding in the stress. These series have that accuracy at a fraction of the cost
-//! of a call to the mathematical library.
+//! The relaxation of one step changes a stress by a thousandth or so. A relative error of 1e-14 in
+//! that change is only rounding in the stress. These series have that accuracy at a fraction of the
+//! cost of a call to the mathematical library.
 
 use super::LANES;
 
-/// √½ as bits: mantissas are between √½ and √2.
+/// Bits of √½: mantissas are between √½ and √2.
 const SQRT_HALF_BITS: u64 = 0x3FE6_A09E_667F_3BCD;
 const ONE_BITS: u64 = 0x3FF0_0000_0000_0000;
 const MANTISSA: u64 = 0x000F_FFFF_FFFF_FFFF;
-/// 2^52 as bits: combined with an integer below 2^52 it is the sum of both.
+/// Bits of 2^52: combined with the bits of an integer below 2^52, they are those of the sum of
+/// both.
 const TWO_TO_52_BITS: u64 = 0x4330_0000_0000_0000;
 const TWO_TO_52: f64 = 4_503_599_627_370_496.0;
-/// 1.5 · 2^52: adding it rounds to the nearest integer.
+/// 1.5 · 2^52: adding it to a number rounds the number to the nearest integer.
 const ROUNDER: f64 = 6_755_399_441_055_744.0;
 
 /// Coefficients 1/(2k + 1) of the series of artanh(t)/t in powers of t².
@@ -46,8 +47,8 @@ const EXPONENTIAL: [f64; 13] = [
     1.0 / 479_001_600.0,
 ];
 
-/// Σ cₖ xᵏ by Estrin's rule, four terms at a time: several short chains of operations, which a
-/// processor runs in parallel, instead of the long one of Horner's rule.
+/// Computes Σ cₖ xᵏ by Estrin's rule, four terms at a time: the processor runs several short chains
+/// of operations in parallel, instead of the single long chain of Horner's rule.
 #[inline(always)]
 #[allow(
     clippy::indexing_slicing,
@@ -75,7 +76,7 @@ pub(super) fn polynomial<const N: usize>(coefficients: &[f64; N], x: f64) -> f64
     sum
 }
 
-/// Largest of several numbers, found by halving the array; NaN may be skipped.
+/// Returns the largest of several numbers, found by halving the array; NaN may be skipped.
 #[inline(always)]
 #[allow(
     clippy::indexing_slicing,
@@ -97,13 +98,13 @@ pub(super) fn largest(x: &[f64; LANES]) -> f64 {
     largest[0]
 }
 
-/// Larger of two numbers in one vector instruction, unlike `f64::max`.
+/// Returns the larger of two numbers in one vector instruction, unlike `f64::max`.
 #[inline(always)]
 fn larger(a: f64, b: f64) -> f64 {
     if a > b { a } else { b }
 }
 
-/// ln of non-negative numbers, to 1e-14 (relative to 1 near 1); about -709 at zero.
+/// Computes ln of non-negative numbers, to 1e-14 (relative to 1 near 1); about -709 at zero.
 #[inline(always)]
 pub(super) fn ln(x: &[f64; LANES]) -> [f64; LANES] {
     lanes!(|i| {
@@ -117,12 +118,12 @@ pub(super) fn ln(x: &[f64; LANES]) -> [f64; LANES] {
     })
 }
 
-/// exp of numbers between -708 and 709, to 1e-14 times 1 + |x|; outside this range, the value at
-/// the nearer end.
+/// Computes exp of numbers between -708 and 709, to 1e-14 times 1 + |x|; outside this range, the
+/// value at the nearer end.
 #[inline(always)]
 pub(super) fn exp(x: &[f64; LANES]) -> [f64; LANES] {
     lanes!(|i| {
-        // max and min in this order pass a NaN to the exact path
+        // max and min in this order pass a NaN on
         let x = if x[i] < -708.0 { -708.0 } else { x[i] };
         let x = if x > 709.0 { 709.0 } else { x };
         let rounded = x * std::f64::consts::LOG2_E + ROUNDER;

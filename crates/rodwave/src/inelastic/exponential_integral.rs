@@ -10,7 +10,7 @@ pub(super) fn entire(x: f64) -> f64 {
         power *= x / k;
         let term = power / k;
         sum += term;
-        // the terms decrease from k = x on
+        // beyond k = x the terms decrease
         if term <= 1e-17 * sum || !sum.is_finite() {
             return sum;
         }
@@ -30,10 +30,10 @@ pub(super) const GAUSS_LEGENDRE: [(f64, f64); 4] = [
     (0.960_289_856_497_536_2, 0.101_228_536_290_376_26),
 ];
 
-/// E1(y) for y > 0.
+/// Computes E1(y) for y > 0.
 ///
-/// The library evaluates its continued fraction for y > 1 and fails after 100 terms at scattered
-/// points of 1 < y < 1.42; there E1(1) - ∫₁^y e^{-t}/t dt by Gauss-Legendre quadrature is exact to
+/// For y > 1 the library evaluates a continued fraction, which fails after 100 terms at scattered
+/// points of 1 < y < 1.42. There, E1(1) - ∫₁^y e^{-t}/t dt by Gauss-Legendre quadrature is exact to
 /// rounding.
 pub(super) fn e1(y: f64) -> f64 {
     if y > 1.0 && y < 1.5 {
@@ -47,7 +47,7 @@ pub(super) fn e1(y: f64) -> f64 {
             .sum();
         return E1_OF_ONE - half * area;
     }
-    // e^{-y} has underflowed where the library has no value
+    // where the library has no value, e^{-y} has underflowed
     integral(y, 1).unwrap_or(0.0)
 }
 
@@ -67,7 +67,7 @@ mod tests {
             (700.0, 1.4065187662340329e-307),
         ] {
             let found = e1(y);
-            // the library sums its continued fraction to a few units of rounding
+            // the library sums its continued fraction to some units of rounding
             assert!(
                 (found / expected - 1.0).abs() < 2e-14,
                 "E1({y}) = {found}, expected {expected}"
@@ -77,7 +77,7 @@ mod tests {
 
     #[test]
     fn quadrature_joins_the_library_on_both_sides() {
-        // Two independent evaluations meet at 1.5, and the step from 1.5 to 1.5 (1 - 1e-14) is
+        // Two independent evaluations meet at 1.5; between 1.5 and 1.5 (1 - 1e-14), E1 changes by
         // 1e-15.
         let below = e1(1.5 * (1.0 - 1e-14));
         let above = e1(1.5);

@@ -8,7 +8,7 @@ use crate::RodwaveError;
 use crate::error::{check_finite, check_positive};
 
 /// Flow of thermally activated segments: F(σ) = ε̇₀ sinh(σ/σ*) = r sinh(β σ/σ_ref)/sinh β, with β =
-/// σ_ref/σ* and r = F(σ_ref). In the limit β → 0 it is the linear Maxwell law.
+/// σ_ref/σ* and r = F(σ_ref). The limit β → 0 is the linear Maxwell law.
 ///
 /// ```
 /// use rodwave::inelastic::{Eyring, InelasticLaw};
@@ -47,8 +47,8 @@ impl Eyring {
     /// Creates the law with β = σ_ref/σ* and F(`reference_stress` \[Pa\]) = `reference_rate` [1/s].
     ///
     /// # Errors
-    /// [`RodwaveError::NonPhysical`] unless all are finite and above 0, and so is the resulting
-    /// viscosity, which requires β below about 700.
+    /// [`RodwaveError::NonPhysical`] unless all are finite and above 0, and the resulting viscosity
+    /// is too, which requires β below about 700.
     pub fn from_reference_rate(
         sharpness: f64,
         reference_rate: f64,
@@ -62,7 +62,7 @@ impl Eyring {
             reference_rate: check_positive("reference rate [1/s]", reference_rate)?,
             reference_stress: check_positive("reference stress [Pa]", reference_stress)?,
         };
-        // the flow uses the viscosity
+        // the flow uses the viscosity, which must therefore be finite and above 0
         check_positive("viscosity [Pa s]", law.viscosity())?;
         Ok(law)
     }
@@ -91,7 +91,7 @@ impl Eyring {
         BOLTZMANN * temperature / self.activation_stress()
     }
 
-    /// d ln F/d ln σ at the reference stress.
+    /// Exponent d ln F/d ln σ at the reference stress.
     #[must_use]
     pub fn exponent_at_reference(&self) -> f64 {
         self.sharpness / self.sharpness.tanh()
@@ -137,7 +137,7 @@ impl InelasticLaw for Eyring {
     }
 }
 
-/// tanh(y1/2) = e^{-q} tanh(y0/2) with y = |σ|/σ* and q = E h/η.
+/// Relaxation of the Eyring law: tanh(y1/2) = e^{-q} tanh(y0/2) with y = |σ|/σ* and q = E h/η.
 ///
 /// The change of a short step follows from tanh((y0 - y1)/2) = T (1 - e^{-q})/(1 - e^{-q} T²), T =
 /// tanh(y0/2), whose terms are all positive.
@@ -164,14 +164,14 @@ const TANH: [f64; 6] = [
     -1382.0 / 155_925.0,
 ];
 
-/// Largest y0 for the series [`TANH`], whose first omitted term is 1e-17 there; above it, 1 -
-/// e^{-y0} loses a digit at most.
+/// Largest y0 for the series [`TANH`], whose first omitted term is 1e-17 at this limit; above it,
+/// 1 - e^{-y0} loses at most one digit.
 const SMALL: f64 = 0.125;
 
 /// Largest z of the series of artanh: the first omitted term is 3e-18.
 const LARGEST: f64 = 0.125;
 
-/// Terms of a step of several cells.
+/// Quantities of a step of several cells.
 struct Step {
     /// T = tanh(y0/2)
     tanh: [f64; LANES],
@@ -211,7 +211,7 @@ impl EyringFlow {
         Step { tanh, rest, drop }
     }
 
-    /// σ1 - σ0 of several cells, for drops below [`LARGEST`].
+    /// Computes σ1 - σ0 of several cells, for drops below [`LARGEST`].
     #[inline(always)]
     fn change_of(&self, stress: &[f64; LANES], drop: &[f64; LANES]) -> [f64; LANES] {
         lanes!(|i| {
@@ -290,7 +290,7 @@ impl RelaxationFlow for EyringFlow {
                 -2.0 * self.left * falls / all,
             )
         } else {
-            // a step of zero length at more than 700 σ*
+            // at more than 700 σ*, a step of zero length
             (1.0, 0.0)
         };
         let by_advance = (self.activation_stress * by_advance).copysign(-stress);

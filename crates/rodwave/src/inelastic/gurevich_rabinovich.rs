@@ -11,8 +11,8 @@ use crate::error::{check_finite, check_positive};
 /// Inelastic strain rate F(σ) = σ exp(|σ|/m)/η = r (σ/σ_ref) exp(β (|σ|/σ_ref - 1)), with β =
 /// σ_ref/m and r = F(σ_ref).
 ///
-/// β = 0 is the linear Maxwell law. β < 0 (a viscosity that grows with stress) is allowed, so that
-/// β = 0 is not at the edge of the range that an identification searches.
+/// β = 0 is the linear Maxwell law. β < 0 (a viscosity that grows with stress) is allowed. β = 0 is
+/// therefore not at the edge of the range that an identification searches.
 ///
 /// ```
 /// use rodwave::inelastic::{InelasticLaw, MaxwellGurevichRabinovich};
@@ -46,8 +46,8 @@ impl MaxwellGurevichRabinovich {
     /// Creates the law with β = σ_ref/m and F(`reference_stress` \[Pa\]) = `reference_rate` [1/s].
     ///
     /// # Errors
-    /// [`RodwaveError::NonPhysical`] unless β is finite and the others finite and above 0, as must
-    /// be the resulting viscosity, which requires |β| below about 700.
+    /// [`RodwaveError::NonPhysical`] unless β is finite, the others are finite and above 0, and the
+    /// resulting viscosity is too, which requires |β| below about 700.
     pub fn from_reference_rate(
         sharpness: f64,
         reference_rate: f64,
@@ -58,7 +58,7 @@ impl MaxwellGurevichRabinovich {
             reference_rate: check_positive("reference rate [1/s]", reference_rate)?,
             reference_stress: check_positive("reference stress [Pa]", reference_stress)?,
         };
-        // the flow uses the viscosity
+        // the flow uses the viscosity, which must therefore be finite and above 0
         check_positive("viscosity [Pa s]", law.viscosity())?;
         Ok(law)
     }
@@ -110,11 +110,12 @@ impl InelasticLaw for MaxwellGurevichRabinovich {
     }
 }
 
-/// E1(y1) = E1(y0) + q with y = |σ|/m and q = E h/η, E1 the exponential integral.
+/// Relaxation of the law: E1(y1) = E1(y0) + q with y = |σ|/m and q = E h/η, E1 the exponential
+/// integral.
 ///
-/// With y1 = y0 e^{-S} the same relation reads ∫₀^S exp(-y0 e^{-s}) ds = q, which holds for either
-/// sign of m and has no cancellation. The short steps of a solver use the Taylor series of y1/y0 in
-/// q; long ones solve for y1.
+/// With y1 = y0 e^{-S}, the same relation reads ∫₀^S exp(-y0 e^{-s}) ds = q. This form holds for
+/// either sign of m and has no cancellation. The short steps of a solver use the Taylor series of
+/// y1/y0 in q; long steps solve for y1.
 ///
 /// All cells of a block use the number of terms that the longest step needs. The result of a cell
 /// therefore depends on the other cells, by at most 4e-13 of the change and two rounding units of
@@ -131,12 +132,12 @@ pub struct GurevichRabinovichFlow {
 /// Largest number of terms of the series.
 const MOST_TERMS: usize = 9;
 
-/// Row n - 1 has the coefficients of Rₙ(p)/n!, from the constant on, in y1/y0 - 1 = Σ aⁿ Rₙ(p)/n!
-/// with a = q e^p and p = y0.
+/// Coefficients of the series y1/y0 - 1 = Σ aⁿ Rₙ(p)/n! with a = q e^p and p = y0. Row n - 1
+/// contains those of Rₙ(p)/n!, starting with the constant.
 ///
-/// dy/dq = -y e^y gives R₁ = -1 and Rₙ₊₁ = -((1 + n p) Rₙ + p Rₙ'). For large p the series is that
-/// of -ln(1 + ap)/p: with x = a (1 + |p|), the remainder after N terms is about xᴺ/(N + 1) of the
-/// whole, and less for smaller |p|.
+/// dy/dq = -y e^y gives R₁ = -1 and Rₙ₊₁ = -((1 + n p) Rₙ + p Rₙ'). For large p, the series tends
+/// to that of -ln(1 + ap)/p: with x = a (1 + |p|), the remainder after N terms is about xᴺ/(N + 1)
+/// of the whole, and less for smaller |p|.
 #[allow(
     clippy::indexing_slicing,
     reason = "evaluated by the compiler, which refuses an index out of bounds"
@@ -167,14 +168,14 @@ const SERIES: [[f64; MOST_TERMS]; MOST_TERMS] = {
     series
 };
 
-/// Largest a (1 + |p|) for which 5, 7 and 9 terms of the series have a remainder below 2e-13 of the
-/// change, which is below 1e-14 of the stress (compared with 30 terms with exact coefficients, |p|
-/// up to 10 000).
+/// Largest a (1 + |p|) for 5, 7 and 9 terms of the series. Up to this limit, the remainder is below
+/// 2e-13 of the change, which is below 1e-14 of the stress (compared with 30 terms with exact
+/// coefficients, |p| up to 10 000).
 const LIMIT_OF_FIVE: f64 = 3.9e-3;
 const LIMIT_OF_SEVEN: f64 = 2e-2;
 const SERIES_LIMIT: f64 = 4.8e-2;
 
-/// y1/y0 - 1 = e^{-S} - 1 by `TERMS` terms of [`SERIES`].
+/// Computes y1/y0 - 1 = e^{-S} - 1 by `TERMS` terms of [`SERIES`].
 #[inline(always)]
 #[allow(
     clippy::indexing_slicing,
@@ -197,17 +198,17 @@ fn shrink_by_series<const TERMS: usize>(a: f64, p: f64) -> f64 {
     a * sum
 }
 
-/// S from the series.
+/// Computes S from the series.
 fn decrement_by_series(a: f64, p: f64) -> f64 {
     -shrink_by_series::<MOST_TERMS>(a, p).ln_1p()
 }
 
-/// S for a step of any length.
+/// Computes S for a step of any length.
 #[cold]
 fn decrement_of_long_step(q: f64, y0: f64) -> f64 {
     if y0 < 0.0 {
-        // The viscosity falls back to η as the stress relaxes: advance in steps of the series to
-        // where the integral is known.
+        // The viscosity returns to η as the stress relaxes: advance in steps of the series until
+        // the integral can be evaluated.
         if q == f64::INFINITY {
             return q;
         }
@@ -229,10 +230,10 @@ fn decrement_of_long_step(q: f64, y0: f64) -> f64 {
         return target;
     }
     if target > E1_OF_ONE {
-        // As a function of z = ln y, E1 is convex and decreasing, and E1 > -z - γ: Newton's method
-        // from the left rises to the root.
+        // As a function of z = ln y, E1 is convex and decreasing, and E1 > -z - γ: Newton's method,
+        // started left of the root, rises to it.
         let mut z = -target - EULER_GAMMA;
-        // below z = -40, E1 is -z - γ to the last digit, and e^z eventually underflows
+        // below z = -40, E1 equals -z - γ to the last digit, and e^z eventually underflows
         let most = if z < -40.0 { 0 } else { 60 };
         for _ in 0..most {
             let y = z.exp();
@@ -250,7 +251,7 @@ fn decrement_of_long_step(q: f64, y0: f64) -> f64 {
             let value = e1(y);
             let correction = (value / target).ln() * y * value * y.exp();
             if !correction.is_finite() {
-                // e^y overflows, and -ln E1 = y + ln y + 1/y to the sixth digit
+                // e^y overflows; -ln E1 equals y + ln y + 1/y to the sixth digit
                 for _ in 0..4 {
                     y = -target.ln() - y.ln() - y.recip();
                 }
@@ -265,11 +266,11 @@ fn decrement_of_long_step(q: f64, y0: f64) -> f64 {
     }
 }
 
-/// Largest -y0 of [`decrement_by_entire_integral`].
+/// Largest -y0 for [`decrement_by_entire_integral`].
 const LARGEST_ENTIRE: f64 = 40.0;
 
-/// S of ∫₀^S exp(x e^{-s}) ds = S + Ein(x) - Ein(x e^{-S}) = q for x > 0, Ein(x) = Σ xᵏ/(k k!). The
-/// integral is concave in S, so that Newton's method rises to the root.
+/// Solves ∫₀^S exp(x e^{-s}) ds = S + Ein(x) - Ein(x e^{-S}) = q for S, with x > 0 and Ein(x) = Σ
+/// xᵏ/(k k!). The integral is concave in S; Newton's method therefore rises to the root.
 fn decrement_by_entire_integral(q: f64, x: f64) -> f64 {
     let all = exponential_integral::entire(x);
     let mut decrement = 0.0_f64;
@@ -286,7 +287,7 @@ fn decrement_by_entire_integral(q: f64, x: f64) -> f64 {
 }
 
 impl GurevichRabinovichFlow {
-    /// y0 = |σ0|/m and a = q e^{y0} of several cells.
+    /// Computes y0 = |σ0|/m and a = q e^{y0} of several cells.
     #[inline(always)]
     fn relative_steps(&self, stress: &[f64; LANES]) -> ([f64; LANES], [f64; LANES]) {
         let y0 = lanes!(|i| stress[i].abs() * self.inverse_activation_stress);
@@ -294,7 +295,7 @@ impl GurevichRabinovichFlow {
         (y0, lanes!(|i| self.advance * growth[i]))
     }
 
-    /// y1/y0 from y0 = |σ0|/m.
+    /// Computes y1/y0 from y0 = |σ0|/m.
     #[inline]
     fn factor(&self, y0: f64) -> f64 {
         let a = self.advance * y0.exp();
@@ -307,21 +308,21 @@ impl GurevichRabinovichFlow {
         }
     }
 
-    /// Number of equal parts into which a step must be divided for the series to be valid in each;
-    /// `None` if too many. The stress falls, so that the first part is the most demanding one,
-    /// and the parts compose the whole exactly.
+    /// Number of equal parts into which a step must be divided for the series to be valid in each
+    /// part; `None` if there are too many. The stress falls, so the first part has the largest a
+    /// (1 + |y0|). The exact relaxation of the whole step is that of the parts in sequence.
     #[inline(always)]
     fn parts(&self, hardest: f64) -> Option<f64> {
         if hardest < SERIES_LIMIT {
             return Some(1.0);
         }
         let parts = (hardest / SERIES_LIMIT).ceil();
-        // m < 0: the rate may rise as the stress falls, and the first part is not the most
-        // demanding one
+        // m < 0: the rate may rise as the stress falls, and a later part may have a larger a (1 +
+        // |y0|) than the first
         (parts <= MOST_PARTS && self.inverse_activation_stress >= 0.0).then_some(parts)
     }
 
-    /// Changes cell by cell, for steps beyond the series.
+    /// Computes the changes cell by cell, for steps too long for the series.
     #[cold]
     #[inline(never)]
     fn change_cell_by_cell(&self, stress: &[f64; LANES]) -> [f64; LANES] {
@@ -422,13 +423,13 @@ impl RelaxationFlow for GurevichRabinovichFlow {
     }
 }
 
-/// σ1/σ0 - 1 and (e^{y1 - y0} - 1)/(y1 - y0) of several cells.
+/// Ratios σ1/σ0 - 1 and (e^{y1 - y0} - 1)/(y1 - y0) of several cells.
 struct Relaxation {
     shrink: [f64; LANES],
     mean_growth: [f64; LANES],
 }
 
-/// The largest a (1 + |y0|) of several cells.
+/// Returns the largest a (1 + |y0|) of several cells.
 #[inline(always)]
 fn hardest(y0: &[f64; LANES], a: &[f64; LANES]) -> f64 {
     elementary::largest(&lanes!(|i| a[i] * (1.0 + y0[i].abs())))
@@ -438,7 +439,7 @@ fn hardest(y0: &[f64; LANES], a: &[f64; LANES]) -> f64 {
 /// exactly, cell by cell.
 const MOST_PARTS: f64 = 8.0;
 
-/// Relaxation of several cells by `TERMS` terms of the series.
+/// Relaxes several cells by `TERMS` terms of the series.
 #[inline(always)]
 fn in_one_part<const TERMS: usize>(y0: &[f64; LANES], a: &[f64; LANES]) -> Relaxation {
     let shrink = lanes!(|i| shrink_by_series::<TERMS>(a[i], y0[i]));
@@ -448,8 +449,7 @@ fn in_one_part<const TERMS: usize>(y0: &[f64; LANES], a: &[f64; LANES]) -> Relax
     }
 }
 
-/// Relaxation of several cells in equal parts; e^y is propagated from part to part by its own
-/// series.
+/// Relaxes several cells in equal parts; e^y is propagated from part to part by its own series.
 #[inline(always)]
 #[allow(
     clippy::indexing_slicing,
@@ -487,8 +487,8 @@ fn in_parts(y0: &[f64; LANES], a: &[f64; LANES], parts: f64) -> Relaxation {
     }
 }
 
-/// (e^x - 1)/x by `TERMS` terms: |x| is below the limit of the same number of terms of [`SERIES`],
-/// and the remainder is below 1e-14.
+/// Computes (e^x - 1)/x by `TERMS` terms. |x| is below the limit of the same number of terms of
+/// [`SERIES`], and the remainder is below 1e-14.
 #[inline(always)]
 #[allow(
     clippy::indexing_slicing,
@@ -520,10 +520,10 @@ mod tests {
     use super::*;
     use crate::inelastic::exponential_integral::GAUSS_LEGENDRE;
 
-    /// y1/y0 - 1 without the series: ∫₀^S exp(p (1 - e^{-s})) ds = a, with the integral by
+    /// Computes y1/y0 - 1 without the series: ∫₀^S exp(p (1 - e^{-s})) ds = a, with the integral by
     /// quadrature, is solved for S by Newton's method.
     fn shrink_by_quadrature(a: f64, p: f64) -> f64 {
-        // the quadrature is exact to rounding for S < 0.05, where pS < 0.1
+        // for S < 0.05, where pS < 0.1, the quadrature is exact to rounding
         let integrand = |s: f64| (-p * (-s).exp_m1()).exp();
         let mut decrement = a;
         for _ in 0..20 {
@@ -572,13 +572,13 @@ mod tests {
             .flow(2.58e9, 5.85e-7);
         for stress in [1.0, 1e5, -2e6, 1e7] {
             let alone = flow.change(&[stress; LANES]);
-            // with five, seven and nine terms, in parts, and cell by cell
+            // these take five, seven and nine terms, parts, and the path cell by cell
             for harder in [1.05e7, 1.4e7, 2.1e7, 3e7, 4e7, 8e7] {
                 let mut cells = [stress; LANES];
                 cells[LANES - 1] = harder;
                 let together = flow.change(&cells);
                 // twice the largest truncation error of the series, and the rounding of the stress
-                // where the cells are solved one by one
+                // in cells that are solved one by one
                 let allowed = 4e-13 * alone[0].abs() + 2.0 * f64::EPSILON * stress.abs();
                 for (alone, together) in alone.iter().zip(&together).take(LANES - 1) {
                     assert!(
@@ -593,7 +593,7 @@ mod tests {
     #[test]
     fn a_viscosity_that_grows_with_stress_takes_no_longer() {
         for x in [1e-9, 0.3, 2.0, 15.0, 40.0] {
-            // a step equals its two parts, of which the second is far longer than the relaxation
+            // a step equals its two parts; the second part is far longer than the relaxation
             for (first, second) in [(0.1, 0.4), (0.5, 30.0), (3.0, 1e6)] {
                 let [first, second] = [first, second].map(|q| q * f64::exp(x));
                 let whole = decrement_of_long_step(first + second, -x);
@@ -605,7 +605,7 @@ mod tests {
                 );
             }
         }
-        // some 1e16 relaxation times: the rate is that of the viscosity η
+        // some 1e16 relaxation times: the viscosity η alone determines the rate
         let far = decrement_of_long_step(1e16, -3.0);
         assert!((far / 1e16 - 1.0).abs() < 1e-15, "{far}");
         assert!(decrement_of_long_step(f64::INFINITY, -3.0).is_infinite());

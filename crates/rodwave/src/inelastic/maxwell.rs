@@ -7,7 +7,7 @@ use super::{
 use crate::RodwaveError;
 use crate::error::check_positive;
 
-/// F(σ) = σ/η with viscosity η [Pa s].
+/// Linear Maxwell law F(σ) = σ/η with viscosity η [Pa s].
 ///
 /// ```
 /// use rodwave::inelastic::{InelasticLaw, Maxwell, RelaxationFlow};
@@ -89,7 +89,7 @@ impl InelasticLaw for Maxwell {
     }
 }
 
-/// σ1 = σ0 exp(-E h/η).
+/// Relaxation of the Maxwell law: σ1 = σ0 exp(-E h/η).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MaxwellFlow {
     exponent: f64,

@@ -10,8 +10,8 @@ use crate::error::{check_finite, check_positive};
 /// Inelastic strain rate F(σ) = r (|σ|/σ_ref)^κ sgn(σ) = |σ|^κ sgn(σ)/B with exponent κ and
 /// reference rate r [1/s] at σ_ref \[Pa\].
 ///
-/// κ = 1 is the linear Maxwell law; κ < 1 is allowed (the stress then vanishes in finite time), so
-/// that κ = 1 is not at the edge of the range that an identification searches.
+/// κ = 1 is the linear Maxwell law. κ < 1 is allowed (the stress then vanishes in finite time). κ =
+/// 1 is therefore not at the edge of the range that an identification searches.
 ///
 /// ```
 /// use rodwave::inelastic::{InelasticLaw, MaxwellNorton};
@@ -70,7 +70,7 @@ impl MaxwellNorton {
     }
 }
 
-/// Accepts an exponent for which the flow can be computed. At exponents far below the limit the law
+/// Checks that the flow can be computed with an exponent. At exponents far below the limit, the law
 /// is already perfectly plastic.
 fn check_exponent(exponent: f64) -> Result<f64, RodwaveError> {
     if exponent > 0.0 && exponent <= 1e6 {
@@ -118,10 +118,11 @@ impl InelasticLaw for MaxwellNorton {
     }
 }
 
-/// |σ1| = |σ0| (1 + n a)^(-1/n), with n = κ - 1 and a = E h F(σ0)/σ0.
+/// Relaxation of Norton's law: |σ1| = |σ0| (1 + n a)^(-1/n), with n = κ - 1 and a = E h F(σ0)/σ0.
 ///
 /// The longest step of a block determines the number of parts into which all its steps are divided
-/// for the series. The other cells of a block affect a cell's stress by some rounding units.
+/// for the series. The other cells of a block therefore affect the stress of a cell by some
+/// rounding units.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct NortonFlow {
     /// n = κ - 1
@@ -133,14 +134,15 @@ pub struct NortonFlow {
 }
 
 impl NortonFlow {
-    /// a = E h F(σ0)/σ0 and the ratio |σ0|/σ_ref, for σ0 different from 0.
+    /// Returns a = E h F(σ0)/σ0 and the ratio |σ0|/σ_ref, for σ0 different from 0.
     #[inline]
     fn relative_step(&self, stress: f64) -> (f64, f64) {
         let ratio = stress.abs() / self.reference_stress;
         (self.advance * ratio.powf(self.excess), ratio)
     }
 
-    /// (1 + n a)^(-1/n): binomial series for the short steps of a solver, closed form otherwise.
+    /// Computes (1 + n a)^(-1/n): by a binomial series for the short steps of a solver, otherwise
+    /// in closed form.
     #[inline]
     fn factor(&self, a: f64) -> f64 {
         let n = self.excess;
@@ -177,7 +179,7 @@ impl NortonFlow {
         a * (1.0 + self.excess.abs()) < SHORT
     }
 
-    /// 1 - (1 + n a)^(-1/n) by its series.
+    /// Computes 1 - (1 + n a)^(-1/n) by its series.
     #[inline(always)]
     fn short_decrement(&self, a: f64) -> f64 {
         a * elementary::polynomial(&self.series, a)
@@ -204,7 +206,7 @@ impl NortonFlow {
         if parts > MOST_PARTS || self.excess < 0.0 {
             return Some(self.long_fall(a));
         }
-        // the rate falls with the stress, so that the first part is the most demanding one
+        // the rate falls with the stress, so the first part has the largest a
         let per_part = 1.0 / parts;
         let mut step = lanes!(|i| a[i] * per_part);
         let mut decrement = [0.0; LANES];
@@ -213,7 +215,7 @@ impl NortonFlow {
             for i in 0..LANES {
                 let by = self.short_decrement(step[i]);
                 decrement[i] += by - decrement[i] * by;
-                // |σ|ⁿ has fallen by the factor 1 + n a
+                // the factor 1 + n a by which |σ|ⁿ has fallen
                 step[i] /= 1.0 + self.excess * step[i];
             }
             left -= 1.0;
@@ -230,8 +232,8 @@ impl NortonFlow {
     fn long_fall(&self, a: &[f64; LANES]) -> Fall {
         let sum = lanes!(|i| 1.0 + self.excess * a[i]);
         let ln_sum = elementary::ln(&sum);
-        // x is taken from the rounded 1 + x of the logarithm, so that the quotient ln(1 + x)/x is
-        // exact
+        // x is computed from the rounded 1 + x of which the logarithm is taken: the quotient ln(1 +
+        // x)/x is then exact
         let exponent = lanes!(|i| {
             let rounded = sum[i] - 1.0;
             if rounded == 0.0 {
@@ -251,14 +253,14 @@ impl NortonFlow {
         fall
     }
 
-    /// Changes cell by cell, for steps that overflow.
+    /// Computes the changes cell by cell, for steps that overflow.
     #[cold]
     #[inline(never)]
     fn change_cell_by_cell(&self, stress: &[f64; LANES]) -> [f64; LANES] {
         lanes!(|i| self.relax(stress[i]) - stress[i])
     }
 
-    /// ln(|σ|/σ_ref) and a of several cells.
+    /// Computes ln(|σ|/σ_ref) and a of several cells.
     #[inline(always)]
     fn relative_steps(&self, stress: &[f64; LANES]) -> ([f64; LANES], [f64; LANES]) {
         let inverse = 1.0 / self.reference_stress;
@@ -268,8 +270,8 @@ impl NortonFlow {
     }
 }
 
-/// Largest a (1 + |n|) of a short step: the first omitted term of the series is (2e-2)^9 of the
-/// first, 5e-16.
+/// Largest a (1 + |n|) of a short step: the first omitted term of the series is then (2e-2)^9 of
+/// the first term, 5e-16.
 const SHORT: f64 = 2e-2;
 
 /// Decrease of the stress of several cells in one step.
@@ -342,7 +344,7 @@ impl RelaxationFlow for NortonFlow {
         let Some(Fall { decrement, kept }) = self.fall(&a) else {
             return cell_by_cell(self, stress, parameters);
         };
-        // the series of short steps does not need the logarithm
+        // short steps use the series, which does not need the logarithm
         let ln_factor = if self.is_short(elementary::largest(&a)) {
             [0.0; LANES]
         } else {
@@ -353,12 +355,13 @@ impl RelaxationFlow for NortonFlow {
             let a = a[i];
             let x = self.excess * a;
             let inverse = 1.0 / (1.0 + x);
-            // κ < 1 and the stress has vanished within the step, or was zero
+            // κ < 1, and the stress has vanished within the step or was zero
             let gone = x <= -1.0;
             let relaxed = stress[i] * kept[i];
             let by_log_rate = if gone { 0.0 } else { -relaxed * a * inverse };
-            // as `bend`, with another limit of the series: the result is multiplied by a, and at
-            // this limit a rounding of 1e-15 over the square of 2e-2 is negligible
+            // as the function `bend`, but with another limit of the series: the result is
+            // multiplied by a, and at this limit a rounding error of 1e-15 divided by the square of
+            // 2e-2 is negligible
             let bend = if x.abs() < SHORT {
                 0.5 - x * (2.0 / 3.0 - x * (0.75 - x * (0.8 - x * (5.0 / 6.0 - x * (6.0 / 7.0)))))
             } else {
@@ -438,7 +441,7 @@ impl RelaxationFlow for NortonFlow {
     }
 }
 
-/// [ln(1+x) - x/(1+x)]/x², by its series where the difference cancels.
+/// Computes [ln(1+x) - x/(1+x)]/x², by its series where the difference cancels.
 fn bend(x: f64) -> f64 {
     if x.abs() < 1e-2 {
         // Σ (-x)^k (k+1)/(k+2), first omitted term x^8

@@ -1,6 +1,6 @@
-//! Non-negative least squares with a bound of the remaining decrease.
+//! Non-negative least squares, with a bound on the decrease that is still possible.
 
-/// min |b - A x| over x >= 0.
+/// Minimisation of |b - A x| over x >= 0.
 ///
 /// The active-set method of Lawson & Hanson (*Solving Least Squares Problems*, 1974, ch. 23):
 /// columns enter one at a time, the one with the largest gradient first, and leave when their
@@ -15,7 +15,7 @@ pub(super) struct NonNegativeProblem {
     largest_sum: f64,
 }
 
-/// The best x that was found.
+/// Best x that was found.
 #[derive(Debug)]
 pub(super) struct Solution {
     pub(super) coefficients: Vec<f64>,
@@ -34,8 +34,8 @@ const TOLERANCE: f64 = 1e-2;
               projection and an unknown for each passive column"
 )]
 impl NonNegativeProblem {
-    /// Creates the problem of these columns, whose optimum is known to have a sum of coefficients
-    /// of at most `largest_sum`, for columns of length 1.
+    /// Creates the problem from its columns. `largest_sum` is an upper bound of the sum of the
+    /// coefficients at the optimum, for columns of length 1.
     pub(super) fn new(mut columns: Vec<Vec<f64>>, target: Vec<f64>, largest_sum: f64) -> Self {
         let lengths: Vec<f64> = columns.iter().map(|column| length(column)).collect();
         for (column, length) in columns.iter_mut().zip(&lengths) {
@@ -57,8 +57,8 @@ impl NonNegativeProblem {
         let mut passive: Vec<Passive> = Vec::new();
         let mut refused: Vec<usize> = Vec::new();
         let mut factors = Factors::default();
-        // Each step reduces the residual, so that no set of columns recurs; the bound only guards
-        // against rounding.
+        // Each step reduces the residual, so no set of columns recurs; the limit on the steps only
+        // guards against rounding.
         for _ in 0..3 * self.columns.len() {
             let rest = self.rest(&passive);
             let gradient = self.gradient(&rest);
@@ -81,7 +81,7 @@ impl NonNegativeProblem {
                     passive = next;
                     refused.clear();
                 }
-                // Rounding alone can give a column of positive gradient a negative coefficient.
+                // Only rounding can give a column of positive gradient a negative coefficient.
                 None => refused.push(index),
             }
         }
@@ -99,7 +99,7 @@ impl NonNegativeProblem {
         }
     }
 
-    /// Aᵀ rest.
+    /// Computes Aᵀ `rest`.
     fn gradient(&self, rest: &[f64]) -> Vec<f64> {
         let columns = self.columns.iter();
         columns.map(|column| dot(column, rest)).collect()
@@ -107,13 +107,14 @@ impl NonNegativeProblem {
 
     /// Upper bound of the decrease of |b - A x|² from its `gradient` g = Aᵀ(b - A x).
     ///
-    /// By convexity it is 2 g·x* for the optimum x*, if x is optimal among its own columns.
+    /// If x is optimal among its own columns, the bound is, by convexity, 2 g·x* for the optimum
+    /// x*.
     fn gain(&self, gradient: &[f64]) -> f64 {
         let steepest = gradient.iter().copied().fold(0.0, f64::max);
         2.0 * steepest * self.largest_sum
     }
 
-    /// b - A x.
+    /// Computes b - A x.
     fn rest(&self, passive: &[Passive]) -> Vec<f64> {
         let mut rest = self.target.clone();
         for entry in passive {
@@ -122,8 +123,8 @@ impl NonNegativeProblem {
         rest
     }
 
-    /// Optimum over the passive columns and one more; columns whose coefficient would be negative
-    /// are removed.
+    /// Finds the optimum over the passive columns and one more. Columns whose coefficient would be
+    /// negative are removed.
     fn enter(
         &self,
         passive: &[Passive],
@@ -200,7 +201,7 @@ impl NonNegativeProblem {
             let known: f64 = (k + 1..passive.len())
                 .map(|j| triangle[j][k] * solution[j])
                 .sum();
-            // A column within rounding of the others adds no information.
+            // A column that equals a combination of the others within rounding adds no information.
             solution[k] = if triangle[k][k] > 1e-13 {
                 (projections[k] - known) / triangle[k][k]
             } else {
@@ -218,12 +219,13 @@ struct Factors {
     columns: Vec<usize>,
     basis: Vec<Vec<f64>>,
     triangle: Vec<Vec<f64>>,
-    /// Projections of the target, each of what the ones before leave.
+    /// Projection of the target on each basis vector, after those on the vectors before it were
+    /// subtracted.
     projections: Vec<f64>,
 }
 
 impl Factors {
-    /// Keeps the factors of the columns that `passive` begins with.
+    /// Keeps the factors of the leading columns that `passive` also begins with.
     fn keep(&mut self, passive: &[Passive]) {
         let pairs = self.columns.iter().zip(passive);
         let kept = pairs
@@ -243,8 +245,8 @@ struct Passive {
     amount: f64,
 }
 
-/// Returns a·b. Eight partial sums are computed in parallel, so that none waits for the one before;
-/// their order does not depend on the processor.
+/// Returns a·b. Eight partial sums are computed in parallel, so that no addition waits for the one
+/// before; their order does not depend on the processor.
 pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
     let ((a, a_rest), (b, b_rest)) = (a.as_chunks::<8>(), b.as_chunks::<8>());
     let mut sums = [0.0; 8];
@@ -271,15 +273,15 @@ pub(super) fn subtract(from: &mut [f64], amount: f64, vector: &[f64]) {
 mod tests {
     use super::*;
 
-    /// Columns of length 1 without negative entries have a sum of at least 1: |x*|₁ <= |A x*|₁ <=
-    /// √m |b|.
+    /// Columns of length 1 without negative entries have a sum of entries of at least 1: |x*|₁ <=
+    /// |A x*|₁ <= √m |b|.
     fn problem(columns: Vec<Vec<f64>>, target: Vec<f64>) -> NonNegativeProblem {
         let largest_sum = (target.len() as f64).sqrt() * length(&target);
         NonNegativeProblem::new(columns, target, largest_sum)
     }
 
-    /// The optimum is the only point that satisfies the conditions of Karush, Kuhn and Tucker;
-    /// these are tested on a problem whose unconstrained optimum has negative coefficients.
+    /// The optimum is the only point that satisfies the conditions of Karush, Kuhn and Tucker. They
+    /// are tested on a problem whose unconstrained optimum has negative coefficients.
     #[test]
     fn solution_satisfies_the_optimality_conditions() {
         let columns: Vec<Vec<f64>> = (0..12)

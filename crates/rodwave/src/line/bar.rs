@@ -1,13 +1,13 @@
-//! The state of one segment: travelling waves and stationary branches.
+//! State of one segment: travelling waves and stationary branches.
 //!
 //! Cell j has its centre at (j + ½) dx. Its waves R = s - v and L = s + v, s = σ/Z, travel one cell
-//! per step; an end of the segment is half a cell from the nearest centre, so that a wave reaches
-//! it half a step later.
+//! per step; an end of the segment is half a cell from the nearest centre, and a wave reaches it
+//! half a step later.
 //!
-//! The elastic part of a step strains all branches equally, dσᵢ = (Eᵢ/E) dσ: the *excess* pᵢ = σᵢ -
-//! (Eᵢ/E) σ of a material point does not change. The relaxation does not change strain and
-//! velocity, and each branch relaxes by its own exact flow. The energy per volume is ρv²/2 +
-//! σ²/(2E) + Σ pᵢ²/(2Eᵢ), because Σ pᵢ = 0: the waves carry ρ(R² + L²)/4 of it.
+//! The elastic part of a step strains all branches equally, dσᵢ = (Eᵢ/E) dσ. The *excess* pᵢ = σᵢ -
+//! (Eᵢ/E) σ of a branch therefore does not change. The relaxation changes neither strain nor
+//! velocity; each branch relaxes by its own exact flow. The energy per volume is ρv²/2 + σ²/(2E) +
+//! Σ pᵢ²/(2Eᵢ), because Σ pᵢ = 0; the part of the waves is ρ(R² + L²)/4.
 #![allow(
     clippy::indexing_slicing,
     reason = "flows, moduli, fractions and the rows of `block`, `scratch` and every tangent are one a branch (those of the excess too, or \
@@ -56,13 +56,13 @@ pub(super) struct Block {
     pub(super) change: Vec<StressChange>,
     /// Σ σᵢ
     pub(super) total: [f64; LANES],
-    /// Σ of the changes
+    /// sum of the changes of all branches
     pub(super) total_change: [f64; LANES],
 }
 
 impl Bar {
-    /// Creates the segment divided into `cells`, with the wave speed changed to one cell per
-    /// `step`, moving at `velocity`.
+    /// Creates the segment divided into `cells`, moving at `velocity`. Its wave speed is changed to
+    /// exactly one cell per `step`.
     #[expect(clippy::cast_precision_loss, reason = "cell counts are far below 2^52")]
     pub(super) fn new(segment: &Segment, cells: usize, step: f64, velocity: f64) -> Self {
         let cell_length = segment.length() / cells as f64;
@@ -143,7 +143,7 @@ impl Bar {
         let half_impedance = 0.5 * self.specific_impedance;
         let mut dissipated = 0.0;
         let [sum, stresses @ ..] = &mut self.scratch[..] else {
-            return 0.0; // no branch, no waves
+            return 0.0; // without a branch there are no waves
         };
         sum.fill(0.0);
         for (branch, stress) in stresses.iter_mut().enumerate() {
@@ -254,8 +254,8 @@ impl Bar {
         }
     }
 
-    /// Relaxes the tangent `index` in the block: the derivatives of its waves and of the excess of
-    /// its branches with respect to one parameter.
+    /// Relaxes the tangent `index` in the block: the derivatives of the waves and of the excess of
+    /// the branches with respect to one parameter.
     #[inline(always)]
     fn relax_tangent(&mut self, index: usize, first: usize, count: usize) {
         let inverse = 1.0 / self.specific_impedance;
@@ -282,8 +282,8 @@ impl Bar {
         }
     }
 
-    /// dσ before the change and the derivative of the change of σ, with respect to one parameter,
-    /// for the current block.
+    /// Computes dσ before the change, and the derivative of the change of σ, with respect to one
+    /// parameter, for the current block.
     #[inline(always)]
     pub(super) fn tangent_changes(
         &mut self,
@@ -330,8 +330,8 @@ impl Bar {
         result
     }
 
-    /// Adds half of the effect of a change of the wave speed on the tangents in one step, -½ c dt
-    /// ∂R/∂x and +½ c dt ∂L/∂x per relative change of the modulus.
+    /// Adds half of the effect that a change of the wave speed has on the tangents in one step: -½
+    /// c dt ∂R/∂x and +½ c dt ∂L/∂x per relative change of the modulus.
     pub(super) fn drag_tangents(&mut self) {
         for tangent in &mut self.tangents {
             let quarter = 0.5 * tangent.impedance_growth;
@@ -398,7 +398,7 @@ pub(super) struct TangentChanges {
     pub(super) total: [f64; LANES],
 }
 
-/// Adds `factor` dx ∂u/∂x, computed by differences of second order.
+/// Adds `factor` dx ∂u/∂x, computed by second-order differences.
 fn add_slope(target: &mut [f64], u: &[f64], factor: f64) {
     let last = u.len() - 1;
     let half = 0.5 * factor;

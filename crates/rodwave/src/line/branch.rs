@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use crate::inelastic::{Elastic, InelasticLaw, LANES, RelaxationFlow, StressChange, lanes};
 
-/// A modulus and a law behind a pointer, so that a line may mix laws.
+/// A modulus with a law behind a pointer, so that a line may mix laws.
 #[derive(Debug, Clone)]
 pub(super) struct Branch {
     pub(super) modulus: f64,
@@ -31,7 +31,7 @@ where
         Box::new(Flow {
             flow: InelasticLaw::flow(self, modulus, duration),
             parameters: L::PARAMETERS.len(),
-            // a law without parameters may still relax
+            // a law without parameters is not necessarily elastic
             is_elastic: TypeId::of::<L>() == TypeId::of::<Elastic>(),
         })
     }
@@ -45,10 +45,10 @@ pub(super) struct Waves<'a> {
     pub(super) impedance: f64,
 }
 
-/// Type-erased [`RelaxationFlow`]. One call serves many cells, so that the indirection costs
-/// nothing.
+/// Type-erased [`RelaxationFlow`]. One call serves many cells, which makes the cost of the
+/// indirection negligible.
 pub(super) trait BranchFlow: Debug + Send + Sync {
-    /// Returns true if there is nothing to relax.
+    /// Returns true if the branch does not relax.
     fn is_elastic(&self) -> bool;
 
     /// Relaxes a material that consists of this branch alone; returns Σ (σ0² - σ1²).
@@ -57,7 +57,7 @@ pub(super) trait BranchFlow: Debug + Send + Sync {
     /// Replaces each stress by its change; returns Σ (σ0² - σ1²).
     fn change(&self, stress: &mut [f64]) -> f64;
 
-    /// The change of several cells with its derivatives.
+    /// Returns the change of several cells with its derivatives.
     fn change_with_sensitivity(&self, stress: &[f64; LANES]) -> StressChange;
 
     fn boxed_clone(&self) -> Box<dyn BranchFlow>;

@@ -5,9 +5,10 @@ use super::bar::Bar;
 /// Strain of every cell of a bar.
 #[derive(Debug, Clone)]
 pub(super) enum CellStrains {
-    /// σ/E: the bar is elastic.
+    /// The bar is elastic: the strain is σ/E.
     OfStress,
-    /// The sum of dσ/E over the elastic parts of all steps, the only parts that change the strain.
+    /// The bar is inelastic: the strain is the sum of dσ/E over the elastic parts of all steps, the
+    /// only parts that change it.
     Own(Vec<f64>),
 }
 

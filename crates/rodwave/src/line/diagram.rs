@@ -42,8 +42,8 @@ pub struct Diagram {
 }
 
 impl Diagram {
-    /// The part of `quantity` (velocity, stress or strain) at time `index`; empty if it does not
-    /// exist.
+    /// Returns the part of `quantity` (velocity, stress or strain) at time `index`; empty if there
+    /// is no such time.
     #[must_use]
     pub fn at<'a>(&self, quantity: &'a [f64], index: usize) -> &'a [f64] {
         let n_cells = self.positions.len();
@@ -64,7 +64,7 @@ impl Diagram {
         duration: f64,
         stride: usize,
     ) -> Result<Self, RodwaveError> {
-        // by rounding, the quotient may exceed a whole number of steps
+        // rounding may put the quotient above a whole number of steps
         let steps = check_steps((duration / march.grid().time_step * (1.0 - 1e-12)).ceil())?;
         if stride == 0 {
             return Err(RodwaveError::NonPhysical {
@@ -103,7 +103,7 @@ impl Diagram {
             }
         }
         diagram.ledger = march.ledger();
-        // any overflow in the line soon shows in its energy
+        // an overflow anywhere in the line soon shows in its energy
         check_finite("energy of the line [J]", diagram.ledger.stored)?;
         Ok(diagram)
     }

@@ -7,7 +7,7 @@ use crate::RodwaveError;
 use crate::band_limited::VelocityHistory;
 use crate::error::{check_finite, check_positive};
 
-/// The condition at an end of a line.
+/// Condition at an end of a line.
 #[derive(Debug, Clone, Default)]
 #[non_exhaustive]
 pub enum End {
@@ -20,8 +20,8 @@ pub enum End {
     Mass(f64),
     /// A dashpot to ground: force = resistance [N s/m] times velocity.
     Dashpot(f64),
-    /// A dashpot of the end's front impedance: no reflections for an elastic line, almost none for
-    /// an inelastic one.
+    /// A dashpot with the front impedance of the end: no reflections from an elastic line, almost
+    /// none from an inelastic one.
     Matched,
     /// A given velocity [m/s] along x.
     Velocity(Drive),
@@ -49,7 +49,7 @@ pub struct Drive {
 }
 
 impl Drive {
-    /// Creates a drive from the function `value` of time \[s\], valid at all times.
+    /// Creates a drive from the function `value` of time \[s\], defined at all times.
     #[must_use]
     pub fn of(value: impl Fn(f64) -> f64 + Send + Sync + 'static) -> Self {
         Self {
@@ -58,7 +58,7 @@ impl Drive {
         }
     }
 
-    /// Creates a drive from a sampled history, valid until its end.
+    /// Creates a drive from a sampled history, defined until its end.
     #[must_use]
     pub fn history(history: impl VelocityHistory + Send + 'static) -> Self {
         Self {
@@ -80,7 +80,7 @@ impl Drive {
     /// # Errors
     /// [`RodwaveError::ExcitationTooShort`] unless it is.
     pub(super) fn check_until(&self, needed: f64) -> Result<(), RodwaveError> {
-        // by rounding, `needed` may exceed a whole number of sampling intervals
+        // rounding may put `needed` above a whole number of sampling intervals
         if needed > self.end * (1.0 + 1e-12) {
             return Err(RodwaveError::ExcitationTooShort {
                 needed,

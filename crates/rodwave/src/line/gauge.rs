@@ -3,15 +3,14 @@
 use super::bar::Bar;
 use crate::inelastic::LANES;
 
-/// A section of a body, by its distance from the left end of that body.
+/// Section of a body, stated by its distance from the left end of that body.
 ///
-/// The values between the centres of cells are interpolated by a cubic, which rings for a few cells
-/// around a jump and extrapolates within half a cell of an end of a segment. Values at the ends of
-/// a line are better taken from [`LineHistory::ends`](super::LineHistory::ends), which is exact
-/// there.
+/// The values between the centres of cells are interpolated by a cubic. It rings for some cells
+/// around a jump, and it extrapolates within half a cell of an end of a segment. For values at the
+/// ends of a line, prefer [`LineHistory::ends`](super::LineHistory::ends), which are exact there.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Gauge {
-    /// Body, from 0 at the left.
+    /// Index of the body, from 0 at the left.
     pub body: usize,
     /// Distance from the left end of the body \[m\].
     pub position: f64,

@@ -6,10 +6,11 @@ use crate::error::check_positive;
 /// Fewest cells of a segment: the interpolation at a gauge needs four.
 const FEWEST_CELLS: f64 = 4.0;
 
-/// Default largest relative change of a wave speed to get a whole number of cells.
+/// Default of the largest relative change of a wave speed that is made to get whole numbers of
+/// cells.
 pub(super) const DEFAULT_SPEED_TOLERANCE: f64 = 1e-3;
 
-/// Largest refinement of the grid relative to the requested one in the search for whole numbers.
+/// Largest refinement of the grid, relative to the requested one, in the search for whole numbers.
 const LARGEST_REFINEMENT: f64 = 64.0;
 
 /// A time step and the numbers of cells of the segments.
@@ -36,11 +37,11 @@ impl Grid {
     /// Creates the grid for segments of these transit times \[s\], with a time step of at most
     /// `longest_step`.
     ///
-    /// With a common step and Courant number 1 everywhere, segment k has T_k/dt cells, in general
-    /// not a whole number. Rounding this number at an arbitrary step would be a first-order error.
-    /// The step with the least rounding is therefore searched between half the longest step and the
-    /// longest step; two segments then have a second-order error, and commensurable ones none. If
-    /// the best step is not good enough, finer steps are tried.
+    /// With a common step and Courant number 1 everywhere, segment k has T_k/dt cells, which in
+    /// general is not a whole number. Rounding this number at an arbitrary step would be a
+    /// first-order error. The search therefore finds the step with the least rounding between half
+    /// the longest step and the longest step; two segments then have a second-order error, and
+    /// commensurable ones none. If the best step exceeds the tolerance, finer steps are tried.
     #[expect(
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,
@@ -62,7 +63,7 @@ impl Grid {
         let longest = transit_times.iter().copied().fold(0.0, f64::max);
         let shortest = transit_times.iter().copied().fold(f64::INFINITY, f64::min);
         let fewest = (longest / longest_step.min(shortest / FEWEST_CELLS)).ceil();
-        // also for NaN quotients of transit times
+        // this also catches NaN quotients of transit times
         if fewest.is_nan() || fewest * LARGEST_REFINEMENT > 1e9 {
             return Err(RodwaveError::NonPhysical {
                 quantity: "number of cells of the longest segment",
@@ -79,7 +80,7 @@ impl Grid {
         };
         let mut best = (fewest, misfit(fewest));
         let mut count = fewest + 1.0;
-        // rounding errors of commensurable times do not require a finer grid
+        // commensurable times differ by rounding errors, which do not require a finer grid
         while best.1 > 1e-13
             && (count <= 2.0 * fewest || best.1 > tolerance && count <= LARGEST_REFINEMENT * fewest)
         {
@@ -128,7 +129,8 @@ mod tests {
 
     #[test]
     fn two_segments_err_by_the_second_order_of_the_step() {
-        // among n counts the best fraction of a step is of order 1/n, and it is spread over n steps
+        // among n counts, the best fraction of a step is of order 1/n, and it is spread over n
+        // steps
         let times = [100e-6, 100e-6 / std::f64::consts::SQRT_2];
         for cells in [20.0, 80.0, 320.0] {
             let grid = Grid::of(&times, 100e-6 / cells, 1.0).unwrap();

@@ -54,8 +54,8 @@ pub struct ContactHistory {
     pub force: Vec<f64>,
     /// Gap \[m\] at dt, 2 dt ...
     pub gap: Vec<f64>,
-    /// Times \[s\] at which the gap closes, within a step; faces that touch at rest close at the
-    /// start of the step of their first force.
+    /// Times \[s\] at which the gap closes, resolved within a step. Faces that touch at rest close
+    /// at the start of the step of their first force.
     pub closes: Vec<f64>,
     /// Times \[s\] at which the faces separate: the zero between the last force and the tension
     /// that would hold them together. The error is of second order in the step for a force
@@ -93,11 +93,11 @@ impl EndHistory {
 }
 
 impl EndHistory {
-    /// Velocity [m/s] of an end that is at rest in its first steps, at `times` \[s\], by a
+    /// Velocity [m/s] at `times` \[s\] of an end that is at rest in its first steps, by a
     /// polynomial of degree five through its values at intervals of `time_step` \[s\].
     #[must_use]
     pub fn velocity_at(&self, time_step: f64, times: &[f64]) -> Vec<f64> {
-        // the first value is at half a step; before it the end is at rest
+        // the first value is at half a step; before that time the end is at rest
         const BEFORE: usize = 3;
         let at_rest = std::iter::repeat_n(&0.0, BEFORE);
         let history: Vec<f64> = at_rest.chain(&self.velocity).copied().collect();
@@ -115,7 +115,7 @@ impl LineHistory {
         contacts: usize,
         parameters: &[Parameter],
     ) -> Result<Self, RodwaveError> {
-        // by rounding, the quotient may exceed a whole number of steps
+        // rounding may put the quotient above a whole number of steps
         let steps = check_steps((duration / march.grid().time_step * (1.0 - 1e-12)).ceil())?;
         let mut history = Self {
             grid: march.grid().clone(),
@@ -140,7 +140,7 @@ impl LineHistory {
             history.push_ends(&march);
         }
         history.ledger = march.ledger();
-        // any overflow in the line soon shows in its energy
+        // an overflow anywhere in the line soon shows in its energy
         check_finite("energy of the line [J]", history.ledger.stored)?;
         Ok(history)
     }

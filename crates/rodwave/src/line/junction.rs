@@ -1,9 +1,9 @@
-//! Conditions at the ends of segments, half a step after the waves left their cells.
+//! Conditions at the ends of segments, half a step after the waves have left the cells.
 //!
-//! A wave R that arrives at the right end of a segment gives v = N/z - R there, a wave L at a left
-//! end v = L - N/z; N is the normal force, z = AZ. The other side of the junction gives the second
-//! equation. No energy is stored in a junction, and the work and the impulse of N during the step
-//! are exactly N v dt and N dt, so that balances are met to rounding.
+//! A wave R that arrives at the right end of a segment gives v = N/z - R at that end; a wave L at a
+//! left end gives v = L - N/z. N is the normal force, z = AZ. The other side of the junction gives
+//! the second equation. A junction stores no energy, and the work and the impulse of N during the
+//! step are exactly N v dt and N dt. The balances therefore close to rounding.
 
 use super::end::{Drive, End};
 use crate::RodwaveError;
@@ -47,7 +47,7 @@ pub(super) struct Contact {
     pub(super) last: f64,
 }
 
-/// Forces and velocities on both sides, and the energy lost in closing a gap.
+/// Forces and velocities on both sides of a contact, and the energy lost when a gap closes.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(super) struct Encounter {
     pub(super) left: Meeting,
@@ -60,7 +60,7 @@ pub(super) struct Encounter {
 impl Junction {
     pub(super) fn meet(&mut self, left: Side, right: Side, step: f64) -> Encounter {
         let compliance = 1.0 / left.impedance + 1.0 / right.impedance;
-        // velocity of separation of the faces without force
+        // velocity of separation if the faces exert no force
         let separation = right.arriving + left.arriving;
         let mut turn = None;
         let force = match self {
@@ -71,8 +71,8 @@ impl Junction {
                 contact.closed = free_gap < 0.0;
                 turn = match (was_closed, contact.closed) {
                     (false, true) => Some(contact.gap / (contact.gap - free_gap)),
-                    // the zero between the last force and the tension that would hold the faces
-                    // together, both in the middle of their steps
+                    // time of the zero between the last force and the tension that would hold the
+                    // faces together, both at the middle of their steps
                     (true, false) => {
                         let pull = separation / compliance;
                         Some(contact.last / (contact.last + pull) - 0.5)
@@ -113,8 +113,8 @@ impl Junction {
         encounter
     }
 
-    /// Derivatives of the encounter with respect to parameter `index` of the tangents, after
-    /// [`Self::meet`] has decided whether the contact is closed.
+    /// Computes the derivatives of the encounter with respect to parameter `index` of the tangents.
+    /// [`Self::meet`] must have decided before whether the contact is closed.
     #[allow(
         clippy::indexing_slicing,
         reason = "a contact has a tangent for each parameter of the march"
@@ -198,7 +198,7 @@ impl Terminal {
         }
     }
 
-    /// Sign: +1 if the force on the line's end acts along x in tension.
+    /// Sign of the force on the end of the line: +1 if it acts along x in tension.
     fn outward(&self) -> f64 {
         match self.hand {
             Hand::Left => -1.0,
@@ -206,8 +206,8 @@ impl Terminal {
         }
     }
 
-    /// Force and velocity of the end at `time`. With the outward velocity u, both ends obey u =
-    /// N/z - a, where a is the arriving wave: R at the right end, L at the left one.
+    /// Computes the force and the velocity of the end at `time`. With the outward velocity u, both
+    /// ends obey u = N/z - a, where a is the arriving wave: R at the right end, L at the left end.
     pub(super) fn meet(
         &mut self,
         side: Side,
@@ -253,7 +253,7 @@ impl Terminal {
         })
     }
 
-    /// Derivatives of the meeting with respect to parameter `index`.
+    /// Computes the derivatives of the meeting with respect to parameter `index`.
     #[allow(
         clippy::indexing_slicing,
         reason = "an end has a tangent for each parameter of the march"

@@ -3,8 +3,8 @@
 /// Balance of energy and momentum of a [`Line`](super::Line) since the start.
 ///
 /// initial + supplied = stored + dissipated + radiated + lost in contact, and initial momentum +
-/// impulse = momentum, both to rounding on any grid: the residuals check the solver, not its
-/// resolution.
+/// impulse = momentum, both to rounding on any grid. The residuals therefore check the solver, not
+/// its resolution.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[non_exhaustive]
 pub struct Ledger {
@@ -18,7 +18,7 @@ pub struct Ledger {
     pub dissipated: f64,
     /// Energy absorbed by dashpots and matched ends \[J\]; never decreases.
     pub radiated: f64,
-    /// Energy lost by the two half cells that close a gap \[J\]; never decreases, and vanishes as
+    /// Energy lost by the two half cells that close a gap \[J\]; never decreases, and tends to 0 as
     /// the grid is refined.
     pub lost_in_contact: f64,
     /// Momentum along x at the start [N s].

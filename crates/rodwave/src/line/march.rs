@@ -10,10 +10,10 @@ use super::tangent::{BarTangent, Parameter, Source};
 use super::{Gauge, Line};
 use crate::RodwaveError;
 
-/// The state of a [`Line`] at one time level.
+/// State of a [`Line`] at one time level.
 ///
-/// Values in cells are at whole steps, k dt; those of ends and contacts are half a step earlier, at
-/// (k - ½) dt.
+/// Values in cells are at whole steps, k dt; the values of ends and contacts are half a step
+/// earlier, at (k - ½) dt.
 #[derive(Debug, Clone)]
 pub struct March {
     grid: Grid,
@@ -26,7 +26,7 @@ pub struct March {
     meetings: [Meeting; 2],
     meeting_tangents: Vec<[Meeting; 2]>,
     pub(super) gauges: Vec<GaugeState>,
-    /// Strains of the cells of each bar if all cells are watched, empty otherwise.
+    /// Strains of the cells of each bar if strains are recorded, empty otherwise.
     cell_strains: Vec<CellStrains>,
     steps: usize,
     initial_energy: f64,
@@ -134,14 +134,14 @@ impl March {
         self.steps
     }
 
-    /// Time \[s\].
+    /// Present time \[s\].
     #[must_use]
     #[expect(clippy::cast_precision_loss, reason = "step counts are far below 2^52")]
     pub fn time(&self) -> f64 {
         self.steps as f64 * self.grid.time_step
     }
 
-    /// Advances one time step. Nothing is allocated.
+    /// Advances one time step without allocating memory.
     ///
     /// # Errors
     /// [`RodwaveError::ExcitationTooShort`] or [`RodwaveError::NonPhysical`] if the drive of an end
@@ -181,12 +181,12 @@ impl March {
         Ok(())
     }
 
-    /// Records the strain of every cell from now on.
+    /// Starts to record the strain of every cell.
     pub(super) fn watch_cells(&mut self) {
         self.cell_strains = self.bars.iter().map(CellStrains::of).collect();
     }
 
-    /// Bars with the strains of their cells, if these are watched.
+    /// Returns the bars with the strains of their cells, if strains are recorded.
     pub(super) fn cells_mut(&mut self) -> impl Iterator<Item = (&mut Bar, &CellStrains)> {
         self.bars.iter_mut().zip(&self.cell_strains)
     }
@@ -214,7 +214,7 @@ impl March {
             self.encounters[index] = encounter;
         }
         let (Some(first), Some(last)) = (self.bars.first(), self.bars.last()) else {
-            return Ok(()); // a line has segments
+            return Ok(()); // not reached: a line has segments
         };
         let sides = [leaving_left(first), leaving_right(last)];
         for (hand, end) in self.ends.iter_mut().enumerate() {
@@ -283,14 +283,14 @@ impl March {
             .map_or(0.0, |(at, _)| -self.encounters[at].left.force)
     }
 
-    /// Opening of contact `index` at the present time \[m\].
+    /// Gap of contact `index` at the present time \[m\].
     #[must_use]
     pub fn gap(&self, index: usize) -> f64 {
         self.contact(index).map_or(0.0, |(_, contact)| contact.gap)
     }
 
-    /// State (true: closed) and time \[s\] of the change of contact `index` in the last step;
-    /// `None` without a change.
+    /// Change of contact `index` in the last step: the new state (true: closed) and the time \[s\];
+    /// `None` if the state has not changed.
     pub(super) fn turn(&self, index: usize) -> Option<(bool, f64)> {
         let (at, contact) = self.contact(index)?;
         let steps = self.encounters[at].turn?;
@@ -399,7 +399,7 @@ fn tangent_leaving_left(tangent: &BarTangent) -> SideTangent {
 }
 
 impl Line {
-    /// Role of `parameter` in segment `index`.
+    /// Returns the role of `parameter` in segment `index`.
     fn source(&self, index: usize, parameter: Parameter) -> Result<Source, RodwaveError> {
         let known = self.parameters();
         if !known.contains(&parameter) {

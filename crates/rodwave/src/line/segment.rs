@@ -10,15 +10,15 @@ use crate::{InelasticRod, RodwaveError};
 
 /// A uniform piece of a [`Body`](super::Body).
 ///
-/// The material is one or several branches in parallel, each a spring of modulus Eᵢ in series with
-/// an inelastic law Fᵢ:
+/// The material consists of branches in parallel. Each branch is a spring of modulus Eᵢ in series
+/// with an inelastic law Fᵢ:
 ///
 /// ```text
 /// σ = Σ σᵢ ,    ∂σᵢ/∂t = Eᵢ (∂v/∂x - Fᵢ(σᵢ)) ,    E = Σ Eᵢ
 /// ```
 ///
-/// A single branch gives the rod of (Ödeen 1993, paper D, eq. 7); a spring and Maxwell branches
-/// give a Zener or Prony solid.
+/// A single branch gives the rod of paper D (Ödeen 1993, paper D, eq. 7); a spring and Maxwell
+/// branches give a Zener or Prony solid.
 ///
 /// ```
 /// use rodwave::inelastic::{Elastic, Maxwell};
@@ -54,7 +54,7 @@ impl Segment {
         })
     }
 
-    /// Creates an elastic piece of Young's `modulus` \[Pa\].
+    /// Creates an elastic piece with the Young's `modulus` \[Pa\].
     ///
     /// # Errors
     /// [`RodwaveError::NonPhysical`] unless all are finite and above 0.
@@ -67,11 +67,11 @@ impl Segment {
         Self::new(length, area, density)?.with_branch(modulus, Elastic)
     }
 
-    /// Creates a rod of paper D with its cross-sectional `area` \[m²\]; a spring in parallel with
-    /// its law is branch 0.
+    /// Creates a rod of paper D with the cross-sectional `area` \[m²\]. If the rod has a spring in
+    /// parallel with its law, the spring is branch 0.
     ///
     /// # Errors
-    /// [`RodwaveError::NonPhysical`] unless the area is finite and above 0; otherwise as
+    /// [`RodwaveError::NonPhysical`] unless the area is finite and above 0; the errors of
     /// [`Self::with_branch`].
     pub fn of_rod<L>(rod: &InelasticRod<L>, area: f64) -> Result<Self, RodwaveError>
     where
@@ -86,7 +86,7 @@ impl Segment {
         segment.with_branch(rod.modulus() - of_spring, rod.law().clone())
     }
 
-    /// Creates a piece whose material is a Prony series: the spring of the equilibrium modulus, if
+    /// Creates a piece whose material is a Prony series. The spring of the equilibrium modulus, if
     /// there is one, is branch 0.
     ///
     /// # Errors
@@ -165,7 +165,7 @@ impl Segment {
         (self.modulus() / self.density).sqrt()
     }
 
-    /// Characteristic impedance of the front A (Eρ)^½ [N s/m].
+    /// Characteristic impedance A (Eρ)^½ of the front [N s/m].
     #[must_use]
     pub fn impedance(&self) -> f64 {
         self.area * (self.modulus() * self.density).sqrt()
@@ -177,8 +177,8 @@ impl Segment {
         self.length / self.wave_speed()
     }
 
-    /// Accepts a segment in which waves travel: each of the quantities may overflow or vanish even
-    /// if its factors do not.
+    /// Checks that waves can travel in a segment: each of its quantities may overflow or vanish
+    /// even if the factors do not.
     pub(super) fn check(&self) -> Result<(), RodwaveError> {
         check_positive("sum of the moduli of the branches [Pa]", self.modulus())?;
         check_positive("mass [kg]", self.mass())?;

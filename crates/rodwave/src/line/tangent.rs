@@ -3,14 +3,14 @@
 use crate::inelastic::LANES;
 use crate::sliding_window::SlidingWindow;
 
-/// A parameter of a line: its segment, branch and name.
+/// Parameter of a line, identified by segment, branch and name.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct Parameter {
-    /// Segment, counted through all bodies from the left end, from 0.
+    /// Index of the segment, counted from 0 at the left end of the line through all bodies.
     pub segment: usize,
-    /// Branch of its material, from 0.
+    /// Index of the branch in the material of the segment, from 0.
     pub branch: usize,
-    /// `ln_modulus` for ln Eᵢ, or a name in the `PARAMETERS` of its law.
+    /// `ln_modulus` for ln Eᵢ, or a name in the `PARAMETERS` of the law of the branch.
     pub name: &'static str,
 }
 

@@ -1,4 +1,4 @@
-//! Power laws for damping coefficient and wave number, the fit of paper E to measured waves in
+//! Power laws for damping coefficient and wave number: the fit of paper E to measured waves in
 //! Nylon-6.
 
 use num_complex::Complex64;
@@ -8,14 +8,14 @@ use crate::RodwaveError;
 use crate::error::check_positive;
 use crate::modulus::differentiable::write;
 
-/// α = a ω^p, k = b ω^q for ω > 0 (Ödeen 1993, paper E, eq. 7).
+/// Power laws α = a ω^p and k = b ω^q for ω > 0 (Ödeen 1993, paper E, eq. 7).
 ///
 /// For ω < 0 γ is the complex conjugate, γ(-ω) = conj γ(ω): α is even and k is odd (paper E, below
 /// eq. 5). At ω = 0, γ = 0, and the modulus -ρω²/γ² is the limit: 0 unless q = 1 and p >= 1.
 ///
 /// # Validity
 /// The fit is valid in its band: for Nylon-6 up to 10 kHz. Two independent power laws are not a
-/// causal pair, so that the law cannot be continued to complex frequencies and is not a
+/// causal pair. The law can therefore not be continued to complex frequencies and is not a
 /// [`LaplaceModulus`](crate::modulus::LaplaceModulus). For p < q there is a (very low) frequency
 /// below which α > k, that is E' < 0. According to [`kramers_kronig`](crate::kramers_kronig) no
 /// relaxing material has the power laws of Nylon-6 from 0.5 to 10 kHz; the nearest material differs
@@ -104,7 +104,7 @@ impl PowerLawPropagation {
         write(alpha + ik, &by_parameter, derivatives).map(drop)
     }
 
-    /// α and ik [1/m].
+    /// Returns α and ik [1/m].
     fn parts(&self, omega: f64) -> (Complex64, Complex64) {
         let magnitude = omega.abs();
         let alpha = self.damping_factor * magnitude.powf(self.damping_exponent);
@@ -115,7 +115,7 @@ impl PowerLawPropagation {
         )
     }
 
-    /// γ/(iω) [s/m] for `omega` >= 0, including its limit at 0, where it may be infinite.
+    /// Returns γ/(iω) [s/m] for `omega` >= 0, including its limit at 0, where it may be infinite.
     fn slowness(&self, omega: f64) -> Complex64 {
         let k = self.wave_number_factor * omega.powf(self.wave_number_exponent - 1.0);
         let alpha = if self.damping_factor > 0.0 {

@@ -12,11 +12,11 @@ use crate::error::check_positive;
 /// Constant loss factor tan δ in its only causal form: E(s) = E₀ (s/ω₀)^{2g}, g = (1/π) atan tan δ
 /// (Kjartansson, *J. Geophys. Res.* **84** (1979) 4737).
 ///
-/// It is the [`SpringPot`] of exponent 2g, parametrised by the loss factor and the magnitude of the
-/// modulus at one frequency. A constant *complex* modulus E₀(1 + i tan δ), often used instead, is
-/// not causal: losses imply dispersion, here c ∝ ω^g.
+/// The law is the [`SpringPot`] of exponent 2g, parametrised by the loss factor and by the
+/// magnitude of the modulus at one frequency. A constant *complex* modulus E₀(1 + i tan δ), which
+/// is often used instead, is not causal: losses imply dispersion, here c ∝ ω^g.
 ///
-/// It is the linear reference law for the identification of nonlinear laws (see
+/// The identification of nonlinear laws uses this law as its linear reference (see
 /// `docs/theory/moduli.md`).
 ///
 /// ```

@@ -5,12 +5,12 @@ use num_complex::Complex64;
 use super::LaplaceModulus;
 use crate::RodwaveError;
 
-/// A complex modulus with exact derivatives with respect to its parameters.
+/// Complex modulus with exact derivatives with respect to its parameters.
 ///
 /// A parameter that can have any value above 0 is replaced by its natural logarithm, in SI units,
-/// and its name begins with `ln_`: a fit then cannot leave the range, and a step of 0.01 is one per
-/// cent. For two ordered moduli, E₁ > E₀, the coordinates are ln E₀ and ln (E₁ - E₀), which
-/// preserve the order. Exponents are not transformed.
+/// and its name begins with `ln_`. A fit then cannot leave the range, and a step of 0.01 is a
+/// change by one per cent. For two ordered moduli, E₁ > E₀, the coordinates are ln E₀ and ln (E₁ -
+/// E₀), which preserve the order. Exponents are not transformed.
 ///
 /// ```
 /// use num_complex::Complex64;
@@ -31,12 +31,12 @@ pub trait DifferentiableModulus: LaplaceModulus {
     /// The parameters, in the order of [`Self::parameter_names`].
     fn parameters(&self) -> Vec<f64>;
 
-    /// Returns the law with other parameters; other properties, such as a reference frequency, are
-    /// unchanged.
+    /// Returns the law with other parameters. Its other properties, such as a reference frequency,
+    /// are unchanged.
     ///
     /// # Errors
     /// [`RodwaveError::LengthMismatch`] unless the number of parameters is that of the law;
-    /// [`RodwaveError::NonPhysical`] if a value is out of its range.
+    /// [`RodwaveError::NonPhysical`] if a value is outside its range.
     fn with_parameters(&self, parameters: &[f64]) -> Result<Self, RodwaveError>
     where
         Self: Sized;

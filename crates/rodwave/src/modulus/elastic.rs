@@ -8,10 +8,10 @@ use super::{ComplexModulus, DifferentiableModulus, LaplaceModulus, TimeDomainMod
 use crate::RodwaveError;
 use crate::error::check_positive;
 
-/// A Hookean material: E is real and the same at every frequency.
+/// Hookean material: E is real and the same at every frequency.
 ///
-/// This is the limit without losses. γ is then imaginary, α = 0, and a wave does not decay: a
-/// *finite free* body of such material has undamped resonances, and its response has no Fourier
+/// This is the limit without losses. γ is then imaginary, α = 0, and a wave does not decay. A
+/// *finite free* body of such a material has undamped resonances, and its response has no Fourier
 /// transform.
 ///
 /// ```

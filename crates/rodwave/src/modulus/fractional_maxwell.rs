@@ -12,7 +12,7 @@ use crate::RodwaveError;
 use crate::error::check_positive;
 use crate::quotient::quotient;
 
-/// A material without equilibrium modulus that creeps as a power of time: the
+/// Material without equilibrium modulus that creeps as a power of time: the
 /// [`FractionalZener`](super::FractionalZener) with E₀ = 0.
 ///
 /// ```text
@@ -20,7 +20,7 @@ use crate::quotient::quotient;
 /// E(t) = E₁ E_α(-(t/τ)^α) ,    J(t) = (1 + (t/τ)^α/Γ(1 + α))/E₁
 /// ```
 ///
-/// with the Mittag-Leffler function E_α; the [`Maxwell`](super::Maxwell) model for α = 1.
+/// with the Mittag-Leffler function E_α. For α = 1 it is the [`Maxwell`](super::Maxwell) model.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FractionalMaxwell {
     modulus: f64,
@@ -42,12 +42,12 @@ impl FractionalMaxwell {
         })
     }
 
-    /// (sτ)^α.
+    /// Computes (sτ)^α.
     fn power(&self, s: Complex64) -> Complex64 {
         (s * self.relaxation_time).powf(self.exponent)
     }
 
-    /// ∂E/∂ln s.
+    /// Computes ∂E/∂ln s.
     fn slope_at_s(&self, s: Complex64) -> Complex64 {
         let power = self.power(s);
         quotient(
@@ -102,7 +102,7 @@ impl DifferentiableModulus for FractionalMaxwell {
     ) -> Result<Complex64, RodwaveError> {
         let slope = self.slope_at_s(s);
         let by_exponent = if slope == Complex64::ZERO {
-            Complex64::ZERO // x ln x → 0, also where x has vanished in rounding
+            Complex64::ZERO // x ln x → 0, also if x has underflowed to 0
         } else {
             slope * (s * self.relaxation_time).ln() / self.exponent
         };

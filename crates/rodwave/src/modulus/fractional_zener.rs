@@ -14,7 +14,7 @@ use crate::RodwaveError;
 use crate::error::check_positive;
 use crate::quotient::quotient;
 
-/// A solid with a broad, symmetric loss peak; the Zener model for α = 1.
+/// Solid with a broad, symmetric loss peak. For α = 1 it is the Zener model.
 ///
 /// ```text
 /// E(s) = E₀ + (E₁ - E₀) (sτ)^α/(1 + (sτ)^α) ,    0 < α <= 1
@@ -54,12 +54,12 @@ impl FractionalZener {
         })
     }
 
-    /// (sτ)^α.
+    /// Computes (sτ)^α.
     fn power(&self, s: Complex64) -> Complex64 {
         (s * self.relaxation_time).powf(self.exponent)
     }
 
-    /// E as a function of (sτ)^α, whose computation takes most of the time.
+    /// Computes E from (sτ)^α, the computation of which takes most of the time.
     fn at_power(&self, power: Complex64) -> Complex64 {
         if power.norm_sqr() <= 1.0 {
             self.step.relaxed + quotient(self.step.increment() * power, 1.0 + power)
@@ -70,7 +70,7 @@ impl FractionalZener {
         }
     }
 
-    /// ∂E/∂ln s as a function of (sτ)^α.
+    /// Computes ∂E/∂ln s from (sτ)^α.
     fn slope_at_power(&self, power: Complex64) -> Complex64 {
         quotient(
             quotient(self.step.increment() * self.exponent * power, 1.0 + power),
@@ -136,7 +136,7 @@ impl DifferentiableModulus for FractionalZener {
         let power = self.power(s);
         let slope = self.slope_at_power(power);
         let by_exponent = if slope == Complex64::ZERO {
-            Complex64::ZERO // x ln x → 0, also where x has vanished in rounding
+            Complex64::ZERO // x ln x → 0, also if x has underflowed to 0
         } else {
             slope * (s * self.relaxation_time).ln() / self.exponent
         };
@@ -157,7 +157,8 @@ impl TimeDomainModulus for FractionalZener {
 
     fn creep_compliance(&self, time: f64) -> Result<f64, RodwaveError> {
         let ratio = self.step.unrelaxed / self.step.relaxed;
-        // ((t/τ)(E0/E1)^{1/α})^α: the retardation time itself overflows for small α
+        // computes ((t/τ)(E0/E1)^{1/α})^α without the retardation time, which overflows for small α
+        // α, is not computed
         let power = (after_step(time)? / self.relaxation_time).powf(self.exponent) / ratio;
         let decay = fractional_decay_of_power(self.exponent, power)?;
         finite_compliance((1.0 - (1.0 - 1.0 / ratio) * decay) / self.step.relaxed)

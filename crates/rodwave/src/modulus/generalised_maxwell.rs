@@ -18,14 +18,14 @@ pub struct MaxwellBranch {
     pub relaxation_time: f64,
 }
 
-/// A Prony series, the law required by finite-element programs.
+/// Prony series: the law that finite-element programs use.
 ///
 /// ```text
 /// E(s) = E∞ + Σ Eᵢ sτᵢ/(1 + sτᵢ) ,    E(t) = E∞ + Σ Eᵢ e^{-t/τᵢ}
 /// ```
 ///
-/// Every monotonic relaxation is the limit of such series. E∞, the equilibrium modulus, is E(0),
-/// and E∞ + Σ Eᵢ is E(∞). With E∞ = 0 the material is a fluid of viscosity Σ Eᵢτᵢ. The creep
+/// Every monotonic relaxation is the limit of such series. E∞, the equilibrium modulus, is E(0);
+/// E∞ + Σ Eᵢ is E(∞). With E∞ = 0, the material is a fluid of viscosity Σ Eᵢτᵢ. The creep
 /// compliance is that of the [`RetardationSpectrum`](super::RetardationSpectrum).
 ///
 /// ```
@@ -50,7 +50,7 @@ impl GeneralisedMaxwell {
     ///
     /// # Errors
     /// [`RodwaveError::NonPhysical`] unless E∞ is finite and not negative, all moduli and times of
-    /// the branches are finite and above 0, and there is at least one spring.
+    /// the branches are finite and above 0, and there is a spring or a branch at least.
     pub fn new(
         equilibrium_modulus: f64,
         branches: Vec<MaxwellBranch>,
@@ -114,20 +114,20 @@ impl LaplaceModulus for GeneralisedMaxwell {
 }
 
 impl MaxwellBranch {
-    /// Eᵢ sτᵢ/(1 + sτᵢ).
+    /// Computes Eᵢ sτᵢ/(1 + sτᵢ).
     fn at_s(&self, s: Complex64) -> Complex64 {
         let s_tau = s * self.relaxation_time;
         quotient(self.modulus * s_tau, 1.0 + s_tau)
     }
 
-    /// Derivative with respect to ln s, which equals that with respect to ln τᵢ.
+    /// Derivative with respect to ln s, which equals the derivative with respect to ln τᵢ.
     fn slope_at_s(&self, s: Complex64) -> Complex64 {
         quotient(self.at_s(s), 1.0 + s * self.relaxation_time)
     }
 }
 
-/// Parameters: `ln_equilibrium_modulus` unless E∞ = 0, which stays 0, then `ln_modulus_1`,
-/// `ln_relaxation_time_1` and so on for the branches in the order of construction.
+/// Parameters: `ln_equilibrium_modulus` unless E∞ = 0, which stays 0, and then `ln_modulus_1`,
+/// `ln_relaxation_time_1` and so on, for the branches in the order of construction.
 impl DifferentiableModulus for GeneralisedMaxwell {
     fn parameter_names(&self) -> Vec<String> {
         let equilibrium =

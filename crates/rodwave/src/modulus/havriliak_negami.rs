@@ -9,20 +9,20 @@ use crate::RodwaveError;
 use crate::error::check_positive;
 use crate::quotient::quotient;
 
-/// The empirical law of polymers through their glass transition (Havriliak & Negami, *Polymer*
-/// **8** (1967) 161).
+/// Empirical law of polymers in their glass transition (Havriliak & Negami, *Polymer* **8** (1967)
+/// 161).
 ///
 /// ```text
 /// E(s) = E₁ - (E₁ - E₀)/(1 + (sτ)^α)^β ,    0 < α <= 1 ,  0 < αβ <= 1
 /// ```
 ///
-/// α sets the breadth of the loss peak, β its skewness: E'' grows as ω^α below and falls as ω^{-αβ}
-/// above. β = 1 is the [`FractionalZener`](super::FractionalZener) model (Cole and Cole), α = 1 the
-/// model of Davidson and Cole. Within the bounds the relaxation modulus decreases monotonically
-/// with all derivatives; β itself may exceed 1.
+/// α determines the breadth of the loss peak and β its skewness: E'' grows as ω^α below the peak
+/// and falls as ω^{-αβ} above it. β = 1 is the [`FractionalZener`](super::FractionalZener) model
+/// (Cole and Cole), α = 1 the model of Davidson and Cole. Within the bounds, the relaxation modulus
+/// decreases monotonically with all derivatives; β itself may exceed 1.
 ///
-/// The time domain requires the three-parameter Mittag-Leffler function; the law is not a
-/// [`TimeDomainModulus`](super::TimeDomainModulus).
+/// In the time domain, the law requires the three-parameter Mittag-Leffler function. It is
+/// therefore not a [`TimeDomainModulus`](super::TimeDomainModulus).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct HavriliakNegami {
     step: ModulusStep,
@@ -59,7 +59,7 @@ impl HavriliakNegami {
         })
     }
 
-    /// (sτ)^α.
+    /// Computes (sτ)^α.
     fn power(&self, s: Complex64) -> Complex64 {
         (s * self.relaxation_time).powf(self.breadth_exponent)
     }
@@ -76,7 +76,7 @@ impl ComplexModulus for HavriliakNegami {
 }
 
 impl HavriliakNegami {
-    /// ∂E/∂ln s.
+    /// Computes ∂E/∂ln s.
     fn slope_at_s(&self, s: Complex64) -> Complex64 {
         let power = self.power(s);
         let exponents = self.breadth_exponent * self.skewness_exponent;
@@ -95,7 +95,7 @@ impl LaplaceModulus for HavriliakNegami {
     }
 }
 
-/// 1 - (1 + p)^{-β}, accurate also for small p or β.
+/// Computes 1 - (1 + p)^{-β}, accurate also for small p or β.
 fn share(power: Complex64, exponent: f64) -> Complex64 {
     let plain = 1.0 - (1.0 + power).powf(-exponent);
     if plain.norm_sqr() > 0.01 {
@@ -107,7 +107,7 @@ fn share(power: Complex64, exponent: f64) -> Complex64 {
     } else {
         (1.0 + power).ln()
     };
-    // 1 - e^{-z} from the real and the imaginary part of z
+    // 1 - e^{-z}, computed from the real and the imaginary part of z
     let Complex64 { re, im } = exponent * logarithm;
     let half = (0.5 * im).sin();
     Complex64::new(
@@ -160,7 +160,7 @@ impl DifferentiableModulus for HavriliakNegami {
         let slope = self.slope_at_s(s);
         let s_tau = s * self.relaxation_time;
         let by_breadth = if slope == Complex64::ZERO {
-            Complex64::ZERO // x ln x → 0, also where x has vanished in rounding
+            Complex64::ZERO // x ln x → 0, also if x has underflowed to 0
         } else {
             slope * s_tau.ln() / self.breadth_exponent
         };

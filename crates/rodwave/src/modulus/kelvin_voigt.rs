@@ -8,11 +8,11 @@ use super::{ComplexModulus, DifferentiableModulus, LaplaceModulus, TimeDomainMod
 use crate::RodwaveError;
 use crate::error::check_positive;
 
-/// A spring E in parallel with a dashpot η: E(s) = E + sη.
+/// Spring E in parallel with a dashpot η: E(s) = E + sη.
 ///
-/// The loss factor ωη/E grows without bound, and so does the wave speed: the equation of motion is
-/// parabolic, and disturbances arrive everywhere at once. E(0) = E. A step of strain requires an
-/// infinite force for an instant: the relaxation modulus is E + ηδ(t), and E after the step.
+/// The loss factor ωη/E and the wave speed grow without bound: the equation of motion is parabolic,
+/// and disturbances arrive everywhere at once. E(0) = E. A step of strain requires an infinite
+/// force for an instant: the relaxation modulus is E + ηδ(t), which is E after the step.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct KelvinVoigt {
     modulus: f64,

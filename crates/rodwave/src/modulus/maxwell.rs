@@ -9,14 +9,14 @@ use crate::RodwaveError;
 use crate::error::check_positive;
 use crate::quotient::quotient;
 
-/// A spring E in series with a dashpot η (Ödeen 1993, survey, eq. 2.5 with F = σ/η).
+/// Spring E in series with a dashpot η (Ödeen 1993, survey, eq. 2.5 with F = σ/η).
 ///
 /// ```text
 /// E(s) = E sτ/(1 + sτ) ,    τ = η/E ,    E''/E' = 1/(ωτ)
 /// ```
 ///
 /// The model is a fluid: E(0) = 0. The loss factor falls as 1/ω; no solid polymer shows this over
-/// more than a part of a decade.
+/// more than part of a decade.
 ///
 /// ```
 /// use rodwave::modulus::{ComplexModulus, Maxwell};
@@ -53,7 +53,7 @@ impl Maxwell {
 }
 
 impl Maxwell {
-    /// ∂E/∂ln s.
+    /// Computes ∂E/∂ln s.
     fn slope_at_s(&self, s: Complex64) -> Complex64 {
         let s_tau = s * self.relaxation_time;
         quotient(quotient(self.modulus * s_tau, 1.0 + s_tau), 1.0 + s_tau)
@@ -77,8 +77,8 @@ impl LaplaceModulus for Maxwell {
     }
 }
 
-/// Parameters: `ln_modulus`, `ln_relaxation_time`. The derivative with respect to ln E is at
-/// constant τ, not at constant viscosity.
+/// Parameters: `ln_modulus`, `ln_relaxation_time`. In the derivative with respect to ln E, τ is
+/// constant, not the viscosity.
 impl DifferentiableModulus for Maxwell {
     fn parameter_names(&self) -> Vec<String> {
         named(&["ln_modulus", "ln_relaxation_time"])

@@ -1,17 +1,17 @@
 //! Shape-preserving piecewise cubic interpolation.
 
-/// A cubic in each interval, with a continuous first derivative, that has no extremum between two
-/// points (Fritsch & Butland, *SIAM J. Sci. Stat. Comput.* **5** (1984) 300).
+/// Interpolation by a cubic in each interval, with a continuous first derivative and without an
+/// extremum between two points (Fritsch & Butland, *SIAM J. Sci. Stat. Comput.* **5** (1984) 300).
 ///
-/// It preserves monotonicity and positivity: unlike with a spline, a loss modulus cannot become
-/// negative between two lines of a table. It is of third order for smooth data, of second order
-/// near their extrema.
+/// It preserves monotonicity and positivity: a loss modulus cannot become negative between two
+/// lines of a table, as it can with a spline. The error is of third order for smooth data, and of
+/// second order near their extrema.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct MonotoneCubic {
     points: Vec<Point>,
 }
 
-/// Number of parts of an interval at whose ends two cubics are compared.
+/// Number of parts into which an interval is divided to compare two cubics.
 const PARTS: u32 = 8;
 
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -22,8 +22,8 @@ struct Point {
 }
 
 impl MonotoneCubic {
-    /// Creates the interpolation through at least two points of increasing `x`; the caller checks
-    /// both.
+    /// Creates the interpolation through at least two points of increasing `x`. The caller must
+    /// check the number and the order of the points.
     pub(super) fn through(x: &[f64], y: &[f64]) -> Self {
         let intervals: Vec<Interval> = x
             .windows(2)
@@ -81,8 +81,8 @@ impl MonotoneCubic {
         })
     }
 
-    /// Largest difference in the interval of `x` from the cubic through the four points nearest to
-    /// it; `None` with fewer than four points.
+    /// Largest difference from the cubic through the four nearest points, in the interval that
+    /// contains `x`; `None` with fewer than four points.
     pub(super) fn difference_of_cubics(&self, x: f64) -> Option<f64> {
         let last_four = self.points.len().checked_sub(4)?;
         let after = self.points.partition_point(|point| point.x <= x);
@@ -119,7 +119,7 @@ impl MonotoneCubic {
                 let width = right.x - left.x;
                 formula(*left, *right, width, (x - left.x) / width)
             }
-            _ => f64::NAN, // fewer than two points, which no caller makes
+            _ => f64::NAN, // fewer than two points, which the callers exclude
         }
     }
 }
@@ -141,8 +141,8 @@ fn slope_between(left: Interval, right: Interval) -> f64 {
     (left_weight + right_weight) / (left_weight / left.slope + right_weight / right.slope)
 }
 
-/// Slope at an end: that of the parabola through three points, limited to the sign and to three
-/// times the slope of the interval.
+/// Slope at an end: that of the parabola through three points, limited to the sign of the slope of
+/// the interval and to three times its value.
 fn slope_at_end(end: Interval, next: Option<&Interval>) -> f64 {
     let Some(next) = next else {
         return end.slope;
@@ -161,8 +161,8 @@ fn slope_at_end(end: Interval, next: Option<&Interval>) -> f64 {
 mod tests {
     use super::*;
 
-    /// A parabola on one side of its vertex: the ends are exact, the inner slopes second-order
-    /// accurate.
+    /// A parabola on one side of its vertex: its slopes at the ends are exact, those at inner
+    /// points second-order accurate.
     #[test]
     fn error_falls_with_the_third_power_of_the_spacing() {
         let error = |n: u32| -> f64 {
@@ -174,7 +174,7 @@ mod tests {
                 .map(|x| (cubic.value(x) - x.exp()).abs())
                 .fold(0.0, f64::max)
         };
-        // Slopes of second order make the value third order: halving the spacing reduces the error
+        // Slopes of second order give values of third order: halving the spacing reduces the error
         // by a factor 8, or 16 where errors cancel.
         let (coarse, fine) = (error(20), error(40));
         assert!(
@@ -195,7 +195,7 @@ mod tests {
         }
     }
 
-    /// Steps and plateaux, where a spline overshoots.
+    /// Data with steps and plateaux, where a spline overshoots.
     #[test]
     fn nothing_lies_outside_the_two_points_of_an_interval() {
         let x = [0.0, 1.0, 1.1, 2.0, 5.0, 5.5, 7.0];

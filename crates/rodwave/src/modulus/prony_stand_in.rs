@@ -1,4 +1,5 @@
-//! Prony series in place of a law that has none, for time-domain solvers of fractional materials.
+//! Prony series that replace laws of other kinds, for time-domain solvers with fractional
+//! materials.
 
 use std::f64::consts::{LN_10, PI};
 
@@ -11,7 +12,7 @@ use super::{
 use crate::RodwaveError;
 use crate::error::{check_finite, check_positive};
 
-/// A purely relaxing law: analytic everywhere except on the negative real axis, where it has a cut.
+/// Purely relaxing law: analytic everywhere except on the negative real axis, where it has a cut.
 ///
 /// # Requirements
 /// `at_s` at s = -x + 0i, x > 0, is the value on the upper side of the cut, and its imaginary part
@@ -32,7 +33,7 @@ impl CutPlaneModulus for ConstantQ {}
 impl CutPlaneModulus for FractionalZener {}
 impl CutPlaneModulus for HavriliakNegami {}
 
-/// A band of angular frequencies [rad/s].
+/// Band of angular frequencies [rad/s].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct OmegaBand {
     /// Lower end, above 0.
@@ -64,12 +65,12 @@ pub struct PronyStandIn {
 /// Decades of rates with individual branches beyond either end of the band.
 const MARGIN_DECADES: f64 = 1.0;
 
-/// Decades of rates beyond the margin that are combined into one branch on either side; the effect
-/// of the rest is below 1e-8.
+/// Decades of rates beyond the margin that are combined into one branch on either side; rates
+/// beyond these have an effect below 1e-8.
 const TAIL_DECADES: f64 = 8.0;
 
-/// Largest number of branches, including those of the tails: the error is computed at eight times
-/// as many frequencies, which takes time proportional to the square.
+/// Largest number of branches, including those of the tails. The error is computed at eight times
+/// as many frequencies, which takes a time proportional to the square of the number.
 const MOST_BRANCHES: f64 = 2e3;
 
 impl PronyStandIn {
@@ -77,13 +78,14 @@ impl PronyStandIn {
     /// that makes E' exact at the middle of `band`.
     ///
     /// The integrand has its nearest pole at s = -x, π/2 from the real axis of ln x, so the error
-    /// of the rule is 2π H exp(-π²/h), h being the step of ln x: for a loss factor of 0.07 the
-    /// error is 5e-5 of the modulus with two branches per decade, 2e-7 with three. A branch at
-    /// either end combines the spectrum beyond a decade outside the band.
+    /// of the rule is 2π H exp(-π²/h), where h is the step of ln x. For a loss factor of 0.07, the
+    /// error is 5e-5 of the modulus with two branches per decade and 2e-7 with three. At either
+    /// end, one branch combines the part of the spectrum that is more than a decade outside the
+    /// band.
     ///
     /// # Errors
     /// [`RodwaveError::NonPhysical`] unless 0 < from < to and the number of branches per decade is
-    /// finite and at least 1/2, and if the spectrum of `law` is nowhere positive or the spring
+    /// finite and at least 1/2; also if the spectrum of `law` is nowhere positive or the spring
     /// would be negative.
     #[expect(
         clippy::cast_possible_truncation,
@@ -126,9 +128,8 @@ impl PronyStandIn {
             let rate = (lowest + (f64::from(j) + 0.5) * step).exp();
             (rate, step * law.relaxation_spectrum(rate))
         };
-        // Σ H and Σ H x^p over the nodes of one tail: with s/(s + x) expanded for rates far above
-        // or far below |s|, one branch that matches two of these sums has an error of third
-        // order
+        // sums of H x^p over the nodes of one tail: with s/(s + x) expanded for rates far above or
+        // far below |s|, one branch that matches two of these sums has an error of third order
         let tail = |nodes: &mut dyn Iterator<Item = i32>, first: i32, second: i32| {
             let (mut one, mut two) = (0.0, 0.0);
             for (rate, modulus) in nodes.map(node) {
@@ -138,14 +139,14 @@ impl PronyStandIn {
             (one, two)
         };
         let reach = (TAIL_DECADES * LN_10 / step).ceil() as i32;
-        // below: s/(s + x) = 1 - x/s + x²/s²; the 1 belongs to the spring
+        // rates below the band: s/(s + x) = 1 - x/s + x²/s²; the 1 belongs to the spring
         let (slow, slower) = tail(&mut (-reach..0), 1, 2);
-        // above: s/(s + x) = s/x - s²/x²
+        // rates above the band: s/(s + x) = s/x - s²/x²
         let (fast, faster) = tail(&mut (count..count + reach), -1, -2);
         let branches: Vec<MaxwellBranch> = std::iter::once((slower / slow, slow * slow / slower))
             .chain((0..count).map(node))
             .chain(std::iter::once((fast / faster, fast * fast / faster)))
-            // a spectrum that underflows at its ends needs no branch there
+            // where the spectrum underflows at an end, no branch is needed
             .filter(|(rate, modulus)| rate.is_finite() && *modulus > 0.0)
             .map(|(rate, modulus)| MaxwellBranch {
                 modulus,
@@ -178,7 +179,7 @@ impl PronyStandIn {
                 let s = Complex64::new(0.0, omega);
                 (stand_in.at_s(s) / law.at_s(s) - 1.0).norm()
             })
-            // max would drop a NaN
+            // `f64::max` would drop a NaN
             .fold(
                 0.0,
                 |greatest, error| {
@@ -205,7 +206,7 @@ impl PronyStandIn {
         self.band
     }
 
-    /// Greatest |E_series/E - 1| in the band, on a grid of eight points per branch.
+    /// Greatest |E_series/E - 1| in the band, computed at eight points per branch.
     #[must_use]
     pub fn greatest_error(&self) -> f64 {
         self.greatest_error
@@ -222,7 +223,7 @@ mod tests {
         to: 3e5,
     };
 
-    /// The spectrum of a power law in closed form: E₀ ω₀^{-a} x^a sin(πa)/π.
+    /// The spectrum of a power law has a closed form: E₀ ω₀^{-a} x^a sin(πa)/π.
     #[test]
     fn spectrum_of_a_power_law_is_the_known_one() {
         let exponent = 0.3;
@@ -233,7 +234,8 @@ mod tests {
         }
     }
 
-    /// A Cole-Cole spectrum integrates to the part that relaxes: Σ Eᵢ → E₁ - E₀ over many decades.
+    /// The integral of a Cole-Cole spectrum is the part that relaxes: Σ Eᵢ → E₁ - E₀ over many
+    /// decades.
     #[test]
     fn branches_of_a_fractional_zener_law_add_up_to_what_relaxes() {
         let law = FractionalZener::new(1e9, 3e9, 1e-4, 0.6).unwrap();
@@ -246,7 +248,7 @@ mod tests {
         // the rates beyond 14 decades on either side contribute 10^{-0.6 × 14} of the sum
         assert!((sum / 2e9 - 1.0).abs() < 1e-6, "{sum:e}");
         assert!((series.law().equilibrium_modulus() / 1e9 - 1.0).abs() < 1e-6);
-        // 2π H exp(-π²/h), H being at most 0.3 of E here
+        // bound 2π H exp(-π²/h), with H at most 0.3 of E here
         assert!(series.greatest_error() < 1e-5);
     }
 
@@ -255,8 +257,8 @@ mod tests {
         let law = ConstantQ::new(2.6e9, 0.1, 6e3).unwrap();
         let error = |n| PronyStandIn::new(&law, BAND, n).unwrap().greatest_error();
         let (one, two) = (error(1.0), error(2.0));
-        // 2π H exp(-π²/h) of the modulus with H = 0.0634; the number of branches is rounded, and
-        // the branches that combine the ends add some error
+        // relative error 2π H exp(-π²/h) with H = 0.0634 of the modulus; the number of branches is
+        // rounded, and the branches that combine the ends add some error
         let predicted = |h: f64| 2.0 * PI * 0.0634 * (-PI * PI / h).exp();
         assert!((one / predicted(LN_10) - 1.0).abs() < 0.3, "{one:e}");
         assert!((two / predicted(0.5 * LN_10) - 1.0).abs() < 0.3, "{two:e}");

@@ -13,14 +13,14 @@ pub struct KelvinVoigtElement {
     pub retardation_time: f64,
 }
 
-/// The generalised Kelvin-Voigt chain equivalent to a [`GeneralisedMaxwell`] law.
+/// Generalised Kelvin-Voigt chain that is equivalent to a [`GeneralisedMaxwell`] law.
 ///
 /// ```text
 /// J(t) = J₀ + t/η + Σ Jⱼ (1 - e^{-t/λⱼ})
 /// ```
 ///
-/// The -1/λⱼ are the zeros of E(s), all real and one between any two of the poles -1/τᵢ; for a
-/// solid there is one more beyond the slowest of them. From the residues of 1/(s E(s))
+/// The values -1/λⱼ are the zeros of E(s). All are real: one between any two neighbouring poles
+/// -1/τᵢ and, for a solid, one more beyond the slowest pole. The residues of 1/(s E(s)) give
 ///
 /// ```text
 /// 1/Jⱼ = λⱼ Σ Eᵢτᵢ/(λⱼ - τᵢ)² ,    J₀ = 1/(E∞ + Σ Eᵢ) ,    η = Σ Eᵢτᵢ for a fluid
@@ -32,7 +32,7 @@ pub struct RetardationSpectrum {
     pub instantaneous_compliance: f64,
     /// Fluidity 1/η [1/(Pa s)], 0 for a solid.
     pub fluidity: f64,
-    /// The retarded part, in the order of increasing retardation times.
+    /// Kelvin-Voigt models, in the order of increasing retardation times.
     pub elements: Vec<KelvinVoigtElement>,
 }
 
@@ -51,7 +51,7 @@ impl RetardationSpectrum {
         let viscosity: f64 = branches.iter().map(MaxwellBranch::viscosity).sum();
         let solid = law.equilibrium_modulus() > 0.0;
         // Each zero is between its pole and the next; the last zero of a solid is below the bound
-        // that E∞ alone gives.
+        // that follows from E∞.
         let above_slowest = solid.then(|| viscosity / law.equilibrium_modulus());
         let gaps = branches
             .windows(2)
@@ -93,7 +93,8 @@ impl MaxwellBranch {
     }
 }
 
-/// Branches in the order of their relaxation times, with those of equal times added.
+/// Returns the branches in the order of their relaxation times; branches with equal times are
+/// added.
 fn distinct(branches: &[MaxwellBranch]) -> Vec<MaxwellBranch> {
     let mut sorted = branches.to_vec();
     sorted.sort_by(|a, b| a.relaxation_time.total_cmp(&b.relaxation_time));
@@ -107,10 +108,10 @@ fn distinct(branches: &[MaxwellBranch]) -> Vec<MaxwellBranch> {
     sorted
 }
 
-/// The zero λ = τ + δ of E(-1/λ) = E∞ - Σ Eᵢτᵢ/(λ - τᵢ) with 0 < δ <= gap, where it grows from -∞,
-/// by bisection.
+/// Finds the zero λ = τ + δ of E(-1/λ) = E∞ - Σ Eᵢτᵢ/(λ - τᵢ) with 0 < δ <= gap, where the function
+/// increases from -∞, by bisection.
 ///
-/// The distance to the pole is bisected, because a weak branch has its zero within rounding of its
+/// The distance to the pole is bisected because a weak branch has its zero within rounding of its
 /// pole.
 fn element(
     law: &GeneralisedMaxwell,

@@ -11,7 +11,7 @@ use super::{
 use crate::RodwaveError;
 use crate::error::check_positive;
 
-/// A power law of the stiffness over all frequencies: E(s) = Eᵣ (s/ωᵣ)^α, 0 < α < 1.
+/// Power law of the stiffness over all frequencies: E(s) = Eᵣ (s/ωᵣ)^α, 0 < α < 1.
 ///
 /// ```text
 /// |E(ω)| = Eᵣ |ω/ωᵣ|^α ,    E''/E' = tan(πα/2)
@@ -20,7 +20,7 @@ use crate::error::check_positive;
 ///
 /// The loss factor is the same at every frequency. The law is parametrised by the magnitude Eᵣ at a
 /// reference frequency inside the band of interest and not by K = Eᵣ ωᵣ^{-α}, whose unit depends on
-/// α. E(0) = 0, and there is no front: E(∞) = ∞.
+/// α. E(0) = 0. Waves have no front, because E(∞) = ∞.
 ///
 /// ```
 /// use rodwave::modulus::{ComplexModulus, SpringPot};
@@ -68,11 +68,11 @@ impl SpringPot {
         self.reference_omega
     }
 
-    /// Derivative with respect to the exponent, E ln(s/ωᵣ), 0 at s = 0.
+    /// Derivative E ln(s/ωᵣ) with respect to the exponent; 0 at s = 0.
     pub(super) fn by_exponent(&self, s: Complex64) -> Complex64 {
         let modulus = self.at_s(s);
         if modulus == Complex64::ZERO {
-            return Complex64::ZERO; // x ln x → 0, also where x has vanished in rounding
+            return Complex64::ZERO; // x ln x → 0, also if x has underflowed to 0
         }
         modulus * (s / self.reference_omega).ln()
     }

@@ -1,4 +1,4 @@
-//! Modulus given at some frequencies.
+//! Modulus given at discrete frequencies.
 
 use num_complex::Complex64;
 
@@ -10,18 +10,17 @@ use crate::error::check_positive;
 /// Storage and loss modulus at the lines of a measurement, interpolated monotonically in ln ω.
 ///
 /// A table is undefined outside its band, where [`lookup`](Self::lookup) returns an error. It is
-/// therefore not a [`ComplexModulus`], which has a value at every frequency: [`held`](Self::held)
-/// converts it to one, by an explicit choice of the caller. For ω < 0 the modulus is the complex
-/// conjugate.
+/// therefore not a [`ComplexModulus`], which has a value at every frequency; the caller can convert
+/// it to one by [`held`](Self::held). For ω < 0 the modulus is the complex conjugate.
 ///
 /// Many lines are needed where E'' is curved. For a Zener material with its loss peak at 0.5 kHz,
 /// on lines evenly spaced from 0.5 to 10 kHz, the error of E'' between the lines is up to 12 % of
 /// its maximum with 5 lines, 7 % with 10, 2.6 % with 20 and 0.8 % with 40 (for a peak within the
-/// band 18, 4, 0.5 and 0.07 %). The error of E' is less than 1.1 %, that of a constant loss less
-/// than 0.02 %. [`interpolation_error`](Self::interpolation_error) estimates this error.
+/// band, 18, 4, 0.5 and 0.07 %). The error of E' is less than 1.1 %, and the error of a constant
+/// loss less than 0.02 %. [`interpolation_error`](Self::interpolation_error) estimates this error.
 ///
 /// Interpolated values are causal only to the accuracy of the interpolation, and a table is not a
-/// [`LaplaceModulus`](super::LaplaceModulus). It has no parameters.
+/// [`LaplaceModulus`](super::LaplaceModulus). A table has no parameters.
 ///
 /// ```
 /// use num_complex::Complex64;
@@ -43,8 +42,8 @@ pub struct Tabulated {
     loss: MonotoneCubic,
 }
 
-/// Ratio of the estimated error to the difference of two interpolations of the same lines; both
-/// interpolations may be wrong in the same way.
+/// Ratio of the estimated error to the difference between two interpolations of the same lines. It
+/// is above 1 because both may be wrong in the same way.
 const CAUTION: f64 = 3.0;
 
 /// A line of the table.
@@ -55,14 +54,14 @@ struct Line {
 }
 
 impl Tabulated {
-    /// Creates a table of the complex `modulus` \[Pa\] at increasing `omega` > 0 [rad/s], at least
-    /// two lines.
+    /// Creates a table of the complex `modulus` \[Pa\] at increasing `omega` > 0 [rad/s], with two
+    /// lines or more.
     ///
     /// # Errors
-    /// [`RodwaveError::LengthMismatch`], [`RodwaveError::TooFewSamples`], or
-    /// [`RodwaveError::NonPhysical`] unless all frequencies are finite, above 0 and increasing,
-    /// E' is finite and above 0, and E'' is finite and not negative. Noise can make a
-    /// measured E'' negative: the caller must smooth or remove such a line.
+    /// [`RodwaveError::LengthMismatch`] if the lengths differ, [`RodwaveError::TooFewSamples`]
+    /// below two lines, or [`RodwaveError::NonPhysical`] unless all frequencies are finite, above 0
+    /// and increasing, E' is finite and above 0, and E'' is finite and not negative. Noise can make
+    /// a measured E'' negative: the caller must smooth or remove such a line.
     pub fn new(omega: &[f64], modulus: &[Complex64]) -> Result<Self, RodwaveError> {
         if omega.len() != modulus.len() {
             return Err(RodwaveError::LengthMismatch {
@@ -128,7 +127,7 @@ impl Tabulated {
     /// Returns the complex modulus \[Pa\] at `omega` [rad/s], of either sign.
     ///
     /// # Errors
-    /// [`RodwaveError::OutsideTable`] outside the table, including 0.
+    /// [`RodwaveError::OutsideTable`] outside the table, which includes ω = 0.
     pub fn lookup(&self, omega: f64) -> Result<Complex64, RodwaveError> {
         if self.covers(omega) {
             check_modulus(self.interpolate(omega, MonotoneCubic::value))
@@ -143,15 +142,15 @@ impl Tabulated {
     }
 
     /// Estimated errors of interpolated E' (real part) and E'' (imaginary part) \[Pa\] at `omega`
-    /// [rad/s], of either sign; one value for each interval between lines. `None` outside the
-    /// table and for fewer than four lines.
+    /// [rad/s], of either sign. The estimate is constant in each interval between lines. `None`
+    /// outside the table and for fewer than four lines.
     ///
     /// The estimate is three times the largest difference in the interval from the cubic through
     /// the four nearest lines. For laws of Zener, fractional Zener, power-law and constant-loss
     /// type on 5 to 40 lines, evenly spaced in ω or in ln ω, the estimate is at least the error at
     /// 95 % of the frequencies, and at most 20 times the error in the median. Errors of the lines
-    /// themselves are not included, and a maximum of E'' between two lines enters only through its
-    /// flanks.
+    /// themselves are not included. A maximum of E'' between two lines affects the estimate only
+    /// through its flanks.
     #[must_use]
     pub fn interpolation_error(&self, omega: f64) -> Option<Complex64> {
         if !self.covers(omega) {
@@ -162,11 +161,11 @@ impl Tabulated {
         Some(Complex64::new(of(&self.storage)?, of(&self.loss)?))
     }
 
-    /// Continues the table by its first and its last line: constant E' and E'' below and above, and
-    /// E(0) = E' of the first line.
+    /// Continues the table by its first and its last line: below and above the band, E' and E'' are
+    /// constant; E(0) = E' of the first line.
     ///
-    /// A constant loss with a constant stiffness is not causal. The effect of the continuation on a
-    /// result must be judged, for instance by applying [`covers`](Self::covers) to the
+    /// A constant loss with a constant stiffness is not causal. Check the effect of the
+    /// continuation on a result, for example by applying [`covers`](Self::covers) to the
     /// frequencies that carry the energy.
     #[must_use]
     pub fn held(self) -> HeldTable {

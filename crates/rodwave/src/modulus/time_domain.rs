@@ -6,7 +6,7 @@ use super::LaplaceModulus;
 use crate::RodwaveError;
 use crate::error::{check_finite, check_positive};
 
-/// A law whose relaxation modulus and creep compliance have closed forms.
+/// Law whose relaxation modulus and creep compliance have closed forms.
 ///
 /// A strain ε₀ applied at t = 0 and held requires the stress E(t) ε₀; a stress σ₀ applied and held
 /// causes the strain J(t) σ₀. Their Laplace transforms are
@@ -15,8 +15,7 @@ use crate::error::{check_finite, check_positive};
 /// ∫₀^∞ E(t) e^{-st} dt = E(s)/s ,    ∫₀^∞ J(t) e^{-st} dt = 1/(s E(s))
 /// ```
 ///
-/// Both are defined after the step, t > 0: at t = 0 they jump, and E(t) of some laws is infinite
-/// there.
+/// Both are defined after the step, t > 0. At t = 0 they jump; E(t) of some laws is infinite there.
 ///
 /// ```
 /// use rodwave::modulus::{TimeDomainModulus, Zener};
@@ -40,23 +39,23 @@ pub trait TimeDomainModulus: LaplaceModulus {
     fn creep_compliance(&self, time: f64) -> Result<f64, RodwaveError>;
 }
 
-/// Accepts a time after the step.
+/// Checks that a time is after the step, and returns it.
 pub(super) fn after_step(time: f64) -> Result<f64, RodwaveError> {
     check_positive("time after the step [s]", time)
 }
 
-/// Accepts a relaxation modulus without overflow.
+/// Checks that a relaxation modulus has not overflowed, and returns it.
 pub(super) fn finite_modulus(modulus: f64) -> Result<f64, RodwaveError> {
     check_finite("relaxation modulus [Pa]", modulus)
 }
 
-/// Accepts a creep compliance without overflow.
+/// Checks that a creep compliance has not overflowed, and returns it.
 pub(super) fn finite_compliance(compliance: f64) -> Result<f64, RodwaveError> {
     check_finite("creep compliance [1/Pa]", compliance)
 }
 
-/// The decay from 1 to 0 of fractional relaxation, E_α(-(t/τ)^α) with the Mittag-Leffler function
-/// E_α, for 0 < α <= 1.
+/// Computes the decay of fractional relaxation from 1 to 0, E_α(-(t/τ)^α) with the Mittag-Leffler
+/// function E_α, for 0 < α <= 1.
 ///
 /// For α = 1 it is e^{-t/τ}. The absolute error of the library is a few 1e-15 of the value 1 at t =
 /// 0, which suffices for a solid with E₀ > 0.
@@ -64,7 +63,7 @@ pub(super) fn fractional_decay(exponent: f64, time_ratio: f64) -> Result<f64, Ro
     fractional_decay_of_power(exponent, time_ratio.powf(exponent))
 }
 
-/// [`fractional_decay`] from the power (t/τ)^α, where t/τ itself may overflow or vanish.
+/// Computes [`fractional_decay`] from the power (t/τ)^α; t/τ itself may overflow or vanish.
 pub(super) fn fractional_decay_of_power(exponent: f64, power: f64) -> Result<f64, RodwaveError> {
     let argument = -power;
     if exponent >= 1.0 {
@@ -129,8 +128,8 @@ mod tests {
                 })
                 .sum();
             let exact = integral * std::f64::consts::FRAC_2_SQRT_PI;
-            // The rule converges exponentially; 240 positive terms of size up to 1 round to 1e-14
-            // of the sum at most.
+            // The rule converges exponentially; rounding of 240 positive terms of at most 1 is at
+            // most 1e-14 of the sum.
             assert!(
                 (fractional_decay(0.5, x * x).unwrap() - exact).abs() < 1e-14,
                 "{x}"
@@ -138,8 +137,8 @@ mod tests {
         }
     }
 
-    /// E_α(-x) → 1/(x Γ(1-α)) for x → ∞ (first term of the asymptotic series; the second is smaller
-    /// by the factor x).
+    /// E_α(-x) → 1/(x Γ(1-α)) for x → ∞: the first term of the asymptotic series. The second term
+    /// is smaller by the factor x.
     #[test]
     fn decay_has_its_algebraic_tail_and_its_limits() {
         for exponent in [0.05, 0.3, 0.5, 0.8, 0.99] {

@@ -9,13 +9,13 @@ use crate::RodwaveError;
 use crate::error::check_positive;
 use crate::quotient::quotient;
 
-/// A spring in parallel with a Maxwell model: the simplest solid with a finite wave speed.
+/// Spring in parallel with a Maxwell model: the simplest solid with a finite wave speed.
 ///
 /// ```text
 /// E(s) = E₀ + (E₁ - E₀) sτ/(1 + sτ)
 /// ```
 ///
-/// E₀ is the relaxed modulus, E(0), and E₁ the unrelaxed one, E(∞). The loss factor has its largest
+/// E₀ = E(0) is the relaxed modulus, E₁ = E(∞) the unrelaxed one. The loss factor has its largest
 /// value (E₁ - E₀)/(2 (E₀ E₁)^½) at ωτ = (E₀/E₁)^½.
 ///
 /// ```
@@ -78,7 +78,7 @@ impl ModulusStep {
 }
 
 impl Zener {
-    /// ∂E/∂ln s.
+    /// Computes ∂E/∂ln s.
     fn slope_at_s(&self, s: Complex64) -> Complex64 {
         let s_tau = s * self.relaxation_time;
         quotient(
@@ -143,7 +143,7 @@ impl DifferentiableModulus for Zener {
     }
 }
 
-/// Creep is slower than relaxation: the retardation time is τE₁/E₀.
+/// The retardation time is τE₁/E₀: creep is slower than relaxation.
 impl TimeDomainModulus for Zener {
     fn relaxation_modulus(&self, time: f64) -> Result<f64, RodwaveError> {
         let decay = (-after_step(time)? / self.relaxation_time).exp();

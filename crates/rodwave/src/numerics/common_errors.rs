@@ -1,9 +1,9 @@
-//! Errors that values share, in addition to independent ones.
+//! Common errors of values, in addition to independent ones.
 
 /// Whitening of values with independent errors of unit variance and common errors.
 ///
-/// A common error that is wrong by its standard uncertainty changes all values by its vector g, so
-/// that the covariance of the values is C = I + Σ g gᵀ. [`whiten`](Self::whiten) multiplies by
+/// If a common error is wrong by its standard uncertainty, all values change by its vector g. The
+/// covariance of the values is therefore C = I + Σ g gᵀ. [`whiten`](Self::whiten) multiplies by
 /// C^{-1/2}, one rank after the other: the whitening by the first vector changes the second, and so
 /// on.
 ///
@@ -22,12 +22,12 @@
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct CommonErrors {
     vectors: Vec<Vec<f64>>,
-    /// The vectors, each whitened by those before it.
+    /// The vectors; each is whitened by those before it.
     whitened: Vec<Vec<f64>>,
 }
 
 impl CommonErrors {
-    /// Creates the whitening from the vector g of each source, one entry per value.
+    /// Creates the whitening from the vector g of each source of error, with one entry per value.
     #[must_use]
     pub fn new(vectors: Vec<Vec<f64>>) -> Self {
         let mut common = Self::default();
@@ -46,7 +46,7 @@ impl CommonErrors {
         &self.vectors
     }
 
-    /// Computes C^{-1/2} `values`, whose length never exceeds that of `values`.
+    /// Computes C^{-1/2} `values` in place; the result is never longer than `values`.
     pub fn whiten(&self, values: &mut [f64]) {
         for vector in &self.whitened {
             whiten_by(vector, values);
@@ -65,7 +65,7 @@ impl CommonErrors {
     /// the whitened residual.
     #[must_use]
     pub fn sizes(&self, rest: &[f64]) -> Vec<f64> {
-        // ξ = gᵀ C⁻¹ rest; C⁻¹ is the whitening applied forwards, then backwards
+        // ξ = gᵀ C⁻¹ rest; C⁻¹ is the whitening, applied forwards and then backwards
         let mut solved = rest.to_vec();
         self.whiten(&mut solved);
         for vector in self.whitened.iter().rev() {
@@ -94,8 +94,8 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
 mod tests {
     use super::*;
 
-    /// The whitened length is the minimum over ξ of |r - Σ ξ g|² + Σ ξ², and `sizes` are at this
-    /// minimum.
+    /// The whitened length is the minimum over ξ of |r - Σ ξ g|² + Σ ξ², and `sizes` returns the ξ
+    /// of this minimum.
     #[test]
     fn common_errors_are_taken_off_where_the_sum_of_squares_is_least() {
         let first = vec![3.0, 1.0, 0.0, -2.0, 0.5];

@@ -4,7 +4,7 @@ use std::ops::{Add, Div, Mul, Sub};
 
 use num_complex::Complex64;
 
-/// f, f' and f'' at one point.
+/// Values of f, f' and f'' at one point.
 ///
 /// ```
 /// use rodwave::num_complex::Complex64;
@@ -33,7 +33,7 @@ impl Jet {
         Self::linear(value, 0.0)
     }
 
-    /// Returns a linear function, from its value at the point and its slope.
+    /// Returns a linear function with the given value at the point and the given slope.
     #[must_use]
     pub fn linear(value: Complex64, slope: f64) -> Self {
         Self {
@@ -76,7 +76,7 @@ impl Jet {
         }
     }
 
-    /// The composition g(f), from g, g' and g'' at the value of f.
+    /// Returns the composition g(f), from g, g' and g'' at the value of f.
     #[must_use]
     pub fn compose(self, [value, first, second]: [Complex64; 3]) -> Self {
         Self {
@@ -168,7 +168,7 @@ mod tests {
         assert!(((plus.value - minus.value) / (2.0 * h) - jet.first).norm() < 3e-9);
         assert!(((plus.first - minus.first) / (2.0 * h) - jet.second).norm() < 3e-9);
 
-        // the square as a function of the jet, and as a product
+        // the square, as a function of the jet and as a product
         let square = jet.compose([jet.value.powi(2), 2.0 * jet.value, 2.0.into()]);
         let product = jet * jet;
         assert!((square.value - product.value).norm() < 1e-12 * product.value.norm());

@@ -12,7 +12,7 @@ pub const LEAST_WAVELENGTH_IN_DIAMETERS: f64 = 5.0;
 /// almost equally, and only the small difference contains information (paper A, section 4).
 pub const GREATEST_WAVELENGTH_IN_LENGTHS: f64 = 5.0;
 
-/// A wavelength in a specimen, relative to its diameter and its length.
+/// Wavelength in a specimen, relative to its diameter and its length.
 ///
 /// ```
 /// use rodwave::slenderness::Slenderness;
@@ -35,7 +35,7 @@ impl Slenderness {
     /// `diameter` D \[m\] and `length` L \[m\].
     ///
     /// # Errors
-    /// [`RodwaveError::NonPhysical`] unless all, and λ = 2π/k, are finite and above 0.
+    /// [`RodwaveError::NonPhysical`] unless all three, and λ = 2π/k, are finite and above 0.
     pub fn of_wave_number(
         wave_number: f64,
         diameter: f64,
@@ -64,27 +64,27 @@ impl Slenderness {
         self.wavelength
     }
 
-    /// λ/D.
+    /// Wavelength in diameters, λ/D.
     #[must_use]
     pub fn wavelength_in_diameters(&self) -> f64 {
         self.wavelength / self.diameter
     }
 
-    /// λ/L.
+    /// Wavelength in lengths, λ/L.
     #[must_use]
     pub fn wavelength_in_lengths(&self) -> f64 {
         self.wavelength / self.length
     }
 
-    /// Returns true for condition (i), λ > 5D: the rod is slender for this wave. The error of
-    /// one-dimensional theory depends on Poisson's ratio, see
+    /// Returns true if condition (i), λ > 5D, is met: the rod is slender for this wave. The error
+    /// of one-dimensional theory depends on Poisson's ratio; see
     /// [`elementary_theory_error`](super::elementary_theory_error).
     #[must_use]
     pub fn is_long_against_diameter(&self) -> bool {
         self.wavelength_in_diameters() > LEAST_WAVELENGTH_IN_DIAMETERS
     }
 
-    /// Returns true for condition (ii), λ < 5L: the motions of the two ends differ enough.
+    /// Returns true if condition (ii), λ < 5L, is met: the motions of the two ends differ enough.
     #[must_use]
     pub fn is_short_against_length(&self) -> bool {
         self.wavelength_in_lengths() < GREATEST_WAVELENGTH_IN_LENGTHS
@@ -95,8 +95,8 @@ impl Slenderness {
 mod tests {
     use super::*;
 
-    /// The limits themselves meet neither condition, as printed: λ "should exceed" 5D and "be less
-    /// than" 5L.
+    /// A wavelength at a limit does not meet the condition, as printed: λ "should exceed" 5D and
+    /// "be less than" 5L.
     #[test]
     fn conditions_are_strict() {
         let wave_number = std::f64::consts::TAU / 0.5;

@@ -25,7 +25,7 @@ use num_complex::Complex64;
 
 use crate::numerics::Jet;
 
-/// The variable that changes while the other two are constant.
+/// Variable that changes while the other two are constant.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Variable {
     /// B = ρω²a²/E
@@ -36,8 +36,7 @@ pub(super) enum Variable {
     PoissonRatio,
 }
 
-/// The frequency equation at one point (B, K, ν), times the positive factor exp(-|Im pa| - |Im
-/// qa|).
+/// Frequency equation at one point (B, K, ν), times the positive factor exp(-|Im pa| - |Im qa|).
 #[derive(Debug, Clone, Copy)]
 pub(super) struct FrequencyEquation {
     bar: Complex64,
@@ -65,7 +64,7 @@ impl FrequencyEquation {
         })
     }
 
-    /// The left side, divided by B, with its derivatives along `variable`.
+    /// Returns the left side, divided by B, with its derivatives along `variable`.
     pub(super) fn along(&self, variable: Variable) -> Jet {
         let slope = |of: Variable| if variable == of { 1.0 } else { 0.0 };
         let b = Jet::linear(self.bar, slope(Variable::Bar));
@@ -90,10 +89,10 @@ impl FrequencyEquation {
     }
 }
 
-/// jₙ(z²) = Jₙ(z)/zⁿ for n = 0, 1, ..., times exp(-|Im z|), at z² = `argument`.
+/// Computes jₙ(z²) = Jₙ(z)/zⁿ for n = 0, 1, ..., times exp(-|Im z|), at z² = `argument`.
 fn entire_bessel<const N: usize>(argument: Complex64) -> Option<[Complex64; N]> {
     let z = argument.sqrt();
-    // jₙ = (1 - z²/(4n+4) + ...)/(2ⁿ n!): below this only the first term matters, and zⁿ may
+    // jₙ = (1 - z²/(4n+4) + ...)/(2ⁿ n!): below this limit only the first term matters, and zⁿ may
     // underflow
     let is_small = argument.norm() < 1e-16;
     let mut values = [Complex64::ZERO; N];
@@ -117,7 +116,7 @@ fn entire_bessel<const N: usize>(argument: Complex64) -> Option<[Complex64; N]> 
 mod tests {
     use super::*;
 
-    /// exp(-|Im z|) Jₙ(z), n = 0...3, by mpmath 1.3.0 with 40 digits.
+    /// Values of exp(-|Im z|) Jₙ(z), n = 0...3, by mpmath 1.3.0 with 40 digits.
     #[test]
     fn bessel_functions_are_those_of_mpmath() {
         type Parts = (f64, f64);
@@ -199,7 +198,7 @@ mod tests {
         }
     }
 
-    /// Functions agree on both sides of the switch to the limit.
+    /// The functions agree on both sides of the switch to the limit.
     #[test]
     fn small_arguments_need_no_division() {
         let above: [Complex64; 4] = entire_bessel(1.01e-16.into()).unwrap();
@@ -214,8 +213,8 @@ mod tests {
     }
 
     /// Compares both derivatives along all three variables with central differences. The
-    /// exponential scaling is not analytic, so the differences are taken at points where there is
-    /// no scaling: real points with real p and q.
+    /// exponential scaling is not analytic. The differences are therefore taken where the scale
+    /// factor is 1: at real points with real p and q.
     #[test]
     fn derivatives_agree_with_differences() {
         let (bar, wave, nu) = (4.0, 0.9, 0.3);
@@ -244,7 +243,7 @@ mod tests {
         }
     }
 
-    /// Functions are regular at p = 0, q = 0 or ν = 1/2, where the printed form is singular or
+    /// The functions are regular at p = 0, q = 0 and ν = 1/2, where the printed form is singular or
     /// trivial.
     #[test]
     fn equation_is_regular_where_p_or_q_vanish() {
@@ -258,8 +257,8 @@ mod tests {
                 scale.exp() * equation.along(Variable::Wave).value
             };
             let (left, middle, right) = (at(wave - 1e-4), at(wave), at(wave + 1e-4));
-            // h² times the second derivative, of order 1; a root-like singularity would leave h^½ =
-            // 1e-2
+            // h² times the second derivative, of order 1; with a singularity like a root, h^½ =
+            // 1e-2 would remain
             assert!((middle - 0.5 * (left + right)).norm() < 1e-7);
             assert!(middle.norm() > 1e-2); // q = 0 is no root
         }

@@ -1,4 +1,4 @@
-//! Theory of Love, after Rayleigh: the inertia of quasi-static lateral motion.
+//! Theory of Love, after Rayleigh: inertia of a quasi-static lateral motion.
 
 use num_complex::Complex64;
 
@@ -20,15 +20,15 @@ use super::theory::{
 ///
 /// # Validity
 /// The correction is exact to leading order in (D/λ)². The remaining error of E' is about 0.2 % at
-/// λ = 5D and 1 % at 3D ([`Theory::error_left`](super::Theory::error_left)). In this theory waves
-/// do not propagate where ρν²k_p²ω² exceeds E.
+/// λ = 5D and 1 % at λ = 3D ([`Theory::error_left`](super::Theory::error_left)). In this theory,
+/// waves do not propagate where ρν²k_p²ω² exceeds E.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LoveRayleigh {
     scale: Scale,
     poisson_ratio: f64,
 }
 
-/// A rod of rectangular cross-section.
+/// Rod of rectangular cross-section.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RectangularRod {
     /// Density ρ [kg/m³].

@@ -10,14 +10,15 @@ use super::theory::{CorrectedModulus, FirstBranch, RodTheory, Root, RoundRod, Sc
 
 /// Theory of Mindlin and Herrmann for a round rod.
 ///
-/// With a radial displacement proportional to the radius, the energies of both motions, and the
-/// shear coefficient κ² on the shear stiffness between them, the theory gives
+/// With a radial displacement proportional to the radius, the energies of the axial and the radial
+/// motion, and a shear coefficient κ² on the shear stiffness between the two motions, the theory
+/// gives
 ///
 /// ```text
 /// [(λ+2μ)k² - ρω²] [4(λ+μ) + (a²/2)(κ²μk² - ρω²)] = 4λ²k²
 /// ```
 ///
-/// which in the variables of [this module](super), B = ρω²a²/E and K = k²a², is free of the
+/// In the variables of [this module](super), B = ρω²a²/E and K = k²a², it is free of the
 /// singularity of λ at ν = 1/2:
 ///
 /// ```text
@@ -25,10 +26,10 @@ use super::theory::{CorrectedModulus, FirstBranch, RodTheory, Root, RoundRod, Sc
 /// ```
 ///
 /// # Validity
-/// By default κ is c_R/c_S, so that short waves have the speed of Rayleigh's surface wave. **For
-/// long waves this is less accurate than Love's theory:** the lateral inertia is reduced by the
-/// shear energy of a motion that a long wave does not have, K - B = ½ν²K² (1 - κ²μ/E), by about 30
-/// per cent. The theory is included for comparison; use [`super::PochhammerChree`].
+/// By default κ is c_R/c_S, which gives short waves the speed of Rayleigh's surface wave. **For
+/// long waves this is less accurate than Love's theory:** the shear energy of a motion that a long
+/// wave does not have reduces the lateral inertia by about 30 per cent, K - B = ½ν²K² (1 - κ²μ/E).
+/// The theory is included for comparison; use [`super::PochhammerChree`].
 ///
 /// The branch is selected by the sign of a square root, which is correct for loss factors up to 1.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -74,7 +75,7 @@ impl MindlinHerrmann {
         self.shear_coefficient
     }
 
-    /// s = κ²/(2+2ν): the first branch is K = B/s for short waves.
+    /// Ratio s = κ²/(2+2ν): for short waves, the first branch is K = B/s.
     fn shear_ratio(&self) -> f64 {
         self.shear_coefficient / (2.0 + 2.0 * self.poisson_ratio)
     }
@@ -85,7 +86,7 @@ impl MindlinHerrmann {
         (1.0 - nu, (1.0 + nu) * (1.0 - 2.0 * nu))
     }
 
-    /// ∂B/∂ν at constant K, from the derivatives of the frequency equation.
+    /// Computes ∂B/∂ν at constant K, from the derivatives of the frequency equation.
     fn bar_by_poisson_ratio(&self, bar: Complex64, wave: Complex64) -> Complex64 {
         let (p, q) = self.stiffness_ratios();
         let s = self.shear_ratio();
@@ -109,7 +110,7 @@ impl RodTheory for MindlinHerrmann {
         let (p, q) = self.stiffness_ratios();
         let s = self.shear_ratio();
         self.scale.propagation_coefficient(modulus, omega, |bar| {
-            // ¼ps K² + linear K + constant = 0, the root that is B for small B
+            // ¼ps K² + linear K + constant = 0; the root that equals B for small B
             let quadratic = 0.25 * p * s;
             let linear = 1.0 - 0.25 * (p + q * s) * bar;
             let constant = 0.25 * q * bar * bar - bar;
@@ -131,7 +132,7 @@ impl RodTheory for MindlinHerrmann {
         let (p, q) = self.stiffness_ratios();
         let s = self.shear_ratio();
         self.scale.modulus(propagation_coefficient, omega, |wave| {
-            // ¼q B² - linear B + constant = 0, the root that is K for small K; q may be 0
+            // ¼q B² - linear B + constant = 0; the root that equals K for small K; q may be 0
             let linear = 1.0 + 0.25 * (p + q * s) * wave;
             let constant = wave + 0.25 * p * s * wave * wave;
             let bar = 2.0 * constant / (linear + (linear * linear - q * constant).sqrt());

@@ -34,9 +34,10 @@ impl Theory {
     /// B/K = 1 - ½ν²K - ν²(7 - 4ν - 32ν² + 4ν³ + 24ν⁴)/(48(1-ν²)) K² + O(K³) ,    K = (πD/λ)²
     /// ```
     ///
-    /// of which Love's theory contains 1/(1 + ½ν²K). The error grows smoothly with the frequency: a
-    /// modulus corrected by one theory over a whole band is a smooth function, whereas a modulus
-    /// corrected by two theories has a step where they meet, which no causal material has.
+    /// of which Love's theory contains the part 1/(1 + ½ν²K). The error grows smoothly with the
+    /// frequency: a modulus corrected by one theory over a whole band is a smooth function, whereas
+    /// a modulus corrected by two theories has a step at the change from one to the other, which no
+    /// causal material has.
     ///
     /// ```
     /// use rodwave::slenderness::Theory;
@@ -47,8 +48,8 @@ impl Theory {
     /// ```
     ///
     /// # Validity
-    /// Low losses and an exact ν. At λ = 3D the error of Love's theory is overestimated by up to a
-    /// quarter; below 3D only its order of magnitude is correct.
+    /// Low losses and an exact ν are assumed. At λ = 3D, the error of Love's theory is
+    /// overestimated by up to a quarter; below 3D, only its order of magnitude is correct.
     ///
     /// # Errors
     /// [`RodwaveError::NonPhysical`] unless λ/D and (D/λ)⁴ are finite and above 0, and -1 < ν <=
@@ -87,11 +88,12 @@ pub struct ApparentModulusError {
 /// δE'/E' = -e/(1+e)        δE'' = 0        δ(tan δ)/tan δ = e        e = (π²ν²/2)(D/λ)²
 /// ```
 ///
-/// With ν = 1/2 and λ = 5D they are 4.7 and 4.9 per cent: the "less than 5 per cent" of condition
-/// (i) for both (Ödeen 1993, paper A, section 4, after Pritz) applies to an incompressible rod.
+/// With ν = 1/2 and λ = 5D, the magnitudes are 4.7 and 4.9 per cent: "less than 5 per cent" for
+/// both in condition (i) (Ödeen 1993, paper A, section 4, after Pritz) applies to an incompressible
+/// rod.
 ///
 /// # Validity
-/// λ > 3D, low losses; [`Theory::error_left`] has one term more.
+/// λ > 3D and low losses; [`Theory::error_left`] has one term more.
 ///
 /// # Errors
 /// [`RodwaveError::NonPhysical`] unless λ/D and (D/λ)⁴ are finite and above 0, and -1 < ν <= 0.5.
@@ -107,7 +109,7 @@ pub fn elementary_theory_error(
     })
 }
 
-/// K = (πD/λ)².
+/// Computes K = (πD/λ)².
 fn scaled_wave_number(wavelength_in_diameters: f64) -> Result<f64, RodwaveError> {
     let ratio = check_positive("wavelength over diameter", wavelength_in_diameters)?;
     let wave = (std::f64::consts::PI / ratio).powi(2);

@@ -9,32 +9,33 @@ use crate::numerics::Jet;
 use super::frequency_equation::{FrequencyEquation, Variable};
 use super::theory::{CorrectedModulus, FirstBranch, RodTheory, Root, RoundRod, Scale};
 
-/// |B| or |K| below which B/K = 1 - ½ν²K is exact to rounding: the next term of the series is below
-/// 0.1 K².
+/// Limit of |B| or |K| below which B/K = 1 - ½ν²K is exact to rounding: the next term of the series
+/// is below 0.1 K².
 const SERIES_END: f64 = 1e-8;
 
-/// √|K| or √|B| at which Newton's iteration starts from Love's theory, λ = 6D, where Love's error
-/// is 0.1 per cent.
+/// Value of √|K| or √|B| at which Newton's iteration starts from Love's theory: λ = 6D, where
+/// Love's error is 0.1 per cent.
 const FIRST_POINT: f64 = 0.5;
 
 /// Largest step in √|K| or √|B|, so that no oscillation of the Bessel functions is missed.
 const LARGEST_STEP: f64 = 0.5;
 
-/// Smallest step, relative to the path; a branch that needs a smaller one is not separable in
+/// Smallest step, relative to the path; a branch that needs a smaller step cannot be separated in
 /// double precision.
 const SMALLEST_STEP: f64 = 1e-10;
 
-/// Number of steps, successful or not, after which the path is given up: at about ka = 85.
+/// Number of steps, successful or not, after which the search along the path ends: at about
+/// ka = 85.
 const MOST_STEPS: usize = 5000;
 
-/// Largest step as a fraction of the clearance to other branches at the start of the step; twice
-/// this fraction at its end.
+/// Largest step as a fraction of the clearance to other branches at the start of the step; at the
+/// end of the step, twice this fraction is allowed.
 const REACH: f64 = 0.2;
 
 /// Largest correction of the prediction by Newton's iteration as a fraction of the clearance.
 const CORRECTION_REACH: f64 = 0.1;
 
-/// Relative tolerance for returning to the start of the path; another branch is much further away.
+/// Relative tolerance for a return to the start of the path; other branches are much further away.
 const CLOSURE: f64 = 1e-6;
 
 /// Largest number of Newton steps at one point. Within `CORRECTION_REACH` three or four suffice.
@@ -52,24 +53,25 @@ const MOST_NEWTON_STEPS: usize = 8;
 ///
 /// # Method
 /// The equation has infinitely many roots. The first branch begins as K = B and is *followed* from
-/// there: ω, or γ in the inverse direction, is increased to its final value from a point where
-/// Love's theory is accurate, with E or ω constant. Each step is predicted along the tangent,
-/// corrected by Newton's iteration, and limited to a fraction of the distance to the neighbouring
-/// branch, so that it cannot jump to that branch at a close passage. That distance is estimated by
-/// 2|f'/f''| in B and in K. Down to λ ≈ 6D there is one step.
+/// there: ω is increased to its final value from a point where Love's theory is accurate, with E
+/// constant. In the inverse direction, γ is increased with ω constant. Each step is predicted along
+/// the tangent, corrected by Newton's iteration, and limited to a fraction of the distance to the
+/// neighbouring branch. It then cannot jump to that branch where the two are close. The distance is
+/// estimated by 2|f'/f''| in B and in K. For λ down to about 6D, one step suffices.
 ///
 /// A modulus found from γ must give γ again on the first branch; otherwise the result is
 /// [`FirstBranch::Left`].
 ///
 /// # Validity
-/// λ from infinity to D/27 and any loss. For ν = 0 the first branch is elementary theory, which
-/// crosses the second branch at ka = 1.841; for small ν > 0 the two veer apart there, and the loss
-/// of a nearly elastic modulus determines the course of the branch. If it cannot be determined, the
-/// result is [`FirstBranch::Left`]; likewise beyond ka = 85, λ = D/27, where the path is too long.
+/// The theory is valid for λ from infinity to D/27 and for any loss. For ν = 0 the first branch is
+/// elementary theory, which crosses the second branch at ka = 1.841; for small ν > 0 the two
+/// branches veer apart there, and the loss of a nearly elastic modulus determines the course of the
+/// first branch. If the course cannot be determined, the result is [`FirstBranch::Left`]. The same
+/// holds beyond ka = 85, λ = D/27, where the path is too long.
 ///
-/// The roots are branches of one analytic function. With heavy losses in short waves two moduli may
-/// have the same γ, each on its first branch, and [`RodTheory::modulus`] returns the one that is
-/// reached when γ is scaled up to its value from 0. This occurs for ν = -0.23, E''/E' = 0.52, λ =
+/// The roots are branches of one analytic function. For short waves and high losses, two moduli may
+/// have the same γ, each on its first branch; [`RodTheory::modulus`] then returns the one that is
+/// reached when γ is scaled up from 0 to its value. This occurs for ν = -0.23, E''/E' = 0.52, λ =
 /// 1.2D; for ν >= 0, λ > 2D and E''/E' <= 1 it was never found.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PochhammerChree {
@@ -140,14 +142,14 @@ fn is_close(a: Complex64, b: Complex64) -> bool {
     (a - b).norm() <= CLOSURE * b.norm()
 }
 
-/// The unknown one of B and K.
+/// Unknown variable: B or K.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Sought {
     Bar,
     Wave,
 }
 
-/// The path of the given variable from 0 to its end t = 1, as t² `end`.
+/// Path of the given variable from 0 to its end at t = 1, as t² `end`.
 #[derive(Debug, Clone, Copy)]
 struct Way {
     sought: Sought,
@@ -165,19 +167,19 @@ fn clearance(jet: &Jet) -> f64 {
 struct Point {
     given: Complex64,
     root: Complex64,
-    /// d(root)/d(given) along the branch.
+    /// Derivative d(root)/d(given) along the branch.
     tangent: Complex64,
-    /// ∂(root)/∂ν.
+    /// Derivative ∂(root)/∂ν.
     by_poisson_ratio: Complex64,
     /// Estimated distance to another branch at constant `given`.
     root_clearance: f64,
-    /// Estimated distance to another branch at constant `root`, the smaller one for a branch that
-    /// crosses.
+    /// Estimated distance to another branch at constant `root`; where a branch crosses, this is the
+    /// smaller distance.
     given_clearance: f64,
 }
 
 impl Point {
-    /// The larger of the two changes, relative to the clearance.
+    /// Returns the larger of the two changes, relative to the clearance.
     fn reach(&self, root_change: Complex64, given_change: Complex64) -> f64 {
         let along_root = root_change.norm() / self.root_clearance;
         along_root.max(given_change.norm() / self.given_clearance)
@@ -220,7 +222,7 @@ impl Way {
         FirstBranch::Left { reached: t }
     }
 
-    /// Advances one step along the branch; `None` if it is too long to be safe.
+    /// Advances one step along the branch; `None` if the step is too long to be safe.
     fn advance(&self, from: &Point, given: Complex64) -> Option<Point> {
         let given_change = given - from.given;
         let root_change = from.tangent * given_change;
@@ -266,13 +268,14 @@ impl Way {
                 return None;
             }
             root -= correction;
-            // The remaining error is the squared correction over the clearance: below rounding.
+            // The remaining error is the squared correction over the clearance, which is below
+            // rounding.
             settled = correction.norm() <= 1e-9 * root_clearance.min(root.norm());
         }
         None
     }
 
-    /// Root by Love's theory.
+    /// Computes the root by Love's theory.
     fn love(&self, given: Complex64) -> Complex64 {
         let inertia = 0.5 * self.poisson_ratio.powi(2) * given;
         match self.sought {
@@ -281,7 +284,8 @@ impl Way {
         }
     }
 
-    /// The root to first order: elementary theory and Love's correction. Exact for ν = 0.
+    /// Computes the root to first order: elementary theory and Love's correction. The root is exact
+    /// for ν = 0.
     fn long_wave_root(&self) -> Root {
         let sign = match self.sought {
             Sought::Bar => -1.0,

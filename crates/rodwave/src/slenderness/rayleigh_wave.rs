@@ -7,7 +7,8 @@ use super::theory::check_poisson_ratio;
 /// Speed of Rayleigh's surface wave relative to that of shear waves, c_R/c_S, for Poisson's ratio
 /// ν.
 ///
-/// With ξ = (c_R/c_S)² and r = (c_S/c_P)² = (1 - 2ν)/(2 - 2ν) it is the root in ]0, 1[ of
+/// With ξ = (c_R/c_S)² and r = (c_S/c_P)² = (1 - 2ν)/(2 - 2ν), the square ξ is the root in ]0, 1[
+/// of
 ///
 /// ```text
 /// ξ³ - 8ξ² + (24 - 16r) ξ - 16 (1 - r) = 0
@@ -27,7 +28,7 @@ pub fn rayleigh_to_shear_speed(poisson_ratio: f64) -> Result<f64, RodwaveError> 
         .sqrt())
 }
 
-/// ξ = (c_R/c_S)² and its derivative with respect to ν.
+/// Square ξ = (c_R/c_S)² and its derivative with respect to ν.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct RayleighWave {
     pub(super) squared_ratio: f64,
@@ -35,12 +36,12 @@ pub(super) struct RayleighWave {
 }
 
 impl RayleighWave {
-    /// Solves for a checked Poisson's ratio.
+    /// Solves the equation for a Poisson's ratio that has been checked.
     pub(super) fn of(poisson_ratio: f64) -> Self {
         let r = (1.0 - 2.0 * poisson_ratio) / (2.0 - 2.0 * poisson_ratio);
         let cubic = |x: f64| ((x - 8.0) * x + (24.0 - 16.0 * r)) * x - 16.0 * (1.0 - r);
-        // -16(1 - r) < 0 at 0 and 1 > 0 at 1, with one root between: bisection is robust and is
-        // done once per rod.
+        // -16(1 - r) < 0 at 0 and 1 > 0 at 1, with one root between. Bisection is robust, and it is
+        // done only once per rod.
         let (mut low, mut high) = (0.0, 1.0);
         for _ in 0..60 {
             let middle = 0.5 * (low + high);

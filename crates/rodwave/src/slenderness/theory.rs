@@ -12,8 +12,8 @@ pub trait RodTheory {
     /// Returns the propagation coefficient γ = α + ik [1/m] of the first branch from the complex
     /// `modulus` E \[Pa\] at `omega` [rad/s].
     ///
-    /// As without lateral inertia, k > 0 for ω > 0, γ(-ω) = conj γ(ω) for E(-ω) = conj E(ω), and γ
-    /// = 0 at ω = 0.
+    /// As without lateral inertia, k > 0 for ω > 0, γ(-ω) = conj γ(ω) for E(-ω) = conj E(ω), and
+    /// γ = 0 at ω = 0.
     ///
     /// # Errors
     /// [`RodwaveError::NonPhysical`] unless ω is finite, E finite and not 0, and ρω²a²/E finite.
@@ -36,7 +36,7 @@ pub trait RodTheory {
     ) -> Result<FirstBranch<CorrectedModulus>, RodwaveError>;
 }
 
-/// Properties of a round rod on which its waves depend.
+/// Properties of a round rod that determine its waves.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RoundRod {
     /// Density ρ [kg/m³].
@@ -66,7 +66,8 @@ impl RoundRod {
     }
 }
 
-/// Accepts -1 < ν <= 0.5, the range of stable isotropic solids including the incompressible one.
+/// Checks that -1 < ν <= 0.5, the range of stable isotropic solids including the incompressible
+/// one.
 pub(super) fn check_poisson_ratio(poisson_ratio: f64) -> Result<f64, RodwaveError> {
     if poisson_ratio > -1.0 && poisson_ratio <= 0.5 {
         Ok(poisson_ratio)
@@ -79,14 +80,14 @@ pub(super) fn check_poisson_ratio(poisson_ratio: f64) -> Result<f64, RodwaveErro
     }
 }
 
-/// A result on the first branch of the dispersion relation, or the reason why there is none.
+/// Result on the first branch of the dispersion relation, or the reason why there is none.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 #[must_use]
 pub enum FirstBranch<T> {
     /// A result on the first branch.
     Found(T),
-    /// No propagating wave at this frequency in this theory: its first branch ends where
+    /// No wave propagates at this frequency in this theory: the first branch ends where
     /// `lateral_inertia` is 1.
     BeyondCutOff {
         /// Re ρω²ν²k_p²/E, the inertia of the lateral motion relative to the stiffness.
@@ -95,9 +96,9 @@ pub enum FirstBranch<T> {
     /// The branch was followed from low frequency and lost: another branch is too close to be
     /// distinguished, or the frequency is too high.
     Left {
-        /// Fraction of the path, in ω or in γ for the inverse direction, up to which the branch
-        /// was known. It is 1 if a modulus was found from γ but does not give γ again on
-        /// the first branch.
+        /// Fraction of the path, in ω or in γ for the inverse direction, up to which the branch was
+        /// followed. It is 1 if a modulus was found from γ but does not give γ again on the first
+        /// branch.
         reached: f64,
     },
 }
@@ -112,7 +113,7 @@ impl<T> FirstBranch<T> {
         }
     }
 
-    /// Converts the result, if found.
+    /// Converts the result, if it was found.
     pub(super) fn map<U>(self, convert: impl FnOnce(T) -> U) -> FirstBranch<U> {
         match self {
             Self::Found(value) => FirstBranch::Found(convert(value)),
@@ -155,7 +156,7 @@ impl CorrectedModulus {
     }
 
     /// Returns the standard errors due to the `poisson_ratio_error` δν, to first order: |Re ∂E/∂ν|
-    /// δν and so on.
+    /// δν for E', and the others likewise.
     ///
     /// To leading order the correction is proportional to ν², and its relative error is 2 δν/ν.
     ///
@@ -184,7 +185,7 @@ impl CorrectedModulus {
     }
 }
 
-/// A root of f(B, K, ν) = 0 in the unknown variable.
+/// Root of f(B, K, ν) = 0 in the unknown variable.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Root {
     /// B or K.
@@ -204,7 +205,7 @@ pub(super) struct Scale {
 }
 
 impl Scale {
-    /// γ from E, with `solve` for K from B.
+    /// Computes γ from E; `solve` gives K from B.
     pub(super) fn propagation_coefficient(
         &self,
         modulus: Complex64,
@@ -230,7 +231,7 @@ impl Scale {
         Ok(branch)
     }
 
-    /// E from γ, with `solve` for B from K.
+    /// Computes E from γ; `solve` gives B from K.
     pub(super) fn modulus(
         &self,
         propagation_coefficient: Complex64,

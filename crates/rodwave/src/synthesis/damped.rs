@@ -1,4 +1,4 @@
-//! The damped Fourier transform: numerical inversion of the Laplace transform.
+//! Damped Fourier transform: numerical inversion of the Laplace transform.
 
 use num_complex::Complex64;
 
@@ -6,12 +6,12 @@ use super::{SynthesizedHistory, check_lines, check_synthesized, to_samples};
 use crate::RodwaveError;
 use crate::error::check_positive;
 
-/// aT_p: the alias of the next period is e^{-16} = 1.1e-7, and a rounding error of 1e-16 grows to
-/// e^{16} 1e-16 = 1e-9.
+/// Product aT_p: the alias of the next period is e^{-16} = 1.1e-7, and a rounding error of 1e-16
+/// grows to e^{16} 1e-16 = 1e-9.
 const DAMPING_OVER_PERIOD: f64 = 16.0;
 
-/// Delay of the contact in standard deviations of the smoothing: e^{-8²/2} = 1e-14 of a jump is
-/// before time 0.
+/// Delay of the contact in standard deviations of the smoothing: only e^{-8²/2} = 1e-14 of a jump
+/// is before time 0.
 const DELAY: f64 = 8.0;
 
 /// Largest number of samples of a period.
@@ -23,14 +23,14 @@ const LARGEST_COUNT: f64 = 67_108_864.0; // 2^26
 /// q(t_n) = e^{a t_n}/T_p Σ_k Q(s_k) e^{iω_k t_n} ,   s_k = a + iω_k ,   ω_k = 2πk/T_p ,   |k| <= N/2
 /// ```
 ///
-/// The period T_p is twice the duration T (at least), and aT_p = 16.
+/// The period T_p is at least twice the duration T, and aT_p = 16.
 ///
 /// # Validity
 /// q must be causal, and Q analytic for Re s > 0. The value at t contains e^{-16} = 1.1e-7 of the
 /// value at t + T_p, and a rounding error of up to 1e-9 of the largest value. Transforms that decay
-/// as 1/s belong to histories that begin with a jump, or contain one; without smoothing the jump
+/// as 1/s belong to histories that begin with a jump or contain one. Without smoothing, the jump
 /// rings, with an amplitude of 1/(πn) of the jump at n samples from it. A Gaussian smoothing of
-/// standard deviation σ removes the ringing and spreads the jump over ±6σ; elsewhere a piecewise
+/// standard deviation σ removes the ringing and spreads the jump over ±6σ; elsewhere, a piecewise
 /// constant or linear history is unchanged.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DampedSynthesis {
@@ -84,7 +84,7 @@ impl DampedSynthesis {
     /// Convolves the history with a Gaussian of this `standard_deviation` σ \[s\]; the history then
     /// begins at -8σ and includes the rise of a jump at time 0.
     ///
-    /// With σ of 2.5 intervals 3e-14 remains at the Nyquist frequency; a smaller σ leaves some
+    /// With a σ of 2.5 intervals, 3e-14 remains at the Nyquist frequency; a smaller σ leaves some
     /// ringing.
     ///
     /// # Errors
@@ -105,9 +105,9 @@ impl DampedSynthesis {
     /// Makes the smoothing flat: lines are multiplied by $`e^{-z}\sum_{k=0}^{4} z^k/k!`$, $`z =
     /// \omega^2\sigma^2/2`$, instead of $`e^{-z}`$ alone.
     ///
-    /// Below $`\omega\sigma = 0.6`$ the history is unsmoothed within $`z^5/120`$ = 2e-6, where the
-    /// Gaussian alone reduces it by 17 %. With σ of 2.5 intervals 1e-9 remains at the Nyquist
-    /// frequency.
+    /// Below $`\omega\sigma = 0.6`$, the history is unsmoothed within $`z^5/120`$ = 2e-6, whereas
+    /// the Gaussian alone reduces it by 17 %. With a σ of 2.5 intervals, 1e-9 remains at the
+    /// Nyquist frequency.
     #[must_use]
     pub fn flat(self) -> Self {
         Self {
@@ -122,7 +122,7 @@ impl DampedSynthesis {
         DAMPING_OVER_PERIOD / self.period()
     }
 
-    /// Arguments s [1/s] at which the transform is needed: a first, then along the line to the
+    /// Arguments s [1/s] at which the transform is needed: first a, then along the line to the
     /// Nyquist frequency.
     #[must_use]
     pub fn arguments(&self) -> impl ExactSizeIterator<Item = Complex64> + use<> {
@@ -130,11 +130,11 @@ impl DampedSynthesis {
         (0..self.half_count + 1).map(move |k| Complex64::new(damping, step * k as f64))
     }
 
-    /// Returns the history of this `transform` Q(s) \[q s\] at the [arguments](Self::arguments).
+    /// Returns the history of a `transform` Q(s) \[q s\] at the [arguments](Self::arguments).
     ///
     /// # Errors
-    /// [`RodwaveError::LengthMismatch`]; [`RodwaveError::NonFiniteSample`] for a value of the
-    /// transform.
+    /// [`RodwaveError::LengthMismatch`] if the number of values is not that of the arguments;
+    /// [`RodwaveError::NonFiniteSample`] for a value of the transform that is not finite.
     pub fn history(&self, transform: &[Complex64]) -> Result<SynthesizedHistory, RodwaveError> {
         check_lines("transform", transform, self.half_count + 1)?;
         let start = -DELAY * self.smoothing;
@@ -165,7 +165,7 @@ impl DampedSynthesis {
         })
     }
 
-    /// T_p \[s\].
+    /// Period T_p \[s\].
     fn period(&self) -> f64 {
         2.0 * self.half_count as f64 * self.interval
     }

@@ -6,7 +6,7 @@ use super::{SynthesizedHistory, check_lines, check_synthesized, to_samples};
 use crate::RodwaveError;
 use crate::error::check_positive;
 
-/// Largest number of lines of a spectrum: with its history, some gigabytes.
+/// Largest number of lines of a spectrum, which takes some gigabytes with its history.
 const MOST_LINES: usize = 1 << 27;
 
 /// Histories from one-sided spectra.
@@ -17,8 +17,9 @@ const MOST_LINES: usize = 1 << 27;
 ///
 /// # Validity
 /// The history has the period 1/Δf: q must decay within it, otherwise the result is the sum of all
-/// repetitions. A pole on the frequency axis, such as that of an elastic body with free or fixed
-/// ends, excludes the method. Content above the last line is missing, so that a jump rings.
+/// repetitions. The method cannot be used if there is a pole on the frequency axis, such as that of
+/// an elastic body with free or fixed ends. Content above the last line is missing; a jump
+/// therefore rings.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FourierSynthesis {
     frequency_step_hz: f64,
@@ -26,7 +27,8 @@ pub struct FourierSynthesis {
 }
 
 impl FourierSynthesis {
-    /// Creates a synthesis for spectra of `n_lines` lines from 0 Hz, `frequency_step_hz` Δf apart.
+    /// Creates a synthesis for spectra of `n_lines` lines from 0 Hz, spaced by `frequency_step_hz`
+    /// Δf.
     ///
     /// # Errors
     /// [`RodwaveError::NonPhysical`] unless the step is finite and above 0;
@@ -66,11 +68,11 @@ impl FourierSynthesis {
         (0..self.n_lines).map(move |k| step * k as f64)
     }
 
-    /// Returns the history of this `spectrum` q̂ \[q s\], one-sided and not doubled.
+    /// Returns the history of a `spectrum` q̂ \[q s\], one-sided and not doubled.
     ///
     /// # Errors
-    /// [`RodwaveError::LengthMismatch`]; [`RodwaveError::NonFiniteSample`] for a line, for example
-    /// at a pole.
+    /// [`RodwaveError::LengthMismatch`] if the number of lines differs;
+    /// [`RodwaveError::NonFiniteSample`] for a line that is not finite, for example at a pole.
     pub fn history(&self, spectrum: &[Complex64]) -> Result<SynthesizedHistory, RodwaveError> {
         check_lines("spectrum", spectrum, self.n_lines)?;
         let mut samples = to_samples(spectrum);

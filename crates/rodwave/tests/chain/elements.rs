@@ -1,5 +1,5 @@
-//! Transition matrices of rods, cones, horns and lumped elements: the equations of motion, and what
-//! every element must obey.
+//! Transition matrices of rods, cones, horns and lumped elements: the equations of motion, and
+//! properties that every element must have.
 
 use num_complex::Complex64;
 use proptest::prelude::*;
@@ -14,10 +14,10 @@ fn section(area: f64) -> CrossSection {
     CrossSection::of_area(area).unwrap()
 }
 
-/// Impedance of the polymer per m² and second, to bring all entries to one size.
+/// Impedance of the polymer per m²; it scales all entries to one order of magnitude.
 const SPECIFIC_IMPEDANCE: f64 = 1.4e6;
 
-/// Largest difference of entries in units in which the impedance of a rod of 1 cm² is 1.
+/// Largest difference between entries, in units in which the impedance of a rod of 1 cm² is 1.
 fn distance(a: &Entries, b: &Entries) -> f64 {
     let z = SPECIFIC_IMPEDANCE * 1e-4;
     let unit = [[1.0, z], [1.0 / z, 1.0]];
@@ -34,7 +34,7 @@ fn size(a: &Entries) -> f64 {
     distance(a, &[[Complex64::ZERO; 2]; 2])
 }
 
-/// At s = iω the matrices are those of ω, and for real s they are real: nothing travels, everything
+/// Matrices at s = iω are those of ω. Matrices at real s are real: nothing travels, and everything
 /// decays.
 #[test]
 fn matrices_at_complex_s() {
@@ -72,8 +72,8 @@ fn matrices_at_complex_s() {
     }
 }
 
-/// A row of short cones between the sections of a horn becomes the horn, with the square of the
-/// length of the parts.
+/// A row of short cones between the sections of a horn tends to the horn, with the square of the
+/// length of the cones.
 #[test]
 fn a_horn_is_the_limit_of_short_cones() {
     let horn = Segment::horn(section(0.5e-4), section(4e-4), 0.2).unwrap();
@@ -94,7 +94,7 @@ fn a_horn_is_the_limit_of_short_cones() {
     };
     let (coarse, fine) = (error(20), error(40));
     assert!(fine < 1e-3);
-    // second order: a factor 4, with a little of the next order
+    // second order: a factor of 4, with a contribution of the next order
     assert!((coarse / fine - 4.0).abs() < 0.1, "{coarse} {fine}");
 }
 
@@ -128,7 +128,7 @@ fn segment(kind: usize, near: f64, far: f64, length: f64) -> Segment {
     .unwrap()
 }
 
-/// Every kind of element, with the number of the kind, at a frequency.
+/// Creates an element of each kind, by the number of the kind, at a frequency.
 fn element(kind: usize, near: f64, far: f64, length: f64, omega: f64) -> TransitionMatrix {
     match kind {
         0..3 => {
@@ -162,7 +162,7 @@ proptest! {
     ) {
         let p = element(kind, near, far, length, omega);
         let [[a, b], [c, d]] = p.entries();
-        // rounding of the products of which the determinant is the difference
+        // rounding of the products whose difference is the determinant
         let scale = 1.0 + (a * d).norm() + (b * c).norm();
         prop_assert!((p.determinant() - 1.0).norm() < 2e-14 * scale);
         let unity = (p * p.inverse()).entries();
@@ -171,7 +171,7 @@ proptest! {
         prop_assert!(distance(&unity, &one) < bound);
     }
 
-    /// Seen from the other end, P₁₁ and P₂₂ change places: v changes its sign twice.
+    /// P₁₁ and P₂₂ change places for the reversed element: v changes its sign twice.
     #[test]
     fn mirror_image(
         kind in 0..3usize, near in any_area(), far in any_area(), length in 0.01..0.5f64, omega in any_omega(),
@@ -202,7 +202,7 @@ proptest! {
         let second = cut.far.transition_matrix(&medium, omega).unwrap();
         let found = (second * first).entries();
         let expected = whole.transition_matrix(&medium, omega).unwrap().entries();
-        // rounding of the sums in the product, of terms that may be larger than what they sum to
+        // rounding of the sums in the product, whose terms may be larger than the sums
         let terms = size(&first.entries()) * size(&second.entries());
         prop_assert!(distance(&found, &expected) < 2e-12 * (terms + size(&expected)));
         let volumes = cut.near.volume() + cut.far.volume();

@@ -13,7 +13,7 @@ use testbed::difference::relative;
 
 use crate::bodies::{aluminium, circle, nylon, polymer};
 
-/// αL = 1e4 and kL = 1e5: nothing overflows, and the closed forms hold.
+/// Nothing overflows at αL = 1e4 and kL = 1e5, and the closed forms hold.
 #[test]
 fn strong_damping_and_many_waves() {
     let face = circle(0.02);
@@ -23,7 +23,8 @@ fn strong_damping_and_many_waves() {
     )
     .unwrap();
     let omega = 1e5;
-    // a hundred elements of αL = 1e4, kL = 1e5 in a row with jumps of impedance between
+    // a hundred elements of αL = 1e4 and kL = 1e5 in a row, with jumps of the impedance between
+    // them
     let z = lossy.specific_characteristic_impedance(omega) * CrossSection::from(face).area();
     let mut row = Chain::from_impact_face();
     for _ in 0..50 {
@@ -36,11 +37,11 @@ fn strong_damping_and_many_waves() {
         .end(Termination::Fixed)
         .unwrap();
     assert!(relative(row.mobility(omega).unwrap(), 1.0 / z) < 1e-14);
-    assert!(row.far_face_mobility(omega).unwrap() == Complex64::ZERO); // it is fixed
+    assert!(row.far_face_mobility(omega).unwrap() == Complex64::ZERO); // the end is fixed
     let inside = row.section(60, 0.5).unwrap().state(omega).unwrap();
     assert!(inside.velocity == Complex64::ZERO); // e^{-6e5}
 
-    // undamped, kL = 1e5: Ĝ = -i cot(kL)/Z, of which the phase is known to 1e5 roundings
+    // undamped, kL = 1e5: Ĝ = -i cot(kL)/Z, whose phase is known to 1e5 roundings
     let (aluminium, length) = (aluminium(), 100.0);
     let omega = 1e5 / length * aluminium.phase_velocity(1.0);
     let rod = Chain::from_impact_face()
@@ -53,7 +54,7 @@ fn strong_damping_and_many_waves() {
     assert!(relative(rod.mobility(omega).unwrap(), expected) < 1e-10);
 }
 
-/// The recursion against the plain product of matrices (paper E, eq. A10).
+/// Recursion compared with the plain product of matrices (paper E, eq. A10).
 #[test]
 fn recursion_agrees_with_the_product() {
     let chain = Chain::from_impact_face()
@@ -78,7 +79,7 @@ fn recursion_agrees_with_the_product() {
         assert!(relative(far, p22 / p12) < 1e-12, "{frequency_hz}");
         let faces = chain.face_mobilities(omega).unwrap();
         assert!(faces.near == found && faces.far == far);
-        // N = 0 on the far face, and the determinant is 1
+        // the far face has N = 0, and the determinant is 1
         assert!(
             relative(faces.transfer, 1.0 / p12) < 1e-12,
             "{frequency_hz}"
@@ -86,7 +87,7 @@ fn recursion_agrees_with_the_product() {
     }
 }
 
-/// One body in both domains, from the same description.
+/// Builds one body in both domains from the same description.
 fn body<V: Argument>(builder: ChainBuilder<V>, end: Termination<V>) -> Chain<V>
 where
     Medium<Zener>: WaveMedium<V>,
@@ -120,7 +121,7 @@ fn analytic_chain_continues_the_other() {
         let at_s = analytic.mobility_at_s(Complex64::new(0.0, omega)).unwrap();
         assert_eq!(at_s, found);
     }
-    // On the circle around s₀, an analytic function has its value at the centre as mean.
+    // The mean of an analytic function on the circle around s₀ is its value at the centre.
     let (centre, radius, points) = (Complex64::new(3e3, 8e3), 2.5e3, 64);
     let mean = (0..points)
         .map(|k| {
@@ -131,13 +132,13 @@ fn analytic_chain_continues_the_other() {
         / f64::from(points);
     let at_centre = analytic.mobility_at_s(centre).unwrap();
     // the nearest pole is more than 3000/s away: the remainder is below (2500/3000)^64 = 1e-5 of a
-    // residue, and convergence shows that there is none inside
+    // residue, and the convergence shows that no pole is inside the circle
     assert!(relative(mean, at_centre) < 1e-5);
-    // a positive real function: real for real s, Re G >= 0 in the right half plane
+    // a positive real function is real for real s, and has Re G >= 0 in the right half plane
     let real = analytic.mobility_at_s(Complex64::new(2e3, 0.0)).unwrap();
     assert!(real.re > 0.0 && real.im.abs() < 1e-15 * real.re);
-    // the first answer is that of the struck rod alone: G → 1/Z(∞), and e^{-2αL} with αL > 100 of
-    // the next section
+    // the first response is that of the struck rod alone: G → 1/Z(∞), with e^{-2αL} from the next
+    // section, αL > 100
     let first = analytic.mobility_at_s(Complex64::new(1e9, 0.0)).unwrap();
     let z = (2.6e9_f64 * 910.0).sqrt() * CrossSection::from(circle(0.016)).area();
     assert!((first.re * z - 1.0).abs() < 1e-5); // (E₁ - E₀)/E₁/(2sτ) = 2.6e-6
@@ -155,8 +156,8 @@ fn analytic_chain_continues_the_other() {
     );
 }
 
-/// No energy comes from a passive body, and what an elastic one takes goes into the dashpot at its
-/// end: Re Ĝ = q |v_end/F|².
+/// A passive body supplies no energy. The energy that an elastic body takes up goes into the
+/// dashpot at its end: Re Ĝ = q |v_end/F|².
 #[test]
 fn energy_balance_of_an_elastic_body() {
     let aluminium = aluminium();
@@ -173,7 +174,7 @@ fn energy_balance_of_an_elastic_body() {
         let omega = TAU * frequency_hz;
         let taken = chain.mobility(omega).unwrap().re;
         let dissipated = 2e3 * end.state(omega).unwrap().velocity.norm_sqr();
-        // rounding magnified by |Ĝ|/Re Ĝ where almost nothing is dissipated
+        // rounding, magnified by |Ĝ|/Re Ĝ if almost nothing is dissipated
         let tolerance = 1e-12 * chain.mobility(omega).unwrap().norm();
         assert!(
             (taken - dissipated).abs() < tolerance,
@@ -182,8 +183,8 @@ fn energy_balance_of_an_elastic_body() {
     }
 }
 
-/// An antiresonance of an undamped rod: kL = π/2 is not a number, so nothing is refused and the
-/// mobility is just small.
+/// Antiresonance of an undamped rod: no floating-point number gives exactly kL = π/2. The frequency
+/// is therefore not rejected, and the mobility is only small.
 #[test]
 fn undamped_resonances_do_not_break() {
     let aluminium = aluminium();
@@ -197,7 +198,8 @@ fn undamped_resonances_do_not_break() {
 }
 
 proptest! {
-    /// A body of passive elements takes energy at any frequency, and its mobility is a number.
+    /// A body of passive elements takes up energy at any frequency, and its mobility is a finite
+    /// number.
     #[test]
     fn passive_bodies_take_energy(
         exponent in -6.0..8.0f64,
@@ -219,7 +221,7 @@ proptest! {
             .end(Termination::Dashpot(resistance))
             .unwrap();
         for mobility in [chain.mobility(omega).unwrap(), chain.far_face_mobility(omega).unwrap()] {
-            // 1e-13: rounding of a mobility that may be as good as imaginary
+            // 1e-13: rounding of a mobility that may be almost imaginary
             prop_assert!(mobility.re >= -1e-13 * mobility.norm(), "{}", mobility);
         }
     }

@@ -1,4 +1,5 @@
-//! Inside the truncated cone and at the far ends of the bodies of paper E, as printed.
+//! The interior of the truncated cone and the far ends of the bodies of paper E, by the printed
+//! equations.
 
 use std::f64::consts::{PI, TAU};
 
@@ -8,8 +9,8 @@ use testbed::difference::relative;
 
 use crate::bodies::{circle, cone, cylinder, nylon};
 
-/// Paper E, eqs. A3 and A4: the printed solution inside the cone, its two functions C and D taken
-/// from the state of the near face, and the impedance that it carries.
+/// Paper E, eqs. A3 and A4: the printed solution inside the cone, with C and D determined from the
+/// state of the near face, and the impedance that follows from it.
 #[test]
 fn printed_solution_inside_the_cone() {
     let segment = Segment::cone(circle(0.030), circle(0.075), 0.400).unwrap();
@@ -35,10 +36,9 @@ fn printed_solution_inside_the_cone() {
                 let velocity = (forward + backward) / x;
                 let found = cone.section(0, distance).unwrap().state(omega).unwrap();
                 let what = format!("q = {resistance}, {frequency_hz} Hz, {distance} m");
-                // The forces of the two waves cancel at a free end; at 200 Hz, where |γx| is 0.2 at
-                // the face, (γx + 1)e^{-γx} and (γx - 1)e^{γx} cancel to a
-                // hundredth besides. Hence the force at the face as the scale, and two digits for
-                // rounding.
+                // At a free end, the forces of the two waves cancel. At 200 Hz, where |γx| is 0.2
+                // at the face, (γx + 1)e^{-γx} and (γx - 1)e^{γx} also cancel to a hundredth. The
+                // force at the face is therefore the scale, and rounding costs two digits.
                 let scale = face.normal_force.norm();
                 assert!(
                     (force - found.normal_force).norm() < 1e-12 * scale,
@@ -55,7 +55,7 @@ fn printed_solution_inside_the_cone() {
     }
 }
 
-/// Paper E, eqs. A6 and A12: the power from the far end to its dashpot.
+/// Paper E, eqs. A6 and A12: the power that leaves the far end goes into its dashpot.
 #[test]
 fn dashpot_behind_the_far_end() {
     for resistance in [0.0, 30.0, 1e3, 1e5] {
@@ -68,8 +68,8 @@ fn dashpot_behind_the_far_end() {
             for end in [cone.section(0, 0.4), cylinder.section(3, 0.125)] {
                 let end = end.unwrap().state(omega).unwrap();
                 let left = end.normal_force + resistance * end.velocity;
-                // the pair is carried from this end to the face and back by one factor: rounding of
-                // q v, or of nothing
+                // the pair is transferred from this end to the face, and back by one factor:
+                // rounding of q v, or of zero
                 assert!(
                     left.norm() <= 1e-14 * resistance * end.velocity.norm(),
                     "q = {resistance}, {frequency_hz} Hz: {left}"

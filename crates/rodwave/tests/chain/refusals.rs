@@ -1,4 +1,4 @@
-//! Refusals of chains, and their answers at zero frequency.
+//! Input that chains reject, and their results at zero frequency.
 
 use num_complex::Complex64;
 use rodwave::element::CrossSection;
@@ -23,7 +23,7 @@ fn static_limits() {
     let z = (69e9_f64 * 2700.0).sqrt() * CrossSection::from(face).area();
     assert!((long.mobility(0.0).unwrap().re * z - 1.0).abs() < 1e-14);
     let error = |chain: &Chain| chain.mobility(0.0).unwrap_err().to_string();
-    // a free body has a pole
+    // a free body has a pole at ω = 0
     assert_eq!(
         error(&cone(Termination::Dashpot(0.0))),
         "element 0: characteristic impedance per area at 0 Hz [Pa s/m] is 0, expected a finite value above 0"
@@ -51,14 +51,15 @@ fn static_limits() {
 
 #[test]
 fn laws_and_impedances_without_a_value_are_refused() {
-    // A law that has no value is reported with its element, an impedance that has none as such
+    // A law without a value is reported with its element, an impedance without a value as an
+    // impedance
     let silent = Termination::impedance(|_| Complex64::new(f64::NAN, 0.0));
     let chain = Chain::from_impact_face().end(silent).unwrap();
     assert!(matches!(
         chain.mobility(1.0),
         Err(RodwaveError::NonPhysical { .. })
     ));
-    // k = 1e308 over 100 m
+    // wave number 1e308 over 100 m
     let dense = Medium::new(1.0, PowerLawPropagation::new(0.0, 1.0, 1e300, 1.0).unwrap()).unwrap();
     let chain = Chain::from_impact_face()
         .mass(1.0)

@@ -1,4 +1,4 @@
-//! Inside of a chain: transfer functions, reciprocity, and the waves at several sections.
+//! Interior of a chain: transfer functions, reciprocity, and the waves at several sections.
 
 use std::f64::consts::TAU;
 
@@ -23,8 +23,8 @@ fn body() -> Chain {
         .unwrap()
 }
 
-/// The state at a section is that of the impact face, carried there by the matrices of what lies
-/// between. (Ödeen 1993, paper E, eq. A8).
+/// The state at a section is that of the impact face, transferred by the matrices of the elements
+/// between the two (Ödeen 1993, paper E, eq. A8).
 #[test]
 fn states_follow_from_the_impact_face() {
     let chain = body();
@@ -40,7 +40,7 @@ fn states_follow_from_the_impact_face() {
                 .unwrap()
                 .state(omega)
                 .unwrap();
-            // going along +x the rounding of the matrices grows with e^{2αL}, αL < 1
+            // along +x, the rounding errors of the matrices grow with e^{2αL}, αL < 1
             let what = format!("element {element} at {distance} m, {frequency_hz} Hz");
             assert!(
                 relative(found.normal_force, expected.normal_force) < 1e-11,
@@ -74,7 +74,7 @@ fn states_follow_from_the_impact_face() {
         check(4, 0.03, nylon(&part(&horn, 0.03)).transfer(state));
         state = nylon(&horn).transfer(state);
         check(4, 0.1, state);
-        // and there the termination holds (A6): N = -q v
+        // at the last section the termination holds (A6): N = -q v
         assert!(relative(state.normal_force, -300.0 * state.velocity) < 1e-11);
     }
 }
@@ -111,7 +111,7 @@ fn waves_from_several_sections() {
         assert!((found.waves.forward_at(0.40) - expected.forward_at(0.0)).norm() < tolerance);
         assert!((found.waves.backward_at(0.40) - expected.backward_at(0.0)).norm() < tolerance);
         assert!(found.misfit < 1e-12);
-        // and elsewhere in the rod, at the face of the aluminium
+        // the waves also agree elsewhere in the rod, at the face of the aluminium
         let face = chain
             .section(1, 0.8)
             .unwrap()
@@ -122,7 +122,7 @@ fn waves_from_several_sections() {
     }
 }
 
-/// Nothing comes back from an endless rod.
+/// A semi-infinite rod returns no wave.
 #[test]
 fn one_wave_before_a_matched_end() {
     let chain = Chain::from_impact_face()
@@ -159,7 +159,7 @@ fn states_at_complex_s() {
         * (s / c).cosh()
         / (s / c).sinh();
     let force = -(s * 0.75 / c).sinh() / (s / c).sinh();
-    assert!(relative(found.normal_force, force) < 1e-14); // a dozen roundings
+    assert!(relative(found.normal_force, force) < 1e-14); // about twelve roundings
     assert!(relative(found.velocity * z, (s * 0.75 / c).cosh() / (s / c).sinh()) < 1e-14);
 }
 

@@ -1,5 +1,5 @@
-//! The Kramers-Kronig residual: laws that are causal by construction pass, fits that are not do
-//! not.
+//! Kramers-Kronig residual: laws that are causal by construction pass, and fits that are not causal
+//! fail.
 
 use std::f64::consts::FRAC_PI_2;
 
@@ -57,7 +57,7 @@ fn claims_hold() {
     let omega = band(100.0, 1e4);
     let of_modulus = |modulus: Vec<Complex64>, most: f64| {
         let result = KramersKronig::of_modulus(&omega, &modulus, 0.0).unwrap();
-        // of a constant modulus a few per cent are missing on average
+        // on average, the difference is some per cent for a constant modulus
         assert!(
             (0.005..most).contains(&result.residual),
             "{}",

@@ -1,5 +1,5 @@
-//! The direct problem of paper D: closed forms, the frequency domain, a second solver, its order,
-//! sensitivities.
+//! Direct problem of paper D: closed forms, the frequency domain, a second solver, the order of the
+//! scheme, sensitivities.
 
 use num_complex::Complex64;
 use rodwave::band_limited::{SampledHistory, VelocityHistory};
@@ -26,7 +26,8 @@ const PULSE: Gaussian = Gaussian {
     width: 50e-6,
 };
 
-/// Laplace transform of the pulse, that of a whole Gaussian: before time 0 it has e^{-25}.
+/// Laplace transform of the pulse; it is that of a whole Gaussian, which is only e^{-25} before
+/// time 0.
 fn transform(s: Complex64) -> Complex64 {
     let smooth = s * s * (0.25 * PULSE.width * PULSE.width);
     PEAK * PULSE.width * std::f64::consts::PI.sqrt() * (smooth - s * PULSE.centre).exp()
@@ -54,7 +55,7 @@ fn gurevich() -> MaxwellGurevichRabinovich {
     MaxwellGurevichRabinovich::new(3.5e6, 7.08e6).unwrap()
 }
 
-/// Of the elastic rod and of the three laws.
+/// Computes a number for the elastic rod and for the three laws.
 fn of_each_law(number: &impl Number) -> [f64; 4] {
     let maxwell = Maxwell::new(0.9e6).unwrap();
     [
@@ -65,12 +66,12 @@ fn of_each_law(number: &impl Number) -> [f64; 4] {
     ]
 }
 
-/// A number that any law has.
+/// Number that can be computed for any law.
 trait Number {
     fn of<L: InelasticLaw>(&self, law: &L) -> f64;
 }
 
-/// (Ödeen 1993, paper D, eqs. 1, 2, 5, 6, 7 and 8).
+/// Claims on the direct problem (Ödeen 1993, paper D, eqs. 1, 2, 5, 6, 7 and 8).
 #[test]
 fn claims_hold() {
     let mut report = Claims::default();
@@ -129,8 +130,8 @@ fn reflections() -> f64 {
     largest_difference(&respond(Elastic, 200, &times), &expected) / PEAK
 }
 
-/// Stress of the front on arrival at the free end of a rod whose other end is set in motion at
-/// once.
+/// Stress of the front when it arrives at the free end of a rod whose other end is set in motion
+/// suddenly.
 fn front_on_arrival<L: InelasticLaw>(law: &L) -> f64 {
     let arrival = |cells: usize| {
         let problem = DirectProblem::new(rod(law.clone()), cells).unwrap();
@@ -141,11 +142,12 @@ fn front_on_arrival<L: InelasticLaw>(law: &L) -> f64 {
         // the free end doubles the incident velocity
         0.5 * march.free_end_velocity() * problem.rod().specific_impedance()
     };
-    // behind a jump the splitting is of first order: one extrapolation makes it second
+    // behind a jump the splitting is of first order; one extrapolation makes it second order
     2.0 * arrival(2000) - arrival(1000)
 }
 
-/// Behind a jump d[σ]/dt = -(1/2) E F([σ]): the law's own relaxation for half the time of travel.
+/// Decay behind a jump, d[σ]/dt = -(1/2) E F([σ]): the relaxation of the law for half the travel
+/// time.
 fn fronts(report: &mut Claims) {
     let speed = (MODULUS / DENSITY).sqrt();
     let jump = DENSITY * speed * PEAK;
@@ -154,7 +156,7 @@ fn fronts(report: &mut Claims) {
     let n = 1.108;
     let a = n * MODULUS * half_time / 3e13 * jump.powf(n);
     let of_norton = jump * (1.0 + a).powf(-1.0 / n);
-    // the decay is no formality
+    // the decay must not be negligible
     assert!(maxwell < 0.85 * jump && of_norton < 0.85 * jump);
     report
         .by("closed forms e^(-x/2cτ) and (1 + na)^(-1/n)")
@@ -201,7 +203,7 @@ impl Number for LumpedChain {
     }
 }
 
-/// Less 2; an elastic rod has no error of that order.
+/// Order of the error minus 2; an elastic rod has no error of this kind.
 struct Order;
 
 impl Number for Order {
@@ -215,7 +217,7 @@ impl Number for Order {
     }
 }
 
-/// The excitation enters through its samples, as in an identification.
+/// Excitation given by its samples, as in an identification.
 fn excitation() -> SampledHistory {
     let samples: Vec<f64> = (0..120)
         .map(|k| PULSE.at(f64::from(k) / 51_200.0))
@@ -225,7 +227,8 @@ fn excitation() -> SampledHistory {
 
 const H: f64 = 1e-4;
 
-/// Error of a derivative of the response against a difference, by the largest.
+/// Error of a derivative of the response, compared with a difference, relative to the largest
+/// value.
 fn derivative_error(exact: &[f64], run: impl Fn(f64) -> Vec<f64>) -> f64 {
     let (plus, minus) = (run(H), run(-H));
     let pairs = plus.iter().zip(&minus);

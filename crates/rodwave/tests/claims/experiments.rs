@@ -1,5 +1,5 @@
-//! Virtual tests of papers A and B, and histories between samples, against equations and closed
-//! forms.
+//! Virtual tests of papers A and B, and histories between samples, compared with equations and
+//! closed forms.
 
 use std::f64::consts::{PI, TAU};
 
@@ -52,7 +52,7 @@ pub(crate) fn printed_ratio<L: PropagationLaw>(medium: &Medium<L>, omega: f64) -
     x.cosh() + 2.9e-3 / mass * x * x.sinh()
 }
 
-/// Error of the ratio, by its terms, 0.1 to 20 kHz.
+/// Error of the ratio relative to its terms, from 0.1 to 20 kHz.
 fn ratio_error<L>(medium: &Medium<L>) -> f64
 where
     L: PropagationLaw + Clone + std::fmt::Debug + Send + Sync + 'static,
@@ -254,7 +254,7 @@ fn elastic_strains(forced: bool, echo: f64) -> f64 {
     let record = member.record(&excitation, &damped(4e-4, 1e-7)).unwrap();
     let sections = positions.iter().zip(&record.strains);
     largest(sections.flat_map(|(x, strains)| {
-        // until the echo comes back from the struck end, 0.31 ms
+        // until the echo returns from the struck end, at 0.31 ms
         let strains = strains.iter().enumerate().take(3000);
         let pulse = &pulse;
         strains.map(move |(n, strain)| {
@@ -268,7 +268,7 @@ fn elastic_strains(forced: bool, echo: f64) -> f64 {
 
 fn sampled(report: &mut Claims) {
     const RATE: f64 = 51_200.0;
-    // away from the two ends, where the record is continued and not known
+    // away from the two ends: beyond them the history is a continuation, not the sinusoid
     let times = || (0..5000).map(|k| (40.0 + f64::from(k) * 0.06137) / RATE);
     let errors = [0.05, 0.1, 0.2, 0.25, 0.3, 0.35, 0.38].map(|fraction| {
         let omega = TAU * fraction * RATE;

@@ -1,5 +1,5 @@
-//! First effect of the projectile of paper D on its rods, and the time the printed laws would take
-//! to matter.
+//! Initial effect of the projectile of paper D on its rods, and the time after which the printed
+//! laws would have an effect.
 
 use rodwave::impact::Striker;
 use rodwave::inelastic::{InelasticLaw, Maxwell, MaxwellGurevichRabinovich, MaxwellNorton};
@@ -10,9 +10,9 @@ use testbed::difference::largest;
 use testbed::hold;
 use testbed::papers::paper_d::{LawParameters, PaperD, UnitReading, load};
 
-/// A material of Table 4, the test of Table 2 whose density and diameter it has; wave speed in m/s;
-/// velocity of the struck face in m/s and stress in MPa; the time in µs in which a rigid projectile
-/// would be braked; s₀/(E F(s₀)) in s, with half of its last digit.
+/// A material of Table 4, with: the test of Table 2 that gives density and diameter; wave speed in
+/// m/s; velocity of the struck face in m/s and stress in MPa; the time in µs in which a rigid
+/// projectile would be braked; s₀/(E F(s₀)) in s, with half of its last digit.
 struct Row(&'static str, usize, f64, [f64; 2], f64, (f64, f64));
 
 #[rustfmt::skip]
@@ -76,7 +76,7 @@ fn claims_hold() {
     hold!(report);
 }
 
-/// The elastic rod right after the blow.
+/// State of the elastic rod immediately after the contact.
 struct Level {
     wave_speed: f64,
     velocity: f64,
@@ -127,7 +127,8 @@ impl Level {
         )
         .unwrap();
         let wave_speed = rod.wave_speed();
-        // a third of the first round trip in the projectile after the front, a millimetre inside
+        // a third of the first round trip in the projectile after the front, one millimetre inside
+        // the rod
         let position = 1e-3;
         let arrived = position / wave_speed + 4e-6;
         let decay_time = projectile.mass() / rod.impedance();

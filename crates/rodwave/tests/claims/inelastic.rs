@@ -1,4 +1,4 @@
-//! Inelastic laws where their flow is known in closed form.
+//! Inelastic laws in cases whose flow has a closed form.
 
 use rodwave::inelastic::{InelasticLaw, RelaxationFlow};
 use rodwave::inelastic::{Maxwell, MaxwellGurevichRabinovich, MaxwellNorton};
@@ -12,7 +12,7 @@ const STRESSES: [f64; 7] = [1e2, -4e4, 1e6, -5e6, 1.2e7, 3e7, -6e7];
 #[test]
 fn claims_hold() {
     let mut report = Claims::default();
-    // √σ falls in proportion to time: at twice the initial time constant nothing is left
+    // √σ falls in proportion to time: at twice the initial time constant, the stress is zero
     let half = MaxwellNorton::from_reference_rate(0.5, 4.0, 10e6).unwrap();
     let extinct = 2.0 * 10e6 / (MODULUS * 4.0);
     let left = |part: f64| half.flow(MODULUS, part * extinct).relax(10e6) / 10e6;

@@ -1,4 +1,4 @@
-//! Bodies in a line: closed forms of wave theory, the transform of a stack.
+//! Bodies in a line: closed forms of wave theory, and the transform of a stack.
 
 use num_complex::Complex64;
 use rodwave::chain::{AnalyticChain, Termination};
@@ -54,7 +54,7 @@ fn claims_hold() {
     hold!(report);
 }
 
-/// Numbers at the steps of a history, each with its time.
+/// Returns the values at the steps of a history, each with its time.
 fn at_steps<'a>(
     history: &LineHistory,
     values: &'a [f64],
@@ -69,7 +69,7 @@ fn travelling_pulse(report: &mut Claims) {
     let segment = steel(1.0, AREA);
     let (z, c) = (segment.impedance(), segment.wave_speed());
     let step = segment.transit_time() / 250.0;
-    // at the centre of a cell, where nothing has to be interpolated
+    // at the centre of a cell, where no interpolation is needed
     let x = 100.5 / 250.0;
     let gauge = Gauge {
         body: 0,
@@ -123,7 +123,7 @@ fn impedance_step() -> f64 {
             .all(|change| change.abs() < 2e-6)
     );
     let (reflected, transmitted) = ((z2 - z1) / (z2 + z1), 2.0 * z2 / (z1 + z2));
-    // the free face turns what comes back, and that meets the step again
+    // the free face reverses the returning wave, which then meets the step again
     let before = at_steps(&history, &history.gauges[0].stress, 0.0).map(|(t, stress)| {
         let turned = pulse(t - 1.5 / c1) - pulse(t - 2.5 / c1);
         -stress * AREA - pulse(t - 0.5 / c1) - reflected * turned
@@ -155,7 +155,7 @@ fn mass_at_an_end(cells: f64) -> f64 {
     }))
 }
 
-/// A striker of 0.25 m at 4 m/s against a rod.
+/// A striker of 0.25 m with 4 m/s against a rod.
 fn struck(striker: Segment, rod: Segment, cells: f64, transits: f64) -> LineHistory {
     let transit = striker.transit_time();
     let bodies = [
@@ -212,7 +212,7 @@ fn prony_stack() -> f64 {
         .rod(&medium, section(AREA), 0.2)
         .end(Termination::Free)
         .unwrap();
-    // the pulse of 1 N, whose transform is entire
+    // pulse of 1 N, whose transform is entire
     let force =
         |s: Complex64| 10e-6 * std::f64::consts::PI.sqrt() * (s * s * 25e-12 - s * 50e-6).exp();
     let transform: Vec<Complex64> = synthesis

@@ -12,7 +12,7 @@ use testbed::hold;
 
 use crate::bodies::{aluminium, circle, cone, cylinder, nylon, polymer};
 
-/// (A2) with the cross-section A(x) by the classical fourth-order Runge-Kutta method.
+/// Integrates (A2) with the cross-section A(x) by the classical fourth-order Runge-Kutta method.
 fn integrated(segment: &Segment, omega: f64, left: State) -> State {
     let medium = polymer();
     let iomega = Complex64::new(0.0, omega);
@@ -42,7 +42,7 @@ fn integrated(segment: &Segment, omega: f64, left: State) -> State {
     }
 }
 
-/// Error of the state behind a segment, by the larger of N and Zv.
+/// Error of the state behind a segment: the larger of the errors of N and Zv.
 fn segment_error(segment: &Segment, frequency_hz: f64) -> f64 {
     let left = State {
         normal_force: Complex64::new(3.0, -1.0),
@@ -58,7 +58,7 @@ fn segment_error(segment: &Segment, frequency_hz: f64) -> f64 {
         / (expected.normal_force.norm() + z * expected.velocity.norm())
 }
 
-/// (Ödeen 1993, paper E, eqs. A1 and A16).
+/// Claims on mobilities (Ödeen 1993, paper E, eqs. A1 and A16).
 #[test]
 fn claims_hold() {
     let mut report = Claims::default();
@@ -175,7 +175,7 @@ fn terminations(report: &mut Claims) {
     for (end, z_end) in ends {
         let rod = rod(end).unwrap();
         let near = (z + z_end * t) / (z * (z_end + z * t));
-        // at the far face both sides add up
+        // at the far face, the impedances of both sides add up
         let far = 1.0 / (z * t + z_end);
         errors.push(relative(rod.mobility(omega).unwrap(), near));
         errors.push(relative(rod.far_face_mobility(omega).unwrap(), far));

@@ -1,4 +1,5 @@
-//! Linear laws: where one contains another, and the printed relations of a wave to its modulus.
+//! Linear laws: cases in which one law contains another, and the printed relations between a wave
+//! and its modulus.
 
 use std::f64::consts::{FRAC_PI_2, TAU};
 
@@ -15,7 +16,7 @@ use testbed::hold;
 use crate::bodies::{nylon, prony};
 use crate::linear_laws::frequencies;
 
-/// (Ödeen 1993, paper A, eq. 2).
+/// Claims on linear laws (Ödeen 1993, paper A, eq. 2).
 #[test]
 fn claims_hold() {
     let mut report = Claims::default();

@@ -1,4 +1,4 @@
-//! The bodies of paper E by its printed equations.
+//! Bodies of paper E, computed by the printed equations.
 
 use std::f64::consts::{PI, TAU};
 
@@ -17,8 +17,8 @@ fn coth(x: Complex64) -> Complex64 {
     x.cosh() / x.sinh()
 }
 
-/// Printed (8) with (A7), in which a dashpot is behind the far end; the geometry enters by the
-/// distances of the ends from the apex, negative for a cone that converges.
+/// Printed (8) with (A7), which has a dashpot behind the far end. The geometry is given by the
+/// distances of the ends from the apex, which are negative for a cone that converges.
 fn printed_cone(omega: f64, near: f64, far: f64, resistance: f64) -> Complex64 {
     let apex = 0.400 / (far / near - 1.0);
     let gamma = nylon().propagation_coefficient(omega);
@@ -31,7 +31,7 @@ fn printed_cone(omega: f64, near: f64, far: f64, resistance: f64) -> Complex64 {
     a / z * numerator / denominator
 }
 
-/// Printed (9) by its general form (A13), (A14); φ = Z_B/Z_A.
+/// Printed (9) in its general form (A13), (A14); φ = Z_B/Z_A.
 fn printed_cylinder(omega: f64, resistance: f64) -> Complex64 {
     let area = PI / 4.0 * 0.032 * 0.032;
     let (nylon, aluminium) = (nylon(), aluminium());
@@ -94,7 +94,7 @@ fn claims_hold() {
         &|omega, _| {
             let end = Termination::semi_infinite(&steel(), circle(0.010));
             let long = Chain::from_impact_face().end(end).unwrap();
-            // c A of the printed constants, by hand: no medium of ours
+            // c A of the printed constants, computed by hand: none of our media is used
             let z = (206e9_f64 * 7780.0).sqrt() * PI / 4.0 * 0.010 * 0.010;
             relative(long.mobility(omega).unwrap(), Complex64::from(1.0 / z))
         },

@@ -1,4 +1,4 @@
-//! The projectile of paper D by lumped chains: closed forms.
+//! Projectile of paper D, computed by lumped chains and compared with closed forms.
 
 use rodwave::InelasticRod;
 use rodwave::impact::{ImpactTest, Striker};
@@ -7,7 +7,7 @@ use testbed::claim::{Claims, Within};
 use testbed::difference::largest;
 use testbed::hold;
 
-/// (Ödeen 1993, paper D, Figure 1).
+/// Claims on the projectile (Ödeen 1993, paper D, Figure 1).
 #[test]
 fn claims_hold() {
     let mut report = Claims::default();

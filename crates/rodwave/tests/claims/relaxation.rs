@@ -1,4 +1,4 @@
-//! Consistency of E(ω), E(t) and J(t) of a law, and Prony series in place of other laws.
+//! Consistency of E(ω), E(t) and J(t) of a law, and Prony series that replace other laws.
 
 use std::f64::consts::{PI, TAU};
 
@@ -11,7 +11,7 @@ use testbed::hold;
 use crate::modulus_time_domain::{laws, prony, times};
 
 /// Inverse Laplace transform at time t on the contour of Talbot with 20 points (Abate & Valkó, Int.
-/// J. Numer. Meth. Engng 60 (2004) 979): errors of truncation and rounding of 1e-12 each.
+/// J. Numer. Meth. Engng 60 (2004) 979). Truncation and rounding cause errors of 1e-12 each.
 fn inverse_laplace(time: f64, transform: impl Fn(Complex64) -> Complex64) -> f64 {
     const POINTS: u32 = 20;
     let m = f64::from(POINTS);
@@ -37,7 +37,7 @@ fn claims_hold() {
         for time in times() {
             let relaxation = law.relaxation_modulus(time).unwrap();
             let inverse = inverse_laplace(time, |s| law.at_s(s) / s);
-            // what has relaxed leaves the inversion its rounding of what was
+            // the rounding of the inversion is relative to the modulus before the relaxation
             relaxations.push((inverse - relaxation) / law.at(1.0 / time).norm());
             let creep = law.creep_compliance(time).unwrap();
             let inverse = inverse_laplace(time, |s| (s * law.at_s(s)).inv());
@@ -94,7 +94,7 @@ fn retardation_error(equilibrium_modulus: f64) -> f64 {
     }))
 }
 
-/// Largest relative error of a Prony series in place of a law, as stated by the series.
+/// Largest relative error of a Prony series that replaces a law, as the series states it.
 fn stand_in_error() -> f64 {
     let law = FractionalZener::new(0.5e9, 2.9e9, 1e-4, 0.5).unwrap();
     let band = OmegaBand {

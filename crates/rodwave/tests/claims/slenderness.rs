@@ -1,4 +1,4 @@
-//! Lateral inertia: tables computed elsewhere, a Rayleigh-Ritz calculation without Bessel
+//! Lateral inertia: tables computed by other means, a Rayleigh-Ritz calculation without Bessel
 //! functions, limits.
 
 use std::f64::consts::TAU;
@@ -16,7 +16,7 @@ use crate::slenderness::{
 
 const NAMES: [&str; 3] = ["Love", "Mindlin and Herrmann", "Pochhammer and Chree"];
 
-/// Love's theory, that of Mindlin and Herrmann, the exact one.
+/// Returns Love's theory, that of Mindlin and Herrmann, and the exact theory.
 fn theories(nu: f64) -> [Box<dyn RodTheory>; 3] {
     [
         Box::new(love(nu)),
@@ -83,9 +83,9 @@ fn claims_hold() {
     hold!(report);
 }
 
-/// E'_apparent/E' - 1 in per cent at λ/D and ν by the three theories, computed beforehand and
-/// printed with three digits, two where Mindlin and Herrmann has only those, and half of the last
-/// digit. Its κ is the common approximation of c_R/c_S.
+/// E'_apparent/E' - 1 in per cent at λ/D and ν by the three theories, computed independently and
+/// printed with three digits (two for some values of Mindlin and Herrmann), with half of the last
+/// digit. The κ of the table is the common approximation of c_R/c_S.
 fn table_of_errors(report: &mut Claims) {
     type Row = (f64, f64, [(f64, f64); 3]);
     #[rustfmt::skip]
@@ -95,7 +95,7 @@ fn table_of_errors(report: &mut Claims) {
         (3.0, 0.499, [(-12.0, 0.05), (-8.4, 0.05), (-12.8, 0.05)]),
         (5.0, 0.35, [(-2.36, 0.005), (-1.64, 0.005), (-2.52, 0.005)]),
         (5.0, 0.40, [(-3.06, 0.005), (-2.13, 0.005), (-3.23, 0.005)]),
-        // the table has -4.69 for Love's theory, whose closed form gives -4.6848
+        // the table has -4.69 for Love's theory; its closed form gives -4.6848
         (5.0, 0.499, [(-4.68, 0.005), (-3.27, 0.005), (-4.81, 0.005)]),
         (10.0, 0.35, [(-0.601, 5e-4), (-0.409, 5e-4), (-0.611, 5e-4)]),
         (10.0, 0.40, [(-0.783, 5e-4), (-0.538, 5e-4), (-0.794, 5e-4)]),
@@ -121,8 +121,8 @@ fn table_of_errors(report: &mut Claims) {
 
 fn viscoelastic_rod(report: &mut Claims) {
     let modulus = MODULUS * Complex64::new(1.0, 0.08);
-    // relative to the truth: E' and E''/E' of one-dimensional theory, and the error after Love's
-    // correction
+    // errors relative to the true values: E' and E''/E' of one-dimensional theory, and the error
+    // after Love's correction
     let rows = [
         (5.0, [0.967576, 1.03539, 0.998292, 1.00353]),
         (3.0, [0.907087, 1.11901, 0.987143, 1.02826]),
@@ -151,8 +151,8 @@ fn viscoelastic_rod(report: &mut Claims) {
         );
 }
 
-/// ν, (ωa/c₀)² for the storage modulus, tan δ, and the root -γ²a² of the printed form by mpmath, 30 digits, the branch followed in 200
-/// steps from B = 0.
+/// ν, (ωa/c₀)² for the storage modulus, tan δ, and the root -γ²a² of the printed form by mpmath
+/// with 30 digits; the branch was followed in 200 steps from B = 0.
 #[rustfmt::skip]
 const LOSSY: [(f64, f64, f64, [f64; 2]); 4] = [
     (0.4, 1.0, 0.08, [1.0935760340203608583, -0.097886928303428387904]),
@@ -161,8 +161,8 @@ const LOSSY: [(f64, f64, f64, [f64; 2]); 4] = [
     (0.1, 6.0, 1.0, [2.898375319009708053, -3.0210126024149953131]),
 ];
 
-/// First branch of an elastic cylinder by the method of Rayleigh and Ritz: u_r and u_z as polynomials of r, 14 terms each, 50
-/// digits; (ωa/c₀)² at ka = 1, 2, 4, 8.
+/// First branch of an elastic cylinder by the method of Rayleigh and Ritz: u_r and u_z are
+/// polynomials of r with 14 terms each, 50 digits; (ωa/c₀)² at ka = 1, 2, 4, 8.
 #[rustfmt::skip]
 const RITZ: [(f64, [f64; 4]); 6] = [
     (0.02, [0.999718786580890895, 3.49772818884996951, 6.64360357697898755, 23.2777182369375707]),

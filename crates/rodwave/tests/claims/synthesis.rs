@@ -1,5 +1,5 @@
-//! Histories from transforms: known pairs, and the impact of two elastic rods that no plain
-//! transform can do.
+//! Histories from transforms: known pairs, and the impact of two elastic rods, which a plain
+//! transform cannot compute.
 
 use num_complex::Complex64;
 use rodwave::chain::{AnalyticChain, Termination};
@@ -30,7 +30,7 @@ fn of(
     synthesis.history(&transform).unwrap()
 }
 
-/// Samples with their times.
+/// Returns the samples with their times.
 fn timed(history: &SynthesizedHistory) -> impl Iterator<Item = (f64, f64)> {
     let samples = history.samples.iter().enumerate();
     samples.map(|(index, sample)| (history.time(index), *sample))
@@ -48,7 +48,8 @@ fn square_wave(report: &mut Claims) {
     let plateau = 0.5 * (206e9_f64 * 7780.0).sqrt() * std::f64::consts::PI / 4.0 * 1e-4;
     let synthesis = DampedSynthesis::new(2e-3, INTERVAL).unwrap();
     let synthesis = synthesis.smoothed(3.0 * INTERVAL).unwrap();
-    // force by zV/2: none, then 1 for two transit times, -1 as long, and so on
+    // force over zV/2: 0 before the contact, then 1 for two transit times, -1 for as long, and so
+    // on
     let force = of(&synthesis, |s| {
         1.0 / (s * 2.0 * rod.mobility_at_s(s).unwrap() * plateau)
     });
@@ -73,7 +74,7 @@ fn square_wave(report: &mut Claims) {
 fn known_pairs(report: &mut Claims) {
     let synthesis = DampedSynthesis::new(1.0, 1e-4).unwrap();
     let error = |history: &SynthesizedHistory, expected: &dyn Fn(f64) -> f64| {
-        // with what comes in from the next period
+        // including the alias of the next period
         largest([100, 3000, 9999].map(|index| {
             let t = history.time(index);
             let wrapped = (-16.0_f64).exp() * expected(t + 2.0);
@@ -102,7 +103,7 @@ fn known_pairs(report: &mut Claims) {
     let step = of(&smooth, |s| (-s * arrival).exp() / s);
     let errors = timed(&step).filter_map(|(time, value)| {
         let x = (time - arrival) / sigma;
-        // half of the jump at the instant itself
+        // at the instant of the jump, half of it
         let expected = if x.abs() < 1e-5 {
             0.5
         } else {

@@ -1,4 +1,4 @@
-//! The virtual impact of paper E: closed forms and balances.
+//! Virtual impact of paper E: closed forms and balances.
 
 use std::f64::consts::PI;
 
@@ -9,7 +9,7 @@ use testbed::hold;
 
 use crate::experiment_impact::{VELOCITY, deviation, impedance, long_rod, rod, run, transit_time};
 
-/// (Ödeen 1993, paper E, Figure 4).
+/// Claims on the virtual impact (Ödeen 1993, paper E, Figure 4).
 #[test]
 fn claims_hold() {
     let mut report = Claims::default();
@@ -34,7 +34,7 @@ fn claims_hold() {
             0.5 * VELOCITY * step(t)
         }
     };
-    // and the pulse travels down the rod
+    // the pulse then travels along the rod
     let delay = transit_time(0.1);
     let later = record.transmitted_force(0, 0.1).unwrap();
     let travelled = |t: f64| plateau * step(t - delay);
@@ -57,7 +57,7 @@ fn claims_hold() {
             Within(5e-8, "alias e^(-16) over the record"),
             Ok(record.impulse() / (mass * VELOCITY) - 1.0),
         );
-    // the square of a rounded jump falls short of the jump by Pσ/√π at each side
+    // the square of a rounded jump is smaller than that of the jump by Pσ/√π at each side
     let shortfall = 2.0 * 1.25e-6 / PI.sqrt() / trip;
     report
         .by("conservation of energy, less what the Gaussian rounds off")

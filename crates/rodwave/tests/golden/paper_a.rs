@@ -1,4 +1,4 @@
-//! Conditions of validity, and the ranges stated in paper A.
+//! Conditions of validity, and the frequency ranges stated in paper A.
 
 use rodwave::medium::Medium;
 use rodwave::modulus::ConstantQ;
@@ -14,8 +14,8 @@ fn wave_number(density: f64, frequency_hz: f64) -> f64 {
     medium.wave_number(std::f64::consts::TAU * frequency_hz)
 }
 
-/// Conditions (i) and (ii) are ours, and the error of 5 % that goes with (i) is that of an
-/// incompressible rod.
+/// Conditions (i) and (ii) of the code are those of the paper; the error of 5 % stated with (i) is
+/// that of an incompressible rod.
 #[test]
 fn conditions_of_validity() {
     let constants = GoldenTable::read("paper_a_constants.ron");
@@ -84,7 +84,7 @@ fn captions_name_the_specimens() {
             _ => continue,
         };
         let printed = row.values["value"];
-        // a length of 401 mm is called 400, a diameter of 10.7 mm is called 11
+        // a length of 401 mm is called 400, and a diameter of 10.7 mm is called 11
         let allowed = match column {
             "length" => 1e-3,
             _ => printed.tolerance,
@@ -117,7 +117,7 @@ fn the_shortest_wave_of_paper_b() {
         "{}",
         wave.wavelength_in_diameters()
     );
-    // at the other end of the range the wave is longer than the bar, but not five times
+    // at the other end of the range, the wave is longer than the bar, but less than five times
     let k = std::f64::consts::TAU * value("frequency_lowest") / speed;
     let wave = Slenderness::of_wave_number(k, value("bar_diameter"), value("bar_length")).unwrap();
     assert!(wave.is_short_against_length() && wave.wavelength_in_lengths() > 4.0);

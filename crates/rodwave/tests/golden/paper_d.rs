@@ -1,5 +1,5 @@
-//! The rods of paper D: Table 2 with the moduli of Table 4, and the three laws with the parameters
-//! of Table A1.
+//! Rods of paper D: Table 2 with the moduli of Table 4, and the three laws with the parameters of
+//! Table A1.
 
 use rodwave::band_limited::VelocityHistory;
 use rodwave::inelastic::{
@@ -11,15 +11,15 @@ use rodwave::{DirectProblem, InelasticRod};
 use super::table::GoldenTable;
 use crate::bodies::Gaussian;
 
-/// A pulse as smooth as those that an aluminium projectile of 30 mm makes behind a few centimetres
-/// of rod.
+/// Pulse as smooth as those that an aluminium projectile of 30 mm causes after some centimetres of
+/// rod.
 const PULSE: Gaussian = Gaussian {
     peak: 8.0,
     centre: 300e-6,
     width: 60e-6,
 };
 
-/// The rows of Table 4 that hold the moduli, by the material of Table 2.
+/// Rows of Table 4 that contain the moduli, by the material of Table 2.
 const MODULI: [(&str, &str); 5] = [
     ("Polypropylene", "Polypropylene / E"),
     ("Polyamide 6", "Polyamide 6 / E"),
@@ -28,8 +28,8 @@ const MODULI: [(&str, &str); 5] = [
     ("Rubber", "Rubber / E"),
 ];
 
-/// Twenty-five tests: between its two sections an elastic rod delays and doubles, v_r(t) = 2Σ(-1)ⁿ
-/// v_e(t - (2n+1)L/c), with L and ρ of Table 2 and E of Table 4.
+/// Twenty-five tests: between its two sections, an elastic rod delays and doubles the velocity,
+/// v_r(t) = 2Σ(-1)ⁿ v_e(t - (2n+1)L/c), with L and ρ of Table 2 and E of Table 4.
 #[test]
 fn elastic_responses_of_the_tests_of_table_2() {
     let tests = GoldenTable::read("paper_d_table_2.ron");
@@ -68,8 +68,8 @@ fn elastic_responses_of_the_tests_of_table_2() {
     }
 }
 
-/// Largest response of the rod of the appendix, and that of an elastic one, with a law in two
-/// solvers that agree.
+/// Returns the largest response of the rod of the appendix with a law, in which two solvers agree,
+/// and that of an elastic rod.
 fn peaks<L: InelasticLaw>(density: f64, modulus: f64, law: L) -> (f64, f64) {
     let appendix = GoldenTable::read("paper_d_constants.ron");
     let length = appendix.constant("appendix_section_distance").value;
@@ -88,14 +88,14 @@ fn peaks<L: InelasticLaw>(density: f64, modulus: f64, law: L) -> (f64, f64) {
         .unwrap();
     let peak = found.iter().copied().fold(0.0, f64::max);
     for (a, b) in found.iter().zip(second) {
-        // dispersion of a chain with 25 cells or more to the pulse width
+        // dispersion of a chain with 25 cells or more per pulse width
         assert!((a - b).abs() < 5e-3 * peak, "{a} {b}");
     }
     (peak, 2.0 * PULSE.peak)
 }
 
-/// The units of Table A1 as printed make elastic rods (erratum): the printed parameters change the
-/// response by less than the error of 0.06 per cent that the table states of them.
+/// The units of Table A1 as printed make the rods elastic (erratum): the printed parameters change
+/// the response by less than the error of 0.06 per cent that the table states for them.
 #[test]
 fn the_parameters_of_table_a1_do_not_damp_as_printed() {
     let table = GoldenTable::read("paper_d_table_a1.ron");
@@ -119,7 +119,7 @@ fn the_parameters_of_table_a1_do_not_damp_as_printed() {
             let change = (peak / elastic - 1.0).abs();
             assert!(change < smallest.value, "{column}: {change:e}");
         }
-        // M_2 with B = 320 TPa^kappa s does damp: kappa is what it is, and Pa^kappa makes it so
+        // M_2 with B = 320 TPa^kappa s does damp, because of its kappa and the unit Pa^kappa
         let norton = MaxwellNorton::new(value("M_2 / kappa"), value("M_2 / B")).unwrap();
         let (peak, elastic) = peaks(density("M_2 / E"), value("M_2 / E"), norton);
         let time_constant =
@@ -129,7 +129,7 @@ fn the_parameters_of_table_a1_do_not_damp_as_printed() {
     }
 }
 
-/// The column of errors is the distance of the two others.
+/// The column of errors contains the relative distance between the other two columns.
 #[test]
 fn relative_errors_of_table_a1() {
     for row in &GoldenTable::read("paper_d_table_a1.ron").rows {

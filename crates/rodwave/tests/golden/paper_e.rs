@@ -1,4 +1,4 @@
-//! The bodies of paper E, built from its printed numbers.
+//! Bodies of paper E, built from the printed numbers.
 
 use num_complex::Complex64;
 use rodwave::element::Circle;
@@ -60,8 +60,8 @@ pub(crate) fn bodies() -> Bodies {
     }
 }
 
-/// The printed numbers, read from the fixtures here and typed into another program there, are the
-/// same bodies. (Ödeen 1993, paper E, eqs. A5 and A11).
+/// The printed numbers, read from the fixtures here and typed into another program there, give the
+/// same bodies (Ödeen 1993, paper E, eqs. A5 and A11).
 #[test]
 fn printed_bodies_have_the_mobilities_of_mpmath() {
     let [chains, medium] = errors_of_chains(&bodies());
@@ -69,7 +69,8 @@ fn printed_bodies_have_the_mobilities_of_mpmath() {
     assert!(chains < 2e-14 && medium < 4e-15, "{chains:e} {medium:e}");
 }
 
-/// The long rod is long: its echo is not back at the gauges while the impacts last, about 1 ms.
+/// The long rod is long enough: its echo has not returned to the gauges while the impacts last,
+/// about 1 ms.
 #[test]
 fn no_reflected_wave_during_the_time_interval_of_interest() {
     let constants = GoldenTable::read("paper_e_constants.ron");
@@ -77,15 +78,15 @@ fn no_reflected_wave_during_the_time_interval_of_interest() {
     let speed = (value("steel_modulus") / value("steel_density")).sqrt();
     let echo = 2.0 * (value("rod_length") - value("strain_gauge_distance")) / speed;
     assert!((2.2e-3..2.4e-3).contains(&echo), "{echo}");
-    // and the period of the predicted impulse responses, 2048 samples up to 10 kHz, holds the
+    // the period of the predicted impulse responses, 2048 samples up to 10 kHz, also contains the
     // ringing of the bodies
     let step_hz = value("predicted_frequency_highest") / value("predicted_samples");
     assert!(step_hz.recip() > 50.0 * echo);
 }
 
-/// Into a rod without end a free body gives all its momentum: the impulse of each case is V M, and
-/// M is what the mobility of the printed body tends to at low frequency. For TCB 0.983 N s, from a
-/// march of its force history made apart.
+/// A free body gives all its momentum to a semi-infinite rod: the impulse of each case is V M,
+/// where M follows from the mobility of the printed body at low frequency. For TCB it is 0.983 N s,
+/// from a separate march of its force history.
 #[test]
 fn momentum_of_the_four_cases() {
     let cases = GoldenTable::read("paper_e_cases.ron");
@@ -108,7 +109,7 @@ fn momentum_of_the_four_cases() {
         assert!((unity - 1.0).norm() < 1e-10, "{case}: {unity}");
         momenta.push(mass * cases.row(case).value("impact_velocity"));
     }
-    // half a unit of its last digit
+    // half a unit of the last digit
     assert!((momenta[1] - 0.983).abs() < 5e-4, "{momenta:?}");
     // two sections of nylon and two of aluminium
     let cylinder = momenta[2] / cases.row("CCA").value("impact_velocity");

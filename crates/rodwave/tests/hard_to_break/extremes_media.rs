@@ -1,5 +1,5 @@
-//! Materials from all but lossless to all but fluid, rods from a millimetre to a kilometre,
-//! attenuation beyond any double.
+//! Materials from almost lossless to almost fluid, rods from a millimetre to a kilometre, and
+//! attenuation beyond the range of a double.
 
 use num_complex::Complex64;
 use proptest::prelude::*;
@@ -20,8 +20,8 @@ fn by_half_angle(storage: f64, loss_factor: f64, omega: f64, density: f64) -> (f
     (omega * slowness * half.sin(), omega * slowness * half.cos())
 }
 
-/// tan δ from 1e-12 to 1e6, 1 mHz to 1 THz: α and k each to some units in the last place, however
-/// small α is beside k.
+/// Accuracy of α and k for tan δ from 1e-12 to 1e6 and 1 mHz to 1 THz: some units in the last place
+/// of each, however small α is relative to k.
 #[test]
 fn damping_and_wave_number_keep_their_digits() {
     for exponent in -12..=6 {
@@ -39,9 +39,10 @@ fn damping_and_wave_number_keep_their_digits() {
                 (gamma.im / k - 1.0).abs() < 1e-15 * 8.0,
                 "tan δ = {loss_factor:e}"
             );
-            // and back: E'' = 2kα of k² + α² loses nothing either
+            // and back: E'' = 2kα of k² + α² does not lose digits either
             let back = modulus_from_propagation(gamma, omega, 1150.0).unwrap();
-            // E' = k² - α² is a difference where α and k are of one size: it loses what tan δ gains
+            // E' = k² - α² is a difference if α and k are of equal size: its relative error grows
+            // with tan δ
             let lost = loss_factor.max(1.0);
             assert!(
                 (back.re / modulus.re - 1.0).abs() < 1e-14 * lost,
@@ -55,7 +56,7 @@ fn damping_and_wave_number_keep_their_digits() {
     }
 }
 
-/// Laws whose loss factor is known in closed form have it down to 1e-12 and up to 1e6.
+/// Laws whose loss factor has a closed form reproduce it from 1e-12 to 1e6.
 #[test]
 fn laws_keep_their_loss_factors() {
     for exponent in -12..=6 {
@@ -68,7 +69,7 @@ fn laws_keep_their_loss_factors() {
         assert!((kelvin_voigt.im / kelvin_voigt.re / wanted - 1.0).abs() < 1e-15);
     }
     for exponent in 0..=9 {
-        // far below its relaxation a Zener material has E''/E' = (E1/E0 - 1) ωτ
+        // far below its relaxation, a Zener material has E''/E' = (E1/E0 - 1) ωτ
         let omega_tau = 10f64.powi(-exponent - 4);
         let modulus = Zener::new(1e9, 3e9, 1e-5).unwrap().at(omega_tau / 1e-5);
         let expected = 2.0 * omega_tau / (1.0 + omega_tau * omega_tau * 3.0);
@@ -76,15 +77,15 @@ fn laws_keep_their_loss_factors() {
     }
 }
 
-/// αL = 1e4: the far end is out of sight, and the mobility that of an infinite rod. No number
-/// overflows on the way.
+/// No wave returns from the far end at αL = 1e4, and the mobility is that of an infinite rod. No
+/// number overflows on the way.
 #[test]
 fn strong_attenuation_leaves_an_infinite_rod() {
     for (loss_factor, length) in [(1e-3, 1e6), (0.1, 2e4), (1.0, 1e3), (10.0, 1e3)] {
         let medium = Medium::new(1150.0, ConstantQ::new(3e9, loss_factor, 1e4).unwrap()).unwrap();
         let section = CrossSection::of_area(1e-4).unwrap();
         for attenuation in [50.0, 700.0, 1e3, 1e4, 1e8] {
-            // the frequency at which αL is what is asked: α grows with ω nearly in proportion
+            // frequency at which αL has the wanted value: α grows almost in proportion to ω
             let mut omega = 1e4;
             for _ in 0..60 {
                 omega *= attenuation / (medium.damping_coefficient(omega) * length);
@@ -107,7 +108,7 @@ fn strong_attenuation_leaves_an_infinite_rod() {
                     .unwrap()
                     .state(omega)
                     .unwrap();
-                // e^{-αL/2} of the force, or nothing that a double can hold
+                // e^{-αL/2} of the force, or less than a double can represent
                 let expected = -0.5 * attenuation;
                 if expected > -600.0 {
                     let found = middle.normal_force.norm().ln();
@@ -125,7 +126,7 @@ fn strong_attenuation_leaves_an_infinite_rod() {
     }
 }
 
-/// Products of matrices that are numbers each, but not together, are refused and not handed out as
+/// Products of matrices that overflow although each factor is finite are rejected, not returned as
 /// infinite.
 #[test]
 fn products_that_overflow_are_refused() {
@@ -145,8 +146,8 @@ fn products_that_overflow_are_refused() {
     assert!(chain.mobility(1e4).is_ok());
 }
 
-/// From a millimetre to a kilometre, from 1 nHz to 1 THz: a number or, where nothing arrives at the
-/// far end, a refusal.
+/// Rods from a millimetre to a kilometre and frequencies from 1 nHz to 1 THz give a number or, if
+/// no wave reaches the far end, an error.
 #[test]
 fn rods_of_all_lengths() {
     let medium = Medium::new(1150.0, ConstantQ::new(3e9, 0.05, 1e4).unwrap()).unwrap();
@@ -164,7 +165,8 @@ fn rods_of_all_lengths() {
                 let gamma_length = medium.propagation_coefficient(omega) * length;
                 match test.acceleration_ratio(omega) {
                     Ok(ratio) => {
-                        // cosh x in parts, each accurate; the phase is known to its rounding only
+                        // cosh x in parts, each of which is accurate; the phase is known only to
+                        // its rounding
                         let (c, s) = (gamma_length.im.cos(), gamma_length.im.sin());
                         let (ch, sh) = (gamma_length.re.cosh(), gamma_length.re.sinh());
                         let expected = Complex64::new(ch * c, sh * s);
@@ -182,7 +184,7 @@ fn rods_of_all_lengths() {
             }
         }
     }
-    assert!(refused > 0); // a kilometre of polymer lets no terahertz through
+    assert!(refused > 0); // no terahertz wave passes a kilometre of polymer
 }
 
 /// Creep of a fractional Zener material of very small exponent: the retardation time overflows, its
@@ -202,7 +204,8 @@ fn creep_of_small_exponents() {
     }
 }
 
-/// A relaxing material is its glass where ωτ leaves the range of squares.
+/// Far above its relaxation, where the square of ωτ overflows, a material has its unrelaxed
+/// modulus.
 #[test]
 fn far_above_its_relaxation_a_material_is_its_glass() {
     for exponent in [10, 100, 150, 160, 200, 290] {
@@ -225,7 +228,7 @@ proptest! {
         ..ProptestConfig::default()
     })]
 
-    /// Modulus, propagation coefficient and impedance are three names of one thing.
+    /// Modulus, propagation coefficient and impedance describe the same material.
     #[test]
     fn one_thing_by_three_names(
         storage in -3.0..14.0_f64, loss in -9.0..1.0_f64, frequency in -9.0..12.0_f64, density in -6.0..6.0_f64,
@@ -235,14 +238,14 @@ proptest! {
         let modulus = storage * Complex64::new(1.0, 10f64.powf(loss));
         let gamma = propagation_from_modulus(modulus, omega, density).unwrap();
         let back = modulus_from_propagation(gamma, omega, density).unwrap();
-        // each part to its own last digits; E' is a difference for tan δ above 1
+        // each part is accurate to its own last digits; E' is a difference for tan δ above 1
         let lost = 10f64.powf(loss).max(1.0);
         prop_assert!((back.re / modulus.re - 1.0).abs() < 2e-14 * lost);
         prop_assert!((back.im / modulus.im - 1.0).abs() < 2e-14);
         let impedance = Complex64::new(0.0, omega * density) / gamma; // iωρ/γ
         let square = impedance * impedance / density;
         prop_assert!((square - modulus).norm() < 2e-14 * modulus.norm());
-        // γ and -γ are one material, and a conjugate wave is the conjugate material
+        // γ and -γ describe one material, and a conjugate wave the conjugate material
         prop_assert_eq!(modulus_from_propagation(-gamma, omega, density).unwrap(), back);
         prop_assert_eq!(propagation_from_modulus(modulus.conj(), -omega, density).unwrap(), gamma.conj());
     }

@@ -1,13 +1,14 @@
-//! A function asked with every argument, or every two, at the ends of the scale: it refuses in
-//! words or it answers with numbers. The tests named `hard_to_break` of all crates share this file.
+//! Calls a function with every argument, or every pair of arguments, at the limits of the
+//! floating-point range: it must return an error with a message, or numbers. The tests named
+//! `hard_to_break` of all crates share this file.
 #![allow(dead_code, reason = "each crate asks in the way that suits it")]
 
 use std::fmt::Display;
 use std::marker::PhantomData;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
-/// Hostile arguments: no numbers, zeros of both signs, denormals, the ends of the range, squares
-/// that overflow or vanish, and sizes that no rod has.
+/// Hostile arguments: NaN and infinities, zeros of both signs, denormals, the limits of the range,
+/// squares that overflow or vanish, and sizes that no rod has.
 pub(crate) const HOSTILE: [f64; 28] = [
     f64::NAN,
     f64::INFINITY,
@@ -39,8 +40,8 @@ pub(crate) const HOSTILE: [f64; 28] = [
     f64::MIN,
 ];
 
-/// Calls `function` with each extreme number: a non-finite number is refused, and every result is
-/// finite.
+/// Calls `function` with each extreme number: a non-finite number must be rejected, and every
+/// result must be finite.
 pub(crate) fn sweep<E: Display>(name: &str, function: impl Fn(f64) -> Result<Vec<f64>, E>) {
     for value in HOSTILE {
         match function(value) {
@@ -51,13 +52,13 @@ pub(crate) fn sweep<E: Display>(name: &str, function: impl Fn(f64) -> Result<Vec
                     "{name} of {value} gives {results:?}"
                 );
             }
-            // a word about what it was, and the number
+            // a description of the quantity, and the number
             Err(error) => assert!(error.to_string().len() > 10, "{name} of {value}: {error}"),
         }
     }
 }
 
-/// Failures of functions that refuse by an `E`, a line each.
+/// Failures of functions with errors of type `E`, one per line.
 pub(crate) struct Findings<E> {
     lines: Vec<String>,
     refusal: PhantomData<fn() -> E>,
@@ -72,8 +73,8 @@ impl<E> Default for Findings<E> {
     }
 }
 
-/// Returns true if arguments are far from the ends of the range, so that plain functions without
-/// checks give finite results too.
+/// Returns true if the arguments are far from the limits of the range: functions that do not check
+/// them must then give finite results too.
 pub(crate) fn are_modest(arguments: &[f64]) -> bool {
     arguments
         .iter()
@@ -81,8 +82,8 @@ pub(crate) fn are_modest(arguments: &[f64]) -> bool {
 }
 
 impl<E: Display> Findings<E> {
-    /// Calls `function` with `sound` arguments, which must succeed, and then with an extreme one in
-    /// each place.
+    /// Calls `function` with the arguments `sound`, which must succeed, and then with an extreme
+    /// one in each place.
     pub(crate) fn sweep(
         &mut self,
         name: &str,
@@ -108,7 +109,7 @@ impl<E: Display> Findings<E> {
         }
     }
 
-    /// The same, and then with hostile arguments in two places.
+    /// Calls `function` as `sweep` does, and then with hostile arguments in two places.
     pub(crate) fn sweep_pairs(
         &mut self,
         name: &str,
@@ -150,7 +151,7 @@ impl<E: Display> Findings<E> {
         self.lines.push(format!("{name}{arguments:?}: {what}"));
     }
 
-    /// Fails with the findings, reduced to a readable number of lines.
+    /// Fails if there are findings, and prints a readable number of them.
     pub(crate) fn none(self) {
         let stride = self.lines.len().div_ceil(60).max(1);
         let some: Vec<&str> = self

@@ -80,7 +80,7 @@ fn elements() {
     findings.none();
 }
 
-/// Everything that can be asked of a chain at one frequency.
+/// Returns all numbers that a chain can give at one frequency.
 fn answers(chain: &Chain, omega: f64) -> Numbers {
     let mut numbers = parts([chain.mobility(omega)?, chain.far_face_mobility(omega)?]);
     if let Ok(matrix) = chain.transition_matrix(omega) {
@@ -153,7 +153,7 @@ fn waves_at_sections() {
         assert!(!found.condition_number.is_nan());
         let mut numbers = vec![found.misfit];
         if found.condition_number < 1e12 {
-            // where they can be distinguished, at the sections
+            // the waves at the sections, if the sections can separate them
             numbers.extend(parts(a[2..5].iter().map(|x| found.waves.at(*x))));
         }
         Ok(numbers)

@@ -23,7 +23,7 @@ fn sampled_histories() {
     findings.sweep_pairs("SampledHistory", &[0.1, 0.5, 1e5, 2e-5], |a| {
         let history = SampledHistory::new(&[0.0, a[0], a[1], 0.3, 0.1], a[2])?;
         let (value, slope) = (history.at(a[3]), history.slope(a[3]));
-        // a time that is no number has no velocity
+        // at a time that is NaN there is no velocity
         let numbers = are_modest(a).then_some([value, slope]);
         Ok(numbers.into_iter().flatten().collect())
     });
@@ -32,7 +32,8 @@ fn sampled_histories() {
             rate_hz: a[0],
             cutoff_hz: a[1],
         };
-        // plain numbers without checks: it must not panic, and NaN must be visible in the result
+        // no arguments are checked here: the function must not panic, and NaN must be visible in
+        // the result
         let _ = recorder.filtered(&[0.0, 1.0, 0.5, 0.0, 0.2], a[2], a[3]);
         Ok(Vec::new())
     });
@@ -66,7 +67,7 @@ fn syntheses() {
     findings.none();
 }
 
-/// Sizes that would fill the memory or take too long are refused.
+/// Sizes that would fill the memory or take too long are rejected.
 #[test]
 fn absurd_counts() {
     let rod = || InelasticRod::new(0.4, 1140.0, 3.2e9, Elastic).unwrap();
@@ -151,7 +152,7 @@ fn marches() {
     findings.sweep_pairs("LumpedRod", &[0.4, 0.8, 0.2], |a| {
         let rod = InelasticRod::new(a[0], 1140.0, 3.2e9, Elastic)?;
         let lumped = LumpedRod::new(&rod, 8, a[1])?;
-        // a place that is no number has no velocity
+        // at a position that is NaN there is no velocity
         let velocity = lumped.velocity_at(a[2]);
         let numbers = [lumped.time_step(), lumped.end_mass()];
         Ok(numbers
@@ -199,13 +200,13 @@ fn impacts() {
     findings.none();
 }
 
-/// Returns true if a march of so many steps and cells is possible but long: then it is the user's
-/// wish.
+/// Returns true if a march of so many steps and cells is possible but takes long; it is then not
+/// rejected.
 fn is_long(steps: f64, cells: f64) -> bool {
     steps * cells > 2e5 && steps < 1e9 && cells < 2e8
 }
 
-/// The same for an impact.
+/// Returns the answer of `is_long` for an impact.
 fn is_long_impact(test: &ImpactTest<Elastic>, cell: f64, duration: f64) -> bool {
     let cells = (test.rod.length() / cell).max(4.0);
     let step = 0.8 * test.rod.length() / cells / test.rod.wave_speed();

@@ -16,7 +16,8 @@ use rodwave::modulus::{
 use super::hostile::are_modest;
 use super::{Findings, Numbers, parts};
 
-/// Modulus on the axis and off it, what a wave makes of it, its coordinates and its derivatives.
+/// Returns the modulus on and off the axis, the wave that follows from it, its parameters and its
+/// derivatives.
 fn linear(law: &impl DifferentiableModulus, omega: f64, arguments: &[f64]) -> Numbers {
     let modulus = law.try_at(omega)?;
     let at_s = law.try_at_s(Complex64::new(1.0, omega))?;
@@ -24,7 +25,7 @@ fn linear(law: &impl DifferentiableModulus, omega: f64, arguments: &[f64]) -> Nu
     numbers.extend(law.parameters());
     let mut gradient = vec![Complex64::ZERO; law.parameter_names().len()];
     law.gradient(omega, &mut gradient)?;
-    // plain functions without checks
+    // these functions do not check their arguments
     if are_modest(arguments) {
         numbers.extend(parts(gradient));
         numbers.extend(parts([law.slope(omega)]));
@@ -40,8 +41,8 @@ fn waves(law: impl LaplaceModulus, density: f64, omega: f64) -> Numbers {
 }
 
 fn in_time(law: &impl TimeDomainModulus, time: f64) -> Numbers {
-    // one may be impossible where the other is not, as the creep of a fluid over a time that
-    // overflows
+    // one of the two may be impossible when the other is not, such as the creep of a fluid over a
+    // time that overflows
     let answers = [law.relaxation_modulus(time), law.creep_compliance(time)];
     Ok(answers.into_iter().flatten().collect())
 }
@@ -187,8 +188,8 @@ impl<M: rodwave::modulus::ComplexModulus> SlopeAndValue for M {
     }
 }
 
-/// Rate, relaxation over one step and its derivatives: relaxed stress lies between the stress and
-/// 0.
+/// Returns the rate, the relaxation over one step and its derivatives. The relaxed stress must lie
+/// between the initial stress and 0.
 fn inelastic<L: InelasticLaw>(law: &L, modulus: f64, duration: f64, stress: f64) -> Numbers {
     let flow = law.flow(modulus, duration);
     let relaxed = flow.relax(stress);
@@ -203,7 +204,7 @@ fn inelastic<L: InelasticLaw>(law: &L, modulus: f64, duration: f64, stress: f64)
     Ok(numbers)
 }
 
-/// The solver builds a flow from checked moduli and steps and evaluates it at finite stresses; a
+/// The solver creates a flow from checked moduli and steps and evaluates it at finite stresses. A
 /// NaN from the law would spread through the rod unnoticed.
 #[test]
 fn inelastic_laws() {

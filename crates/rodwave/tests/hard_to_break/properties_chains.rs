@@ -1,4 +1,4 @@
-//! Laws of linear passive bodies that hold for chains of any elements.
+//! Laws of linear passive bodies, which hold for chains of any elements.
 
 use num_complex::Complex64;
 use proptest::prelude::*;
@@ -18,8 +18,8 @@ fn cases(seed: u64) -> ProptestConfig {
     }
 }
 
-/// An element by numbers: kind, material, two areas, and a length from which masses and stiffnesses
-/// follow too.
+/// An element described by numbers: kind, material, two areas, and a length, from which masses and
+/// stiffnesses also follow.
 type Part = (u8, u8, f64, f64, f64);
 
 fn any_part() -> impl Strategy<Value = Part> {
@@ -36,7 +36,7 @@ fn any_part() -> impl Strategy<Value = Part> {
 }
 
 fn any_parts() -> impl Strategy<Value = Vec<Part>> {
-    // a row of massless springs and dashpots that ends free has no impedance
+    // a row of massless springs and dashpots with a free end has no impedance
     prop::collection::vec(any_part(), 1..8)
         .prop_filter("no mass", |parts| parts.iter().any(|part| part.0 < 4))
 }
@@ -45,7 +45,7 @@ fn any_omega() -> impl Strategy<Value = f64> {
     (1.0..5.0_f64).prop_map(|exponent| 10f64.powf(exponent))
 }
 
-/// Adds a part, or the same seen from its other end.
+/// Adds a part, or the same part reversed.
 fn with(
     builder: ChainBuilder,
     &(kind, material, near, far, length): &Part,
@@ -93,8 +93,9 @@ fn reversed(parts: &[Part]) -> Chain {
     row.end(Termination::Free).unwrap()
 }
 
-/// Digits that the recursion may lose, as a factor: an undamped body near an antiresonance answers
-/// with the difference of two large numbers, which the growth of the product of matrices bounds.
+/// Factor of accuracy that the recursion may lose: near an antiresonance, the response of an
+/// undamped body is the difference of two large numbers, which the growth of the product of
+/// matrices bounds.
 fn loss(chain: &Chain, omega: f64) -> f64 {
     let [[a, b], [c, d]] = chain.transition_matrix(omega).unwrap().entries();
     ((a * d).norm() + (b * c).norm()).max(1.0)
@@ -103,18 +104,18 @@ fn loss(chain: &Chain, omega: f64) -> f64 {
 proptest! {
     #![proptest_config(cases(1))]
 
-    /// det P = 1 for the whole chain: power is neither made nor kept in a joint.
+    /// det P = 1 for the whole chain: a joint neither creates nor stores power.
     #[test]
     fn the_determinant_of_a_chain_is_one(parts in any_parts(), omega in any_omega()) {
         let chain = chain(&parts);
         let lost = loss(&chain, omega);
         prop_assume!(lost < 1e12);
         let determinant = chain.transition_matrix(omega).unwrap().determinant();
-        // phases of up to some hundred radians, each rounded once for every element
+        // phases of up to some hundred radians, each rounded once per element
         prop_assert!((determinant - 1.0).norm() < 1e-12 * lost, "{determinant}");
     }
 
-    /// A body turned end for end answers at its far face as it did at its impact face.
+    /// The far face of a reversed body responds as the impact face of the original does.
     #[test]
     fn a_turned_body_has_its_mobilities_exchanged(parts in any_parts(), omega in any_omega()) {
         let (there, back) = (chain(&parts), reversed(&parts));
@@ -129,10 +130,11 @@ proptest! {
         }
     }
 
-    /// A force at one face moves the other face as the same force there moves the first.
+    /// A force at one face moves the other face as the same force at the other face moves the
+    /// first.
     #[test]
     fn transfer_mobilities_are_reciprocal(parts in any_parts(), omega in any_omega()) {
-        // a massless last element, so that the far face is a section that can be asked
+        // a massless last element makes the far face a section that can be evaluated
         let ended = |parts: &[Part], turned: bool| {
             let row = Chain::from_impact_face();
             let row = if turned {
@@ -153,8 +155,8 @@ proptest! {
         prop_assert!((one - other).norm() < 1e-11 * lost * one.norm(), "{one} {other}");
     }
 
-    /// The power that enters flows along the body and only becomes less; the loss in each element
-    /// is not negative, and nothing leaves a free end.
+    /// The power that enters flows along the body and never increases. The loss in each element is
+    /// not negative, and no power leaves a free end.
     #[test]
     fn power_only_dwindles_on_its_way(parts in any_parts(), omega in any_omega()) {
         let chain = chain(&parts);
@@ -178,7 +180,7 @@ proptest! {
         }
     }
 
-    /// A real force gives a real velocity: the value at -ω is the conjugate.
+    /// A real force causes a real velocity: the value at -ω is the conjugate.
     #[test]
     fn negative_frequencies_are_conjugate(parts in any_parts(), omega in any_omega()) {
         let chain = chain(&parts);
@@ -186,7 +188,7 @@ proptest! {
         prop_assert_eq!(plus.conj(), minus);
     }
 
-    /// Metres, seconds and kilograms are a matter of taste: powers of two are exact, and so is the scaled mobility.
+    /// The choice of units has no effect: powers of two are exact, and so is the scaled mobility.
     #[test]
     fn units_are_a_matter_of_taste(
         length in 0.01..2.0_f64, area in 1e-6..1e-2_f64, omega in any_omega(), m in -20..20_i32, s in -20..20_i32, kg in -20..20_i32,
@@ -206,13 +208,13 @@ proptest! {
         };
         let here = mobility(1.0, 1.0, 1.0, 1.0);
         let there: Complex64 = mobility(metre, second, kilogram, pascal) * (kilogram / second);
-        // 1e-11: γ goes through a root in polar form, and its rounding counts kL-fold
+        // 1e-11: γ is computed by a root in polar form, and its rounding counts kL times
         prop_assert!((here - there).norm() < 1e-11 * here.norm(), "{here} {there}");
     }
 }
 
-/// A table of bodies asked from several threads is the table asked from one: there is no state to
-/// share.
+/// Bodies evaluated by several threads give the same values as by one thread: there is no shared
+/// state.
 #[test]
 fn threads_make_no_difference() {
     let parts: Vec<Part> = (0..12_u8)

@@ -1,5 +1,4 @@
-//! Laws of marches: nothing is made or lost, steps scale, start later or add up, whatever the
-//! material.
+//! Laws of marches for any material: balances close, and steps scale, start later or add up.
 
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
@@ -23,7 +22,7 @@ fn cases(cases: u32, seed: u64) -> ProptestConfig {
     }
 }
 
-/// A smooth push of 60 µs.
+/// Smooth push of 60 µs.
 fn push(time: f64) -> f64 {
     if (0.0..=60e-6).contains(&time) {
         (std::f64::consts::PI * time / 60e-6).sin().powi(2)
@@ -35,8 +34,8 @@ fn push(time: f64) -> f64 {
 proptest! {
     #![proptest_config(cases(48, 3))]
 
-    /// A striker and a rod exchange momentum and lose none; energy is lost in the material and, a little, in the closing of
-    /// the contact, and none is made.
+    /// A striker and a rod exchange momentum and lose none. Energy is lost in the material and, to
+    /// a small part, in the closing of the contact; none is created.
     #[test]
     fn impacts_keep_momentum(
         length in 0.01..0.1_f64, diameter in 0.005..0.03_f64, density in 900.0..9000.0_f64, modulus in 9.0..11.5_f64,
@@ -53,16 +52,17 @@ proptest! {
         let cell = (0.2 * length / speeds).min(4e-3).min(length / 8.0);
         let history = test.run(cell, 3e-4).unwrap();
         let balance = history.balance;
-        // sums over thousands of steps
+        // rounding of sums over thousands of steps
         prop_assert!(balance.momentum_residual.abs() < 1e-10, "{balance:?}");
         let after = balance.energy_after + balance.energy_dissipated;
-        // the staggered grid keeps its energy to second order of the Courant number
+        // the staggered grid conserves energy to second order in the Courant number
         prop_assert!(after <= 1.02 * balance.energy_before, "{balance:?}");
         prop_assert!(balance.energy_dissipated >= -1e-9 * balance.energy_before);
         prop_assert!(history.contact_force.iter().all(|force| *force >= 0.0));
     }
 
-    /// A relaxed stress lies between the stress and nothing, and relaxing twice for half the time is relaxing once.
+    /// A relaxed stress lies between the initial stress and zero, and two relaxations for half the
+    /// time are one relaxation for the whole time.
     #[test]
     fn relaxation_is_a_semigroup(
         kind in 0..3_u8, rate in -3.0..9.0_f64, shape in 0.1..40.0_f64, stress in -9.0..9.5_f64, sign in any::<bool>(),
@@ -75,7 +75,8 @@ proptest! {
             _ => relaxed(&MaxwellGurevichRabinovich::from_reference_rate(shape, rate, 1e7).unwrap(), stress),
         };
         prop_assert!((stress.min(0.0)..=stress.max(0.0)).contains(&once), "{once}");
-        // 1e-12: the exponential integral of long steps; a stress below 1e-300 is gone either way
+        // 1e-12: the exponential integral of long steps; a stress below 1e-300 has vanished either
+        // way
         prop_assert!((once - twice).abs() <= 1e-12 * stress.abs().max(1e-290), "{once} {twice}");
     }
 }
@@ -85,8 +86,8 @@ fn relaxed<L: InelasticLaw>(law: &L, stress: f64) -> (f64, f64) {
     (whole.relax(stress), half.relax(half.relax(stress)))
 }
 
-/// A step so long, or an exponent so high, that powers overflow: κ → ∞ is perfectly plastic, and
-/// the stress falls to σ_ref (n E h r/σ_ref)^{-1/n}, whatever it was.
+/// A step so long, or an exponent so high, that powers overflow: for κ → ∞ the law is perfectly
+/// plastic, and the stress falls to σ_ref (n E h r/σ_ref)^{-1/n}, whatever its initial value is.
 #[test]
 fn very_nonlinear_laws_do_not_overflow() {
     for exponent in [30.0, 300.0, 3e3, 1e5] {
@@ -103,7 +104,7 @@ fn very_nonlinear_laws_do_not_overflow() {
             let mut by_parameter = [0.0; 2];
             let with = flow.relax_with_sensitivity(stress, &mut by_parameter);
             assert!(with.stress.is_finite() && by_parameter.iter().all(|value| value.is_finite()));
-            // σ1 as a function of ln r: -1/n of itself
+            // derivative of σ1 with respect to ln r: -1/n times σ1
             assert!((by_parameter[1] * n / found + 1.0).abs() < 1e-9);
             let changed = |kappa: f64| {
                 MaxwellNorton::from_reference_rate(kappa, 1e3, 1e7)
@@ -119,7 +120,7 @@ fn very_nonlinear_laws_do_not_overflow() {
             );
         }
     }
-    // a viscosity so low that nothing is left of the stress
+    // a viscosity so low that the stress vanishes
     for rate in [1e12, 1e20, 1e60] {
         let law = MaxwellGurevichRabinovich::from_reference_rate(2.0, rate, 1e7).unwrap();
         let relaxed = law.flow(3e9, 1e-6).relax(1e7);
@@ -127,8 +128,8 @@ fn very_nonlinear_laws_do_not_overflow() {
     }
 }
 
-/// An explicit chain generates energy where a material relaxes within one step; this is reported,
-/// and shorter cells help.
+/// An explicit chain creates energy if a material relaxes within one step. This is reported, and
+/// shorter cells avoid it.
 #[test]
 fn stiff_impacts_are_refused() {
     let test = ImpactTest {
@@ -152,16 +153,16 @@ fn stiff_impacts_are_refused() {
     );
 }
 
-/// Twice the push is twice the answer of a linear rod to the last bit, and two pushes add up.
+/// Twice the push causes exactly twice the response of a linear rod, and two pushes add up.
 #[test]
 fn linear_rods_superpose() {
-    // waves of 2000 m/s: one step is 1 µs and a sample five, so that a delay of samples is one of
-    // steps
+    // waves of 2000 m/s: a step is 1 µs and a sample 5 µs, so that a delay by samples is a delay by
+    // whole steps
     let rod = || InelasticRod::new(0.4, 1140.0, 1140.0 * 4e6, Maxwell::new(2e6).unwrap()).unwrap();
     let samples = |scale: f64, late: usize| -> Vec<f64> {
         (0..120_usize)
-            // quiet at first, so that what the interpolation rings before the onset is in both
-            // records
+            // quiet at first, so that both records contain the ringing of the interpolation before
+            // the onset
             .map(|k| scale * push(k.saturating_sub(late + 24) as f64 * 5e-6))
             .collect()
     };
@@ -182,8 +183,8 @@ fn linear_rods_superpose() {
     for ((one, late), both) in one.iter().zip(&late).zip(answer(&sum)) {
         assert!((one + late - both).abs() < 1e-13);
     }
-    // a push that begins 17 samples later is answered 17 samples later, to the rounding of the
-    // times
+    // a push that begins 17 samples later causes the same response 17 samples later, to the
+    // rounding of the times
     for (k, value) in one.iter().enumerate().take(80) {
         assert!(
             (late[k + 17] - value).abs() < 1e-10,
@@ -193,7 +194,7 @@ fn linear_rods_superpose() {
     }
 }
 
-/// Lengths, times and masses scaled by powers of two scale a nonlinear march exactly.
+/// A nonlinear march scales exactly if lengths, times and masses are scaled by powers of two.
 #[test]
 fn marches_scale() {
     let run = |metre: f64, second: f64, kilogram: f64| {
@@ -217,21 +218,21 @@ fn marches_scale() {
         (0.25, 4.0, 2f64.powi(30)),
     ] {
         for (one, other) in here.iter().zip(run(metre, second, kilogram)) {
-            // wave speed and impedance go through a square root, rounded alike for even powers of
-            // two
+            // wave speed and impedance are computed by a square root, which rounds equally for even
+            // powers of two
             assert!((one - other).abs() <= 1e-13 * 10.0, "{one} {other}");
         }
     }
 }
 
-/// Ten million samples of a synthesis and a line that marches a million steps: memory and time in
-/// proportion.
+/// Ten million samples of a synthesis, and a line that marches a million steps: memory and time
+/// remain in proportion.
 #[test]
 fn long_records() {
     let synthesis = DampedSynthesis::new(10.0, 2e-6).unwrap();
     let lines: Vec<Complex64> = synthesis.arguments().map(|s| 1.0 / (s + 3.0)).collect();
     assert_eq!(lines.len(), 5_000_001);
-    // e^{-3t} with its jump at 0, to which half of it belongs
+    // e^{-3t}, with half of its jump in the sample at 0
     let history = synthesis.history(&lines).unwrap();
     for index in [1000, 500_000, 2_000_000] {
         let time = history.time(index);
@@ -251,11 +252,11 @@ fn long_records() {
         march.advance().unwrap();
     }
     let ledger = march.ledger();
-    // a million steps, rounded at random each
+    // a million steps, each with a random rounding error
     assert!(ledger.energy_residual().abs() < 1e-11 * ledger.stored);
 }
 
-/// Times that are NaN, or before or after the record, do not panic, and NaN remains NaN.
+/// Times that are NaN, or outside the record, do not cause a panic, and NaN remains NaN.
 #[test]
 fn histories_at_impossible_times() {
     let history = SampledHistory::new(&[0.0, 1.0, 0.5, 0.2, 0.1], 1e5).unwrap();

@@ -1,13 +1,13 @@
-//! Pulses, joints, masses and impacts whose solution is known.
+//! Pulses, joints, masses and impacts with known solutions.
 
 use super::*;
 
-/// A force applied at the left end reaches the contact one transit later and alone acts on it: the
-/// faces separate when the force falls to zero.
+/// A force applied at the left end reaches the contact one transit later and is the only force
+/// there: the faces separate when it falls to zero.
 #[test]
 fn f6_a_contact_opens_within_a_step() {
     let (transit, last) = (0.2 / (206e9_f64 / 7780.0).sqrt(), 93.7e-6);
-    // (1 - t/T)(1 + t/T)^2 t/T: zero at T, curved there
+    // (1 - t/T)(1 + t/T)^2 t/T: zero at T, and curved there
     let force = move |t: f64| {
         let part = t / last;
         if (0.0..2.0).contains(&part) {
@@ -37,21 +37,21 @@ fn f6_a_contact_opens_within_a_step() {
         );
         (opens - (transit + last)).abs() / history.grid.time_step
     };
-    // in steps: h F''/(8 F') T = 5/8 h/T at most, which falls with the step; a whole step would be
-    // left by the force alone
+    // error in steps: h F''/(8 F') T = 5/8 h/T at most, which decreases with the step; from the
+    // force alone, the error would be a whole step
     for cells in [20.0, 40.0, 80.0, 160.0] {
         let (found, limit) = (error(cells), 0.63 * transit / cells / last);
         assert!(found < 1.05 * limit, "{cells}: {found} {limit}");
     }
 }
 
-/// Three segments of one impedance and incommensurable transit times delay the applied force, and
-/// do nothing else.
+/// Three segments with equal impedances and incommensurable transit times only delay the applied
+/// force.
 #[test]
 fn f6_the_rounding_of_transit_times_is_what_was_asked_for() {
     let times = [17e-6, 17e-6 * 2.0_f64.sqrt(), 17e-6 * 3.0_f64.sqrt() / 2.0];
     let segments = times.map(|time| {
-        // of equal impedance with the modulus over the speed: rho c = 4e7, E = rho c^2
+        // equal impedance by choice of modulus and speed: rho c = 4e7, E = rho c^2
         let speed = 0.1 / time;
         Segment::elastic(0.1, AREA, 4e7 / speed, 4e7 * speed).unwrap()
     });
@@ -73,13 +73,13 @@ fn f6_the_rounding_of_transit_times_is_what_was_asked_for() {
         let error = velocity
             .map(|(n, v)| (v - pulse((n as f64 + 0.5) * step - delay)).abs())
             .fold(0.0, f64::max);
-        // the steepest slope of the pulse, 0.86/15 us, by the delay that is rounded
+        // largest slope of the pulse, 0.86/15 us, times the rounded delay
         let limit = 0.86 / 15e-6 * delay * rounding;
         assert!(error < 1.01 * limit + 1e-9, "{tolerance}: {error} {limit}");
     }
 }
 
-/// A gap delays the contact, and closing it costs less energy the finer the grid.
+/// A gap delays the contact, and its closing dissipates less energy on a finer grid.
 #[test]
 fn a_gap_closes_with_the_relative_velocity() {
     let lost = |step: f64| -> f64 {
@@ -107,6 +107,6 @@ fn a_gap_closes_with_the_relative_velocity() {
         history.ledger.lost_in_contact / history.ledger.initial_energy
     };
     let (coarse, fine) = (lost(1e-6), lost(0.25e-6));
-    // at most one cell of the striker in 48
+    // at most one of the 48 cells of the striker
     assert!(coarse < 0.05 && fine < 0.0125, "{coarse} {fine}");
 }

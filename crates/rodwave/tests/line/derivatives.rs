@@ -1,16 +1,16 @@
-//! Derivatives against differences.
+//! Derivatives compared with differences.
 
 use super::*;
 
 /// Time step of the line of [`Joined`] \[s\].
 const STEP: f64 = 0.1e-6;
 
-/// An elastic striker, a rod of two branches in parallel and a rod of one, each crossed in a whole
-/// number of steps, and what a difference quotient changes of them.
+/// An elastic striker, a rod with two branches in parallel and a rod with one branch, each crossed
+/// in a whole number of steps; and the changes for a difference quotient.
 #[derive(Clone, Copy)]
 struct Joined {
     cells: [i32; 3],
-    /// modulus of the elastic branch of the second segment; the other branch has the rest
+    /// modulus of the elastic branch of the second segment; the other branch has the remainder
     elastic_modulus: f64,
     rates: [f64; 2],
     exponent: f64,
@@ -67,8 +67,9 @@ impl Joined {
             .unwrap()
     }
 
-    /// The line with one parameter changed by `notches`, and by how much: a modulus so that the
-    /// segment is crossed in as many steps less, anything else by 5e-4 a notch.
+    /// Returns the line with one parameter changed by `notches`, and the change. A modulus is
+    /// changed so that the segment is crossed in that many steps less, another parameter by 5e-4
+    /// per notch.
     fn changed(&self, parameter: &Parameter, notches: i32) -> (Line, f64) {
         let mut to = *self;
         let small = 5e-4 * f64::from(notches);
@@ -103,8 +104,8 @@ impl Joined {
     }
 }
 
-/// Weights of the derivative at 0 of the polynomial through values at 0 and at the four `points`;
-/// that at 0 last.
+/// Weights for the derivative at 0 of the polynomial through values at the four `points` and at 0;
+/// the weight of the value at 0 is the last.
 fn derivative_at_zero(points: [f64; 4]) -> [f64; 5] {
     let weight = |i: usize| -> f64 {
         // of x Π (x - xⱼ), j ≠ i, over its value at xᵢ
@@ -115,8 +116,8 @@ fn derivative_at_zero(points: [f64; 4]) -> [f64; 5] {
     [a, b, c, d, -(a + b + c + d)]
 }
 
-/// Derivatives against differences of the same solver, through joints, branches, a contact and a
-/// mass.
+/// Derivatives compared with differences of the same solver, through joints, branches, a contact
+/// and a mass.
 ///
 /// If a modulus changes by one notch, a wave that has crossed the striker a dozen times is shifted
 /// by a dozen time steps, 0.03 of its duration. The difference quotient of fourth order is accurate
@@ -141,10 +142,10 @@ fn derivatives_agree_with_differences() {
         .iter()
         .zip(&plain.gauges[1].velocity)
     {
-        // the same sums in another order
+        // the same sums in a different order
         assert!((a - b).abs() < 1e-12, "{a} {b}");
     }
-    // later the bodies part, where a derivative of the force jumps and no difference follows it
+    // later, the bodies part: a derivative of the force jumps, which no difference reproduces
     assert!(
         plain.contacts[0].force[1000..]
             .iter()

@@ -1,8 +1,8 @@
-//! The diagram of a whole line.
+//! Diagram of a whole line.
 
 use super::*;
 
-/// A steel striker, a gap, and a polymer that flows bonded to one of two branches.
+/// A steel striker, a gap, and a polymer that flows, bonded to a polymer with two branches.
 fn varied() -> Line {
     let flow = MaxwellNorton::from_reference_rate(2.0, 2e4, 10e6).unwrap();
     let flowing = Segment::new(0.1, AREA, 1140.0).unwrap();
@@ -23,7 +23,7 @@ fn a_cell_is_what_a_gauge_at_its_centre_sees() {
     assert_eq!(n_cells, diagram.grid.cells.iter().sum::<usize>());
     assert_eq!(diagram.velocity.len(), diagram.times.len() * n_cells);
     let begin = [0.0, 0.05 + 1e-4];
-    // the first and the last cell of every segment among them
+    // including the first and the last cell of every segment
     let bounds = diagram.grid.cells.iter().scan(0, |before, cells| {
         let first = *before;
         *before += cells;
@@ -47,7 +47,8 @@ fn a_cell_is_what_a_gauge_at_its_centre_sees() {
         ] {
             for (index, seen) in seen.iter().step_by(stride).enumerate() {
                 let found = diagram.at(quantity, index)[*cell];
-                // the place of a gauge is rounded, and the cubic then takes 1e-13 of its neighbours
+                // the position of a gauge is rounded, which gives the neighbours a weight of 1e-13
+                // in the cubic
                 assert!((found - seen).abs() < 1e-11 * size, "{cell}, {index}");
             }
         }
@@ -56,7 +57,8 @@ fn a_cell_is_what_a_gauge_at_its_centre_sees() {
     assert!((last - duration).abs() < stride as f64 * step, "{last}");
 }
 
-/// By the cells alone: two free bodies keep their momentum, and elastic ones their energy.
+/// Conservation from the cells alone: two free bodies conserve their momentum, and elastic bodies
+/// also their energy.
 #[test]
 fn what_is_in_the_cells_is_conserved() {
     let bars = [steel(0.1, AREA), aluminium(0.2, 2.0 * AREA)];
@@ -90,13 +92,13 @@ fn what_is_in_the_cells_is_conserved() {
             .map(|index| (sum(index, part) / before - 1.0).abs())
             .fold(0.0, f64::max)
     };
-    // what has left a cell and not arrived in the next lies at a contact for half a step: nothing
-    // at whole steps
+    // a wave that has left a cell and has not arrived in the next is at a contact for half a step;
+    // at whole steps there is none
     assert!(whole(&momentum) < 1e-12, "{}", whole(&momentum));
     assert!(whole(&energy) < 1e-12, "{}", whole(&energy));
 }
 
-/// Strains of all cells are the displacement of the ends, whatever the material does.
+/// The strains of all cells add up to the displacement of the ends, for any material.
 #[test]
 fn strains_add_up_to_the_displacement_of_the_ends() {
     let line = pushed(

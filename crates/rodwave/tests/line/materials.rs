@@ -1,8 +1,8 @@
-//! Inside of a segment: laws of a user's own, strains.
+//! Interior of a segment: laws defined by a user, and strains.
 
 use super::*;
 
-/// A law of a user's own, with nothing to identify: the Maxwell law of one viscosity.
+/// Law defined by a user, without parameters: the Maxwell law with a fixed viscosity.
 #[derive(Debug, Clone)]
 struct Fixed;
 
@@ -50,8 +50,7 @@ impl RelaxationFlow for FixedFlow {
     }
 }
 
-/// Laws plug in, with parameters or without.
-/// (Ödeen 1993, paper D, eq. 3).
+/// Laws defined by a user can be used, with or without parameters (Ödeen 1993, paper D, eq. 3).
 #[test]
 fn a_law_of_the_users_own_relaxes() {
     let gauge = Gauge {
@@ -69,7 +68,7 @@ fn a_law_of_the_users_own_relaxes() {
         .unwrap());
     assert!(own.ledger.dissipated > 0.1 * own.ledger.supplied);
     for (a, b) in own.gauges[0].stress.iter().zip(&ours.gauges[0].stress) {
-        // the same exponential, by its value and by its distance from 1
+        // the same exponential, computed directly and from its difference to 1
         assert!((a - b).abs() < 1e-11 * 500.0 / AREA, "{a} {b}");
     }
 }

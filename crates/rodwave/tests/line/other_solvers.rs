@@ -12,7 +12,7 @@ fn norton_rod() -> InelasticRod<MaxwellNorton> {
     .unwrap()
 }
 
-/// The direct problem of paper D on the other grid.
+/// Comparison with the direct problem of paper D, which has another grid.
 #[test]
 fn agrees_with_the_direct_problem_to_second_order() {
     let rate = 51_200.0;
@@ -53,12 +53,12 @@ fn agrees_with_the_direct_problem_to_second_order() {
         }))
     };
     let (coarse, fine) = (error(100.0), error(200.0));
-    // of 15 m/s
+    // relative to 15 m/s
     assert!(fine < 1e-3, "{coarse} {fine}");
     assert!(coarse / fine > 3.0, "{coarse} {fine}");
 }
 
-/// A standard solid has several branches: the direct problem refuses it.
+/// A standard solid has several branches: the direct problem rejects it.
 #[test]
 fn a_spring_is_refused_by_the_direct_problem() {
     let solid = norton_rod().with_spring(0.5).unwrap();
@@ -69,7 +69,8 @@ fn a_spring_is_refused_by_the_direct_problem() {
 }
 
 /// The impact of paper D by the lumped chains, which share neither grid nor contact with this
-/// solver; the rod of the paper, and one whose dashpot, ten times as fast, has a spring beside it.
+/// solver: the rod of the paper, and a rod whose dashpot is ten times as fast and has a spring in
+/// parallel.
 #[test]
 fn agrees_with_the_lumped_impact() {
     let rod = |coefficient| {
@@ -108,8 +109,8 @@ fn agrees_with_lumped(rod: InelasticRod<MaxwellNorton>) {
         )
         .unwrap();
     closes(&history);
-    // both fronts are steps: compared are the displacements, ∫v dt, which the ringing of the lumped
-    // chain does not spoil
+    // both fronts are steps, so the displacements ∫v dt are compared, which the ringing of the
+    // lumped chain does not affect
     let mut displacement = [0.0; 2];
     let mut worst = 0.0_f64;
     let mut next = 0;

@@ -1,4 +1,4 @@
-//! Lines that cannot be.
+//! Impossible lines, which are rejected.
 
 use super::*;
 

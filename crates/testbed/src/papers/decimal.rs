@@ -1,9 +1,9 @@
 //! Exact decimal arithmetic on printed digits.
 //!
-//! `40.85 GPa s` is 40.85·10⁹ Pa s: a shift of the point, not a product of two binary numbers. Only
-//! the last step, from the shifted text to the nearest `f64`, rounds.
+//! `40.85 GPa s` is 40.85·10⁹ Pa s: the point is shifted, and no binary numbers are multiplied.
+//! Only the last step, from the shifted text to the nearest `f64`, rounds.
 
-/// Number digits · 10^exponent.
+/// Number `digits` · 10^`exponent`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Decimal {
     digits: i128,
@@ -16,7 +16,8 @@ impl Decimal {
         Self { digits, exponent }
     }
 
-    /// Reads `38.16`, `-1`, `4.55e-21`; the last digit is the last one printed, zeros included.
+    /// Reads numbers such as `38.16`, `-1`, `4.55e-21`. The last digit is the last printed one,
+    /// zeros included.
     pub fn parse(text: &str) -> Option<Self> {
         let (mantissa, exponent) = match text.split_once('e') {
             Some((mantissa, exponent)) => (mantissa, exponent.parse::<i32>().ok()?),
@@ -44,7 +45,7 @@ impl Decimal {
         Self::new(5, self.exponent.saturating_sub(1))
     }
 
-    /// Returns the exact product; `None` where it has more than 38 digits.
+    /// Returns the exact product; `None` if it has more than 38 digits.
     pub fn times(self, other: Self) -> Option<Self> {
         Some(Self {
             digits: self.digits.checked_mul(other.digits)?,
@@ -52,7 +53,7 @@ impl Decimal {
         })
     }
 
-    /// Returns the exact sum; `None` where it has more than 38 digits.
+    /// Returns the exact sum; `None` if it has more than 38 digits.
     pub fn plus(self, other: Self) -> Option<Self> {
         let exponent = self.exponent.min(other.exponent);
         let shifted = |term: Self| {
@@ -111,7 +112,7 @@ mod tests {
 
     #[test]
     fn a_shift_of_the_point_gives_the_float_of_the_written_number() {
-        // The float product is inexact: therefore the digits are shifted as text.
+        // The product of floats would be inexact; the digits are therefore shifted as text.
         let shift = |text: &str, exponent| {
             Decimal::parse(text)
                 .and_then(|number| number.times(Decimal::new(1, exponent)))

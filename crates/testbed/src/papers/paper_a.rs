@@ -7,16 +7,17 @@ use rodwave::modulus::ConstantQ;
 use super::error::FixtureError;
 use super::transcribed_table;
 
-/// Specimens, rig and tests of paper A, errata applied, in SI.
+/// Specimens, rig and tests of paper A, with the errata applied, in SI.
 #[derive(Debug, Clone)]
 pub struct PaperA {
     pub accelerometer_mass: f64,
     pub pendulum_length: f64,
     /// Number of tests in the averages.
     pub averaged: f64,
-    /// Swing angles in rad: of the linearity test, of all reported tests, of nonlinear response.
+    /// Swing angles in rad: of the linearity test, of all reported tests, and where the response is
+    /// nonlinear.
     pub swing_angles: [f64; 3],
-    /// Temperatures of the oven, in K.
+    /// Lowest temperature of the oven, in K.
     pub lowest_temperature: f64,
     pub highest_temperature: f64,
     pub temperature_step: f64,
@@ -27,7 +28,7 @@ pub struct PaperA {
     pub mass_ratio_highest: f64,
     /// Table 2.
     pub tests: Vec<Test>,
-    /// Table 1 as restored.
+    /// Table 1, as restored.
     pub branches: Vec<Turn>,
 }
 
@@ -53,7 +54,8 @@ pub struct Turn {
 }
 
 /// Polypropylene at room temperature and polyamide 6: modulus in Pa, loss factor, and the angular
-/// frequency of the modulus. The second is the level of paper E, eq. 7, at 3 kHz.
+/// frequency to which the modulus applies. The modulus of the polyamide is that of paper E, eq. 7,
+/// at 3 kHz.
 pub const POLYPROPYLENE: (f64, f64, f64) = (2.6e9, 0.07, 1e4);
 pub const POLYAMIDE: (f64, f64, f64) = (2.5935e9, 0.0936, 1.885e4);
 

@@ -9,7 +9,7 @@ pub struct PaperB {
     pub length: f64,
     pub diameter: f64,
     pub density: f64,
-    /// Frequency range with results, in Hz.
+    /// Lowest frequency with results, in Hz.
     pub lowest_hz: f64,
     pub highest_hz: f64,
     /// λ/D at the highest frequency, as estimated in the paper.

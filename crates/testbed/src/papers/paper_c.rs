@@ -8,12 +8,12 @@ use cmod::recovery::{LoadHistory, LoadSegment, ThreeElementParameters};
 use super::error::FixtureError;
 use super::transcribed_table;
 
-/// Tests and parameters of paper C, errata applied, in SI.
+/// Tests and parameters of paper C, with the errata applied, in SI.
 #[derive(Debug, Clone)]
 pub struct PaperC {
     /// Table 1.
     pub tests: Vec<Load>,
-    /// `E_1`, of the spring in series.
+    /// `E_1` of the spring in series
     pub series_modulus: f64,
     /// `E_2`
     pub parallel_modulus: f64,
@@ -21,11 +21,11 @@ pub struct PaperC {
     pub coefficient: f64,
     /// m
     pub exponent: f64,
-    /// Frequency of every modulus, in Hz.
+    /// Frequency at which every modulus was measured, in Hz.
     pub frequency_hz: f64,
-    /// Loss factor of the virgin material, Tests 1 to 5.
+    /// Loss factor of the virgin material in Tests 1 to 5.
     pub virgin_loss_factor: f64,
-    /// Loss factor of the virgin material of Test 6.
+    /// Loss factor of the virgin material in Test 6.
     pub virgin_loss_factor_of_test_6: f64,
     /// Frequency of the periodic load, in Hz.
     pub load_frequency_hz: f64,

@@ -1,4 +1,4 @@
-//! Paper D as typed values: input of the reproduction of its tables, and values for comparison.
+//! Paper D as typed values: input for the reproduction of its tables, and values for comparison.
 
 mod law;
 mod readings;
@@ -14,7 +14,7 @@ use self::readings::Readings;
 pub use self::law::{LawParameters, ModelKind};
 pub use self::readings::UnitReading;
 
-/// Printed number in SI.
+/// Printed number, converted to SI.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Printed {
     pub value: f64,
@@ -35,7 +35,7 @@ pub struct RodTestConditions {
     pub diameter: f64,
     /// `L_0` in m
     pub rod_length: f64,
-    /// L in m, from the section of the excitation to the free end
+    /// L in m: distance of the section of the excitation from the free end
     pub section_distance: f64,
     /// Range of the displacement transducers in m
     pub transducer_range: f64,
@@ -68,7 +68,8 @@ pub struct VelocityErrors {
     pub by_number_of_tests: [Printed; 4],
 }
 
-/// Parameter of Table A1, as printed: relative errors do not depend on the reading of the units.
+/// Parameter of Table A1, as printed. Its relative error does not depend on the reading of the
+/// units.
 #[derive(Debug, Clone, PartialEq)]
 pub struct AppendixParameter {
     /// Printed symbol.
@@ -89,15 +90,16 @@ pub struct AppendixRow {
     pub section_distance: f64,
     /// D in m
     pub diameter: f64,
-    /// Input in the chosen reading.
+    /// Printed input, in the chosen reading.
     pub input: LawParameters,
-    /// Printed output in the chosen reading.
+    /// Printed output, in the chosen reading.
     pub output: LawParameters,
     /// Printed parameters.
     pub parameters: Vec<AppendixParameter>,
 }
 
-/// Projectile. Its material is paper E's aluminium: paper D gives neither density nor modulus.
+/// Projectile. Paper D gives neither density nor modulus; those of the aluminium of paper E are
+/// used.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Striker {
     /// Length in m
@@ -124,11 +126,11 @@ pub struct PaperD {
     pub striker: Striker,
     /// Sampling rate in Hz
     pub sampling_rate: f64,
-    /// Number of parameter vectors of each model, about sixty.
+    /// Number of parameter vectors for each model, about sixty.
     pub standard_samples_per_model: f64,
     /// Reason why every result names its reading of the units.
     pub no_consistent_reading: String,
-    /// Table 4, Table A1, one pair per reading in the order of [`UnitReading::ALL`].
+    /// Tables 4 and A1: one pair per reading, in the order of [`UnitReading::ALL`].
     by_reading: [(Vec<IdentifiedMaterial>, Vec<AppendixRow>); 3],
 }
 
@@ -284,9 +286,9 @@ mod tests {
 
     #[test]
     fn realistic_values_damp_as_the_materials_are_known_to() {
-        // tan δ = E F(σ)/(ω σ) where most of the blow is: at the corner frequency Z/(2π M) of a
-        // projectile of mass M on a rod of impedance Z, and at σ = σ_0/2, half the stress
-        // behind the first front, σ_0 = V_0 ρ c Z_p/(Z_p + Z).
+        // tan δ = E F(σ)/(ω σ) at a frequency and a stress that are typical of the blow: at the
+        // corner frequency Z/(2π M) of a projectile of mass M on a rod of impedance Z, and at σ =
+        // σ_0/2, half the stress behind the first front, σ_0 = V_0 ρ c Z_p/(Z_p + Z).
         let known = [
             ("Polypropylene", 0.05..0.08),
             ("Polyamide 6", 0.02..0.09),
@@ -328,8 +330,8 @@ mod tests {
             };
             let corner = impedance / striker_mass;
             let loss_factor = modulus * strain_rate / (corner * stress);
-            // A quarter beyond the known range: loss factors are known to one digit, and σ_0/2 is a
-            // convention.
+            // A quarter beyond the known range is allowed: the loss factors are known to one digit,
+            // and σ_0/2 is a convention.
             assert!(
                 (0.8 * range.start..1.25 * range.end).contains(&loss_factor),
                 "{material}: tan δ = {loss_factor}"
@@ -337,7 +339,7 @@ mod tests {
         }
     }
 
-    /// (Ödeen 1993, paper D, Table 2).
+    /// Tests and set-up are those of the print (Ödeen 1993, paper D, Table 2).
     #[test]
     fn tests_and_set_up_are_those_of_the_print() {
         let paper = load().unwrap();
@@ -420,8 +422,8 @@ mod tests {
 
     #[test]
     fn printed_relative_errors_follow_from_printed_input_and_output() {
-        // The difference of two rounded numbers has an error of up to one unit of their last digit,
-        // in addition to the half unit of the error itself.
+        // The difference of two rounded numbers has an error of up to one unit of their last digit.
+        // The half unit of the printed error itself is added.
         for row in load().unwrap().appendix(UnitReading::Literal) {
             for cell in &row.parameters {
                 let relative_error =

@@ -5,11 +5,11 @@ pub mod bodies;
 use super::error::FixtureError;
 use super::transcribed_table;
 
-/// Bodies, materials, hammers and tests of paper E, errata applied, in SI.
+/// Bodies, materials, hammers and tests of paper E, with the errata applied, in SI.
 #[derive(Debug, Clone)]
 pub struct PaperE {
     pub cone_length: f64,
-    /// Diameters at the ends A and B.
+    /// Diameters at the ends A and B of the cone.
     pub cone_diameter: [f64; 2],
     /// Length of each of the four sections of the compound cylinder.
     pub section_length: f64,
@@ -21,10 +21,10 @@ pub struct PaperE {
     pub heavy_hammer: Hammer,
     /// Number of tests with each hammer.
     pub averaged: f64,
-    /// Sample period of the tests of impulse responses.
+    /// Sample period of the tests for impulse responses.
     pub sample_period: f64,
     pub samples: f64,
-    /// Eq. 7: coefficient and exponent of α and of k.
+    /// Eq. 7: coefficient and exponent of α, and then of k.
     pub nylon: [f64; 4],
     pub nylon_density: f64,
     pub aluminium_modulus: f64,

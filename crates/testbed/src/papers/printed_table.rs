@@ -1,4 +1,4 @@
-//! Printed table: strings, units, errata; and its conversion to SI.
+//! Printed table with its strings, units and errata, and its conversion to SI.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -13,7 +13,7 @@ use super::si_table::{SiRow, SiTable, SiValue};
 use super::unit::Unit;
 use crate::ron_text::parse_ron;
 
-/// Table, or a group of constants, transcribed by hand from a paper. No entry is a number: digits
+/// Table, or group of constants, transcribed by hand from a paper. No entry is a number: digits
 /// stay as printed.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -39,10 +39,10 @@ pub struct PrintedTable {
     note: Option<String>,
     columns: Vec<Column>,
     rows: Vec<Vec<String>>,
-    /// Tolerances that are not half a unit of the last printed digit.
+    /// Tolerances that differ from half a unit of the last printed digit.
     #[serde(default)]
     allowances: Vec<Allowance>,
-    /// Errors in print.
+    /// Errors in the print.
     #[serde(default)]
     errata: Vec<Erratum>,
 }
@@ -55,7 +55,7 @@ pub struct PrintedTable {
 )]
 struct Column {
     name: String,
-    /// Printed symbol of the column, if it is not the name.
+    /// Printed symbol of the column, if it differs from the name.
     #[serde(default)]
     symbol: Option<String>,
     holds: Holds,
@@ -64,13 +64,13 @@ struct Column {
 /// Content of the cells of a column.
 #[derive(Debug, Clone, Deserialize)]
 enum Holds {
-    /// Name of the row; several such columns form the name together.
+    /// Name of the row; if there are several such columns, they form the name together.
     Label,
     /// Words.
     Text,
-    /// Numbers in this unit, `—` where there is none.
+    /// Numbers in this unit; `—` if there is none.
     Values(String),
-    /// Numbers with their unit, as in `2.580 GPa`; a pure number has none.
+    /// Numbers with their unit, as in `2.580 GPa`; a pure number has no unit.
     ValuesWithUnits,
 }
 
@@ -84,12 +84,12 @@ enum Holds {
 struct Allowance {
     row: String,
     column: String,
-    /// Number with the unit of the cell, or another of the same kind.
+    /// Number with the unit of the cell, or with another unit of the same kind.
     absolute: String,
     reason: String,
 }
 
-/// Printed value, correct value, and its justification.
+/// Printed value, correct value, and the reason for the correction.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 #[expect(
@@ -114,7 +114,8 @@ struct Correction {
     value: String,
 }
 
-/// Reads a RON file; errors of the schema are reported with line, column and the text found there.
+/// Reads a RON file. Errors of the schema are reported with line, column and the text at that
+/// place.
 pub fn read_ron<T: DeserializeOwned>(path: &Path) -> Result<T, FixtureError> {
     let text = fs::read_to_string(path).map_err(|source| FixtureError::Io {
         path: path.to_path_buf(),
@@ -247,7 +248,7 @@ impl PrintedTable {
     }
 }
 
-/// Reads `found`, in the unit of its column or in a unit of its own, and converts it.
+/// Reads `found`, in the unit of its column or in its own unit, and converts it.
 pub fn read_value(
     path: &Path,
     row: &str,
@@ -341,7 +342,7 @@ mod tests {
         parse_ron::<PrintedTable>(path, text)?.to_si(path)
     }
 
-    /// Returns the message for the table above with one piece of it replaced.
+    /// Returns the error message for the table above after one piece of it is replaced.
     fn message(piece: &str, by: &str) -> String {
         assert_eq!(TABLE.matches(piece).count(), 1, "{piece}");
         read(&TABLE.replace(piece, by)).unwrap_err().to_string()

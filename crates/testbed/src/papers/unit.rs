@@ -1,6 +1,6 @@
-//! Units of the printed tables and their SI equivalents.
+//! Units of the printed tables, and their SI equivalents.
 //!
-//! A unit that is not in the list is an error, not a factor of one.
+//! A unit that is not in the list is an error; it is never read as a factor of one.
 
 use super::decimal::Decimal;
 
@@ -12,11 +12,11 @@ pub struct Unit {
     pub si: &'static str,
     factor: Decimal,
     offset: Decimal,
-    /// True if the number counts things or steps and has no rounding.
+    /// True for counts of things or steps, which are not rounded.
     counts: bool,
 }
 
-/// Creates the unit `printed`, equal to `digits`·10^`exponent` of `si`.
+/// Creates the unit `printed`, which is `digits`·10^`exponent` of `si`.
 const fn unit(printed: &'static str, si: &'static str, digits: i128, exponent: i32) -> Unit {
     Unit {
         printed,
@@ -41,15 +41,15 @@ const fn celsius() -> Unit {
     unit
 }
 
-/// π/180, with as many digits as leave room for six more in 38.
+/// π/180 with 31 digits; a product with six more digits still fits into 38.
 const DEGREE: (i128, i32) = (1_745_329_251_994_329_576_923_690_768_489, -32);
 
-/// All units printed in the thesis, and those of its errata and of our readings.
+/// All units printed in the thesis, and the units of its errata and of our readings.
 ///
 /// The prefixes of `EPa^kappa s` and `TPa^kappa s` (Ödeen 1993, paper D, Tables 4 and A1) are plain
-/// factors on Pa^kappa s, not raised to the power kappa: that reading is excluded by the relaxation
-/// times it gives. `Pa s^-2.8` is a misprint (paper C) whose erratum gives the intended unit; it is
-/// listed so that it can be quoted.
+/// factors on Pa^kappa s. Raised to the power kappa, they would give impossible relaxation times.
+/// `Pa s^-2.8` is a misprint (paper C) whose erratum gives the intended unit; it is listed so that
+/// it can be quoted.
 const UNITS: &[Unit] = &[
     unit("1", "1", 1, 0),
     unit("%", "1", 1, -2),
@@ -99,12 +99,13 @@ impl Unit {
         number.times(self.factor)?.plus(self.offset)
     }
 
-    /// Returns the SI value of a printed difference: tolerances have no offset.
+    /// Returns the SI value of a printed difference, such as a tolerance: without the offset of the
+    /// unit.
     pub fn difference_to_si(self, number: Decimal) -> Option<Decimal> {
         number.times(self.factor)
     }
 
-    /// Returns half a unit of the last printed digit in SI; zero for counted things.
+    /// Returns half a unit of the last printed digit, in SI; zero for counts.
     pub fn tolerance(self, number: Decimal) -> Option<Decimal> {
         if self.counts {
             Some(Decimal::new(0, 0))
@@ -152,8 +153,8 @@ mod tests {
 
     #[test]
     fn the_degree_is_that_of_the_standard_library() {
-        // 31 digits of π/180 against the library's 17: equal to its rounding of the product, one
-        // part in 2⁵².
+        // 31 digits of π/180 against the 17 of the library: equal within the rounding of its
+        // product, one part in 2⁵².
         for angle in ["3.5", "4.0", "10", "180"] {
             let expected = angle.parse::<f64>().unwrap().to_radians();
             assert!(

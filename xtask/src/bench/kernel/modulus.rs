@@ -1,4 +1,4 @@
-//! Two-point method with its branches, and a Prony series of chosen order.
+//! Two-point method with its branches, and a Prony series whose order is chosen.
 
 use std::f64::consts::TAU;
 use std::hint::black_box;
@@ -19,7 +19,7 @@ pub(super) const TWO_POINT: Kernel = Kernel {
     of: "line",
     count: LINES,
     prepare: || {
-        // test 6 of paper A to 20 kHz
+        // test 6 of paper A, up to 20 kHz
         let specimen = Specimen {
             length: 0.799,
             diameter: 0.0158,
@@ -70,7 +70,7 @@ pub(super) const PRONY_ORDER: Kernel = Kernel {
                 let frequency_hz = 10_f64.powf(f64::from(j) / 12.0);
                 let modulus = law.at(TAU * frequency_hz);
                 let sigma = 0.01 * modulus.norm();
-                // of unit variance
+                // noise of unit variance in each part
                 let error = Complex64::new(noise(&mut state), noise(&mut state)) * 12_f64.sqrt();
                 ModulusPoint::circular(frequency_hz, modulus + sigma * error, sigma)
             })

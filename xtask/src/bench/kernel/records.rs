@@ -34,7 +34,8 @@ pub(super) const SPECTRA_OF_HITS: Kernel = Kernel {
     },
 };
 
-/// Returns noise, and the same filtered with noise of its own.
+/// Returns a hit: noise as the input, and the same noise, filtered and with its own noise, as the
+/// output.
 fn hit(n_samples: usize, state: &mut u64) -> Result<Record, labio::LabioError> {
     let mut samples = Array2::zeros((2, n_samples));
     let mut output = 0.0;

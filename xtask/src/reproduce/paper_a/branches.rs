@@ -9,7 +9,7 @@ use serde::Serialize;
 use super::super::Table;
 use testbed::papers::paper_a::PaperA;
 
-/// Values of α/k of the roots tried.
+/// Values of α/k for which roots are computed.
 const LOSSES: [f64; 3] = [1e-4, 0.035, 0.2];
 
 /// Quarter turn of kL.
@@ -20,9 +20,9 @@ pub(crate) struct Row {
     n: u32,
     #[serde(skip)]
     phase: [String; 2],
-    /// True if the library gives the restored s and n, and the quarter of φ is that of kL.
+    /// True if the library gives the restored s and n, and if φ is in the same quarter as kL.
     pub(crate) agrees: bool,
-    /// Greatest |γ_0 L - γL| over the quarter turn by eqs. 3 and 4 on this branch, where Ψ = cosh
+    /// Greatest |γ_0 L - γL| over the quarter turn, by eqs. 3 and 4 on this branch from Ψ = cosh
     /// γL.
     pub(crate) at_rounding: f64,
 }
@@ -47,7 +47,7 @@ pub(crate) fn all(paper: &PaperA) -> Vec<Row> {
                     let exact = Complex64::new(loss * wave, wave);
                     let ratio = exact.cosh();
                     error = error.max((FreeEndRoot::of(ratio).on(branch) - exact).norm());
-                    // the sines and cosines of φ have the signs of those of kL
+                    // in the same quarter, the sines and cosines of φ and kL have the same signs
                     quarters &=
                         sign(ratio.im) == turn.sin_phase && sign(ratio.re) == turn.cos_phase;
                 }

@@ -11,13 +11,13 @@ use super::room_temperature::{Evaluated, is_admissible};
 use super::temperature::{Heated, OF_FIGURE_5};
 use super::wave_method::Comparison;
 
-/// Maximum number of points of a curve.
+/// Largest number of points of a curve.
 const POINTS: usize = 90;
 
-/// Greatest relative standard error of the loss factor of a point.
+/// Greatest relative standard error of the loss factor for which a point is shown.
 pub(crate) const SHOWN: f64 = 0.05;
 
-/// Points of E' and of E'' with their standard errors.
+/// Returns the points of E' and E'' with their standard errors.
 fn points(name: &str, role: Role, lines: &[ModulusLine]) -> [Mark; 2] {
     let shown: Vec<&ModulusLine> = lines
         .iter()
@@ -39,7 +39,7 @@ fn points(name: &str, role: Role, lines: &[ModulusLine]) -> [Mark; 2] {
     ]
 }
 
-/// Curves of E' and of E'' of a material.
+/// Returns the curves of E' and E'' of a material.
 fn material(law: impl Fn(f64) -> Complex64, [from, to]: [f64; 2]) -> [Mark; 2] {
     let curve = |part: fn(Complex64) -> f64| {
         let frequencies = (0..=100).map(|j| from + (to - from) * 0.01 * f64::from(j));
@@ -49,7 +49,7 @@ fn material(law: impl Fn(f64) -> Complex64, [from, to]: [f64; 2]) -> [Mark; 2] {
     [curve(|modulus| modulus.re), curve(|modulus| modulus.im)]
 }
 
-/// Panels of E' and of E'' over frequency.
+/// Returns the panels of E' and E'' over frequency.
 fn panels(marks: Vec<[Mark; 2]>) -> Vec<Panel> {
     let (storage, loss) = marks.into_iter().map(<(Mark, Mark)>::from).unzip();
     vec![
@@ -58,8 +58,8 @@ fn panels(marks: Vec<[Mark; 2]>) -> Vec<Panel> {
     ]
 }
 
-/// Draws a panel of Figure 3, or Figure 4: all lengths of one diameter, with the pulse method where
-/// it was used.
+/// Draws a panel of Figure 3, or Figure 4: all lengths of one diameter, with the results of the
+/// pulse method if it was used.
 pub(crate) fn room_temperature(
     name: &str,
     title: &str,

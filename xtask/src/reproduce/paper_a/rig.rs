@@ -1,4 +1,4 @@
-//! Struck rod with its two accelerometers, as recorded by the analyser.
+//! Struck rod with its two accelerometers, as the analyser records it.
 
 use cmod::two_point::AveragedRatio;
 use cmod::validity::AcceptanceLimits;
@@ -14,7 +14,7 @@ use testbed::papers::paper_a::{PaperA, Test};
 pub(crate) use testbed::recorder::{BLOW, NOISE, RATE_HZ};
 use testbed::recorder::{Recorder, end_accelerations, name};
 
-/// Resolution of the converter; not in the paper.
+/// Resolution of the converter in bits; not stated in the paper.
 pub(crate) const BITS: u32 = 14;
 pub(crate) const SEED: u64 = 1993;
 
@@ -29,7 +29,7 @@ pub(crate) struct VirtualTest {
     highest_hz: f64,
 }
 
-/// Acceleration ratio of several blows on the lines of the band.
+/// Acceleration ratio of several blows, at the lines of the band.
 #[derive(Debug, Clone)]
 pub(crate) struct Ratio(FrequencyResponse);
 
@@ -42,7 +42,7 @@ impl VirtualTest {
             length: specimen.length,
             accelerometer_mass: specimen.accelerometer_mass,
         };
-        // a length of 400 mm rings down by e^-14 in 30 ms, one of 800 mm in 60 ms
+        // a length of 400 mm rings down by e^-14 in 30 ms, a length of 800 mm in 60 ms
         let n_samples = if specimen.length < 0.5 { 2048 } else { 4096 };
         let ends = end_accelerations(&medium, &rig, n_samples)?;
         Ok(Self {
@@ -54,8 +54,8 @@ impl VirtualTest {
         })
     }
 
-    /// Returns Ψ of the tests of the paper, H₁ of section 3, for blows of this strength relative to
-    /// that of its swing angle. The noise is that of the sensors; the range of the converter is
+    /// Returns Ψ of the tests of the paper (H₁ of section 3) for blows of this strength, relative
+    /// to that of the swing angle. The noise is that of the sensors; the range of the converter is
     /// adapted to the blow.
     #[expect(
         clippy::cast_possible_truncation,
@@ -68,7 +68,7 @@ impl VirtualTest {
         self.ratio_of(&blows)
     }
 
-    /// Returns Ψ without noise and rounding.
+    /// Returns Ψ without noise and without rounding.
     pub(crate) fn ratio_without_noise(&self, strength: f64) -> Result<Ratio, Error> {
         self.ratio_of(&[self.recorder.exact(strength)?])
     }

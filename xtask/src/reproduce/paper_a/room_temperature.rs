@@ -15,7 +15,7 @@ use super::super::{Error, Table};
 use super::rig::{SEED, VirtualTest};
 use testbed::papers::paper_a::PaperA;
 
-/// Distance above which roots of two solvers are different.
+/// Distance above which the roots of two solvers count as different.
 const OTHER_ROOT: f64 = 1e-6;
 
 /// Evaluated test.
@@ -33,25 +33,26 @@ pub(crate) struct Evaluated {
 pub(crate) struct Row {
     pub(crate) test: String,
     pub(crate) mass_ratio: f64,
-    /// Number of lines up to 20 kHz, of those that fulfil conditions (i) to (iii) of the paper,
-    /// and of those of them with a sufficiently small error.
+    /// Number of lines up to 20 kHz that fulfil conditions (i) to (iii) of the paper, and number of
+    /// these lines whose error is sufficiently small.
     lines: usize,
     admissible: usize,
-    /// First and last line that fulfils them, in Hz.
+    /// First and last line that fulfils the conditions, in Hz.
     pub(crate) admissible_hz: [f64; 2],
     pub(crate) valid: usize,
     /// Lowest and highest valid line, in Hz.
     lowest_hz: f64,
     highest_hz: f64,
-    /// Greatest relative errors of the valid lines: E', loss factor.
+    /// Greatest relative errors of the valid lines, of E' and of the loss factor.
     #[serde(skip)]
     pub(crate) worst: [f64; 2],
-    /// Fraction of E' and E'' of the valid lines within one and two standard errors of the
-    /// material.
+    /// Fraction of the values E' and E'' of valid lines that are within one and within two standard
+    /// errors of the material.
     pub(crate) within: [f64; 2],
-    /// Admissible lines at which eq. 5 from γ_0 L has another root than continuation.
+    /// Number of admissible lines at which eq. 5, started from γ_0 L, gives another root than
+    /// continuation.
     pub(crate) wrong_by_newton: usize,
-    /// Number of these that condition (iii) does not find.
+    /// Number of these lines that condition (iii) does not detect.
     pub(crate) unnoticed: usize,
 }
 
@@ -125,7 +126,7 @@ pub(crate) fn is_admissible(line: &ModulusLine) -> bool {
     })
 }
 
-/// Returns the first and the last valid line, in Hz; NaN without one.
+/// Returns the first and the last valid line, in Hz; NaN if there is none.
 pub(crate) fn valid_band(estimate: &ModulusEstimate) -> [f64; 2] {
     let frequency = |line: Option<&ModulusLine>| line.map_or(f64::NAN, |line| line.frequency_hz);
     [
@@ -134,7 +135,7 @@ pub(crate) fn valid_band(estimate: &ModulusEstimate) -> [f64; 2] {
     ]
 }
 
-/// Returns the greatest relative errors of E' and of the loss factor on valid lines.
+/// Returns the greatest relative errors of E' and of the loss factor on the valid lines.
 fn worst(estimate: &ModulusEstimate, exact: &dyn Fn(&ModulusLine) -> Complex64) -> [f64; 2] {
     estimate.valid().fold([0.0, 0.0], |[storage, loss], line| {
         let exact = exact(line);
@@ -146,7 +147,7 @@ fn worst(estimate: &ModulusEstimate, exact: &dyn Fn(&ModulusLine) -> Complex64) 
     })
 }
 
-/// Returns the fraction of E' and E'' of the valid lines within a number of standard errors.
+/// Returns the fraction of the values E' and E'' of valid lines within a number of standard errors.
 #[expect(clippy::cast_precision_loss, reason = "a thousand lines")]
 pub(crate) fn within(
     estimate: &ModulusEstimate,

@@ -1,5 +1,5 @@
-//! Choice of the root: Newton as printed compared with continuation, and the series compared with
-//! the numerical solution.
+//! Choice of the root: Newton's iteration as printed, compared with continuation; the series,
+//! compared with the numerical solution.
 
 use std::f64::consts::TAU;
 
@@ -22,45 +22,45 @@ use super::rig::SEED;
 use testbed::papers::paper_a::{PaperA, Test};
 use testbed::papers::paper_e::PaperE;
 
-/// Rod of low loss: fraction of the damping of paper E, eq. 7, and mass ratio.
+/// Rod of low loss: its damping as a fraction of that of paper E, eq. 7, and its mass ratio.
 const PART_OF_DAMPING: f64 = 0.2;
 const MASS_RATIO: f64 = 0.036;
-/// Lines of the rod of low loss.
+/// First line of the rod of low loss, in Hz, and the number of its lines.
 const FROM_HZ: f64 = 362.0;
 const LINES: u32 = 1572;
 /// Noise of Ψ relative to its magnitude.
 const NOISES: [f64; 3] = [0.0, 0.005, 0.02];
-/// Distance above which roots are different.
+/// Distance above which roots count as different.
 const OTHER_ROOT: f64 = 1e-6;
-/// Lines of the series, in Hz.
+/// Spacing of the lines for the series, in Hz.
 const SERIES_STEP_HZ: f64 = 20.0;
 
-/// Wrong roots of one solver at one level of noise.
+/// Numbers of wrong roots of the solvers at one level of noise.
 #[derive(Debug, Clone, Serialize)]
 pub(crate) struct Wrong {
     pub(crate) noise: f64,
-    /// Newton as printed, continuation.
+    /// Number for Newton's iteration as printed, and for continuation.
     pub(crate) wrong: [usize; 2],
-    /// Wrong roots that fulfil conditions (i) to (iii).
+    /// Number of wrong roots that fulfil conditions (i) to (iii).
     pub(crate) unnoticed: [usize; 2],
-    /// Lines at which noise has brought two roots together, so that none is right: they are not
-    /// counted.
+    /// Number of lines at which noise has brought two roots together. No root is right there, and
+    /// they are not counted.
     pub(crate) ambiguous: usize,
 }
 
-/// Series on the exact ratio of a test of Table 2.
+/// Series for the exact ratio of a test of Table 2.
 #[derive(Debug, Clone, Serialize)]
 pub(crate) struct Series {
     pub(crate) test: String,
     pub(crate) mass_ratio: f64,
-    /// Lines within conditions (i) and (ii), and those of them accepted by the criterion of one
-    /// third.
+    /// Number of lines within conditions (i) and (ii), and number of these lines that the criterion
+    /// of one third accepts.
     pub(crate) lines: usize,
     pub(crate) accepted: usize,
-    /// First line that it does not accept, in Hz.
+    /// First line that the criterion does not accept, in Hz.
     refused_hz: Option<f64>,
-    /// Greatest relative difference of four terms from the numerical solution: E' and E'' of
-    /// accepted lines, and of all.
+    /// Greatest relative difference between four terms and the numerical solution, over E' and E'':
+    /// for the accepted lines, and for all lines.
     pub(crate) of_accepted: [f64; 2],
     pub(crate) of_all: [f64; 2],
 }
@@ -120,8 +120,8 @@ pub(crate) fn wrong_roots(paper: &PaperA, of_polyamide: &PaperE) -> Result<Vec<W
                 unnoticed: [0; 2],
                 ambiguous: 0,
             };
-            // where |δΨ f''| < |f'|²/2 at the truth, Newton's iteration surely converges from there
-            // to the right root (Kantorovich)
+            // where |δΨ f''| < |f'|²/2 at the truth, Newton's iteration started there converges to
+            // the right root (Kantorovich)
             let right: Vec<Option<Complex64>> = frequency_hz
                 .iter()
                 .zip(exact.iter().zip(&ratio))

@@ -1,4 +1,4 @@
-//! Linearity: three swing angles on one specimen.
+//! Linearity: three swing angles for one specimen.
 
 use cmod::Solver;
 use serde::Serialize;
@@ -17,11 +17,11 @@ pub(crate) struct Row {
     degrees: f64,
     /// Velocity of the hammer, in m/s.
     velocity: f64,
-    /// Greatest relative difference of Ψ without noise.
+    /// Greatest relative difference of Ψ, without noise.
     pub(crate) at_rounding: f64,
     pub(crate) valid: usize,
-    /// Mean of the relative difference of E', and root mean square of it over its standard error,
-    /// over lines that both have.
+    /// Mean of the relative difference of E', and root mean square of this difference over its
+    /// standard error, over the lines that are valid for both angles.
     mean: f64,
     pub(crate) over_error: f64,
 }
@@ -37,7 +37,7 @@ pub(crate) fn all(paper: &PaperA) -> Result<Vec<Row>, Error> {
         |angle: f64| 2.0 * (0.5 * angle).sin() * (GRAVITY * paper.pendulum_length).sqrt();
     let [_, usual, _] = paper.swing_angles;
     let exact = rig.ratio_without_noise(1.0)?;
-    // the same hammer is released again, with other noise
+    // the reference is a repetition: the same hammer is released again, with other noise
     let reference = rig.estimate(&rig.ratio(1.0, SEED + 200)?, Solver::Continuation)?;
     paper
         .swing_angles

@@ -16,7 +16,7 @@ use testbed::papers::paper_a::PaperA;
 
 /// 0 °C in K.
 const CELSIUS: f64 = 273.15;
-/// Assumed law: 2.6 GPa and 0.07 at 20 °C and 1 kHz; the modulus falls by a factor e in `FALL` K,
+/// Assumed law: 2.6 GPa and 0.07 at 20 °C and 1 kHz. The modulus falls by a factor e in `FALL` K;
 /// the loss factor grows by `GROWTH`/K.
 pub(crate) const FALL: f64 = 75.0;
 pub(crate) const GROWTH: f64 = 5e-4;
@@ -40,7 +40,7 @@ pub(crate) struct Row {
     pub(crate) valid: usize,
     pub(crate) lowest_hz: f64,
     pub(crate) highest_hz: f64,
-    /// Values around 1 kHz, in Pa and 1: E', E'', loss factor.
+    /// Values around 1 kHz: E' and E'' in Pa, and the loss factor.
     pub(crate) values: [f64; 3],
     #[serde(skip)]
     pub(crate) errors: [f64; 3],
@@ -110,9 +110,9 @@ pub(crate) fn all(paper: &PaperA) -> Result<Vec<Heated>, Error> {
         .collect()
 }
 
-/// Returns the mean of independent values with its standard error. Not weighted: the variance of a
-/// line is itself known only from ten blows, and weights that follow it would underestimate the
-/// error of the mean.
+/// Returns the mean of independent values, with its standard error. The mean is not weighted: the
+/// variance of a line is known from only ten blows, and weights that follow it would underestimate
+/// the error of the mean.
 #[expect(clippy::cast_precision_loss, reason = "a handful of lines")]
 fn mean(lines: &[&ModulusLine], value: &dyn Fn(&ModulusLine) -> (f64, f64)) -> (f64, f64) {
     let count = lines.len() as f64;

@@ -1,5 +1,5 @@
-//! Comparison of Figures 3a and 4: the rods of Tests 3 and 10 by a pulse that passes two sections
-//! (after Blanc).
+//! Comparison method of Figures 3a and 4: the rods of Tests 3 and 10, measured by a pulse that
+//! passes two sections (after Blanc).
 
 use std::f64::consts::TAU;
 
@@ -23,19 +23,19 @@ use super::rig::{BLOW, NOISE, SEED};
 use super::room_temperature::{Evaluated, valid_band};
 use testbed::papers::paper_a::PaperA;
 
-/// Distances of the two sections from the struck end, in m; these and the following constants are
-/// not in the paper.
+/// Distances of the two sections from the struck end, in m. These and the constants below are not
+/// stated in the paper.
 const SECTIONS: [f64; 2] = [0.100, 0.400];
 /// Interval of the records, in s.
 const INTERVAL: f64 = 2e-6;
 /// Duration of the records, in s.
 const DURATION: f64 = 2e-3;
-/// Lines, in Hz.
+/// Spacing of the lines, in Hz.
 const STEP_HZ: f64 = 500.0;
 /// Length of the window as a fraction of the time until the echo of the free end.
 const BEFORE_ECHO: f64 = 0.95;
 
-/// Comparison of both methods on one rod.
+/// Comparison of the two methods on one rod.
 #[derive(Debug)]
 pub(crate) struct Comparison {
     pub(crate) row: Row,
@@ -48,9 +48,9 @@ pub(crate) struct Row {
     valid: usize,
     lowest_hz: f64,
     highest_hz: f64,
-    /// Greatest relative errors of the pulse method on its valid lines: E' and loss factor.
+    /// Greatest relative errors of E' and the loss factor by the pulse method, on its valid lines.
     pub(crate) worst: [f64; 2],
-    /// Root mean square difference of the methods over its standard error: E' and E''.
+    /// Root mean square difference between the methods over its standard error, for E' and E''.
     pub(crate) over_error: [f64; 2],
 }
 
@@ -76,7 +76,7 @@ fn compare(paper: &PaperA, test: &Evaluated, seed: u64) -> Result<Comparison, Er
         .end(Termination::Free)?;
     let blow = RaisedCosine::new(BLOW.0, BLOW.1)?;
     let synthesis = DampedSynthesis::new(DURATION, INTERVAL)?.smoothed(2.5 * INTERVAL)?;
-    // the fastest waves of the band determine the arrival of the echo
+    // the fastest waves of the band determine when the echo arrives
     let speed = medium.phase_velocity(TAU * paper.highest_hz);
     let count = (paper.highest_hz / STEP_HZ).round() as u32;
     let frequency_hz: Vec<f64> = (2..=count).map(|j| STEP_HZ * f64::from(j)).collect();
@@ -135,7 +135,7 @@ fn compare(paper: &PaperA, test: &Evaluated, seed: u64) -> Result<Comparison, Er
         let exact = medium.modulus(TAU * line.frequency_hz);
         worst[0] = worst[0].max((line.modulus.re / exact.re - 1.0).abs());
         worst[1] = worst[1].max((line.loss_factor * exact.re / exact.im - 1.0).abs());
-        // the next line of the two-point method: they are 16 Hz apart
+        // the nearest line of the two-point method: its lines are 16 Hz apart
         let distance = |other: &&cmod::ModulusLine| (other.frequency_hz - line.frequency_hz).abs();
         let Some(other) = test
             .estimate

@@ -1,4 +1,4 @@
-//! Table 1 on the bar: s and n of each quarter turn of ka, compared with the estimate.
+//! Table 1 applied to the bar: s and n of each quarter turn of ka, compared with the estimate.
 
 use std::f64::consts::{FRAC_PI_2, TAU};
 
@@ -19,8 +19,8 @@ pub(crate) struct Row {
     n: u32,
     cos_phase: &'static str,
     sin_phase: &'static str,
-    /// Largest |γa - γa of the material| over the quarter turn, found from Ψ = cosh γa on this
-    /// branch
+    /// Largest |γa - γa of the material| over the quarter turn, with γa computed from Ψ = cosh γa
+    /// on this branch
     error: f64,
 }
 
@@ -29,7 +29,7 @@ pub(crate) fn all(paper: &PaperB) -> Result<Vec<Row>, Error> {
     let medium = polypropylene(paper)?;
     let frequency_of = |half_turns: f64| {
         let (mut low, mut high) = (0.0, 1e6);
-        // k grows with frequency: bisection
+        // k grows with frequency, so bisection finds the limit
         for _ in 0..80 {
             let middle = 0.5 * (low + high);
             if medium.wave_number(TAU * middle) * GAUGE_DISTANCE < half_turns * FRAC_PI_2 {

@@ -1,4 +1,5 @@
-//! Modulus by three gauges in each mounting, and by the end accelerations of the dismounted bar.
+//! Modulus from three gauges in each mounting, and from the end accelerations of the dismounted
+//! bar.
 
 use std::f64::consts::TAU;
 
@@ -14,7 +15,7 @@ use super::rig::{
 };
 use testbed::papers::paper_b::PaperB;
 
-/// Step of the lines of the tables, in Hz.
+/// Spacing of the lines in the tables, in Hz.
 const STEP_HZ: f64 = 125.0;
 
 /// Result of one measurement method.
@@ -22,9 +23,9 @@ const STEP_HZ: f64 = 125.0;
 pub(crate) struct Series {
     pub(crate) way: String,
     pub(crate) lines: Vec<Line>,
-    /// Lines that fulfil every condition.
+    /// Number of lines that fulfil every condition.
     pub(crate) valid: usize,
-    /// Fraction of the valid lines whose E' and E'' lie within one and within two standard errors
+    /// Fraction of the values E' and E'' of valid lines within one and within two standard errors
     /// of the material.
     pub(crate) within_one: f64,
     pub(crate) within_two: f64,
@@ -89,7 +90,7 @@ fn tests(paper: &PaperB) -> usize {
     paper.averaged as usize
 }
 
-/// Evaluates ten blows measured by three gauges `distance` apart.
+/// Evaluates ten blows that are measured by three gauges `distance` apart.
 pub(crate) fn in_situ(
     paper: &PaperB,
     mounting: Mounting,
@@ -112,7 +113,7 @@ pub(crate) fn in_situ(
         diameter: paper.diameter,
         density: paper.density,
     })?
-    // the conditions of the paper, and no limit to the errors, which are shown
+    // the conditions of the paper; errors are not limited, because they are shown
     .with_limits(AcceptanceLimits::NONE)?
     .estimate(&GaugeSpectra {
         frequency_hz: &frequency_hz,
@@ -160,8 +161,8 @@ fn collect(paper: &PaperB, way: String, estimate: &ModulusEstimate) -> Result<Se
     })
 }
 
-/// Returns the root mean square of the difference of two series relative to its standard error,
-/// over the lines that are valid in both; 1 if they differ by noise alone.
+/// Returns the root mean square of the difference between two series relative to its standard
+/// error, over the lines that are valid in both. It is 1 if the series differ by noise alone.
 #[expect(clippy::cast_precision_loss, reason = "two dozen lines")]
 pub(crate) fn difference(first: &Series, second: &Series) -> f64 {
     let mut squares = Vec::new();

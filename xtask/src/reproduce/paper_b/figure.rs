@@ -8,11 +8,11 @@ use super::estimates::{Line, Series};
 use super::rig::{GAUGE_DISTANCE, Mounting, positions, strains};
 use testbed::papers::paper_b::PaperB;
 
-/// Draws Figure 2 over the band of the paper: the strain ratios depend on the ends, Ψ is the same
-/// in every structure.
+/// Draws Figure 2 over the band of the paper: the strain ratios depend on the ends of the bar,
+/// whereas Ψ is the same in every structure.
 pub(crate) fn phasors(paper: &PaperB) -> Result<(String, String), Error> {
     let positions = positions(paper, GAUGE_DISTANCE);
-    // close enough for the loops at the nodes of the middle gauge to be round
+    // lines close enough to show the loops at the nodes of the middle gauge as smooth curves
     let frequency_hz: Vec<f64> = (0..=2000_u32)
         .map(|j| paper.lowest_hz + (paper.highest_hz - paper.lowest_hz) * f64::from(j) / 2000.0)
         .collect();
@@ -40,7 +40,7 @@ pub(crate) fn phasors(paper: &PaperB) -> Result<(String, String), Error> {
     Ok(drawn("figure-2", title, panels))
 }
 
-/// Draws Figure 4: points with bars of one standard error, and the material.
+/// Draws Figure 4: points with bars of one standard error, and the curve of the material.
 pub(crate) fn moduli(series: &[Series]) -> (String, String) {
     let panel = |label: &str, part: fn(&Line) -> [f64; 3]| {
         let mut marks = Vec::new();

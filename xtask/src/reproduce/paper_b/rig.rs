@@ -1,4 +1,4 @@
-//! Bar in structures I and II and dismounted: strains and end accelerations with the noise of the
+//! Bar in structures I and II and dismounted: strains and end accelerations, with the noise of the
 //! instruments.
 
 use std::f64::consts::TAU;
@@ -17,18 +17,18 @@ use rodwave::modulus::ConstantQ;
 use super::super::Error;
 use testbed::papers::paper_b::PaperB;
 
-/// Distance a of the gauges; the paper gives none. Half a wave between neighbours lies above the
-/// range of the paper.
+/// Distance a between the gauges, which the paper does not state. The frequency at which it is half
+/// a wavelength is above the range of the paper.
 pub(crate) const GAUGE_DISTANCE: f64 = 0.200;
 
-/// Mass of the lump of structure II; the paper gives none.
+/// Mass of the lump of structure II; the paper does not state it.
 const LUMP: f64 = 0.1;
 
-/// Error of one strain in one test relative to the largest strain in the band.
+/// Error of one strain in one test, relative to the largest strain in the band.
 pub(crate) const STRAIN_NOISE: f64 = 0.002;
 
-/// Error of one end acceleration in one test relative to the largest in the band. The paper finds
-/// less scatter with accelerometers.
+/// Error of one end acceleration in one test, relative to the largest acceleration in the band. The
+/// paper finds less scatter with accelerometers.
 pub(crate) const ACCELERATION_NOISE: f64 = 0.0005;
 
 /// Mass of the accelerometer of paper A.
@@ -36,8 +36,8 @@ pub(crate) const ACCELEROMETER: f64 = 2.9e-3;
 
 pub(crate) const SEED: u64 = 1993;
 
-/// Returns polypropylene: loss factor 0.07 at all frequencies, 2.6 GPa; the paper's curve is not
-/// published as numbers.
+/// Returns polypropylene of 2.6 GPa with a loss factor of 0.07 at all frequencies; the curve of the
+/// paper is not published as numbers.
 pub(crate) fn polypropylene(paper: &PaperB) -> Result<Medium<ConstantQ>, Error> {
     Ok(Medium::new(
         paper.density,
@@ -82,13 +82,13 @@ fn blow() -> Result<HalfSine, Error> {
     Ok(HalfSine::new(50.0, 1e-4)?)
 }
 
-/// Returns the positions of gauges a apart about the middle of the bar \[m\].
+/// Returns the positions of three gauges, `distance` apart, about the middle of the bar \[m\].
 pub(crate) fn positions(paper: &PaperB, distance: f64) -> [f64; 3] {
     let middle = 0.5 * paper.length;
     [middle - distance, middle, middle + distance]
 }
 
-/// Returns strains (n_gauges)(n_lines) without noise.
+/// Returns the strains (n_gauges)(n_lines) without noise.
 pub(crate) fn strains(
     paper: &PaperB,
     mounting: Mounting,
@@ -104,8 +104,8 @@ pub(crate) fn strains(
     Ok(bar.strain_spectra(&Excitation::Force(&blow()?), &omegas)?)
 }
 
-/// Returns ratios of the end accelerations of the dismounted bar, and their variance, of `tests`
-/// blows.
+/// Returns the ratios of the end accelerations of the dismounted bar from `tests` blows, and their
+/// variance.
 pub(crate) fn acceleration_ratios(
     paper: &PaperB,
     frequency_hz: &[f64],
@@ -126,7 +126,7 @@ pub(crate) fn acceleration_ratios(
     let mut random = ChaCha8Rng::seed_from_u64(SEED + 1000);
     #[expect(clippy::cast_precision_loss, reason = "a handful of tests")]
     let of_mean = ACCELERATION_NOISE / (tests as f64).sqrt();
-    // noise of both channels divided by the acceleration of the free end: δΨ = (δa₁ - Ψ δa₂)/a₂
+    // noise of both channels over the acceleration of the free end: δΨ = (δa₁ - Ψ δa₂)/a₂
     let variance: Vec<f64> = exact
         .iter()
         .map(|psi| of_mean * of_mean * (1.0 + psi.norm_sqr()))
@@ -139,14 +139,14 @@ pub(crate) fn acceleration_ratios(
     Ok((ratios, variance))
 }
 
-/// Returns a circular Gaussian number of root mean square `size`.
+/// Returns a circular Gaussian number with the root mean square `size`.
 fn circular(size: f64, random: &mut ChaCha8Rng) -> Complex64 {
     let mut part = || -> f64 { StandardNormal.sample(&mut *random) };
     let (re, im) = (part(), part());
     Complex64::new(re, im) * (size * 0.5_f64.sqrt())
 }
 
-/// Returns `tests` blows on the bar, with noise of `size` on every strain:
+/// Returns `tests` blows on the bar, with noise of `size` on every strain, as
 /// (n_tests)(n_gauges)(n_lines).
 pub(crate) fn measured(
     strains: &[Vec<Complex64>],

@@ -1,4 +1,4 @@
-//! Effect of the distance of the gauges on the error.
+//! Effect of the distance between the gauges on the error.
 
 use cmod::multi_point::advice::singular_frequencies;
 use serde::Serialize;
@@ -9,7 +9,7 @@ use super::estimates::in_situ;
 use super::rig::{Mounting, SEED, polypropylene, positions};
 use testbed::papers::paper_b::PaperB;
 
-/// Distances a in m.
+/// Distances a between neighbouring gauges, in m.
 const DISTANCES: [f64; 4] = [0.050, 0.100, 0.150, 0.200];
 
 /// Upper limit of the search for singular frequencies, in Hz.

@@ -1,4 +1,4 @@
-//! Predictions of the model with the printed parameters for the loads of Table 1.
+//! Predictions of the model, with the printed parameters, for the loads of Table 1.
 
 use std::fmt::Write;
 
@@ -22,7 +22,7 @@ pub(crate) struct Row {
     duration: f64,
     /// `t_r` of eq. 5 in s
     recovery_time: f64,
-    /// `t_r` of eq. 5 as printed; no closed form for a periodic load
+    /// `t_r` of eq. 5 as printed, in s; `None` for a periodic load, which has no closed form
     #[serde(skip_serializing_if = "Option::is_none")]
     recovery_time_as_printed: Option<f64>,
     /// Δtan δ/tan `δ_0` right after unloading and at [`TIMES`]

@@ -12,7 +12,7 @@ fn roles() -> impl Iterator<Item = Role> {
     (0..5).map(Role::of_series).chain([Role::Reference])
 }
 
-/// Draws Figure 2: lines of the model, points of the virtual readings.
+/// Draws Figure 2: lines of the model, and points of the virtual readings.
 pub(crate) fn loss_factor(
     paper: &PaperC,
     model: &ThreeElement,
@@ -30,7 +30,7 @@ pub(crate) fn loss_factor(
     Ok(drawn("figure-2", title, panel(label, marks)))
 }
 
-/// Draws Figure 3, as far as the model applies.
+/// Draws Figure 3: lines of the model only.
 pub(crate) fn modulus(paper: &PaperC, model: &ThreeElement) -> Result<(String, String), Error> {
     let marks = lines(paper, model, Quantity::Modulus)?;
     let title = "Paper C, Figure 3: magnitude of the modulus after unloading, by the model";

@@ -1,5 +1,5 @@
-//! E₂, B and m from virtual tests: by the paper's procedure, from all tests together, and from one
-//! test alone.
+//! E₂, B and m from virtual tests: by the procedure of the paper, from all tests together, and from
+//! a single test.
 
 use cmod::recovery::RecoveryTest;
 use cmod::recovery::fit::{
@@ -41,7 +41,7 @@ pub(crate) fn all(paper: &PaperC, tests: &[RecoveryTest]) -> Result<Vec<Fit>, Er
         value: paper.series_modulus,
         standard_error: 0.0,
     };
-    // the second test is the reference of the paper
+    // the second test, the reference of the paper
     let alone = tests.get(1..2).ok_or("paper C has five creep tests")?;
     let by_procedure = paper_procedure(tests, 1, modulus.value, (0.2, 5.0))?.parameters;
     let procedure = [

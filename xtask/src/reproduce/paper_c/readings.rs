@@ -1,5 +1,5 @@
-//! Virtual readings of the loss factor, computed by integrating the dashpot and not by the closed
-//! form that is fitted to them.
+//! Virtual readings of the loss factor. They are computed by integrating the dashpot, not by the
+//! closed form that is fitted to them.
 
 use cmod::recovery::{LossFactorReadings, RecoveryTest};
 use rand::SeedableRng;
@@ -14,13 +14,14 @@ pub(crate) const TIMES: [f64; 12] = [
     60.0, 120.0, 200.0, 300.0, 450.0, 700.0, 1100.0, 1800.0, 3000.0, 5000.0, 9000.0, 18000.0,
 ];
 
-/// Standard error of a loss factor: 5 % of the virgin one, about the scatter of Figure 2.
+/// Standard error of a loss factor: 5 % of that of the virgin material, about the scatter of
+/// Figure 2.
 pub(crate) const STANDARD_ERROR: f64 = 1.25e-3;
 
 pub(crate) const SEED: u64 = 1993;
 
-/// Returns the strain of the dashpot and its spring after `duration` under `stress`, by the
-/// midpoint rule.
+/// Returns the strain of the dashpot and the spring parallel to it after `duration` under `stress`,
+/// by the midpoint rule.
 fn march(paper: &PaperC, mut strain: f64, stress: f64, duration: f64) -> f64 {
     let rate = |strain: f64| {
         let of_dashpot = stress - paper.parallel_modulus * strain;
@@ -34,7 +35,7 @@ fn march(paper: &PaperC, mut strain: f64, stress: f64, duration: f64) -> f64 {
     strain
 }
 
-/// Returns the tests with creep loads, with noisy readings.
+/// Returns the creep tests, with noisy readings.
 pub(crate) fn of_creep_tests(paper: &PaperC) -> Result<Vec<RecoveryTest>, Error> {
     let mut random = ChaCha8Rng::seed_from_u64(SEED);
     let mut tests = Vec::new();

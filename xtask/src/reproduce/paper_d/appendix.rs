@@ -1,9 +1,9 @@
-//! Table A1: the paper's check of its parameter identification, by two methods.
+//! Table A1: the check of the parameter identification in the paper, by two methods.
 //!
-//! (a) The method of the paper: output of the direct problem as input of the identification, no
-//! noise, units as printed. It tests only the optimiser. (b) Without the inverse crime: data of the
-//! lumped chain, no noise, time units read as ms so that damping is significant; and an additional
-//! row in which m is significant.
+//! (a) The method of the paper: output of the direct problem as input of the identification,
+//! without noise, units as printed. This tests only the optimiser. (b) A method without the inverse
+//! crime: data of the lumped chain, without noise, with time units read as ms, which makes damping
+//! significant; and an additional row in which m is significant.
 
 use maxwellid::{Noise, Scale, Verdict};
 use serde::Serialize;
@@ -17,32 +17,33 @@ use testbed::papers::paper_d::{AppendixRow, LawParameters, ModelKind, PaperD, Un
 
 type Error = Box<dyn std::error::Error + Send + Sync>;
 
-/// Cells of the inversion, in m.
+/// Longest cell of the inversion, in m.
 const CELL: f64 = 1e-3;
-/// Cells of the chain per shortest wave of the record.
+/// Number of cells of the chain per shortest wave of the record.
 const CELLS_PER_WAVE: f64 = 90.0;
-/// Distance of the section of excitation from the struck end in m, as in Table 2; the appendix
-/// gives no rod length.
+/// Distance of the section of excitation from the struck end in m, as in Table 2; the appendix does
+/// not state the length of the rod.
 const TAPE: f64 = 0.008;
 
-/// Line of a table: a parameter of a model, with input and identified value.
+/// Line of a table: a parameter of a model, with its input and identified values.
 #[derive(Debug, Clone, Serialize)]
 pub(crate) struct Line {
     pub(crate) parameter: Parameter,
     pub(crate) input: f64,
-    /// Change of the response due to ten per cent of the input, rms, as a fraction of V0.
+    /// Change of the response due to a change of the input by ten per cent, rms, as a fraction of
+    /// V0.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) influence_of_ten_per_cent: Option<f64>,
     /// Output over input, minus one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) relative_error: Option<f64>,
-    /// Verdict for the same data with the noise of the recorder.
+    /// Verdict for the same data when the noise of the recorder is stated.
     pub(crate) verdict_with_noise: String,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) printed_input: Option<String>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) printed_output: Option<String>,
-    /// Relative error of the paper.
+    /// Relative error printed in the paper.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) printed_relative_error: Option<f64>,
 }
@@ -56,7 +57,7 @@ pub(crate) struct Row {
     pub(crate) lines: Vec<Line>,
     pub(crate) converged: bool,
     pub(crate) iterations: usize,
-    /// δ where the two solvers differ, or the residual at the level of rounding of a round trip.
+    /// δ if the two solvers differ; for a round trip, the residual at the level of rounding.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) relative_error: Option<f64>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -68,11 +69,11 @@ pub(crate) struct Row {
 pub(crate) enum Way {
     RoundTrip,
     Independent,
-    /// Additional row: as [`Way::Independent`], with m = 12 MPa.
+    /// Additional row: as [`Way::Independent`], but with m = 12 MPa.
     ActivationActs,
 }
 
-/// Row still to be computed.
+/// Row that is to be computed.
 #[derive(Debug, Clone)]
 pub(crate) struct Job {
     way: Way,
@@ -164,7 +165,8 @@ pub(crate) fn run(job: &Job, rig: &Rig) -> Result<Row, Error> {
     })
 }
 
-/// Returns the parameters in the paper's order, then the rate at 10 MPa where there is one.
+/// Returns the parameters in the order of the paper, followed by the rate at 10 MPa if there is
+/// one.
 fn lines(job: &Job, outcome: &Outcome, influences: &[(&str, f64)]) -> Result<Vec<Line>, Error> {
     let truth = stated(job.input)?;
     let mut lines = Vec::new();
@@ -205,7 +207,8 @@ fn lines(job: &Job, outcome: &Outcome, influences: &[(&str, f64)]) -> Result<Vec
     Ok(lines)
 }
 
-/// Writes a standard error in its scale: per cent of a ratio, or the difference of an exponent.
+/// Writes a standard error in its scale: in per cent for a ratio, or as the difference of an
+/// exponent.
 pub(crate) fn standard_error(parameter: &Parameter) -> String {
     match (parameter.standard_error, parameter.scale) {
         (None, _) => "-".into(),

@@ -1,4 +1,5 @@
-//! Table 3: choice of the model, by the paper's measures of adequacy and by two others.
+//! Table 3: choice of the model by the measures of adequacy of the paper, and by two other
+//! measures.
 
 use maxwellid::RodTest;
 use maxwellid::adequacy::{Basis, Correction, RobbinsMonro, Weights};
@@ -16,8 +17,8 @@ use super::verdict::{Verdict, verdict};
 use super::virtual_test::{self, Rig};
 use testbed::papers::paper_d::{IdentifiedMaterial, PaperD, RodTestConditions, UnitReading};
 
-/// Number of components of the pattern that are kept, and of functions of them: the best of 60
-/// samples per model is little above chance for any choice.
+/// Number of components of the pattern that are kept, and of functions of them. With 60 samples per
+/// model, even the best choice is little better than chance.
 const COMPONENTS: usize = 6;
 
 /// Row of the table: a material, its data, and the measures of the three models.
@@ -25,7 +26,7 @@ const COMPONENTS: usize = 6;
 pub(crate) struct Row {
     pub(crate) material: String,
     pub(crate) data: &'static str,
-    /// Law of the data, if it is one of the three.
+    /// Law of the data, if it is one of the three laws of the paper.
     pub(crate) truth: Option<&'static str>,
     pub(crate) printed: Vec<f64>,
     pub(crate) least_mean_square: Vec<f64>,
@@ -37,13 +38,13 @@ pub(crate) struct Row {
 /// Origin of the data of a row.
 #[derive(Debug, Clone)]
 enum Data {
-    /// Law of Table 4 with significant damping.
+    /// Law of Table 4, with significant damping.
     Law,
-    /// Constant loss.
+    /// Linear rod of constant loss.
     FlatLoss(flat_loss::Job),
 }
 
-/// Row still to be computed.
+/// Row that is to be computed.
 #[derive(Debug, Clone)]
 pub(crate) struct Job {
     material: IdentifiedMaterial,
@@ -53,7 +54,7 @@ pub(crate) struct Job {
     samples: usize,
 }
 
-/// Returns the jobs; the first test of each material served the choice of the model.
+/// Returns the jobs. The first test of each material is used for the choice of the model.
 #[expect(
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,
@@ -119,7 +120,7 @@ pub(crate) fn run(job: &Job, rig: &Rig) -> Result<Row, Error> {
 }
 
 /// Returns the measures that need only standard samples: P_i by the two recursions, and conformal
-/// p-values, of M_1, M_2, M_3.
+/// p-values, for M_1, M_2 and M_3.
 fn of_the_pattern(tests: &[RodTest], samples: usize) -> Result<[Vec<f64>; 3], Error> {
     let models = [
         Candidate::inelastic(Maxwell::new(1e7)?, &[])?,
@@ -129,7 +130,7 @@ fn of_the_pattern(tests: &[RodTest], samples: usize) -> Result<[Vec<f64>; 3], Er
         )?,
         Candidate::inelastic(
             MaxwellGurevichRabinovich::from_reference_rate(1.0, 1.0, 10e6)?,
-            // m from 4 to 20 MPa
+            // m from 4 to 20 MPa, as σ_ref/m
             &[(0.5, 2.5)],
         )?,
     ];

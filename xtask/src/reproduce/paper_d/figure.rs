@@ -1,4 +1,5 @@
-//! One figure per material: measured and simulated responses of the four tests, and the residuals.
+//! One figure per material: measured and simulated responses of the four tests, with their
+//! residuals.
 
 use rodfigure::{Mark, Panel, Role};
 

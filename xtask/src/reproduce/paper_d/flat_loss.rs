@@ -1,5 +1,5 @@
-//! Laws of the paper fitted to linear rods with the same loss at every frequency, which polymers
-//! nearly have.
+//! Laws of the paper fitted to linear rods with the same loss at every frequency, to which polymers
+//! are close.
 
 use std::f64::consts::TAU;
 
@@ -19,8 +19,8 @@ use testbed::papers::paper_d::{
     IdentifiedMaterial, ModelKind, PaperD, RodTestConditions, UnitReading,
 };
 
-/// Loss factors at kilohertz: handbooks and papers C and E for the plastics, natural rubber with
-/// carbon black.
+/// Loss factors at kilohertz. For the plastics from handbooks and papers C and E; the rubber is
+/// natural rubber with carbon black.
 const LOSS_FACTORS: [(&str, f64); 5] = [
     ("Polypropylene", 0.07),
     ("Polyamide 6", 0.03),
@@ -29,7 +29,7 @@ const LOSS_FACTORS: [(&str, f64); 5] = [
     ("Rubber", 0.3),
 ];
 
-/// Frequency of the modulus of Table 4, in Hz.
+/// Frequency to which the modulus of Table 4 is assigned, in Hz.
 const REFERENCE_HZ: f64 = 3e3;
 
 /// Result for one material.
@@ -38,23 +38,23 @@ pub(crate) struct FlatLoss {
     pub(crate) material: String,
     pub(crate) model: &'static str,
     pub(crate) loss_factor: f64,
-    /// Greatest error of the series that represents the law in the data.
+    /// Greatest error of the series that represents constant loss in the data.
     pub(crate) stand_in_error: f64,
-    /// Parameters of the paper's law, from four tests.
+    /// Parameters of the law of the paper, from four tests.
     pub(crate) parameters: Vec<Parameter>,
-    /// δ of the paper's law with Q = 1, 2, 3, 4 tests.
+    /// δ of the law of the paper, with Q = 1, 2, 3, 4 tests.
     pub(crate) errors: Vec<f64>,
     pub(crate) printed_errors: Vec<f64>,
-    /// δ of an elastic rod and of constant loss, four tests.
+    /// δ of an elastic rod and of a rod of constant loss, from four tests.
     pub(crate) elastic_error: f64,
     pub(crate) flat_loss_error: f64,
-    /// Loss factor of the fit with constant loss, and the standard error of its logarithm.
+    /// Loss factor found by the fit of constant loss, and the standard error of its logarithm.
     pub(crate) loss_factor_found: f64,
     pub(crate) standard_error: f64,
     pub(crate) selection: Verdict,
 }
 
-/// Material still to be computed.
+/// Material that is to be computed.
 #[derive(Debug, Clone)]
 pub(crate) struct Job {
     pub(crate) material: IdentifiedMaterial,
@@ -153,7 +153,7 @@ pub(crate) fn run(job: &Job, rig: &Rig) -> Result<FlatLoss, Error> {
 }
 
 impl FlatLoss {
-    /// Returns the shape parameter of the paper's law: κ, or m in MPa.
+    /// Returns the shape parameter of the law of the paper: κ, or m in MPa.
     pub(crate) fn shape(&self) -> Option<String> {
         let of = |symbol: &str| {
             self.parameters

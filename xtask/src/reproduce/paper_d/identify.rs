@@ -1,4 +1,4 @@
-//! Identification, with the type of the law erased once it is done.
+//! Identification, with a result that no longer depends on the type of the law.
 
 use maxwellid::{
     Fit, IdentifiableLaw, MaxwellidError, Noise, RodModel, RodTest, Role, Scale, Verdict,
@@ -10,7 +10,7 @@ use serde::Serialize;
 use super::super::Error;
 use testbed::papers::paper_d::{LawParameters, ModelKind};
 
-/// Runs `$body` with `$law` bound to the law of `$parameters`, for any type.
+/// Runs `$body` with `$law` bound to the law that `$parameters` describe, whatever its type is.
 macro_rules! with_law {
     ($parameters:expr, |$law:ident| $body:expr) => {
         match $parameters {
@@ -51,8 +51,8 @@ pub(crate) fn modulus_of(parameters: LawParameters) -> f64 {
     }
 }
 
-/// Returns the true values of every stated parameter, by symbol: those of the paper and the rate at
-/// 10 MPa.
+/// Returns the true values of all parameters that are stated, by symbol: those of the paper, and
+/// the rate at 10 MPa.
 pub(crate) fn stated(parameters: LawParameters) -> Result<Vec<(&'static str, f64)>, RodwaveError> {
     let mut stated = vec![("E", modulus_of(parameters))];
     with_law!(parameters, |law| stated.extend(
@@ -71,9 +71,9 @@ pub(crate) fn value_of(values: &[(&str, f64)], symbol: &str) -> Option<f64> {
         .map(|(_, value)| *value)
 }
 
-/// Returns the change of the responses of `tests` due to ten per cent of each coordinate of the true
-/// `parameters`, rms, as a fraction of V0, by symbol. Unlike that at the place where an iteration
-/// stopped, it is the same for all ways to identify.
+/// Returns the change of the responses of `tests` due to a change of each coordinate of the true
+/// `parameters` by ten per cent, rms, as a fraction of V0, by symbol. It is the same for all
+/// methods of identification, unlike the change computed at the point where an iteration stopped.
 pub(crate) fn influences(
     parameters: LawParameters,
     tests: &[RodTest],
@@ -109,7 +109,7 @@ fn influences_of(
     Ok(coordinates
         .filter(|stated| stated.role == Role::Coordinate)
         .filter_map(|stated| {
-            // a coordinate depends on only one parameter of the fit
+            // a coordinate depends on a single parameter of the fit
             let mut own = stated.gradient.iter().zip(&squares);
             let (gradient, square) = own.find(|(gradient, _)| **gradient != 0.0)?;
             let tenth = match stated.scale {
@@ -127,14 +127,14 @@ fn influences_of(
 pub(crate) struct Parameter {
     pub(crate) symbol: &'static str,
     pub(crate) unit: &'static str,
-    /// Value, where the data determine it (or it follows from parameters that they determine).
+    /// Value, if the data determine it, or if it follows from parameters that they determine.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) value: Option<f64>,
-    /// Standard error of ln(value), or of the value of an exponent, where the value is given.
+    /// Standard error of ln(value), or of an exponent itself, if the value is given.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) standard_error: Option<f64>,
-    /// Value where the iteration stopped, if the data do not determine the parameter: no property
-    /// of the material.
+    /// Value at which the iteration stopped, if the data do not determine the parameter. It is not
+    /// a property of the material.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) stopped_at: Option<f64>,
     pub(crate) verdict: String,
@@ -148,21 +148,21 @@ pub(crate) struct Parameter {
 #[derive(Debug, Clone)]
 pub(crate) struct Outcome {
     pub(crate) parameters: Vec<Parameter>,
-    /// Verdicts for the noise of the recorder, by symbol.
+    /// Verdicts by symbol, when the noise of the recorder is stated.
     pub(crate) verdict_with_noise: Vec<(&'static str, Verdict)>,
-    /// δ, the error of the paper
+    /// δ, the error used in the paper
     pub(crate) relative_error: f64,
     pub(crate) iterations: usize,
-    /// Convergence of the fit; which of the criteria ends the iteration depends on the last digits
-    /// of a machine.
+    /// True if the fit converged. The criterion that ends the iteration is not stored, because it
+    /// depends on the last digits of a machine.
     pub(crate) converged: bool,
-    /// Simulated minus measured response divided by V0, for each test.
+    /// Simulated minus measured response over V0, for each test.
     pub(crate) residuals: Vec<Vec<f64>>,
     /// (ln E, parameters of the law)
     pub(crate) solution: Vec<f64>,
 }
 
-/// Identifies from one test, from two, and so on to all.
+/// Identifies from one test, then from two, and so on up to all.
 pub(crate) fn one_by_one(
     model: ModelKind,
     tests: &[RodTest],
@@ -179,18 +179,18 @@ pub(crate) fn one_by_one(
 /// Settings of the identification.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Settings {
-    /// Longest cell of the grid in m; chosen for the noise if not given.
+    /// Longest cell of the grid in m; if not given, it is chosen for the noise.
     pub(crate) cell: Option<f64>,
     pub(crate) round_trip: bool,
-    /// Noise for the errors of the values.
+    /// Noise from which the errors of the values follow.
     pub(crate) noise: Noise,
     /// Noise of the recorder, for the second verdict.
     pub(crate) recorder_noise: f64,
 }
 
-/// Identifies the law of kind `model` from `tests`, from a start without knowledge of the truth: E
-/// from the time of flight, the rate from a scan, and a weak nonlinearity; or from the result
-/// `before` of fewer tests.
+/// Identifies the law of kind `model` from `tests`. The iteration starts without knowledge of the
+/// true values: E from the time of flight, the rate from a scan, and a weak nonlinearity. If the
+/// result `before` of fewer tests is given, it starts there.
 pub(crate) fn identify(
     model: ModelKind,
     tests: &[RodTest],
@@ -253,7 +253,7 @@ fn run<L: IdentifiableLaw>(
             .into_iter()
             .map(|estimate| {
                 let identified = estimate.verdict == Verdict::Identified;
-                // derived parameters are as well determined as the coordinates
+                // the data determine a derived parameter as well as its coordinates
                 let determined = identified
                     || law_is_identified
                         && estimate.role == Role::Derived

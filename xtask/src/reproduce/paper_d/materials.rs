@@ -12,29 +12,30 @@ use testbed::papers::paper_d::{
 
 type Error = Box<dyn std::error::Error + Send + Sync>;
 
-/// Cells of the inversion, in m: second order leaves 2e-4 of V0, a fortieth of the noise.
+/// Longest cell of the inversion, in m: the second-order error is 2e-4 of V0, a fortieth of the
+/// noise.
 pub(crate) const CELL: f64 = 4e-3;
 
-/// Cells of the chain per shortest wave of the record.
+/// Number of cells of the chain per shortest wave of the record.
 const CELLS_PER_WAVE: f64 = 50.0;
 
-/// Verdict on parameters of a nonlinear law whose excitation the recorder could not follow.
+/// Verdict for the parameters of a nonlinear law if the recorder could not follow the excitation.
 const BIASED: &str = "biased by the recorder's filter";
 
-/// Relation of the recorded excitation to the rod.
+/// Relation between the recorded excitation and the motion of the rod.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Excitation {
-    /// The rod is driven by the recorded excitation: the contact is soft enough for the recorder to
-    /// follow.
+    /// The rod is driven by the recorded excitation. This represents a contact that is soft enough
+    /// for the recorder to follow.
     AsRecorded,
-    /// The rod is struck by a flat projectile, and the recorder's filter rounds both histories
-    /// afterwards; it is identified as in the paper, which does not model a recorder.
+    /// A flat projectile strikes the rod, and the filter of the recorder then rounds both
+    /// histories. The identification is that of the paper, which does not model a recorder.
     Struck,
-    /// Records of `Struck`, with the recorder as part of the model.
+    /// The records are those of `Struck`; the recorder is part of the model.
     ThroughRecorder,
 }
 
-/// Result for one material in one reading of the units.
+/// Result for one material, in one reading of the units.
 #[derive(Debug, Clone, Serialize)]
 pub(crate) struct Material {
     pub(crate) material: String,
@@ -51,12 +52,12 @@ pub(crate) struct Material {
     /// Table 5: the error with Q = 1, 2, 3, 4 tests.
     pub(crate) errors: Vec<f64>,
     pub(crate) printed_errors: Vec<f64>,
-    /// `None` for the literal reading: its damping is undetermined, and whether the search ends at
-    /// a bound depends on the last digits of a machine.
+    /// `None` for the literal reading: its damping is undetermined, and the last digits of a
+    /// machine decide whether the search ends at a bound.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) converged: Option<bool>,
     pub(crate) iterations: usize,
-    /// Histories for the figure.
+    /// Histories shown in the figure.
     #[serde(skip)]
     pub(crate) histories: Vec<History>,
 }
@@ -67,10 +68,11 @@ pub(crate) struct Line {
     pub(crate) parameter: Parameter,
     /// True value in the data.
     pub(crate) input: f64,
-    /// Change of the responses due to ten per cent of the true value, rms, as a fraction of V0.
+    /// Change of the responses due to a change of the true value by ten per cent, rms, as a
+    /// fraction of V0.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) influence_of_ten_per_cent: Option<f64>,
-    /// (output - input) divided by the standard error.
+    /// (output - input) over the standard error.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) deviation: Option<f64>,
 }
@@ -85,7 +87,7 @@ pub(crate) struct History {
     pub(crate) simulated: Vec<f64>,
 }
 
-/// Material still to be computed.
+/// Material that is to be computed.
 #[derive(Debug, Clone)]
 pub(crate) struct Job {
     reading: UnitReading,
@@ -96,8 +98,8 @@ pub(crate) struct Job {
     seed: u64,
 }
 
-/// Returns the jobs. The tests of the identification are the second to fifth of each material; the
-/// first served the choice of model.
+/// Returns the jobs. The identification uses the second to fifth test of each material; the first
+/// test is used for the choice of the model.
 pub(crate) fn jobs(paper: &PaperD) -> Vec<Job> {
     let mut jobs = Vec::new();
     for (reading, excitation) in [
@@ -150,8 +152,8 @@ pub(crate) fn run(job: &Job, rig: &Rig) -> Result<Material, Error> {
             }
         })
         .collect::<Result<_, _>>()?;
-    // Table 5 is the paper's: the sum of squares of eq. 12. Table 4 weights the noise of both
-    // histories, so that its errors cover.
+    // Table 5 minimises the sum of squares of eq. 12, as in the paper. Table 4 weights the noise of
+    // both histories, so that its errors cover the true values.
     let plain = Settings {
         cell: Some(CELL),
         round_trip: false,
@@ -170,7 +172,7 @@ pub(crate) fn run(job: &Job, rig: &Rig) -> Result<Material, Error> {
         &weighed,
         Settings {
             noise: Noise::Stated,
-            // a front before the filter needs a grid of its own
+            // a sharp front, before the filter, needs another grid
             cell: plain
                 .cell
                 .filter(|_| job.excitation != Excitation::ThroughRecorder),
@@ -178,7 +180,7 @@ pub(crate) fn run(job: &Job, rig: &Rig) -> Result<Material, Error> {
         },
         outcomes.last(),
     )?;
-    // a rod that is driven by the recorded excitation is subject to no other
+    // only struck rods are checked: a rod driven by the recorded excitation has no other excitation
     if job.excitation == Excitation::Struck && job.material.model != ModelKind::Maxwell {
         let recorders = weighed
             .iter()
@@ -254,7 +256,7 @@ pub(crate) fn run(job: &Job, rig: &Rig) -> Result<Material, Error> {
 
 /// Returns the conditions of a test on a rod of `modulus` \[Pa\].
 pub(crate) fn conditions(test: &RodTestConditions, modulus: f64) -> Conditions {
-    // 2.5 ms hold three or more reflections of a plastic rod; rubber is three times slower
+    // in 2.5 ms there are three or more reflections in a plastic rod; rubber is three times slower
     let slow = modulus < 1e9;
     Conditions {
         name: format!("Test {}", test.test),
@@ -277,13 +279,13 @@ fn deviation(parameter: &Parameter, input: f64) -> Option<f64> {
 }
 
 impl Material {
-    /// Returns the number of parameters that the recorder's filter biases.
+    /// Returns the number of parameters that the filter of the recorder biases.
     pub(crate) fn biased(&self) -> usize {
         let parameters = self.lines.iter().map(|line| &line.parameter);
         parameters.filter(|p| p.verdict == BIASED).count()
     }
 
-    /// Returns the verdict on the damping: that on the rate (or viscosity).
+    /// Returns the verdict on the damping, which is that on the rate (or the viscosity).
     pub(crate) fn damping_verdict(&self) -> Verdict {
         let rate = ["F(10 MPa)", "eta"].iter().find_map(|symbol| {
             self.lines

@@ -1,4 +1,4 @@
-//! Tables: the printed and the computed values, and their interpretation.
+//! Tables: the printed and the computed values, with their interpretation.
 
 use maxwellid::Verdict;
 
@@ -23,7 +23,7 @@ pub(crate) const TABLE_5: &str = "Table 5: error δ of the response with Q = 1, 
 pub(crate) const FLAT_LOSS: &str = "Tables 4 and 5 on linear rods of constant loss\n\nData: a line with Maxwell branches in parallel that stand for the \
     law E0 (s/w0)^2g; modulus of Table 4 at 3 kHz, loss factors of handbooks, one impact velocity, noise as above.";
 
-/// Returns headings with their text.
+/// Returns the headings, each with its table.
 pub(crate) fn body(sections: &[(&str, &Table)]) -> String {
     sections
         .iter()
@@ -240,7 +240,7 @@ pub(crate) fn flat_loss(rows: &[FlatLoss]) -> Table {
     table
 }
 
-/// Returns reading and kind of data in two or three words.
+/// Returns the reading of the units and the kind of data in two or three words.
 fn name_of(material: &Material) -> String {
     let reading = material
         .reading_in_words
@@ -348,7 +348,7 @@ pub(crate) fn conclusion(
     sentences
 }
 
-/// Describes Table 3 in words.
+/// Describes the result of Table 3 in words.
 fn of_choice(choices: &[choice::Row]) -> Vec<String> {
     let sums: Vec<f64> = choices.iter().map(|row| row.printed.iter().sum()).collect();
     let (least, most) = extent(&sums);
@@ -362,7 +362,8 @@ fn of_choice(choices: &[choice::Row]) -> Vec<String> {
         let right = of_law
             .iter()
             .filter(|row| largest(measures(row)).map(symbol_of) == row.truth)
-            // increments tend to the median of a variable that is 0 or 1: all measures may vanish
+            // the increments tend to the median of a variable that is 0 or 1, so all measures may
+            // vanish
             .filter(|row| extent(measures(row)).1 > 0.05)
             .count();
         format!("{right} of {}", of_law.len())
@@ -407,7 +408,7 @@ fn of_choice(choices: &[choice::Row]) -> Vec<String> {
     ]
 }
 
-/// Describes the tables of constant loss in words.
+/// Describes the tables for constant loss in words.
 fn of_flat_loss(flat_losses: &[FlatLoss]) -> Vec<String> {
     let per_cent_of = |values: Vec<f64>| {
         let (least, most) = extent(&values);
@@ -480,7 +481,7 @@ fn symbol_of(index: usize) -> &'static str {
     MODELS[index].symbol()
 }
 
-/// Returns the name of the law of a printed model symbol among the candidates of a selection.
+/// Returns the name that the law of a printed model symbol has among the candidates of a selection.
 fn name_of_model(symbol: &str) -> &'static str {
     match MODELS.iter().find(|model| model.symbol() == symbol) {
         Some(ModelKind::MaxwellNorton) => "Maxwell-Norton",

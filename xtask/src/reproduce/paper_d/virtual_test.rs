@@ -1,5 +1,4 @@
-//! Virtual tests: geometry of the paper, striker and recorder of the paper, data of the lumped
-//! chain.
+//! Virtual tests: geometry, striker and recorder as in the paper, data from the lumped chain.
 
 use maxwellid::{Provenance, RodTest, RodTestData};
 use rand::SeedableRng;
@@ -20,36 +19,36 @@ use testbed::struck_rod::{self, StruckRod};
 
 type Error = Box<dyn std::error::Error + Send + Sync>;
 
-/// Standard deviation of the noise added to each of the two histories, as a fraction of V0:
-/// simulation from one and comparison with the other give about the errors of Table 5.
+/// Standard deviation of the noise added to each of the two histories, as a fraction of V0. A
+/// simulation from one noisy history, compared with the other, gives about the errors of Table 5.
 pub(crate) const NOISE: f64 = 0.008;
 
-/// Seed of the noise; the number of the test is added.
+/// Seed of the noise, to which the number of the test is added.
 pub(crate) const SEED: u64 = 1993;
 
-/// Level of noise for which the noise-free data of the appendix get a second verdict.
+/// Level of noise for the second verdict on the noise-free data of the appendix.
 pub(crate) const NOISE_OF_TABLE_5: f64 = 0.02;
 
-/// Cut-off of the virtual recorder. The paper gives a sampling frequency, 51.2 kHz, and no filter;
-/// this one passes nothing above 20 kHz.
+/// Cut-off of the virtual recorder. The paper states a sampling frequency of 51.2 kHz but no
+/// filter; this filter passes nothing above 20 kHz.
 pub(crate) const CUTOFF_HZ: f64 = 16_000.0;
 
-/// Band in which the series for a constant loss is accurate: 50 Hz to 20 kHz.
+/// Band in which the series for constant loss is accurate: 50 Hz to 20 kHz.
 pub(crate) const FLAT_LOSS_BAND: OmegaBand = OmegaBand {
     from: 314.0,
     to: 1.26e5,
 };
 
-/// Number of steps of its line per step of the chain.
+/// Number of steps of the line, which computes constant loss, per step of the chain.
 const FLAT_LOSS_REFINEMENT: f64 = 4.0;
 
-/// Number of its branches per decade.
+/// Number of branches of the line per decade.
 pub(crate) const FLAT_LOSS_BRANCHES: f64 = 2.0;
 
-/// Number of samples before the impact: the filter reaches 24 ahead.
+/// Number of samples before the impact: the filter reaches 24 samples ahead.
 const SAMPLES_BEFORE: usize = 32;
 
-/// White noise of the recorder, from a seed.
+/// White noise of the recorder, generated from a seed.
 #[derive(Debug)]
 pub(crate) struct Noise {
     generator: ChaCha8Rng,
@@ -86,7 +85,7 @@ impl Noise {
 }
 
 /// Returns the tests with the noise of the recorder stated for both histories. An identification
-/// then weights it; otherwise it minimises the sum of squares of paper D, eq. 12.
+/// then weights this noise; otherwise it minimises the sum of squares of paper D, eq. 12.
 pub(crate) fn stating_the_noise(
     tests: &[RodTest],
     impact_velocity: f64,
@@ -108,12 +107,12 @@ pub(crate) struct Conditions {
     pub(crate) section_distance: f64,
     pub(crate) transducer_range: f64,
     pub(crate) samples_after: usize,
-    /// Longest cell of the chain that makes the data.
+    /// Longest cell of the chain that generates the data.
     pub(crate) cell: f64,
 }
 
-/// Returns a cell for data of a rod with wave speed c = (E/ρ)^½: a fraction of the shortest wave
-/// that the recorder passes.
+/// Returns the length of a cell of the chain for a rod with wave speed c = (E/ρ)^½: a fraction of
+/// the shortest wave that the recorder passes.
 pub(crate) fn cell_for(modulus: f64, density: f64, cells_per_wave: f64) -> f64 {
     (modulus / density).sqrt() / CUTOFF_HZ / cells_per_wave
 }
@@ -167,8 +166,8 @@ impl Rig {
         }
     }
 
-    /// Creates a test of these histories with noise on both, without stating it: see
-    /// [`stating_the_noise`].
+    /// Creates a test of these histories with noise on both. The noise is not stated in the test;
+    /// see [`stating_the_noise`].
     fn test(
         &self,
         conditions: &Conditions,
@@ -189,16 +188,17 @@ impl Rig {
                 generator: generator.into(),
             },
         })?;
-        // the comparison ends with the known excitation, or where a transducer loses its section
+        // the comparison ends where the excitation ends, or where a section leaves the range of its
+        // transducer
         let known = test.times().last().copied().unwrap_or(0.0);
         Ok(test.with_window(known.min(record.in_range_until))?)
     }
 
-    /// Returns a test with an impact of the projectile, both histories recorded by the recorder;
-    /// white noise on both.
+    /// Returns a test with an impact of the projectile. The recorder filters and samples both
+    /// histories, and white noise is added to both.
     ///
-    /// The recorder's filter acts after the rod. A nonlinear rod does not commute with it, so that
-    /// the recorded excitation is not the one that caused the recorded response.
+    /// The filter of the recorder acts after the rod. It does not commute with a nonlinear rod: the
+    /// recorded excitation is not the one that caused the recorded response.
     pub(crate) fn struck(
         &self,
         conditions: &Conditions,
@@ -218,10 +218,11 @@ impl Rig {
         )
     }
 
-    /// Returns the response of the lumped chain to the excitation as the recorder passes it, before
-    /// sampling.
+    /// Returns the response of the lumped chain to the excitation that has passed the filter of the
+    /// recorder, before sampling.
     ///
-    /// The response is extrapolated from two grids, which removes the leading error of the chain.
+    /// The response is extrapolated from two grids; the extrapolation removes the leading error of
+    /// the chain.
     pub(crate) fn driven(
         &self,
         conditions: &Conditions,
@@ -241,8 +242,8 @@ impl Rig {
         })
     }
 
-    /// Returns the response of a linear rod of constant loss to the recorded excitation: a line
-    /// with one branch per relaxation time.
+    /// Returns the response of a linear rod of constant loss to the recorded excitation, computed
+    /// by a line with one branch per relaxation time.
     ///
     /// The excitation is that of a Maxwell rod with the same loss factor at the reference
     /// frequency.
@@ -267,27 +268,27 @@ impl Rig {
         let drive = Drive::history(record.excitation_before_sampling.clone());
         let line = Line::new([Body::new([segment])?])?.with_left_end(End::Velocity(drive))?;
         let times = self.times(&record);
-        // the fastest branches relax within a step of the chain's size, which would reduce the
-        // order of the splitting
+        // the fastest branches relax within a step of the size used for the chain, which would
+        // reduce the order of the splitting
         let step = conditions.cell / (modulus / conditions.density).sqrt() / FLAT_LOSS_REFINEMENT;
         let duration = times.last().copied().unwrap_or(0.0);
-        // the grid may end up to a step later than requested, and the excitation is known to the
-        // last sample
+        // the grid may end up to a step later than requested, but the excitation is known only to
+        // the last sample
         let run = line.run(step, duration - 2.0 * step, &[])?;
         let step = run.grid.time_step;
-        // the velocities of the end belong to the middle of the steps
+        // the velocities of the end are those at the middle of the steps
         let end = SampledHistory::new(&run.ends[1].velocity, 1.0 / step)?;
         let response: Vec<f64> = times
             .iter()
-            // the last samples, where the sum between samples runs out of them, lie beyond every
+            // for the last samples the interpolation lacks neighbours; they are outside every
             // window
             .map(|t| end.at((t - 0.5 * step).max(0.0)))
             .collect();
         self.test(conditions, &record, &response, line::GENERATOR, noise)
     }
 
-    /// Returns the noise-free response of the solver that is also used for the inversion, as in the
-    /// paper's appendix.
+    /// Returns the noise-free response computed by the solver that the inversion also uses, as in
+    /// the appendix of the paper.
     pub(crate) fn round_trip(
         &self,
         conditions: &Conditions,

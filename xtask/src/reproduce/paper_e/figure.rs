@@ -1,4 +1,4 @@
-//! Figures 5 and 6, and the impulse responses and mobilities behind them.
+//! Figures 5 and 6, and the impulse responses and mobilities from which they are computed.
 
 use impulse::ForceHistory;
 use num_complex::Complex64;
@@ -11,11 +11,11 @@ use super::responses::Responses;
 use testbed::papers::paper_e::PaperE;
 use testbed::papers::paper_e::bodies::Face;
 
-/// Time shown before contact, in ms, for the smearing due to the band limit.
+/// Time shown before the contact, in ms, because the band limit smears the start.
 const AHEAD: f64 = -0.1;
 
-/// Draws histories of the cone (Figure 5) or of the cylinder (Figure 6), with the uncertainty of
-/// (I).
+/// Draws the histories of the cone (Figure 5) or of the cylinder (Figure 6), with the uncertainty
+/// of method (I).
 pub(crate) fn histories(forces: &[&Forces], number: u32, until_ms: f64) -> (String, String) {
     let time = || Axis::linear("time", "ms").within([AHEAD, until_ms]);
     let mut panels = Vec::new();
@@ -75,7 +75,7 @@ pub(crate) fn impulse_responses(responses: &Responses) -> (String, String) {
     drawn("impulse-responses", title, panels.collect())
 }
 
-/// Draws the magnitudes of the mobilities, measured and by eq. 7.
+/// Draws the magnitudes of the mobilities, measured and computed by eq. 7.
 pub(crate) fn mobilities(
     paper: &PaperE,
     measurements: &[Measurement],
@@ -98,7 +98,7 @@ pub(crate) fn mobilities(
     Ok(drawn("mobilities", "Paper E: mobilities, virtual", panels))
 }
 
-/// Measured points and a predicted line.
+/// Returns measured points and a predicted line.
 fn compared(
     measured: impl IntoIterator<Item = (f64, f64)>,
     name: &str,

@@ -1,5 +1,5 @@
-//! Force histories of the four impacts: gauges on the rod, (I) measured and predicted, (II) both
-//! predicted.
+//! Force histories of the four impacts: from gauges on the rod; by method (I), one body measured
+//! and one predicted; and by method (II), both bodies predicted.
 
 use impulse::{
     ContactEnd, EndVerdict, ForceBand, ForceHistory, Impact, LineBand, Prediction, StickProblem,
@@ -16,23 +16,23 @@ use super::measurement::{Measurement, SEED};
 use testbed::papers::paper_e::PaperE;
 use testbed::papers::paper_e::bodies::Face;
 
-/// Duration of the histories of the gauges, in s; they end before the echo from the far end of the
-/// rod arrives.
+/// Duration of the histories from the gauges, in s. They end before the echo from the far end of
+/// the rod arrives.
 const GAUGED: f64 = 2.3e-3;
 /// Ratio of the sampling rate of the computed histories to that of the gauges.
 const FINER: usize = 4;
-/// Noise of a strain, standard deviation; the paper gives none.
+/// Standard deviation of the noise of a strain; the paper does not state it.
 pub(crate) const STRAIN_NOISE: f64 = 2e-7;
-/// Duration of the marches, in s: long enough for the bodies to ring out.
+/// Duration of the marches, in s: long enough for the ringing of the bodies to end.
 const MARCHED: f64 = 40e-3;
-/// Largest tension that counts as ringing or noise, as a fraction of the largest force; a larger
-/// one is a pull between the faces.
+/// Largest tension that counts as ringing or noise, as a fraction of the largest force. A larger
+/// tension is a pull between the faces.
 const THRESHOLD: f64 = 0.02;
 /// Probability of the bands.
 pub(crate) const LEVEL: f64 = 0.95;
-/// Duration below which a contact counts as grazing, and a separation as none, in s.
+/// Duration below which a contact counts as a graze, and a separation does not count, in s.
 const SHORTEST: f64 = 20e-6;
-/// Start of the comparison with the force from the gauges, in s; it is after the initial jump,
+/// Start of the comparison with the force from the gauges, in s. It is after the initial jump,
 /// which each method rounds differently.
 const COMPARED: f64 = 0.1e-3;
 
@@ -41,19 +41,19 @@ const COMPARED: f64 = 0.1e-3;
 pub(crate) struct Forces {
     pub(crate) face: Face,
     pub(crate) velocity: f64,
-    /// History of the gauges until its contact has ended.
+    /// History from the gauges, until the contact has ended.
     pub(crate) gauges: ForceHistory,
-    /// Force on the lines of (I) of the virtual body itself, without the errors of a measurement,
-    /// and (I) before separation.
+    /// Force on the lines of (I) for the virtual body itself, without the errors of a measurement,
+    /// and the force of (I), both before separation is applied.
     pub(crate) truth: ForceHistory,
     pub(crate) stick: ForceHistory,
     pub(crate) stick_band: ForceBand,
-    /// (I) as in the paper: on the lines of the measurement, until separation.
+    /// Method (I) as in the paper: on the lines of the measurement, until separation.
     pub(crate) measured: ForceHistory,
     pub(crate) band: ForceBand,
-    /// (II) as in the paper: eq. 7 on its lines, until separation.
+    /// Method (II) as in the paper: by eq. 7 on the lines of the paper, until separation.
     pub(crate) predicted: ForceHistory,
-    /// (II) marched with the causal law: faces part and meet again.
+    /// Method (II), marched with the causal law: the faces may part and meet again.
     pub(crate) marched: ForceHistory,
     pub(crate) rows: Vec<Row>,
     pub(crate) uncertainty: Uncertainty,
@@ -67,47 +67,48 @@ pub(crate) struct Row {
     /// Peak force in N and its time in s.
     pub(crate) peak: f64,
     pub(crate) peak_time: f64,
-    /// Time from contact to the first parting, in s.
+    /// Time from the contact to the first parting, in s.
     pub(crate) end: Option<f64>,
-    /// End of the contact by eq. 3 exactly as printed: the first sample below zero, in s.
+    /// End of the contact by eq. 3 exactly as printed, in s: the first sample below zero.
     pub(crate) to_the_letter: Option<f64>,
-    /// Fraction of the impulse after the first parting, and after the end of the contact of the
+    /// Fraction of the impulse after the first parting, and after the end of the contact from the
     /// gauges if that is earlier.
     pub(crate) missed: Option<[f64; 2]>,
-    /// Times of contact and parting of the contacts after the first, in s; `None` where the method
-    /// has only one contact.
+    /// Times at which the later contacts begin and end, in s; `None` if the method gives only one
+    /// contact.
     pub(crate) again: Option<Vec<[f64; 2]>>,
     /// Impulse in N s.
     pub(crate) impulse: f64,
-    /// M_1 V in N s.
+    /// Momentum M_1 V in N s.
     pub(crate) momentum: f64,
     pub(crate) restitution: f64,
-    /// Root mean square of the difference from the gauges relative to the peak.
+    /// Root mean square of the difference from the force of the gauges, relative to the peak.
     pub(crate) off_gauges: Option<f64>,
     pub(crate) balance: Option<Residuals>,
 }
 
 #[derive(Debug, Clone, Copy, Serialize)]
 pub(crate) struct Residuals {
-    /// (W_1 - W_2 - W_c)/(VJ)
+    /// Residual (W_1 - W_2 - W_c)/(VJ) of the energy balance.
     #[serde(rename = "at_rounding")]
     pub(crate) energy: f64,
-    /// Balance relative to M_1 V, with the observed rebound of the face.
+    /// Residual of the momentum balance relative to M_1 V, with the observed rebound of the face.
     pub(crate) momentum: Option<f64>,
 }
 
-/// Uncertainty of (I).
+/// Uncertainty of method (I).
 #[derive(Debug, Clone, Serialize)]
 pub(crate) struct Uncertainty {
     pub(crate) face: &'static str,
-    /// Standard errors of a force, in N, and of the end of contact, in s.
+    /// Standard errors: of a force in N, and of the end of the contact in s.
     pub(crate) force: f64,
     pub(crate) end: Option<f64>,
-    /// Probability that the faces part earlier, at a minimum of the force, and its time.
+    /// Probability that the faces part earlier, at a minimum of the force, and the time of the
+    /// minimum.
     pub(crate) may_end_earlier: Option<(f64, f64)>,
-    /// Standard error of a force with both hammers on every line, in N.
+    /// Standard error of a force in N if both hammers are used on every line.
     pub(crate) force_by_variance: f64,
-    /// Fraction of the prediction (II) of the same lines within the band.
+    /// Fraction of the prediction by (II) on the same lines that is within the band.
     pub(crate) inside: f64,
     /// Result of the screening of the measured body.
     pub(crate) screening: Vec<String>,
@@ -157,7 +158,7 @@ pub(crate) fn of(paper: &PaperE, face: Face, measurement: &Measurement) -> Resul
             .iter()
             .filter_map(|contact| Some([contact.begin, contact.end?]))
             .filter(|[begin, end]| end - begin > SHORTEST);
-        // a graze of a step or two does not separate the contacts before and after it
+        // a graze of one or two steps does not separate the contacts before and after it
         let mut merged: Vec<[f64; 2]> = Vec::new();
         for [begin, end] in contacts.by_ref() {
             match merged.last_mut() {
@@ -216,7 +217,7 @@ pub(crate) fn of(paper: &PaperE, face: Face, measurement: &Measurement) -> Resul
     let stick_band = error.simultaneous(&stick, LEVEL, contact..last, 1000, &mut random)?;
     let impact = separate(&stick, THRESHOLD * stick.peak().force)?;
     let band = contact_band(&stick_band, &impact);
-    // the truth of the virtual body, on the same lines and with the same band limit
+    // true values of the virtual body, on the same lines and with the same band limit
     let truth = lines_of(&paper.causal(face)?, step_hz, n_lines)?;
     let truth = problem(&truth).solve()?.history;
     let contact_end = error.contact_end(&stick, &impact);
@@ -290,9 +291,9 @@ pub(crate) fn of(paper: &PaperE, face: Face, measurement: &Measurement) -> Resul
     })
 }
 
-/// Returns F(t) = -AEε(t + t_tr) of gauges on the rod, with the noise of their strain. The blow is
-/// computed by the damped Fourier transform and ends at the first zero of the stick force, which is
-/// returned with it.
+/// Returns F(t) = -AEε(t + t_tr) from gauges on the rod, with noise of the strain. The blow is
+/// computed by the damped Fourier transform and ends at the first zero of the stick force. The time
+/// of this zero is also returned.
 fn gauges(paper: &PaperE, face: Face, velocity: f64) -> Result<(ForceHistory, f64), Error> {
     let body = paper.causal(face)?;
     let rod = paper.gauged_rod()?;
@@ -325,8 +326,8 @@ fn gauges(paper: &PaperE, face: Face, velocity: f64) -> Result<(ForceHistory, f6
     Ok((history, end))
 }
 
-/// Returns the root mean square of the difference relative to the peak, from after the jump `until`
-/// the contact ends.
+/// Returns the root mean square of the difference relative to the peak, from the end of the initial
+/// jump to `until`, the end of the contact.
 fn difference(gauges: &ForceHistory, other: &ForceHistory, until: f64) -> f64 {
     let squares: Vec<f64> = gauges
         .force()
@@ -341,7 +342,7 @@ fn difference(gauges: &ForceHistory, other: &ForceHistory, until: f64) -> f64 {
     mean.sqrt() / gauges.peak().force
 }
 
-/// Returns a history between its samples.
+/// Returns the value of a history between its samples.
 fn at(history: &ForceHistory, time: f64) -> Option<f64> {
     let nearest = history.index_near(time)?;
     let before = if history.time_at(nearest) > time {

@@ -1,8 +1,8 @@
-//! Impulse responses measured as in the paper, on virtual bodies: an impedance head, a light and a
-//! heavy hammer, ten tests with each.
+//! Impulse responses of virtual bodies, measured as in the paper: an impedance head, a light and a
+//! heavy hammer, ten tests with each hammer.
 //!
-//! The blows are computed by the damped Fourier transform of `rodwave::experiment`; predictions of
-//! forces use other methods.
+//! The blows are computed by the damped Fourier transform of `rodwave::experiment`; the predictions
+//! of forces use other methods.
 
 use std::ops::Deref;
 
@@ -25,8 +25,8 @@ use testbed::papers::paper_e::{Hammer, PaperE};
 /// Ratio of the sampling rate of the computed histories to that of the records.
 const FINER: usize = 8;
 const GRAVITY: f64 = 9.81;
-/// Masses of the impedance head above and below its gauge, in kg. These and the following constants
-/// are not in the paper.
+/// Masses of the impedance head above and below its gauge, in kg. These and the constants below are
+/// not stated in the paper.
 const ABOVE_GAUGE: f64 = 0.028;
 const BELOW_GAUGE: f64 = 0.0012;
 /// Contact stiffness of the light and the heavy hammer with the head, in N/m.
@@ -34,27 +34,27 @@ const STIFFNESS: [f64; 2] = [4e7, 1e7];
 /// Standard deviations of the noise of one sample: force in N, acceleration in m/s².
 pub(crate) const FORCE_NOISE: f64 = 0.02;
 pub(crate) const ACCELERATION_NOISE: f64 = 1.0;
-/// Scatter of the blows: the pendulum is released by hand.
+/// Scatter of the blows, because the pendulum is released by hand.
 const SCATTER: f64 = 0.05;
-/// Standard uncertainty of the balance, in kg.
+/// Standard uncertainty of weighing, in kg.
 const WEIGHING: f64 = 1e-4;
 pub(crate) const SEED: u64 = 1993;
 
-/// Mobility of a bare face, merged from both hammers by two rules.
+/// Mobility of a bare face; the results of both hammers are merged by two rules.
 #[derive(Debug)]
 pub(crate) struct Measurement {
     pub(crate) frequency_step_hz: f64,
-    /// Each line from the hammer with the larger force, as in the paper.
+    /// Each line from the hammer with the larger force, the rule of the paper.
     pub(crate) larger_force: FaceMobility,
-    /// Each line from both, weighted by their variances.
+    /// Each line from both hammers, weighted by their variances.
     pub(crate) inverse_variance: FaceMobility,
-    /// Fraction of the lines that the paper's rule takes from the light hammer.
+    /// Fraction of the lines that the rule of the paper takes from the light hammer.
     pub(crate) part_of_light: f64,
-    /// Median frequency of the lines at which the rule changes hammers, in Hz.
+    /// Median frequency of the lines at which this rule changes the hammer, in Hz.
     pub(crate) crossover_hz: Option<f64>,
 }
 
-/// The laboratory of the paper.
+/// Laboratory of the paper.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Laboratory<'a>(pub(crate) &'a PaperE);
 
@@ -78,7 +78,7 @@ impl Laboratory<'_> {
             mass: self.mass(face)?,
             standard_error: WEIGHING,
         });
-        // the band ends at 8.9 kHz: above, the response of the face is that of its material
+        // the band ends at 8.9 kHz; above it, the response of the face is that of its material
         let body = MeasuredBody::from_mobility(mobility, self.frequency_step_hz(), weighed)?
             .with_front_impedance(self.front_impedance(face)?)?;
         Ok(match variance {
@@ -125,7 +125,7 @@ impl Laboratory<'_> {
         })
     }
 
-    /// Returns the mobility of the face without the mass of the head.
+    /// Returns the mobility of the face after subtraction of the mass of the head.
     fn bare_face(&self, merged: &MergedResponse) -> Result<FaceMobility, Error> {
         let variance = merged
             .response
@@ -133,7 +133,7 @@ impl Laboratory<'_> {
             .as_ref()
             .ok_or("ten tests have a variance")?;
         let n_lines = self.n_lines();
-        // the variance from n tests is too small by (n - 1)/n
+        // the variance from n tests is too small by the factor (n - 1)/n
         let unbiased = self.averaged / (self.averaged - 1.0);
         let variance: Vec<f64> = variance[..n_lines].iter().map(|v| v * unbiased).collect();
         Ok(ImpedanceHead::new(BELOW_GAUGE)?.face_mobility(
@@ -143,8 +143,8 @@ impl Laboratory<'_> {
         )?)
     }
 
-    /// Runs the tests with one hammer, given its properties, its swing angle, and the stiffness of
-    /// its contact.
+    /// Runs the tests with one hammer, for its properties, its swing angle and the stiffness of its
+    /// contact.
     #[expect(
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,

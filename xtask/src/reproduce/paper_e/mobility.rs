@@ -1,5 +1,5 @@
 //! Mobilities of the four faces, compared with reference values, with the closed forms exactly as
-//! printed, and with their limits.
+//! printed, and with their limits at low frequency.
 
 use std::f64::consts::TAU;
 
@@ -12,7 +12,8 @@ use super::super::{Error, Table};
 use testbed::papers::paper_e::PaperE;
 use testbed::papers::paper_e::bodies::Face;
 
-/// Mobilities with eq. 7, in the order of [`Face::ALL`], in s/kg: an independent computation with 40 digits.
+/// Mobilities with eq. 7 in s/kg, in the order of [`Face::ALL`]: an independent computation with 40
+/// digits.
 #[rustfmt::skip]
 const REFERENCE: [(f64, [(f64, f64); 4]); 5] = [
     (100.0, [
@@ -50,48 +51,48 @@ const REFERENCE: [(f64, [(f64, f64); 4]); 5] = [
 /// Frequencies at which a body is nearly rigid, in Hz.
 const SLOW: [f64; 4] = [100.0, 1.0, 1e-2, 1e-4];
 
-/// Independently computed forces of the faces, in N: the greatest of the first contact, of a nylon
-/// with constant loss, rounded by a Gaussian of 10 µs.
+/// Independently computed forces of the faces, in N: the greatest force of the first contact, for
+/// nylon of constant loss, rounded by a Gaussian of 10 µs.
 const REFERENCE_PEAK: [f64; 4] = [2247.0, 2029.0, 1617.0, 2450.0];
 
-/// Face at one frequency.
+/// One face at one frequency.
 #[derive(Debug, Clone, Serialize)]
 pub(crate) struct Line {
     face: &'static str,
     frequency_hz: f64,
-    /// Real and imaginary part in s/kg.
+    /// Real and imaginary part, in s/kg.
     mobility: [f64; 2],
     /// Relative differences from the reference and from eqs. 8 and 9 exactly as printed.
     pub(crate) at_rounding: [f64; 2],
 }
 
-/// Face at low frequency.
+/// One face at low frequency.
 #[derive(Debug, Clone, Serialize)]
 pub(crate) struct Slow {
     face: &'static str,
-    /// |iωMG - 1| at the frequencies of [`SLOW`], by the chain of transition matrices.
+    /// |iωMG - 1| at the frequencies of [`SLOW`], computed by the chain of transition matrices.
     at_rounding: [f64; 4],
     /// Values from eqs. 8 and 9 exactly as printed.
     #[serde(skip)]
     to_the_letter: [f64; 4],
 }
 
-/// First response of a face.
+/// Initial response of a face.
 #[derive(Debug, Clone, Serialize)]
 pub(crate) struct Jump {
     face: &'static str,
-    /// V/(1/|Z_1| + 1/Z_2) in N, with the material of the face at 10 kHz.
+    /// Force V/(1/|Z_1| + 1/Z_2) in N, with the material of the face at 10 kHz.
     from_impedances: f64,
     /// Force of the first 0.1 µs of the march, in N.
     pub(crate) first_step: f64,
-    /// Greatest force, rounded as the reference, in N.
+    /// Greatest force in N, rounded as the reference is.
     pub(crate) rounded_peak: f64,
     pub(crate) reference_peak: f64,
     elastic: bool,
 }
 
 impl Jump {
-    /// Returns first step over expectation, minus 1, for an elastic face, whose impedance does not
+    /// Returns first step over expected force, minus 1, for an elastic face; its impedance does not
     /// depend on frequency.
     pub(crate) fn excess(&self) -> Option<f64> {
         self.elastic
@@ -157,7 +158,7 @@ pub(crate) fn jumps(paper: &PaperE) -> Result<Vec<Jump>, Error> {
                 face: face.name(),
                 from_impedances: velocity / (1.0 / impedances[0] + 1.0 / impedances[1]),
                 first_step: first.history.force().first().copied().unwrap_or(f64::NAN),
-                // the Gaussian has 2.5 intervals
+                // intervals of 4 µs: the Gaussian has 2.5 intervals
                 rounded_peak: impact.stick_force_damped(2e-3, 4e-6)?.peak().force,
                 reference_peak,
                 elastic: face.is_elastic(),
@@ -229,7 +230,7 @@ pub(crate) fn jump_table(rows: &[Jump]) -> Table {
     table
 }
 
-/// Describes the limits.
+/// Describes the limits in words.
 pub(crate) fn conclusion(lines: &[Line], slow: &[Slow], jumps: &[Jump]) -> Vec<String> {
     let worst = |index: usize| {
         lines

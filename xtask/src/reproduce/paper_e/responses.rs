@@ -16,20 +16,20 @@ const STEPS: u32 = 256;
 pub(crate) struct Responses {
     /// Times in ms.
     pub(crate) time: Vec<f64>,
-    /// Measured and predicted, in m/(N s²).
+    /// Measured and predicted response of each face, in m/(N s²).
     pub(crate) of_faces: Vec<[Vec<f64>; 2]>,
 }
 
 impl Responses {
     pub(crate) fn of(paper: &PaperE, measurements: &[Measurement]) -> Result<Self, Error> {
-        // half of the band is omitted from the spectra, so that twice the sample period would
+        // half of the band is omitted from the spectra; twice the sample period would therefore
         // suffice
         let grid = TimeGrid {
             time_step: 0.5 * paper.sample_period,
             n_steps: STEPS as usize,
         };
         let mut responses = Self {
-            // the first steps contain the jump
+            // the first two steps contain the jump
             time: (2..STEPS)
                 .map(|n| 1e3 * grid.time_step * f64::from(n))
                 .collect(),

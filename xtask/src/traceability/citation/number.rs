@@ -2,7 +2,7 @@
 
 use crate::traceability::numbered::Kind;
 
-/// Returns the kind named by a word, and true for a plural.
+/// Returns the kind that a word names, and true if the word is a plural.
 pub(super) fn kind(word: &str) -> Option<(Kind, bool)> {
     Some(match word.to_lowercase().as_str() {
         "eq." | "equation" => (Kind::Equation, false),
@@ -15,8 +15,8 @@ pub(super) fn kind(word: &str) -> Option<(Kind, bool)> {
     })
 }
 
-/// Reads `7`, `(7)`, `A16,` or `3-4).`: the ends of a range or one number, and the rest of the
-/// word.
+/// Reads `7`, `(7)`, `A16,` or `3-4).`: returns one number or the ends of a range, and the
+/// remainder of the word.
 pub(super) fn number_or_range(word: &str) -> Option<(&str, Option<&str>, &str)> {
     let word = word.trim_start_matches('(');
     let (first, after) = number(word)?;
@@ -27,7 +27,8 @@ pub(super) fn number_or_range(word: &str) -> Option<(&str, Option<&str>, &str)> 
     }
 }
 
-/// Returns all numbers of a range, or its ends where these do not count up from one to the other.
+/// Returns all numbers of a range, or only its ends if one cannot count up from the first to the
+/// last.
 pub(super) fn between(first: &str, last: Option<&str>) -> Vec<String> {
     let Some(last) = last else {
         return vec![first.to_owned()];
@@ -47,7 +48,7 @@ pub(super) fn between(first: &str, last: Option<&str>) -> Vec<String> {
     }
 }
 
-/// Returns the number at the beginning of `word`, without the letter of a panel, and the rest.
+/// Returns the number at the beginning of `word`, without the letter of a panel, and the remainder.
 fn number(word: &str) -> Option<(&str, &str)> {
     let digits = |from: usize| {
         word.get(from..).map_or(0, |rest| {

@@ -29,7 +29,7 @@ fn logarithms_are_added_as_their_numbers_are() {
         let (a, b): (f64, f64) = (a, b);
         assert!((log_sum(a, b) - (a.exp() + b.exp()).ln()).abs() < 1e-14);
     }
-    // where the numbers themselves are 0
+    // cases in which the numbers themselves are 0
     assert!((log_sum(-2000.0, -2000.0) - (LN_2 - 2000.0)).abs() < 1e-12);
     assert!((log_sum(-2000.0, -3000.0) + 2000.0).abs() < 1e-12);
 }
@@ -48,7 +48,7 @@ fn an_impossible_course_stands_lower() {
     assert!((at(-0.2, 5.0, 1e-3) + 3.5).abs() < 1e-9);
     assert!((at(5.4, 5.0, 1e-3) + 3.5).abs() < 1e-9);
     assert!((at(0.3, 5.0, -2e-4) + 3.5).abs() < 1e-9);
-    // all three quantities together; one quantity, limited to eight standard errors
+    // all three quantities together; then one quantity, limited to eight standard errors
     assert!((at(-0.2, -0.6, -2e-4) + 1.5 + 6.0).abs() < 1e-9);
     assert!((at(-7.0, 5.0, 1e-3) + 1.5 + 32.0).abs() < 1e-9);
 }
@@ -82,7 +82,7 @@ fn a_line_determines_its_roots_where_they_are_far_apart() {
         let line = line(1000.0, root, 1e-4);
         assert!(relative(line.determination_at(root), of(root, 1e-2)) < 1e-12);
     }
-    // The root with the lowest phase between 0 and π counts.
+    // The root with the lowest phase between 0 and π is used.
     let root = Complex64::new(0.05, 0.6);
     let found = line(1000.0, root, 1e-4).determination();
     assert!(relative(found, of(root, 1e-2)) < 1e-9, "{found}");
@@ -176,7 +176,7 @@ fn the_excess_is_the_median_misfit_of_the_best_course() {
     let mut last = None;
     let mut expected = Vec::new();
     for (n, deviations) in [0.5, 3.0, 1.0, 2.0, 0.1].into_iter().enumerate() {
-        // without an error of γ the misfit of a line is that of its noise alone
+        // if γ has no error, the misfit of a line is due to its noise alone
         let mut line = line(1000.0, state.gamma * 2.0, 1e-4);
         line.sight.observed += Complex64::new(0.0, deviations * 1e-2);
         let (passage, _) = state.update(&line.sight, last);
@@ -274,7 +274,7 @@ fn a_guessed_speed_weighs_by_its_relative_error() {
         wave_number: 4.4,
         standard_error: 0.2,
     };
-    // 0.6 off, with variances of 0.04 and half of 0.02
+    // 0.6 from the anchor, with variances of 0.04 and half of 0.02
     let likelihood = known.log_likelihood(&state(Complex64::new(0.3, 5.0)));
     assert!((likelihood + 0.5 * 0.36 / 0.05).abs() < 1e-12);
 }

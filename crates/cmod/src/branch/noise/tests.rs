@@ -29,8 +29,8 @@ fn relative(a: f64, b: f64) -> f64 {
     (a / b - 1.0).abs()
 }
 
-/// Equally spaced lines whose values are on a straight line, offset by `step` alternately upwards
-/// and downwards; `variance` is the stated one.
+/// Returns equally spaced lines whose values are on a straight line, offset by `step` alternately
+/// upwards and downwards; `variance` is the stated variance.
 fn zigzag(n: usize, step: f64, variance: f64) -> Vec<LineAt<'static>> {
     (0..n)
         .map(|k| {
@@ -53,14 +53,14 @@ fn a_median_is_the_middle() {
     let exactly = |found: Option<f64>, expected: f64| found.unwrap().total_cmp(&expected).is_eq();
     assert!(median(&mut []).is_none());
     assert!(exactly(median(&mut [5.0, -1.0, 3.0]), 3.0));
-    // the upper middle value of an even number
+    // for an even number of values it is the upper of the two middle values
     assert!(exactly(median(&mut [4.0, 1.0, 3.0, 2.0]), 3.0));
 }
 
 #[test]
 fn a_deviation_is_from_the_straight_line_through_the_neighbours() {
     // a quarter of the way from 1 to 3 the straight line is at 1.5; the variances of the three
-    // lines count with the factors 9/16, 1 and 1/16
+    // lines are weighted with the factors 9/16, 1 and 1/16
     let (first, last) = (line(10.0, 1.0, 0.016), line(14.0, 3.0, 0.032));
     let middle = line(11.0, 1.7, 0.004);
     let expected = 0.2 * 0.2 / (0.004 + 9.0 / 16.0 * 0.016 + 0.032 / 16.0);
@@ -75,13 +75,14 @@ fn a_deviation_is_from_the_straight_line_through_the_neighbours() {
 #[test]
 fn scatter_of_neighbours_is_the_level_of_noise() {
     let variance = 1e-6;
-    // |2 step|² over 1 + 1/4 + 1/4 variances; the median of an exponential variable is ln 2
+    // the variance of the deviation |2 step|² is 1 + 1/4 + 1/4 times that of a line; the median of
+    // an exponential variable is ln 2
     let level = |step: f64| 4.0 * step * step / (1.5 * variance) / LN_2;
     let of = |step: f64, stated: bool| {
         let lines = zigzag(9, step, variance);
         NoiseLevel::of(&lines, &places(&[0; 9]), stated).factor
     };
-    // three times and one third of the expected deviation
+    // steps of three times and of one third of the expected deviation
     for step in [1.8e-3, 0.2e-3] {
         assert!(relative(of(step, false), level(step)) < 1e-9);
     }
@@ -94,8 +95,8 @@ fn scatter_of_neighbours_is_the_level_of_noise() {
 
 #[test]
 fn the_level_is_not_inferred_beyond_a_tenth() {
-    // differences of 0.8 between neighbours may be the signal: the noise is at most 0.1 (1/4 +
-    // |Ψ|²)^1/2, here that of the middle line
+    // differences of 0.8 between neighbours may be the signal: the inferred noise is limited to 0.1
+    // (1/4 + |Ψ|²)^1/2, evaluated at the middle line
     let lines = zigzag(9, 0.4, 1e-6);
     let level = NoiseLevel::of(&lines, &places(&[0; 9]), false).factor;
     let mut most: Vec<f64> = lines
@@ -157,10 +158,10 @@ fn a_level_is_adjusted_beyond_four_standard_errors_of_the_misfit() {
     let mut high = level(true, 1.0);
     assert!(!high.adjust((many, 1.29)));
     assert!(high.adjust((many, 1.31)) && relative(high.factor, 1.31) < 1e-12);
-    // now the limit is 1.1
+    // after the first adjustment the limit is 1.1
     assert!(!high.adjust((many, 1.09)));
     assert!(high.adjust((many, 1.11)) && relative(high.factor, 1.31 * 1.11) < 1e-12);
-    // lowered again, but not below the stated noise
+    // the level is lowered again, but not below the stated noise
     assert!(!high.adjust((many, 0.95)));
     assert!(high.adjust((many, 0.1)) && high.factor.total_cmp(&1.0).is_eq());
     assert!(!high.adjust((many, 0.1)));

@@ -10,7 +10,8 @@ fn relative(a: f64, b: f64) -> f64 {
     (a / b - 1.0).abs()
 }
 
-/// Φ by Simpson's rule from -9, without the error function.
+/// Computes the normal distribution function Φ by Simpson's rule from -9, without the error
+/// function.
 fn normal_distribution(x: f64) -> f64 {
     let (from, n) = (-9.0, 4000);
     let h = (x - from) / f64::from(n);
@@ -29,8 +30,8 @@ fn normal_distribution(x: f64) -> f64 {
     sum * h / 3.0 / (2.0 * PI).sqrt()
 }
 
-/// Moments of a normal variable on its positive half, by Simpson's rule over the relevant twelve
-/// standard errors.
+/// Computes the moments of a normal variable on its positive half, by Simpson's rule over the
+/// relevant twelve standard errors.
 fn positive_half(mean: f64, spread: f64) -> (f64, f64) {
     let n = 20_000;
     let from = 0.0_f64.max(mean - 12.0 * spread);
@@ -45,7 +46,7 @@ fn positive_half(mean: f64, spread: f64) -> (f64, f64) {
             _ => 2.0,
         };
         let x = from + h * f64::from(k);
-        // the exponent relative to its value at 0, where the density would underflow
+        // the exponent is relative to its value at 0, because the density would underflow
         let exponent =
             -0.5 * ((x - mean) / spread).powi(2) + 0.5 * (mean.min(0.0) / spread).powi(2);
         for (power, moment) in moments.iter_mut().enumerate() {
@@ -69,14 +70,14 @@ fn a_damping_that_cannot_be_negative_has_the_moments_of_what_is_left() {
         let (found, variance) = cut_below_zero(mean, spread);
         let (expected, expected_variance) = positive_half(mean, spread);
         // Simpson's rule with 800 points per standard error; the variance keeps three digits at
-        // three errors below 0
+        // three standard errors below 0
         assert!(
             relative(found, expected) < 1e-8,
             "{mean} {spread}: {found} {expected}"
         );
         assert!(relative(variance, expected_variance) < 1e-6);
     }
-    // by the asymptotic expansion, whose next term is 2/a³
+    // this is computed by the asymptotic expansion, whose next term is 2/a³
     let (found, variance) = cut_below_zero(-1.0, 0.1);
     assert!(relative(found, 0.1 / 10.0) < 0.05, "{found}");
     assert!((0.0..0.01).contains(&variance));
@@ -104,7 +105,7 @@ fn the_spread_of_a_phase_is_half_the_variance_by_the_length() {
         (phase.mean.re - mean).abs() < 1e-8 && relative(phase.damping_variance, variance) < 1e-6
     );
     assert!((phase.mean.im - 3.5).abs() < 1e-15);
-    // γ without error
+    // case of γ without error
     let phase = Phase::of(
         &Smoothed {
             gamma: gamma(0.0, 1.0),
@@ -133,7 +134,8 @@ fn the_probability_of_a_root_is_that_of_its_half_plane() {
     // along the damping: 0.1 on the wrong side, with a standard error of 0.2
     let p = here.probability_of_first(gamma(0.6, 2.0), gamma(0.2, 2.0));
     assert!((p - normal_distribution(-0.5)).abs() < 1e-9, "{p}");
-    // oblique: the unit normal is (0.6, 0.8), and the mean is 0.1 ahead of the middle
+    // oblique: the unit normal is (0.6, 0.8), and the mean is 0.1 ahead of the middle between the
+    // roots
     let (ahead, error) = (0.1, (0.36 * 0.04 + 0.64 * 0.01_f64).sqrt());
     let middle = gamma(0.3, 2.0) - ahead * gamma(0.6, 0.8);
     let half = 0.35 * gamma(0.6, 0.8);
@@ -208,7 +210,8 @@ fn a_local_misfit_is_a_running_mean_from_both_sides() {
     let mut chi_square = vec![Some(1.0); lines.len()];
     chi_square[20] = Some(17.0);
     let misfit = local_misfit(&chi_square, &smoothed(0.1), &lines);
-    // 1 + 16/8, and 7/8 of the excess per line of distance
+    // the misfit is 1 + 16/8 at the erratic line, and its excess decreases by 7/8 per line of
+    // distance
     for (k, found) in misfit.iter().enumerate() {
         let away = i32::try_from(k.abs_diff(20)).unwrap();
         let expected = 1.0 + 2.0 * 0.875_f64.powi(away);
@@ -225,7 +228,7 @@ fn a_local_misfit_is_a_running_mean_from_both_sides() {
     assert!(short.iter().all(|m| m.is_finite()) && short[20] > ERRATIC);
     let long = local_misfit(&chi_square, &smoothed(0.5), &lines);
     let lost = long.iter().position(|m| m.is_infinite()).unwrap();
-    // the backward mean is above the limit from 19 lines before the stretch on
+    // the backward mean is above the limit from 19 lines before the stretch
     let began = short.iter().position(|m| *m > ERRATIC).unwrap();
     assert_eq!(lost, began + 7, "7 steps of 0.5 rad are the first above π");
     assert!(long[lost..].iter().all(|m| m.is_infinite()));
@@ -337,8 +340,8 @@ fn doubts_come_in_the_order_of_their_weight() {
             0.0
         )
     );
-    // for a standard error of 0.01, five standard errors below 0 are an error of the count, three
-    // are noise
+    // with a standard error of 0.01, a damping of five standard errors below 0 means a wrong count
+    // of waves; three standard errors below 0 are noise
     let (doubt, confidence) = ask(&clear, gamma(-0.05, 2.0), 0.995, roots, (0.0, None));
     let Some(BranchDoubt::Turned {
         damping_length,
@@ -351,8 +354,8 @@ fn doubts_come_in_the_order_of_their_weight() {
     assert!(confidence.abs() < 1e-15);
     let (doubt, _) = ask(&clear, gamma(-0.03, 2.0), 0.995, roots, (0.0, None));
     assert_eq!(doubt, None);
-    // more than half of the missing confidence belongs to another speed; otherwise the doubt is
-    // about the other root
+    // the doubt is about the other speed if more than half of the missing confidence belongs to it;
+    // otherwise the doubt is about the other root
     let (doubt, confidence) = ask(&clear, at, 0.9, roots, (0.06, Some(4.0)));
     assert_eq!(
         doubt,
@@ -371,8 +374,8 @@ fn doubts_come_in_the_order_of_their_weight() {
             other: 4.2
         })
     );
-    // a rival does not matter where the confidence is high, nor does another root that coincides
-    // with the first
+    // a rival does not matter where the confidence is high, and neither does another root that
+    // coincides with the first
     assert_eq!(ask(&clear, at, 0.995, roots, (0.06, Some(4.0))).0, None);
     let same = (at, at + gamma(0.0, 0.004));
     assert_eq!(ask(&clear, at, 0.9, same, (0.0, None)).0, None);

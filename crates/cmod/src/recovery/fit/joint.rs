@@ -1,4 +1,4 @@
-//! Joint fit of all tests.
+//! Joint fit of the model to all tests.
 
 use std::fmt;
 
@@ -12,7 +12,7 @@ use crate::error::{CmodError, check_not_negative, check_positive};
 /// Modulus of the virgin material, which the loss factors do not determine.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SeriesModulus {
-    /// E₁ \[Pa\], the measured |E| at the frequency of the tests.
+    /// Modulus E₁ \[Pa\]: the measured |E| at the frequency of the tests.
     pub value: f64,
     /// Standard error of E₁ \[Pa\].
     pub standard_error: f64,
@@ -22,55 +22,58 @@ pub struct SeriesModulus {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[non_exhaustive]
 pub enum ErrorScale {
-    /// Errors stated with the readings.
+    /// The errors stated with the readings.
     #[default]
     Stated,
-    /// Residual: the stated errors serve as relative weights and are multiplied by √(χ²/ν).
+    /// The residual of the fit; the stated errors are then relative weights and are multiplied by
+    /// √(χ²/ν).
     FromResidual,
 }
 
-/// Parameters of the three-element model from recovery tests, by weighted least squares over all
-/// readings.
+/// Fit of the parameters of the three-element model to recovery tests, by weighted least squares
+/// over all readings.
 ///
-/// Coordinates are ln E₂, ln k and ln m with k = E₂Bσ_r^m, the rate at the geometric mean σ_r of
-/// the largest stresses. The derivatives are exact, the start is the best point of a grid, the
-/// iteration is damped least squares. The standard errors are a first-order approximation.
+/// The coordinates are ln E₂, ln k and ln m, where k = E₂Bσ_r^m is the rate at the geometric mean
+/// σ_r of the largest stresses. The derivatives are exact, the starting point is the best point of
+/// a grid, and the iteration is damped least squares. The standard errors are a first-order
+/// approximation.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 #[must_use]
 pub struct RecoveryFit {
     /// Model at the minimum.
     pub model: ThreeElement,
-    /// σ_r \[Pa\].
+    /// Reference stress σ_r \[Pa\].
     pub reference_stress: f64,
-    /// E₁, E₂, B, m and k, in this order.
+    /// Estimates of E₁, E₂, B, m and k, in this order.
     pub estimates: [Estimate; 5],
-    /// Covariance of (ln E₂, ln B, m), by rows; `None` if a combination of them is undetermined.
+    /// Covariance of (ln E₂, ln B, m), by rows; `None` if a combination of these parameters is
+    /// undetermined.
     pub covariance: Option<[[f64; 3]; 3]>,
     /// Singular values of the Jacobian, descending: changes of the predictions along each of the
     /// `directions`, in standard errors of the readings. A value of 0 belongs to a combination of
     /// parameters on which the predictions do not depend.
     pub signal_to_noise: Vec<f64>,
-    /// Unit vectors in (ln E₂, ln k, ln m), one per singular value.
+    /// Directions of the singular values: unit vectors in (ln E₂, ln k, ln m), one per value.
     pub directions: Vec<Vec<f64>>,
     /// χ² of the readings.
     pub chi_squared: f64,
-    /// ν, the number of readings minus the number of singular values above 0.
+    /// Degrees of freedom ν: the number of readings minus the number of singular values above 0.
     pub degrees_of_freedom: usize,
-    /// t_r \[s\] of each test.
+    /// Recovery time t_r \[s\] of each test.
     pub recovery_times: Vec<f64>,
     /// Reason why the iteration ended.
     pub ending: Ending,
 }
 
 impl RecoveryFit {
-    /// Fits `tests`.
+    /// Fits the model to all `tests` together.
     ///
     /// # Errors
     /// [`CmodError::TooFewReadings`] for fewer than three readings in all, or if the errors follow
-    /// from the residual and no degree of freedom is left; [`CmodError::NonPhysical`] for a modulus
-    /// that is not above 0 or whose error is negative; [`CmodError::NoStart`] if the readings show
-    /// no rise of the loss factor; [`CmodError::LoadNotIntegrated`].
+    /// from the residual and there is no degree of freedom; [`CmodError::NonPhysical`] for a
+    /// modulus that is not above 0 or whose error is negative; [`CmodError::NoStart`] if the
+    /// readings show no rise of the loss factor; [`CmodError::LoadNotIntegrated`].
     pub fn new(
         tests: &[RecoveryTest],
         series_modulus: SeriesModulus,
@@ -160,8 +163,8 @@ impl RecoveryFit {
     }
 
     /// Returns the predicted Δtan δ with its standard error at the times of `test`, which need not
-    /// be one of the fitted tests. The error is infinite where the fitted tests leave the
-    /// prediction undetermined.
+    /// be one of the fitted tests. The error is infinite where the fitted tests do not determine
+    /// the prediction.
     ///
     /// # Errors
     /// [`CmodError::LoadNotIntegrated`].
@@ -211,7 +214,7 @@ impl RecoveryFit {
 /// Predicted change of the loss factor.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PredictedChange {
-    /// Δtan δ.
+    /// Predicted change Δtan δ.
     pub change: f64,
     /// Standard error, from the errors stated with the readings; infinite if undetermined.
     pub standard_error: f64,
@@ -231,8 +234,8 @@ impl Errors {
     fn new(directions: &Directions, at: &Coordinates, variance: f64, series_modulus: f64) -> Self {
         let m = at.exponent;
         let log_stress = at.reference_stress.ln();
-        // gradients in (ln E₂, ln k, ln m); ln B = ln k - ln E₂ - m ln σ_r; then the effect of the
-        // error of E₁: E₂ is proportional to it, B inversely
+        // gradients in (ln E₂, ln k, ln m); ln B = ln k - ln E₂ - m ln σ_r. The second entry is the
+        // effect of the error of E₁: E₂ is proportional to E₁, and B is inversely proportional.
         let gradients = [
             ([1.0, 0.0, 0.0], series_modulus),
             ([-1.0, 1.0, -m * log_stress], -series_modulus),
@@ -253,7 +256,7 @@ impl Errors {
         }
     }
 
-    /// Returns the largest standard error, if a parameter is not identified.
+    /// Returns the largest standard error if a parameter is not identified; otherwise `None`.
     fn unidentified(&self) -> Option<f64> {
         let errors = [self.parallel_modulus, self.rate, self.exponent];
         // a comparison with NaN is false: an unknown error counts as not identified

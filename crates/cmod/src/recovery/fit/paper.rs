@@ -1,4 +1,4 @@
-//! Procedure of the paper: E₂ and B from one test for a given m, and m from the others.
+//! Procedure of the paper: E₂ and B from one test for a given m, and m from the other tests.
 
 use super::super::{RecoveryTest, ThreeElementParameters};
 use super::prediction::{Coordinates, linearise, reference_stress};
@@ -7,7 +7,7 @@ use crate::error::{CmodError, check_positive};
 
 /// Number of points of the scan over m before the minimum is refined.
 const SCAN: u32 = 32;
-/// Accuracy of m.
+/// Accuracy to which m is determined.
 const EXPONENT_ACCURACY: f64 = 1e-6;
 
 /// Outcome of [`paper_procedure`].
@@ -15,25 +15,25 @@ const EXPONENT_ACCURACY: f64 = 1e-6;
 #[non_exhaustive]
 #[must_use]
 pub struct PaperFit {
-    /// Parameters found.
+    /// Fitted parameters.
     pub parameters: ThreeElementParameters,
-    /// Equation 4 fitted to the reference test.
+    /// Fit of equation 4 to the reference test.
     pub reference: SingleTestFit,
     /// χ² of the readings of the other tests.
     pub others_chi_squared: f64,
     /// Exponents tried in the scan, with the χ² of the other tests for each.
     pub scan: Vec<(f64, f64)>,
-    /// True if m is at an end of the range, so that no match was found in it.
+    /// True if m is at an end of the range, so that no minimum was found inside the range.
     pub at_end_of_range: bool,
 }
 
-/// Fits `tests` as paper C does, section 3: for given m, E₂ and B follow uniquely from test number
-/// `reference` (the paper uses Test 2, in the middle of its loads); m is varied between `exponents`
-/// until the other tests match best.
+/// Fits `tests` by the procedure of paper C, section 3: for given m, E₂ and B follow uniquely from
+/// test number `reference` (the paper uses Test 2, whose load is in the middle of the loads); m is
+/// varied between the two `exponents` until the other tests match best.
 ///
-/// `series_modulus` is E₁ \[Pa\]. The reference test determines only E₂ and B and not m, so that
-/// the result scatters more than that of a [joint fit](super::RecoveryFit), and the procedure
-/// states no errors.
+/// `series_modulus` is E₁ \[Pa\]. The reference test determines E₂ and B, but not m. Therefore the
+/// result scatters more than the result of a [joint fit](super::RecoveryFit). The procedure gives
+/// no errors.
 ///
 /// # Errors
 /// [`CmodError::ReferenceTest`] if there is no such test; [`CmodError::TooFewReadings`] if there is
@@ -91,7 +91,7 @@ pub fn paper_procedure(
             (best, least) = (*m, *value);
         }
     }
-    // golden section about the best point of the scan
+    // golden-section search about the best point of the scan
     let golden = 0.5 * (5.0_f64.sqrt() - 1.0);
     let (mut a, mut b) = ((best - width).max(lower), (best + width).min(upper));
     let (mut c, mut d) = (b - golden * (b - a), a + golden * (b - a));

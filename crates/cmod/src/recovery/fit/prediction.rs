@@ -1,8 +1,8 @@
 //! Loss factors predicted by the model for a set of tests, with derivatives.
 //!
 //! The coordinates are ln E₂, the logarithm of the rate k = E₂ B σ_r^m at a reference stress within
-//! the loads, and m. B itself is the strain rate of the dashpot at 1 Pa, seven decades below the
-//! loads; the error of ln B is that of m multiplied by ln σ_r.
+//! the loads, and m. B itself is not a coordinate: it is the strain rate of the dashpot at 1 Pa,
+//! seven decades below the loads, so the error of ln B is the error of m multiplied by ln σ_r.
 
 use std::f64::consts::TAU;
 
@@ -15,15 +15,15 @@ use crate::error::CmodError;
 /// Point in the space of parameters.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Coordinates {
-    /// E₁ \[Pa\], given.
+    /// Given modulus E₁ \[Pa\].
     pub(super) series_modulus: f64,
-    /// σ_r \[Pa\].
+    /// Reference stress σ_r \[Pa\].
     pub(super) reference_stress: f64,
-    /// ln E₂.
+    /// Logarithm ln E₂.
     pub(super) log_parallel_modulus: f64,
-    /// ln k.
+    /// Logarithm ln k.
     pub(super) log_rate: f64,
-    /// m.
+    /// Exponent m.
     pub(super) exponent: f64,
 }
 
@@ -50,11 +50,12 @@ impl Coordinates {
     }
 }
 
-/// Δtan δ of the readings of one test and its derivatives with respect to ln E₂, ln k and m.
+/// Predicted Δtan δ of the readings of one test, with derivatives with respect to ln E₂, ln k and
+/// m.
 pub(super) struct Prediction {
     pub(super) change: Vec<f64>,
     pub(super) derivatives: [Vec<f64>; 3],
-    /// t_r \[s\].
+    /// Recovery time t_r \[s\].
     pub(super) recovery_time: f64,
 }
 
@@ -63,7 +64,7 @@ pub(super) fn predict(test: &RecoveryTest, at: &Coordinates) -> Result<Predictio
     let m = at.exponent;
     let spring = test.load.response(&pair)?;
     let (rate, logarithm) = pair.local_rate(spring.value);
-    // without a stress the loss factor does not change, whatever the parameters
+    // without a stress the loss factor does not change, whatever the parameters are
     let (rate_by_log_rate, rate_by_exponent) = if spring.value == 0.0 {
         (0.0, 0.0)
     } else {
@@ -94,8 +95,8 @@ pub(super) fn predict(test: &RecoveryTest, at: &Coordinates) -> Result<Predictio
     })
 }
 
-/// Returns the whitened residuals, predicted minus measured, of all `tests` with derivatives with
-/// respect to ln E₂, ln k and ln m.
+/// Returns the whitened residuals, predicted minus measured, of all `tests`, with their derivatives
+/// with respect to ln E₂, ln k and ln m.
 pub(super) fn linearise(tests: &[RecoveryTest], at: &Coordinates) -> Result<Linearised, CmodError> {
     let mut residual = Vec::new();
     let mut jacobian: Vec<Vec<f64>> = vec![Vec::new(); 3];
@@ -151,8 +152,8 @@ pub(super) fn scaled(shape: &[f64], data: &[f64]) -> (f64, f64) {
 
 const START_EXPONENTS: [f64; 9] = [0.1, 0.3, 0.6, 1.0, 1.5, 2.0, 3.0, 4.5, 7.0];
 
-/// Returns the best point of a coarse grid over m and k; E₂ is a factor of the prediction and
-/// follows by linear least squares.
+/// Returns the best point of a coarse grid over m and k. E₂ only scales the prediction and
+/// therefore follows by linear least squares.
 pub(super) fn grid_start(
     tests: &[RecoveryTest],
     series_modulus: f64,
@@ -258,7 +259,7 @@ mod tests {
             let recovery = model.recovery(&load).unwrap();
             let test = test(load);
             let predicted = predict(&test, &AT).unwrap();
-            // two integrations with errors of 1e-9, raised to the power m
+            // errors of 1e-9 of two integrations, raised to the power m
             assert!((predicted.recovery_time / recovery.recovery_time() - 1.0).abs() < 4e-9);
             for (t, change) in test.time.iter().zip(&predicted.change) {
                 let expected = recovery.loss_factor_change(TAU * 10e3, *t);
@@ -286,7 +287,8 @@ mod tests {
                 let (up, down) = (moved(1.0), moved(-1.0));
                 for ((u, d), e) in up.iter().zip(&down).zip(column) {
                     let difference = (u - d) / (2.0 * h);
-                    // error: h² = 1e-8 of the value, and 1e-9/h from the integration
+                    // errors of the difference: h² = 1e-8 of the value, and 1e-9/h from the
+                    // integration
                     assert!((difference - e).abs() < 1e-5 * u, "{k}: {difference} {e}");
                 }
             }

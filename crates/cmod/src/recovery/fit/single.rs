@@ -10,25 +10,26 @@ use super::super::{RecoveryTest, ThreeElement, ThreeElementParameters};
 use super::prediction::scaled;
 use crate::error::{CmodError, check_positive};
 
-/// Equation 4 fitted to one test: Δtan δ = Δtan δᵢ/(1 + t/t_r).
+/// Fit of equation 4 to one test: Δtan δ = Δtan δᵢ/(1 + t/t_r).
 ///
-/// A test determines only these two numbers; no material model enters except the form of the curve.
-/// The three-element model adds that Δtan δᵢ t_r = E₁(m+1)/(E₂ωm) is the same for all loads, which
-/// checks the model without a fit of its parameters.
+/// A test determines only the two numbers Δtan δᵢ and t_r; no material model enters except the form
+/// of the curve. According to the three-element model, Δtan δᵢ t_r = E₁(m+1)/(E₂ωm) is the same for
+/// all loads. This checks the model without a fit of its parameters.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 #[must_use]
 pub struct SingleTestFit {
-    /// Δtan δᵢ.
+    /// Initial change Δtan δᵢ.
     pub initial_change: f64,
-    /// t_r \[s\].
+    /// Recovery time t_r \[s\].
     pub recovery_time: f64,
     /// Standard error of ln Δtan δᵢ, from the errors stated with the readings; infinite if not
     /// determined.
     pub initial_change_error: f64,
     /// Standard error of ln t_r; infinite if not determined.
     pub recovery_time_error: f64,
-    /// Product Δtan δᵢ t_r \[s\], which Δtan δ multiplied by the time approaches at late times.
+    /// Product Δtan δᵢ t_r \[s\], the value that Δtan δ multiplied by the time approaches at late
+    /// times.
     pub tail: f64,
     /// Standard error of the logarithm of the product; infinite if not determined.
     pub tail_error: f64,
@@ -119,8 +120,8 @@ impl SingleTestFit {
     /// Returns the parameters with `exponent` m and `series_modulus` E₁ \[Pa\] that give this curve
     /// after the load of `test`.
     ///
-    /// There is exactly one pair of E₂ and B for every m: the paper calls this an infinite number
-    /// of sets of parameter values which give identical results.
+    /// There is exactly one pair of E₂ and B for every m; in the words of the paper, an infinite
+    /// number of sets of parameter values give identical results.
     ///
     /// # Errors
     /// [`CmodError::NonPhysical`] unless `exponent` and `series_modulus` are finite and above 0;
@@ -136,8 +137,8 @@ impl SingleTestFit {
         let reference_stress = test.load.largest_stress();
         let omega = TAU * test.frequency_hz;
         let parallel_modulus = series_modulus * (m + 1.0) / (self.tail * omega * m);
-        // t_r = 1/(m λ₀), λ₀ = k |s₀/σ_r|^m: a root in ln k, where ln λ₀ rises with a slope between
-        // 1 and m + 1
+        // solves t_r = 1/(m λ₀), λ₀ = k |s₀/σ_r|^m, for ln k; ln λ₀ rises with ln k with a slope
+        // between 1 and m + 1
         let mut log_rate = -(m * self.recovery_time).ln();
         for _ in 0..100 {
             let pair = Dashpot {

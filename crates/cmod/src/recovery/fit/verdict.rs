@@ -3,7 +3,7 @@
 use std::fmt;
 
 /// Standard error, of a logarithm or of the exponent, below which a parameter counts as identified.
-/// For a logarithm, the parameter is then more than three times its standard error.
+/// For a logarithm, this means that the parameter is more than three times its standard error.
 pub const IDENTIFIED_BELOW: f64 = 1.0 / 3.0;
 
 /// Scale of the error of a parameter.
@@ -19,22 +19,22 @@ pub enum Scale {
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub enum Reason {
-    /// There is only one load, which gives Δtan δᵢ and t_r: two numbers for three parameters.
+    /// There is only one load. It gives two numbers, Δtan δᵢ and t_r, for three parameters.
     OneLoad,
     /// No reading is late enough to show a recovery: only Δtan δᵢ of each load is determined.
     RecoveryNotFollowed {
         /// The largest t/t_r of a reading.
         latest: f64,
     },
-    /// All readings are so late that the loads are indistinguishable: only Δtan δᵢ t_r is
-    /// determined, common to all loads.
+    /// All readings are so late that the loads are indistinguishable: only the product Δtan δᵢ t_r
+    /// is determined, which is the same for all loads.
     OnlyTail {
         /// The smallest t/t_r of a reading.
         earliest: f64,
     },
     /// The loads differ and the readings cover the recovery, but their errors are too large.
     Noise {
-        /// Standard error of the least determined of E₂, the rate k and m.
+        /// Largest of the standard errors of E₂, the rate k and m.
         standard_error: f64,
     },
 }
@@ -66,14 +66,14 @@ pub enum Verdict {
     /// The standard error is below [`IDENTIFIED_BELOW`].
     Identified,
     /// The parameter follows from E₂, k and m, which are identified. This applies to B, the strain
-    /// rate at 1 Pa: extrapolated over seven decades of stress, its relative error may be large
-    /// even where the rate at the loads is accurate.
+    /// rate at 1 Pa. B is extrapolated over seven decades of stress, so its relative error may be
+    /// large even if the rate at the loads is accurate.
     FollowsFromIdentified,
     /// The tests do not determine the parameter; its value is the point at which the iteration
     /// stopped, not a property of the material.
     NotIdentifiable(Reason),
     /// The parameter is given. No loss factor determines it: multiplying E₁ and E₂ by a factor and
-    /// dividing B by it leaves all predictions unchanged.
+    /// dividing B by the same factor leaves all predictions unchanged.
     Given,
 }
 
@@ -96,17 +96,17 @@ impl fmt::Display for Verdict {
 pub struct Estimate {
     /// Name of the quantity.
     pub name: &'static str,
-    /// Symbol.
+    /// Symbol of the quantity.
     pub symbol: &'static str,
     /// SI unit.
     pub unit: &'static str,
     /// Value in SI units.
     pub value: f64,
     /// Standard error of ln(value) or of the value, see `scale`; infinite if the tests do not
-    /// determine it.
+    /// determine the parameter.
     pub standard_error: f64,
     /// Scale of the error.
     pub scale: Scale,
-    /// Identifiability.
+    /// Identifiability by the tests.
     pub verdict: Verdict,
 }

@@ -1,4 +1,4 @@
-//! Cards of COMSOL and Code_Aster, and a plain one in JSON.
+//! Cards for COMSOL and Code_Aster, and a program-independent card in JSON.
 
 use std::fmt::Write as _;
 
@@ -8,21 +8,21 @@ use super::isotropic::{Isotropic, young_and_poisson};
 use super::{BulkBehaviour, MaterialCard, check_long_term, number};
 use crate::error::{CmodError, check_not_negative, check_positive};
 
-/// Points per decade of the functions of Code_Aster, between which it interpolates on logarithmic
-/// scales: a Debye peak is then reproduced to 0.2 %.
+/// Points per decade of the functions for Code_Aster. The program interpolates between the points
+/// on logarithmic scales; a Debye peak is then reproduced to 0.2 %.
 const POINTS_PER_DECADE: f64 = 20.0;
 
-/// Maximum number of points of one of these functions.
+/// Maximum number of points of a function for Code_Aster.
 const MOST_POINTS: usize = 2000;
 
 impl MaterialCard<'_> {
     /// Writes the table that a *Generalized Maxwell* material of COMSOL loads from a file: shear
     /// modulus \[Pa\] and relaxation time \[s\] of each branch, with [`BulkBehaviour::Elastic`].
     /// The comments state the density, and Young's modulus and Poisson's ratio of the main branch,
-    /// which are the long-term ones.
+    /// which are the long-term values.
     ///
     /// # Errors
-    /// Those of [`Self::abaqus`].
+    /// The errors of [`Self::abaqus`].
     pub fn comsol(&self) -> Result<String, CmodError> {
         let solid = self.elastic_solid()?;
         let (young, poisson) = young_and_poisson(solid.long_term_shear(), solid.instantaneous_bulk);
@@ -49,13 +49,13 @@ impl MaterialCard<'_> {
     }
 
     /// Writes the material for `DYNA_VISCO` of Code_Aster: storage modulus and loss factor as
-    /// functions of frequency, and a constant Poisson's ratio, which that command requires. Outside
-    /// of the band from `lowest_hz` to `highest_hz` \[Hz\] the functions are not defined.
+    /// functions of frequency, and a constant Poisson's ratio, which `DYNA_VISCO` requires. Outside
+    /// the band from `lowest_hz` to `highest_hz` \[Hz\] the functions are not defined.
     ///
     /// # Errors
-    /// [`CmodError::NonPhysical`] unless both frequencies are finite and above 0 and the second is
-    /// the larger one, by a factor of at most 10^100, and modulus and loss factor of the law are
-    /// finite between them.
+    /// [`CmodError::NonPhysical`] unless both frequencies are finite and above 0, the second is
+    /// larger than the first by a factor of at most 10^100, and the modulus and the loss factor of
+    /// the law are finite between them.
     pub fn code_aster(&self, lowest_hz: f64, highest_hz: f64) -> Result<String, CmodError> {
         let decades = (highest_hz / lowest_hz).log10();
         let steps = (POINTS_PER_DECADE * decades).ceil();
@@ -114,7 +114,7 @@ impl MaterialCard<'_> {
     /// modulus, and the terms by which the shear modulus relaxes.
     ///
     /// # Errors
-    /// Those of [`Self::abaqus`].
+    /// The errors of [`Self::abaqus`].
     pub fn json(&self) -> Result<String, CmodError> {
         let solid = self.elastic_solid()?;
         let of_rod = self.law.branches().iter();
@@ -159,7 +159,8 @@ impl MaterialCard<'_> {
     }
 }
 
-/// Returns `text` as a JSON string; comments have no control characters.
+/// Returns `text` as a JSON string. Control characters are not escaped, because comments contain
+/// none.
 fn quoted(text: &str) -> String {
     let escaped = text.replace('\\', "\\\\").replace('"', "\\\"");
     format!("\"{escaped}\"")

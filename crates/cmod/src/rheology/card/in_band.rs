@@ -1,15 +1,15 @@
-//! Prony series of a card: only relaxation times within the band of the data.
+//! Prony series of a card, with relaxation times only within the band of the data.
 //!
 //! A branch with ωτ >= 1 at the highest line ω₂ adds at most as much to E(∞) - E'(ω₂) as to
-//! E''(ω₂), and one with ωτ <= 1 at the lowest line ω₁ at most as much to E'(ω₁) - E(0) as to
-//! E''(ω₁). Therefore with 1/ω₂ <= τᵢ <= 1/ω₁
+//! E''(ω₂). A branch with ωτ <= 1 at the lowest line ω₁ adds at most as much to E'(ω₁) - E(0) as to
+//! E''(ω₁). Therefore, with 1/ω₂ <= τᵢ <= 1/ω₁,
 //!
 //! ```text
 //! E(∞) <= E'(ω₂) + E''(ω₂) ,    E(0) >= E'(ω₁) - E''(ω₁)
 //! ```
 //!
-//! and the stiffness of the card beyond the band is bounded by the measured modulus. A relaxation
-//! outside of the band, of which only a flank affects the data, becomes a part of the spring, or a
+//! The stiffness of the card beyond the band is thus bounded by the measured modulus. A relaxation
+//! outside the band, of which only a flank affects the data, becomes a part of the spring, or a
 //! branch at the end of the band.
 
 use rodwave::modulus::{GeneralisedMaxwell, MaxwellBranch};
@@ -27,8 +27,8 @@ use super::super::prony::Prony;
 use crate::error::CmodError;
 
 /// Returns the series nearest to the data with relaxation times within the band, starting from the
-/// times of `series`. All its parameters are identified, and every branch is worth its parameters
-/// by Schwarz's criterion.
+/// times of `series`. All its parameters are identified, and every branch improves Schwarz's
+/// criterion.
 pub(super) fn in_band(
     data: &ModulusData,
     series: &GeneralisedMaxwell,
@@ -55,7 +55,7 @@ pub(super) fn in_band(
         let open = |parameter: &Parameter| !parameter.verdict.is_identified();
         let shorter = without_the_cheapest(data, &found);
         if within && !fit.parameters.iter().skip(1).any(open) {
-            // an identified branch may still describe no more than the common errors of the data
+            // an identified branch may still describe only the common errors of the data
             if found.branches.len() > 1
                 && let Ok(simpler) = fitted(data, shorter, ends, options)
                 && simpler.1.bic <= fit.bic
@@ -73,7 +73,7 @@ pub(super) fn in_band(
     }
 }
 
-/// Returns the relaxation times of the series without the branch whose removal raises χ² least.
+/// Returns the relaxation times of the series without the branch whose removal increases χ² least.
 fn without_the_cheapest(data: &ModulusData, found: &Series) -> Vec<f64> {
     let without = |left_out: usize| {
         let kept = found.branches.iter().enumerate();

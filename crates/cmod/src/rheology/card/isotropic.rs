@@ -5,7 +5,7 @@ use rodwave::modulus::GeneralisedMaxwell;
 use super::BulkBehaviour;
 use crate::error::{CmodError, check_not_negative, check_positive};
 
-/// G(t) = G(0) - Σ Gᵢ (1 - e^{-t/τᵢ}), and K(t) likewise.
+/// Relaxation of an isotropic solid: G(t) = G(0) - Σ Gᵢ (1 - e^{-t/τᵢ}), and K(t) in the same form.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Isotropic {
     pub(super) instantaneous_shear: f64,
@@ -20,7 +20,8 @@ pub(super) struct Term {
     pub(super) relaxation_time: f64,
 }
 
-/// Returns Young's modulus \[Pa\] and Poisson's ratio for a shear and a bulk modulus \[Pa\].
+/// Returns Young's modulus \[Pa\] and Poisson's ratio of a solid with the given shear and bulk
+/// modulus \[Pa\].
 pub(super) fn young_and_poisson(shear: f64, bulk: f64) -> (f64, f64) {
     (
         9.0 * bulk * shear / (3.0 * bulk + shear),
@@ -56,7 +57,7 @@ impl Isotropic {
             terms,
         };
         check_positive("instantaneous shear modulus [Pa]", instantaneous_shear)?;
-        // a card contains products of the two moduli
+        // the products of two moduli in a card must be finite
         check_positive(
             "square of the instantaneous bulk modulus [Pa^2]",
             instantaneous_bulk * instantaneous_bulk,
@@ -82,9 +83,9 @@ impl Isotropic {
 /// Returns the branches of G = 3KE/(9K - E) with K constant.
 ///
 /// At s = -x, E = E∞ + Σ Eᵢ x/(x - λᵢ), λᵢ = 1/τᵢ, decreases from +∞ to -∞ between two neighbouring
-/// λᵢ, and from +∞ to E(∞) < 9K above the last: E = 9K has one root μ in each interval. There G has
-/// a pole, whose branch has the modulus Gμ = 27K²/(μ E'(s)); it is positive because E'(s) = Σ
-/// Eᵢλᵢ/(s + λᵢ)² is.
+/// λᵢ, and from +∞ to E(∞) < 9K above the last λᵢ. Therefore E = 9K has one root μ in each
+/// interval. At x = μ, G has a pole, whose branch has the modulus Gμ = 27K²/(μ E'(s)). This modulus
+/// is positive because E'(s) = Σ Eᵢλᵢ/(s + λᵢ)² is positive.
 fn shear_terms(law: &GeneralisedMaxwell, bulk: f64) -> Result<Vec<Term>, CmodError> {
     let mut rates: Vec<(f64, f64)> = law
         .branches()
@@ -112,7 +113,7 @@ fn shear_terms(law: &GeneralisedMaxwell, bulk: f64) -> Result<Vec<Term>, CmodErr
                 beyond
             }
         };
-        // until the two are neighbouring numbers
+        // bisect until the two bounds are neighbouring floating-point numbers
         loop {
             let middle = 0.5 * (low + high);
             if !(middle > low && middle < high) {

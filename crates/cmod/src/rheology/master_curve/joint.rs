@@ -1,4 +1,4 @@
-//! Joint fit of a series with the shifts, and the factors, of all temperatures.
+//! Joint fit of a series, the shifts of all temperatures and, if needed, their vertical factors.
 
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
@@ -14,18 +14,18 @@ use super::links::Starts;
 use crate::directions::Directions;
 use crate::error::CmodError;
 
-/// Maximum number of rounds of choosing an order and fitting it with the shifts; usually two
-/// suffice.
+/// Maximum number of rounds, in each of which an order is chosen and fitted together with the
+/// shifts; usually two rounds suffice.
 const MOST_ROUNDS: usize = 5;
 
-/// Series, shifts and factors fitted together to all lines.
+/// Problem of the joint fit: series, shifts and factors are fitted together to all lines.
 pub(super) struct Joint<'a> {
     pub(super) sweep: &'a TemperatureSweep,
     pub(super) joined: &'a ModulusData,
     pub(super) options: FitOptions,
     pub(super) shift_of_line: Vec<Option<usize>>,
     pub(super) factor_of_line: Vec<Option<usize>>,
-    /// Steps whose shifts (`others`) and whose factors (`scaled`) are fitted, with their
+    /// Temperature steps whose shifts (`others`) and whose factors (`scaled`) are fitted, with the
     /// temperatures.
     pub(super) others: Vec<usize>,
     pub(super) scaled: Vec<usize>,
@@ -33,7 +33,7 @@ pub(super) struct Joint<'a> {
     pub(super) scaled_temperatures: Vec<f64>,
 }
 
-/// Minimum whose order the next round does not change.
+/// Minimum of the joint fit, whose order would not change in another round.
 pub(super) struct Settled {
     pub(super) model: Prony,
     pub(super) minimum: Minimum,
@@ -49,8 +49,8 @@ impl Settled {
         joint.scores(&self.minimum).bic
     }
 
-    /// Returns true if χ² is too large to be due to chance; also if the errors follow from the
-    /// residual, where χ² is no test.
+    /// Returns true if χ² is too large to be due to chance, and also if the errors follow from the
+    /// residual, because χ² is then no test.
     pub(super) fn is_refused(&self, joint: &Joint<'_>) -> bool {
         const LEVEL: f64 = 0.01;
         let freedom = joint.joined.values().saturating_sub(self.minimum.at.len());

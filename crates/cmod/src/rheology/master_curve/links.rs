@@ -1,4 +1,4 @@
-//! Connections between the temperatures of a sweep, and the initial shifts.
+//! Connections between neighbouring temperatures of a sweep, and the initial shifts.
 
 use std::ops::RangeInclusive;
 
@@ -7,22 +7,24 @@ use super::super::overlap::{self, Overlap};
 use super::super::sweep::TemperatureSweep;
 use crate::error::CmodError;
 
-/// Maximum logarithm of the factor of the modulus between neighbouring temperatures: e^±0.2.
+/// Maximum logarithm of the factor of the modulus between neighbouring temperatures; the factor is
+/// between e^-0.2 and e^0.2.
 const MOST_LOG_FACTOR: f64 = 0.2;
-/// Minimum number of common points for a factor: shift and factor together fit fewer by chance.
+/// Minimum number of common points for which a factor is determined; a shift and a factor together
+/// fit fewer points by chance.
 const FEWEST_FOR_FACTOR: usize = 8;
 
-/// Connection of a temperature with the previous one.
+/// Connection of a temperature with the previous temperature.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Link {
-    /// ln of the ratio of the shifts where the curves overlap.
+    /// Logarithm of the ratio of the shifts, if the curves overlap.
     pub(super) overlap: Option<f64>,
-    /// ln of the ratio of the factors in the overlap; 0 if there is none.
+    /// Logarithm of the ratio of the factors in the overlap; 0 if there is no overlap.
     pub(super) log_factor: f64,
 }
 
-/// Returns the link of each temperature to the previous one; `None` where there is no link, as for
-/// the first temperature.
+/// Returns the link of each temperature to the previous one; `None` if there is no link, as for the
+/// first temperature.
 pub(super) fn links(sweep: &TemperatureSweep, factors: &[f64]) -> Vec<Option<Link>> {
     let reduced: Vec<ModulusData> = sweep
         .data
@@ -90,7 +92,7 @@ impl TemperatureSweep {
 
 /// Initial shifts and factors.
 pub(super) struct Starts {
-    /// ln a_T, 0 at the reference.
+    /// Logarithms ln a_T of the shift factors; 0 at the reference.
     pub(super) log_shifts: Vec<f64>,
     pub(super) log_factors: Vec<f64>,
     /// True if ln a_T is the stated value.
@@ -102,7 +104,8 @@ pub(super) struct Starts {
     reason = "there is one entry for each temperature, and `reference` is below their number"
 )]
 impl Starts {
-    /// Determines the starts, step by step from the reference to both sides.
+    /// Determines the initial values, step by step from the reference towards lower and higher
+    /// temperatures.
     pub(super) fn of(sweep: &TemperatureSweep, links: &[Option<Link>], reference: usize) -> Self {
         let count = links.len();
         let mut starts = Self {

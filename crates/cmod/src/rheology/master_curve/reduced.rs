@@ -16,12 +16,12 @@ impl MasterCurve {
     /// divided by b_T.
     ///
     /// The shifts and factors are results with errors, and a law fitted to the reduced lines
-    /// depends on them. With L Lᵀ the covariance of all ln b_T and ln a_T, each column of L is one
-    /// [common error](ModulusData::with_common_errors), which shifts a line by -E δ ln b - (dE/d ln
-    /// ω) δ ln a. The temperature of the reference is a further one, if its uncertainty is
-    /// [stated](Self::with_temperature_uncertainty). The covariance of the law's parameters is
-    /// then, to first order, that of a joint fit of law and shifts, provided that the law explains
-    /// the data as well as the series.
+    /// depends on them. Let L Lᵀ be the covariance of all ln b_T and ln a_T. Each column of L is
+    /// one [common error](ModulusData::with_common_errors), which shifts a line by -E δ ln b -
+    /// (dE/d ln ω) δ ln a. The temperature of the reference is a further common error, if its
+    /// uncertainty is [stated](Self::with_temperature_uncertainty). The covariance of the
+    /// parameters of the law is then, to first order, the covariance from a joint fit of law and
+    /// shifts, provided that the law explains the data as well as the series does.
     ///
     /// # Errors
     /// [`CmodError::ChangedResult`] if lists of this result were changed, or if `sweep` is not the
@@ -50,7 +50,7 @@ impl MasterCurve {
                 expected: count,
             });
         }
-        // a wrong temperature changes the name of a shift, not the lines
+        // a wrong temperature changes the temperature assigned to a shift, but not the lines
         let counted = |source| source != ErrorSource::Temperature;
         let covariance = shifts_of(&self.fit, count, &counted).covariance;
         let root = root_of(&covariance);
@@ -120,15 +120,15 @@ impl MasterCurve {
     }
 }
 
-/// Indices of the factor and of the shift of a temperature among the fitted ones.
+/// Indices of the factor and of the shift of a temperature among the fitted parameters.
 #[derive(Debug, Clone, Copy, Default)]
 struct Columns {
     factor: Option<usize>,
     shift: Option<usize>,
 }
 
-/// Returns lower triangular L with LLᵀ = C by rows; a pivot that is not above rounding makes its
-/// column 0.
+/// Returns the rows of the lower triangular matrix L with LLᵀ = C. A column whose pivot is at the
+/// level of rounding is set to 0.
 fn root_of(covariance: &[Vec<f64>]) -> Vec<Vec<f64>> {
     const ROUNDING: f64 = 1e-12;
     let mut rows: Vec<Vec<f64>> = Vec::with_capacity(covariance.len());

@@ -1,4 +1,4 @@
-//! Errors of a master curve due to those of the temperatures.
+//! Errors of a master curve due to errors of the temperatures.
 
 use super::super::parameter::{CommonShift, Interval, Parameter};
 use super::super::shift_law::Wlf;
@@ -11,15 +11,16 @@ const TIMES: &str = "relaxation time";
 
 impl MasterCurve {
     /// Adds the errors due to temperatures that are independent of each other and have the standard
-    /// uncertainty `kelvin` \[K\], such as that of the reading of a chamber.
+    /// uncertainty `kelvin` \[K\], such as the uncertainty of a reading of a temperature chamber.
     ///
-    /// With s = d ln a_T/dT, by WLF through the shifts, a temperature that is wrong by δ changes its
-    /// own ln a_T by s δ. That of the reference changes all others by -s δ, and the logarithms of the
-    /// relaxation times of the series by s δ. Reduced lines fit each other whatever their
-    /// temperatures are called: the reference alone shifts them, all alike.
+    /// With s = d ln a_T/dT, by WLF through the shifts, a temperature that is wrong by δ changes
+    /// its own ln a_T by s δ. An error δ of the reference temperature changes all other ln a_T by
+    /// -s δ, and the logarithms of the relaxation times of the series by s δ. The fit of the
+    /// reduced lines to each other does not depend on the stated temperatures; an error of the
+    /// reference temperature shifts all reduced lines by the same amount.
     ///
     /// # Errors
-    /// [`CmodError::NonPhysical`] unless `kelvin` is above 0; those of [`Self::shift_laws`].
+    /// [`CmodError::NonPhysical`] unless `kelvin` is above 0; the errors of [`Self::shift_laws`].
     pub fn with_temperature_uncertainty(mut self, kelvin: f64) -> Result<Self, CmodError> {
         check_positive("standard uncertainty of the temperatures [K]", kelvin)?;
         let wlf = self.law_of_slopes()?;
@@ -59,10 +60,10 @@ impl MasterCurve {
     }
 
     /// Returns the standard uncertainty of the temperatures \[K\] that explains the scatter of the
-    /// shifts about WLF, if they differ from it by more than their errors.
+    /// shifts about WLF, if the shifts differ from WLF by more than their errors.
     ///
     /// # Errors
-    /// Those of [`Self::shift_laws_by_scatter`].
+    /// The errors of [`Self::shift_laws_by_scatter`].
     pub fn temperature_scatter(&self) -> Result<f64, CmodError> {
         let laws = self.shift_laws_by_scatter()?;
         let reference = slope(&laws.wlf, self.reference_temperature)?;
@@ -83,8 +84,9 @@ impl MasterCurve {
         Ok((squares.0 / squares.1).sqrt())
     }
 
-    /// WLF by the scatter of the shifts, from the shifts with their own errors if they are few, or
-    /// the straight line through two shifts.
+    /// Returns the law from which slopes are computed: WLF fitted by the scatter of the shifts; if
+    /// there are too few shifts for this, WLF fitted with the errors of the shifts, or the straight
+    /// line through two shifts.
     fn law_of_slopes(&self) -> Result<Wlf, CmodError> {
         let laws = self.shift_laws_by_scatter().or_else(|_| self.shift_laws());
         match (laws, self.shifts.as_slice()) {
@@ -105,7 +107,7 @@ impl MasterCurve {
         }
     }
 
-    /// Enters the changes of all parameters by one temperature among the common errors.
+    /// Adds the changes of all parameters due to an error of one temperature to the common errors.
     fn add(&mut self, shift: Vec<f64>) {
         for (parameter, change) in self.fit.parameters.iter_mut().zip(&shift) {
             let before = parameter.standard_error;
@@ -136,7 +138,7 @@ impl MasterCurve {
         });
     }
 
-    /// Change of ln ω of all reduced lines, if the temperature of the reference is wrong by its
+    /// Returns the change of ln ω of all reduced lines if the reference temperature is wrong by its
     /// uncertainty.
     pub(super) fn change_by_reference(&self) -> f64 {
         let times = self.fit.parameters.iter();
@@ -153,7 +155,7 @@ impl MasterCurve {
     }
 }
 
-/// d ln a_T/dT at `temperature`.
+/// Returns d ln a_T/dT at `temperature`.
 fn slope(wlf: &Wlf, temperature: f64) -> Result<f64, CmodError> {
     let pole = 1.0 + wlf.curvature * (temperature - wlf.reference_temperature);
     let slope = -wlf.slope / (pole * pole);
@@ -164,9 +166,10 @@ fn slope(wlf: &Wlf, temperature: f64) -> Result<f64, CmodError> {
     }
 }
 
-/// One side of an interval, `before` being its standard error without the `further` one.
+/// Returns one side of an interval after a `further` standard error has been added to the standard
+/// error `before`.
 fn wider(side: f64, before: f64, further: f64) -> f64 {
-    // without an error of its own, the side is that of the normal quantile
+    // if there was no standard error before, the quantile of the normal distribution is used
     let quantile = if before > 0.0 { side / before } else { 1.96 };
     side.hypot(quantile * further)
 }

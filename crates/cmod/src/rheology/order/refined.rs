@@ -1,4 +1,4 @@
-//! Series at the minimum of χ² for its order, and the next shorter ones.
+//! Series at the minimum of χ² for its order, and the search for shorter series.
 
 use rodwave::modulus::MaxwellBranch;
 
@@ -13,10 +13,11 @@ use super::series::{Series, column, constant, grid, merged, target};
 use super::{HOPELESS, Order};
 use crate::directions::Directions;
 
-/// Predicted decrease of χ² for which a further branch is added; a criterion requires 4 or more.
+/// Predicted decrease of χ² for which a further branch is added; the criteria require a decrease of
+/// 4 or more.
 const WORTHWHILE: f64 = 1.0;
 /// Increase of χ², with moduli refitted, below which branches are removed without evaluating the
-/// orders in between: no criterion would keep them.
+/// intermediate orders, because no criterion would keep these branches.
 const FREE_OF_COST: f64 = 0.5;
 const MOST_FURTHER_LINES: usize = 12;
 
@@ -56,8 +57,8 @@ impl Refined {
         Some(Self { series, minimum })
     }
 
-    /// Adds the spectral lines with the largest predicted decrease of χ², as long as one is
-    /// [`WORTHWHILE`].
+    /// Adds the spectral lines with the largest predicted decrease of χ², as long as this decrease
+    /// is above [`WORTHWHILE`].
     pub(super) fn with_further_lines(mut self, data: &ModulusData, options: &FitOptions) -> Self {
         let grid = grid(data);
         for _ in 0..MOST_FURTHER_LINES {
@@ -128,9 +129,9 @@ impl Refined {
     }
 
     /// Returns the best series with fewer branches. While χ² rises negligibly, up to `most`
-    /// branches are removed at once, and the rest is refined. Otherwise one branch is removed: of
-    /// all mergers and removals the two of least χ² (only one above eight branches) are refined,
-    /// and the better series is returned.
+    /// branches are removed at once, and the remaining series is refined. Otherwise one branch is
+    /// removed: of all mergers and removals the two with the lowest χ² (only one if there are more
+    /// than eight branches) are refined, and the better series is returned.
     pub(super) fn shorter(&self, data: &ModulusData, most: usize) -> Option<Self> {
         let mut series = self.series.clone();
         let start = self.minimum.chi_squared;
@@ -159,8 +160,8 @@ impl Refined {
         refined.min_by(|a, b| a.minimum.chi_squared.total_cmp(&b.minimum.chi_squared))
     }
 
-    /// Adds a spring to a series without one and refines the series; the spring starts with half of
-    /// the modulus of the slowest branch. `None` if there is a spring already.
+    /// Adds a spring to a series without a spring and refines the series; the spring starts with
+    /// half of the modulus of the slowest branch. Returns `None` if there is a spring already.
     pub(super) fn with_spring(&self, data: &ModulusData) -> Option<Self> {
         if self.series.equilibrium > 0.0 {
             return None;
@@ -172,14 +173,14 @@ impl Refined {
         Self::of(data, solid)
     }
 
-    /// Returns the series without E∞, unless χ² rises too much.
+    /// Returns the series without E∞, unless χ² rises by `HOPELESS` or more.
     pub(super) fn without_spring(&self, data: &ModulusData) -> Option<Self> {
         if self.series.equilibrium <= 0.0 || self.series.branches.is_empty() {
             return None;
         }
         let mut fluid = self.series.clone();
         fluid.equilibrium = 0.0;
-        // the slowest branch can replace the spring
+        // the modulus of the spring is moved to the slowest branch, which can replace the spring
         let slowest = fluid.branches.last_mut()?;
         slowest.modulus += self.series.equilibrium;
         let mut carried = fluid.clone();
@@ -210,7 +211,7 @@ fn shorter_by_one(series: &Series, data: &ModulusData) -> Vec<(f64, Series)> {
             _ => None,
         })
         .collect();
-    // the spring, the branches, the mergers
+    // columns of the spring, of the branches and of the mergers
     let mut columns = vec![constant(data)];
     columns.extend(
         branches
@@ -248,7 +249,7 @@ fn shorter_by_one(series: &Series, data: &ModulusData) -> Vec<(f64, Series)> {
             spring.iter().copied().chain(rest.map(|k| k + 1)).collect(),
         ));
         if i > 0 {
-            // the merger in place of the two, in the order of times
+            // the merged branch replaces the two, in the order of relaxation times
             let merger = (0..n)
                 .filter(|k| *k != i)
                 .map(|k| if k + 1 == i { n + i } else { k + 1 });
@@ -256,7 +257,7 @@ fn shorter_by_one(series: &Series, data: &ModulusData) -> Vec<(f64, Series)> {
         }
     }
     if !solid && n > 0 {
-        // a relaxation far below the band may be a spring
+        // a relaxation far below the band may be replaced by a spring
         candidates.push(evaluate((0..n).collect()));
     }
     candidates.retain(|(_, series)| !series.is_empty());

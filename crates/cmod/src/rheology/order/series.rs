@@ -1,4 +1,5 @@
-//! Generalised Maxwell model as a list of branches, and the best one on a grid of relaxation times.
+//! Generalised Maxwell model as a list of branches, and the best model on a grid of relaxation
+//! times.
 
 use rodwave::modulus::MaxwellBranch;
 
@@ -8,11 +9,11 @@ use super::super::prony::{Prony, share_of};
 
 /// Relaxation times per decade of the grid.
 const TIMES_A_DECADE: f64 = 6.0;
-/// Decades of the grid beyond the band: two decades beyond, a flank is a straight line, whatever
-/// its distance.
+/// Decades of the grid beyond the band: two decades beyond, the flank of a relaxation is a straight
+/// line whatever its distance.
 const DECADES_BEYOND: f64 = 1.5;
 
-/// E∞ and branches in the order of increasing relaxation times.
+/// Equilibrium modulus E∞ and branches in order of increasing relaxation time.
 #[derive(Debug, Clone)]
 pub(in super::super) struct Series {
     pub(in super::super) equilibrium: f64,
@@ -20,7 +21,7 @@ pub(in super::super) struct Series {
 }
 
 impl Series {
-    /// Returns the lines of the best spectrum on a grid, with neighbours merged.
+    /// Returns the lines of the best spectrum on a grid, with neighbouring lines merged.
     pub(super) fn best(data: &ModulusData) -> Self {
         let times = grid(data);
         let mut columns = vec![constant(data)];
@@ -67,8 +68,9 @@ impl Series {
         }
     }
 
-    /// Returns starts with the same number of parameters, in other regions where the law may fit as
-    /// well: the spring as a slow relaxation, and the first or the last branch out of the band.
+    /// Returns starting points with the same number of parameters, in other regions in which the
+    /// law may fit as well: the spring replaced by a slow relaxation, and the first or the last
+    /// branch moved out of the band.
     pub(super) fn elsewhere(&self, data: &ModulusData) -> Vec<Vec<f64>> {
         const FAR: f64 = 30.0;
         let (lowest, highest) = data.band();
@@ -104,7 +106,7 @@ impl Series {
     }
 
     /// Returns the series with its largest branch split into two, or with a first branch if it has
-    /// none.
+    /// no branch.
     pub(super) fn split(&self, data: &ModulusData) -> Self {
         let mut longer = self.clone();
         let branches = self.branches.iter().enumerate();
@@ -125,8 +127,8 @@ impl Series {
         longer
     }
 
-    /// Returns the same relaxation times with the best moduli, and χ²; branches without a modulus
-    /// are removed.
+    /// Returns the same relaxation times with the best moduli, and χ²; branches whose modulus
+    /// becomes 0 are removed.
     pub(in super::super) fn with_best_moduli(mut self, data: &ModulusData) -> (f64, Self) {
         let solid = self.equilibrium > 0.0;
         let mut columns: Vec<Vec<f64>> = Vec::with_capacity(1 + self.branches.len());
@@ -153,8 +155,8 @@ impl Series {
     }
 }
 
-/// Merges two branches into one: the sum of the moduli, and the mean logarithm of the times with
-/// the moduli as weights.
+/// Merges two branches into one. Its modulus is the sum of the moduli; the logarithm of its
+/// relaxation time is the mean of the logarithms, with the moduli as weights.
 pub(super) fn merged(a: &MaxwellBranch, b: &MaxwellBranch) -> MaxwellBranch {
     let modulus = a.modulus + b.modulus;
     let share = b.modulus / modulus;
@@ -199,7 +201,8 @@ pub(super) fn column(data: &ModulusData, relaxation_time: f64) -> Vec<f64> {
         .collect()
 }
 
-/// Returns the whitened measured moduli, in the form that is linear in the moduli of the branches.
+/// Returns the whitened measured moduli, converted such that they are linear in the moduli of the
+/// branches.
 pub(super) fn target(data: &ModulusData) -> Vec<f64> {
     data.linear_moduli()
         .iter()

@@ -15,8 +15,8 @@ use crate::{Outcome, RodlabError};
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct AssemblySheet {
-    /// The struck point: the name of a member, such as `"rod"`, for its impact face, or the names
-    /// of a member and its point, such as `"rod, end"`.
+    /// The struck point. The name of a member alone, such as `"rod"`, means its impact face;
+    /// another point is stated by the names of the member and the point, such as `"rod, end"`.
     pub face: String,
     /// The members.
     pub members: Vec<MemberSheet>,
@@ -38,14 +38,14 @@ pub struct MemberSheet {
     pub measured: Option<MeasuredPointsSheet>,
 }
 
-/// Measured mobilities of several points of a body and between them.
+/// Measured mobilities at several points of a body and between these points.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct MeasuredPointsSheet {
     /// Names of the points.
     pub points: Vec<String>,
-    /// The mobility of each point, and of each pair of points in one direction or in both: two
-    /// directions are compared, and their mean is used.
+    /// The mobility at each point, and between each pair of points in one or both directions. If
+    /// both directions are measured, they are compared and their mean is used.
     pub mobilities: Vec<PairSheet>,
     /// Upper frequency of the lines used; by default all lines.
     #[serde(default)]
@@ -90,11 +90,12 @@ pub(crate) struct BothDirections {
 }
 
 impl BothDirections {
-    /// Fraction of the lines that may contradict because of faults on single lines, such as mains
-    /// hum.
+    /// Fraction of the lines on which the directions may contradict each other, because of faults
+    /// on single lines such as mains hum.
     const FEW: f64 = 0.01;
 
-    /// States the comparison; more than a few contradicting lines put the answer in doubt.
+    /// Enters the comparison in the outcome; contradictions on more than 1 % of the lines put the
+    /// answer in doubt.
     pub(crate) fn tell(&self, field: &str, outcome: &mut Outcome) {
         let [one, other] = &self.points;
         let found = &self.reciprocity;
@@ -146,8 +147,8 @@ const GROUND: &str = "ground";
 const FACES: [&str; 2] = ["face", "end"];
 
 impl MeasuredPointsSheet {
-    /// Returns the measurements of the pair of points with these indices, each in the form of a
-    /// measured body: one, or one per direction.
+    /// Returns the measurements between the points with these indices, each in the form of a
+    /// measured body: one measurement, or one for each direction.
     fn of_pair(
         &self,
         row: usize,
@@ -263,12 +264,12 @@ impl MemberSheet {
 }
 
 impl AssemblySheet {
-    /// Joins the members, which `member` creates from their indices.
+    /// Joins the members; `member` creates a member from its index.
     ///
     /// # Errors
     ///
-    /// [`RodlabError::Request`] for invalid members, unknown or repeated names, and members that
-    /// are not joined; [`RodlabError::Step`] for other errors.
+    /// [`RodlabError::Request`] for invalid members, unknown or repeated names, and members without
+    /// a joint; [`RodlabError::Step`] for other errors.
     pub(crate) fn assembled(
         &self,
         field: &str,
@@ -344,8 +345,8 @@ impl AssemblySheet {
         }
     }
 
-    /// Returns the point named in a text such as `"rod"` or `"rod, end"`; the ground has the index
-    /// after the last member.
+    /// Returns the point named by a text such as `"rod"` or `"rod, end"`; the member index of the
+    /// ground is one more than that of the last member.
     fn point(&self, text: &str, place: &str) -> Result<Point, RodlabError> {
         if text.trim() == GROUND {
             return Ok(Point::of(self.members.len(), 0));

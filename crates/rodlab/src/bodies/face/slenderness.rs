@@ -1,4 +1,4 @@
-//! Lengths of the waves in the rods of a body, compared with their diameters.
+//! Wavelengths in the rods of a body, compared with the diameters of the rods.
 
 use std::f64::consts::TAU;
 
@@ -8,8 +8,8 @@ use crate::bodies::material_sheet::{Materials, material_called};
 use crate::sheet::{Length, Stated};
 
 impl BodySheet {
-    /// Length of the waves at `frequency_hz` divided by the diameter, the least over all rods, cones
-    /// and horns; infinite if there are none. `field` is the place of the body in the sheet.
+    /// Returns the least ratio of wavelength to diameter at `frequency_hz` over all rods, cones and
+    /// horns; infinite if the body has none. `field` is the place of the body in the sheet.
     pub(crate) fn shortest_wave(
         &self,
         materials: &Materials,

@@ -1,5 +1,5 @@
-//! Figures: attenuation and phase velocity, the waves at the gauge and at the ends, and the
-//! residual of the model.
+//! Figures of a bar: attenuation and phase velocity, the waves at the gauge and at the ends, and
+//! the residual of the model.
 
 use rodfigure::{Figure, Mark, Panel, Role};
 
@@ -8,7 +8,7 @@ use super::separated::Waves;
 use super::table::Line;
 use crate::RodlabError;
 
-/// Damping coefficient and phase velocity with their bands.
+/// Figure of the damping coefficient and the phase velocity with their bands.
 pub(super) fn propagation(lines: &[Line]) -> Result<Figure, RodlabError> {
     let mut drawn = [Vec::new(), Vec::new()];
     for line in lines {
@@ -40,7 +40,7 @@ pub(super) fn propagation(lines: &[Line]) -> Result<Figure, RodlabError> {
     })
 }
 
-/// The first shot: its passages, its waves, and the residual of the model.
+/// Figures of the first shot: its passages, its waves, and the residual of the model.
 pub(super) fn waves(waves: &Waves, passages: &Passages) -> Vec<Figure> {
     let step = 1e3 / waves.rate_hz;
     let times = |n: usize| -> Vec<f64> { (0..n).map(|at| step * at as f64).collect() };

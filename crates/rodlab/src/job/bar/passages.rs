@@ -1,5 +1,5 @@
-//! Passages of the pulse in the first shot: where it begins at each gauge, and the windows of one
-//! gauge.
+//! Passages of the pulse in the first shot: its first sample at each gauge and, for a single gauge,
+//! the windows of the incident and the reflected pulse.
 
 use std::ops::Range;
 
@@ -12,12 +12,12 @@ use crate::sheet::{Exact, Time};
 const OF_PULSE: f64 = 0.02;
 /// Fraction of the peak beyond which a sample of the other sign belongs to the reflected pulse.
 const OF_REFLECTED: f64 = 0.05;
-/// Number of standard deviations of the noise above which a sample is not noise.
+/// Number of standard deviations of the noise above which a sample does not count as noise.
 const NO_NOISE: f64 = 8.0;
-/// Fraction of the time from the incident to the reflected front in which the gauge must be at
-/// rest.
+/// Least rest of the gauge between incident and reflected pulse, as a fraction of the time from
+/// front to front.
 const QUIET: f64 = 0.03;
-/// Relative error that the guess of the wave speed may have.
+/// Largest relative error of the guess of the wave speed.
 const GUESS: f64 = 0.25;
 
 /// Start and end, measured from the beginning of a record.
@@ -102,14 +102,14 @@ impl Passages {
         }
     }
 
-    /// Time of a sample in the form of a sheet.
+    /// Returns the time of a sample in the form of a sheet.
     fn time(&self, sample: usize) -> Result<Exact<Time>, RodlabError> {
         let text = format!("{} us", 1e6 * sample as f64 / self.rate_hz);
         text.parse()
             .map_err(|error| RodlabError::step("the window of a pulse", error))
     }
 
-    /// Windows of the incident and of the reflected pulse at the only gauge.
+    /// Returns the windows of the incident and of the reflected pulse at the only gauge.
     fn windows_of(&self, sheet: &BarSheet) -> Result<[Range<usize>; 2], RodlabError> {
         let (Some(history), Some(first), Some(gauge)) = (
             self.histories.first(),
@@ -172,7 +172,7 @@ impl Passages {
                 ms(apart)
             )));
         }
-        // the next wave is that from the struck end
+        // the next wave after the reflected pulse comes from the struck end
         let behind = sheet.bar.length.si() - gauge.distance();
         let until_next = 0.9 * apart as f64 * behind / gauge.distance();
         let margin = quiet / 4;
@@ -222,7 +222,7 @@ impl Passages {
     }
 }
 
-/// Number of samples in a time \[s\].
+/// Returns the number of samples in a time \[s\].
 fn samples(time: f64, rate_hz: f64) -> Option<usize> {
     labio::hits::Extent::Seconds(time).samples(rate_hz).ok()
 }
@@ -235,8 +235,8 @@ struct Reflection {
     front: Option<usize>,
 }
 
-/// Returns the history minus its level in the silence, the size from which a sample belongs to the
-/// pulse, and the first such sample.
+/// Returns the history minus its level in the silence, the absolute value above which a sample
+/// belongs to the pulse, and the index of the first such sample.
 fn at_rest(
     history: &[f64],
     rate_hz: f64,
@@ -244,7 +244,8 @@ fn at_rest(
     at: usize,
 ) -> Result<(Vec<f64>, f64, usize), RodlabError> {
     let silence = samples(sheet.silent.si(), rate_hz).unwrap_or(usize::MAX);
-    // the pulse may begin in a silence that is stated too long: only its first half is used
+    // only the first half of the silence is used, because the pulse begins in it if it is stated
+    // too long
     let rest = history.get(..silence / 2).unwrap_or_default();
     if rest.len() < 8 || silence >= history.len() {
         return Err(RodlabError::request(

@@ -1,5 +1,6 @@
-//! Waves towards the free end and from it, at the gauge and at the ends of the bar, found from the
-//! first gauge and the free end; and the residual of the model.
+//! Waves towards and from the free end, at the first gauge and at the ends of the bar, computed
+//! from the history of the first gauge and the condition at the free end; and the residual of the
+//! model.
 
 use num_complex::Complex64;
 use rodwave::fourier::RealFourier;
@@ -9,7 +10,8 @@ use super::passages::Passages;
 use super::table::Line;
 use crate::outcome::{CHECK, Quantity};
 
-/// Frequencies between which the waves are faded out, as fractions of the last valid frequency.
+/// Frequencies between which the spectrum of the waves is reduced to 0, as multiples of the last
+/// valid frequency.
 const FALLS: [f64; 2] = [0.75, 1.25];
 /// Maximum number of passages of the gauge that are summed.
 const MOST_PASSAGES: usize = 400;
@@ -19,21 +21,22 @@ const MOST_DRAWN: u32 = 4;
 
 /// Histories of the waves of the first shot.
 pub(super) struct Waves {
-    /// Times \[s\] at which the front of the first passage comes back to each gauge.
+    /// Times \[s\] at which the front of the pulse returns to each gauge after its first passage.
     pub(super) returns: Vec<Vec<f64>>,
-    /// Place, wave towards the free end, wave from the free end.
+    /// Name of the place, wave towards the free end, and wave from the free end.
     pub(super) at: Vec<(String, Vec<f64>, Vec<f64>)>,
     /// Gauge whose history the model predicts.
     pub(super) gauge: String,
-    /// History of that gauge in the band, in the scale of the first gauge.
+    /// History of this gauge in the band, in the scale of the first gauge.
     pub(super) measured: Vec<f64>,
-    /// The prediction.
+    /// Prediction of the model for this history.
     pub(super) predicted: Vec<f64>,
     pub(super) rate_hz: f64,
 }
 
 impl Waves {
-    /// Root mean square of the residual of the model, relative to that of the history.
+    /// Root mean square of the residual of the model, relative to the root mean square of the
+    /// history.
     pub(super) fn misfit(&self) -> Quantity {
         let pairs = self.measured.iter().zip(&self.predicted);
         let left: f64 = pairs.map(|(a, b)| (a - b).powi(2)).sum();
@@ -50,7 +53,7 @@ impl Waves {
 }
 
 /// Lines of a Fourier transform, with the propagation coefficient interpolated between the valid
-/// lines.
+/// lines and a weight that ends the band.
 struct Band {
     transform: RealFourier,
     n_samples: usize,
@@ -68,7 +71,7 @@ impl Band {
         let gamma = |line: usize| {
             let f = frequency(line);
             let after = valid.partition_point(|line| line.frequency_hz < f);
-            // outside the valid lines, gamma/f is that of the nearest one
+            // outside the valid lines, gamma/f is that of the nearest valid line
             let (below, above) = match (after.checked_sub(1), valid.get(after)) {
                 (Some(below), Some(above)) => (valid.get(below).copied().unwrap_or(first), *above),
                 (None, _) => (*first, *first),
@@ -106,7 +109,7 @@ impl Band {
         self.transform.forward().to_vec()
     }
 
-    /// The spectrum of a history in the band.
+    /// Returns the spectrum of a history, weighted by the band.
     fn spectrum(&mut self, history: &[f64]) -> Vec<Complex64> {
         let lines = self.transformed(history);
         let weighted = lines.iter().zip(&self.weight);
@@ -126,7 +129,7 @@ impl Band {
     }
 }
 
-/// The waves; `None` without valid lines or a gauge.
+/// Returns the waves; `None` if there are no valid lines or no gauge.
 pub(super) fn of(lines: &[Line], sheet: &BarSheet, passages: &Passages) -> Option<Waves> {
     let valid: Vec<&Line> = lines.iter().filter(|line| line.is_valid).collect();
     let slowest = valid.iter().map(|line| line.phase_velocity());
@@ -138,14 +141,14 @@ pub(super) fn of(lines: &[Line], sheet: &BarSheet, passages: &Passages) -> Optio
     let duration = history.len() as f64 / passages.rate_hz;
     let reach = |passages: &usize| 2.0 * to_end * *passages as f64 / slowest < duration;
     let passes = (1..MOST_PASSAGES).take_while(reach).count();
-    // P (1 - e^{-2 gamma b}) = strain, summed passage by passage
+    // P (1 - e^{-2 gamma b}) = strain, solved for the incident wave P as a sum over the passages
     let sum = |gamma: Complex64| {
         let once = (-2.0 * gamma * to_end).exp();
         (0..passes).fold(Complex64::ONE, |sum, _| 1.0 + once * sum)
     };
     let along = band.history(&strain, sum);
-    // the end of the record is a step, whose lines above the band would grow as the wave is traced
-    // back
+    // the wave is limited to the band again: the end of the record is a step, whose lines above the
+    // band would grow as the wave is traced back
     let in_band = band.spectrum(&along);
     let along = band.transformed(&along);
     let carried = |way: f64| move |gamma: Complex64| (-gamma * way).exp();
@@ -157,8 +160,9 @@ pub(super) fn of(lines: &[Line], sheet: &BarSheet, passages: &Passages) -> Optio
         ("at the struck end".to_owned(), length),
     ] {
         let mut towards = band.history(&in_band, carried(to_end - from_end));
-        // the last waves at the struck end reach the gauge after the end of the record, and the
-        // step there is spread over two periods
+        // the last samples at the struck end are unknown, because these waves reach the gauge after
+        // the end of the record, and the step there is spread over two periods of the last valid
+        // line
         let periods = 2.0 / valid.last()?.frequency_hz;
         let known = duration - (from_end - to_end).max(0.0) / slowest - periods;
         for (at, sample) in towards.iter_mut().enumerate() {
@@ -177,7 +181,8 @@ pub(super) fn of(lines: &[Line], sheet: &BarSheet, passages: &Passages) -> Optio
     let own = band.spectrum(own);
     let measured = band.history(&own, |_| Complex64::ONE);
     let [predicted, measured] = match &passages.windows {
-        // the incident pulse alone, until its reflection has passed
+        // a single gauge: the prediction starts from the incident pulse alone and ends after its
+        // reflection
         Some([incident, reflected]) => {
             let pulse = history.iter().enumerate();
             let pulse = pulse.map(|(at, x)| if incident.contains(&at) { *x } else { 0.0 });
@@ -189,7 +194,8 @@ pub(super) fn of(lines: &[Line], sheet: &BarSheet, passages: &Passages) -> Optio
             let both = band.history(&along, |gamma| {
                 (-gamma * (to_end - from_end)).exp() - (-gamma * (to_end + from_end)).exp()
             });
-            // the estimate also finds the ratio of the calibrations
+            // the scale is fitted, because the estimate also determines the ratio of the
+            // calibrations
             let products = measured.iter().zip(&both);
             let (product, square) =
                 products.fold((0.0, 0.0), |(p, s), (a, b)| (p + a * b, s + a * a));

@@ -1,4 +1,4 @@
-//! The propagation coefficient of the bar on each line, with its covariance.
+//! Table of the propagation coefficient of the bar on each line, with its covariance.
 
 use cmod::ModulusLine;
 use cmod::estimate::{ComplexCovariance, coverage_factor};
@@ -13,7 +13,7 @@ use crate::outcome::{Column, Table};
 /// Probability of the bands.
 const LEVEL: f64 = 0.95;
 
-/// Waves of the bar on a line as measured, that is with the lateral inertia for which the modulus
+/// Waves of the bar on a line as measured. They contain the lateral inertia, for which the modulus
 /// is corrected.
 pub(super) struct Line {
     pub(super) frequency_hz: f64,
@@ -44,14 +44,14 @@ impl Line {
     }
 }
 
-/// The lines of an estimate.
+/// Returns the lines of an estimate.
 pub(super) fn lines(found: &Found<'_>, sheet: &BarSheet) -> Vec<Line> {
     let density = sheet.bar.density.with_uncertainty().value;
     let corrections = found.corrected.map(|corrected| corrected.corrections());
     let of = |(at, line): (usize, &ModulusLine)| {
         let gamma = line.propagation_coefficient;
         let correction = corrections.and_then(|all| all.get(at));
-        // the wave that was measured: gamma^2 = -rho omega^2/E with the apparent modulus
+        // the measured wave: gamma^2 = -rho omega^2/E with the apparent modulus
         let measured = correction.map_or(gamma, |correction| {
             let omega = std::f64::consts::TAU * line.frequency_hz;
             Complex64::new(0.0, omega) * (density / correction.apparent_modulus).sqrt()
@@ -68,7 +68,7 @@ pub(super) fn lines(found: &Found<'_>, sheet: &BarSheet) -> Vec<Line> {
     found.estimate.lines().iter().enumerate().map(of).collect()
 }
 
-/// The table.
+/// Returns the table of all lines.
 pub(super) fn of(lines: &[Line]) -> Result<Table, RodlabError> {
     let half: Vec<[f64; 3]> = lines
         .iter()
@@ -112,7 +112,7 @@ pub(super) fn of(lines: &[Line]) -> Result<Table, RodlabError> {
     })
 }
 
-/// A sentence about the valid line in the middle.
+/// Returns a sentence about the middle one of the valid lines.
 pub(super) fn in_words(lines: &[Line]) -> Result<Option<String>, RodlabError> {
     let valid: Vec<&Line> = lines.iter().filter(|line| line.is_valid).collect();
     let Some(line) = valid.get(valid.len() / 2) else {

@@ -20,24 +20,25 @@ use crate::sheet::{Duration, Exact, Temperature};
 use cmod::estimate::ComplexCovariance;
 use cmod::rheology::TransientTest;
 
-/// Files of the same layout, each a table with one row for each frequency or time and temperature.
+/// Files of the same layout. Each is a table with one row for each temperature and frequency, or
+/// temperature and time.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct TableSheet {
-    /// Names or patterns (`sweep/T*.txt`), relative to the sheet: one file with all temperatures,
-    /// or several.
+    /// Names or patterns (`sweep/T*.txt`), relative to the sheet, of one file with all
+    /// temperatures, or of several files.
     pub files: Vec<String>,
     /// Column of the frequency, by name or by number from 1.
     #[serde(default)]
     pub frequency: Option<Selector>,
-    /// Column of the angular frequency, instead of the frequency.
+    /// Column of the angular frequency, stated instead of the frequency.
     #[serde(default)]
     pub angular_frequency: Option<Selector>,
     /// Column of the time since the beginning of the loading, for relaxation and creep.
     #[serde(default)]
     pub time: Option<Selector>,
-    /// Time in which the load grew, in proportion to time, before it was held, such as `"0.5 s"`;
-    /// by default 0, a step. Rows up to the end of this ramp are left out.
+    /// Duration of the linear ramp of the load before it was held, such as `"0.5 s"`; by default 0,
+    /// a step. Rows up to the end of the ramp are left out.
     #[serde(default)]
     pub ramp: Option<Exact<Duration>>,
     /// Times used, such as `(from: "1 s", to: "1000 s")`; by default all after the ramp.
@@ -50,8 +51,8 @@ pub struct TableSheet {
     pub units: UnitsSheet,
     /// Temperature of the rows.
     pub temperature: TemperatureSheet,
-    /// Standard errors of the moduli, independent from row to row; without them the scatter about
-    /// the fit gives the errors.
+    /// Standard errors of the moduli, independent from row to row; by default the errors are
+    /// computed from the scatter about the fit.
     #[serde(default)]
     pub errors: Option<ErrorsSheet>,
 }
@@ -91,17 +92,17 @@ pub enum ModulusColumns {
         /// Column of δ.
         phase: Selector,
     },
-    /// Stress divided by the held strain, over time.
+    /// Relaxation: stress divided by the held strain, over time.
     Relaxation {
         /// Column of E(t).
         modulus: Selector,
     },
-    /// Strain divided by the held stress, over time.
+    /// Creep compliance: strain divided by the held stress, over time.
     Creep {
         /// Column of J(t).
         compliance: Selector,
     },
-    /// The held stress divided by the strain, over time.
+    /// Creep modulus: the held stress divided by the strain, over time.
     CreepModulus {
         /// Column of 1/J(t).
         modulus: Selector,
@@ -130,10 +131,10 @@ pub enum TemperatureSheet {
     Stated(Exact<Temperature>),
 }
 
-/// A row.
+/// One row of a table.
 #[derive(Debug, Clone)]
 pub(super) struct Row {
-    /// Index of the file among the inputs, and its path with the line.
+    /// Index of the file among the inputs, and path of the file with the line of the row.
     pub(super) file: usize,
     pub(super) place: String,
     /// Frequency, or 1/(2πt) for a row over time.
@@ -144,7 +145,8 @@ pub(super) struct Row {
     pub(super) modulus: Complex64,
     pub(super) covariance: ComplexCovariance,
     pub(super) temperature: f64,
-    /// Number that is equal for all rows of a step, if the sheet names a column for it.
+    /// Number of the column that groups the rows into steps, if the sheet names such a column; it
+    /// is equal for all rows of a step.
     pub(super) key: Option<f64>,
 }
 
@@ -162,7 +164,7 @@ impl Row {
     }
 }
 
-/// All rows and files.
+/// All rows with the files from which they were read.
 pub(super) struct Read {
     pub(super) rows: Vec<Row>,
     pub(super) inputs: Vec<InputFile>,
@@ -270,7 +272,7 @@ fn rows(
             ))
         };
         if over_time.is_some() {
-            // times of 0 or below have no frequency
+            // a time of 0 or below has no equivalent frequency
             let time = (TAU * frequency_hz).recip();
             let within = |times: &TimesSheet| times.from.si() <= time && time <= times.to.si();
             let is_held = time > ramp && time.is_finite();
@@ -327,7 +329,7 @@ fn rows(
     Ok(rows)
 }
 
-/// Frequencies \[Hz\], or 1/(2πt) of times, with the field of their column.
+/// Returns the frequencies \[Hz\], which are 1/(2πt) for times, with the field of their column.
 fn abscissae(
     table: &TableSheet,
     file: &TableFile,
@@ -392,7 +394,7 @@ fn abscissae(
     }
 }
 
-/// Complex moduli, or moduli over time \[Pa\], with the field of their real parts.
+/// Returns the complex moduli, or the moduli over time \[Pa\], with the field of their real parts.
 fn moduli(
     table: &TableSheet,
     file: &TableFile,

@@ -1,4 +1,5 @@
-//! Errors of the moduli: stated in the sheet, or of unknown size.
+//! Errors of the moduli: stated in the sheet, or estimated from the scatter if their size is
+//! unknown.
 
 use cmod::estimate::{ComplexCovariance, ErrorSource};
 use cmod::rheology::{CommonError, ErrorScale, ModulusData, ModulusPoint, TransientPoint};
@@ -18,17 +19,17 @@ use crate::{Outcome, RodlabError};
 
 /// Relative standard error assumed for the weights of rows without stated errors: the same fraction
 /// of |E| for E' and for E'', as for an instrument that measures absolute value and phase. The
-/// scatter gives the errors of the results, and the ratio of the errors of |E| and of the phase;
-/// the assumed size only decides which temperatures agree where they overlap.
+/// errors of the results, and the ratio of the errors of |E| and of the phase, are computed from
+/// the scatter; the assumed size only decides which temperatures agree where they overlap.
 const ASSUMED: f64 = 0.01;
 /// Multiples of [`ASSUMED`] that are tried until all temperatures are joined.
 const MULTIPLES: [f64; 4] = [1.0, 2.0, 4.0, 8.0];
-/// Factor between the ratio of the scatters of |E| and of the phase and the same ratio of the
-/// weights, below which the two ratios count as equal: from 169 rows the ratio of the scatters is
-/// known to 8 %.
+/// Largest factor by which the ratio of the scatters of |E| and of the phase may differ from the
+/// same ratio of the assumed errors for the two to count as equal. With 169 rows the ratio of the
+/// scatters is known to 8 %.
 const EQUAL: f64 = 1.2;
-/// Maximum number of fits; each after the first has weights from the scatter about the previous
-/// fit.
+/// Maximum number of fits; after the first, each fit takes its weights from the scatter about the
+/// previous one.
 const MOST_FITS: u32 = 4;
 /// Largest ratio of the assumed errors of |E| and of the phase, or its inverse.
 const MOST_UNEQUAL: f64 = 10.0;
@@ -41,7 +42,7 @@ const RISING: f64 = 4.0;
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub enum ErrorsSheet {
-    /// Columns of standard errors, in the form of the moduli.
+    /// Columns of standard errors, in the same form as the columns of the moduli.
     Columns(ModulusColumns),
     /// Relative standard errors of E' and of E''.
     Parts {
@@ -68,7 +69,8 @@ pub enum ErrorsSheet {
     OverTime(Exact<Ratio>),
 }
 
-/// Returns the basis of the errors of a sheet, in which either all tables or none state them.
+/// Returns the basis of the errors of a sheet, in which either all tables state errors or none
+/// does.
 pub(super) fn scale(sheet: &FitSheet) -> ErrorScale {
     if sheet.tables.iter().all(|table| table.errors.is_some()) {
         ErrorScale::Stated
@@ -77,7 +79,7 @@ pub(super) fn scale(sheet: &FitSheet) -> ErrorScale {
     }
 }
 
-/// Covariances of the moduli of a table.
+/// Returns the covariances of the moduli of a table.
 pub(super) fn covariances(
     table: &TableSheet,
     file: &TableFile,
@@ -212,7 +214,7 @@ fn independent(storage: f64, loss: f64) -> ComplexCovariance {
     covariance
 }
 
-/// Covariance from independent errors of E' and of tan δ: E'' = E' tan δ.
+/// Returns the covariance from independent errors of E' and of tan δ, with E'' = E' tan δ.
 fn with_loss_factor(modulus: Complex64, storage: f64, loss_factor: f64) -> ComplexCovariance {
     let tan = modulus.im / modulus.re;
     let mut covariance = ComplexCovariance::circular(0.0);
@@ -222,7 +224,7 @@ fn with_loss_factor(modulus: Complex64, storage: f64, loss_factor: f64) -> Compl
     covariance
 }
 
-/// Covariance from independent errors: a relative one of |E|, and one of the phase.
+/// Returns the covariance from an independent relative error of |E| and an error of the phase.
 fn polar(modulus: Complex64, magnitude: f64, phase: f64) -> ComplexCovariance {
     let (along, across) = (
         (magnitude * modulus.norm()).powi(2),
@@ -236,10 +238,10 @@ fn polar(modulus: Complex64, magnitude: f64, phase: f64) -> ComplexCovariance {
     covariance
 }
 
-/// A temperature \[K\] with its data.
+/// Temperature \[K\] and data of a step.
 pub(super) type OfStep = (f64, ModulusData);
 
-/// Scatter of rows without stated errors, as a part of |E| and of the phase \[rad\].
+/// Scatter of rows without stated errors: of |E|, relative, and of the phase \[rad\].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Scatter {
     pub(super) magnitude: f64,
@@ -254,7 +256,7 @@ impl Scatter {
     };
 
     /// Returns the scatter of measured moduli about fitted ones; `None` without moduli over
-    /// frequency, since only these have a phase.
+    /// frequency, because only these have a phase.
     pub(super) fn about(
         rows: impl Iterator<Item = (Complex64, Complex64, Option<f64>)>,
     ) -> Option<Self> {
@@ -273,8 +275,8 @@ impl Scatter {
         })
     }
 
-    /// Returns errors of the assumed size in the ratio of the two scatters; `None` if this ratio
-    /// counts as equal to that of the weights `used`.
+    /// Returns errors of the assumed size whose ratio is that of the two scatters; `None` if this
+    /// ratio counts as equal to the ratio of the errors `used` before.
     fn unlike(self, used: Self) -> Option<Self> {
         let ratio = |of: Self| (of.magnitude / of.phase).clamp(MOST_UNEQUAL.recip(), MOST_UNEQUAL);
         let (own, before) = (ratio(self), ratio(used));
@@ -286,9 +288,9 @@ impl Scatter {
     }
 }
 
-/// Returns the result of `fit` for the rows. If their errors are not stated, and |E| and the phase
-/// scatter about the result in another ratio than that of their weights, the rows are weighted in
-/// the new ratio and fitted again.
+/// Returns the result of `fit`. If no errors are stated, and the ratio of the scatters of |E| and
+/// of the phase about the fit differs from the assumed ratio, the rows are weighted by the new
+/// ratio and fitted again.
 pub(super) fn weighted<T>(
     scale: ErrorScale,
     mut fit: impl FnMut(Scatter) -> Result<T, RodlabError>,
@@ -309,9 +311,10 @@ pub(super) fn weighted<T>(
     Ok(fitted)
 }
 
-/// Returns the data of all steps with their temperatures, and the relative error that was assumed
-/// if none is stated: the smallest with which the largest number of temperatures is joined.
-/// `weights` are the errors of |E| and of the phase before their multiplication.
+/// Returns the data of all steps with their temperatures and, if no errors are stated, the assumed
+/// relative error. This is the smallest of the [`MULTIPLES`] with which the largest number of
+/// temperatures is joined. `weights` are the errors of |E| and of the phase before this
+/// multiplication.
 pub(super) fn data_of_all(
     sheet: &FitSheet,
     steps: &[Step],
@@ -332,7 +335,7 @@ pub(super) fn data_of_all(
         }))?;
         let joined = match super::master::joined(sheet, &data)? {
             Some(joined) => joined,
-            // only one temperature
+            // there is only one temperature, and nothing to join
             None => return Ok((data, Some(multiple * ASSUMED))),
         };
         if best.as_ref().is_none_or(|(most, ..)| joined > *most) {
@@ -347,9 +350,9 @@ pub(super) fn data_of_all(
     }))
 }
 
-/// Adds a draw of the error of every row, and of the common scale. The covariances are doubled,
-/// because the rows then have their own errors and the drawn ones: their weights, and every
-/// decision from their agreement, stay as in the result.
+/// Adds a drawn error to every row, and to the common scale. The covariances are doubled, because
+/// each row then contains its own error and the drawn one. The relative weights, and every decision
+/// based on the agreement of rows, stay as in the result.
 pub(super) fn draw(sheet: &FitSheet, steps: &mut [Step], draw: &Draw) {
     let error = sheet.scale_uncertainty.as_ref().map_or(0.0, Exact::si);
     let scale = 1.0 + error * draw.standard();
@@ -359,7 +362,7 @@ pub(super) fn draw(sheet: &FitSheet, steps: &mut [Step], draw: &Draw) {
     }
 }
 
-/// Data of a step for a fit, with the errors of its rows or the `assumed` ones.
+/// Returns the data of a step for a fit, with the errors of its rows or the `assumed` errors.
 fn data(
     sheet: &FitSheet,
     step: &Step,
@@ -388,7 +391,7 @@ fn data(
         let part = match rows.first().and_then(|row| row.over_time) {
             None => ModulusData::new(&rows.iter().map(point).collect::<Vec<_>>()),
             Some((test, ramp)) => {
-                // rows of increasing frequency
+                // the rows are in the order of increasing frequency, so their times decrease
                 let points: Vec<TransientPoint> = rows.iter().rev().filter_map(at_time).collect();
                 ModulusData::over_time(test, ramp, &points)
             }
@@ -411,8 +414,8 @@ fn data(
     .map_err(refused)
 }
 
-/// Puts the result in doubt for loss moduli below 0 by more than their errors; if no errors are
-/// stated, for any loss modulus below 0.
+/// Puts the result in doubt for loss moduli that are more than three standard errors below 0 or, if
+/// no errors are stated, for any loss modulus below 0.
 pub(super) fn judge_losses(outcome: &mut Outcome, steps: &[Step]) {
     let mut negative = Vec::new();
     for step in steps {
@@ -442,7 +445,8 @@ pub(super) fn judge_losses(outcome: &mut Outcome, steps: &[Step]) {
     }
 }
 
-/// Puts the result in doubt for moduli that rise with time by more than their scatter.
+/// Puts the result in doubt if a modulus rises with time, with a slope of more than four standard
+/// errors.
 pub(super) fn judge_rises(outcome: &mut Outcome, steps: &[Step]) {
     let mut rising = Vec::new();
     for step in steps {
@@ -464,7 +468,8 @@ pub(super) fn judge_rises(outcome: &mut Outcome, steps: &[Step]) {
     }
 }
 
-/// Slope of the straight line through points, divided by its standard error from their scatter.
+/// Returns the slope of the straight line fitted to `points`, divided by the standard error of the
+/// slope from the scatter of the points.
 fn slope_in_errors(points: &[(f64, f64)]) -> f64 {
     let n = points.len() as f64;
     let mean = |of: fn(&(f64, f64)) -> f64| points.iter().map(of).sum::<f64>() / n;

@@ -15,7 +15,7 @@ use crate::RodlabError;
 
 /// Number of points of a curve.
 const POINTS: u32 = 161;
-/// Maximum number of temperatures that are all named in the legend.
+/// Largest number of temperatures for which the legend names all of them.
 const MOST_NAMED: usize = 8;
 
 pub(super) fn figures(found: &Found<'_>) -> Result<Vec<Figure>, RodlabError> {
@@ -33,7 +33,7 @@ pub(super) fn figures(found: &Found<'_>) -> Result<Vec<Figure>, RodlabError> {
     Ok(figures)
 }
 
-/// Moduli as measured, and the Black diagram of those over frequency.
+/// Figures of the moduli as measured, and the Black diagram of the moduli over frequency.
 pub(super) fn measured(found: &Found<'_>) -> Vec<Figure> {
     let mut figures = Vec::new();
     if found.has_times() {
@@ -45,13 +45,13 @@ pub(super) fn measured(found: &Found<'_>) -> Vec<Figure> {
     figures
 }
 
-/// Rows of a step over time, or those over frequency.
+/// Returns the rows of a step over time or, if `over_time` is false, over frequency.
 fn rows(step: &Step, over_time: bool) -> impl Iterator<Item = &Row> {
     let rows = step.rows.iter();
     rows.filter(move |row| row.over_time.is_some() == over_time)
 }
 
-/// Moduli over time as measured.
+/// Figure of the moduli over time as measured.
 fn over_time(found: &Found<'_>) -> Figure {
     let (unit, pascal) = found.pascal;
     let of_step = |(index, step): (usize, &Step)| {
@@ -75,8 +75,8 @@ fn over_time(found: &Found<'_>) -> Figure {
     }
 }
 
-/// Name of a step in the legend: if there are many, only the first, the middle and the last are
-/// named.
+/// Returns the name of a step in the legend. If there are more than [`MOST_NAMED`] steps, only the
+/// first, the middle and the last have a name.
 fn name(found: &Found<'_>, index: usize) -> String {
     let count = found.steps.len();
     let is_named = count <= MOST_NAMED || [0, count / 2, count - 1].contains(&index);
@@ -139,8 +139,8 @@ fn moduli(found: &Found<'_>) -> Figure {
     }
 }
 
-/// Loss angle over |E|, loss factor over E' and E'' over E', without frequency: the temperatures of
-/// a master curve coincide, as far as no factor is needed.
+/// Diagrams without frequency: loss angle over |E|, loss factor over E', and E'' over E'. The
+/// temperatures of a master curve coincide in them if no factors of the modulus are needed.
 fn black_diagram(found: &Found<'_>) -> Figure {
     let (unit, pascal) = found.pascal;
     let symbol = found.symbol();
@@ -183,7 +183,8 @@ fn black_diagram(found: &Found<'_>) -> Figure {
     }
 }
 
-/// The series of a master curve over the reduced frequencies of its points \[Hz\].
+/// Returns the Prony series of a master curve at reduced frequencies \[Hz\] in the range of its
+/// points.
 fn series_over(curve: &MasterCurve) -> Result<Vec<(f64, PredictedModulus)>, CmodError> {
     let reduced = curve.points.iter().map(|point| point.reduced_frequency_hz);
     let lowest = reduced.clone().fold(f64::INFINITY, f64::min);

@@ -14,14 +14,14 @@ use crate::sheet::{Exact, Temperature};
 
 use super::steps::celsius;
 
-/// Probability of χ² below which the temperatures do not form a single curve, and below which a law
-/// does not fit the shifts.
+/// Probability of χ² below which the temperatures do not form a single curve, or a law does not fit
+/// the shifts.
 pub(super) const CHANCE: f64 = 0.01;
 /// Largest distance of a stated shift from the temperature of its step \[K\].
 const NEAR: f64 = 1.0;
 
-/// Shifts that connect temperatures whose curves do not overlap; where they overlap, the shifts are
-/// fitted.
+/// Stated shifts, which connect temperatures whose curves do not overlap; where curves overlap, the
+/// shifts are fitted.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub enum StatedShiftsSheet {
@@ -31,7 +31,7 @@ pub enum StatedShiftsSheet {
         c1: f64,
         /// C₂ \[K\].
         c2: f64,
-        /// Tᵣ of the constants, such as `"100 degC"`.
+        /// Reference temperature Tᵣ of the constants, such as `"100 degC"`.
         at: Exact<Temperature>,
     },
     /// ln a_T = (E_a/R)(1/T - 1/Tᵣ).
@@ -39,7 +39,7 @@ pub enum StatedShiftsSheet {
         /// E_a [kJ/mol].
         activation_energy_kj_mol: f64,
     },
-    /// log a_T at temperatures, up to a constant.
+    /// Values of log a_T at temperatures, up to a constant.
     Table(
         /// One shift for each step.
         Vec<StatedShift>,
@@ -60,7 +60,7 @@ pub struct StatedShift {
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub enum VerticalSheet {
-    /// 1, unless the curves contradict it; then estimated.
+    /// 1, or estimated if the curves contradict this.
     AsNeeded,
     /// 1 at all temperatures.
     Unity,
@@ -72,7 +72,7 @@ pub enum VerticalSheet {
     },
 }
 
-/// Settings of the fit of a master curve.
+/// Returns the settings of the fit of a master curve.
 pub(super) fn options(sheet: &FitSheet, error_scale: ErrorScale) -> FitOptions {
     let options = match &sheet.laws {
         Some(laws) => laws.options(error_scale),
@@ -81,11 +81,12 @@ pub(super) fn options(sheet: &FitSheet, error_scale: ErrorScale) -> FitOptions {
     options.with_series_profiles(false)
 }
 
-/// Distance \[K\] of a reference temperature from those of the table beyond which it is refused.
+/// Largest distance \[K\] of a reference temperature from the temperatures of the table; beyond it
+/// the reference is refused.
 const FAR_REFERENCE: f64 = 10.0;
 
-/// Returns the number of temperatures that overlaps or stated shifts join with the reference;
-/// `None` for fewer than two temperatures.
+/// Returns the number of temperatures that are joined with the reference by overlapping curves or
+/// stated shifts; `None` for fewer than two temperatures.
 pub(super) fn joined(
     sheet: &FitSheet,
     data: &[(f64, ModulusData)],
@@ -100,7 +101,7 @@ pub(super) fn joined(
     Ok(Some(joined.len()))
 }
 
-/// Fits the master curve; the inner error is due to the data.
+/// Fits the master curve. The inner error is due to the data, the outer error to the sheet.
 pub(super) fn of(
     sheet: &FitSheet,
     sweep: TemperatureSweep,
@@ -128,7 +129,8 @@ pub(super) fn of(
     )
 }
 
-/// Adds the statements of the sheet to a sweep; also returns the index of its reference.
+/// Adds the statements of the sheet to a sweep, and returns it with the index of its reference
+/// temperature.
 fn stated(
     sheet: &FitSheet,
     mut sweep: TemperatureSweep,
@@ -186,7 +188,7 @@ fn stated(
 }
 
 impl StatedShiftsSheet {
-    /// ln a_T at `kelvin`, up to a constant.
+    /// Returns ln a_T at `kelvin`, up to a constant.
     fn log_shift(&self, kelvin: f64) -> Result<f64, RodlabError> {
         match self {
             Self::Wlf { c1, c2, at } => {

@@ -1,4 +1,5 @@
-//! Nomogram of a master curve: from a frequency and a temperature to storage modulus and loss factor (ISO 10112).
+//! Nomogram of a master curve: from a frequency and a temperature to storage modulus and loss
+//! factor (ISO 10112).
 
 use cmod::rheology::{MasterCurve, PredictedModulus};
 use rodfigure::{Axis, Figure, Mark, Panel, Role};
@@ -8,25 +9,26 @@ use super::steps::celsius;
 
 /// Maximum number of temperature lines: more curves in a figure are hard to distinguish.
 const MOST_LINES: usize = 5;
-/// Decades of frequency shown below and above the measured ones: a master curve is used at
-/// frequencies at which nothing was measured, usually higher ones.
+/// Decades of frequency shown below and above the measured frequencies. A master curve is used at
+/// frequencies at which nothing was measured, and usually these are higher.
 const DECADES_BELOW: i32 = 2;
 const DECADES_ABOVE: i32 = 4;
 
-/// The curves of the fitted `series` over reduced frequency f a(T), and below them the lines
+/// Figure with the curves of the fitted `series` over reduced frequency f a(T) and, below them, the
+/// lines
 ///
 /// ```text
 /// f = f_reduced / a(T)
 /// ```
 ///
-/// of up to five measured temperatures T, with their shifts as fitted.
+/// of up to five measured temperatures T, with the fitted shifts.
 pub(super) fn nomogram(
     found: &Found<'_>,
     curve: &MasterCurve,
     series: &[(f64, PredictedModulus)],
 ) -> Figure {
     let (unit, pascal) = found.pascal;
-    // two standard errors, and the curve
+    // a band of two standard errors about the curve, and the curve
     let with_band = |name: &str, role, of: &dyn Fn(&PredictedModulus) -> (f64, f64)| {
         let values = || series.iter().map(|(f, point)| (*f, of(point)));
         let edges =
@@ -93,7 +95,8 @@ fn reduced_frequency() -> Axis {
     Axis::logarithmic("reduced frequency", "Hz")
 }
 
-/// Returns up to [`MOST_LINES`] of `count` places, including the first and the last.
+/// Returns up to [`MOST_LINES`] evenly spaced indices below `count`, including the first and the
+/// last.
 fn evenly(count: usize) -> impl Iterator<Item = usize> {
     let lines = count.min(MOST_LINES);
     (0..lines).map(move |line| line * (count - 1) / (lines - 1).max(1))

@@ -15,10 +15,10 @@ use crate::laws::WHITE;
 use crate::outcome::{CHECK, LogEntry, Quantity};
 use crate::sheet::Exact;
 
-/// Number of standard errors by which a shift must rise with temperature to be wrong.
+/// Number of standard errors by which a shift must rise with temperature to count as wrong.
 const RISES: f64 = 2.0;
-/// Largest difference between the reference and the temperature in the sheet without a warning
-/// \[K\].
+/// Largest difference \[K\] without a warning between the reference used and the reference stated
+/// in the sheet.
 const NEAR_REFERENCE: f64 = 1.0;
 
 /// Adds the warning that no errors are stated.
@@ -93,7 +93,7 @@ fn of_step(outcome: &mut Outcome, found: &Found<'_>, step: &Step) {
     else {
         return;
     };
-    // times fall where frequencies rise
+    // the rows are in the order of frequency, so their times decrease
     let (first, last) = if first.time().is_some() && last.time().is_some() {
         (last, first)
     } else {
@@ -193,7 +193,7 @@ fn of_sweep(outcome: &mut Outcome, found: &Found<'_>, sweep: &Sweep) {
     }
 }
 
-/// Root mean square of the residuals of the series, as a fraction of |E|.
+/// Returns the root mean square of the residuals of the series, as a fraction of |E|.
 fn residual(curve: &MasterCurve) -> f64 {
     let squares = curve.points.iter().filter_map(|point| {
         let relative = (point.modulus - point.fitted).norm() / point.modulus.norm();
@@ -276,14 +276,14 @@ fn quantities(outcome: &mut Outcome, found: &Found<'_>, sweep: &Sweep) {
     }
 }
 
-/// Fewest temperatures for the scatter of their factors.
+/// Least number of temperatures for which the scatter of the factors is computed.
 const FEWEST_FACTORS: usize = 5;
-/// Scatter of factors of the modulus relative to their errors, and absolute scatter, from which it
-/// is reported.
+/// Least scatter of the factors of the modulus that is reported: relative to their errors, and
+/// absolute.
 const BEYOND_ERRORS: f64 = 2.0;
 const LEAST_SCATTER: f64 = 2e-3;
 
-/// The test of one curve for all temperatures.
+/// Tests whether one curve holds for all temperatures.
 fn one_curve(outcome: &mut Outcome, found: &Found<'_>, curve: &MasterCurve) {
     let fit = &curve.fit;
     let chi = format!(
@@ -350,8 +350,8 @@ fn one_curve(outcome: &mut Outcome, found: &Found<'_>, curve: &MasterCurve) {
     }
 }
 
-/// Standard deviation of ln b_T about a straight line over the temperature, if it is larger than the
-/// errors of the factors explain; the factor 1 of the reference is one of them.
+/// Returns the standard deviation of ln b_T about a straight line over temperature, if it is larger
+/// than the errors of the factors explain. The factor 1 of the reference is included.
 fn scatter_of_factors(curve: &MasterCurve) -> Option<f64> {
     let points: Vec<(f64, f64)> = curve
         .shifts
@@ -375,7 +375,7 @@ fn scatter_of_factors(curve: &MasterCurve) -> Option<f64> {
     (scatter > BEYOND_ERRORS * error && scatter > LEAST_SCATTER).then_some(scatter)
 }
 
-/// The check that relaxation is faster at higher temperature.
+/// Checks that relaxation is faster at higher temperature.
 fn falling(outcome: &mut Outcome, curve: &MasterCurve) {
     let rises: Vec<String> = curve
         .shifts
@@ -459,7 +459,7 @@ fn of_shift_laws(outcome: &mut Outcome, own: &ShiftLaws, by_scatter: Option<&Shi
             )
         },
     });
-    // log a falls by this much per K at the reference, whichever law applies
+    // decrease of log a per kelvin at the reference; it is the same for both laws
     let slope = wlf.slope / LN_10;
     outcome.summary.push(if is_arrhenius && is_wlf {
         format!(

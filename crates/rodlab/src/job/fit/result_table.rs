@@ -1,10 +1,10 @@
-//! Tables with names such as `storage_modulus_pa`, as results of this program have them.
+//! Tables written by this program, which have column names such as `storage_modulus_pa`.
 
 use std::borrow::Cow;
 
 use crate::outcome::LogEntry;
 
-/// Endings of names, and the units that they mean.
+/// Endings of column names, and the units that they denote.
 const UNITS: [(&str, &str); 12] = [
     ("_rad_per_s", "rad/s"),
     ("_per_pa", "1/Pa"),
@@ -23,9 +23,9 @@ const UNITS: [(&str, &str); 12] = [
 /// Column that states whether a row may be used.
 const VALID: &str = "valid";
 
-/// Returns such a table with its units in brackets, without columns of text, and with empty lines
-/// in place of the rows that are not valid, which are logged for the file `path`. Other tables are
-/// returned as they are.
+/// Returns a table of this program in the form of other tables: units in brackets, no columns of
+/// text, and empty lines in place of invalid rows, whose number is logged for the file `path`.
+/// Other tables are returned unchanged.
 pub(super) fn as_numbers<'a>(
     bytes: &'a [u8],
     path: &str,
@@ -59,7 +59,7 @@ fn numbers(bytes: &[u8], path: &str, log: &mut Vec<LogEntry>) -> Option<String> 
     let mut line = 1;
     let mut n_left_out = 0;
     for row in &rows {
-        // rows keep their lines, for messages
+        // every row stays on its line of the file, so that messages name the right line
         let at = row.position().map_or(line + 1, csv::Position::line);
         while line + 1 < at {
             text.push('\n');

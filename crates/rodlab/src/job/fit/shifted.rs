@@ -1,4 +1,4 @@
-//! Steps of temperature as one curve, with the weights of their rows.
+//! Curve of all steps of temperature, with the weights of their rows.
 
 use cmod::CmodError;
 use cmod::rheology::{
@@ -11,16 +11,16 @@ use super::steps::Step;
 use super::{FitSheet, Sweep};
 use crate::RodlabError;
 
-/// Data of the steps with their weights; several temperatures form one curve.
+/// Curve of all steps and the weights of its rows; several temperatures form a master curve.
 pub(super) struct Shifted {
     pub(super) curve: Curve,
     error_scale: ErrorScale,
-    /// Relative error that was assumed to join temperatures, if none is stated.
+    /// Relative error that was assumed to join temperatures, if the sheet states no errors.
     pub(super) assumed: Option<f64>,
     pub(super) weights: Scatter,
 }
 
-/// Curve of the steps.
+/// Curve of one step, or master curve of several.
 pub(super) enum Curve {
     Single(ModulusData),
     Several(Result<Box<Sweep>, CmodError>),

@@ -1,4 +1,4 @@
-//! Steps of a sweep: rows of one temperature.
+//! Steps of a sweep. A step contains the rows of one temperature.
 
 use std::collections::BTreeMap;
 
@@ -15,7 +15,8 @@ use crate::{Outcome, RodlabError};
 
 /// Default of the largest difference between neighbouring temperatures within a step \[K\].
 const WITHIN: f64 = 1.0;
-/// Largest temperature range of a step found by differences, as a multiple of that difference.
+/// Largest temperature range of a step that is found by [`StepsSheet::Within`], as a multiple of
+/// the difference stated there.
 const MOST_SPREAD: f64 = 3.0;
 /// Minimum number of frequencies of a step.
 const FEWEST: usize = 3;
@@ -29,7 +30,7 @@ const DIFFERENT: f64 = 3.5;
 /// Rows that belong to one step of temperature.
 #[derive(Debug, Clone, Deserialize)]
 pub enum StepsSheet {
-    /// Rows whose temperatures follow each other within this difference, such as `"1 K"`.
+    /// Rows whose sorted temperatures follow each other within this difference, such as `"1 K"`.
     Within(Exact<Temperature>),
     /// Rows with equal numbers in this column, such as the set temperature or the number of the
     /// step.
@@ -41,7 +42,7 @@ pub enum StepsSheet {
 /// Rows of one temperature, in the order of their frequencies.
 #[derive(Debug, Clone)]
 pub(super) struct Step {
-    /// Mean temperature of its rows \[K\].
+    /// Mean temperature of the rows \[K\].
     pub(super) temperature: f64,
     /// Lowest and highest temperature \[K\].
     pub(super) range: (f64, f64),
@@ -61,7 +62,7 @@ impl Step {
         );
         rows.sort_by(|a, b| a.frequency_hz.total_cmp(&b.frequency_hz));
         Self {
-            // a sum of equal temperatures is not exactly their multiple
+            // the mean of equal temperatures may differ from them by rounding
             temperature: if range.0 >= range.1 {
                 range.0
             } else {
@@ -72,8 +73,8 @@ impl Step {
         }
     }
 
-    /// Returns the rows by test: those over frequency, and those over time of one kind of test with
-    /// one ramp.
+    /// Returns the rows of each test. One group has all rows over frequency; rows over time are
+    /// grouped by kind of test and ramp.
     pub(super) fn by_test(&self) -> Vec<Vec<Row>> {
         let mut parts: Vec<Vec<Row>> = Vec::new();
         for row in &self.rows {
@@ -103,12 +104,12 @@ impl Step {
     }
 }
 
-/// A temperature \[K\] in °C.
+/// Returns a temperature \[K\] as text in °C.
 pub(super) fn celsius(kelvin: f64) -> String {
     format!("{} \u{b0}C", short(to_celsius(kelvin)))
 }
 
-/// A temperature \[K\] as a number of °C, without rounding errors.
+/// Returns a temperature \[K\] in °C, without the rounding error of the subtraction.
 pub(super) fn to_celsius(kelvin: f64) -> f64 {
     ((kelvin - 273.15) * 1e9).round() / 1e9
 }
@@ -192,7 +193,7 @@ pub(super) fn of(
     Ok(steps)
 }
 
-/// The other choices of steps, in the language of the sheet.
+/// Returns the other choices for `steps`, in the language of the sheet.
 fn choices(language: Language) -> &'static str {
     match language {
         Language::Ron => "`steps: Column(...)`, `steps: ByFile`, or a smaller `steps: Within(...)`",
@@ -202,9 +203,9 @@ fn choices(language: Language) -> &'static str {
     }
 }
 
-/// Order of a number, as bits that are equal for equal numbers.
+/// Returns a key that is equal for equal numbers.
 fn order_of(key: f64) -> u64 {
-    // 0 and -0 are the same number
+    // adding 0 turns -0 into 0
     (key + 0.0).to_bits()
 }
 
@@ -216,7 +217,8 @@ fn keyed(rows: Vec<Row>, key: impl Fn(&Row) -> u64) -> Vec<Vec<Row>> {
     groups.into_values().collect()
 }
 
-/// Groups of rows whose temperatures follow each other within a difference.
+/// Returns groups of rows whose sorted temperatures follow each other within the difference
+/// `within`.
 fn near(mut rows: Vec<Row>, within: f64) -> Vec<Vec<Row>> {
     rows.sort_by(|a, b| a.temperature.total_cmp(&b.temperature));
     let mut groups: Vec<Vec<Row>> = Vec::new();
@@ -232,8 +234,8 @@ fn near(mut rows: Vec<Row>, within: f64) -> Vec<Vec<Row>> {
     groups
 }
 
-/// Averages the rows of a file that repeat a frequency at one temperature, and compares their scatter
-/// with their stated errors.
+/// Averages the rows of a file that repeat a frequency at one temperature, and compares the scatter
+/// of these rows with their stated errors.
 fn average(steps: &mut [Step], scale: ErrorScale, outcome: &mut Outcome) {
     let (mut repeated, mut averaged, mut squares) = (0, 0, 0.0);
     for step in steps {
@@ -273,9 +275,9 @@ fn average(steps: &mut [Step], scale: ErrorScale, outcome: &mut Outcome) {
     outcome.summary.push(format!(
         "{repeated} rows that repeat a frequency at the same temperature were averaged to {averaged}."
     ));
-    // two parts of each modulus
+    // each modulus has two parts
     let freedom = 2.0 * (repeated - averaged) as f64;
-    // the mean of chi-square and three and a half of its standard deviations
+    // the mean of chi-square plus three and a half standard deviations
     let most = freedom + DIFFERENT * (2.0 * freedom).sqrt();
     if scale == ErrorScale::Stated && squares > most {
         outcome.doubt(format!(
@@ -285,7 +287,8 @@ fn average(steps: &mut [Step], scale: ErrorScale, outcome: &mut Outcome) {
     }
 }
 
-/// Square of the deviation of a row from `mean`, by the inverse of its covariance.
+/// Returns the square of the deviation of a row from `mean`, weighted by the inverse of the
+/// covariance of the row.
 fn deviation(row: &Row, mean: Complex64) -> f64 {
     let away = row.modulus - mean;
     let c = row.covariance;
@@ -294,7 +297,8 @@ fn deviation(row: &Row, mean: Complex64) -> f64 {
     (sum - 2.0 * away.re * away.im * c.mixed) / determinant
 }
 
-/// Refuses a step with a frequency that is in two rows, or with too few rows.
+/// Refuses a step in which two rows of a test have the same frequency or time, or which has fewer
+/// than three rows.
 fn check(step: &Step) -> Result<(), RodlabError> {
     for pair in step.rows.windows(2) {
         if let [a, b] = pair
@@ -322,9 +326,9 @@ fn check(step: &Step) -> Result<(), RodlabError> {
     Ok(())
 }
 
-/// Keeps every second, third, … row of each step, and for tests over time as many rows at even
-/// intervals of the logarithm of time, so that about `most` rows remain. At least three remain of
-/// each test.
+/// Reduces the number of rows to about `most`. Rows over frequency are kept at a constant interval
+/// (every second, third, …), rows over time at even intervals of the logarithm of time. Each test
+/// keeps at least three rows.
 pub(super) fn thinned(steps: Vec<Step>, most: usize, outcome: &mut Outcome) -> Vec<Step> {
     let all: usize = steps.iter().map(|step| step.rows.len()).sum();
     let stride = all.div_ceil(most.max(1)).max(1);
@@ -337,7 +341,7 @@ pub(super) fn thinned(steps: Vec<Step>, most: usize, outcome: &mut Outcome) -> V
     let thinned = |step: Step| {
         let mut rows: Vec<Row> = Vec::new();
         for of_test in step.by_test() {
-            // at least three, for a curve
+            // at least three rows of each test, because fewer are no curve
             let most = of_test.len().div_ceil(stride).max(FEWEST);
             if of_test.iter().any(|row| row.over_time.is_some()) {
                 rows.extend(evenly_in_logarithm(of_test, most));

@@ -1,4 +1,4 @@
-//! A table of a file: its columns by name or number, and their values with the lines of the file.
+//! Table in a file: columns by name or number, and their values with the lines of the file.
 
 use labio::format::csv::{Columns, CsvOptions, TableColumn, read_columns};
 use labio::format::{self, Strictness};
@@ -24,7 +24,7 @@ pub(super) struct TableFile {
     table: String,
 }
 
-/// Returns the line of a defect that affects a whole row.
+/// Returns the line of a defect if it affects a whole row.
 fn line_of_row(defect: &LabioError) -> Option<u64> {
     match defect {
         LabioError::Malformed {
@@ -35,7 +35,7 @@ fn line_of_row(defect: &LabioError) -> Option<u64> {
     }
 }
 
-/// Values of a column in SI, one for each row.
+/// Values of a column in SI units, one for each row.
 pub(super) type Values = Vec<f64>;
 
 impl TableFile {
@@ -75,7 +75,7 @@ impl TableFile {
                 reasons: vec![defect.to_string()],
             });
         }
-        // if the last line is not a row, no number of a row can be cut
+        // a cut-off number can only be in a row if the row is the last line of the file
         if beyond.is_empty() {
             warnings.extend(cut_short::warning(original, "csv", &path).map(|text| text + "."));
         }
@@ -96,17 +96,17 @@ impl TableFile {
         })
     }
 
-    /// Lines of the rows, from 1.
+    /// Returns the lines of the rows, from 1.
     pub(super) fn lines(&self) -> &[u64] {
         &self.columns.lines
     }
 
-    /// Place of a column in errors: field of the sheet and file.
+    /// Returns the place of a column for error messages: field of the sheet and file.
     pub(super) fn place(&self, field: &str) -> String {
         format!("{}.{field} ({})", self.table, self.path)
     }
 
-    /// Place of a value in errors: field of the sheet, file and line.
+    /// Returns the place of a value for error messages: field of the sheet, file and line.
     pub(super) fn place_of(&self, field: &str, row: usize) -> String {
         let line = self.lines().get(row).copied().unwrap_or(0);
         format!("{}.{field} ({}, line {line})", self.table, self.path)
@@ -145,7 +145,7 @@ impl TableFile {
         Ok(found)
     }
 
-    /// Values of a column in SI, all finite.
+    /// Returns the values of a column in SI units, all finite.
     pub(super) fn values(
         &self,
         selector: &Selector,
@@ -162,7 +162,7 @@ impl TableFile {
         Ok(values)
     }
 
-    /// Values of a column in any unit, all finite: numbers of steps, for example.
+    /// Returns the values of a column in any unit, all finite; numbers of steps, for example.
     pub(super) fn keys(&self, selector: &Selector, field: &str) -> Result<Values, RodlabError> {
         self.numbers(self.column(selector, field)?, field)
     }

@@ -15,7 +15,7 @@ use crate::RodlabError;
 use crate::laws::of_value;
 use crate::outcome::{Column, Table};
 
-/// Table of all fitted rows.
+/// Returns the table of all fitted rows.
 pub(super) fn data(found: &Found<'_>) -> Table {
     let (unit, pascal) = found.pascal;
     let symbol = found.symbol();
@@ -42,7 +42,7 @@ pub(super) fn data(found: &Found<'_>) -> Table {
     ];
     let is_stated = found.error_scale == ErrorScale::Stated;
     if found.has_times() {
-        // a row has no value in the columns of the other kind
+        // rows over frequency have no value in the columns for time, and the reverse
         let of_time = |row: &Row, value: f64| row.time().map_or(f64::NAN, |_| value);
         columns.extend([
             numbers("time".to_owned(), "s", &|row| {
@@ -100,7 +100,7 @@ pub(super) fn data(found: &Found<'_>) -> Table {
     }
 }
 
-/// Tables of the master curve, its shifts, their laws and the series.
+/// Returns the tables of the master curve, its shifts, the laws of the shifts and the Prony series.
 pub(super) fn of_sweep(found: &Found<'_>) -> Result<Vec<Table>, RodlabError> {
     let Some(sweep) = &found.sweep else {
         return Ok(Vec::new());
@@ -332,7 +332,7 @@ fn shift_laws(own: &ShiftLaws, by_scatter: Option<&ShiftLaws>) -> Table {
     }
 }
 
-/// Parameters of all laws with their intervals.
+/// Returns the table of the parameters of all laws with their confidence intervals.
 pub(super) fn parameters(comparison: &Comparison) -> Table {
     let all: Vec<_> = comparison
         .rows
@@ -368,7 +368,7 @@ pub(super) fn parameters(comparison: &Comparison) -> Table {
     }
 }
 
-/// The Prony series of the master curve.
+/// Returns the table of the Prony series of the master curve.
 fn series(sweep: &Sweep) -> Option<Table> {
     let fit = &sweep.curve.fit;
     let count = 2 * sweep.curve.series()?.branches().len()

@@ -6,7 +6,7 @@ use serde::Deserialize;
 
 use crate::RodlabError;
 
-/// Units of the columns, if the file does not contain them.
+/// Units of columns for which the file contains none.
 #[derive(Debug, Clone, Default, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct UnitsSheet {

@@ -1,4 +1,5 @@
-//! The two bodies of an impact: computed, measured, or joined from both.
+//! The two bodies of an impact: computed, measured, or assembled from computed and measured
+//! members.
 
 use std::sync::Arc;
 
@@ -28,7 +29,7 @@ pub(super) enum FaceBody {
     /// Bodies joined at points, some of them measured.
     Assembly {
         body: Arc<Assembly>,
-        /// The measured members, by their index.
+        /// Measured members by their index; `None` for a computed member.
         measured: Vec<Option<MeasuredMember>>,
     },
 }
@@ -54,7 +55,7 @@ pub(super) struct MeasuredMember {
 }
 
 impl FaceBody {
-    /// Reads the body of the sheet; for a measured body, the file and the result of the screening
+    /// Reads the body of the sheet. For a measured body, the file and the result of the screening
     /// are entered in `outcome`.
     pub(super) fn read(
         sheet: &BodySheet,
@@ -82,7 +83,7 @@ impl FaceBody {
         }
     }
 
-    /// The body drawn at random within the stated uncertainties; `sheet` describes this body.
+    /// Returns a body drawn at random within the stated uncertainties; `sheet` describes the body.
     pub(super) fn drawn(
         &self,
         sheet: &BodySheet,
@@ -119,8 +120,8 @@ impl FaceBody {
         }
     }
 
-    /// Returns true if the force can be found by marching; a measured body needs a stated front
-    /// impedance for this.
+    /// Returns true if the force can be computed by marching in time. A measured body needs a
+    /// stated front impedance for this.
     pub(super) fn can_be_marched(&self) -> bool {
         match self {
             Self::Computed(_) => true,
@@ -145,7 +146,7 @@ impl FaceBody {
         }
     }
 
-    /// The measurement, if there is one.
+    /// Returns the measured body, if this is one.
     pub(super) fn measured(&self) -> Option<&MeasuredBody> {
         match self {
             Self::Measured(measured) => Some(&measured.body),
@@ -169,7 +170,7 @@ impl FaceBody {
         }
     }
 
-    /// Mass of a free body and its standard error \[kg\].
+    /// Mass of the body and its standard error \[kg\]; `None` if the body is not free.
     pub(super) fn mass(&self) -> Option<(f64, f64)> {
         match self {
             Self::Computed(body) => body.free_mass().map(|mass| (mass, 0.0)),
@@ -227,7 +228,7 @@ impl FaceBody {
 }
 
 impl MeasuredMember {
-    /// Creates the member; if the whole job is drawn, the member is drawn too.
+    /// Creates the member. In a draw of the whole job, the member is drawn too.
     fn of(
         mut points: MeasuredPoints,
         (scale, delay): (f64, f64),
@@ -327,12 +328,12 @@ fn read_points(
     MeasuredMember::of(points, (scale, delay), field, context)
 }
 
-/// Place of a measured mobility.
+/// Place at which a mobility was measured.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Place {
     /// At the face of a body.
     Face,
-    /// At a point of a member, which is drawn with all its points.
+    /// At a point of a member; all points of the member are drawn together.
     Point,
     /// Between two points.
     Transfer,
@@ -381,7 +382,7 @@ fn read_measured(
         let before = outcome.summary.len();
         let (quantities, warnings) = (outcome.quantities.len(), outcome.warnings.len());
         let failed = screening::tell(&body.screen(), outcome);
-        // names distinguish the two bodies
+        // the names of quantities and warnings must distinguish the two bodies
         outcome.summary.truncate(before);
         for quantity in outcome.quantities.iter_mut().skip(quantities) {
             quantity.name = format!("{field}: {}", quantity.name);
@@ -418,19 +419,19 @@ fn read_measured(
     })
 }
 
-/// Root mean square change by a projection, in standard errors, above which the lines contradict
-/// the projection.
+/// Root mean square change by a projection, in standard errors of the lines, above which no body of
+/// the required kind agrees with the lines.
 const MOVED: f64 = 2.0;
 
-/// States by how much a projection onto causal or passive bodies has changed the lines.
+/// Reports how much a projection onto causal or passive bodies has changed the lines.
 fn tell_change(change: &LineChange, onto: Projection, field: &str, outcome: &mut Outcome) {
     let lines = format!(
         "{} lines changed, by {:.2} % of the mobility in total",
         change.n_lines,
         100.0 * change.relative
     );
-    // the end of the lines spreads jumps ahead of the impulse: this part of the change is no fault
-    // of the lines
+    // because the lines end at a finite frequency, jumps of the impulse response are spread ahead
+    // of the impulse: this part of the change is no fault of the lines
     let by_end = onto != Projection::Passive;
     let onto = match onto {
         Projection::Passive => "passive",

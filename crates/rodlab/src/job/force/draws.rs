@@ -9,8 +9,8 @@ use crate::RodlabError;
 use crate::bodies::replacement::Replacement;
 use crate::sheet::{Kind, Stated, Written};
 
-/// Gaussian draws of stated quantities, each with its own standard uncertainty; exact ones are
-/// kept.
+/// Gaussian draws of stated quantities, each with its own standard uncertainty; exact quantities
+/// are kept.
 pub(super) struct Draws<'r> {
     pub(super) random: &'r mut ChaCha8Rng,
     /// Number of drawn quantities with an uncertainty.

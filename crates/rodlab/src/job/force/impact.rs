@@ -1,4 +1,4 @@
-//! The force when two bodies meet.
+//! Force between two bodies that meet.
 
 use super::bodies::FaceBody;
 use super::impact_lines::on_lines;
@@ -103,7 +103,7 @@ pub(super) fn run(
     Ok(())
 }
 
-/// Defaults of the fields that the sheet leaves open.
+/// Adds the defaults of the fields that the sheet does not state.
 fn defaults(
     sheet: &ImpactSheet,
     bodies: [&FaceBody; 2],
@@ -124,11 +124,12 @@ fn defaults(
     Ok(())
 }
 
-/// Standard errors of its inner energy below 0 with which a measured body generates energy.
+/// Number of standard errors by which the inner energy of a measured body must be below 0 for the
+/// body to generate energy.
 const GENERATED: f64 = 3.0;
 
-/// Reports the objections to the prediction; there is no answer if a body generates energy, if it is
-/// measured by more than the error of that energy allows, or a contact is not resolved.
+/// Reports the objections to the prediction. There is no answer if a contact is not resolved, or if
+/// a body generates energy; with a measured body, only if this energy exceeds its error.
 fn flags(march: &UncertainPrediction, bodies: [&FaceBody; 2], outcome: &mut Outcome) {
     let errors = march.errors();
     let error_of_inner = |body: usize| -> Option<f64> {
@@ -155,11 +156,11 @@ fn flags(march: &UncertainPrediction, bodies: [&FaceBody; 2], outcome: &mut Outc
     }
 }
 
-/// Length of a wave, in diameters, at which lateral inertia lowers its speed by about one per cent,
-/// at a Poisson's ratio of 0.35.
+/// Wavelength, in diameters, at which lateral inertia lowers the wave speed by about one per cent,
+/// for a Poisson's ratio of 0.35.
 const SLENDER: f64 = 5.0;
 
-/// Warns of waves that are too short for the diameter of a rod.
+/// Warns if the shortest waves in the band are shorter than five diameters of a rod.
 fn slenderness(
     sheet: &ImpactSheet,
     materials: &Materials,
@@ -233,7 +234,7 @@ fn answer(sheet: &ImpactSheet, march: &UncertainPrediction, outcome: &mut Outcom
         None => "neither body is free, so there is no coefficient of restitution".to_owned(),
         Some(e) => format!(
             "the coefficient of restitution is {}",
-            // an error below the digits that are read is that of the step
+            // a smaller error comes from the time step and affects none of the four digits
             match error(&|n| n.restitution) {
                 Some(error) if error > 1e-4 * e => with_error(Some(e), Some(error)),
                 _ => significant(e, 4),

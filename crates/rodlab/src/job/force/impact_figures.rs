@@ -1,4 +1,4 @@
-//! Figures of an impact: the force with its contacts, the faces, the mobilities.
+//! Figures of an impact: the force with its contacts, the motion of the faces, and the mobilities.
 
 use impulse::{ForceHistory, ImpactSource, UncertainPrediction};
 use rodfigure::{Axis, Figure, Greyed, Mark, Panel, Role};
@@ -10,7 +10,7 @@ use super::impact_tables;
 use super::impact_tables::Found;
 use crate::RodlabError;
 
-/// Number of frequencies at which mobilities are drawn.
+/// Number of frequencies at which the mobilities are plotted.
 const LINES: usize = 400;
 
 pub(super) fn all(
@@ -166,7 +166,7 @@ fn energies(march: &UncertainPrediction) -> Figure {
     }
 }
 
-/// Figure of the sources of the band over time; `None` without draws.
+/// Figure of the contributions of the error sources to the band over time; `None` without draws.
 fn sources(march: &UncertainPrediction) -> Option<Figure> {
     let spread = march.spread.as_ref()?;
     let time = milliseconds(&march.limited);
@@ -198,8 +198,8 @@ fn sources(march: &UncertainPrediction) -> Option<Figure> {
 }
 
 fn mobilities(bodies: [&FaceBody; 2], sheet: &ImpactSheet) -> Result<Figure, RodlabError> {
-    // three decades up to the highest of the lines, or up to 100 periods in the duration, as
-    // resolved by steps of a thousandth of the duration
+    // three decades, up to the highest line or, without lines, up to 100 periods in the duration,
+    // which steps of a thousandth of the duration would resolve
     let highest = sheet
         .lines
         .as_ref()
@@ -232,7 +232,7 @@ fn mobilities(bodies: [&FaceBody; 2], sheet: &ImpactSheet) -> Result<Figure, Rod
     })
 }
 
-/// The stick force with its bands, and the impact force until the faces part.
+/// Figure of the stick force with its bands, and of the impact force until the faces part.
 #[allow(
     clippy::indexing_slicing,
     reason = "the bands and the impact force are those of the stick force, sample by sample"

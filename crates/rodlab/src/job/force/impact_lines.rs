@@ -1,4 +1,5 @@
-//! The method of the paper: the stick force on lines (Ödeen 1993, paper E, eq. 2), with its errors.
+//! Method of paper E: the stick force from lines of the mobilities (Ödeen 1993, paper E, eq. 2),
+//! with its errors.
 
 use std::ops::Range;
 
@@ -25,12 +26,13 @@ use crate::{Outcome, RodlabError};
 /// separation.
 const THRESHOLD: f64 = 0.01;
 
-/// Samples of the history per time interval of the lines: straight lines over whole intervals would
-/// miss peaks and zeros.
+/// Samples of the history per time step of the inverse Fourier transform of the lines. Linear
+/// interpolation over whole steps would miss peaks and zeros.
 const INTERPOLATION: usize = 16;
 
 const DRAWS: usize = 400;
-/// Number of draws for the band of the whole contact, which is a quantile of the largest deviation.
+/// Number of draws for the band of the whole contact; its width is a quantile of the largest
+/// deviation.
 const DRAWS_OF_BAND: usize = 1000;
 const SEED: u64 = 1;
 const LEVEL: f64 = 0.95;
@@ -39,7 +41,7 @@ const LEVEL: f64 = 0.95;
 pub(super) struct OnLines {
     pub(super) stick: StickForce,
     pub(super) bands: Option<Bands>,
-    /// Highest frequency \[Hz\], and beginning of the roll-off.
+    /// Highest frequency, and beginning of the roll-off \[Hz\].
     highest_hz: f64,
     roll_off_from_hz: Option<f64>,
     /// The force until the faces part.
@@ -48,7 +50,7 @@ pub(super) struct OnLines {
     impulse: Option<f64>,
     /// Standard error of the extrapolation \[N s\].
     impulse_by_band: Option<f64>,
-    /// The reason why there are no bands, or the errors that they contain.
+    /// Reason why there are no bands, or the errors that the bands contain.
     about_errors: &'static str,
 }
 
@@ -64,7 +66,8 @@ pub(super) struct Bands {
     pub(super) contact: ForceBand,
 }
 
-/// The stick force if requested by the sheet, or for a measured body.
+/// Computes the stick force if the sheet requests it or a body is measured; otherwise returns
+/// `None`.
 pub(super) fn on_lines(
     sheet: &ImpactSheet,
     materials: &Materials,
@@ -117,7 +120,7 @@ pub(super) fn on_lines(
         first_delay: bodies[0].delay(),
         second_delay: bodies[1].delay(),
         impact_velocity: sheet.velocity.with_uncertainty().uncertainty(),
-        // dM = M^2 ((dM1/M1^2)^2 + (dM2/M2^2)^2)^(1/2)
+        // error of the effective mass: dM = M^2 ((dM1/M1^2)^2 + (dM2/M2^2)^2)^(1/2)
         effective_mass: if inverse > 0.0 {
             let parts = masses.iter().flatten();
             let square: f64 = parts
@@ -206,7 +209,8 @@ pub(super) fn on_lines(
     }))
 }
 
-/// Spacing and number of the lines.
+/// Returns spacing \[Hz\] and number of the lines; `None` if the sheet requests no lines and no
+/// body is measured.
 fn grid(sheet: &ImpactSheet, bodies: [&FaceBody; 2]) -> Result<Option<(f64, usize)>, RodlabError> {
     let mut measured = bodies.iter().filter_map(|body| body.measured());
     let field = "problem.lines.samples";
@@ -299,14 +303,14 @@ fn bands(
 }
 
 impl OnLines {
-    /// Standard error of the stick force at `time`, if known.
+    /// Returns the standard error of the stick force at `time`, if it is known.
     fn error_at(&self, time: f64) -> Option<f64> {
         let index = self.stick.history.index_near(time)?;
         let bands = self.bands.as_ref()?;
         bands.error.standard_error().get(index).copied()
     }
 
-    /// The time at which the faces part \[s\], and its standard error.
+    /// Returns the time \[s\] at which the faces part, and its standard error.
     fn end(&self) -> (Option<f64>, Option<f64>) {
         let end = match self.impact.end {
             ContactEnd::Separated { time } => Some(time),
@@ -317,14 +321,15 @@ impl OnLines {
         (end, linear.map(|end| end.standard_error))
     }
 
-    /// The largest force of the first contact: later forces on lines are those of faces that stick
-    /// together.
+    /// Returns the largest force of the first contact. Later, the force on lines is that of faces
+    /// that stick together.
     fn peak(&self) -> ForcePeak {
         self.impact.history.smooth_peak()
     }
 
-    /// Standard error of the impulse of the first contact \[N s\], from draws and from the
-    /// extrapolation to a force without a band limit; `None` if the faces do not part in a draw.
+    /// Returns the standard error of the impulse of the first contact \[N s\], from the draws and
+    /// the extrapolation to a force without a band limit; `None` if there is a draw in which the
+    /// faces do not part.
     fn impulse_error(&self) -> Option<f64> {
         let draws = &self.bands.as_ref()?.draws;
         if draws.without_end > 0 {
@@ -339,7 +344,7 @@ impl OnLines {
         Some((square / (count - 1.0)).sqrt().hypot(self.impulse_by_band?))
     }
 
-    /// The force of the first contact as a table.
+    /// Returns the table of the force until the faces part.
     pub(super) fn until_the_faces_part(&self) -> Table {
         let history = &self.impact.history;
         let time = (0..history.force().len()).map(|n| history.time_at(n));
@@ -365,7 +370,7 @@ impl OnLines {
         }
     }
 
-    /// Sentences on the force on lines, if there is no other force.
+    /// Returns sentences about the force on lines, for a result without a march.
     pub(super) fn answer(&self, sheet: &ImpactSheet) -> Vec<String> {
         let peak = self.peak();
         let roll_off = self.roll_off_from_hz.map_or_else(String::new, |from| {
@@ -394,7 +399,8 @@ impl OnLines {
         ]
     }
 
-    /// The numbers of the force on lines, including the impulse if the force on lines is `alone`.
+    /// Returns the numbers of the force on lines. The impulse is included if the force on lines is
+    /// `alone`, that is without a march.
     pub(super) fn quantities(&self, alone: bool) -> Vec<Quantity> {
         let peak = self.peak();
         let settled = matches!(self.stick.settlement, impulse::Settlement::Settled);
@@ -517,8 +523,9 @@ impl OnLines {
     }
 }
 
-/// Samples from one `period` of the last line before the first contact until one period after the
-/// faces part, or to the end of the history: after that, the stick force does not act.
+/// Returns the samples from one `period` of the last line before the first contact to one period
+/// after the faces part, or to the end of the history if they do not part. Later the stick force is
+/// not the impact force.
 fn span_of_contact(stick: &ForceHistory, impact: &ImpactForce, period: f64) -> Range<usize> {
     let end = match impact.end {
         ContactEnd::Separated { time } => stick.index_near(time + period),
@@ -528,9 +535,9 @@ fn span_of_contact(stick: &ForceHistory, impact: &ImpactForce, period: f64) -> R
     stick.index_near(-period).unwrap_or(0)..end + 1
 }
 
-/// Impulse of the first contact \[N s\]: the stick force until it falls to zero, with the part that
-/// the band limit spreads ahead of the first contact, up to ten times `ahead` \[s\]; `None` if the
-/// faces do not part.
+/// Returns the impulse of the first contact \[N s\]: the integral of the stick force until it falls
+/// to zero. It includes the part that the band limit spreads ahead of the contact, up to ten times
+/// `ahead` \[s\]. Returns `None` if the faces do not part.
 fn impulse_of_first_contact(stick: &ForceHistory, impact: &ImpactForce, ahead: f64) -> Option<f64> {
     let ContactEnd::Separated { time: end } = impact.end else {
         return None;
@@ -543,11 +550,11 @@ fn impulse_of_first_contact(stick: &ForceHistory, impact: &ImpactForce, ahead: f
     Some(step * inside.map(|(_, force)| force).sum::<f64>())
 }
 
-/// Returns the impulse without a band limit from the impulses in a band and in half of the band,
-/// with its standard error. The part that a band removes where the faces part decreases with the
-/// first power of the band width for a force that jumps there, and with the second power for a
-/// force that comes to zero continuously: the impulse is anywhere between the two extrapolations,
-/// with equal probability.
+/// Returns the impulse without a band limit, and its standard error, from the impulses in a band
+/// and in half of this band. The part that the band limit removes where the faces part decreases
+/// with the first power of the band width if the force jumps there, and with the second power if
+/// the force falls to zero continuously. All values between the two extrapolations are taken as
+/// equally probable.
 fn without_band_limit(all: f64, half: f64) -> (f64, f64) {
     let change = all - half;
     let [first, second] = [change, change / 3.0].map(|further| all + further);

@@ -1,4 +1,5 @@
-//! March of an impact: the draws of all quantities stated with ±, and its settings in words.
+//! March of an impact in time, repeated with draws of all quantities stated with ±, and its
+//! settings in words.
 
 use impulse::{
     BandLimit, DrawnImpact, Impact, ImpactDraws, ImpulseError, SharedBody, Spread,
@@ -19,15 +20,15 @@ use crate::sheet::plausible;
 /// Maximum number of steps of a march.
 const MOST_STEPS: f64 = 1e6;
 
-/// Maximum number of steps of a march that is repeated for draws, whose step follows from the band.
+/// Maximum number of steps of a march that is repeated for draws; its step follows from the band.
 const MOST_STEPS_OF_DRAWS: f64 = 1e5;
 
 /// Default number of draws of the march: the standard deviation is then known to 5 %.
 pub(super) const DRAWS: usize = 200;
 pub(super) const SEED: u64 = 1;
 
-/// The band of the force: the band stated in the sheet; by default 10 kHz as in paper E, or up to
-/// half of the highest frequency of a measured body.
+/// Returns the band of the force as stated in the sheet; by default up to 10 kHz as in paper E, or
+/// up to half of the highest frequency of a measured body.
 pub(super) fn band(sheet: &ImpactSheet, bodies: [&FaceBody; 2]) -> Result<BandLimit, RodlabError> {
     let measured_to = bodies
         .iter()
@@ -89,8 +90,8 @@ pub(super) fn march(
         })
 }
 
-/// Returns the factor by which a history is too short for its band; `None` for
-/// another error.
+/// Returns the factor by which a history is too short for its band; `None` if the error has another
+/// cause.
 fn too_short(error: &RodlabError) -> Option<f64> {
     let RodlabError::Step { source, .. } = error else {
         return None;
@@ -103,7 +104,7 @@ fn too_short(error: &RodlabError) -> Option<f64> {
     }
 }
 
-/// The error for a duration that does not fit the band.
+/// Returns the error for a duration that does not fit the band.
 fn of_duration(sheet: &ImpactSheet, expected: String, band: BandLimit) -> RodlabError {
     RodlabError::request(
         "problem.duration",
@@ -112,7 +113,7 @@ fn of_duration(sheet: &ImpactSheet, expected: String, band: BandLimit) -> Rodlab
     )
 }
 
-/// An error of a march with its place in the sheet.
+/// Error of a march with its place in the sheet.
 struct Refused(RodlabError);
 
 impl From<RodlabError> for Refused {
@@ -148,7 +149,7 @@ impl<'a> SheetDraws<'a> {
     ) -> Result<Self, RodlabError> {
         let chosen = sheet.uncertainty.clone().unwrap_or_default();
         let mut random = ChaCha8Rng::seed_from_u64(chosen.seed.unwrap_or(SEED));
-        // find out which quantities are uncertain
+        // one trial draw counts the uncertain quantities
         let mut of_bodies = Draws::by(&mut random);
         drawn_bodies(sheet, materials, bodies, &mut of_bodies)?;
         let bodies_differ = of_bodies.n_drawn > 0;
@@ -209,11 +210,12 @@ impl ImpactDraws for SheetDraws<'_> {
     }
 }
 
-/// Number of draws after which a body counts as impossible within its uncertainties.
+/// Number of repeated draws without a valid body after which the draw fails.
 const MOST_REDRAWS: usize = 100;
 
-/// Returns both bodies, drawn; `None` for a body without uncertain quantities. A draw that is no
-/// material, such as a Zener solid whose relaxed modulus is above the other, is drawn again.
+/// Returns both drawn bodies, with `None` for a body without uncertain quantities. A draw that
+/// gives no valid body, such as a Zener law whose relaxed modulus is above the unrelaxed one, is
+/// repeated.
 fn drawn_bodies(
     sheet: &ImpactSheet,
     materials: &Materials,
@@ -251,7 +253,7 @@ fn bodies_of_one_draw(
     ])
 }
 
-/// A description of the drawn quantities, in words.
+/// Describes in words how the errors were computed.
 pub(super) fn in_words(spread: Option<&Spread>) -> String {
     match spread {
         Some(spread) => format!(
@@ -262,12 +264,13 @@ pub(super) fn in_words(spread: Option<&Spread>) -> String {
     }
 }
 
-/// A frequency in kHz to a mHz, the resolution of a spacing from a rounded sampling rate.
+/// Returns a frequency in kHz, rounded to 1 mHz: a line spacing from a rounded sampling rate is not
+/// known better.
 pub(super) fn khz(hz: f64) -> f64 {
     (1e3 * hz).round() / 1e6
 }
 
-/// A band, in words.
+/// Describes a band in words.
 pub(super) fn band_in_words(band: BandLimit) -> String {
     let upper = khz(band.upper_hz());
     format!("up to {upper} kHz, Gaussian, -3 dB at its end")

@@ -21,22 +21,23 @@ pub struct ImpactSheet {
     pub velocity: Stated<Velocity>,
     /// Duration of the computed force.
     pub duration: Exact<Duration>,
-    /// Upper end of the band of the stated force, such as `"10 kHz"`, where a Gaussian low-pass is
-    /// 3 dB down; by default 10 kHz (Ödeen 1993, paper E), or half of the highest frequency of
-    /// a measured body.
+    /// Upper end of the band of the reported force, such as `"10 kHz"`, at which a Gaussian
+    /// low-pass is 3 dB down; by default 10 kHz (Ödeen 1993, paper E), or half of the highest
+    /// frequency of a measured body.
     #[serde(default)]
     pub band: Option<Exact<Frequency>>,
-    /// Step of the march; chosen for the band unless stated.
+    /// Time step of the march; by default chosen for the band.
     #[serde(default)]
     pub time_step: Option<Exact<Duration>>,
     /// Law of the contact.
     #[serde(default)]
     pub contact: ContactSheet,
-    /// The method of paper E in addition: the stick force by the Fourier transform, on lines up to
-    /// a frequency. By default it is used for a measured body, on all its lines.
+    /// Lines for the method of paper E, which computes the stick force by the Fourier transform, in
+    /// addition to the march. By default all lines of a measured body, and none for computed
+    /// bodies.
     #[serde(default)]
     pub lines: Option<Line>,
-    /// Propagation of the uncertainties stated with ± to the force.
+    /// Settings for the propagation of the uncertainties stated with ± to the force.
     #[serde(default)]
     pub uncertainty: Option<UncertaintySheet>,
 }
@@ -50,25 +51,25 @@ pub enum ContactSheet {
     Rigid,
     /// A spring.
     Linear(Stated<Stiffness>),
-    /// The face of a thin rod on the plane face of a wide body.
+    /// The end face of a thin rod on the plane face of a wide body.
     FlatPunch {
         /// Radius of the thin rod.
         radius: Stated<Length>,
         /// Young's modulus of the wide body.
         modulus: Stated<Pressure>,
-        /// Poisson ratio of the wide body.
+        /// Poisson's ratio of the wide body.
         poisson_ratio: Stated<Ratio>,
     },
-    /// A spherical face on a plane one.
+    /// A spherical face on a plane face.
     Sphere {
         /// Radius of the sphere.
         radius: Stated<Length>,
-        /// Young's modulus of the sphere, then of the plane body.
+        /// Young's moduli of the sphere and of the plane body, in this order.
         moduli: (Stated<Pressure>, Stated<Pressure>),
-        /// Poisson ratio of the sphere, then of the plane body.
+        /// Poisson's ratios of the sphere and of the plane body, in this order.
         poisson_ratios: (Stated<Ratio>, Stated<Ratio>),
     },
-    /// A measured law: approach and force, from small to large.
+    /// A measured law: pairs of approach and force, in increasing order.
     Table(Vec<(Stated<Length>, Stated<Force>)>),
 }
 
@@ -97,7 +98,7 @@ impl ContactSheet {
                 material(&moduli.1, &poisson_ratios.1),
             ),
             Self::Table(points) => {
-                // the law begins at the touch of the faces
+                // the law begins where the faces touch
                 let stated = points.iter().map(|(d, f)| (d.nominal(), f.nominal()));
                 let points: Vec<(f64, f64)> = std::iter::once((0.0, 0.0)).chain(stated).collect();
                 TabulatedContact::new(&points).map(ContactLaw::Tabulated)
@@ -123,8 +124,9 @@ impl ContactSheet {
 pub struct Line {
     /// Highest frequency, such as `"10 kHz"`.
     pub up_to: Exact<Frequency>,
-    /// Twice the number of lines, such as 2048: the samples of the force over the period before
-    /// interpolation. Not stated for a measured body, whose lines are used.
+    /// Number of samples of the force per period before interpolation, such as 2048; half of it is
+    /// the number of lines above 0 Hz. Must not be stated for a measured body, whose own lines are
+    /// used.
     #[serde(default)]
     pub samples: Option<usize>,
     /// Beginning of a raised cosine that reduces the spectrum to zero at the highest frequency; by
@@ -141,6 +143,6 @@ pub struct UncertaintySheet {
     pub draws: Option<usize>,
     /// Seed of the draws; by default 1.
     pub seed: Option<u64>,
-    /// Level of the bands; by default 95 %.
+    /// Probability of the bands; by default 95 %.
     pub level: Option<Exact<Ratio>>,
 }

@@ -11,13 +11,13 @@ use crate::{Outcome, RodlabError};
 
 /// The computed results.
 pub(super) struct Found {
-    /// The force by marching in time; `None` if a measured body has no front impedance.
+    /// Force by marching in time; `None` if a measured body has no front impedance.
     pub(super) march: Option<UncertainPrediction>,
     pub(super) on_lines: Option<OnLines>,
 }
 
-/// Reads one number of a march. A [`Named`] number also has a name, a unit, and the factor of the
-/// unit in SI.
+/// Function that reads one number of a march. A [`Named`] number has also a name, a unit, and the
+/// value of the unit in SI.
 type Read = dyn Fn(&ImpactNumbers) -> Option<f64>;
 
 type Named<'a> = (&'a str, &'a str, f64, &'a Read);
@@ -45,7 +45,7 @@ pub(super) fn quantities(march: &UncertainPrediction, outcome: &mut Outcome) {
     };
     let mut add = |(name, unit, one, of): Named<'_>, valid: bool, about: &str| {
         let value = of(&numbers);
-        // a number that no draw changes, such as the time of a first jump, has no error
+        // a number that is equal in all draws, such as the time of a first jump, has no error
         let error = errors.as_ref().and_then(of).filter(|error| *error > 0.0);
         let why = match (value, valid) {
             (None, _) => "not defined for these bodies".to_owned(),
@@ -140,7 +140,7 @@ pub(super) fn quantities(march: &UncertainPrediction, outcome: &mut Outcome) {
     );
 }
 
-/// The reason why a number has no error.
+/// Returns the reason why a number has no error.
 fn no_error(march: &UncertainPrediction, name: &str) -> &'static str {
     match &march.spread {
         None => "nothing is stated with ±",
@@ -151,15 +151,15 @@ fn no_error(march: &UncertainPrediction, name: &str) -> &'static str {
     }
 }
 
-/// The band that contains the whole force in its frequency band with a probability of 95 %, if
-/// there are draws.
+/// Returns the band that contains the whole history of the band-limited force with a probability of
+/// 95 %; `None` without draws.
 pub(super) fn whole_history(march: &UncertainPrediction) -> Result<Option<ForceBand>, RodlabError> {
     march
         .simultaneous(0.95)
         .map_err(|error| RodlabError::step("the band of the force", error))
 }
 
-/// The force in the band.
+/// Returns the table of the force in the band.
 pub(super) fn limited(march: &UncertainPrediction) -> Result<Table, RodlabError> {
     let history = &march.limited;
     let time = (0..history.force().len()).map(|n| history.time_at(n));
@@ -188,7 +188,7 @@ pub(super) fn limited(march: &UncertainPrediction) -> Result<Table, RodlabError>
     })
 }
 
-/// The march itself.
+/// Returns the table of the march itself, without a band limit.
 pub(super) fn history(march: &UncertainPrediction) -> Table {
     let prediction = &march.prediction;
     let history = &prediction.history;

@@ -1,4 +1,4 @@
-//! The force determined from a measured response.
+//! Force determined from a measured response.
 
 use labio::{FrequencyResponse, Quantity as Physical, Record};
 
@@ -16,8 +16,8 @@ use crate::records::expect_quantity;
 use crate::responses::{HitsSource, line_spacing_hz};
 use crate::{Outcome, RodlabError};
 
-/// Relative difference of line spacings that count as equal; eight digits and a rounded sampling
-/// rate cause less.
+/// Largest relative difference of line spacings that count as equal. Values with eight digits and a
+/// rounded sampling rate cause smaller differences.
 const SAME_LINES: f64 = 1e-4;
 
 pub(super) fn run(
@@ -63,7 +63,7 @@ pub(super) fn run(
         PathSheet::Hits(hits) => Some((hits, hits.read(context, "problem.path", outcome)?)),
         PathSheet::File(_) => None,
     };
-    // the hits as sources of each response
+    // for each response, the calibration hits with the channel of this response
     let sources: Vec<HitsSource> = match &calibration {
         Some((hits, _)) => std::iter::once((*hits).clone())
             .chain(sheet.further.iter().map(|further| {
@@ -296,7 +296,7 @@ fn read_blow(
     Ok(found)
 }
 
-/// Accepts a channel of a motion.
+/// Refuses a channel that is not an acceleration, a velocity or a displacement.
 fn expect_motion(record: &Record, name: &str, place: &str) -> Result<(), RodlabError> {
     let known = record
         .channels()
@@ -309,13 +309,13 @@ fn expect_motion(record: &Record, name: &str, place: &str) -> Result<(), RodlabE
             format!("`{name}`, a channel of {}", other.name()),
             "a channel of acceleration, velocity or displacement",
         )),
-        // an error that names the existing channels
+        // returns an error that names the existing channels
         None => expect_quantity(record, name, Physical::Acceleration, place),
     }
 }
 
-/// Checks that path and record have the same lines (the path may end at a lower frequency), and
-/// that the time in which the force acts is within the record.
+/// Checks that path and record have the same line spacing (the path may end at a lower frequency),
+/// and that the time in which the force acts is within the record.
 fn check_lines(
     sheet: &ResponseSheet,
     record: &Record,
@@ -393,7 +393,7 @@ fn check_lines(
     Ok(())
 }
 
-/// Defaults of the fields that the sheet leaves open.
+/// Returns the defaults of the fields that the sheet does not state.
 fn defaults() -> [Setting; 3] {
     [
         Setting::by_default("problem.regularisation", "none"),
@@ -402,7 +402,8 @@ fn defaults() -> [Setting; 3] {
     ]
 }
 
-/// Adds settings left open by the sheet and determined from the calibration hits.
+/// Adds the settings that the sheet does not state and that were determined from the calibration
+/// hits.
 fn chosen(problem: &Problem<'_>, outcome: &mut Outcome) {
     let mut say = |name: &str, value: String| {
         outcome.by_default(format!("problem.{name}"), value);

@@ -1,4 +1,4 @@
-//! Results for a force from a response: bands, numbers, sentences.
+//! Results for a force from a response: bands, numbers and sentences.
 
 use impulse::{
     CalibrationScatter, ChoiceVerdict, ExclusionReason, ForceBand, ForceError, RandomErrorOfForce,
@@ -21,34 +21,35 @@ const LEVEL: f64 = 0.95;
 /// Largest weighted residual per degree of freedom attributed to noise alone.
 const CHI_SQUARE: f64 = 1.5;
 
-/// Fraction of the response that may remain unexplained regardless of the noise, because of
-/// sampling and values with eight digits.
+/// Fraction of the response that may remain unexplained whatever the noise is, because of sampling
+/// and of values with eight digits.
 const LEAST_RESIDUAL: f64 = 2e-3;
 
-/// Largest ratio of the mean square of the errors of calibration hits to the stated mean square
-/// that is attributed to chance.
+/// Largest ratio of the mean square error of reconstructed calibration hits to the stated mean
+/// square error that is attributed to chance.
 const BY_CHANCE: f64 = 1.5;
 
-/// Root mean square difference from the measured force, as a fraction of the peak, from which the
-/// two contradict each other, if less than `INSIDE` of the measured force is in the band.
+/// Root mean square difference between the force and the measured force, as a fraction of the peak,
+/// above which they contradict each other if less than `INSIDE` of the measured force is in the
+/// band.
 const CONTRADICTS: f64 = 0.05;
 const INSIDE: f64 = 0.9;
 
-/// Fraction of the peak below which the bias by a regularisation counts as none.
+/// Fraction of the peak below which the bias due to a regularisation is not reported.
 const AS_NONE: f64 = 1e-4;
 
 /// Error estimates of the force.
 pub(super) struct Bands {
     pub(super) level: f64,
     pub(super) random: Option<Random>,
-    /// Standard error of the impulse due to noise [N s].
+    /// Standard error of the impulse due to noise \[N s\].
     impulse: Option<f64>,
     /// Scatter of calibration hits that were reconstructed from each other.
     scatter: Option<CalibrationScatter>,
 }
 
-/// The random error of the force: from noise, or from the scatter of calibration hits if noise does
-/// not explain that scatter.
+/// Random error of the force: from noise, or from the scatter of calibration hits if noise does not
+/// explain this scatter.
 pub(super) struct Random {
     pub(super) error: ForceError,
     pub(super) pointwise: ForceBand,
@@ -56,7 +57,7 @@ pub(super) struct Random {
 }
 
 impl Bands {
-    /// The scatter of calibration hits, if the stated random error does not explain it.
+    /// Returns the scatter of calibration hits, if the stated random error does not explain it.
     fn beyond_noise(&self) -> Option<CalibrationScatter> {
         self.scatter.filter(is_beyond_noise)
     }
@@ -145,7 +146,7 @@ pub(super) fn tell(
         .as_ref()
         .and_then(|known| standard(&known.error));
     let beyond_noise = bands.beyond_noise();
-    // differences between blows include those due to noise
+    // the scatter between blows contains the error due to noise, so the larger of the two is used
     let error = match (by_profile, stated) {
         (Some(a), Some(b)) if beyond_noise.is_some() => Some(a.max(b)),
         (a, b) => a.or(b),
@@ -212,7 +213,7 @@ pub(super) fn tell(
     log(solved, outcome);
 }
 
-/// The difference of the force from the measured one.
+/// Difference between the force and the measured force.
 struct Difference {
     /// Root mean square while the force acts \[N\].
     root_mean_square: f64,
@@ -237,7 +238,7 @@ impl Difference {
     }
 }
 
-/// Compares the force with the measured one in words.
+/// Reports the comparison of the force with the measured force.
 fn compared(
     difference: &Difference,
     solved: &ReconstructedForce,

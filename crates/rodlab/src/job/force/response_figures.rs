@@ -1,4 +1,5 @@
-//! Figures of a force from a response: force with bands, response, path, choice of the parameter.
+//! Figures of a force from a response: force with bands, response, path, and choice of the
+//! regularisation parameter.
 
 use impulse::{ChosenParameter, ForceBand, Parameter, ReconstructedForce};
 use rodfigure::{Axis, Figure, Greyed, Mark, Panel, Role};
@@ -44,7 +45,7 @@ fn force(problem: &Problem<'_>, solved: &ReconstructedForce, bands: &Bands) -> F
         let (name, force) = ("measured force", measured.clone());
         marks.push(Mark::curve(name, Role::Reference, &time, force));
     }
-    // the time in which the force acts, with half as much on either side
+    // shows the time in which the force acts, and half of its length on either side
     let inside = window(problem);
     let (from, to) = (
         1e3 * history.time_at(inside.start),
@@ -68,7 +69,7 @@ fn force(problem: &Problem<'_>, solved: &ReconstructedForce, bands: &Bands) -> F
     }
 }
 
-/// The frequency response, shaded where it was not used.
+/// Figure of the frequency response, shaded where it was not used.
 fn path(problem: &Problem<'_>, solved: &ReconstructedForce) -> Figure {
     let path = &problem.first.path;
     let above_zero = path.frequency_hz.iter().skip(1);
@@ -111,7 +112,7 @@ fn path(problem: &Problem<'_>, solved: &ReconstructedForce) -> Figure {
     }
 }
 
-/// The L-curve and the function evaluated by the method.
+/// Figure of the L-curve, and of the function from which the parameter was chosen.
 fn choice(chosen: &ChosenParameter) -> Figure {
     let nearest = chosen.curve.iter().min_by(|a, b| {
         let far = |point: &impulse::CurvePoint| (point.parameter / chosen.value).ln().abs();

@@ -1,4 +1,4 @@
-//! The data of a force from a response.
+//! Data for the reconstruction of a force from a response.
 
 use impulse::{CalibrationLines, ResponseNoise, TimeInterval};
 use labio::hits::Extent;
@@ -16,15 +16,17 @@ pub(super) const FEWEST_AT_REST: usize = 20;
 /// The data of a reconstruction.
 pub(super) struct Problem<'a> {
     pub(super) sheet: &'a ResponseSheet,
-    /// The responses, the first being that of the sheet's `response`.
+    /// The responses; the first is the field `response` of the sheet.
     pub(super) first: Seen,
     pub(super) further: Vec<Seen>,
     pub(super) sampling_rate_hz: f64,
-    /// Standard deviation of the first response before the force acts, if the rest is long enough.
+    /// Standard deviation of the first response before the force acts, if there are at least
+    /// [`FEWEST_AT_REST`] samples.
     pub(super) rest: Option<f64>,
-    /// Time in which the force acts: as stated in the sheet, or as long as the calibration blows.
+    /// Time in which the force acts: as stated in the sheet, or determined from the calibration
+    /// hits.
     pub(super) acting: Option<TimeInterval>,
-    /// Mean fraction of the peak that a force in the band has lost, from calibration hits.
+    /// Mean fraction by which the band limit lowers the peaks of the calibration hits.
     pub(super) lost_in_band: Option<f64>,
     /// The measured force, if there is one.
     pub(super) measured: Option<Vec<f64>>,
@@ -38,7 +40,7 @@ pub(super) struct Seen {
     pub(super) samples: Vec<f64>,
     /// Noise of the response, if known.
     pub(super) noise: Noise,
-    /// The calibration blows, line by line.
+    /// Scatter of the calibration hits on each line.
     pub(super) blows: Option<CalibrationLines>,
     /// Unit of the response.
     pub(super) unit: &'static str,
@@ -125,8 +127,8 @@ pub(super) fn problem<'a>(
     })
 }
 
-/// Returns the response of a channel with its `path`; `place` gives the places of its fields in the
-/// sheet.
+/// Returns the response of a channel with its `path`; `place` returns the places of its fields in
+/// the sheet.
 fn seen(
     (name, noise): (&str, &NoiseSheet),
     path: FrequencyResponse,
@@ -168,7 +170,7 @@ fn seen(
     })
 }
 
-/// Standard deviation over the beginning of the record.
+/// Returns the standard deviation over the beginning of the record.
 fn noise_at_rest(
     samples: &[f64],
     (stretch, place): (&Stretch, &str),
@@ -203,7 +205,7 @@ fn noise_at_rest(
     Ok(deviation)
 }
 
-/// Mean and standard deviation.
+/// Returns mean and standard deviation.
 pub(super) fn scatter_about_mean(samples: &[f64]) -> (f64, f64) {
     let n = samples.len() as f64;
     let mean = samples.iter().sum::<f64>() / n;
@@ -244,12 +246,13 @@ pub(super) fn on_lines_of(
     Ok(path)
 }
 
-/// Place of a field of a further response.
+/// Returns the place of a field of a further response in the sheet.
 pub(super) fn further_place(at: usize, field: &str) -> String {
     format!("problem.further[{at}].{field}")
 }
 
-/// The kind of response from a force to a motion of this quantity.
+/// Returns the kind of response from a force to a motion of this quantity; `None` if it is not a
+/// motion.
 fn kind_of(quantity: Physical) -> Option<ResponseKind> {
     ResponseKind::between(Physical::Force, quantity)
 }

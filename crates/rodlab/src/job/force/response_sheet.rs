@@ -8,7 +8,7 @@ use crate::records::Records;
 use crate::responses::{HitsSource, ResponseFile};
 use crate::sheet::{BandSheet, Exact, Time};
 
-/// An unmeasured force, to be found from a measured response.
+/// A force that was not measured and is determined from a measured response.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ResponseSheet {
@@ -17,7 +17,7 @@ pub struct ResponseSheet {
     /// The files with the response, and their channels.
     pub record: Records,
     /// The blow in the record and its criteria; the first accepted hit is used. By default the
-    /// whole record is the blow, and objections of the checks of hits are only warnings, because
+    /// whole record is the blow. Objections of the checks of hits are then only warnings, because
     /// these checks are made for forces.
     #[serde(default)]
     pub hit: Option<HitsSheet>,
@@ -40,8 +40,9 @@ pub struct ResponseSheet {
     /// Lines used; by default all.
     #[serde(default)]
     pub band: Option<BandSheet>,
-    /// Time in which the force acts, from the first sample; by default a time about the peak, as
-    /// long as the calibration hits; any time if there are no such hits.
+    /// Time in which the force acts, counted from the first sample. By default a time about the
+    /// peak that is as long as the calibration hits; without such hits the force may act at any
+    /// time.
     #[serde(default)]
     pub acting: Option<IntervalSheet>,
     /// Excludes tension; needs `acting`.
@@ -58,14 +59,14 @@ pub struct ResponseSheet {
 pub struct FurtherResponse {
     /// Channel of the response in the record.
     pub response: String,
-    /// File of the frequency response of this response, if that of the first response is from a
-    /// file.
+    /// File of the frequency response of this channel, if the frequency response of the first
+    /// response is from a file.
     #[serde(default)]
     pub path: Option<ResponseFile>,
     /// Channel of the response in the calibration hits; by default the channel of the same name.
     #[serde(default)]
     pub of_hits: Option<String>,
-    /// Noise of the response, stated like that of the first.
+    /// Noise of the response, stated in the same form as the noise of the first response.
     #[serde(default)]
     pub noise: NoiseSheet,
 }
@@ -85,13 +86,13 @@ pub enum PathSheet {
 #[derive(Debug, Clone, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub enum NoiseSheet {
-    /// Unknown.
+    /// Noise of unknown size.
     #[default]
     Unknown,
-    /// White, with this standard deviation in a unit of the channel, such as `"0.5 m/s2"`.
+    /// White noise with this standard deviation in a unit of the channel, such as `"0.5 m/s2"`.
     White(Reading),
-    /// White, from the scatter over the beginning of the record at rest, such as `"4 ms"` or `"200
-    /// samples"`.
+    /// White noise, measured as the scatter over the beginning of the record at rest, such as
+    /// `"4 ms"` or `"200 samples"`.
     FromRest(Stretch),
 }
 
@@ -99,17 +100,17 @@ pub enum NoiseSheet {
 #[derive(Debug, Clone, Copy, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub enum RegularisationSheet {
-    /// Tikhonov's method: the sum of residual and penalty is minimised.
+    /// Tikhonov's method, which minimises the sum of residual and penalty.
     Tikhonov {
         /// The penalised quantity; by default the force itself.
         #[serde(default)]
         penalty: PenaltySheet,
-        /// Source of the weight of the penalty.
+        /// Choice of the weight of the penalty.
         parameter: ParameterSheet,
     },
-    /// Omission of components that the response determines more poorly than the parameter.
+    /// Omission of the components that the response determines too poorly: those below the limit.
     Truncated {
-        /// Source of the limit.
+        /// Choice of the limit.
         parameter: ParameterSheet,
     },
 }
@@ -126,16 +127,16 @@ pub enum PenaltySheet {
     Curvature,
 }
 
-/// Source of the parameter of a regularisation.
+/// Choice of the parameter of a regularisation.
 #[derive(Debug, Clone, Copy, Deserialize)]
 pub enum ParameterSheet {
-    /// This number.
+    /// The number stated here.
     Given(f64),
     /// The corner of the L-curve.
     LCurve,
     /// The minimum of the function of generalised cross validation.
     GeneralisedCrossValidation,
-    /// Largest value allowed by the noise; needs the noise.
+    /// Largest value that the noise allows; the noise must be known.
     Discrepancy,
 }
 

@@ -1,4 +1,5 @@
-//! Force from a response and its path, by `impulse`; calibration hits as a test of the method.
+//! Force from a response and its path, computed by `impulse`, and the reconstruction of calibration
+//! hits as a test of the method.
 
 use std::ops::Range;
 
@@ -20,21 +21,23 @@ use crate::{Outcome, RodlabError};
 /// Minimum number of calibration hits for the reconstruction of each from the others.
 const FEWEST_HITS: usize = 3;
 
-/// Maximum number of samples of a default support: the equations of a support are dense.
+/// Maximum number of samples of the default time in which the force acts. It is limited because the
+/// equations for this time are dense.
 const LONGEST: usize = 512;
 
-/// Fraction of the peak that the force by division may reach at other times before it counts as
+/// Fraction of the peak that the force by division may reach at other times without counting as a
 /// force there.
 const ELSEWHERE: f64 = 0.1;
 
-/// Force beside a window, relative to the largest further away, above which it continues there.
+/// Largest force beside a window, relative to the largest force further away, above which the force
+/// continues there.
 const CONTINUES: f64 = 2.0;
 
-/// Durations of the support that are tried, as multiples of that of the calibration hits.
+/// Durations that are tried for the force, as multiples of the duration of the calibration hits.
 const LONGER: [usize; 5] = [1, 2, 4, 8, 16];
 
-/// Ringing of a force in a band outside its duration, as a multiple of that of calibration hits:
-/// shorter blows ring more.
+/// Largest ringing of a band-limited force outside its duration, as a multiple of the ringing of
+/// calibration hits. Blows shorter than these ring more.
 const RINGING: f64 = 1.5;
 
 impl ParameterSheet {
@@ -49,7 +52,8 @@ impl ParameterSheet {
 }
 
 impl RegularisationSheet {
-    /// The regularisation of `impulse`; `fixed` replaces the parameter of the sheet, if given.
+    /// Returns the regularisation in the form of `impulse`; `fixed`, if given, replaces the
+    /// parameter of the sheet.
     fn regularisation(self, fixed: Option<f64>) -> Regularisation {
         let of = |parameter: ParameterSheet| {
             fixed.map_or_else(|| parameter.parameter(), Parameter::Given)
@@ -87,7 +91,7 @@ pub(super) fn path_of<'a>(
         .map_err(|error| RodlabError::step(field, error))
 }
 
-/// The responses to a blow and the known data about it.
+/// Responses to a blow, with the sampling rate and the time in which the force acts.
 struct Blow<'a> {
     seen: Vec<SeenBlow<'a>>,
     sampling_rate_hz: f64,
@@ -125,8 +129,8 @@ impl<'a> SeenBlow<'a> {
 }
 
 impl Blow<'_> {
-    /// The force by division, in the band of the sheet, with the errors of each line from
-    /// calibration blows.
+    /// Returns the reconstruction by division, in the band of the sheet, with the errors of each
+    /// line from the calibration blows.
     fn divided(&self, sheet: &ResponseSheet) -> Result<Reconstruction<'_>, ImpulseError> {
         let sensors = self.seen.iter().map(SeenBlow::sensor);
         let sensors = sensors.collect::<Result<Vec<_>, _>>()?;
@@ -134,7 +138,7 @@ impl Blow<'_> {
         if let Some(band) = band(sheet) {
             reconstruction = reconstruction.within(band);
         }
-        // blows and window are the same for all responses
+        // calibration blows and window are the same for all responses
         if let Some(blows) = self.seen.first().and_then(|seen| seen.blows) {
             reconstruction = reconstruction.like_blows(blows);
         }
@@ -145,8 +149,8 @@ impl Blow<'_> {
         Ok(reconstruction)
     }
 
-    /// The force as set in the sheet, with a `fixed` parameter of the regularisation if there is
-    /// one.
+    /// Computes the force with the settings of the sheet; `fixed`, if given, replaces the parameter
+    /// of the regularisation.
     fn force(
         &self,
         sheet: &ResponseSheet,
@@ -182,8 +186,8 @@ impl<'a> Problem<'a> {
         }
     }
 
-    /// `measured` in the band of the force: a force that acts at any time has no part outside the
-    /// band.
+    /// Returns `measured` in the band of the reconstructed force. The force has no part outside the
+    /// band, unless the time in which it acts is known.
     pub(super) fn in_band(&self, measured: &[f64]) -> Vec<f64> {
         match band(self.sheet) {
             Some(band) if self.acting.is_none() => band.of(measured, self.sampling_rate_hz),
@@ -192,14 +196,14 @@ impl<'a> Problem<'a> {
     }
 }
 
-/// The force, or the reason why the data do not give one.
+/// Computes the force, or returns the reason why the data do not determine one.
 pub(super) fn solve(
     problem: &Problem<'_>,
 ) -> Result<Result<ReconstructedForce, String>, RodlabError> {
     let found = problem.blow().force(problem.sheet, None);
     let solved = match found {
         Ok(solved) => solved,
-        // a fault of the data, not of the sheet
+        // these errors are due to the data, not to the sheet
         Err(
             error @ (ImpulseError::NoUsableLine { .. } | ImpulseError::SpectrumOverflow { .. }),
         ) => {
@@ -225,7 +229,7 @@ pub(super) fn solve(
     Ok(Ok(solved))
 }
 
-/// The samples of a force that acts in the interval of the sheet.
+/// Returns the samples in the time in which the force acts; all samples if this time is not known.
 pub(super) fn window(problem: &Problem<'_>) -> Range<usize> {
     let n_samples = problem.first.samples.len();
     let Some(acting) = &problem.acting else {
@@ -241,7 +245,7 @@ pub(super) fn window(problem: &Problem<'_>) -> Range<usize> {
     first..last + 1
 }
 
-/// Returns the scatter between hits for the lines of a response, and enters the errors of the
+/// Returns the scatter between hits on the lines of a response, and enters the errors of the
 /// average in `path`.
 pub(super) fn lines_of_hits(
     hits: &HitsSource,
@@ -277,7 +281,8 @@ fn forces_of(hits: &HitsSource, records: &[&Record]) -> Result<Vec<Vec<f64>>, Ro
     forces.collect()
 }
 
-/// Duration of the calibration hits about their peaks; `None` if it is too long for a support.
+/// Returns the duration of the calibration hits about their peaks; `None` if it has [`LONGEST`]
+/// samples or more.
 pub(super) fn span_of(
     hits: &HitsSource,
     records: &[&Record],
@@ -288,14 +293,14 @@ pub(super) fn span_of(
     Ok(span.filter(|span| span.before + span.after < LONGEST))
 }
 
-/// Index and value of the largest sample.
+/// Returns index and value of the largest sample.
 fn largest(force: &[f64]) -> Option<(usize, f64)> {
     let all = force.iter().copied().enumerate();
     all.max_by(|(_, a), (_, b)| a.total_cmp(b))
 }
 
-/// Position of the span about the peak of a force, and the largest force outside this span as a
-/// fraction of the peak.
+/// Returns the samples of the span about the peak of a force, and the largest force outside this
+/// span as a fraction of the peak.
 fn about_peak(span: BlowSpan, force: &[f64]) -> Option<(Range<usize>, f64)> {
     let (at, peak) = largest(force)?;
     let window = span.about(at, force.len());
@@ -305,16 +310,16 @@ fn about_peak(span: BlowSpan, force: &[f64]) -> Option<(Range<usize>, f64)> {
     Some((window, elsewhere / peak))
 }
 
-/// The part of calibration hits within the band of the sheet.
+/// Effect of the band of the sheet on the calibration hits.
 pub(super) struct HitsInBand {
-    /// Largest force outside the span of a hit, as a fraction of its peak.
+    /// Largest band-limited force outside the span of a hit, as a fraction of its peak.
     outside: f64,
-    /// Mean fraction of the peak that the band does not contain.
+    /// Mean fraction by which the band limit lowers the peak.
     pub(super) lost: f64,
 }
 
 impl HitsInBand {
-    /// Returns `None` without a band.
+    /// Computes the effect of the band; `None` if the sheet states no band.
     pub(super) fn of(
         sheet: &ResponseSheet,
         hits: &HitsSource,
@@ -341,8 +346,9 @@ impl HitsInBand {
     }
 }
 
-/// Returns true if the largest `force` in `wider` outside of `window` exceeds everything further away,
-/// if there are as many samples there.
+/// Returns true if the largest `force` in `wider` outside of `window` is more than [`CONTINUES`]
+/// times the largest further away. Returns false if there are fewer samples further away than in
+/// `wider`.
 fn continues(force: &[f64], window: &Range<usize>, wider: &Range<usize>) -> bool {
     let largest = |ranges: [Range<usize>; 2]| {
         let parts = ranges.into_iter().flat_map(|range| force.get(range));
@@ -353,10 +359,10 @@ fn continues(force: &[f64], window: &Range<usize>, wider: &Range<usize>) -> bool
     force.len() >= 2 * wider.len() && beside > CONTINUES * further
 }
 
-/// Time in which the force acts, about the peak of the force by division: as long as the calibration
-/// hits, or the least multiple of it beyond which the force does not continue; `None` if there is
-/// force at other times. A force in a band rings outside this time, as the calibration hits do in
-/// the band.
+/// Returns the time in which the force acts, about the peak of the force by division. It is as long
+/// as the calibration hits, or as the least multiple of their duration beyond which the force does
+/// not continue. Returns `None` if there is force at other times; ringing outside this time is
+/// allowed as far as the calibration hits ring in the same band.
 pub(super) fn acting_like_hits(
     problem: &Problem<'_>,
     span: Option<BlowSpan>,
@@ -364,7 +370,7 @@ pub(super) fn acting_like_hits(
     outcome: &mut Outcome,
 ) -> Result<Option<(BlowSpan, TimeInterval)>, RodlabError> {
     let Some(span) = span else { return Ok(None) };
-    // a regularisation would only smooth the force
+    // no regularisation is used here: it would only smooth the force
     let divided = problem
         .blow()
         .divided(problem.sheet)
@@ -373,7 +379,8 @@ pub(super) fn acting_like_hits(
     let Ok(divided) = divided else {
         return Ok(None);
     };
-    // times the exponential window, with which the noise is the same at all times
+    // the force is multiplied by the exponential window, because its noise is then equal at all
+    // times
     let decay = problem
         .first
         .path
@@ -419,12 +426,13 @@ pub(super) fn acting_like_hits(
     Ok(None)
 }
 
-/// Channel of the force, the same for all responses.
+/// Returns the channel of the force, which is the same for all responses.
 fn force_of(sources: &[HitsSource]) -> &str {
     sources.first().map_or("", |hits| &hits.force)
 }
 
-/// Errors estimated from calibration hits: each is reconstructed from the others, like the blow.
+/// Estimates errors from calibration hits: the force of each hit is reconstructed with the path of
+/// the other hits, in the same way as the force of the blow.
 pub(super) fn scatter(
     problem: &Problem<'_>,
     solved: &ReconstructedForce,
@@ -480,7 +488,8 @@ pub(super) fn scatter(
             .to_vec();
         let measured = problem.in_band(&measured);
         let largest = largest(&measured);
-        // the support moves along with a hit that begins elsewhere in its record
+        // the time in which the force acts is placed about the peak of each hit, wherever the hit
+        // is in its record
         let (window, acting) = match (span, largest) {
             (Some(span), Some((at, _))) => {
                 let window = span.about(at, measured.len());

@@ -6,7 +6,7 @@ use super::response_answer::Bands;
 use super::response_problem::Problem;
 use crate::outcome::{Column, Table};
 
-/// The force sample by sample.
+/// Returns the table of the force, with one row for each sample.
 pub(super) fn force(problem: &Problem<'_>, solved: &ReconstructedForce, bands: &Bands) -> Table {
     let history = &solved.history;
     let steps = 0..history.force().len();
@@ -49,7 +49,7 @@ pub(super) fn force(problem: &Problem<'_>, solved: &ReconstructedForce, bands: &
     }
 }
 
-/// The curve from which the parameter was chosen.
+/// Returns the table of the curve from which the parameter was chosen; `None` if it was not chosen.
 pub(super) fn curve(solved: &ReconstructedForce) -> Option<Table> {
     let curve = &solved.parameter.as_ref()?.curve;
     if curve.is_empty() {

@@ -1,4 +1,4 @@
-//! Responses from accepted hits: averaged, merged, completed, converted.
+//! Responses from accepted hits: averaged, merged, completed and converted.
 
 use labio::{
     AddedDamping, AveragedSpectra, Coherence, CompletedResponse, Departure, Detrend, Estimator,
@@ -23,13 +23,13 @@ pub(super) struct Estimated {
     pub(super) objections: Vec<Option<&'static str>>,
     /// The responses of two hammers, and their agreement.
     pub(super) merged: Option<MergedResponse>,
-    /// The mass found from the lines.
+    /// Response completed by the weighed mass, with the mass that the lines indicate.
     pub(super) completed: Option<CompletedResponse>,
-    /// Largest relative standard uncertainty common to all lines: of the sensor chains, and of two
-    /// hammers that disagree.
+    /// Largest relative standard uncertainty that is common to all lines: due to the sensor chains,
+    /// and to a disagreement of two hammers.
     pub(super) calibration: f64,
-    /// Relative systematic error of each line from motion at the end of the record, or from the
-    /// width of the lines of segments; `None` if it is not measured.
+    /// Relative systematic error of each line, due to motion at the end of the record or, for
+    /// segments, to the width of the lines; `None` if it is not known.
     pub(super) leakage: Option<Vec<f64>>,
     /// Cause of that error.
     pub(super) cause: &'static str,
@@ -40,10 +40,10 @@ pub(super) struct Estimated {
 /// Objection to the lines of a test with a single hit.
 const ONE_HIT: &str = "error not known from one hit";
 
-/// Objection to lines with a bias from noise of the channels above their random error.
+/// Objection to a line whose bias due to noise of the channels exceeds its random error.
 const BIASED: &str = "bias by noise at rest above the random error";
 
-/// Objection to a line with a relative error above one half from the end of the record.
+/// Objection to a line whose relative error due to the end of the record exceeds one half.
 const RINGS_ON: &str = "rings beyond the end of the record";
 
 /// Cause of the systematic error with hits.
@@ -58,14 +58,14 @@ const TOO_WIDE: &str = "feature narrower than the lines";
 /// Relative error by leakage above which a line is refused.
 const MOST_LEAKAGE: f64 = 0.5;
 
-/// Number of standard deviations by which the number of valid lines must exceed that expected by
-/// chance.
+/// Number of standard deviations by which the number of valid lines must exceed the number expected
+/// by chance.
 const BEYOND_CHANCE: f64 = 4.0;
 
 impl Estimated {
-    /// Returns true if more of `n_lines` lines are valid than noise alone would pass: each line
-    /// passes independently, with the probability that one of the tests reaches the level of
-    /// chance. Always true for a single hit, which has no coherence.
+    /// Returns true if more of `n_lines` lines are valid than noise alone would make valid. Each
+    /// line of noise is valid independently, with the probability that one of the tests reaches the
+    /// level of chance. Always true for a single hit, which has no coherence.
     pub(super) fn is_more_than_chance(&self, n_valid: usize, n_lines: usize) -> bool {
         if self.coherences.is_empty() {
             return true;
@@ -76,14 +76,14 @@ impl Estimated {
         n_valid as f64 > expected + BEYOND_CHANCE * (expected * (1.0 - passes)).sqrt()
     }
 
-    /// Returns true if the line contains information, though its error may be unknown.
+    /// Returns true if the line contains information, even if its error is unknown.
     pub(super) fn is_measured(&self, line: usize) -> bool {
         let objection = self.objections.get(line).copied();
         objection.is_some_and(|objection| objection.is_none_or(|reason| reason == ONE_HIT))
     }
 
-    /// Median relative error of the valid lines by leakage, and median relative random error of the
-    /// complex lines; `None` if one of them is unknown.
+    /// Returns the median relative error due to leakage of the valid lines, and the median relative
+    /// random error of their complex values; `None` if one of the two is unknown.
     pub(super) fn median_leakage(&self) -> Option<(f64, f64)> {
         let errors = self.response.random_error()?;
         let lines = self.leakage.as_ref()?.iter().zip(&errors).enumerate();
@@ -98,8 +98,9 @@ impl Estimated {
         leaks.get(middle).copied().zip(errors.get(middle).copied())
     }
 
-    /// The one of `lines` with the largest relative error by leakage, and this error, where it
-    /// exceeds the random error of the complex line.
+    /// Returns that one of `lines` which has the largest relative error due to leakage, and this
+    /// error. Lines whose leakage does not exceed the random error of the complex value are not
+    /// considered.
     pub(super) fn largest_leakage(&self, lines: &[usize]) -> Option<(usize, f64)> {
         let errors = self.response.random_error()?;
         let leakage = self.leakage.as_ref()?;
@@ -117,7 +118,7 @@ impl Estimated {
     }
 }
 
-/// The exponential window of the sheet on hits of `duration` \[s\].
+/// Returns the exponential window of the sheet for hits of `duration` \[s\].
 pub(super) fn added_damping(
     sheet: &FrfSheet,
     duration: f64,
@@ -129,7 +130,7 @@ pub(super) fn added_damping(
         .map_err(|error| RodlabError::step("exponential_window", error))
 }
 
-/// The trend removed from `hits` before the windows.
+/// Returns the trend that is removed from `hits` before the windows are applied.
 fn detrend(sheet: &FrfSheet, hits: &[&Record]) -> Result<Detrend, RodlabError> {
     match sheet.detrend {
         Some(DetrendSheet::Nothing) => Ok(Detrend::None),
@@ -147,7 +148,7 @@ fn detrend(sheet: &FrfSheet, hits: &[&Record]) -> Result<Detrend, RodlabError> {
     }
 }
 
-/// An averager for `hits`, at least one, with the windows of the sheet.
+/// Returns an averager for `hits` with the windows of the sheet; an error if there is no hit.
 pub(super) fn averager(
     sheet: &FrfSheet,
     hits: &[&Record],
@@ -185,8 +186,8 @@ fn no_hit() -> LabioError {
     }
 }
 
-/// Effect of the windows of the sheet, and of a trend other than the level at rest, on the response
-/// of `output`: its departure from the response without them. `None` if there are none.
+/// Returns the effect of windows, and of a trend other than the level at rest, on the response of
+/// `output`: the departure from the response without them. `None` if the sheet uses neither.
 pub(super) fn departure(
     sheet: &FrfSheet,
     hits: &[&Record],
@@ -215,7 +216,7 @@ pub(super) fn departure(
     response(spectra)?.departure_from(&without).map_err(place)
 }
 
-/// The averaged spectra of `hits`, at least one.
+/// Returns the averaged spectra of `hits`; an error if there is no hit.
 pub(super) fn spectra(
     sheet: &FrfSheet,
     hits: &[&Record],
@@ -232,8 +233,8 @@ pub(super) fn spectra(
     averager.spectra().map_err(averaging)
 }
 
-/// The response from the input to `output` of one or two tests; `hits` contains one hit of each
-/// test, for its sensor chain.
+/// Returns the response from the input to `output` of one or two tests. `hits` contains one hit of
+/// each test, from which the sensor chain is read.
 pub(super) fn estimate(
     sheet: &FrfSheet,
     tests: &[AveragedSpectra],
@@ -277,7 +278,7 @@ pub(super) fn estimate(
         expect_noise(test, (input, output), &format!("response of `{output}`"))?;
         let coherence = match test.coherence(input, output) {
             Ok(coherence) => Some(coherence),
-            // a single hit has no coherence
+            // the coherence of a single hit is not defined
             Err(LabioError::TooFewAverages { .. }) => None,
             Err(error) => return Err(refused(error)),
         };
@@ -315,8 +316,8 @@ pub(super) fn estimate(
     )
 }
 
-/// The response from `input` to `output` averaged over segments, with all inputs of the sheet;
-/// `halved` has the spectra of segments of half the length.
+/// Returns the response from `input` to `output`, averaged over segments, with all inputs of the
+/// sheet. `halved` contains the spectra of segments of half the length.
 pub(super) fn of_segments(
     sheet: &FrfSheet,
     [spectra, halved]: [&AveragedSpectra; 2],
@@ -449,14 +450,14 @@ fn finish(sheet: &FrfSheet, estimated: Estimated) -> Result<Estimated, RodlabErr
     })
 }
 
-/// Relative standard uncertainty from the sensor chains of these channels.
+/// Returns the relative standard uncertainty due to the sensor chains of these channels.
 fn sensors(hit: &Record, [first, second]: [&str; 2]) -> Result<f64, LabioError> {
     let both = hit.sensor_error(first)?.combined(hit.sensor_error(second)?);
     Ok(both.gain)
 }
 
-/// The objection to each line: no information, a coherence that noise alone would reach in its
-/// tests, or a bias by noise at rest that exceeds the random error.
+/// Returns the objection to each line: no information, a coherence that noise alone would reach, or
+/// a bias due to the noise at rest that exceeds the random error.
 fn objections(
     response: &FrequencyResponse,
     coherences: &[Coherence],
@@ -488,7 +489,7 @@ fn objections(
             let error = errors.as_ref().and_then(|errors| errors.get(line));
             let biased = bias
                 .zip(error)
-                // a NaN is the bias of a line of noise
+                // the bias is NaN on a line that contains only noise
                 .is_some_and(|(bias, error)| bias.is_nan() || bias.abs() > error.magnitude);
             match (coherent, merged) {
                 (true, _) => biased.then_some(BIASED),
@@ -499,7 +500,7 @@ fn objections(
         .collect())
 }
 
-/// Refuses a kind of response that does not fit the channels.
+/// Refuses a kind of response, or a weighed mass, that does not suit the channels.
 pub(super) fn check_kind(
     sheet: &FrfSheet,
     hit: &Record,

@@ -1,4 +1,4 @@
-//! Frequency range of the input: spectra of every hit and their mean.
+//! Frequency range of the input: spectra of the hits and their mean.
 
 use labio::{AveragedSpectra, Channel, Record, SpectrumAverager};
 use ndarray::Axis as Dimension;
@@ -8,7 +8,8 @@ use super::sheet::FrfSheet;
 use super::{estimate, thin};
 use crate::RodlabError;
 
-/// Fraction of the maximum of the mean spectrum at which the spectrum of the input ends: 20 dB.
+/// Fraction of the maximum of the mean spectrum at which the spectrum of the input ends; it is -20
+/// dB.
 const END: f64 = 0.01;
 const N_BUCKETS: usize = 300;
 /// Maximum number of spectra of single hits in the figure.
@@ -16,7 +17,7 @@ const MOST_HITS: usize = 10;
 
 const KHZ: f64 = 1e-3;
 
-/// The figure of the spectra of the input.
+/// Figure of the spectra of the input.
 pub(super) fn figure(
     sheet: &FrfSheet,
     hits: &[&Record],
@@ -72,7 +73,7 @@ pub(super) fn figure(
     })
 }
 
-/// The channel `name` of `record` alone.
+/// Returns the channel `name` of `record` alone.
 fn only(record: &Record, name: &str) -> Result<Record, labio::LabioError> {
     let samples = record.channel(name)?.insert_axis(Dimension(0)).to_owned();
     let channels: Vec<Channel> = record
@@ -90,8 +91,8 @@ fn only(record: &Record, name: &str) -> Result<Record, labio::LabioError> {
     )
 }
 
-/// The highest frequency up to which the mean spectrum of the input stays within 20 dB of its
-/// maximum.
+/// Returns the highest frequency up to which the mean spectrum of the input stays within 20 dB of
+/// its maximum.
 pub(super) fn end_of(spectra: &AveragedSpectra, input: &str) -> Result<f64, RodlabError> {
     let lines = spectra
         .auto(input)

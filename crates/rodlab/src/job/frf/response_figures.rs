@@ -14,7 +14,7 @@ const NYQUIST_STEP: f64 = 1e-3;
 const KHZ: f64 = 1e-3;
 const DEGREES: f64 = 180.0 / std::f64::consts::PI;
 
-/// The data drawn for every line, thinned.
+/// Data drawn for every line, thinned.
 struct Drawn {
     kept: Vec<usize>,
     frequency: Vec<f64>,
@@ -38,7 +38,7 @@ impl Drawn {
         self.kept.iter().map(|line| value(*line)).collect()
     }
 
-    /// Two curves: valid lines and, if there are any, invalid lines.
+    /// Returns two curves: the valid lines and, if there are any, the invalid lines.
     fn lines(&self, estimated: &Estimated, value: impl Fn(usize) -> f64) -> Vec<Mark> {
         let kinds = [(true, Role::First), (false, Role::Faint)].into_iter();
         let there = kinds.filter(|(valid, _)| {
@@ -73,7 +73,7 @@ impl Drawn {
     }
 }
 
-/// Magnitude with its band of one standard error, phase and coherence.
+/// Figure of the magnitude with its band of one standard error, the phase and the coherence.
 #[allow(
     clippy::indexing_slicing,
     reason = "`line` is one of the response, and every list has an element for each"
@@ -91,7 +91,7 @@ pub(super) fn bode(
     let errors = response.random_error();
     let mut marks = Vec::new();
     if let Some(errors) = &errors {
-        // equal numbers of decibels up and down
+        // the band has the same number of decibels up and down
         let edge = |line: usize, sign: f64| {
             let relative = errors[line].magnitude;
             if relative.is_finite() && estimated.is_valid(line) {
@@ -144,8 +144,8 @@ pub(super) fn bode(
     }
 }
 
-/// The phase over one turn, interrupted where it wraps; the range is chosen so that the fewest
-/// lines wrap.
+/// Returns the phase over one turn of 360 degrees, interrupted where it wraps. The range is chosen
+/// so that the phase wraps as rarely as possible.
 #[allow(
     clippy::indexing_slicing,
     reason = "`line` is one of the response, and every list has an element for each"
@@ -164,7 +164,7 @@ fn phase(estimated: &Estimated, drawn: &Drawn) -> (Axis, Vec<Mark>) {
             .filter(|pair| (pair[1] - pair[0]).abs() > 180.0)
             .count()
     };
-    // the first of several with equal counts
+    // of several ranges with equally many wraps, the first is used
     let begin = [-180.0, -270.0, -90.0, 0.0]
         .into_iter()
         .min_by_key(passes)
@@ -236,7 +236,7 @@ fn coherence(estimated: &Estimated, drawn: &Drawn) -> Vec<Mark> {
     marks
 }
 
-/// Imaginary over real part, for the valid lines of the band.
+/// Figure of the imaginary over the real part, for the valid lines of the band.
 #[allow(
     clippy::indexing_slicing,
     reason = "`line` is one of the response, and every list has an element for each"
@@ -276,7 +276,7 @@ pub(super) fn nyquist(
     }
 }
 
-/// The responses of two hammers, and their difference.
+/// Figure of the responses of two hammers, and of their difference.
 pub(super) fn merge(
     estimated: &Estimated,
     output: &str,

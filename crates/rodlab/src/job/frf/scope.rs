@@ -21,7 +21,7 @@ impl Band {
     }
 }
 
-/// The output channels, which must exist and differ from the input.
+/// Returns the output channels, which must exist and differ from the input.
 pub(super) fn outputs_of(
     sheet: &FrfSheet,
     records: &Records,
@@ -80,7 +80,7 @@ pub(super) fn outputs_of(
     Ok(outputs)
 }
 
-/// The band of the sheet, or all lines above 0 Hz.
+/// Returns the band of the sheet, or all lines above 0 Hz.
 pub(super) fn band_of(sheet: &FrfSheet, spectra: &AveragedSpectra) -> Result<Band, RodlabError> {
     let frequency = spectra.frequency_hz();
     let (spacing, last) = (
@@ -119,7 +119,7 @@ pub(super) fn band_of(sheet: &FrfSheet, spectra: &AveragedSpectra) -> Result<Ban
     Ok(stated)
 }
 
-/// The ranges outside of a band stated in the sheet.
+/// Returns the ranges outside of a band that is stated in the sheet.
 pub(super) fn outside_of(sheet: &FrfSheet, band: Band, spectra: &AveragedSpectra) -> Vec<Greyed> {
     const KHZ: f64 = 1e-3;
     let last = spectra.frequency_hz().last().copied().unwrap_or(f64::NAN);

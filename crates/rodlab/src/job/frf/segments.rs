@@ -1,5 +1,5 @@
-//! Responses of long records: stationary random excitation by one or several inputs, averaged over
-//! overlapped segments.
+//! Responses from long records with stationary random excitation by one or several inputs, averaged
+//! over overlapping segments.
 
 use labio::hits::{Copy, Extent, find_copy, repeated_extreme};
 use labio::{AveragedSpectra, Detrend, Record, Welch};
@@ -125,7 +125,7 @@ pub(super) fn run(
     Ok(outcome)
 }
 
-/// Refuses statements on hits.
+/// Refuses statements about hits in a sheet with segments.
 fn refuse_hits(sheet: &FrfSheet) -> Result<(), RodlabError> {
     let hits = &sheet.hits;
     let stated = [
@@ -153,8 +153,8 @@ fn refuse_hits(sheet: &FrfSheet) -> Result<(), RodlabError> {
     Ok(())
 }
 
-/// Refuses records or channels that are the same measurement; a channel that stays at a limit is a
-/// reason for doubt.
+/// Refuses records or channels that are the same measurement. A channel with many samples at its
+/// extreme value is a reason for doubt.
 fn check_measurements(
     records: &[NamedRecord],
     channels: &[&str],
@@ -192,7 +192,7 @@ fn check_measurements(
     Ok(())
 }
 
-/// Number of samples of a segment.
+/// Returns the number of samples of a segment.
 fn length_of(segments: &SegmentsSheet, rate: f64) -> Result<usize, RodlabError> {
     let length = segments
         .length
@@ -213,7 +213,7 @@ fn length_of(segments: &SegmentsSheet, rate: f64) -> Result<usize, RodlabError> 
     Ok(length)
 }
 
-/// Segments of `length` samples.
+/// Returns the settings for segments of `length` samples.
 fn welch(sheet: &FrfSheet, segments: &SegmentsSheet, length: usize) -> Result<Welch, RodlabError> {
     let overlap = segments
         .overlap
@@ -241,7 +241,8 @@ fn welch(sheet: &FrfSheet, segments: &SegmentsSheet, length: usize) -> Result<We
         .map_err(|error| RodlabError::step("segments.overlap", error))
 }
 
-/// The reason why the segments are too few for errors; `None` if they suffice.
+/// Returns the reason why there are too few segments to estimate errors; `None` if there are
+/// enough.
 fn too_few(spectra: &AveragedSpectra, n_inputs: usize) -> Option<String> {
     let effective = spectra.effective_averages();
     (effective < n_inputs as f64 + 1.0).then(|| {

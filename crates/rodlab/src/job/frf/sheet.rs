@@ -1,4 +1,4 @@
-//! The sheet of the job.
+//! Sheet of the job `frf`.
 
 use std::fmt;
 
@@ -13,7 +13,7 @@ use crate::records::Records;
 use crate::responses::{EstimatorSheet, ForceWindowSheet, MergeSheet};
 use crate::sheet::{BandSheet, Duration, Exact, Frequency, ImpactMass, Ratio, Stated};
 
-/// Sheet of the job.
+/// Sheet of the job `frf`.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct FrfSheet {
@@ -27,8 +27,8 @@ pub struct FrfSheet {
     /// The selection of the hits that are averaged.
     #[serde(default)]
     pub hits: HitsSheet,
-    /// Long records of a stationary random excitation, averaged over overlapped segments instead
-    /// of hits.
+    /// Averaging of long records with a stationary random excitation, over overlapping segments
+    /// instead of hits.
     #[serde(default)]
     pub segments: Option<SegmentsSheet>,
     /// Input channel, usually the force of the hammer, such as `"hammer"`.
@@ -40,16 +40,16 @@ pub struct FrfSheet {
     /// Output channels; by default all others, such as `["end A"]`.
     #[serde(default)]
     pub outputs: Option<Vec<String>>,
-    /// `H1` (default) for noise on the outputs, `H2` for noise on the input, `Hv` for equal
-    /// relative noise on both, `Hs` for the noise of the channels in the silence before a
-    /// blow.
+    /// Estimator: `H1` (default) for noise on the outputs, `H2` for noise on the input, `Hv` for
+    /// equal relative noise on both, `Hs` for noise as measured on the channels in the silence
+    /// before a blow.
     #[serde(default)]
     pub estimator: Option<EstimatorSheet>,
     /// Window on the samples of all channels; by default `Rectangular` for hits, which must decay,
     /// and `Hann` for segments.
     #[serde(default)]
     pub window: Option<WindowSheet>,
-    /// Window that passes the input only during the contact of the hammer.
+    /// Window that sets the input to 0 outside the contact of the hammer.
     #[serde(default)]
     pub force_window: Option<ForceWindowSheet>,
     /// Exponential window on all channels, for bodies that ring longer than the record.
@@ -59,10 +59,11 @@ pub struct FrfSheet {
     /// of rest before the blow), `Nothing`, `Mean` (default for segments) or `Line`.
     #[serde(default)]
     pub detrend: Option<DetrendSheet>,
-    /// Time before a blow in which the channels rest, such as `"20 ms"`: it gives the noise for
-    /// `Hs`, and the bias of the other estimators. By default the pre-trigger of hits that are cut
-    /// by a trigger, or else the rest that the records show. For segments, the time without
-    /// excitation at the beginning of each record, after which the segments begin; by default none.
+    /// Time before a blow in which the channels are at rest, such as `"20 ms"`. The noise for `Hs`,
+    /// and the bias of the other estimators, are determined in it. By default the pre-trigger of
+    /// hits that are cut by a trigger, less the rise of the blow, or else the rest found in the
+    /// records. For segments, the time without excitation at the beginning of each record, after
+    /// which the segments begin; by default none.
     #[serde(default)]
     pub silent: Option<Exact<Duration>>,
     /// Frequency range of the result; by default all lines above 0 Hz.
@@ -72,7 +73,7 @@ pub struct FrfSheet {
     /// `Mobility`.
     #[serde(default)]
     pub kind: Option<KindSheet>,
-    /// Second hammer: a repetition of the test with another hammer, merged with the first line by
+    /// Repetition of the test with a second hammer; its response is merged with the first, line by
     /// line.
     #[serde(default)]
     pub second_hammer: Option<SecondHammerSheet>,
@@ -81,14 +82,14 @@ pub struct FrfSheet {
     pub weighed_mass: Option<WeighedMassSheet>,
 }
 
-/// Overlapped segments of long records (Welch 1967).
+/// Overlapping segments of long records (Welch 1967).
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SegmentsSheet {
     /// Length of a segment, an even number of samples, such as `"1 s"` or `"4096 samples"`: its
     /// inverse is the line spacing.
     pub length: Stretch,
-    /// Overlap with the next segment; by default half.
+    /// Overlap with the next segment; by default half a segment.
     #[serde(default)]
     pub overlap: Option<Exact<Ratio>>,
 }
@@ -97,7 +98,7 @@ pub struct SegmentsSheet {
 #[derive(Debug, Clone, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub enum WindowSheet {
-    /// 1 everywhere.
+    /// Equal to 1 everywhere.
     #[default]
     Rectangular,
     /// Hann, periodic.
@@ -108,7 +109,7 @@ pub enum WindowSheet {
     BlackmanHarris,
     /// Flat top of five terms, periodic.
     FlatTop,
-    /// Flat with half a Hann window at either end.
+    /// Flat, with half a Hann window at either end.
     Tukey {
         /// Tapered fraction of the samples, both ends together, such as `"10 %"`.
         taper: Exact<Ratio>,
@@ -116,7 +117,7 @@ pub enum WindowSheet {
 }
 
 impl FrfSheet {
-    /// The window of the sheet, or the default one of hits or segments.
+    /// Returns the window of the sheet, or the default window for hits or segments.
     pub(super) fn window_or_default(&self) -> WindowSheet {
         self.window.clone().unwrap_or(match self.segments {
             None => WindowSheet::Rectangular,
@@ -124,7 +125,8 @@ impl FrfSheet {
         })
     }
 
-    /// Defaults of the fields that the sheet leaves open, except those of records and hits.
+    /// Returns the defaults of the fields that the sheet does not state, except those of records
+    /// and hits.
     pub(super) fn defaults(&self) -> Vec<Setting> {
         let detrend = match self.segments {
             None => "rest before the blow, if there is any",
@@ -152,7 +154,7 @@ impl FrfSheet {
         defaults
     }
 
-    /// All inputs, beginning with `input`.
+    /// Returns all inputs, beginning with `input`.
     pub(super) fn inputs(&self) -> Vec<&str> {
         let further = self.further_inputs.iter().map(String::as_str);
         std::iter::once(self.input.as_str())
@@ -178,12 +180,12 @@ impl WindowSheet {
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub enum ExponentialWindowSheet {
-    /// Defined by its weight on the last sample, 1 on the first.
+    /// Defined by its weight on the last sample; the weight on the first sample is 1.
     EndWeight {
         /// The weight, such as `"1 %"`.
         weight: Exact<Ratio>,
     },
-    /// Defined by the time in which it falls to 1/e.
+    /// Defined by the time in which the weight falls to 1/e.
     TimeConstant {
         /// The time, such as `"40 ms"`.
         time: Exact<Duration>,
@@ -191,7 +193,7 @@ pub enum ExponentialWindowSheet {
 }
 
 impl ExponentialWindowSheet {
-    /// The window for hits of `duration` \[s\].
+    /// Returns the window for hits of `duration` \[s\].
     pub(in crate::job) fn over(&self, duration: f64) -> Result<AddedDamping, LabioError> {
         match self {
             Self::EndWeight { weight } => AddedDamping::to_end_weight(weight.si(), duration),
@@ -216,9 +218,9 @@ pub enum DetrendSheet {
     Rest,
     /// Nothing.
     Nothing,
-    /// The mean of the hit, which includes part of the motion.
+    /// The mean of the hit; this removes part of the motion too.
     Mean,
-    /// The straight line of least squares, which includes part of the motion.
+    /// The straight line of least squares; this removes part of the motion too.
     Line,
 }
 

@@ -1,4 +1,4 @@
-//! The lines of a response as a table, and its figures of merit as quantities.
+//! Lines of a response as a table, and its overall results as quantities.
 
 use super::estimate::Estimated;
 use super::scope::Band;
@@ -10,7 +10,7 @@ use crate::universal::DECAY_RATE;
 
 const DEGREES: f64 = 180.0 / std::f64::consts::PI;
 
-/// The lines of the band.
+/// Returns the table of the lines in the band.
 #[allow(
     clippy::indexing_slicing,
     reason = "`line` is one of the response, and every list of it, of its tests and of the objections has an element for each"
@@ -159,14 +159,14 @@ pub(super) struct Merit {
     pub(super) n_valid: usize,
 }
 
-/// The figures of merit of a response in the band.
+/// Returns the overall results of a response in the band.
 #[allow(
     clippy::indexing_slicing,
     reason = "`line` is one of the response, and every list of it, of its tests and of the objections has an element for each"
 )]
 pub(super) fn merit(estimated: &Estimated, output: &str, input: &str, band: Band) -> Merit {
     let response = &estimated.response;
-    // names of the figures distinguish several inputs
+    // with several inputs, the name of the input distinguishes the quantities
     let label = &match estimated.multiple {
         None => output.to_owned(),
         Some(_) => format!("{output} over {input}"),

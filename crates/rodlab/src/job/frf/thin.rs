@@ -1,14 +1,14 @@
-//! Reduction of the points of a figure that keeps all peaks.
+//! Reduction of the number of points in a figure, which keeps all peaks.
 
-/// Indices of a curve reduced to at most about four times `n_buckets` points: first and last,
-/// smallest and largest ordinate of each bucket of equal width in the increasing `x`. A curve of
-/// fewer points is kept whole.
+/// Returns the indices of a curve reduced to about four times `n_buckets` points: the first and the
+/// last point, and the points with the smallest and the largest ordinate, in each of `n_buckets`
+/// intervals of equal width of the increasing `x`. A curve with fewer points is kept whole.
 pub(super) fn evenly(x: &[f64], curves: &[&[f64]], n_buckets: usize) -> Vec<usize> {
     by_bucket(x, curves, n_buckets, |x| x)
 }
 
-/// Indices like [`evenly`], with buckets of equal width on a logarithmic axis; values that are not
-/// positive have a bucket of their own.
+/// Returns indices like [`evenly`], with intervals of equal width on a logarithmic axis; values
+/// that are not positive form an interval of their own.
 pub(super) fn logarithmically(x: &[f64], curves: &[&[f64]], n_buckets: usize) -> Vec<usize> {
     by_bucket(x, curves, n_buckets, f64::ln)
 }
@@ -44,7 +44,7 @@ fn by_bucket(
     while start < n {
         let here = bucket(start);
         let mut end = start + 1;
-        // not finite (0 Hz on a logarithmic axis) is a bucket by itself
+        // values that are not finite (0 Hz on a logarithmic axis) form a bucket of their own
         while end < n && bucket(end).total_cmp(&here).is_eq() {
             end += 1;
         }
@@ -94,7 +94,7 @@ pub(super) fn along(x: &[f64], y: &[f64], fraction: f64) -> Vec<usize> {
     kept
 }
 
-/// The values at `indices`.
+/// Returns the values at `indices`.
 #[allow(
     clippy::indexing_slicing,
     reason = "`indices` are places in `values`, or in a list of the same lines or samples"
@@ -114,7 +114,7 @@ mod tests {
         let mut y: Vec<f64> = turns.iter().map(|t| t.sin()).collect();
         y[500..600].fill(f64::NAN);
         let kept = along(&x, &y, 0.01);
-        // 20 rad of radius 1 in steps of hardly more than 2/100
+        // an arc of 20 rad with radius 1, in steps of hardly more than 2/100
         assert!((900..1010).contains(&kept.len()), "{}", kept.len());
         assert_eq!(kept.iter().filter(|index| y[**index].is_nan()).count(), 1);
     }
@@ -130,7 +130,7 @@ mod tests {
             assert!(kept.len() <= 410 && kept.is_sorted(), "{}", kept.len());
         }
         assert_eq!(evenly(&x[..50], &[&y[..50]], 100).len(), 50);
-        // an axis of zero length
+        // an axis of length zero
         assert!(!evenly(&[1.0; 50], &[&[0.0; 50]], 2).is_empty());
     }
 }

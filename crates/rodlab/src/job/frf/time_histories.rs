@@ -1,4 +1,4 @@
-//! Figure of the hits in time, with trigger and windows, and their table.
+//! Figure of the hits over time, with trigger and windows, and table of the hits.
 
 use std::ops::Range;
 
@@ -13,18 +13,18 @@ use crate::outcome::{Column, Table};
 
 /// Maximum number of points of all histories of a panel together.
 const POINTS_A_PANEL: usize = 24_000;
-/// Minimum number of parts of a history; of each part the smallest and the largest sample are kept.
+/// Minimum number of parts of a history; the smallest and the largest sample of each part are kept.
 const FEWEST_BUCKETS: usize = 50;
-/// Maximum number of histories on one panel. If there are more, only the first are drawn; rejected
-/// hits come before all others.
+/// Maximum number of histories on one panel. If there are more, only the first ones are drawn;
+/// rejected hits have priority.
 const MOST_HISTORIES: usize = 40;
 
-/// Fraction of its peak above which the input is drawn enlarged.
+/// Fraction of the peak above which the input belongs to the blow, which is drawn enlarged.
 const STRONG: f64 = 0.05;
 
 const MS: f64 = 1e3;
 
-/// The histories of all hits, rejected ones faint.
+/// Figure of the histories of all hits; rejected hits are faint.
 pub(super) fn figure(
     sheet: &FrfSheet,
     found: &FoundHits,
@@ -33,7 +33,7 @@ pub(super) fn figure(
     title: &str,
 ) -> Result<Figure, RodlabError> {
     let drawable = || found.hits().filter(|f| f.hit.record().is_some());
-    // rejected ones first, behind the others
+    // rejected hits are drawn first, so that they are behind the others
     let mut drawn: Vec<_> = drawable().filter(|f| !f.hit.is_accepted()).collect();
     drawn.extend(drawable().filter(|f| f.hit.is_accepted()));
     let n_hits = drawn.len();
@@ -60,8 +60,8 @@ pub(super) fn figure(
     })
 }
 
-/// The time range about the blow \[ms\] that is drawn enlarged: from the trigger, or from the
-/// beginning of each record. `None` if it is not much shorter than the hit.
+/// Returns the time range about the blow \[ms\] that is drawn enlarged, counted from the trigger or
+/// from the beginning of each record. `None` if it is longer than 30 % of the hit.
 fn blow(sheet: &FrfSheet, drawn: &[FoundHit<'_>]) -> Option<Range<f64>> {
     let (mut from, mut to, mut duration) = (f64::INFINITY, f64::NEG_INFINITY, 0.0_f64);
     for found in drawn.iter().filter(|found| found.hit.is_accepted()) {
@@ -82,7 +82,7 @@ fn blow(sheet: &FrfSheet, drawn: &[FoundHit<'_>]) -> Option<Range<f64>> {
     (margin > 0.0 && about.end - about.start < 0.3 * duration).then_some(about)
 }
 
-/// The histories of one channel in the time `about` \[ms\].
+/// Returns the panel with the histories of one channel in the time `about` \[ms\].
 fn panel(
     sheet: &FrfSheet,
     drawn: &[FoundHit<'_>],
@@ -154,7 +154,7 @@ fn panel(
     Ok(Panel::new((label, "ms"), (channel, unit), marks))
 }
 
-/// The weights on a channel, scaled to its peak; `None` if all are 1.
+/// Returns the window weights of a channel, scaled to its peak; `None` if all weights are 1.
 fn window_of(
     sheet: &FrfSheet,
     record: &Record,
@@ -207,7 +207,7 @@ fn window_of(
     )))
 }
 
-/// One row per hit: time, strength, decision, reasons.
+/// Returns a table with one row per hit: time, strength, decision and reasons.
 pub(super) fn table(found: &FoundHits, input: &str, name: &str, title: &str) -> Table {
     let mut columns = [const { Vec::new() }; 3];
     let mut words = [const { Vec::new() }; 3];

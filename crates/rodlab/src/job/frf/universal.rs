@@ -1,4 +1,4 @@
-//! Responses and coherences as a universal file for other programs.
+//! Responses and coherences in a universal file for other programs.
 
 use labio::{Abscissa, Contents, Ordinate, Quantity, Series, SeriesKind};
 
@@ -8,7 +8,7 @@ use crate::outcome::Attachment;
 use crate::responses::{AVERAGES, COMMON_ERROR, FREEDOM, MOST_FREEDOM, STANDARD_ERROR};
 use crate::universal::{self, axis, property};
 
-/// `frf.uff` with the response to every output, and the coherence of every test.
+/// Returns the file `frf.uff` with the response of every output, and the coherence of every test.
 pub(super) fn attachment(estimated: &[Named], title: &str) -> Result<Attachment, RodlabError> {
     let mut contents = Contents::of_format("rodlab");
     for Named {
@@ -24,7 +24,7 @@ pub(super) fn attachment(estimated: &[Named], title: &str) -> Result<Attachment,
         };
         let response = &one.response;
         let frequency = &response.frequency_hz;
-        // an undefined line at 0 Hz is not written: few programs read NaN
+        // an undefined line at 0 Hz is not written, because few programs read NaN
         let first = usize::from(response.invalid_lines().next() == Some(0));
         let step = frequency.get(1).copied().unwrap_or(f64::NAN);
         let abscissa = |first: usize| Abscissa::Even {
@@ -132,7 +132,7 @@ pub(super) fn attachment(estimated: &[Named], title: &str) -> Result<Attachment,
     universal::attachment(&contents, "frf.uff")
 }
 
-/// The unit in text; empty for a pure number.
+/// Returns the unit as text; empty for a pure number.
 fn unit(quantity: Quantity) -> &'static str {
     match quantity.unit() {
         "1" => "",

@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use labio::{FrequencyResponse, LineValidity, ResponseKind};
 
-/// Name of a response, such as `mobility` or `strain over force`.
+/// Returns the name of a response, such as `mobility` or `strain over force`.
 pub(super) fn name_of(response: &FrequencyResponse) -> String {
     match response.kind() {
         Ok(kind) => kind.to_string(),
@@ -16,7 +16,7 @@ pub(super) fn name_of(response: &FrequencyResponse) -> String {
     }
 }
 
-/// Unit of a response.
+/// Returns the unit of a response.
 pub(super) fn unit_of(response: &FrequencyResponse) -> String {
     let (output, input) = (response.output.quantity(), response.input.quantity());
     match response.kind() {
@@ -31,7 +31,7 @@ pub(super) fn unit_of(response: &FrequencyResponse) -> String {
     }
 }
 
-/// The reason why a line contains no information.
+/// Returns the reason why a line contains no information.
 pub(super) fn validity_in_words(validity: LineValidity) -> &'static str {
     match validity {
         LineValidity::Valid => "valid",
@@ -44,7 +44,7 @@ pub(super) fn validity_in_words(validity: LineValidity) -> &'static str {
     }
 }
 
-/// The text with an initial capital letter.
+/// Returns the text with an initial capital letter.
 pub(super) fn capital(text: &str) -> String {
     let mut letters = text.chars();
     letters
@@ -53,8 +53,8 @@ pub(super) fn capital(text: &str) -> String {
         .unwrap_or_default()
 }
 
-/// Distinct parts of file names for channels: letters and digits in lower case, everything else an
-/// underscore.
+/// Returns a distinct part of a file name for each channel: letters and digits in lower case, with
+/// an underscore for every other character.
 pub(super) fn file_names(channels: &[String]) -> Vec<String> {
     let mut taken = BTreeSet::new();
     channels

@@ -1,4 +1,4 @@
-//! The answer of an identification: the remaining laws, and valid statements on their parameters.
+//! Answer of an identification: the remaining laws, and valid statements about their parameters.
 
 use maxwellid::common_error::CommonErrorEstimate;
 use maxwellid::recorder::RecorderCheck;
@@ -10,7 +10,8 @@ use super::laws::{FittedLaw, Standing};
 use super::words::Shown;
 use crate::outcome::Outcome;
 
-/// A small probability to two digits; one below the range of numbers is 0.
+/// Returns a small probability as text with two digits; a probability below the range of
+/// floating-point numbers is 0.
 fn probability(p: f64) -> String {
     if p < 1e-300 {
         "below 1e-300".to_owned()
@@ -19,14 +20,14 @@ fn probability(p: f64) -> String {
     }
 }
 
-/// The laws not excluded by the data, by their places in the comparison.
+/// Laws that the data do not exclude, by their places in the comparison.
 pub(super) enum Left {
     /// One law.
     One { law: usize, probability: f64 },
-    /// Several indistinguishable laws, most probable first.
+    /// Several laws that the data cannot distinguish, the most probable first.
     Several { laws: Vec<usize>, reason: String },
-    /// Nonlinear laws, none of which can be named or excluded because the recorder biases them,
-    /// after the laws that the comparison left.
+    /// The laws that the comparison left, followed by all other nonlinear laws. The recorder biases
+    /// nonlinear laws, so that none of them can be named or excluded.
     Biased { laws: Vec<usize> },
     /// No law; `best` is the best of the excluded laws.
     None { best: usize, adequacy: f64 },
@@ -34,7 +35,8 @@ pub(super) enum Left {
     Unknown,
 }
 
-/// Errors of the transducers with which a law explains data that no law explains without them.
+/// Errors of the transducers with which a law explains the data; without these errors no law
+/// explains them.
 pub(super) struct SuspectTransducers {
     /// The law.
     pub(super) law: Law,
@@ -72,9 +74,9 @@ impl SuspectTransducers {
 }
 
 impl Left {
-    /// The laws left by the comparison. If the recorder biases nonlinear laws, these can be neither
-    /// named nor excluded. With one impact velocity, linear laws that the data cannot distinguish
-    /// then do not exclude a nonlinear one.
+    /// Returns the laws left by the comparison. If the recorder biases nonlinear laws, none of them
+    /// can be named or excluded. With a single impact velocity, they then also remain if the
+    /// comparison left several linear laws.
     pub(super) fn of(
         comparison: Option<&Comparison>,
         is_biased: bool,
@@ -115,7 +117,7 @@ impl Left {
                 laws: between.clone(),
                 reason: reason.to_string(),
             },
-            // a biased law may be excluded only because of its bias
+            // a biased law may have been excluded only because of its bias
             Decision::NoneOfThese { .. } if is_biased && laws.iter().any(|law| !law.is_linear) => {
                 with_nonlinear(Vec::new())
             }
@@ -130,7 +132,7 @@ impl Left {
         }
     }
 
-    /// Places of the remaining laws.
+    /// Returns the places of the remaining laws.
     pub(super) fn places(&self) -> &[usize] {
         match self {
             Self::One { law, .. } => std::slice::from_ref(law),
@@ -139,7 +141,7 @@ impl Left {
         }
     }
 
-    /// Findings of the comparison about a law that it excludes.
+    /// Returns the findings of the comparison about `law`, if the comparison excludes it.
     pub(super) fn excluded<'a>(
         &self,
         law: Law,
@@ -150,7 +152,7 @@ impl Left {
         (!self.places().contains(&place)).then_some(compared)
     }
 
-    /// Standing of the parameters of this law.
+    /// Returns the standing of the parameters of this law.
     pub(super) fn standing(
         &self,
         law: &FittedLaw,
@@ -163,7 +165,8 @@ impl Left {
         let Some(compared) = self.excluded(law.law, comparison) else {
             return Standing::Possible;
         };
-        // a law that explains the data is not rejected by them: another one is more probable
+        // the data do not reject a law that explains them: it is excluded because another law is
+        // more probable
         let (excluded, misfit) = match compared.adequacy {
             Some(p) if p < ADEQUACY_LEVEL => ("rejected", probability(p)),
             Some(p) => ("less probable", format!("{p:.3}")),
@@ -254,7 +257,8 @@ fn tell_comparison(found: &Found, is_biased: bool, outcome: &mut Outcome) {
             names(laws)
         )),
         Left::Biased { laws } => {
-            // if no nonlinear law is excluded, neither is one with an equilibrium
+            // because no nonlinear law is excluded, nonlinear laws with an equilibrium are not
+            // excluded either
             let with_equilibrium = |place: &usize| {
                 let law = comparison.laws.get(*place).and_then(|compared| compared.law);
                 law.is_some_and(|law| Law::WITH_EQUILIBRIUM.contains(&law))
@@ -303,7 +307,7 @@ fn tell_comparison(found: &Found, is_biased: bool, outcome: &mut Outcome) {
 /// Ratio of the residual to the noise up to which a law explains the records.
 const EXPLAINED: f64 = 1.3;
 
-/// Ratio of the residual to the noise, if it is above chance.
+/// Returns the ratio of the residual to the noise, if it is larger than expected by chance.
 fn residual_above(law: &FittedLaw) -> Option<f64> {
     law.flags.iter().find_map(|flag| match flag {
         FitFlag::ResidualAboveNoise { ratio } => Some(*ratio),
@@ -369,7 +373,8 @@ fn tell_verdict(found: &Found, is_biased: bool, outcome: &mut Outcome) {
         return;
     }
     if let Some(transducers) = &found.transducers {
-        // a linear law does not depend on the scale of the motion, only on the ratio of its records
+        // the identification of a linear law depends only on the ratio of the two records, not on
+        // the scale of the motion
         let of_scale = |law: &FittedLaw| stands(law) && !law.law.is_linear();
         if found.laws.iter().any(of_scale) {
             outcome.doubt(transducers.in_words());
@@ -377,7 +382,7 @@ fn tell_verdict(found: &Found, is_biased: bool, outcome: &mut Outcome) {
             outcome.warnings.push(transducers.in_words());
         }
     }
-    // `None` if one of them explains the records
+    // `None` if one of the laws explains the records
     let above: Option<Vec<f64>> = found
         .laws
         .iter()

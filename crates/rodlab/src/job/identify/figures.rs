@@ -20,7 +20,8 @@ pub(super) fn all(found: &Found) -> Vec<Figure> {
     figures
 }
 
-/// The law named by the comparison, if it was fitted; else the one with the nearest response.
+/// Returns the law named by the comparison, if it was fitted; otherwise the law with the nearest
+/// response.
 fn best(found: &Found) -> Option<&FittedLaw> {
     let named = found.comparison.as_ref().and_then(Comparison::law);
     let laws = || found.laws.iter();
@@ -108,7 +109,8 @@ fn profiles(found: &Found) -> Figure {
             let shown = Shown::of(profile);
             let mut curve = profile.smooth_curve();
             if let (Some(lower), Some(upper)) = (profile.lower, profile.upper) {
-                // with a closed interval, half of its width is shown on either side of it
+                // if the interval has both ends, the curve is shown up to half of its width beyond
+                // each end
                 let beyond = 0.5 * (upper - lower);
                 curve.retain(|(at, _)| (lower - beyond..=upper + beyond).contains(at));
             }
@@ -140,7 +142,7 @@ fn profiles(found: &Found) -> Figure {
     }
 }
 
-/// Histories and residuals of each test.
+/// Returns the tables with the histories and residuals of each test.
 pub(super) fn tables(found: &Found) -> Vec<Table> {
     let of_test = |(number, test): (usize, &maxwellid::RodTest)| {
         let mut columns = vec![
@@ -166,7 +168,7 @@ pub(super) fn tables(found: &Found) -> Vec<Table> {
 }
 
 impl FittedLaw {
-    /// The simulated response of a test [m/s].
+    /// Returns the simulated response of a test \[m/s\].
     fn simulated(&self, found: &Found, number: usize) -> Option<Vec<f64>> {
         let test = found.tests.get(number)?;
         let velocity = found.impact_velocities.get(number)?;

@@ -22,7 +22,7 @@ pub(super) enum Standing {
     Possible,
     /// The data reject the law.
     Rejected(String),
-    /// The law is nonlinear and the recorder biases it.
+    /// The law is nonlinear, and the recorder biases its parameters.
     Biased,
 }
 
@@ -36,7 +36,7 @@ pub(super) struct FittedLaw {
     pub(super) relative_error: f64,
     /// Most likely errors of rods and transducers.
     common_errors: Vec<CommonErrorEstimate>,
-    /// Simulated minus measured response, divided by the impact velocity, one list per test.
+    /// Simulated minus measured response, divided by the impact velocity; one list per test.
     pub(super) residuals: Vec<Vec<f64>>,
     parameters: Vec<f64>,
     termination: String,
@@ -44,15 +44,16 @@ pub(super) struct FittedLaw {
     skips: usize,
 }
 
-/// The parameters of the law at which the comparison found the highest likelihood, in the
-/// parametrisation of the fit: fit and comparison may use two candidates for one law.
+/// Returns the parameters of the law at which the comparison found the highest likelihood, in the
+/// parametrisation of the fit. Fit and comparison may use different parametrisations of the same
+/// law.
 fn found_by(comparison: &Comparison, [of_fit, of_comparison]: [&Candidate; 2]) -> Option<Vec<f64>> {
     let mut laws = comparison.laws.iter();
     let compared = laws.find(|compared| compared.law == of_fit.law())?;
     if compared.parameter_names == of_fit.model().parameter_names() {
         return Some(compared.likeliest.clone());
     }
-    // the same law in two parametrisations
+    // converts the parameters between the two parametrisations of the law
     let case = of_fit.at_limit(of_comparison, &compared.likeliest)?;
     Some(case.parameters)
 }
@@ -60,7 +61,7 @@ fn found_by(comparison: &Comparison, [of_fit, of_comparison]: [&Candidate; 2]) -
 /// A fitted model.
 pub(super) type Identified = Identification<Arc<dyn RodModel>>;
 
-/// The fit of a law, which starts from the result of the comparison if there is one.
+/// Fit of a law. It starts from the result of the comparison, if there is one.
 pub(super) struct LawFit {
     law: Law,
     candidate: Candidate,
@@ -69,7 +70,7 @@ pub(super) struct LawFit {
 
 impl LawFit {
     /// Prepares the fit with the `cell` \[m\] of the sheet. A rejected law keeps the grid of the
-    /// comparison: it has no errors from which to choose one.
+    /// comparison, because it has no errors from which a grid could be chosen.
     pub(super) fn of(
         (law, sheet): (Law, &IdentifySheet),
         cell: Option<f64>,
@@ -106,7 +107,7 @@ impl LawFit {
         self.fit.to(tests).map_err(self.refused())
     }
 
-    /// The estimate on a narrower band next to `identified`.
+    /// Returns the estimate on a narrower band, for comparison with `identified`.
     pub(super) fn on_narrowed_band(
         &self,
         identified: &Identified,
@@ -119,8 +120,8 @@ impl LawFit {
             .map_err(self.refused())
     }
 
-    /// The law at the lowest minimum, together with its profiles; the profiles may find that
-    /// minimum.
+    /// Returns the law at the lowest minimum, together with its profiles. The computation of the
+    /// profiles may find a lower minimum than `found`.
     pub(super) fn with_profiles(
         &self,
         found: &Identified,
@@ -135,12 +136,13 @@ impl LawFit {
 }
 
 impl FittedLaw {
-    /// Parameters at the minimum, ln E first.
+    /// Returns the parameters at the minimum, ln E first.
     pub(super) fn parameters(&self) -> &[f64] {
         &self.parameters
     }
 
-    /// The law with the errors of an uncertain specimen added to those of its parameters.
+    /// Returns the law with the errors due to an uncertain specimen added to the errors of its
+    /// parameters.
     pub(super) fn with_specimen_uncertainty(mut self, specimen: &SpecimenUncertainty) -> Self {
         let with_specimen = |estimate: Estimate| estimate.with_specimen_uncertainty(specimen);
         self.estimates = self.estimates.into_iter().map(with_specimen).collect();
@@ -167,13 +169,14 @@ impl FittedLaw {
         }
     }
 
-    /// Returns true if the fit of parameters and excitation has not settled, so that no parameter
-    /// is stated.
+    /// Returns true if the fit of parameters and excitation has not converged; then no parameter is
+    /// stated.
     pub(super) fn is_unsettled(&self) -> bool {
         self.flags.contains(&FitFlag::Unsettled)
     }
 
-    /// Returns true if the data determine more than the modulus, regardless of its standing.
+    /// Returns true if the data determine the damping in addition to the modulus, whatever the
+    /// standing of the law is.
     pub(super) fn has_identified_damping(&self) -> bool {
         self.estimates
             .iter()
@@ -181,20 +184,20 @@ impl FittedLaw {
             .any(|e| e.role == Role::Coordinate && e.verdict == Verdict::Identified)
     }
 
-    /// Returns true if the law is nonlinear and its damping is stated as that of the material.
+    /// Returns true if the law is nonlinear and its damping is reported as that of the material.
     pub(super) fn is_stated_nonlinear(&self) -> bool {
         !self.law.is_linear()
             && self.standing == Standing::Possible
             && self.has_identified_damping()
     }
 
-    /// Returns true if a profile may find more than the linearised errors.
+    /// Returns true if a profile may show more than the linearised errors do.
     pub(super) fn is_worth_profiles(&self) -> bool {
         let curved = |flag: &FitFlag| matches!(flag, FitFlag::Curved { .. } | FitFlag::Unsettled);
         self.has_identified_damping() || self.flags.iter().any(curved)
     }
 
-    /// The law in one sentence.
+    /// Returns one sentence about the law.
     pub(super) fn in_words(&self) -> String {
         let difference = format!(
             "simulated and measured response differ by {:.2} % of the impact velocity (root mean square)",
@@ -231,7 +234,7 @@ impl FittedLaw {
         )
     }
 
-    /// Adds quantities and log entries.
+    /// Adds the quantities and log entries of the law.
     pub(super) fn tell(&self, outcome: &mut Outcome) {
         for estimate in &self.estimates {
             outcome.quantities.push(self.quantity(estimate));

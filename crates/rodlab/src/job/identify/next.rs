@@ -1,4 +1,4 @@
-//! Choice of the next test: planned tests by their expected information.
+//! Choice of the next test: planned tests are ranked by their expected information.
 
 mod choice;
 mod struck;
@@ -17,10 +17,10 @@ use crate::outcome::{Attachment, Column, Table};
 use crate::sheet::{self, Exact, Language, Length, Velocity, plausible};
 use crate::{Outcome, RodlabError};
 
-/// Maximum number of planned tests: each is fitted by every remaining law.
+/// Maximum number of planned tests, limited because every remaining law is fitted to each of them.
 const MOST_PLANNED: f64 = 60.0;
 
-/// Expected ln of the Bayes factor that decides between two laws: odds of 20.
+/// Expected ln of the Bayes factor that decides between two laws; it corresponds to odds of 20.
 const DECISIVE: f64 = 3.0;
 
 /// Tests that may be made next: one for each velocity, on each rod, with each number of repeats.
@@ -32,11 +32,12 @@ pub struct NextSheet {
     /// Numbers of identical tests, such as `[1, 3, 10]`; by default one.
     #[serde(default = "one")]
     pub repeats: Vec<usize>,
-    /// Rods; by default the rod of the first test, with its excitation in proportion to the
+    /// Rods; by default the rod of the first test, with its excitation scaled in proportion to the
     /// velocity.
     #[serde(default)]
     pub rods: Option<NextRodsSheet>,
-    /// The parameter whose error is to become small, such as `"exponent"`, whichever laws are left.
+    /// Parameter whose error the test should reduce, such as `"exponent"`; this is then the aim
+    /// even if several laws remain.
     #[serde(default)]
     pub sharpen: Option<String>,
 }
@@ -60,7 +61,7 @@ pub struct NextRodsSheet {
 }
 
 impl NextSheet {
-    /// Refuses statements that are wrong for any data.
+    /// Refuses statements that are wrong whatever the data are.
     pub(super) fn check(&self) -> Result<(), RodlabError> {
         if let Some(rods) = &self.rods {
             let shortest = rods.lengths.iter().map(Exact::si);
@@ -99,10 +100,10 @@ impl NextSheet {
     }
 }
 
-/// Tests that may be made, with their expected information.
+/// Planned tests with their expected information.
 struct Planned<'a> {
     name: String,
-    /// `None` for the tests already made, without a further one.
+    /// Planned tests; `None` stands for the existing tests without a further test.
     choice: Option<Choice<'a>>,
     /// Expected ln of the Bayes factor in favour of the leading law, for each rival.
     separations: Vec<f64>,
@@ -112,16 +113,16 @@ struct Planned<'a> {
 
 /// Purpose of a planned test.
 enum Aim {
-    /// The smallest separation from a rival.
+    /// Enlargement of the smallest separation from a rival law.
     Separate,
-    /// The error of one parameter.
+    /// Reduction of the error of one parameter.
     Sharpen(usize),
-    /// The errors of all parameters.
+    /// Reduction of the errors of all parameters.
     SharpenAll,
 }
 
 impl Planned<'_> {
-    /// Merit of the tests for an aim.
+    /// Returns the merit of the tests for an aim; larger is better.
     fn merit(&self, aim: &Aim) -> f64 {
         match aim {
             Aim::Separate => {
@@ -139,8 +140,8 @@ impl Planned<'_> {
         }
     }
 
-    /// Number of tests if they decide between the laws, in which case fewer are better; the largest
-    /// number otherwise.
+    /// Returns the number of tests if they decide between the laws, because fewer tests are then
+    /// better; otherwise `usize::MAX`.
     fn number_that_decides(&self, aim: &Aim) -> usize {
         let decides = matches!(aim, Aim::Separate) && self.merit(aim) >= DECISIVE;
         let number = self.choice.as_ref().map(|choice| choice.repeats);
@@ -171,7 +172,7 @@ pub(super) fn tell(
     let rivals: Vec<&Candidate> = laws
         .iter()
         .skip(1)
-        // no test distinguishes a law from one that contains it
+        // no test distinguishes a law from a more general law that contains it
         .filter(|rival| {
             let limit = rival.candidate.at_limit(candidate, leading.parameters);
             limit.is_none()
@@ -276,8 +277,8 @@ pub(super) fn tell(
     Ok(())
 }
 
-/// Returns the existing test whose velocity is nearest to `velocity` [m/s] by ratio: the ranges of
-/// the instruments, and with them their noise, follow the velocity.
+/// Returns the existing test whose velocity is nearest to `velocity` \[m/s\] by ratio. The ranges
+/// of the instruments, and therefore their noise, depend on the velocity.
 fn like(found: &Found, velocity: f64) -> Option<&RodTest> {
     let far = |test: &RodTest| (test.impact_velocity() / velocity).ln().abs();
     let tests = found.tests.iter();
@@ -291,8 +292,8 @@ struct LeftLaw<'a> {
     parameters: &'a [f64],
 }
 
-/// The laws that the comparison leaves, the most probable first; without a comparison, the fitted
-/// law if there is only one.
+/// Returns the laws that the comparison leaves, the most probable first. Without a comparison,
+/// returns the fitted law if there is only one.
 fn left(found: &Found) -> Vec<LeftLaw<'_>> {
     if let (None, [only]) = (&found.comparison, found.laws.as_slice()) {
         return vec![LeftLaw {
@@ -316,7 +317,7 @@ fn left(found: &Found) -> Vec<LeftLaw<'_>> {
         .collect()
 }
 
-/// Adds a table of the planned tests, the best first, and a sentence about the best.
+/// Adds a table of the planned tests, the best first, and a sentence about the best test.
 fn state(
     candidate: &Candidate,
     (rivals, aim): (&[&Candidate], &Aim),

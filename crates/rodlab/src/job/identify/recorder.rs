@@ -1,4 +1,4 @@
-//! The filter of a recorder as stated in the sheet.
+//! Filter of a recorder as stated in the sheet.
 
 use labio::LabioError;
 use labio::instrument::AntiAlias;
@@ -8,7 +8,7 @@ use rodwave::band_limited::Recorder;
 use crate::RodlabError;
 use crate::job::simulate::AntiAliasSheet;
 
-/// The filter `of` a recorder that samples at `rate_hz` \[Hz\].
+/// Returns the filter `of` a recorder that samples at `rate_hz` \[Hz\].
 pub(super) fn filter(of: &AntiAliasSheet, rate_hz: f64) -> Result<RecorderFilter, RodlabError> {
     let made = match of {
         AntiAliasSheet::LinearPhase { cutoff } => RecorderFilter::linear_phase(Recorder {

@@ -1,4 +1,4 @@
-//! The tests of a sheet: two histories each, as velocities with their noise.
+//! Tests of a sheet: each has two histories, converted to velocities with their noise.
 
 use labio::{Quantity, Record, SensorError};
 use maxwellid::recorder::LONGEST_RECORD;
@@ -27,28 +27,29 @@ pub struct TestSheet {
     /// share the error of its length.
     #[serde(default)]
     pub specimen: Option<SpecimenSheet>,
-    /// The record of the test: one file with both histories.
+    /// Record of the test, one file with both histories.
     pub records: Records,
     /// Channel of the section of excitation: a velocity or a displacement, positive away from the
     /// striker.
     pub excitation: String,
     /// Channel of the free end, of the same quantity.
     pub response: String,
-    /// Impact velocity, to which errors are relative.
+    /// Impact velocity; errors are stated relative to it.
     pub impact_velocity: Exact<Velocity>,
-    /// Beginning of the time span used; the rod must then be at rest.
+    /// Beginning of the time span used; the rod must be at rest at this time.
     #[serde(default)]
     pub from: Option<Exact<Time>>,
     /// End of the time span that is compared.
     #[serde(default)]
     pub to: Option<Exact<Time>>,
-    /// Noise of the histories; by default from the time before the arrival of the wave.
+    /// Noise of the histories; by default measured before the arrival of the wave.
     #[serde(default)]
     pub noise: NoiseSheet,
-    /// Range of displacement transducers: larger displacements are not visible.
+    /// Range of the displacement transducers; larger displacements are not recorded.
     #[serde(default)]
     pub range: Option<Exact<Length>>,
-    /// Cut-off of the recorder's low-pass filter; assumed from the sampling rate unless stated.
+    /// Cut-off frequency of the recorder's low-pass filter; by default assumed from the sampling
+    /// rate.
     #[serde(default)]
     pub cutoff: Option<Exact<Frequency>>,
     /// Temperature of the rod, such as `"40 degC"`; needed in every test if `arrhenius` is stated.
@@ -63,7 +64,7 @@ pub struct TestSheet {
 #[derive(Debug, Clone, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub enum NoiseSheet {
-    /// Determined from the time before the arrival of the wave.
+    /// Noise measured before the arrival of the wave.
     #[default]
     BeforeArrival,
     /// Noise of velocities.
@@ -93,7 +94,8 @@ pub struct DifferentiatorSheet {
 }
 
 impl Default for DifferentiatorSheet {
-    /// Nine points and degree 4: a hundredth of the slope is lost at a tenth of the sampling rate.
+    /// Nine points and degree 4, which lose a hundredth of the slope at a tenth of the sampling
+    /// rate.
     fn default() -> Self {
         Self {
             half_width: 4,
@@ -136,7 +138,7 @@ pub(super) fn read(
     }
 }
 
-/// Makes the filter of the recorder a part of the model of `test`.
+/// Adds the filter of the recorder to the model of `test`.
 fn seen_through(recorder: &AntiAliasSheet, test: RodTest) -> Result<RodTest, RodlabError> {
     let filter = super::recorder::filter(recorder, test.sampling_rate_hz())?;
     test.with_recorder(&filter)
@@ -146,8 +148,8 @@ fn seen_through(recorder: &AntiAliasSheet, test: RodTest) -> Result<RodTest, Rod
 /// Temperature difference \[K\] up to which a law without activation gives no warning.
 const SAME_TEMPERATURE: f64 = 2.0;
 
-/// Largest velocity of a record, relative to the impact velocity; a free end reaches 2, the rest is
-/// noise.
+/// Largest accepted velocity of a record, relative to the impact velocity. A free end reaches 2;
+/// the remainder is a margin for noise.
 const LARGEST_VELOCITY: f64 = 3.0;
 
 /// Refuses activated laws without several temperatures, and warns of several temperatures without
@@ -290,7 +292,7 @@ fn one(
 }
 
 /// Refuses velocities that a blow of the stated impact velocity cannot cause: the struck face is at
-/// most as fast as the striker, and a free end twice as fast as the wave that reaches it.
+/// most as fast as the striker, and a free end moves twice as fast as the wave that reaches it.
 fn expect_possible(data: &RodTestData, test: &TestSheet, field: &str) -> Result<(), RodlabError> {
     let stated = data.impact_velocity;
     let histories = [
@@ -334,8 +336,8 @@ fn of_velocities(data: RodTestData, test: &TestSheet, field: &str) -> Result<Rod
     .map_err(refused)
 }
 
-/// Errors of the transducers of a test, and of the length of its rod if the tests are made on
-/// several rods.
+/// Returns the common errors of a test: those of its transducers and, if the tests are made on
+/// several rods, that of the length of its rod.
 fn common_errors(
     record: &Record,
     test: &TestSheet,
@@ -405,7 +407,7 @@ fn of_displacements(
     RodTest::from_displacements(data, &transducers).map_err(|error| RodlabError::step(field, error))
 }
 
-/// The quantity of both histories.
+/// Returns the quantity of both histories.
 fn quantity_of(record: &Record, test: &TestSheet, field: &str) -> Result<Quantity, RodlabError> {
     let of = |name: &str| {
         let mut channels = record.channels().iter();
@@ -426,25 +428,27 @@ fn quantity_of(record: &Record, test: &TestSheet, field: &str) -> Result<Quantit
     Ok(wanted)
 }
 
-/// Samples after the end of the comparison that are kept where the recorder is part of the model: for
-/// interpolation, a derivative of displacements and the ringing of the filter.
+/// Number of samples that are kept after the end of the comparison if the recorder is part of the
+/// model. They are needed for interpolation, for the derivative of displacements and for the
+/// ringing of the filter.
 const KEPT_AFTER_END: usize = 64;
 
-/// Samples that are kept before the arrival of the wave where a record is cut without being told to,
-/// for its noise.
+/// Number of samples that are kept before the arrival of the wave, for the noise, if a record is
+/// cut by default.
 const KEPT_BEFORE_ARRIVAL: usize = 200;
 
 /// Passages of the rod after the arrival that are kept there, at least.
 const KEPT_PASSAGES: usize = 10;
 
-/// The samples of a record that are used if its recorder is part of the model and neither `from` nor
-/// `to` is stated: a quiet part before the arrival, and several passages after it.
+/// Returns the samples that are used of a long record if its recorder is part of the model and
+/// neither `from` nor `to` is stated: a quiet part before the arrival of the wave, and several
+/// passages after it.
 fn about_arrival(
     record: &Record,
     test: &TestSheet,
     field: &str,
 ) -> Result<(usize, usize), RodlabError> {
-    // a displacement continues to grow after the front
+    // a displacement continues to grow after the front, so its level is lower
     let is_displacement = quantity_of(record, test, field)? == Quantity::Displacement;
     let level = if is_displacement { 0.02 } else { 0.25 };
     let arrival = |channel: &str| -> Result<usize, RodlabError> {
@@ -460,9 +464,10 @@ fn about_arrival(
     Ok((begin, (begin + LONGEST_RECORD).min(answered + passages)))
 }
 
-/// The part of the record from `from` on and, where the recorder is part of the model, up to a short
-/// time after `to`: the excitation is estimated on a fine grid over the whole part, which is chosen
-/// about the arrival of the wave if the sheet does not choose it and the record is too long.
+/// Returns the part of the record from `from` on. If the recorder is part of the model, the
+/// excitation is estimated on a fine grid over the whole part. The part then ends a short time
+/// after `to`; if the sheet states neither `from` nor `to` and the record is too long, a part about
+/// the arrival of the wave is chosen.
 fn part(
     record: Record,
     test: &TestSheet,

@@ -5,7 +5,7 @@ use maxwellid::{Estimate, Scale};
 
 use crate::digits::{prefix_for, significant};
 
-/// Value and unit, such as `2.601 GPa`.
+/// Returns value and unit, such as `2.601 GPa`.
 fn with_unit(value: f64, unit: &str, digits: usize) -> String {
     let (size, prefix) = prefix_for(value, unit);
     let unit = if unit == "1" { "" } else { unit };
@@ -14,11 +14,12 @@ fn with_unit(value: f64, unit: &str, digits: usize) -> String {
         .to_owned()
 }
 
-/// Standard error of a logarithm above which not even the order of magnitude is known: a factor of
-/// 20.
+/// Standard error of a logarithm above which not even the order of magnitude is known; it is a
+/// factor of 20.
 const UNKNOWN_ORDER: f64 = 3.0;
 
-/// A parameter, such as `E = 2.601 GPa ± 0.1 %`, with the verdict if the data do not determine it.
+/// Returns a parameter in words, such as `E = 2.601 GPa ± 0.1 %`, with the verdict if the data do
+/// not determine it.
 pub(super) fn of_estimate(estimate: &Estimate) -> String {
     let value = with_unit(estimate.value, estimate.unit, 4);
     let error = match estimate.scale {
@@ -41,7 +42,8 @@ pub(super) fn of_estimate(estimate: &Estimate) -> String {
     format!("{} = {value}{error}{verdict}", estimate.symbol)
 }
 
-/// Name of a profile's parameter, and its unit; a logarithm is that of the value in this unit.
+/// Name and unit of the parameter of a profile. If the parameter is a logarithm, it is the
+/// logarithm of the value in this unit.
 struct Named {
     name: String,
     unit: &'static str,
@@ -67,7 +69,8 @@ fn named(parameter: &str) -> Named {
     }
 }
 
-/// A profile over the parameter, even if the fit uses its logarithm.
+/// Description of a profile over the parameter itself, even if the fit uses the logarithm of the
+/// parameter.
 pub(super) struct Shown {
     pub(super) name: String,
     pub(super) unit: String,
@@ -104,7 +107,7 @@ impl Shown {
         (self.of)(number)
     }
 
-    /// The profile in words, such as
+    /// Returns the profile in words, such as
     /// `Young's modulus: from 2.59 GPa to 2.61 GPa at 95 % (profile likelihood).`.
     pub(super) fn in_words(&self, profile: &Profile) -> String {
         let text = |number: f64| {

@@ -1,4 +1,4 @@
-//! Figures of a mobility: Bode with coherence, Nyquist, impulse response.
+//! Figures of a mobility: Bode diagram with coherence, Nyquist diagram, and impulse response.
 
 use std::f64::consts::TAU;
 

@@ -1,5 +1,5 @@
-//! Mobility of the bare face from a response: the head removed, low-frequency lines completed,
-//! every line judged.
+//! Mobility of the bare face from a response. The impedance head is removed, low-frequency lines
+//! are completed, and every line is judged.
 
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;
@@ -16,7 +16,7 @@ use crate::outcome::{LogEntry, Quantity};
 use crate::responses::{cut, in_words, line_spacing_hz};
 use crate::{Outcome, RodlabError};
 
-/// Probability that chance alone marks any line of a passive body as delivering energy.
+/// Probability that chance alone marks at least one line of a passive body as giving out energy.
 const LEVEL: f64 = 0.01;
 
 /// Maximum number of runs of lines that a log lists one by one.
@@ -29,12 +29,12 @@ pub(super) struct Known {
     pub(super) objections: Vec<Option<String>>,
     /// Coherence of every test.
     pub(super) coherences: Vec<Vec<f64>>,
-    /// Share of the second hammer in every line, and the difference between the responses of the
-    /// two hammers in units of its error.
+    /// Weight of the second hammer on every line, and the difference between the responses of the
+    /// two hammers divided by its standard error.
     pub(super) merged: Option<(Vec<f64>, Vec<f64>)>,
     /// Number of the first line that was not replaced.
     pub(super) first_measured: usize,
-    /// Largest relative standard uncertainty common to all lines.
+    /// Largest relative standard uncertainty that is common to all lines.
     pub(super) calibration: f64,
     /// Standard uncertainty of the delay between the channels \[s\].
     pub(super) delay: f64,
@@ -139,7 +139,7 @@ pub(super) fn prepare(
     })
 }
 
-/// The response without the mass between the gauge and the face.
+/// Returns the response without the mass between the gauge and the face.
 #[allow(
     clippy::indexing_slicing,
     reason = "`to_kind` refuses a response whose lists are not of one length; those of the face have the lines of its values"
@@ -176,7 +176,8 @@ fn without_head(response: &FrequencyResponse, mass: f64) -> Result<FrequencyResp
         .map_err(refused)?;
     for line in 0..values.len() {
         if line == 0 {
-            // there is no mobility at 0 Hz; only the mass can give the accelerance there
+            // the mobility is not defined at 0 Hz, and the accelerance there can only be computed
+            // from the mass
             accelerance.validity[0] = LineValidity::NotDefined;
             accelerance.values[0] = Complex64::new(f64::NAN, f64::NAN);
             if let Some(variance) = &mut accelerance.variance {
@@ -193,7 +194,7 @@ fn without_head(response: &FrequencyResponse, mass: f64) -> Result<FrequencyResp
     Ok(accelerance)
 }
 
-/// Effect of one standard uncertainty of the mass of the head on the lines.
+/// Returns the effect on the lines of one standard uncertainty of the mass of the head.
 fn effect_of_head(bare: &FrequencyResponse, heavier: &FrequencyResponse) -> Quantity {
     let lines = bare.values.iter().zip(&heavier.values);
     let largest = lines
@@ -246,7 +247,7 @@ fn judge_coherence(
             *objection = Some("coherence no higher than by chance".to_owned());
         } else if bias
             .zip(error)
-            // a NaN is the bias of a line of noise
+            // the bias is NaN on a line that contains only noise
             .is_some_and(|(bias, error)| bias.is_nan() || bias.abs() > error.magnitude)
         {
             *objection = Some("bias by noise at rest above the random error".to_owned());
@@ -273,8 +274,8 @@ fn judge_passivity(
     Ok(())
 }
 
-/// Logs the runs of invalid lines; if there are too many of them, the number of lines for each
-/// reason.
+/// Logs the runs of invalid lines; if there are more than [`LONGEST_LOG`] runs, the number of lines
+/// for each reason.
 #[allow(
     clippy::indexing_slicing,
     reason = "a run begins and ends with lines of the mobility, each of which has a frequency"

@@ -1,4 +1,5 @@
-//! Check whether the mobility can be that of a body, and its response to an impulse.
+//! Screening, which checks if the mobility can be that of a passive and causal body, and impulse
+//! response.
 
 use std::sync::Arc;
 
@@ -16,16 +17,16 @@ use crate::{Outcome, RodlabError};
 /// Minimum number of lines for screening.
 const FEWEST_SCREENED: usize = 64;
 
-/// The results of screening.
+/// Results of the screening.
 #[derive(Default)]
 pub(super) struct Screened {
     pub(super) impulse_response: Option<ImpulseResponse>,
 }
 
-/// The velocity after a unit impulse.
+/// Velocity of the face after a unit impulse.
 pub(super) struct ImpulseResponse {
     pub(super) time: Vec<f64>,
-    /// Mean over a step \[1/kg\]; the first step, which includes the immediate response, is left
+    /// Mean over each step \[1/kg\]; the first step, which includes the immediate response, is left
     /// out.
     pub(super) values: Vec<f64>,
     /// Final value for a free body, 1/M \[1/kg\].
@@ -98,9 +99,9 @@ pub(super) fn screen(
     })
 }
 
-/// The lines that are screened for hits whose sheet states no upper frequency: those with a signal,
-/// up to half the Nyquist frequency, below which no alias is expected. They are entered in
-/// `outcome`; `None` if these are all lines.
+/// Returns the lines that are screened if the mobility is from hits and the sheet states no upper
+/// frequency: the lines with a signal, up to half the Nyquist frequency, below which no alias is
+/// expected. Their range is entered in `outcome`. Returns `None` if all lines are screened.
 fn with_signal(
     known: &Known,
     sheet: &MobilitySheet,
@@ -113,7 +114,7 @@ fn with_signal(
     let above_chance = (0..n_lines).map(|line| known.is_valid(line));
     let (_, last) = stretch_with_signal(above_chance)?;
     let n_screened = (last + 1).min(n_lines.div_ceil(2));
-    // too few for a conclusion
+    // fewer lines do not allow a conclusion, so all lines are screened
     if n_screened == n_lines || n_screened < FEWEST_SCREENED {
         return None;
     }
@@ -130,7 +131,8 @@ fn with_signal(
     Some(lines)
 }
 
-/// The impulse response over half a period, with two steps per period of the highest line.
+/// Returns the impulse response over half a period of the lines, with two steps per period of the
+/// highest line.
 fn impulse_response(
     body: &dyn ImpactBody,
     known: &Known,
@@ -144,7 +146,8 @@ fn impulse_response(
     };
     let kernel = match Kernel::of(body, grid, Quadrature::CellAverages) {
         Ok(kernel) => kernel,
-        // the mobility is still valid: a law for real frequencies may have no limit at rest
+        // without an impulse response the mobility is still valid: a law for real frequencies may
+        // have no limit at 0 Hz
         Err(error) => {
             let why = std::error::Error::source(&error)
                 .map_or_else(String::new, |source| format!(": {source}"));
@@ -156,8 +159,8 @@ fn impulse_response(
     };
     let weights = kernel.weights();
     if known.body.is_none() {
-        // a check: for a body that rings longer than the period, this level is that of the part
-        // wrapped around
+        // this level is a check. For a body that rings longer than the period, it is the level of
+        // the part that wraps around
         let level = kernel.acausal() / weights.first().map_or(1.0, |w| w.abs());
         outcome.quantities.push(Quantity {
             name: "level of the impulse response ahead of the impulse".to_owned(),
@@ -181,9 +184,9 @@ fn impulse_response(
     })
 }
 
-/// Reports the screening of a measured body as quantities, a sentence and warnings; the quantities
-/// first. Returns the failed checks, one clause each: a response before the force, generated
-/// energy, and a mass different from the weighed one.
+/// Reports the screening of a measured body as quantities, followed by a sentence and warnings.
+/// Returns one clause for each failed check: a response before the force, generated energy, and a
+/// mass different from the weighed mass.
 pub(crate) fn tell(screening: &Screening, outcome: &mut Outcome) -> Vec<String> {
     let flags = screening.flags();
     let against = |is_it: &dyn Fn(&ScreeningFlag) -> bool| {

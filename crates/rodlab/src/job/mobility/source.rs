@@ -17,7 +17,7 @@ use crate::responses::{HitsSource, MergeSheet, ResponseFile, disagreements, with
 use crate::sheet::{Exact, Frequency};
 use crate::{Outcome, RodlabError};
 
-/// The source of the mobility.
+/// Source of the mobility.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 #[expect(clippy::large_enum_variant, reason = "there is one of them in a sheet")]
@@ -47,14 +47,14 @@ pub enum SourceSheet {
     },
 }
 
-/// The data that were read.
+/// Data read from the source.
 pub(super) enum Read<'a> {
     Tests(Vec<Test<'a>>),
     Response(Box<FrequencyResponse>),
     Computed(ComputedBody),
 }
 
-/// The test with one hammer.
+/// Test with one hammer.
 pub(super) struct Test<'a> {
     source: &'a HitsSource,
     field: &'static str,
@@ -72,7 +72,7 @@ pub(super) struct Raw {
     pub(super) delay: f64,
     /// The body, if it was computed.
     pub(super) body: Option<ComputedBody>,
-    /// Origin of the response, for the end of a sentence.
+    /// Origin of the response, as the end of a sentence.
     pub(super) origin: String,
 }
 
@@ -124,8 +124,8 @@ pub(super) fn read<'a>(
     }
 }
 
-/// The response before processing; `None` if the hits do not allow one: then `outcome` states the
-/// reason.
+/// Returns the response before processing. If the hits do not allow a response, returns `None`, and
+/// `outcome` states the reason.
 pub(super) fn raw(
     read: &Read<'_>,
     sheet: &MobilitySheet,
@@ -267,7 +267,8 @@ fn computed(body: &ComputedBody, source: &SourceSheet) -> Result<Raw, RodlabErro
     }
     let spacing_hz = up_to.si() / *lines as f64;
     let mut values = Vec::with_capacity(lines + 1);
-    // a long rod has a mobility at 0 Hz; a free or fixed body has none, or one that is not used
+    // a long rod has a mobility at 0 Hz; a free or fixed body has none there, or its value is not
+    // used
     values.push(match body.mobility(0.0) {
         Ok(value) if body.free_mass().is_none() && value.is_finite() => value,
         _ => Complex64::new(f64::NAN, f64::NAN),

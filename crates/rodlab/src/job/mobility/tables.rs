@@ -1,4 +1,4 @@
-//! The mobility line by line.
+//! Table of the mobility, line by line.
 
 use num_complex::Complex64;
 

@@ -1,4 +1,4 @@
-//! The mobility as a universal file for other programs and for the job `force`.
+//! Mobility in a universal file for other programs and for the job `force`.
 
 use labio::{Abscissa, Contents, LineValidity, Ordinate, Series, SeriesKind};
 
@@ -12,7 +12,7 @@ use crate::universal::{self, axis, property};
 
 const NAME: &str = "mobility";
 
-/// `mobility.uff`: the complex lines, their standard errors and the coherence.
+/// Returns the file `mobility.uff` with the complex lines, their standard errors and the coherence.
 #[allow(
     clippy::indexing_slicing,
     reason = "`lines` are lines of the mobility, and every list has an element for each"
@@ -24,7 +24,7 @@ pub(super) fn attachment(known: &Known, title: &str) -> Result<Attachment, Rodla
     let spacing = line_spacing_hz(response)?;
     let first = lines.first().copied().unwrap_or(0);
     let in_a_row = lines.iter().zip(first..).all(|(line, n)| *line == n);
-    // few programs read NaN, so lines without information are left out
+    // lines without information are left out, because few programs read NaN
     let abscissa = if in_a_row {
         Abscissa::Even {
             start: first as f64 * spacing,

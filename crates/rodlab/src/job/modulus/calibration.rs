@@ -9,14 +9,16 @@ use crate::Outcome;
 use crate::digits::{short, significant, with_unit};
 use crate::outcome::Quantity;
 
-/// Discrepancy, in standard deviations, beyond which a stated value is contradicted: this happens
-/// in one of a thousand correct records.
+/// Discrepancy, in standard deviations, beyond which the lines contradict a stated value. By chance
+/// this happens in one of a thousand correct records.
 const CONTRADICTS: f64 = 3.29;
 
-/// Ratio of the unexplained mean square to that of noise, beyond which it is reported.
+/// Ratio of the unexplained mean square to the mean square of noise above which the unexplained
+/// part is reported.
 const UNEXPLAINED: f64 = 1.5;
 
-/// Reports that the errors of the sensors are kept as stated, if the lines do not determine them.
+/// Reports that the errors of the sensors are included as stated because the lines do not determine
+/// them, or that none are stated.
 pub(super) fn state_none(outcome: &mut Outcome, sheet: &ModulusSheet, measured: &Measured) {
     let of_gauges = measured.of_gauges();
     if measured.of_ratio().is_uncertain() || of_gauges.iter().any(|of| of.is_uncertain()) {
@@ -94,7 +96,7 @@ fn contradicts(source: &CalibratedSource) -> bool {
     source.discrepancy().abs() > CONTRADICTS
 }
 
-/// An error source of the sensors with its stated standard uncertainty.
+/// Error source of the sensors, with its stated standard uncertainty.
 struct OfSensors {
     name: String,
     unit: &'static str,
@@ -102,7 +104,7 @@ struct OfSensors {
 }
 
 impl OfSensors {
-    /// Returns the entry for `source` if it is one of the sensors; `None` for other sources.
+    /// Returns the entry for `source` if it is an error of the sensors; `None` for other sources.
     fn of(source: ErrorSource, sheet: &ModulusSheet, measured: &Measured) -> Option<Self> {
         let of_ratio = measured.of_ratio();
         let gauge = |index: usize| measured.of_gauges().get(index).copied();
@@ -147,7 +149,7 @@ impl OfSensors {
     }
 }
 
-/// Standard uncertainty of the position of a gauge \[m\].
+/// Returns the standard uncertainty of the position of a gauge \[m\].
 fn position(sheet: &ModulusSheet, index: usize) -> Option<f64> {
     let gauge = sheet.method.gauges()?.get(index)?;
     Some(gauge.at.with_uncertainty().uncertainty())

@@ -1,4 +1,4 @@
-//! The causal estimate of the lines of a rod.
+//! Causal estimate from the lines of a rod.
 
 use cmod::causal::CausalEstimate;
 use rodfigure::Axis;

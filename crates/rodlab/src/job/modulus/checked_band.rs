@@ -1,4 +1,5 @@
-//! Lines used in the checks if the sheet states no band: those with a signal and without aliases.
+//! Lines used in the checks if the sheet states no band: the lines with a signal and without
+//! aliases.
 
 use cmod::ModulusEstimate;
 use labio::{Coherence, ResponseRatio};
@@ -8,8 +9,8 @@ use crate::digits::hertz;
 use crate::responses::stretch_with_signal;
 use crate::{Outcome, RodlabError};
 
-/// The estimate on the lines used in the checks, which are entered in `outcome`; `None` if these
-/// are all lines of the estimate.
+/// Returns the estimate on the lines used in the checks, and enters the range of these lines in
+/// `outcome`. Returns `None` if the checks use all lines of the estimate.
 ///
 /// # Errors
 ///
@@ -83,7 +84,7 @@ pub(super) fn lines(
     Ok(Some(looked_at))
 }
 
-/// First and last frequency \[Hz\] of the lines with a signal.
+/// Returns the first and the last frequency \[Hz\] of the lines with a signal.
 fn with_signal(ratio: &ResponseRatio) -> Option<(f64, f64)> {
     let coherent = ratio.above_chance(Coherence::CHANCE)?;
     let (from, to) = stretch_with_signal(coherent)?;

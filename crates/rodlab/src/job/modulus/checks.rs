@@ -18,9 +18,9 @@ use crate::outcome::{CHECK, LogEntry, Quantity};
 use crate::sheet::{Exact, Frequency, Ratio};
 use crate::{Outcome, RodlabError};
 
-/// Factor on the speed of the wave front, as a margin for neglected effects. The front is faster
-/// than every phase velocity of the band because of the loss factor up to the Nyquist frequency,
-/// and by this factor.
+/// Factor on the speed of the wave front, as a margin for neglected effects. The assumed front is
+/// faster than every phase velocity of the band: by the dispersion due to the loss factor up to the
+/// Nyquist frequency, and by this factor.
 const FRONT: f64 = 1.02;
 
 /// Maximum number of lines used in the check of Kramers and Kronig.
@@ -37,33 +37,33 @@ pub struct ChecksSheet {
     pub level: Option<Exact<Ratio>>,
     /// Checks left out, such as `[KramersKronig]`.
     pub without: Vec<CheckSheet>,
-    /// Frequency up to which the filter of the recorder suppresses aliases, such as `"20 kHz"`: if
-    /// the sheet states no band, the checks use no higher lines. By default half the Nyquist
-    /// frequency.
+    /// Frequency up to which the filter of the recorder suppresses aliases, such as `"20 kHz"`; by
+    /// default half the Nyquist frequency. If the sheet states no band, the checks use no lines
+    /// above it.
     pub alias_free_to: Option<Exact<Frequency>>,
 }
 
 /// A check.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
 pub enum CheckSheet {
-    /// E'' is nowhere below 0.
+    /// Passivity: E'' is nowhere below 0.
     Passivity,
-    /// E' and E'' belong to one relaxing material.
+    /// Kramers-Kronig check: E' and E'' belong to one relaxing material.
     KramersKronig,
-    /// No force at the free end except that of its mass.
+    /// Free end: no force acts there except the inertia of the mass on it.
     FreeEndNull,
-    /// Nothing arrives before the fastest wave, and the first wave has the same sign in both
-    /// channels.
+    /// Arrivals: nothing arrives before the fastest wave, and the first wave has the same sign in
+    /// both channels.
     Arrivals,
 }
 
 impl ChecksSheet {
-    /// Level of the checks if the sheet states none.
+    /// Returns the default level of the checks, as text.
     pub(super) fn usual_level() -> String {
         format!("{} %", 100.0 * USUAL_LEVEL)
     }
 
-    /// Probability of a false alarm of each check.
+    /// Returns the probability of a false alarm of each check.
     pub(super) fn level(&self) -> Result<f64, RodlabError> {
         let level = self.level.as_ref().map_or(USUAL_LEVEL, Exact::si);
         if level < 1.0 {
@@ -111,8 +111,9 @@ pub(super) fn check(outcome: &mut Outcome, found: &Found<'_>) -> Result<(), Rodl
     Ok(())
 }
 
-/// Number of lines in a check or a law: at most `most`, and no more than the number of independent
-/// lines, which is smaller for padded pulses and damped records.
+/// Returns the number of lines for a check or the fit of a law: at most `most`, and no more than
+/// the number of independent lines, which is smaller than the number of lines for padded pulses and
+/// damped records.
 #[expect(
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,
@@ -125,7 +126,7 @@ pub(super) fn most_lines(found: &Found<'_>, most: usize) -> usize {
     most.min(independent as usize).max(1)
 }
 
-/// The check of the gauges against a free end, if the sheet states one.
+/// Checks the gauges against the free end, if the sheet states one.
 #[allow(
     clippy::indexing_slicing,
     reason = "the estimate is of the lines of these spectra and counts them"
@@ -142,8 +143,8 @@ fn free_end_null(outcome: &mut Outcome, found: &Found<'_>, level: f64) {
     else {
         return;
     };
-    // the method of two gauges presupposes the end, and a propagation coefficient on the axis is
-    // not that of damped spectra
+    // with two gauges, the method itself assumes the free end; with damped spectra, the propagation
+    // coefficient at real frequencies does not apply
     if gauges.len() == 2 || spectra.added_damping.is_some() {
         return;
     }
@@ -164,7 +165,7 @@ fn free_end_null(outcome: &mut Outcome, found: &Found<'_>, level: f64) {
     say(outcome, found, Check::FreeEndNull, made);
 }
 
-/// Checks the arrivals in the first accepted hit, for motions at both ends.
+/// Checks the arrivals in the first accepted hit, if the motions of both ends were measured.
 fn arrivals(outcome: &mut Outcome, found: &Found<'_>, level: f64) {
     let MethodSheet::TwoPoint {
         impacted_end,
@@ -202,7 +203,8 @@ fn arrivals(outcome: &mut Outcome, found: &Found<'_>, level: f64) {
         .iter()
         .map(|line| line.phase_velocity)
         .fold(0.0, f64::max);
-    // c grows by tan δ/π for each e-fold of the frequency, for a constant loss factor
+    // for a constant loss factor, the relative growth of c is tan δ/π for each e-fold of the
+    // frequency
     let growth = (0.5 * rate / last.frequency_hz).powf(last.loss_factor.max(0.0) / PI);
     let arrivals = match Arrivals::new(channels, rate.recip(), first.silent) {
         Ok(arrivals) => arrivals,
@@ -210,7 +212,8 @@ fn arrivals(outcome: &mut Outcome, found: &Found<'_>, level: f64) {
     };
     let causality = arrivals.causality(FRONT * fastest * growth, level);
     say(outcome, found, Check::Causality, causality);
-    // only a trigger gives the time from the silence to the blow, which identifies the first wave
+    // the first wave is identified by the time from the silence to the blow, which only a trigger
+    // determines
     if let Some(trigger) = first.trigger {
         let waiting = trigger.saturating_sub(first.silent) as f64 / rate;
         let passage = found.distance / fastest;
@@ -252,7 +255,7 @@ fn say(
     }
 }
 
-/// Possible causes of a failed check.
+/// Returns a failed check and its possible causes in words.
 fn in_words(made: &CheckOutcome, found: &Found<'_>) -> String {
     let at = made
         .worst

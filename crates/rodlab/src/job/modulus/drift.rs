@@ -1,4 +1,4 @@
-//! Trend of the modulus over the hits, and its reference to one temperature.
+//! Trend of the modulus over the hits, and correction of the modulus to a reference temperature.
 
 use cmod::ModulusEstimate;
 use cmod::estimate::BudgetedQuantity;
@@ -16,19 +16,19 @@ use crate::{Outcome, RodlabError};
 /// Probability below which a trend is reported.
 const LEVEL: f64 = 0.01;
 
-/// Temperatures of the hits, and the temperature to which the modulus is referred.
+/// Temperatures of the hits, and the reference temperature of the modulus.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct TemperatureSheet {
-    /// Temperature of each hit in the order in which they are found, including rejected hits, such
-    /// as `["23.1 degC", "23.4 degC"]`; or one temperature for all.
+    /// Temperatures of all hits in the order in which they are found, including rejected hits, such
+    /// as `["23.1 degC", "23.4 degC"]`; or one temperature for all hits.
     pub of_hits: Vec<Exact<Temperature>>,
     /// Temperature to which the modulus is referred, such as `"20 degC"`; by default the
     /// temperature of the test.
     #[serde(default)]
     pub reference: Option<Exact<Temperature>>,
     /// Relative change of the modulus per kelvin, such as `"-0.004 1/K ± 0.001 1/K"`; by default
-    /// the change found from the hits.
+    /// the change determined from the hits.
     #[serde(default)]
     pub slope: Option<Stated<PerKelvin>>,
 }
@@ -37,12 +37,12 @@ pub struct TemperatureSheet {
 pub(super) struct Trend {
     trend: HitTrend,
     over_temperature: bool,
-    /// Difference between the last and the first number, or between the highest and the lowest
-    /// temperature.
+    /// Difference between the numbers of the last and the first hit, or between the highest and the
+    /// lowest temperature.
     range: f64,
 }
 
-/// Temperatures of the accepted hits \[K\]; `None` if the sheet states none.
+/// Returns the temperatures of the accepted hits \[K\]; `None` if the sheet states none.
 fn temperatures(
     sheet: &ModulusSheet,
     measured: &Measured,
@@ -67,8 +67,8 @@ fn temperatures(
     }
 }
 
-/// The trend; `None` if there are too few hits, or if the method does not give a modulus for each
-/// of them.
+/// Returns the trend; `None` if there are too few hits, or if the method does not give a modulus
+/// for each hit.
 pub(super) fn trend(
     sheet: &ModulusSheet,
     measured: &Measured,
@@ -110,12 +110,13 @@ pub(super) fn trend(
     }))
 }
 
-/// Difference between the stated and the found change with temperature, in standard errors, beyond
-/// which they contradict each other: one in a thousand by chance.
+/// Difference, in standard errors, between the stated change with temperature and the change
+/// determined from the hits beyond which the two contradict each other. By chance this happens once
+/// in a thousand times.
 const APART: f64 = 3.3;
 
-/// Reports the trend. A trend that changes E' over the hits by more than its error puts the result
-/// in doubt.
+/// Reports the trend. A trend from hit to hit that changes E' in total by more than its standard
+/// error puts the result in doubt.
 pub(super) fn state(
     outcome: &mut Outcome,
     found: &Found<'_>,
@@ -180,7 +181,7 @@ pub(super) fn state(
     Ok(())
 }
 
-/// The modulus at the reference temperature; `None` if the sheet states no reference.
+/// Returns the modulus at the reference temperature; `None` if the sheet states no reference.
 pub(super) fn referred(
     sheet: &ModulusSheet,
     (found, measured): (&ModulusEstimate, &Measured),

@@ -1,4 +1,4 @@
-//! Modulus from spectra, by the method of the sheet.
+//! Modulus from spectra by the method of the sheet.
 
 use cmod::causal::CausalEstimate;
 use cmod::estimate::VarianceFreedom;
@@ -29,7 +29,7 @@ use super::rod::{
 use super::{ModulusSheet, TheorySheet};
 use crate::RodlabError;
 
-/// An estimate, with the results for its common errors if errors of the sensors are stated.
+/// An estimate, with the results for the errors of the sensors if such errors are stated.
 pub(super) struct Estimated {
     pub(super) modulus: ModulusEstimate,
     pub(super) calibration: Option<SelfCalibration>,
@@ -51,7 +51,7 @@ pub(super) fn estimate(
     })
 }
 
-/// The modulus with the sensors as stated.
+/// Returns the modulus without determining errors of the sensors from the lines.
 pub(super) fn plain(
     sheet: &ModulusSheet,
     measured: &Measured,
@@ -70,7 +70,8 @@ pub(super) fn plain(
     }
 }
 
-/// The ratio with errors of gain ratio and delay found from the lines themselves.
+/// Returns the modulus from a ratio. Errors of gain ratio and delay, if uncertain, are determined
+/// from the lines themselves.
 fn calibrated_ratio(
     sheet: &ModulusSheet,
     measured: &Measured,
@@ -126,8 +127,8 @@ fn with_ratio<T>(
     take(method.as_ref(), &lines).map_err(refused)
 }
 
-/// The relative deviations of the modulus of each hit from that of all hits; `None` if the method
-/// does not give a modulus for each of them.
+/// Returns the relative deviations of the modulus of each hit from the modulus of all hits; `None`
+/// if the method does not give a modulus for each hit.
 pub(super) fn deviations(
     sheet: &ModulusSheet,
     measured: &Measured,
@@ -144,13 +145,13 @@ pub(super) fn deviations(
     }
     let all = plain(sheet, measured, spectra)?;
     let each = measured.each.par_iter();
-    // a single hit may not give a modulus although all hits together do
+    // a single hit may give no modulus although all hits together give one
     let of_hit = |spectra| hit_trend::deviation(&all, &plain(sheet, measured, spectra).ok()?);
     Ok(each.map(of_hit).collect())
 }
 
-/// The causal estimate of all lines, or of the moduli at single frequencies for methods that have
-/// no other lines.
+/// Returns the causal estimate from all lines or, for methods that give moduli only at single
+/// frequencies, from these moduli.
 pub(super) fn causal(
     sheet: &ModulusSheet,
     measured: &Measured,
@@ -289,7 +290,7 @@ fn ratio_method(
             })
             .map(boxed)
         }
-        // a ratio is refused for these methods before it is read
+        // for these methods a ratio has been refused before it is read
         MethodSheet::ThreePoint { .. }
         | MethodSheet::MultiPoint { .. }
         | MethodSheet::FreeVibration { .. } => {
@@ -300,7 +301,7 @@ fn ratio_method(
     .map_err(refused)
 }
 
-/// The modulus at the modes; no error of a sensor is common to them.
+/// Returns the modulus at the modes; they have no common error of a sensor.
 fn of_modes(sheet: &ModulusSheet, poles: &[Pole]) -> Result<Estimated, RodlabError> {
     let MethodSheet::FreeVibration { wave_speed, .. } = &sheet.method else {
         return Err(refused(CmodError::NoLines));
@@ -325,7 +326,7 @@ fn of_gauges(
     with_gauges(sheet, gauges, CalibratedGauges { finds_errors })
 }
 
-/// Result of any of the methods with gauges.
+/// Computation of a result with any of the methods with gauges.
 trait OfGauges {
     type Result;
 
@@ -336,7 +337,7 @@ trait OfGauges {
     ) -> Result<Self::Result, CmodError>;
 }
 
-/// The modulus, with errors of the gauges found from the lines themselves if requested.
+/// Modulus, with errors of the gauges determined from the lines themselves if requested.
 struct CalibratedGauges {
     finds_errors: bool,
 }
@@ -363,7 +364,7 @@ impl OfGauges for CalibratedGauges {
     }
 }
 
-/// The causal estimate of all lines.
+/// Causal estimate of all lines.
 struct CausalGauges<'a> {
     theory: Option<&'a LateralInertia>,
 }
@@ -431,8 +432,8 @@ fn with_gauges<T: OfGauges>(
     .map_err(refused)
 }
 
-/// The method with gauges at any positions: for two gauges before a free end, that end is a
-/// condition.
+/// Returns the method with gauges at any positions. With two gauges before a free end, the free end
+/// is a condition.
 fn multi_point(sheet: &ModulusSheet, gauges: &[GaugeSheet]) -> Result<MultiPoint, CmodError> {
     let rod = gauged_rod(sheet, gauges);
     match sheet.method.used_free_end() {
@@ -456,7 +457,7 @@ pub(super) fn with_gauge_spectra<T>(
     })
 }
 
-/// The modulus corrected for lateral inertia, if requested by the sheet.
+/// Returns the modulus corrected for lateral inertia, if the sheet requests this.
 pub(super) fn without_lateral_inertia(
     sheet: &ModulusSheet,
     apparent: &ModulusEstimate,
@@ -468,7 +469,7 @@ pub(super) fn without_lateral_inertia(
         .map_err(|error| RodlabError::step("lateral_inertia", error))
 }
 
-/// The theory of lateral inertia of the sheet, if it has one.
+/// Returns the theory of lateral inertia, if the sheet states one.
 fn lateral_inertia(sheet: &ModulusSheet) -> Result<Option<LateralInertia>, RodlabError> {
     let Some(asked) = &sheet.lateral_inertia else {
         return Ok(None);
@@ -489,8 +490,8 @@ fn lateral_inertia(sheet: &ModulusSheet) -> Result<Option<LateralInertia>, Rodla
     .map_err(|error| RodlabError::step("lateral_inertia", error))
 }
 
-/// A section of a rod with a free end; the quantity measured there is stated in the sheet or taken
-/// from the channel.
+/// Returns a section of a rod with a free end. The quantity measured there is stated in the sheet,
+/// or that of the channel.
 fn section(
     measured: &Measured,
     section: &SectionSheet,
@@ -512,7 +513,7 @@ fn section(
     })
 }
 
-/// The quantity of all gauges, which is that of the first.
+/// Returns the quantity of all gauges, which is that of the first gauge.
 pub(super) fn gauge_quantity(measured: &Measured, gauges: &[GaugeSheet]) -> Quantity {
     gauges
         .first()

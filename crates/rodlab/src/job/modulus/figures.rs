@@ -1,4 +1,5 @@
-//! Modulus and loss factor with their bands, Cole-Cole plot, dispersion, counted waves, coherence.
+//! Figures of a modulus: modulus and loss factor with their bands, Cole-Cole plot, dispersion,
+//! number of half waves, coherence.
 
 use std::f64::consts::PI;
 
@@ -10,7 +11,7 @@ use super::Found;
 use super::lines::sources_of;
 use super::reasons::Reasons;
 
-/// Half the width of a band, in standard errors.
+/// Half width of a band, in standard errors.
 const BAND: f64 = 2.0;
 /// Maximum number of lines of a curve.
 const MOST_LINES: usize = 1500;
@@ -19,16 +20,16 @@ const LEAST_WIDTH: f64 = 0.004;
 /// Margin above and below the valid values, as a fraction of their range.
 const MARGIN: f64 = 0.15;
 
-/// Smallest share of a source that is drawn, in % of the square of the uncertainty.
+/// Smallest share of an error source that is drawn, in % of the square of the uncertainty.
 const LEAST_SHARE: f64 = 2.0;
 
 /// Label and unit of the axis of frequency.
 const KILOHERTZ: (&str, &str) = ("frequency", "kHz");
 
-/// A curve over frequency: quantity, factor from SI to the axis, label and unit.
+/// Curve over frequency: quantity, factor from SI to the unit of the axis, label and unit.
 type Drawn = (PlottedQuantity, f64, &'static str, &'static str);
 
-/// The figures of the result, beginning with that of the answer.
+/// Returns the figures of the result, beginning with modulus and loss factor.
 pub(super) fn figures(found: &Found<'_>, reasons: &Reasons) -> Vec<Figure> {
     let lines: Vec<&ModulusLine> = found.estimate.lines().iter().collect();
     if lines.is_empty() {
@@ -79,7 +80,8 @@ pub(super) fn figures(found: &Found<'_>, reasons: &Reasons) -> Vec<Figure> {
     figures
 }
 
-/// Shares of the sources in the square of the standard uncertainty; `None` if noise is the only one.
+/// Figure of the shares of the error sources in the square of the standard uncertainty; `None` if
+/// noise is the only source.
 fn budget(lines: &[&ModulusLine], greyed: &[Greyed]) -> Option<Figure> {
     let sources = sources_of(lines.iter().copied());
     if sources.is_empty() {
@@ -132,13 +134,13 @@ fn budget(lines: &[&ModulusLine], greyed: &[Greyed]) -> Option<Figure> {
     })
 }
 
-/// A selection of evenly distributed lines, as many as a figure can show.
+/// Returns up to [`MOST_LINES`] evenly distributed lines.
 fn shown<'a>(lines: &[&'a ModulusLine]) -> Vec<&'a ModulusLine> {
     let stride = lines.len().div_ceil(MOST_LINES).max(1);
     lines.iter().step_by(stride).copied().collect()
 }
 
-/// Factor and unit of a modulus.
+/// Returns factor and unit of a modulus.
 fn giga(lines: &[&ModulusLine]) -> (f64, &'static str) {
     let valid = lines.iter().filter(|line| line.validity.is_valid());
     let largest = valid.map(|line| line.modulus.re).fold(0.0, f64::max);
@@ -149,8 +151,8 @@ fn giga(lines: &[&ModulusLine]) -> (f64, &'static str) {
     }
 }
 
-/// Frequency \[kHz\] and `value` of each line; NaN for lines that are not valid if `valid` is true,
-/// for valid lines otherwise.
+/// Returns frequency \[kHz\] and `value` of each line. The value is NaN for invalid lines if
+/// `valid` is true, and for valid lines if it is false.
 fn picked(
     lines: &[&ModulusLine],
     valid: bool,
@@ -192,7 +194,8 @@ fn panel(lines: &[&ModulusLine], greyed: &[Greyed], drawn: &Drawn) -> Panel {
     }
 }
 
-/// The range of the valid lines with a margin; values of invalid lines may be far outside of it.
+/// Returns the range of the valid lines with a margin; values of invalid lines may be far outside
+/// this range.
 fn range(edges: &[(f64, f64, f64)]) -> Option<[f64; 2]> {
     let lower = edges.iter().map(|edge| edge.1).filter(|y| y.is_finite());
     let upper = edges.iter().map(|edge| edge.2).filter(|y| y.is_finite());
@@ -203,7 +206,7 @@ fn range(edges: &[(f64, f64, f64)]) -> Option<[f64; 2]> {
         .then_some([least - MARGIN * width, greatest + MARGIN * width])
 }
 
-/// Stretches of invalid lines, each with the most frequent reason of its lines.
+/// Returns the frequency ranges of invalid lines, each with the most frequent reason of its lines.
 #[allow(
     clippy::indexing_slicing,
     reason = "`lines` are all lines of the estimate, and each has its list of reasons"
@@ -225,7 +228,7 @@ fn greyed(lines: &[&ModulusLine], reasons: &Reasons) -> Vec<Greyed> {
             .take_while(|line| !line.validity.is_valid())
             .count();
         let end = start + length - 1;
-        // halfway to the valid neighbours
+        // a range ends halfway to the neighbouring valid line
         let edge = |inside: usize, outside: Option<usize>| {
             let f = lines[inside].frequency_hz;
             let beyond = outside.and_then(|index| lines.get(index));
@@ -252,7 +255,7 @@ fn commonest(of_lines: &[Vec<&'static str>]) -> String {
             None => counts.push((reason, 1)),
         }
     }
-    // the first by name if several have the same count
+    // of several reasons with the same count, the first in alphabetical order is used
     counts.sort_by(|a, b| b.1.cmp(&a.1).then(a.0.cmp(b.0)));
     counts
         .first()
@@ -270,7 +273,8 @@ fn cole_cole(lines: &[&ModulusLine], (giga, unit): (f64, &'static str)) -> Figur
     }
 }
 
-/// Half waves between the sections: a curve that is not smooth indicates a wrong count.
+/// Figure of the number of half waves between the sections; a curve that is not smooth indicates a
+/// wrong count.
 fn waves(found: &Found<'_>, lines: &[&ModulusLine], greyed: &[Greyed]) -> Figure {
     let half_waves = |line: &ModulusLine| line.wave_number() * found.distance / PI;
     let mut marks = Vec::new();
@@ -305,7 +309,7 @@ fn waves(found: &Found<'_>, lines: &[&ModulusLine], greyed: &[Greyed]) -> Figure
     }
 }
 
-/// The measured ratio, and its coherence.
+/// Figure of the measured ratio and its coherence.
 fn coherence(found: &Found<'_>) -> Option<Figure> {
     let ratio = found.ratio()?;
     let stride = ratio.frequency_hz.len().div_ceil(MOST_LINES).max(1);

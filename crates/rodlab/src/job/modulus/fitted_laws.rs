@@ -55,7 +55,7 @@ pub(super) fn fit(
     laws::fit(outcome, &lines, asked, context).map(|_| ())
 }
 
-/// Valid lines, evenly chosen.
+/// Returns up to `most` evenly distributed valid lines.
 fn points<'a>(found: &Found<'a>, most: usize) -> Vec<&'a ModulusLine> {
     let count = found.estimate.valid().count();
     let stride = count.div_ceil(most).max(1);

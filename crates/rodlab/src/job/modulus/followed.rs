@@ -1,5 +1,5 @@
-//! Uncertainties of the specimen and its sections that a method propagates to the modulus, and
-//! refusal of all other uncertainties.
+//! Refusal of uncertainties of the specimen and its sections that a method does not propagate to
+//! the modulus.
 
 use super::ModulusSheet;
 use super::method::{MethodSheet, SectionSheet};
@@ -23,7 +23,7 @@ pub(super) fn check(sheet: &ModulusSheet) -> Result<(), RodlabError> {
         let why = format!("it is not propagated by {name}");
         exact(mass, "specimen.accelerometer_mass", &why)?;
     }
-    // the diameter matters only through that mass
+    // the diameter matters only for the ratio of this mass to the mass of the rod
     let has_mass = mass.is_some_and(|mass| mass.with_uncertainty().value > 0.0);
     if !(used.end_mass && has_mass) {
         let why = if used.end_mass {
@@ -38,7 +38,8 @@ pub(super) fn check(sheet: &ModulusSheet) -> Result<(), RodlabError> {
     free_end(method)
 }
 
-/// Checks the free end beyond the gauges.
+/// Refuses two gauges without a free end, and an uncertainty of a free end that the method does not
+/// use.
 fn free_end(method: &MethodSheet) -> Result<(), RodlabError> {
     let MethodSheet::MultiPoint {
         gauges,
@@ -67,7 +68,7 @@ fn exact<K>(stated: Option<&Stated<K>>, field: &str, why: &str) -> Result<(), Ro
     stated.map_or(Ok(()), |stated| stated.exact(field, why).map(|_| ()))
 }
 
-/// Checks the position of a sensor at the end itself.
+/// Refuses an uncertainty of the position of a sensor at the end itself.
 fn on_the_end(section: &SectionSheet, field: &str) -> Result<(), RodlabError> {
     if section.from_free_end.with_uncertainty().value > 0.0 {
         return Ok(());

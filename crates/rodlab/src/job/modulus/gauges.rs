@@ -1,4 +1,5 @@
-//! Spectra of gauges, with the damping that the sheet states or that their ringing requires.
+//! Spectra of gauges, with the damping that the sheet states or that the ringing of the rod
+//! requires.
 
 use cmod::CmodError;
 use cmod::estimate::VarianceFreedom;
@@ -8,7 +9,7 @@ use super::method::GaugeSheet;
 use crate::RodlabError;
 use crate::job::frf::ExponentialWindowSheet;
 
-/// Degrees of freedom of the noise of one gauge.
+/// Returns the degrees of freedom of the noise of one gauge.
 pub(super) fn noise_freedom(gauges: &SectionSpectra) -> Result<VarianceFreedom, CmodError> {
     let freedom = gauges.noise_freedom();
     VarianceFreedom::new(freedom.line, freedom.own)
@@ -19,8 +20,8 @@ pub(super) enum Damping {
     None,
     /// Exponential window stated in the sheet.
     Window(ExponentialWindowSheet),
-    /// Damping required by hits that end while the rod rings, for lines from this frequency on
-    /// \[Hz\].
+    /// Damping that hits require because they end while the rod rings, for lines from the frequency
+    /// `lowest_hz` \[Hz\] on.
     OfRinging {
         lowest_hz: f64,
     },

@@ -8,15 +8,14 @@ use super::method::Taken;
 
 /// Maximum number of accepted hits that are drawn.
 const HITS_DRAWN: usize = 3;
-/// Number of stretches of a history, the resolution of a figure; each is drawn by its least and its
-/// greatest sample.
+/// Number of parts of a history, which is the resolution of a figure. The smallest and the largest
+/// sample of each part are drawn.
 const STRETCHES: usize = 600;
 
-/// Fraction of their peaks to which all channels have decayed at the end of the drawn part of a
-/// hit.
+/// Fraction of its peak to which every channel has decayed at the end of the drawn part of a hit.
 const DECAYED: f64 = 0.005;
 
-/// One panel per channel: the first accepted hits, and the first rejected one faintly.
+/// Figure with one panel per channel: the first accepted hits and, faintly, the first rejected hit.
 pub(super) fn figures(
     found: &FoundHits,
     channels: &[Taken<'_>],
@@ -52,7 +51,8 @@ pub(super) fn figures(
     }]
 }
 
-/// Number of samples until the first accepted hit has decayed in a channel, plus a tenth of it.
+/// Returns the number of samples until the first accepted hit has decayed in a channel, plus a
+/// tenth of this number.
 fn alive(found: &FoundHits, channel: &str) -> usize {
     let accepted = found.accepted();
     let Some(history) = accepted.first().and_then(|hit| hit.channel(channel).ok()) else {
@@ -123,7 +123,8 @@ fn panel(found: &FoundHits, channel: &str, shown: usize, silent: Option<usize>) 
     Some(Panel::new(time, (label, unit), marks))
 }
 
-/// Samples to draw: all of them, or the smallest and the largest of each stretch in their order.
+/// Returns the samples to draw: all samples, or the smallest and the largest of each part in their
+/// order.
 #[allow(
     clippy::indexing_slicing,
     reason = "the least and the greatest are looked for among the samples of the part, of which there is one at least"

@@ -8,7 +8,8 @@ use super::reasons::Reasons;
 use crate::RodlabError;
 use crate::outcome::{Column, Table};
 
-/// The lines with a modulus, valid or not, with the `reasons` why they are not valid.
+/// Returns the table of the lines with a modulus, valid or not, with the `reasons` of invalid
+/// lines.
 pub(super) fn table(found: &Found<'_>, reasons: &Reasons) -> Table {
     let lines = found.estimate.lines();
     let numbers = |name: &str, unit: &str, value: &dyn Fn(&ModulusLine) -> f64| {
@@ -87,7 +88,7 @@ pub(super) fn table(found: &Found<'_>, reasons: &Reasons) -> Table {
     }
 }
 
-/// The sources of common errors that have a standard uncertainty on any line.
+/// Returns the sources of common errors that have a standard uncertainty on any line.
 pub(super) fn sources_of<'a>(lines: impl IntoIterator<Item = &'a ModulusLine>) -> Vec<ErrorSource> {
     let mut sources: Vec<ErrorSource> = Vec::new();
     let lines = lines.into_iter();
@@ -99,8 +100,8 @@ pub(super) fn sources_of<'a>(lines: impl IntoIterator<Item = &'a ModulusLine>) -
     sources
 }
 
-/// Sources of the uncertainty of E' and of the loss factor on every line, in % of E' and in units
-/// of the loss factor. `None` if noise is the only one.
+/// Returns the table of the sources of the uncertainty of E' and of the loss factor on every line,
+/// in % of E' and in units of the loss factor. `None` if noise is the only source.
 pub(super) fn budget(found: &Found<'_>) -> Result<Option<Table>, RodlabError> {
     let lines = found.estimate.lines();
     let sources = sources_of(lines);

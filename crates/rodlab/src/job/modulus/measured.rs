@@ -1,4 +1,4 @@
-//! Measured data: ratios of spectra or spectra of gauges, with their errors.
+//! Measured data: a ratio of spectra, spectra of gauges or modes, with their errors.
 
 mod file;
 mod hits;
@@ -40,14 +40,14 @@ pub enum SourceSheet {
         /// criteria.
         #[serde(default)]
         hits: HitsSheet,
-        /// Silence of each record before the blow, such as `"2 ms"`: it gives the noise, which
-        /// gauges need. By default, for hits cut by a trigger, the pre-trigger less 0.2 ms or a
-        /// fifth of it, whichever is smaller.
+        /// Silence of each record before the blow, such as `"2 ms"`. The noise is measured in it;
+        /// methods with gauges need it. By default, for hits cut by a trigger, the pre-trigger less
+        /// 0.2 ms or less a fifth of it, whichever reduction is smaller.
         #[serde(default)]
         silent: Option<Exact<Duration>>,
         /// Exponential window on all gauges from the end of the silence on, for rods that ring
-        /// longer than the record, with `MultiPoint`. By default, hits that end while the rod rings
-        /// get as much damping as they need.
+        /// longer than the record; only with `MultiPoint`. By default, hits that end while the rod
+        /// rings get as much damping as they need.
         #[serde(default)]
         exponential_window: Option<ExponentialWindowSheet>,
         /// Treatment of the end of hits that are at rest for three quarters of their length or
@@ -59,11 +59,11 @@ pub enum SourceSheet {
     Ratio(RatioSheet),
 }
 
-/// Treatment of the samples of a hit after its motion has ended, which have only noise.
+/// Treatment of the samples after the motion of a hit has ended, which contain only noise.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
 pub enum TailSheet {
-    /// Left out: fewer lines, further apart and with less noise. Hits that are cut by a trigger
-    /// keep their length.
+    /// Left out, which gives fewer lines that are further apart and have less noise. Hits that are
+    /// cut by a trigger keep their length.
     #[default]
     LeaveOut,
     /// Kept.
@@ -76,9 +76,10 @@ pub enum TailSheet {
 pub struct RatioSheet {
     /// Name of the file, relative to the sheet.
     pub path: String,
-    /// The ratio: impacted end by free end, first section by second, later pulse by earlier.
+    /// Ratio of the impacted end to the free end, of the first section to the second, or of the
+    /// later pulse to the earlier pulse.
     pub values: RatioValues,
-    /// The errors of the ratio.
+    /// Errors of the ratio.
     pub errors: RatioErrors,
 }
 
@@ -88,7 +89,7 @@ pub struct RatioSheet {
 pub enum RatioValues {
     /// A column, or a data set, of complex numbers.
     Complex(
-        /// Selected by name, or by number from 1, not counting the frequencies.
+        /// The column, by name or by number from 1, not counting the column of frequencies.
         Selector,
     ),
     /// Two columns.
@@ -123,25 +124,25 @@ pub enum RatioErrors {
     },
 }
 
-/// Ratio of the upper end of a band to the highest line from which lines count as missing.
+/// Ratio of the upper end of a band to the highest line above which lines count as missing.
 const LEFT_OUT: f64 = 1.02;
 
-/// Input of a method.
+/// Spectra or modes to which a method is applied.
 pub(super) enum Spectra {
     Ratio(ResponseRatio),
     Gauges(SectionSpectra),
     Modes(Modes),
 }
 
-/// The measured data with their source.
+/// Measured data with their source.
 pub(super) struct Measured {
-    /// `None` if the hits do not give spectra; `missing` then states the reason.
+    /// Spectra or modes; `None` if the hits do not give any, for the reason `missing`.
     pub(super) spectra: Option<Spectra>,
     pub(super) missing: String,
     pub(super) inputs: Vec<InputFile>,
     pub(super) log: Vec<LogEntry>,
     pub(super) figures: Vec<Figure>,
-    /// Sentences on the hits.
+    /// Sentences about the hits.
     pub(super) in_words: Vec<String>,
     pub(super) warnings: Vec<String>,
     /// Quantities of the channels of the hits.
@@ -154,7 +155,7 @@ pub(super) struct Measured {
     pub(super) doubts: Vec<String>,
     /// Spectra of each accepted hit alone; empty if the method uses all hits together.
     pub(super) each: Vec<Spectra>,
-    /// Numbers of the accepted hits among those that were found, from 0.
+    /// Numbers of the accepted hits, counted from 0 over all hits that were found.
     pub(super) accepted: Vec<usize>,
     /// Number of hits that were found.
     pub(super) n_found: usize,
@@ -207,7 +208,7 @@ pub(super) fn of(
     Ok(measured)
 }
 
-/// Damping added to the hits before their transform.
+/// Returns the damping that is added to the hits before their transform.
 fn damping(
     sheet: &ModulusSheet,
     window: Option<&ExponentialWindowSheet>,
@@ -234,7 +235,7 @@ fn damping(
 }
 
 impl Measured {
-    /// Errors that all lines of the ratio share; none without a ratio.
+    /// Returns the errors that all lines of the ratio share; none without a ratio.
     pub(super) fn of_ratio(&self) -> SensorError {
         match &self.spectra {
             Some(Spectra::Ratio(ratio)) => ratio.common,
@@ -242,7 +243,7 @@ impl Measured {
         }
     }
 
-    /// Errors of the sensor of each gauge; empty without gauges.
+    /// Returns the errors of the sensor of each gauge; empty without gauges.
     pub(super) fn of_gauges(&self) -> &[SensorError] {
         match &self.spectra {
             Some(Spectra::Gauges(gauges)) => &gauges.sensors,
@@ -250,7 +251,7 @@ impl Measured {
         }
     }
 
-    /// Quantity of a channel of the hits.
+    /// Returns the quantity of a channel of the hits.
     pub(super) fn quantity_of(&self, channel: &str) -> Option<Quantity> {
         let found = self.quantities.iter().find(|(name, _)| name == channel);
         found.map(|(_, quantity)| *quantity)
@@ -266,7 +267,7 @@ impl Spectra {
         }
     }
 
-    /// Ratio of each line; `None` for gauges and modes.
+    /// Returns the ratio on each line; `None` for gauges and modes.
     pub(super) fn ratios(&self) -> Option<&[Complex64]> {
         match self {
             Self::Ratio(ratio) => Some(&ratio.values),
@@ -274,7 +275,7 @@ impl Spectra {
         }
     }
 
-    /// Number of lines per line with independent noise.
+    /// Returns the number of lines divided by the number of lines with independent noise.
     pub(super) fn lines_per_independent_line(&self) -> f64 {
         match self {
             Self::Ratio(ratio) => ratio.lines_per_independent_line,
@@ -285,7 +286,7 @@ impl Spectra {
         }
     }
 
-    /// Adds a draw of the random errors.
+    /// Adds drawn random errors.
     fn add(&mut self, draw: &Draw) {
         let shared = self.lines_per_independent_line();
         match self {
@@ -310,7 +311,7 @@ impl Spectra {
         }
     }
 
-    /// A warning if the spectra end well below the upper end of the band.
+    /// Returns a warning if the spectra end more than 2 % below the upper end of the band.
     fn missing_of(&self, band: Option<&BandSheet>) -> Option<String> {
         let band = band?;
         let highest = *match self {
@@ -327,7 +328,7 @@ impl Spectra {
         })
     }
 
-    /// Keeps the lines of the band, or all above 0 Hz.
+    /// Keeps the lines of the band or, without a band, all lines above 0 Hz.
     fn cut(&mut self, band: Option<&BandSheet>) -> Result<(), RodlabError> {
         let all = self.frequency_hz();
         let (from, to) = match band {
@@ -375,7 +376,7 @@ fn keep<T>(values: &mut Vec<T>, from: usize, to: usize) {
     values.drain(..from.min(values.len()));
 }
 
-/// The ratio or the modes from which the modulus was found.
+/// Returns the table of the ratio or the modes from which the modulus was determined.
 pub(super) fn table(spectra: &Spectra) -> Option<Table> {
     let ratio = match spectra {
         Spectra::Ratio(ratio) => ratio,

@@ -1,4 +1,4 @@
-//! Methods for the modulus: their sheets, and what they need of specimen and hits.
+//! Methods for the modulus: their sheets, and the data of specimen and hits that they need.
 
 mod section;
 
@@ -9,7 +9,7 @@ use crate::sheet::{Coordinate, Exact, Language, Length, Stated, Time, Velocity};
 pub(super) use section::of_channel;
 pub use section::{GaugeSheet, QuantitySheet, SectionSheet, WindowSheet};
 
-/// A method with its data.
+/// Method with its data.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub enum MethodSheet {
@@ -23,23 +23,24 @@ pub enum MethodSheet {
         #[serde(default)]
         solver: Option<SolverSheet>,
     },
-    /// The motions of both ends, evaluated at the resonances only.
+    /// The motions of both ends of a rod, evaluated at the resonances only.
     Resonances {
         /// Channel of the struck end.
         impacted_end: String,
         /// Channel of the other end.
         free_end: String,
     },
-    /// Frequencies and decays of the longitudinal modes of a rod that hangs free and was struck:
-    /// metals, ceramics, glasses. One sensor of motion, strain or sound anywhere on the rod.
+    /// Frequencies and decays of the longitudinal modes of a freely hanging rod after a blow, for
+    /// metals, ceramics and glasses. One sensor of motion, strain or sound anywhere on the rod is
+    /// sufficient.
     FreeVibration {
         /// Channel of the sensor.
         channel: String,
-        /// Beginning of the free vibration, when the hammer has left the rod, measured from the
-        /// beginning of a hit's record, such as `"5 ms"`.
+        /// Beginning of the evaluated free vibration, after the hammer has left the rod, measured
+        /// from the beginning of a hit's record, such as `"5 ms"`.
         from: Exact<Time>,
-        /// A guess of the wave speed, such as `"5100 m/s"`, within a fifth; the modes are numbered
-        /// with it.
+        /// Guess of the wave speed, such as `"5100 m/s"`, within a fifth of the true value; it
+        /// determines the numbers of the modes.
         wave_speed: Exact<Velocity>,
     },
     /// Two sections of a rod with a free end.
@@ -48,7 +49,8 @@ pub enum MethodSheet {
         first: SectionSheet,
         /// The section in the denominator, usually the free end.
         second: SectionSheet,
-        /// A guess of the wave speed, such as `"1700 m/s"`, within 30 %; searched by default.
+        /// Guess of the wave speed, such as `"1700 m/s"`, within 30 % of the true value; by default
+        /// the speed is searched.
         #[serde(default)]
         wave_speed: Option<Exact<Velocity>>,
     },
@@ -60,11 +62,11 @@ pub enum MethodSheet {
         second: WindowSheet,
         /// Distance between the two sections.
         distance: Stated<Length>,
-        /// A guess of the wave speed.
+        /// Guess of the wave speed; by default the speed is searched.
         #[serde(default)]
         wave_speed: Option<Exact<Velocity>>,
     },
-    /// The incident and the reflected pulse at one section of a rod with a free end.
+    /// The incident pulse and the reflected pulse at one section of a rod with a free end.
     OneGauge {
         /// The section.
         section: SectionSheet,
@@ -72,7 +74,7 @@ pub enum MethodSheet {
         incident: (Exact<Time>, Exact<Time>),
         /// Start and end of the reflected pulse.
         reflected: (Exact<Time>, Exact<Time>),
-        /// A guess of the wave speed.
+        /// Guess of the wave speed; by default the speed is searched.
         #[serde(default)]
         wave_speed: Option<Exact<Velocity>>,
     },
@@ -85,12 +87,12 @@ pub enum MethodSheet {
     MultiPoint {
         /// The gauges, in order of their positions.
         gauges: Vec<GaugeSheet>,
-        /// A guess of the wave speed.
+        /// Guess of the wave speed; by default the speed is searched.
         #[serde(default)]
         wave_speed: Option<Exact<Velocity>>,
-        /// Position of a free end beyond the last gauge, if the rod has one. For two gauges it is
-        /// the third condition, with the `accelerometer_mass` of the specimen on it; three or more
-        /// gauges are checked against it.
+        /// Position of a free end beyond the last gauge, if the rod has one. For two gauges the
+        /// free end, with the `accelerometer_mass` of the specimen on it, is the third condition.
+        /// Three or more gauges are checked against it.
         #[serde(default)]
         free_end_at: Option<Stated<Coordinate>>,
     },
@@ -101,20 +103,20 @@ pub enum MethodSheet {
 pub enum SolverSheet {
     /// Continuation in the mass of the accelerometer.
     Continuation,
-    /// Newton's iteration, as printed; for comparison.
+    /// Newton's iteration as printed in paper A; for comparison.
     Newton,
     /// The series in the mass ratio; for comparison.
     Series,
 }
 
-/// A channel of a method, its place in the sheet, and its restriction to motions.
+/// Channel of a method, its place in the sheet, and whether it must be a motion.
 pub(super) struct Taken<'a> {
     pub(super) channel: &'a str,
     pub(super) field: String,
     pub(super) motion: bool,
 }
 
-/// Data of the specimen that a method uses; the errors of these data become errors of the modulus.
+/// Data of the specimen that a method uses; errors of these data become errors of the modulus.
 pub(super) struct UsedOfSpecimen {
     pub(super) length: bool,
     pub(super) end_mass: bool,
@@ -124,7 +126,7 @@ pub(super) struct UsedOfSpecimen {
 pub(super) enum FromHits<'a> {
     /// The ratio of the first channel to the second.
     Ratio(&'a str, &'a str),
-    /// The ratio of the later of two pulses to the earlier.
+    /// The ratio of the later of two pulses to the earlier pulse.
     Pulses {
         earlier: Pulse<'a>,
         later: Pulse<'a>,
@@ -140,7 +142,7 @@ pub(super) enum FromHits<'a> {
     Modes(Vibration<'a>),
 }
 
-/// A pulse in a channel, with its field in the sheet.
+/// Pulse in a channel, with its field in the sheet.
 pub(super) struct Pulse<'a> {
     pub(super) channel: &'a str,
     pub(super) from: &'a Exact<Time>,
@@ -155,18 +157,18 @@ pub(super) struct Vibration<'a> {
     pub(super) wave_speed: &'a Exact<Velocity>,
 }
 
-/// The distance over which a method counts wavelengths.
+/// Distance over which a method counts wavelengths.
 pub(super) enum Counted<'a> {
     /// The length of the specimen.
     Length,
     /// A distance between sections \[m\].
     Between(f64),
-    /// The least distance of these gauges.
+    /// The least distance between these gauges.
     Gauges(&'a [GaugeSheet]),
 }
 
 impl MethodSheet {
-    /// Name of the method in the sheet.
+    /// Returns the name of the method in the sheet.
     pub(super) fn name(&self) -> &'static str {
         match self {
             Self::TwoPoint { .. } => "TwoPoint",
@@ -180,12 +182,12 @@ impl MethodSheet {
         }
     }
 
-    /// Place in the sheet of the field `name` of the method.
+    /// Returns the place in the sheet of the field `name` of the method.
     pub(super) fn field(&self, name: &str) -> String {
         format!("method.{}.{name}", Language::Toml.name_of(self.name()))
     }
 
-    /// Name of the method in a sentence.
+    /// Returns the name of the method for a sentence.
     pub(super) fn words(&self) -> &'static str {
         match self {
             Self::TwoPoint { .. } => "the two-point method",
@@ -212,7 +214,7 @@ impl MethodSheet {
         UsedOfSpecimen { length, end_mass }
     }
 
-    /// The sections of a rod with a free end, with their fields in the sheet.
+    /// Returns the sections of a rod with a free end, with their fields in the sheet.
     pub(super) fn sections(&self) -> Vec<(&SectionSheet, &'static str)> {
         match self {
             Self::FreeEnd { first, second, .. } => {
@@ -226,8 +228,8 @@ impl MethodSheet {
         }
     }
 
-    /// The channels, the first of which marks the beginning of a hit unless the sheet states
-    /// another.
+    /// Returns the channels. The first one marks the beginning of a hit, unless the sheet states
+    /// another channel.
     pub(super) fn channels(&self) -> Vec<Taken<'_>> {
         let taken = |channel, field: &str, motion| Taken {
             channel,
@@ -324,7 +326,7 @@ impl MethodSheet {
         }
     }
 
-    /// The gauges of a method with gauges.
+    /// Returns the gauges, if the method has gauges.
     pub(super) fn gauges(&self) -> Option<&[GaugeSheet]> {
         match self.taken_from_hits() {
             FromHits::Gauges { gauges, .. } => Some(gauges),
@@ -332,7 +334,7 @@ impl MethodSheet {
         }
     }
 
-    /// The distance over which the method counts wavelengths.
+    /// Returns the distance over which the method counts wavelengths.
     pub(super) fn counted(&self) -> Counted<'_> {
         let from_end = |section: &SectionSheet| section.from_free_end.with_uncertainty().value;
         match self {
@@ -352,7 +354,7 @@ impl MethodSheet {
         }
     }
 
-    /// The field that the method leaves open by default, and its default in words.
+    /// Returns the optional field of the method, and its default in words.
     pub(super) fn left_open(&self) -> Option<(&'static str, &'static str)> {
         match self {
             Self::TwoPoint { .. } => Some(("method.solver", "continuation in the mass ratio")),
@@ -364,7 +366,8 @@ impl MethodSheet {
         }
     }
 
-    /// Position of the free end if it is a condition of the method, that is with two gauges.
+    /// Returns the position of the free end if it is a condition of the method, that is, with two
+    /// gauges.
     pub(super) fn used_free_end(&self) -> Option<&Stated<Coordinate>> {
         match self {
             Self::MultiPoint {
@@ -381,7 +384,7 @@ impl MethodSheet {
         !matches!(self, Self::FreeEnd { .. })
     }
 
-    /// Numerator and denominator of the ratio in a file, in words.
+    /// Returns numerator and denominator of the ratio in a file, in words.
     pub(super) fn ratio_in_words(&self) -> Result<&'static str, RodlabError> {
         match self {
             Self::TwoPoint { .. } | Self::Resonances { .. } => Ok("impacted end over free end"),

@@ -1,4 +1,5 @@
-//! Mistakes of the sensors that would explain why hardly any line is valid.
+//! Mistakes in the sensors, such as a reversed or interchanged channel, that would explain why few
+//! lines are valid.
 
 use cmod::ModulusEstimate;
 use labio::ResponseRatio;
@@ -8,16 +9,17 @@ use super::measured::{Measured, Spectra};
 use super::reasons::{lines, n_suitable};
 use super::{MethodSheet, ModulusSheet, estimate};
 
-/// Factor by which a mistake has to raise the number of known lines to be named.
+/// Least factor by which the correction of a mistake must raise the number of known lines for the
+/// mistake to be reported.
 const MORE: usize = 3;
-/// Fewest lines that have to be known without the mistake.
+/// Least number of known lines after the correction of a mistake.
 const FEWEST: usize = 10;
 
-/// A mistake, and what it makes of a measured ratio r.
+/// A mistake, with its remedy and the correction of a measured ratio r.
 struct Mistake {
     is: &'static str,
     remedy: &'static str,
-    /// The ratio without the mistake and |dr'/dr|.
+    /// Function that returns the corrected ratio r' and |dr'/dr|.
     corrected: fn(Complex64) -> (Complex64, f64),
 }
 
@@ -39,8 +41,9 @@ const MISTAKES: [Mistake; 3] = [
     },
 ];
 
-/// Returns a sentence on the mistake of the sensors without which three times as many lines of a
-/// two-point measurement, and at least a quarter of them, would be known; `None` if there is none.
+/// Returns a sentence about a mistake in the sensors of a two-point measurement. Its correction
+/// would make E' known on three times as many lines, and on at least a quarter of those with a
+/// suitable wavelength. Returns `None` if there is no such mistake.
 pub(super) fn sensors(
     sheet: &ModulusSheet,
     measured: &Measured,
@@ -56,7 +59,7 @@ pub(super) fn sensors(
     }
     for mistake in &MISTAKES {
         let corrected = Spectra::Ratio(without(mistake, ratio));
-        // a ratio that has no estimate does not explain the lines
+        // if the corrected ratio gives no estimate, this mistake does not explain the lines
         let Ok(would_be) = estimate::plain(sheet, measured, &corrected) else {
             continue;
         };
@@ -73,7 +76,7 @@ pub(super) fn sensors(
     None
 }
 
-/// Number of lines with a known E'.
+/// Returns the number of lines with a known E'.
 fn known(estimate: &ModulusEstimate) -> usize {
     let lines = estimate.lines().iter();
     lines

@@ -8,7 +8,7 @@ use cmod::validity::Violation;
 use crate::digits::hertz;
 use crate::outcome::LogEntry;
 
-/// Maximum number of stretches of frequency listed for one reason.
+/// Maximum number of frequency ranges listed for one reason.
 const STRETCHES_NAMED: usize = 4;
 
 /// The reasons of all lines.
@@ -40,7 +40,7 @@ pub(super) fn of(estimate: &ModulusEstimate) -> Reasons {
     Reasons { of_line, counts }
 }
 
-/// A violation without its numbers.
+/// Returns a violation in words, without its numbers.
 fn in_few_words(violation: &Violation) -> &'static str {
     match violation {
         Violation::WavelengthTooShort { .. } => "wavelength below five diameters",
@@ -72,7 +72,7 @@ fn in_few_words(violation: &Violation) -> &'static str {
     }
 }
 
-/// Remedy for a reason of [`in_few_words`].
+/// Returns the remedy for a reason of [`in_few_words`]; `None` if there is no general remedy.
 fn advice(reason: &str) -> Option<&'static str> {
     Some(match reason {
         "wavelength below five diameters" => "a thinner rod reaches higher frequencies",
@@ -96,7 +96,7 @@ fn advice(reason: &str) -> Option<&'static str> {
     })
 }
 
-/// A common error above its limit, with the source that contributes most.
+/// Returns the reason for a common error above its limit, with the source that contributes most.
 fn by_source(largest: ErrorSource) -> &'static str {
     match largest {
         ErrorSource::Length => "common error of E' above its limit, most of it by the length",
@@ -119,7 +119,7 @@ fn by_source(largest: ErrorSource) -> &'static str {
 }
 
 impl Reasons {
-    /// The most frequent reasons, such as `error of E' above its limit (312 lines), ...`.
+    /// Returns the most frequent reasons, such as `error of E' above its limit (312 lines), ...`.
     pub(super) fn commonest(&self, most: usize) -> String {
         let named: Vec<String> = self
             .counts
@@ -130,14 +130,15 @@ impl Reasons {
         named.join(", ")
     }
 
-    /// Sentence with the remedy for the most frequent reason; `None` if there is no general one.
+    /// Returns a sentence with the remedy for the most frequent reason; `None` if there is no
+    /// general remedy.
     pub(super) fn advice_in_words(&self) -> Option<String> {
         let (reason, _) = self.counts.first()?;
         Some(format!("For more valid lines: {}.", advice(reason)?))
     }
 
-    /// Log entries: one for the valid lines, one for each reason against the other lines, and one
-    /// for each refusal.
+    /// Returns the log entries: one for the valid lines, one for each reason why other lines are
+    /// not valid, and one for each reason why lines have no modulus.
     pub(super) fn log(&self, estimate: &ModulusEstimate) -> Vec<LogEntry> {
         let all = estimate.lines();
         let frequencies = |keep: &dyn Fn(&[&'static str]) -> bool| -> Vec<Option<f64>> {
@@ -189,7 +190,7 @@ impl Reasons {
     }
 }
 
-/// Number of lines whose waves are neither too long nor too short for the specimen.
+/// Returns the number of lines whose waves are neither too long nor too short for the specimen.
 pub(super) fn n_suitable(estimate: &ModulusEstimate) -> usize {
     let is_of_wavelength = |violation: &Violation| {
         matches!(
@@ -210,8 +211,8 @@ pub(super) fn lines(count: usize) -> String {
     }
 }
 
-/// The longest stretches of neighbouring lines in words, in order of frequency; `None` stands for a
-/// line that is not included.
+/// Returns the longest ranges of neighbouring lines in words, in the order of frequency; `None`
+/// stands for a line that is not included.
 fn stretches(lines: &[Option<f64>]) -> String {
     let mut found: Vec<(usize, f64, f64)> = Vec::new();
     let mut open = false;

@@ -1,5 +1,4 @@
-//! The rod of the sheet, its uncertainties and the limits of its lines, in the form used by the
-//! methods of `cmod`.
+//! Rod, uncertainties and limits of the sheet, in the form used by the methods of `cmod`.
 
 use cmod::validity::AcceptanceLimits;
 use cmod::{GaugedRod, RodWithFreeEnd, SectionUncertainty};
@@ -10,8 +9,8 @@ use crate::RodlabError;
 use crate::digits::significant;
 use crate::sheet::{Exact, Ratio, Stated, plausible};
 
-/// Rejects a density outside the range of solids, and a diameter not below the length of the rod or
-/// the distance of its sections.
+/// Refuses a density outside the range of solids, and a diameter that is not below the length of
+/// the rod or the distance between its sections.
 pub(super) fn check(sheet: &ModulusSheet) -> Result<(), RodlabError> {
     plausible::density(&sheet.specimen.density, "specimen.density")?;
     let extent = match sheet.method.counted() {
@@ -22,7 +21,7 @@ pub(super) fn check(sheet: &ModulusSheet) -> Result<(), RodlabError> {
             });
             ends.1 - ends.0
         }
-        // a missing length is named where it is needed
+        // a missing length is reported where the length is needed
         _ => match distance(sheet) {
             Ok(distance) => distance,
             Err(_) => return Ok(()),
@@ -42,7 +41,7 @@ pub(super) fn check(sheet: &ModulusSheet) -> Result<(), RodlabError> {
     ))
 }
 
-/// Length of the specimen, which some methods need \[m\].
+/// Returns the length of the specimen \[m\]; an error if it is not stated.
 pub(super) fn length(sheet: &ModulusSheet) -> Result<f64, RodlabError> {
     sheet
         .specimen
@@ -58,7 +57,7 @@ pub(super) fn length(sheet: &ModulusSheet) -> Result<f64, RodlabError> {
         })
 }
 
-/// Distance over which wavelengths are counted \[m\].
+/// Returns the distance over which wavelengths are counted \[m\].
 pub(super) fn distance(sheet: &ModulusSheet) -> Result<f64, RodlabError> {
     match sheet.method.counted() {
         Counted::Length => length(sheet),
@@ -86,7 +85,7 @@ pub(super) fn gauged_rod(sheet: &ModulusSheet, gauges: &[GaugeSheet]) -> GaugedR
     }
 }
 
-/// Mass on the free end \[kg\].
+/// Returns the mass on the free end \[kg\].
 pub(super) fn end_mass(sheet: &ModulusSheet) -> f64 {
     let mass = sheet.specimen.accelerometer_mass.as_ref();
     mass.map_or(0.0, |mass| mass.with_uncertainty().value)

@@ -9,8 +9,8 @@ use crate::Outcome;
 use crate::digits::{hertz, percent, to_error};
 use crate::outcome::Quantity;
 
-/// Largest distance of a line from a requested frequency for which the line is used, as a fraction
-/// of the frequency.
+/// Largest distance of a line from a requested frequency at which the line is still used, as a
+/// fraction of the frequency.
 const NEAR: f64 = 0.02;
 
 pub(super) fn state(outcome: &mut Outcome, found: &Found<'_>, reasons: &Reasons) {
@@ -69,7 +69,8 @@ pub(super) fn state(outcome: &mut Outcome, found: &Found<'_>, reasons: &Reasons)
     warn(outcome, found, &valid);
 }
 
-/// Returns the line nearest to the middle of the band from `first` to `last`, on a logarithmic axis.
+/// Returns the line nearest to the middle of the band from `first` to `last`, on a logarithmic
+/// axis.
 fn middle_of<'a>(
     lines: &[&'a ModulusLine],
     first: &ModulusLine,
@@ -81,9 +82,9 @@ fn middle_of<'a>(
     lines.min_by(|a, b| distance(a).total_cmp(&distance(b)))
 }
 
-/// States E' of lines of which only the error of the loss factor exceeds its limit, if no line is
-/// valid; returns false if they are less than half of the lines whose waves have a suitable length:
-/// with a reversed sensor a few lines may be free of other reasons by chance.
+/// States E' on lines on which only the error of the loss factor exceeds its limit, if no line is
+/// valid. Returns false if these are less than half of the lines with a suitable wavelength,
+/// because with a reversed sensor some lines may have no other reason by chance.
 fn storage_modulus_alone(outcome: &mut Outcome, found: &Found<'_>, reasons: &Reasons) -> bool {
     let all = found.estimate.lines();
     let known = all
@@ -178,14 +179,14 @@ fn answer(
     )
 }
 
-/// The common errors of E' on one line, the largest first, such as `here due to density (1.0 %), length
-/// (0.12 %)`.
+/// Returns the common errors of E' on one line, the largest first, such as
+/// `here due to density (1.0 %), length (0.12 %)`.
 fn by_sources(line: &ModulusLine) -> String {
     let mut sources: Vec<(String, f64)> = line
         .uncertainty
         .systematic
         .iter()
-        // a bound, which is stated in addition
+        // lateral inertia is a bound and is stated separately
         .filter(|shift| shift.source != ErrorSource::LateralInertia)
         .map(|shift| {
             let part = (shift.modulus.re / line.modulus.re).abs();
@@ -203,7 +204,7 @@ fn by_sources(line: &ModulusLine) -> String {
     format!("here due to {}", words.join(", "))
 }
 
-/// The value in GPa or MPa.
+/// Returns the value in GPa or MPa, and the unit.
 fn in_pascal(value: f64) -> (f64, &'static str) {
     if value.abs() >= 0.1e9 {
         (1e-9 * value, "GPa")
@@ -212,7 +213,7 @@ fn in_pascal(value: f64) -> (f64, &'static str) {
     }
 }
 
-/// 1, 2 and 5 of each decade of the valid band \[Hz\].
+/// Returns the frequencies 1, 2 and 5 of each decade of the valid band \[Hz\].
 fn decades(first: &ModulusLine, last: &ModulusLine) -> Vec<f64> {
     let mut wanted = Vec::new();
     let mut decade = 1.0;
@@ -228,8 +229,8 @@ fn decades(first: &ModulusLine, last: &ModulusLine) -> Vec<f64> {
     wanted
 }
 
-/// The quantities at the frequencies of the sheet, or at `usual` ones \[Hz\]; returns the valid
-/// lines among them.
+/// Adds the quantities at the frequencies of the sheet or, by default, at the `usual` frequencies
+/// \[Hz\]. Returns the valid lines among them.
 fn at_frequencies<'a>(
     outcome: &mut Outcome,
     found: &Found<'a>,
@@ -255,7 +256,7 @@ fn at_frequencies<'a>(
                     valid.push(line);
                 }
                 if asked.is_none() && !line.validity.storage_modulus_is_valid() {
-                    // a default frequency on a line of which nothing is known
+                    // a default frequency is left out if E' is not known on its line
                     continue;
                 }
                 of_line(outcome, line);
@@ -349,7 +350,7 @@ fn warn(outcome: &mut Outcome, found: &Found<'_>, valid: &[&ModulusLine]) {
         &specimen.accelerometer_mass,
         specimen.mass(),
     ) {
-        // to first order in the ratio of the masses, at the resonances
+        // effect of a mass of 1 g at the resonances, to first order in the ratio of the masses
         let error = 2e-3 / mass;
         let effect = if error < 0.3 {
             format!("is {} too small", percent(error))

@@ -1,4 +1,4 @@
-//! The ratio of spectra as a universal file, for this and other programs.
+//! Ratio of spectra in a universal file, for this and other programs.
 
 use labio::{Abscissa, Contents, Ordinate, ResponseRatio, Series, SeriesKind};
 
@@ -7,11 +7,11 @@ use crate::RodlabError;
 use crate::outcome::Attachment;
 use crate::universal::{self, axis, property};
 
-/// Largest relative deviation of an even spacing of lines.
+/// Largest relative deviation of the line spacing that counts as even.
 const EVEN: f64 = 1e-9;
 
-/// `ratio.uff` with the ratio and its coherence; `None` if the method has no ratio of equal
-/// quantities on even lines.
+/// Returns the file `ratio.uff` with the ratio and its coherence; `None` if the method has no ratio
+/// of equal quantities on evenly spaced lines.
 pub(super) fn attachment(found: &Found<'_>) -> Result<Option<Attachment>, RodlabError> {
     let method = &found.sheet.method;
     let Some(ratio) = found.ratio().filter(|_| method.one_quantity()) else {
@@ -51,7 +51,7 @@ pub(super) fn attachment(found: &Found<'_>) -> Result<Option<Attachment>, Rodlab
     universal::attachment(&contents, "ratio.uff").map(Some)
 }
 
-/// The lines as start and step.
+/// Returns the lines as start and step; `None` if they are not evenly spaced.
 fn even(ratio: &ResponseRatio) -> Option<Abscissa> {
     let frequency = &ratio.frequency_hz;
     let (first, last) = (*frequency.first()?, *frequency.last()?);

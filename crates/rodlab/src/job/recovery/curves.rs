@@ -10,8 +10,8 @@ use crate::outcome::{Column, Table};
 /// Number of points of a curve.
 const POINTS: u32 = 121;
 
-/// Times \[s\] of the curves, evenly spaced on a logarithmic scale from 2/3 of the first reading to
-/// 1.5 times the last.
+/// Returns the times \[s\] of the curves, evenly spaced on a logarithmic scale from 2/3 of the time
+/// of the first reading to 1.5 times that of the last reading.
 pub(super) fn times(tests: &[RecoveryTest]) -> Vec<f64> {
     let readings = || tests.iter().flat_map(|test| test.time().iter().copied());
     let latest = 1.5 * readings().fold(0.0, f64::max);
@@ -20,7 +20,7 @@ pub(super) fn times(tests: &[RecoveryTest]) -> Vec<f64> {
         .fold(f64::INFINITY, f64::min)
         / 1.5;
     if !(earliest.is_finite() && latest > earliest) {
-        // there is only a reading at the moment of unloading
+        // the only readings are at the moment of unloading
         return vec![0.0, 1.0];
     }
     (0..POINTS)
@@ -28,7 +28,7 @@ pub(super) fn times(tests: &[RecoveryTest]) -> Vec<f64> {
         .collect()
 }
 
-/// A test for prediction at these `times`: it has no readings, and is never fitted.
+/// Returns a test for predictions at these `times`. It has no readings and is never fitted.
 pub(super) fn at_times(
     name: &str,
     load: LoadHistory,
@@ -45,7 +45,7 @@ pub(super) fn at_times(
 }
 
 impl Found<'_> {
-    /// Prediction at the times of `test`, with its standard error.
+    /// Returns the prediction at the times of `test`, with its standard error.
     pub(super) fn predicted(&self, test: &RecoveryTest) -> Result<Vec<PredictedChange>, CmodError> {
         let mut predicted = self.fit.prediction(test)?;
         for point in &mut predicted {
@@ -54,7 +54,7 @@ impl Found<'_> {
         Ok(predicted)
     }
 
-    /// Prediction at `times` after the load of `test`.
+    /// Returns the prediction at `times` after the load of `test`.
     pub(super) fn curve(
         &self,
         test: &RecoveryTest,
@@ -69,7 +69,7 @@ pub(super) fn tables(found: &Found<'_>) -> Result<Vec<Table>, CmodError> {
     Ok(vec![readings(found)?, curves(found)?, tests(found)])
 }
 
-/// Table of all readings with the model values.
+/// Returns the table of all readings with the values of the model.
 fn readings(found: &Found<'_>) -> Result<Table, CmodError> {
     let mut names = Vec::new();
     let mut columns: [Vec<f64>; 6] = Default::default();
@@ -112,7 +112,7 @@ fn readings(found: &Found<'_>) -> Result<Table, CmodError> {
     })
 }
 
-/// The model over time, one column per load.
+/// Returns the table of the model over time, with one column per load.
 fn curves(found: &Found<'_>) -> Result<Table, CmodError> {
     let times = times(&found.tests);
     let mut columns = vec![Column::numbers("time after unloading", "s", times.clone())];
@@ -138,7 +138,8 @@ fn curves(found: &Found<'_>) -> Result<Table, CmodError> {
     })
 }
 
-/// Results of each test alone (equation 4), and the recovery time of the common model.
+/// Returns the table of the results of each test alone (equation 4), and the recovery time of the
+/// common model.
 fn tests(found: &Found<'_>) -> Table {
     let single = |pick: &dyn Fn(&cmod::recovery::SingleTestFit) -> f64| -> Vec<f64> {
         let of = |fit: &Result<cmod::recovery::SingleTestFit, CmodError>| {

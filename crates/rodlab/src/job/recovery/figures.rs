@@ -1,4 +1,5 @@
-//! Recovery curves, residuals, the master curve of all tests, and predictions.
+//! Figures of a creep recovery: recovery curves, residuals, the master curve of all tests, and
+//! predictions.
 
 use cmod::CmodError;
 use cmod::recovery::RecoveryTest;
@@ -6,7 +7,7 @@ use rodfigure::{Axis, Figure, Mark, Panel, Role};
 
 use super::{Found, curves};
 
-/// Half the width of a band, in standard errors.
+/// Half width of a band, in standard errors.
 const BAND: f64 = 2.0;
 
 pub(super) fn figures(found: &Found<'_>) -> Result<Vec<Figure>, CmodError> {
@@ -17,7 +18,7 @@ pub(super) fn figures(found: &Found<'_>) -> Result<Vec<Figure>, CmodError> {
     Ok(figures)
 }
 
-/// Factor from a change of the loss factor to the number on the axis, together with the axis.
+/// Returns the factor from a change of the loss factor to the number on the axis, and the axis.
 fn change_axis(found: &Found<'_>) -> (f64, Axis) {
     found.sheet.virgin_loss_factor.as_ref().map_or_else(
         || (1.0, Axis::linear("change of the loss factor", "")),
@@ -35,7 +36,7 @@ fn time_axis() -> Axis {
     Axis::logarithmic("time after unloading", "s")
 }
 
-/// Line and band of the model after the load of `test`.
+/// Returns line and band of the model after the load of `test`.
 fn model(
     found: &Found<'_>,
     test: &RecoveryTest,
@@ -55,7 +56,7 @@ fn model(
     ])
 }
 
-/// Replaces an edge not determined by the tests with a gap.
+/// Replaces an edge that the tests do not determine by a gap.
 fn finite_or_gap(value: f64) -> f64 {
     if value.is_finite() { value } else { f64::NAN }
 }
@@ -88,8 +89,8 @@ fn recovery(found: &Found<'_>) -> Result<Figure, CmodError> {
     })
 }
 
-/// All tests over time divided by their recovery times; equation 4 requires them to form one curve
-/// for any values of the parameters.
+/// Figure of all tests over time divided by their recovery times. According to equation 4 they form
+/// one curve, whatever the values of the parameters are.
 fn one_curve(found: &Found<'_>) -> Figure {
     let mut marks = Vec::new();
     let mut farthest: f64 = 10.0;

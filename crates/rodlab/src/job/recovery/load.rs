@@ -66,7 +66,7 @@ impl LoadSheet {
     }
 }
 
-/// The load of all parts in sequence; `field` is its place in the sheet.
+/// Returns the load of all parts in sequence; `field` is the place of the load in the sheet.
 pub(super) fn history(parts: &[LoadSheet], field: &str) -> Result<LoadHistory, RodlabError> {
     LoadHistory::new(parts.iter().map(LoadSheet::segment).collect())
         .map_err(|error| RodlabError::step(field, error))

@@ -25,7 +25,7 @@ pub enum ReadingsSheet {
     File {
         /// Name of the file, relative to the sheet.
         path: String,
-        /// Column of the readings, by name or by number from 1, without the column of times.
+        /// Column of the readings, by name or by number from 1, not counting the column of times.
         readings: Selector,
         /// Column of the standard errors of the readings.
         #[serde(default)]
@@ -52,7 +52,8 @@ struct Columns {
     standard_error: Vec<f64>,
 }
 
-/// A test, the standard errors of its readings, and the file read for it, with a warning about it.
+/// A test, the standard errors of its readings, and the file from which they were read, with a
+/// warning about the file.
 pub(super) struct Read {
     pub(super) test: RecoveryTest,
     pub(super) standard_error: Vec<f64>,
@@ -60,7 +61,7 @@ pub(super) struct Read {
     pub(super) warning: Option<String>,
 }
 
-/// The test at `field` of the sheet.
+/// Reads the test at `field` of the sheet.
 pub(super) fn test(
     sheet: &RecoverySheet,
     test: &TestSheet,
@@ -97,7 +98,7 @@ pub(super) fn test(
     })
 }
 
-/// The value subtracted from the readings.
+/// Returns the value that is subtracted from the readings.
 fn virgin(sheet: &RecoverySheet) -> Result<f64, RodlabError> {
     let are = sheet.readings_are.unwrap_or(ReadingsAre::LossFactors);
     match (are, &sheet.virgin_loss_factor) {

@@ -9,11 +9,11 @@ use crate::Outcome;
 use crate::digits::{hertz, percent, significant, to_error, with_error};
 use crate::outcome::{LogEntry, Quantity};
 
-/// Number of standard deviations by which the mean square of the residuals may exceed 1; if it
-/// exceeds 1 by more, the model or the stated errors are wrong.
+/// Number of standard deviations by which χ² of the readings may exceed its expected value. If it
+/// exceeds it by more, the model or the stated errors are wrong.
 const DEVIATIONS: f64 = 3.0;
 
-/// The verdict if nothing could be fitted, with the results of each test alone.
+/// States the verdict if no model could be fitted, and the results of each test alone.
 pub(super) fn without_fit(
     outcome: &mut Outcome,
     tests: &[RecoveryTest],
@@ -93,7 +93,7 @@ pub(super) fn state(outcome: &mut Outcome, found: &Found<'_>) {
     warn(outcome, found);
 }
 
-/// The first sentence of an answer.
+/// Returns the first sentence of the answer.
 fn answer(found: &Found<'_>) -> String {
     let of = |symbol: &str| found.fit.estimates.iter().find(|e| e.symbol == symbol);
     let exponent = of("m").map_or_else(String::new, |m| {
@@ -116,8 +116,8 @@ fn quantity(estimate: &Estimate) -> Quantity {
     let mut verdict = estimate.verdict.to_string();
     let standard_error = match estimate.scale {
         Scale::Difference => Some(estimate.standard_error),
-        // this is the error of the logarithm; from a factor of about two on, it is meaningless as
-        // an error of the value
+        // this is the error of the logarithm; from 0.5 on it is meaningless as an error of the
+        // value
         Scale::Ratio if estimate.standard_error < 0.5 => {
             Some(estimate.value * estimate.standard_error)
         }
@@ -142,7 +142,7 @@ fn quantity(estimate: &Estimate) -> Quantity {
     }
 }
 
-/// Initial change and recovery time of each test, equation 4 of paper C.
+/// Adds initial change and recovery time of each test, from equation 4 of paper C.
 fn of_single_tests(
     outcome: &mut Outcome,
     tests: &[RecoveryTest],
@@ -219,7 +219,8 @@ fn warn(outcome: &mut Outcome, found: &Found<'_>) {
     );
 }
 
-/// Adds the expected readings after the predicted loads, from a minute after unloading on.
+/// Adds the predicted change of the loss factor 1 minute, 10 minutes and 1 hour after the unloading
+/// of each predicted load.
 pub(super) fn predict(outcome: &mut Outcome, found: &Found<'_>) -> Result<(), CmodError> {
     for (name, test) in &found.predictions {
         let times = [60.0, 600.0, 3600.0];

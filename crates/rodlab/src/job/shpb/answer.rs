@@ -1,4 +1,4 @@
-//! The result in words and single numbers, and its standing.
+//! Result in words and single numbers, and its standing.
 
 use impulse::hopkinson::{Curve, HopkinsonResult};
 
@@ -8,7 +8,7 @@ use crate::digits::{significant, with_error, with_unit};
 use crate::outcome::{CHECK, Quantity};
 use crate::{Outcome, RodlabError};
 
-/// Relative difference between errors from draws and linear errors up to which nothing is reported.
+/// Largest relative difference between errors from draws and linear errors that is not reported.
 const NONLINEAR: f64 = 0.2;
 
 pub(super) fn state(
@@ -134,7 +134,7 @@ pub(super) fn shot(at: usize, of: usize) -> String {
     }
 }
 
-/// Objections to a shot: no answer, doubt, or a warning.
+/// Reports the objections to a shot: as no answer, a doubt, or a warning.
 pub(super) fn findings(outcome: &mut Outcome, result: &HopkinsonResult, shot: &str) {
     for finding in &result.findings {
         let words = format!("{shot}{finding}");
@@ -155,8 +155,8 @@ pub(super) fn findings(outcome: &mut Outcome, result: &HopkinsonResult, shot: &s
     }
 }
 
-/// Compares the errors from draws with the linear ones at the largest stress; a difference puts the
-/// shot in doubt.
+/// Compares the errors from draws with the linear errors at the largest stress. A difference of
+/// more than 20 % puts the result in doubt.
 pub(super) fn monte_carlo(
     outcome: &mut Outcome,
     result: &HopkinsonResult,
@@ -187,8 +187,8 @@ pub(super) fn monte_carlo(
     }
 }
 
-/// Mean strain rate from the first load to the largest strain. Its standard error is that of the
-/// strain divided by the time.
+/// Returns the mean strain rate from the first load to the largest strain. Its standard error is
+/// the error of the largest strain divided by the duration.
 fn mean_rate(result: &HopkinsonResult) -> (f64, f64) {
     let strain = result.curves.of(Curve::Strain);
     let loaded = result.loaded.clone();
@@ -204,7 +204,7 @@ fn mean_rate(result: &HopkinsonResult) -> (f64, f64) {
     )
 }
 
-/// The sources that dominate at the largest stress.
+/// Returns a sentence about the error sources that dominate at the largest stress.
 fn dominating(result: &HopkinsonResult, peak: usize) -> String {
     let largest = |curve: Curve| {
         let mut sources: Vec<(f64, String)> = result

@@ -1,4 +1,4 @@
-//! Mean of several shots.
+//! Mean curve of several shots.
 
 use impulse::hopkinson::{Curve, HopkinsonResult, MeanCurve};
 use rodfigure::{Figure, Mark, Panel, Role};
@@ -9,7 +9,7 @@ use crate::digits::{significant, with_unit};
 use crate::outcome::{Column, Quantity, Table};
 use crate::{Outcome, RodlabError};
 
-/// Probability that equal specimens are said to differ.
+/// Probability that equal specimens are wrongly reported as different.
 const CHANCE: f64 = 0.01;
 
 pub(super) fn state(

@@ -1,4 +1,4 @@
-//! Bars and specimen of a sheet as a test, with their uncertain materials.
+//! Test of a sheet: bars and specimen, with the uncertainties of their materials.
 
 use std::sync::Arc;
 
@@ -19,8 +19,8 @@ fn known<K>(stated: &Stated<K>) -> Known {
     Known::within(stated.value, stated.uncertainty())
 }
 
-/// The test of a sheet; the uncertainties of the gauges, which follow from the channels, are not
-/// entered yet.
+/// Returns the test of a sheet, without the uncertainties of the gauges, which are taken from the
+/// channels later.
 pub(super) fn test(sheet: &ShpbSheet) -> Result<HopkinsonTest, RodlabError> {
     for (name, material) in &sheet.materials {
         if material.measured.is_some() && sheet.loading.loading() == Loading::Torsion {
@@ -62,14 +62,13 @@ pub(super) fn test(sheet: &ShpbSheet) -> Result<HopkinsonTest, RodlabError> {
     })
 }
 
-/// The specimen of a sheet.
-/// Ratio of the diameters of specimen and bar from which the specimen stands out beyond the bar.
+/// Ratio of the diameters of specimen and bar above which the specimen stands out beyond the bar.
 const WIDER: f64 = 1.02;
-/// Length of a specimen in diameters of the bar from which it is no specimen but a bar.
+/// Largest length of a specimen, in diameters of the bar; a longer one is probably the bar itself.
 const LONGEST: f64 = 10.0;
 
-/// Refuses a specimen that is wider than a bar, which presses on a part of it only, or as long as a
-/// bar.
+/// Refuses a specimen that is wider than a bar, because the bar then presses only on a part of it,
+/// and a specimen that is as long as a bar.
 fn check_geometry(sheet: &ShpbSheet) -> Result<(), RodlabError> {
     let value = |stated: &Stated<Length>| stated.with_uncertainty().value;
     let ShpbSpecimenSheet {
@@ -131,8 +130,8 @@ fn bar(sheet: &BarSheet, materials: &Materials, side: &str) -> Result<HopkinsonB
     })
 }
 
-/// The material of a bar. If it is stated by density and wave speed, these are moved by
-/// `of_density` and `of_speed` standard uncertainties.
+/// Returns the material of a bar. If the material is stated by density and wave speed, these are
+/// moved by `of_density` and `of_speed` standard uncertainties.
 fn material(
     sheet: &BarSheet,
     materials: &Materials,
@@ -169,8 +168,8 @@ fn material(
     .map_err(|error| RodlabError::step(field, error))
 }
 
-/// Returns the variations of the materials: every uncertain quantity of a material moves all bars
-/// of that material together.
+/// Returns the variations of the materials. Every uncertain quantity of a material moves all bars
+/// of this material together.
 fn variations(sheet: &ShpbSheet) -> Result<Vec<MaterialVariation>, RodlabError> {
     let mut found = Vec::new();
     let sides = [
@@ -240,7 +239,8 @@ fn variations(sheet: &ShpbSheet) -> Result<Vec<MaterialVariation>, RodlabError> 
     Ok(found)
 }
 
-/// Moves one of the uncertain quantities of the materials, selected by its place in their order.
+/// Replacement that moves one of the uncertain quantities of the materials, selected by its
+/// position in their order.
 struct MovesOne {
     target: usize,
     standard: f64,

@@ -1,4 +1,4 @@
-//! Figures: waves with their windows, forces and equilibrium, stress and strain.
+//! Figures of a shot: waves with their windows, forces and equilibrium, stress and strain.
 
 use impulse::hopkinson::{Curve, HopkinsonRecord, HopkinsonResult, HopkinsonTest, MeanCurve};
 use rodfigure::{Axis, Figure, Mark, Panel, Role};
@@ -9,8 +9,8 @@ use rand_chacha::ChaCha8Rng;
 use super::tables::{band, band_of_mean, microseconds, scaled};
 use crate::RodlabError;
 
-/// Amplification of a wave on its way to a face from which the curve with elastic bars is drawn as
-/// well.
+/// Least amplification of a wave on its way to a face for which the curve with elastic bars is also
+/// drawn.
 const VISIBLE_AMPLIFICATION: f64 = 1.01;
 
 pub(super) fn all(
@@ -26,7 +26,7 @@ pub(super) fn all(
     ])
 }
 
-/// The band of `half` on either side of a curve.
+/// Returns the band with half width `half` about a curve.
 pub(super) fn around(name: &str, role: Role, x: &[f64], y: &[f64], half: &[f64]) -> Mark {
     let edges = x.iter().zip(y).zip(half);
     Mark::band(
@@ -36,8 +36,8 @@ pub(super) fn around(name: &str, role: Role, x: &[f64], y: &[f64], half: &[f64])
     )
 }
 
-/// Strain \[%\] and stress \[MPa\] from the same records if bars that attenuate are treated as
-/// elastic; `None` if the difference is not visible.
+/// Returns strain \[%\] and stress \[MPa\] from the same records with bars that are treated as
+/// elastic, although they attenuate; `None` if the difference is not visible.
 fn as_elastic(
     result: &HopkinsonResult,
     test: &HopkinsonTest,
@@ -58,7 +58,7 @@ fn as_elastic(
         variations: Vec::new(),
         ..test.clone()
     };
-    // the comparison is not part of the answer: without it, the figure has one curve less
+    // the comparison is not part of the answer; if it fails, the figure has one curve less
     let other = elastic
         .evaluate(record, &mut ChaCha8Rng::seed_from_u64(0))
         .ok()?;
@@ -88,7 +88,7 @@ fn stress_strain(
                 &scaled(&band_of_mean(&curve)?, 1e-6),
             ),
         ),
-        // there are too few samples of rising strain
+        // too few samples have a rising strain
         Err(_) => (
             "at its time",
             around(
@@ -216,7 +216,8 @@ fn waves(result: &HopkinsonResult, record: &HopkinsonRecord) -> Figure {
     }
 }
 
-/// Place and time of the fronts of the waves, with the gauges; it shows where waves meet.
+/// Figure of the fronts of the waves over position and time, with the gauges. It shows where waves
+/// overlap.
 fn fronts(
     result: &HopkinsonResult,
     test: &HopkinsonTest,
@@ -246,7 +247,7 @@ fn fronts(
             x.push(0.0);
             time.push(1e6 * arrived);
         }
-        // to and fro between specimen and end, until the record ends
+        // the front travels back and forth between specimen and end, until the record ends
         let mut here = (0.0, left);
         while here.1 < end {
             x.push(here.0);

@@ -1,4 +1,4 @@
-//! Sheet of the job.
+//! Sheet of the job `shpb`.
 
 use impulse::hopkinson::{Loading, StressFrom, WaveSeparation};
 use serde::Deserialize;
@@ -9,7 +9,7 @@ use crate::outcome::Setting;
 use crate::records::Records;
 use crate::sheet::{Density, Duration, Exact, Frequency, Length, PoissonRatio, Stated, Velocity};
 
-/// Sheet of the job.
+/// Sheet of the job `shpb`.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ShpbSheet {
@@ -20,35 +20,38 @@ pub struct ShpbSheet {
     pub about: About,
     /// Loading of the specimen.
     pub loading: LoadingSheet,
-    /// Materials of the bars, by name; for torsion with the shear modulus.
+    /// Materials of the bars, by name; for torsion the modulus of a law is the shear modulus.
     #[serde(default)]
     pub materials: Materials,
     /// The bars.
     pub bars: BarsSheet,
     /// The specimen.
     pub specimen: ShpbSpecimenSheet,
-    /// Files and channels of the shot, sampled together; several entries for a file per channel.
+    /// Files and channels of the shot, all sampled together. If each channel has its own file,
+    /// there are several entries.
     pub records: Vec<Records>,
     /// Further shots with the same bars on specimens of the same kind; the result is the mean of
     /// all shots at equal strain.
     #[serde(default)]
     pub further_shots: Vec<FurtherShotSheet>,
-    /// Silence at the beginning of the record, before any pulse, such as `"90 us"`; it gives the
-    /// level at rest and the noise.
+    /// Silence at the beginning of the record, before any pulse, such as `"90 us"`; the level at
+    /// rest and the noise are measured in it.
     pub silent: Exact<Duration>,
-    /// Forces from which the stress is computed; both by default.
+    /// Forces from which the stress is computed; by default both.
     #[serde(default)]
     pub stress_from: StressFromSheet,
-    /// End of the band, where the amplitude is one half, such as `"50 kHz"`; by default the lowest
-    /// of a third of the sampling rate, the frequency of waves of two diameters, and the frequency
-    /// beyond which a wave grows tenfold on its way back to the specimen.
+    /// End of the band, at which the amplitude is one half, such as `"50 kHz"`. By default the
+    /// lowest of three frequencies: a third of the sampling rate, the frequency at which the
+    /// wavelength is two diameters, and the frequency above which the correction of attenuation
+    /// amplifies a wave more than tenfold on its way back to the specimen.
     #[serde(default)]
     pub band: Option<Exact<Frequency>>,
-    /// Removes the lag between the arrivals at the two faces from the transmitted bar, instead of
-    /// relying on positions and wave speeds.
+    /// Removes the lag between the arrivals at the two faces by a shift of the transmitted bar,
+    /// instead of relying on positions and wave speeds.
     #[serde(default)]
     pub align_arrivals: bool,
-    /// Number of draws of noise and all sources together, such as 1000, to check the linear errors.
+    /// Number of Monte Carlo draws, such as 1000, of the noise and all error sources together; they
+    /// check the linear errors.
     #[serde(default)]
     pub monte_carlo: Option<usize>,
 }
@@ -60,7 +63,7 @@ pub enum LoadingSheet {
     Compression,
     /// Stress and strain are positive in tension.
     Tension,
-    /// A thin tube in torsion; the gauges read shear strains of the surface.
+    /// A thin tube in torsion; the gauges measure shear strains at the surface.
     Torsion,
 }
 
@@ -82,7 +85,8 @@ pub struct BarSheet {
     pub waves: WavesSheet,
     /// Diameter, such as `"20 mm ± 0.02 mm"`.
     pub diameter: Stated<Length>,
-    /// Length, such as `"1800 mm"`; a ± is accepted only if the free end is used.
+    /// Length, such as `"1800 mm"`; an uncertainty is accepted only if the separation uses the free
+    /// end.
     pub length: Stated<Length>,
     /// Poisson's ratio, such as `"0.29 ± 0.01"`, for lateral inertia by Pochhammer and Chree;
     /// without it, the waves are one-dimensional.
@@ -99,7 +103,7 @@ pub struct BarSheet {
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub enum WavesSheet {
-    /// Name of its material.
+    /// Name of the material.
     Material(String),
     /// Wave speed of an elastic bar.
     Speed {
@@ -116,8 +120,8 @@ pub enum WavesSheet {
 pub struct ShpbGaugeSheet {
     /// Channel with the strain of the gauge.
     pub channel: String,
-    /// Channels of other gauges around the same section, such as the one on the opposite side: the
-    /// mean of all is used, in which bending cancels.
+    /// Channels of other gauges around the same section, such as the gauge on the opposite side.
+    /// The mean of all these gauges is used, in which bending cancels.
     #[serde(default)]
     pub averaged_with: Vec<String>,
     /// Distance from the specimen, such as `"700 mm ± 1 mm"`.
@@ -131,21 +135,21 @@ pub enum WaveSeparationSheet {
     Passages,
     /// Two gauges.
     TwoGauges,
-    /// One gauge before the free end of the transmitted bar.
+    /// One gauge before the free end, on the transmitted bar.
     FreeEnd,
-    /// One gauge on the incident bar, whose force at the specimen is set to that of the transmitted
-    /// bar.
+    /// One gauge on the incident bar. The force at the specimen is assumed to be equal to that of
+    /// the transmitted bar.
     Balanced,
 }
 
 /// Forces from which the stress is computed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
 pub enum StressFromSheet {
-    /// Force of the transmitted bar (one wave).
+    /// Force at the face of the transmitted bar (one wave).
     Transmitted,
-    /// Force of the incident bar (two waves).
+    /// Force at the face of the incident bar (two waves).
     Incident,
-    /// Mean of both (three waves).
+    /// Mean of both forces (three waves).
     #[default]
     Both,
 }
@@ -195,7 +199,7 @@ impl StressFromSheet {
 }
 
 impl ShpbGaugeSheet {
-    /// All channels of the gauge.
+    /// Returns all channels of the gauge.
     pub(super) fn channels(&self) -> impl Iterator<Item = &String> {
         std::iter::once(&self.channel).chain(&self.averaged_with)
     }
@@ -215,7 +219,7 @@ impl BarSheet {
 }
 
 impl ShpbSheet {
-    /// Field, records and specimen of each shot.
+    /// Returns field, records and specimen of each shot.
     pub(super) fn shots(&self) -> impl Iterator<Item = (String, &[Records], &ShpbSpecimenSheet)> {
         let first = (
             "records".to_owned(),
@@ -230,7 +234,7 @@ impl ShpbSheet {
         std::iter::once(first).chain(further)
     }
 
-    /// Defaults of the fields that the sheet leaves open.
+    /// Returns the defaults of the fields that the sheet does not state.
     pub(super) fn defaults(&self) -> Vec<Setting> {
         let mut defaults = Vec::new();
         let sides = [

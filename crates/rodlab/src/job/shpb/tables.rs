@@ -17,7 +17,7 @@ pub(super) fn all(result: &HopkinsonResult) -> Result<Vec<Table>, RodlabError> {
     ])
 }
 
-/// Times \[µs\].
+/// Returns the times \[µs\].
 pub(super) fn microseconds(result: &HopkinsonResult) -> Vec<f64> {
     (0..result.n_samples())
         .map(|at| 1e6 * result.time_at(at))
@@ -28,7 +28,7 @@ pub(super) fn scaled(values: &[f64], factor: f64) -> Vec<f64> {
     values.iter().map(|x| factor * x).collect()
 }
 
-/// Half width of the 95 % band of a history.
+/// Returns the half width of the 95 % band of a history.
 pub(super) fn band(
     result: &HopkinsonResult,
     curve: Curve,
@@ -128,7 +128,8 @@ fn waves(result: &HopkinsonResult) -> Table {
     }
 }
 
-/// Error of each source at the largest stress, and the largest error of each source during loading.
+/// Returns the table of the error due to each source, at the largest stress and as the largest
+/// value during loading.
 fn budget(result: &HopkinsonResult) -> Table {
     let peak = peak(result);
     let mut names = vec!["noise".to_owned()];
@@ -167,13 +168,13 @@ fn budget(result: &HopkinsonResult) -> Table {
     }
 }
 
-/// Half width of the 95 % band of the stress.
+/// Returns the half width of the 95 % band of the stress.
 pub(super) fn band_of_mean(mean: &MeanCurve) -> Result<Vec<f64>, RodlabError> {
     mean.expanded_uncertainty(LEVEL)
         .map_err(|error| RodlabError::step("bands", error))
 }
 
-/// Sample of the largest stress.
+/// Returns the sample of the largest stress.
 pub(super) fn peak(result: &HopkinsonResult) -> usize {
     let mut peak = (0, f64::NEG_INFINITY);
     for (at, stress) in result.curves.of(Curve::Stress).iter().enumerate() {

@@ -1,4 +1,4 @@
-//! Blows of a hammer on a linear body: one response, several strengths.
+//! Blows of a hammer on a linear body: one response, scaled to several strengths.
 
 use labio::Record;
 use rand::{RngExt, SeedableRng};
@@ -13,11 +13,11 @@ use crate::job::JobContext;
 use crate::outcome::{Attachment, LogEntry};
 use crate::sheet::{Duration, Exact, Force, Ratio, plausible};
 
-/// Inverse of the fraction at the end of a record in which the decay is checked.
+/// Inverse of the fraction of a record, at its end, in which the decay is checked.
 const LATE_PART: usize = 16;
-/// Level relative to the peak, below which the record has decayed.
+/// Level relative to the peak below which the record counts as decayed.
 const QUIET: f64 = 5e-4;
-/// Default scatter of the strengths of blows, as a fraction.
+/// Default scatter of the strengths of blows, as a fraction of the peak.
 const USUAL_SCATTER: f64 = 0.05;
 
 /// Maximum number of samples in all records of a sheet, which are kept in memory.
@@ -33,11 +33,11 @@ pub struct BlowsSheet {
     pub peak: Exact<Force>,
     /// Duration of the contact, such as `"80 us"`.
     pub duration: Exact<Duration>,
-    /// Shape of the force; a raised cosine by default.
+    /// Shape of the force; by default a raised cosine.
     #[serde(default)]
     pub shape: ShapeSheet,
-    /// Largest relative deviation of the strength of a hit from `peak`, uniform to either side;
-    /// `"5 %"` by default.
+    /// Largest relative deviation of the strength of a hit from `peak`; the deviations are
+    /// distributed uniformly. By default `"5 %"`.
     #[serde(default)]
     pub scatter: Option<Exact<Ratio>>,
 }
@@ -45,10 +45,10 @@ pub struct BlowsSheet {
 /// Shape of the force of a blow.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize)]
 pub enum ShapeSheet {
-    /// Smooth at both ends.
+    /// Raised cosine, which is smooth at both ends.
     #[default]
     RaisedCosine,
-    /// Force of a rigid hammer on a spring.
+    /// Half sine, the force of a rigid hammer on a spring.
     HalfSine,
 }
 
@@ -57,8 +57,8 @@ impl BlowsSheet {
         self.scatter.as_ref().map_or(USUAL_SCATTER, Exact::si)
     }
 
-    /// Checks the blows and, before anything is computed, the size of their records with this
-    /// number of `channels`.
+    /// Checks the blows, and the size of their records with this number of `channels`, before
+    /// anything is computed.
     pub(super) fn check(
         &self,
         field: &str,
@@ -165,7 +165,7 @@ impl Recorded {
     }
 }
 
-/// Largest value of each channel.
+/// Returns the largest absolute value of each channel.
 pub(super) fn peaks(record: &Record) -> Vec<f64> {
     let rows = record.samples();
     rows.rows()
@@ -177,7 +177,7 @@ pub(super) fn peaks(record: &Record) -> Vec<f64> {
         .collect()
 }
 
-/// The warning for a record that ends before everything is at rest; `None` otherwise.
+/// Returns a warning if the record ends before all channels are at rest; otherwise `None`.
 fn cut_off(record: &Record, peaks: &[f64]) -> Option<String> {
     let late = record.n_samples() / LATE_PART;
     let part = record
@@ -199,8 +199,8 @@ fn cut_off(record: &Record, peaks: &[f64]) -> Option<String> {
     })
 }
 
-/// The records of all hits: `history` is the response to the blow of full strength. Each hit uses a
-/// separate random stream.
+/// Returns the records of all hits. `history` is the response to a blow of full strength. Each hit
+/// has a separate random stream.
 pub(super) fn record(
     blows: &BlowsSheet,
     history: &History,

@@ -1,4 +1,4 @@
-//! The tests of paper C: the loss factor of a rod recovering from loads.
+//! Tests of paper C: the loss factor of a rod that recovers from loads.
 
 use std::f64::consts::TAU;
 
@@ -19,9 +19,9 @@ use crate::outcome::{Column, Table};
 use crate::sheet::{Duration, Exact, Frequency, Pressure, Ratio};
 
 const FIELD: &str = "experiment: CreepRecovery";
-/// Method of the simulation: the stress of the dashpot is integrated through the load; the recovery
-/// is computed in closed form (paper C, eq. 4). The evaluation uses the same crate, so it tests the
-/// effect of noise, not the validity of the model.
+/// Method of the simulation. The stress of the dashpot is integrated during the load, and the
+/// recovery is computed in closed form (paper C, eq. 4). The evaluation uses the same crate, so it
+/// tests the effect of noise, not the validity of the model.
 const GENERATOR: &str = "cmod::recovery, three-element model";
 
 /// A material of three elements, and loads.
@@ -58,7 +58,7 @@ pub struct CreepLoadSheet {
     pub duration: Exact<Duration>,
 }
 
-/// Loss factors after a load.
+/// Loss factors read after a load.
 struct Readings<'a> {
     load: &'a CreepLoadSheet,
     exact: Vec<f64>,
@@ -134,7 +134,7 @@ impl CreepRecoverySheet {
         })
     }
 
-    /// `exact` with normally distributed errors, each a sample of white noise.
+    /// Returns `exact` with independent, normally distributed errors.
     fn with_errors(&self, exact: &[f64], seed: u64, stream: u64) -> Result<Vec<f64>, RodlabError> {
         let refused = |error| RodlabError::step(FIELD, error);
         let name = "loss factor";

@@ -1,4 +1,4 @@
-//! The test of paper A: accelerations of both ends of a rod struck at one of them.
+//! Test of paper A: accelerations of both ends of a rod that is struck at one end.
 
 use std::f64::consts::PI;
 

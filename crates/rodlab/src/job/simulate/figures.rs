@@ -6,7 +6,7 @@ use rodfigure::{Figure, Mark, Panel, Role};
 use crate::RodlabError;
 use crate::outcome::{Column, Table};
 
-/// Unit in which a quantity is drawn, and its number per SI unit.
+/// Returns the number of drawn units per SI unit of a quantity, and the drawn unit.
 fn shown(quantity: labio::Quantity) -> (f64, &'static str) {
     match quantity {
         labio::Quantity::Strain => (1e6, "µm/m"),
@@ -15,7 +15,7 @@ fn shown(quantity: labio::Quantity) -> (f64, &'static str) {
     }
 }
 
-/// Histories of all channels; at most five records are drawn, as separate lines.
+/// Figure of the histories of all channels; at most five records are drawn, as separate lines.
 pub(super) fn histories(records: &[Record], names: &[String]) -> Option<Figure> {
     let first = records.first()?;
     let panels = first
@@ -45,8 +45,8 @@ pub(super) fn histories(records: &[Record], names: &[String]) -> Option<Figure> 
     })
 }
 
-/// Magnitudes of the spectra of the first record: √(G_xx) of each channel relative to its largest
-/// line.
+/// Figure of the magnitudes of the spectra of the first record: √(G_xx) of each channel, relative
+/// to its largest line.
 pub(super) fn spectra(records: &[Record], cutoff_hz: f64) -> Result<Option<Figure>, RodlabError> {
     let Some(first) = records.first() else {
         return Ok(None);
@@ -72,7 +72,7 @@ pub(super) fn spectra(records: &[Record], cutoff_hz: f64) -> Result<Option<Figur
     }))
 }
 
-/// The first record as a table.
+/// Returns the first record as a table.
 pub(super) fn table(records: &[Record]) -> Option<Table> {
     let first = records.first()?;
     let time = (0..first.n_samples()).map(|k| first.time_at(k)).collect();

@@ -1,4 +1,5 @@
-//! Records as the files of a recorder, and the statements of a sheet needed to read them.
+//! Files of records like those of a recorder, and the statements of a sheet that are needed to read
+//! them.
 
 use labio::format::Writer;
 use labio::format::csv::Csv;
@@ -70,20 +71,21 @@ impl Naming {
         })
     }
 
-    /// Name of the record `number` of `of`, from 1; the names sort in the order of the records.
+    /// Returns the name of the record `number` of `of`, counted from 1. The alphabetical order of
+    /// the names is that of the records.
     pub(super) fn file(&self, number: usize, of: usize) -> String {
         let extension = self.extension.text();
         let digits = of.to_string().len();
         format!("{}-{number:0digits$}.{extension}", self.stem)
     }
 
-    /// A pattern for all files.
+    /// Returns a pattern that matches all files.
     pub(super) fn pattern(&self) -> String {
         format!("{}-*.{}", self.stem, self.extension.text())
     }
 
-    /// The field `records` of a sheet that reads `files` of records like `record`, indented by
-    /// `indent`.
+    /// Returns the field `records` of a sheet that reads `files` of records like `record`, indented
+    /// by `indent`.
     pub(super) fn records_of_sheet(&self, files: &str, record: &Record, indent: &str) -> String {
         let bare = self.extension == Extension::Npy;
         let rate = if bare {
@@ -114,7 +116,7 @@ impl Naming {
         )
     }
 
-    /// `record` as a file, with its generator if the format has a place for it.
+    /// Returns `record` as a file. The generator is included if the format has a place for it.
     pub(super) fn attachment(
         &self,
         record: &Record,
@@ -124,7 +126,7 @@ impl Naming {
         let refused = |error| RodlabError::step(format!("writing {name}"), error);
         let mut contents = Contents::of_format("computed");
         let bare = self.extension == Extension::Npy;
-        // if the format has a place for it
+        // the generator is written if the format has a place for it
         match self.extension {
             Extension::Csv | Extension::Npz => contents
                 .properties
@@ -155,7 +157,7 @@ impl Naming {
             let samples = record.channel(channel.name()).map_err(refused)?.to_vec();
             let quantity = channel.quantity();
             contents.series.push(if bare {
-                // numbers only, one row per channel
+                // an `npy` file contains only numbers, with one row per channel
                 Series {
                     name: if several {
                         format!("[{index}, :]")
@@ -195,7 +197,7 @@ impl Naming {
             Extension::Csv => &Csv,
             Extension::Npy => &Npy,
             Extension::Npz => &Npz,
-            // binary: text would round the numbers
+            // binary numbers are written, because text would round them
             Extension::Uff => &Uff58Writer {
                 encoding: Encoding::Binary(ByteOrder::LittleEndian),
                 ..Uff58Writer::default()

@@ -1,4 +1,4 @@
-//! The test of paper B: strains at sections of a rod that is a member of a structure.
+//! Test of paper B: strains at sections of a rod that is a member of a structure.
 
 use labio::Quantity;
 use rodwave::chain::{LaplaceVariable, Termination};
@@ -15,7 +15,7 @@ use crate::job::JobContext;
 use crate::sheet::{AddedMass, Coordinate, Exact, Length, SpecificImpedance, Stiffness};
 
 const FIELD: &str = "experiment: StrainsInFrame";
-/// Relative difference below which distances of gauges are equal.
+/// Relative difference below which distances between gauges count as equal.
 const EQUIDISTANT: f64 = 1e-9;
 
 /// A rod between two structures, with strain gauges.
@@ -40,7 +40,7 @@ pub struct StrainsInFrameSheet {
     pub blows: BlowsSheet,
 }
 
-/// A spring and a dashpot to the ground and a mass, in parallel, each of them optional.
+/// A spring to the ground, a dashpot to the ground and a mass, in parallel; each is optional.
 #[derive(Debug, Clone, Default, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct SupportSheet {
@@ -58,7 +58,7 @@ impl SupportSheet {
         self.stiffness.is_none() && self.resistance.is_none() && self.mass.is_none()
     }
 
-    /// The support; `None` if there is none.
+    /// Returns the support; `None` if there is none.
     fn support(&self) -> Option<EndSupport> {
         (!self.is_absent()).then(|| EndSupport {
             stiffness: self.stiffness.as_ref().map_or(0.0, Exact::si),

@@ -1,4 +1,4 @@
-//! The first half of paper E: the acceleration of an impact face under hammer blows.
+//! First half of paper E: the acceleration of an impact face under hammer blows.
 
 use impulse::Domain;
 use labio::Quantity;
@@ -19,7 +19,7 @@ const FIELD: &str = "experiment: HammerOnBody";
 const HAMMER: &str = "hammer";
 const FACE: &str = "face";
 const GENERATOR: &str = "hammer on a body: chain recursion, damped Fourier transform";
-/// Lines of the table of the true mobility.
+/// Number of lines in the table of the true mobility.
 const LINES: usize = 200;
 
 /// A body struck with a hammer.
@@ -144,7 +144,7 @@ impl HammerOnBodySheet {
     }
 }
 
-/// Mobility at `s` in the right half plane.
+/// Returns the mobility at `s` in the right half plane.
 fn mobility_at(body: &ComputedBody, s: Complex64, place: &str) -> Result<Complex64, RodlabError> {
     if body.domain() != Domain::RightHalfPlane {
         return Err(RodlabError::request(

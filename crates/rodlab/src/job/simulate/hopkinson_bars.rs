@@ -1,4 +1,4 @@
-//! A shot on split Hopkinson bars: striker, incident bar, specimen and transmitted bar, in contact.
+//! Shot on split Hopkinson bars: striker, incident bar, specimen and transmitted bar, in contact.
 
 mod evaluation;
 
@@ -24,9 +24,9 @@ use crate::outcome::{Column, Table};
 use crate::sheet::{Coordinate, Density, Exact, Length, Pressure, Velocity, plausible};
 
 const FIELD: &str = "experiment: HopkinsonBars";
-/// Largest product of the numbers of cells and steps, for a computing time of some minutes.
+/// Largest product of the numbers of cells and steps; it limits the computing time to some minutes.
 const MOST_CELL_STEPS: f64 = 4e9;
-/// Largest rounding of a wave speed by the grid.
+/// Largest relative change of a wave speed that the grid may cause by rounding.
 const SPEED_TOLERANCE: f64 = 2e-4;
 /// Distance from the ends of the bars \[m\] of the sections that represent the faces of the
 /// specimen.
@@ -230,7 +230,7 @@ impl HopkinsonBarsSheet {
         .with_speed_tolerance(SPEED_TOLERANCE)
     }
 
-    /// The gauges of both bars, then the two faces.
+    /// Returns the gauges of both bars, followed by the two faces of the specimen.
     fn gauges(&self) -> Vec<Gauge> {
         let length = self.incident.length.si();
         let near = self.incident.gauges.iter().map(|gauge| Gauge {
@@ -265,8 +265,8 @@ impl HopkinsonBarsSheet {
         }
     }
 
-    /// Engineering stress and strain of the specimen without the effect of the recorder, at the
-    /// times of the samples of the recorder.
+    /// Returns engineering stress and strain of the specimen at the times of the recorder's
+    /// samples, without the effect of the recorder.
     #[expect(
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,

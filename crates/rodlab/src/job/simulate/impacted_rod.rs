@@ -1,4 +1,4 @@
-//! The test of paper D: a rod of an inelastic law, struck by a projectile at one or several
+//! Test of paper D: a rod with an inelastic law, struck by a projectile at one or several
 //! velocities.
 
 mod evaluation;
@@ -29,12 +29,12 @@ use crate::sheet::{
 const FIELD: &str = "experiment: ImpactedRod";
 const NEAR: &str = "near end";
 const FREE: &str = "free end";
-/// Default number of cells per shortest wave that the recorder passes: the error of the chain is
-/// then some thousandths of the wave front.
+/// Default number of cells per wavelength of the shortest wave that the recorder passes. The error
+/// of the chain is then some thousandths of the wave front.
 const CELLS_PER_WAVE: f64 = 100.0;
 
-/// Largest product of the numbers of cells and steps of all tests of a sheet, for a computing time
-/// of some minutes.
+/// Largest product of the numbers of cells and steps in all tests of a sheet; it limits the
+/// computing time to some minutes.
 const MOST_CELL_STEPS: f64 = 4e9;
 
 /// A rod struck by a projectile.
@@ -51,21 +51,21 @@ pub struct ImpactedRodSheet {
     pub modulus: Exact<Pressure>,
     /// Law of the inelastic strain rate.
     pub law: InelasticLawSheet,
-    /// Share of the modulus that a spring in parallel with the branch of the law has, such as
-    /// `"0.5"`, as in a standard solid. None by default.
+    /// Fraction of the modulus that belongs to a spring in parallel with the branch of the law,
+    /// such as `"0.5"`, as in a standard solid. None by default.
     #[serde(default)]
     pub spring: Option<Exact<Ratio>>,
     /// Distance of the section near the struck end from the free end, such as `"394 mm"`.
     pub section_distance: Exact<Length>,
     /// The projectile.
     pub striker: StrikerSheet,
-    /// Velocities of the projectile, one test for each, such as `["3 m/s", "10 m/s"]`.
+    /// Velocities of the projectile, such as `["3 m/s", "10 m/s"]`, with one test for each.
     pub velocities: Vec<Exact<Velocity>>,
-    /// Quantity measured by the sensors: velocities by default.
+    /// Quantity measured by the sensors; by default velocities.
     #[serde(default)]
     pub sensors: SensorsSheet,
-    /// Longest cell of the chain, such as `"1 mm"`; by default a hundredth of the shortest wave
-    /// that the recorder passes.
+    /// Longest cell of the chain, such as `"1 mm"`; by default a hundredth of the shortest
+    /// wavelength that the recorder passes.
     #[serde(default)]
     pub cell: Option<Exact<Length>>,
     /// Confirms a wave speed outside the range of solids.
@@ -135,7 +135,7 @@ pub enum SensorsSheet {
     },
 }
 
-/// The tests at all velocities with one law.
+/// Tests at all velocities with one law.
 struct Struck<'a, L> {
     sheet: &'a ImpactedRodSheet,
     rod: InelasticRod<L>,
@@ -167,7 +167,8 @@ impl<L: InelasticLaw> Struck<'_, L> {
     }
 }
 
-/// Evaluates `$use` with the law of the sheet; each law has a different type.
+/// Evaluates `$use` with the law of the sheet. A macro is needed because each law has a different
+/// type.
 macro_rules! with_law {
     ($sheet:expr, |$law:ident| $use:expr) => {{
         let refused = |error| RodlabError::step(format!("{FIELD}.law"), error);
@@ -239,7 +240,8 @@ impl ImpactedRodSheet {
         Ok(())
     }
 
-    /// Checks that the tests end in a reasonable time: a wave takes at least one step per cell.
+    /// Checks that the number of cells times steps is not too large; a wave takes at least one step
+    /// per cell.
     fn check_extent<L>(&self, struck: &Struck<'_, L>, wave_speed: f64) -> Result<(), RodlabError> {
         for (number, velocity) in self.velocities.iter().enumerate() {
             if velocity.si().abs() >= wave_speed {
@@ -378,11 +380,11 @@ impl ImpactedRodSheet {
         })
     }
 
-    /// The quantities sensed in an impact.
+    /// Returns the quantities that the sensors measure in an impact.
     fn sensed(&self, history: &ImpactHistory) -> History {
         let step = history.step;
         let (quantity, begins, range) = match &self.sensors {
-            // velocities of the chain are half a step late
+            // the velocities of the chain are at half steps
             SensorsSheet::Velocity => (Quantity::Velocity, 0.5 * step, f64::INFINITY),
             SensorsSheet::Displacement { range } => (Quantity::Displacement, step, range.si()),
         };

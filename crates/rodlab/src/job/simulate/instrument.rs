@@ -1,4 +1,4 @@
-//! The instruments of a virtual test: filter, sampling, noise, converter.
+//! Instruments of a virtual test: filter, sampling, noise and converter.
 
 use std::collections::BTreeMap;
 
@@ -15,15 +15,15 @@ use crate::RodlabError;
 use crate::outcome::Setting;
 use crate::sheet::{Duration, Exact, Frequency};
 
-/// Ratio of the resolution of histories to the sampling rate.
+/// Ratio of the sampling rate of computed histories to that of the recorder.
 const FINER: usize = 8;
 /// Default ratio of the cut-off of the filter to the sampling rate: 16 kHz for 51.2 kHz.
 const USUAL_CUTOFF: f64 = 0.3125;
-/// Samples by which the linear-phase filter reaches ahead, plus the samples at rest before them
-/// that the evaluations need.
+/// Number of samples by which the linear-phase filter reaches ahead, plus the number of samples at
+/// rest before them that evaluations need.
 const LEAST_BEFORE: usize = 24 + 16;
-/// Maximum number of samples of a channel: the history of a channel is finer, and is kept in
-/// memory.
+/// Maximum number of samples of a channel. It is limited because the finer history of the channel
+/// is kept in memory.
 const MOST_SAMPLES: f64 = 2_097_152.0;
 /// Default time of a record before the blow \[s\].
 const USUAL_BEFORE: f64 = 2e-3;
@@ -38,22 +38,22 @@ pub struct InstrumentSheet {
     pub sampling_rate: Exact<Frequency>,
     /// Length of a record, such as `"60 ms"`.
     pub length: Exact<Duration>,
-    /// Time of a record before the blow, such as `"2 ms"`, which is the default.
+    /// Time of a record before the blow; by default `"2 ms"`.
     #[serde(default)]
     pub before: Option<Exact<Duration>>,
-    /// Filter before sampling; by default of linear phase, with half amplitude at 0.3125 of the
-    /// sampling rate.
+    /// Filter before sampling; by default a linear-phase filter with half amplitude at 0.3125 of
+    /// the sampling rate.
     #[serde(default)]
     pub anti_alias: Option<AntiAliasSheet>,
-    /// Standard deviation of the white noise of a sample: a fraction of the largest value of the
-    /// channel, such as `"0.02 %"`, or in the unit of the channels, such as `"0.5 m/s2"`. None
-    /// by default.
+    /// Standard deviation of the white noise of a sample, as a fraction of the largest value of the
+    /// channel, such as `"0.02 %"`, or in the unit of the channel, such as `"0.5 m/s2"`. None by
+    /// default.
     #[serde(default)]
     pub noise: Option<LevelText>,
     /// Converter; by default none, so that the numbers are not rounded.
     #[serde(default)]
     pub converter: Option<ConverterSheet>,
-    /// Separate noise levels of channels, by their names.
+    /// Noise levels of single channels, by their names.
     #[serde(default)]
     pub noise_of: BTreeMap<String, LevelText>,
 }
@@ -62,7 +62,7 @@ pub struct InstrumentSheet {
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub enum AntiAliasSheet {
-    /// Filter without delay or phase, with a sharp edge.
+    /// Linear-phase filter with a sharp edge; it has no delay.
     LinearPhase {
         /// Frequency of half amplitude.
         cutoff: Exact<Frequency>,
@@ -71,20 +71,20 @@ pub enum AntiAliasSheet {
     Butterworth {
         /// Number of poles.
         order: u32,
-        /// Corner.
+        /// Corner frequency.
         cutoff: Exact<Frequency>,
     },
     /// Bessel filter, with its phase.
     Bessel {
         /// Number of poles.
         order: u32,
-        /// Corner.
+        /// Corner frequency.
         cutoff: Exact<Frequency>,
     },
 }
 
 impl AntiAliasSheet {
-    /// The filter in words.
+    /// Returns the filter in words.
     pub(in crate::job) fn in_words(&self) -> String {
         match self {
             Self::LinearPhase { cutoff } => format!("linear phase, half at {cutoff}"),
@@ -102,19 +102,19 @@ impl AntiAliasSheet {
 pub struct ConverterSheet {
     /// Number of bits.
     pub bits: u32,
-    /// Full scale: a fraction of the largest value of each channel, by default `"125 %"`, or in
+    /// Full scale, as a fraction of the largest value of each channel, by default `"125 %"`, or in
     /// the unit of the channels.
     #[serde(default)]
     pub full_scale: Option<LevelText>,
 }
 
-/// The signals of perfect sensors.
+/// Signals of ideal sensors.
 pub(super) struct History {
-    /// Name of the generator.
+    /// Name of the method that computed the history.
     pub(super) generator: String,
-    /// Time of the first value after the blow \[s\]; before it everything is at rest.
+    /// Time of the first value, counted from the blow \[s\]; before it everything is at rest.
     pub(super) begins: f64,
-    /// Interval \[s\].
+    /// Time step \[s\].
     pub(super) step: f64,
     pub(super) channels: Vec<Sensed>,
 }
@@ -123,7 +123,7 @@ pub(super) struct History {
 pub(super) struct Sensed {
     pub(super) name: String,
     pub(super) quantity: Quantity,
-    /// Values in SI.
+    /// Values in SI units.
     pub(super) values: Vec<f64>,
 }
 
@@ -132,38 +132,41 @@ impl InstrumentSheet {
         self.sampling_rate.si()
     }
 
-    /// Time of a record before the blow \[s\].
+    /// Returns the time of a record before the blow \[s\].
     pub(super) fn before(&self) -> f64 {
         self.before.as_ref().map_or(USUAL_BEFORE, Exact::si)
     }
 
-    /// Interval of the required histories \[s\].
+    /// Returns the time step of the required histories \[s\].
     pub(super) fn fine_step(&self) -> f64 {
         1.0 / (self.rate_hz() * FINER as f64)
     }
 
-    /// Duration of the required histories after the blow \[s\]: to the end of the record, plus the
-    /// reach of the filter.
+    /// Returns the duration of the required histories after the blow \[s\]: up to the end of the
+    /// record, plus the length over which the filter acts.
     pub(super) fn duration(&self) -> f64 {
         self.length.si() - self.before() + 32.0 / self.rate_hz()
     }
 
-    /// Frequency \[Hz\] up to which the filter passes fully.
+    /// Returns the frequency \[Hz\] up to which the linear-phase filter passes the signal
+    /// unchanged.
     pub(super) fn passes_up_to_hz(&self) -> f64 {
         self.cutoff_hz() - 0.08 * self.rate_hz()
     }
 
-    /// Synthesis of histories on a grid finer than the samples, for the experiment `field`.
+    /// Returns the synthesis of histories on a grid finer than the samples, for the experiment
+    /// `field`.
     pub(super) fn synthesis(&self, field: &str) -> Result<DampedSynthesis, RodlabError> {
         let step = self.fine_step();
         DampedSynthesis::new(self.duration(), step)
             .and_then(|synthesis| synthesis.smoothed(2.5 * step))
-            // a smoothing that the sheet does not state must not be visible in the band
+            // the smoothing is compensated: it is not stated in the sheet, so it must not be
+            // visible in the band
             .map(DampedSynthesis::flat)
             .map_err(|error| RodlabError::step(field, error))
     }
 
-    /// The filter in the form of a sheet in RON.
+    /// Returns the filter in the form of a sheet in RON.
     pub(super) fn filter_in_ron(&self) -> String {
         match &self.anti_alias {
             None => format!("LinearPhase(cutoff: \"{} Hz\")", self.cutoff_hz()),
@@ -179,7 +182,7 @@ impl InstrumentSheet {
         }
     }
 
-    /// Cut-off of the filter \[Hz\].
+    /// Returns the cut-off frequency of the filter \[Hz\].
     pub(super) fn cutoff_hz(&self) -> f64 {
         match &self.anti_alias {
             None => USUAL_CUTOFF * self.rate_hz(),
@@ -209,7 +212,7 @@ impl InstrumentSheet {
         }
     }
 
-    /// Samples of a channel of a record.
+    /// Returns the number of samples of a channel in a record.
     pub(super) fn samples_of_record(&self) -> Result<usize, RodlabError> {
         self.samples(self.length.si(), "instrument.length")
     }
@@ -235,7 +238,8 @@ impl InstrumentSheet {
         Ok(())
     }
 
-    /// `history` filtered and sampled: the record begins at time 0, the blow is `before` later.
+    /// Returns `history` after filter and sampling. The record begins at time 0, and the blow is
+    /// `before` later.
     #[allow(
         clippy::indexing_slicing,
         reason = "a row of the record is that of a channel of the history"
@@ -274,7 +278,8 @@ impl InstrumentSheet {
             }
         };
         let filter = filter.map_err(|error| RodlabError::step("instrument.anti_alias", error))?;
-        // on the fine grid, without the part that the filter cannot pass
+        // the history is first put on the fine grid, without the frequencies that the filter cannot
+        // pass
         let fine = Recorder {
             rate_hz: FINER as f64 * self.rate_hz(),
             cutoff_hz: 2.0 * self.rate_hz(),
@@ -284,14 +289,14 @@ impl InstrumentSheet {
             .sample(self.rate_hz(), 0.0)
             .map_err(refused)?;
         let fine = made_at(fine, FINER * before, FINER * all)?;
-        // filter and sampler draw no random numbers
+        // filter and sampler use no random numbers
         let mut random = rand::SeedableRng::seed_from_u64(0);
         let taken = front_end.record::<ChaCha8Rng>(&fine, &mut random);
         Ok(taken.map_err(refused)?.record)
     }
 
-    /// Returns `sampled` with its noise, after the converter; `peaks` are the largest values for
-    /// relative levels.
+    /// Returns `sampled` with noise, after the converter. `peaks` are the largest values, to which
+    /// relative levels refer.
     pub(super) fn recorded(
         &self,
         sampled: &Record,
@@ -322,7 +327,7 @@ impl InstrumentSheet {
             );
             if let Some(noise) = of_its_own.or(self.noise.as_ref()) {
                 let level = noise.level.of(channel, *peak, &noise.text, &field)?;
-                // white up to the Nyquist frequency
+                // density of noise that is white up to the Nyquist frequency
                 let density = 2.0 * level * level / self.rate_hz();
                 let spectrum = NoiseSpectrum::white(density).map_err(refused)?;
                 instrument = instrument.noise(channel.name(), spectrum);
@@ -345,7 +350,7 @@ impl InstrumentSheet {
         instrument.record(sampled, random).map_err(refused)
     }
 
-    /// Standard deviation of the noise of `channel` in SI; `None` without noise.
+    /// Returns the standard deviation of the noise of `channel` in SI units; `None` without noise.
     pub(super) fn noise_level(
         &self,
         channel: &Channel,
@@ -361,7 +366,7 @@ impl InstrumentSheet {
             .transpose()
     }
 
-    /// Defaults of the fields that the sheet leaves open.
+    /// Returns the defaults of the fields that the sheet does not state.
     pub(super) fn defaults(&self) -> Vec<Setting> {
         let anti_alias = format!("linear phase, half at {} Hz", self.cutoff_hz());
         let mut defaults = vec![

@@ -1,4 +1,5 @@
-//! Levels of noise and converters: fractions of the largest value of a channel, or in its unit.
+//! Levels of noise and converters, as fractions of the largest value of a channel or in the unit of
+//! the channel.
 
 use labio::{Channel, Dimension};
 use serde::Deserialize;
@@ -19,7 +20,7 @@ pub struct LevelText {
 pub(super) enum Level {
     /// Ratio to the largest value of the channel.
     OfPeak(f64),
-    /// Absolute value in SI.
+    /// Absolute value in SI units.
     Absolute(f64, Dimension),
 }
 
@@ -44,7 +45,8 @@ impl TryFrom<String> for LevelText {
 }
 
 impl Level {
-    /// The level in SI for a `channel` with this `peak`; `text` is its text at `field`.
+    /// Returns the level in SI units for a `channel` with this `peak`; `text` is the text of the
+    /// level at `field`.
     pub(super) fn of(
         self,
         channel: &Channel,

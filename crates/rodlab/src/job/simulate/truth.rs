@@ -1,4 +1,4 @@
-//! Properties of the virtual specimen, as the expected results of an evaluation.
+//! Properties of the virtual specimen, which are the expected results of an evaluation.
 
 use std::f64::consts::TAU;
 
@@ -11,7 +11,7 @@ use crate::outcome::{Column, Quantity, Table};
 /// Lines per decade in a table of the modulus.
 const LINES_PER_DECADE: f64 = 20.0;
 
-/// True single numbers.
+/// True values of single numbers.
 #[derive(Default)]
 pub(super) struct Truth(Vec<(String, f64, String)>);
 
@@ -20,7 +20,7 @@ impl Truth {
         self.0.push((name.into(), value, unit.to_owned()));
     }
 
-    /// Adds a table and the quantities.
+    /// Adds the true values as a table and as quantities.
     pub(super) fn tell(self, outcome: &mut Outcome) {
         let rows = || self.0.iter();
         outcome.tables.push(Table {
@@ -45,7 +45,7 @@ impl Truth {
     }
 }
 
-/// Modulus of `medium` between two frequencies \[Hz\].
+/// Returns the table of the modulus of `medium` between two frequencies \[Hz\].
 #[expect(
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,

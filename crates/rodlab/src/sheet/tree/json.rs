@@ -1,4 +1,4 @@
-//! Sheets in JSON as values with their places.
+//! Sheets in JSON, as values with their places.
 
 use std::fmt;
 
@@ -28,7 +28,7 @@ fn node(text: &str, piece: &str) -> Result<Node, Mistake> {
             let entries = fields.into_iter().map(|(name, value)| {
                 let node = node(text, value.get())?;
                 Ok(Entry {
-                    // the reader of JSON gives the places of values only, not of names
+                    // the JSON reader returns only the places of values, not those of names
                     name_place: node.place.clone(),
                     name,
                     node,
@@ -56,7 +56,7 @@ fn node(text: &str, piece: &str) -> Result<Node, Mistake> {
     })
 }
 
-/// The fields of an object in their order, including repeated ones.
+/// Fields of an object in their order, including repeated fields.
 struct Fields<'a>(Vec<(String, &'a RawValue)>);
 
 impl<'de: 'a, 'a> Deserialize<'de> for Fields<'a> {
@@ -83,7 +83,7 @@ impl<'de: 'a, 'a> Deserialize<'de> for Fields<'a> {
     }
 }
 
-/// Place of `piece`, a slice of `text`.
+/// Returns the place of `piece`, a slice of `text`.
 fn place(text: &str, piece: &str) -> Place {
     let start = piece.as_ptr().addr().saturating_sub(text.as_ptr().addr());
     start..start + piece.len()

@@ -1,7 +1,7 @@
-//! Sheets in RON as values with their places.
+//! Sheets in RON, as values with their places.
 //!
-//! The reader of the crate `ron` finds where values begin and end; the places follow from the
-//! slices of the text that it returns.
+//! The reader of the crate `ron` finds where values begin and end. It returns slices of the text,
+//! from which the places are computed.
 
 use ron::Options;
 use ron::error::SpannedError;
@@ -30,12 +30,12 @@ pub(super) fn read(text: &str) -> Result<Node, Mistake> {
     text.node(root.trim().get_ron())
 }
 
-/// Returns the options of the reader: optional fields without `Some(..)`.
+/// Returns the options of the reader, with which optional fields need no `Some(..)`.
 fn options() -> Options {
     Options::default().with_default_extension(Extensions::IMPLICIT_SOME)
 }
 
-/// The whole text, of which all pieces are slices.
+/// The whole text. All pieces are slices of it.
 #[derive(Clone, Copy)]
 struct Text<'a>(&'a str);
 
@@ -47,7 +47,7 @@ enum Parts<'a> {
 }
 
 impl<'a> Text<'a> {
-    /// Place of the slice `piece`.
+    /// Returns the place of the slice `piece`.
     fn place(self, piece: &str) -> Place {
         let start = piece.as_ptr().addr().saturating_sub(self.0.as_ptr().addr());
         start..start + piece.len()
@@ -198,7 +198,7 @@ fn single(content: Node) -> Node {
 
 /// Visitor that separates the contents of a pair of brackets.
 struct PartsOf {
-    /// True if the names are those of fields, without quotes.
+    /// True if the names are field names, which have no quotes.
     are_fields: bool,
 }
 
@@ -236,7 +236,7 @@ impl<'de> Visitor<'de> for PartsOf {
     }
 }
 
-/// The byte offset of a RON position (line and column from 1, in characters) in the text.
+/// Returns the byte offset in the text of a RON position (line and column from 1, in characters).
 fn offset(text: &str, position: &ron::error::Position) -> usize {
     let line_start: usize = text
         .split_inclusive('\n')

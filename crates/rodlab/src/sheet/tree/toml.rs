@@ -1,4 +1,4 @@
-//! Sheets in TOML as values with their places.
+//! Sheets in TOML, as values with their places.
 
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
@@ -26,8 +26,8 @@ pub(super) fn read(text: &str) -> Result<Node, Vec<Mistake>> {
     })
 }
 
-/// The mistake `problem` in `text`; a repeated key is named, and a backslash that starts no escape
-/// is often one of a path of Windows.
+/// Returns the mistake `problem` in `text`. It names a repeated key; for a backslash that starts no
+/// escape it has a hint, because such a backslash is often part of a Windows path.
 fn mistake(text: &str, place: Place, problem: &str) -> Mistake {
     if problem == "duplicate key"
         && let Some(key) = text.get(place.clone())
@@ -70,7 +70,7 @@ fn node(value: Spanned<DeValue<'_>>) -> Result<Node, Vec<Mistake>> {
             Value::Float(found.map_err(|_| beyond(&place))?)
         }
         DeValue::Boolean(value) => Value::Bool(value),
-        // a date without quotes is read as its text
+        // a date without quotes is read as text
         DeValue::Datetime(date) => Value::Text(date.to_string()),
         DeValue::Array(values) => {
             let nodes = values.into_iter().map(node);

@@ -1,4 +1,4 @@
-//! Access to the inside of a value of a sheet: values of a list, fields of a table, settings of a
+//! Access to the parts of a value of a sheet: values of a list, fields of a table, settings of a
 //! choice.
 
 use serde::Deserializer as _;
@@ -13,7 +13,7 @@ use super::super::tree::{Entry, Node, Value};
 use super::reading::{Reading, read_value};
 use super::{Fault, Filler};
 
-/// The values of a list.
+/// Values of a list.
 pub(super) struct Values<'a> {
     list: Reading<'a>,
     nodes: std::iter::Enumerate<std::slice::Iter<'a, Node>>,
@@ -47,11 +47,11 @@ impl<'de> SeqAccess<'de> for Values<'_> {
     }
 }
 
-/// A field: its name in the type, and its name and value in the sheet; a missing field that is to
-/// be filled has no name and value in the sheet.
+/// Field: its name in the type, and its name and value in the sheet. A missing field that must be
+/// filled has no name and value in the sheet.
 type Field<'a> = (&'a str, Option<(&'a str, &'a Node)>);
 
-/// The fields of a table.
+/// Fields of a table.
 pub(super) struct Fields<'a> {
     table: Reading<'a>,
     fields: std::vec::IntoIter<Field<'a>>,
@@ -59,7 +59,7 @@ pub(super) struct Fields<'a> {
 }
 
 impl<'a> Fields<'a> {
-    /// All entries, whatever their names.
+    /// Returns all entries, whatever their names are.
     pub(super) fn all(table: Reading<'a>, entries: &'a [Entry]) -> Self {
         let mut seen: Vec<Field<'a>> = Vec::with_capacity(entries.len());
         for entry in entries {
@@ -76,8 +76,8 @@ impl<'a> Fields<'a> {
         }
     }
 
-    /// The fields of a type with the fields `known`. Unknown fields are noted as mistakes, and read
-    /// as the known fields that were probably meant.
+    /// Returns the fields of a type with the fields `known`. Unknown fields are noted as mistakes,
+    /// and read as the known fields that were probably meant.
     pub(super) fn new(
         table: Reading<'a>,
         entries: &'a [Entry],
@@ -188,9 +188,9 @@ impl<'de> MapAccess<'de> for Fields<'_> {
 
 /// A choice whose name is known.
 pub(super) struct Chosen<'a> {
-    /// Its name in the type.
+    /// Name of the choice in the type.
     pub(super) variant: &'static str,
-    /// Its settings.
+    /// Settings of the choice.
     pub(super) content: Reading<'a>,
 }
 
@@ -209,7 +209,7 @@ impl<'de, 'a> EnumAccess<'de> for Chosen<'a> {
     }
 }
 
-/// The settings of a choice.
+/// Settings of a choice.
 pub(super) struct Settings<'a>(Reading<'a>);
 
 impl<'de> VariantAccess<'de> for Settings<'_> {

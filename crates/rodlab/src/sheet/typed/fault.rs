@@ -1,4 +1,4 @@
-//! The error of the deserializer, which becomes a mistake with its place.
+//! Error of the deserializer, which becomes a mistake with its place.
 
 use std::fmt;
 
@@ -9,7 +9,7 @@ use super::super::mistake::{Mistake, Place};
 use super::super::tree::{Node, Value};
 use super::reading::Reading;
 
-/// The error of a reading; its place is added on the way up.
+/// Error of a reading. Its place is added by the enclosing values.
 #[derive(Debug)]
 pub(super) struct Fault {
     what: What,
@@ -70,12 +70,12 @@ impl Fault {
         matches!(self.what, What::Missing(_))
     }
 
-    /// The field that contains the mistake.
+    /// Returns the field that contains the mistake.
     pub(super) fn field(&self) -> &str {
         &self.field
     }
 
-    /// The field that has to be stated or corrected to remove the mistake.
+    /// Returns the field that must be stated or corrected to remove the mistake.
     pub(super) fn spot(&self) -> String {
         match self.what {
             What::Missing(name) if self.field.is_empty() => name.to_owned(),
@@ -105,8 +105,8 @@ impl Fault {
     }
 }
 
-/// Returns the place at which a field is to be added: the closing bracket in RON and JSON, the
-/// header of a table in TOML, the beginning of the text for the root in TOML.
+/// Returns the place at which a missing field must be added: in RON and JSON the closing bracket,
+/// in TOML the header of the table or, for the root, the beginning of the text.
 fn end_of(reading: &Reading<'_>) -> Place {
     let place = &reading.node.place;
     match (&reading.node.value, reading.pass.language) {
@@ -172,7 +172,7 @@ fn words_of(found: Unexpected<'_>) -> String {
     }
 }
 
-/// Describes the types that a sheet can contain in words.
+/// Describes in words the types that a sheet can contain.
 fn in_words(expected: &str) -> String {
     match expected {
         "usize" | "u8" | "u16" | "u32" | "u64" => "a whole number of 0 or more",

@@ -1,5 +1,5 @@
-//! Placeholders for faulty values, so that a sheet can be read to its end. A sheet with placeholders
-//! is discarded after its faults are listed.
+//! Placeholders for faulty values, so that a sheet can be read to its end. A sheet with
+//! placeholders is discarded after its faults are listed.
 
 use serde::Deserializer;
 use serde::de::value::StrDeserializer;
@@ -9,7 +9,8 @@ use serde::de::{
 
 use super::{Fault, QUANTITY};
 
-/// A value of any type: the number 1, an empty list, all fields, the first choice.
+/// A value of any required type: the number 1, an empty list, a table with all fields filled, or
+/// the first choice.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Filler {
     depth: u8,

@@ -1,4 +1,4 @@
-//! A value of a sheet as a deserializer.
+//! Value of a sheet as a deserializer.
 
 use std::fmt;
 
@@ -11,7 +11,7 @@ use super::super::tree::{Choice, JOB, Node, Value};
 use super::access::{Chosen, Fields, Values};
 use super::{Fault, Filler, Pass, QUANTITY};
 
-/// The path from the root of a sheet to a value; written as `method.two_point.free_end` or
+/// Path from the root of a sheet to a value, written as `method.two_point.free_end` or
 /// `tests[0].name`.
 #[derive(Debug)]
 pub(super) struct At<'a> {
@@ -21,11 +21,11 @@ pub(super) struct At<'a> {
 
 #[derive(Debug)]
 enum Step<'a> {
-    /// The root, or a step that adds nothing to the path, such as the step to the settings of the
-    /// job in TOML and JSON, which are fields of the root.
+    /// The root, or a step that adds nothing to the path. An example is the step to the settings of
+    /// the job in TOML and JSON, because they are fields of the root.
     Stay,
     Name(&'a str),
-    /// The settings of a choice of this name.
+    /// Step to the settings of the choice with this name.
     Choice(&'a str),
     Index(usize),
 }
@@ -105,7 +105,7 @@ pub(super) struct Reading<'a> {
     pub(super) pass: &'a Pass,
 }
 
-/// Reads the value, or a filler in its place; a fault without a place gets that of the value.
+/// Reads the value, or a filler in its place. A fault without a place gets the place of the value.
 pub(super) fn read_value<'de, T: DeserializeSeed<'de>>(
     seed: T,
     reading: Reading<'_>,
@@ -142,7 +142,8 @@ impl<'a> Reading<'a> {
         }
     }
 
-    /// Passes on a text, or a draw of it if it states an uncertainty and the sheet is drawn.
+    /// Passes a text to `visitor`. If the sheet is drawn and the text states an uncertainty, a draw
+    /// of the quantity is passed instead.
     fn text<'de, V: Visitor<'de>>(&self, text: &str, visitor: V) -> Result<V::Value, Fault> {
         match self.pass.drawn(text) {
             Some(drawn) => visitor.visit_str(&drawn),
@@ -161,12 +162,12 @@ impl<'a> Reading<'a> {
         !filled.is_empty() && filled.contains(&self.at.to_string())
     }
 
-    /// Returns the fault, at this place, that the value is not `expected`.
+    /// Returns the fault that the value at this place is not the `expected` one.
     fn refused(&self, expected: &str) -> Fault {
         Fault::found(self.node, expected).at(self)
     }
 
-    /// Visits the fields of the value, whose type is called `name`.
+    /// Passes the fields of the value to a visitor; `name` is the name of their type.
     fn fields<'de, V: Visitor<'de>>(
         self,
         name: &str,
@@ -180,11 +181,11 @@ impl<'a> Reading<'a> {
                     .visit_map(access)
                     .map_err(|fault: Fault| fault.at(&self))
             }
-            // a choice without settings: every setting has its default
+            // in a choice without settings, every setting has its default
             Value::Nothing => visitor
                 .visit_map(Fields::new(self, &[], fields))
                 .map_err(|fault: Fault| fault.at(&self)),
-            // the type itself may be named, as in `Sweep(..)`
+            // the name of the type itself may be written, as in `Sweep(..)`
             Value::Choice(Choice {
                 name: written,
                 content: Some(content),
@@ -444,7 +445,7 @@ impl<'de> Deserializer<'de> for Reading<'_> {
                 meant.map(|meant| did_you_mean(meant)),
             )
             .at_place(name.place, &self);
-            // continue with the choice that was meant
+            // continues with the choice that was probably meant
             let meant = variants
                 .iter()
                 .zip(&names)
@@ -467,7 +468,7 @@ impl<'de> Deserializer<'de> for Reading<'_> {
         if !self.at.is_root() {
             match content {
                 Some(_) => self.note_statement(variant),
-                // the same name in every language
+                // statements have the same name in every language
                 None => self.pass.note_again(variant),
             }
         }

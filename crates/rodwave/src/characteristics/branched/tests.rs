@@ -1,5 +1,5 @@
-//! Comparison of rods of several branches with the line, which has other cells and derivatives, and
-//! with differences.
+//! Comparison of rods of several branches with the line solver, which has other cells and other
+//! derivatives, and with finite differences.
 
 use super::*;
 use crate::DirectProblem;
@@ -68,8 +68,8 @@ fn distance(a: &[f64], b: &[f64]) -> f64 {
     norm(&a.iter().zip(b).map(|(a, b)| a - b).collect::<Vec<_>>())
 }
 
-/// The line has cells instead of nodes, stores the excess of the spring too, and has its ends half
-/// a cell away from the nearest centre.
+/// The line solver has cells instead of nodes, stores the excess of the spring too, and has its
+/// ends half a cell away from the nearest centre.
 #[test]
 fn the_response_is_that_of_the_line() {
     let found = problem(norton(), &theta(), 240)
@@ -98,7 +98,7 @@ fn the_response_is_that_of_the_line() {
     assert!(difference < 2e-4, "{difference}");
 }
 
-/// Without other branches the rod is that of one branch.
+/// A rod without other branches is the rod of the direct problem.
 #[test]
 fn a_single_branch_has_the_response_of_the_direct_problem() {
     let rod = InelasticRod::new(LENGTH, DENSITY, 3e9, norton()).unwrap();
@@ -145,7 +145,7 @@ fn has_derivatives_of_differences<L: InelasticLaw>(law: &L) {
         };
         let pairs = at(h).into_iter().zip(at(-h));
         let difference: Vec<f64> = pairs.map(|(a, b)| (a - b) / (2.0 * h)).collect();
-        // the interpolation in time has corners in ln E
+        // as a function of ln E, the interpolation in time has corners
         let error = distance(derivative, &difference) / norm(&difference);
         assert!(error < 1e-5, "{index}: {error}");
     }
@@ -159,7 +159,7 @@ fn derivatives_are_those_of_differences() {
 
 fn has_samples_of_differences(problem: &BranchedProblem<MaxwellNorton>) {
     let mut samples = samples();
-    // the levels of all marches begin with the first sample
+    // a sample at the start, so that the levels of all marches begin there
     samples[0] = 1e-9;
     let excitation = SampledHistory::new(&samples, RATE).unwrap();
     let places: Vec<usize> = (0..110).step_by(6).collect();

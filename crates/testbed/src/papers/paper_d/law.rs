@@ -33,7 +33,8 @@ impl ModelKind {
         .find(|model| model.symbol() == symbol)
     }
 
-    /// Returns the printed symbols of its parameters, in the order of [`LawParameters`].
+    /// Returns the printed symbols of the parameters of the model, in the order of
+    /// [`LawParameters`].
     pub const fn parameters(self) -> &'static [&'static str] {
         match self {
             Self::Maxwell => &["E", "eta"],

@@ -1,4 +1,4 @@
-//! Readings of the units of Tables 4 and A1, applied to their printed values.
+//! Readings of the units of Tables 4 and A1, and their application to the printed values.
 
 use std::path::{Path, PathBuf};
 
@@ -9,13 +9,13 @@ use super::super::error::FixtureError;
 use super::super::printed_table::{read_ron, read_value};
 use super::super::si_table::SiValue;
 
-/// Reading of the units of Tables 4 and A1 (Ödeen 1993, paper D). No reading of the print is
-/// physically consistent.
+/// Reading of the units of Tables 4 and A1 (Ödeen 1993, paper D). No reading of the printed units
+/// is physically consistent.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum UnitReading {
-    /// Units as printed: the rods are elastic over the record.
+    /// Units as printed: the rods are then elastic over the record.
     Literal,
-    /// Units of time in the viscosity and in Norton's coefficient read as ms: factor 1e-3.
+    /// Units of time in the viscosity and in Norton's coefficient, read as ms: a factor of 1e-3.
     Milliseconds,
     /// Our own values for materials with significant damping.
     Realistic,
@@ -24,7 +24,7 @@ pub enum UnitReading {
 impl UnitReading {
     pub const ALL: [Self; 3] = [Self::Literal, Self::Milliseconds, Self::Realistic];
 
-    /// Returns one line for the head of every result that was computed with this reading.
+    /// Returns the line that heads every result computed with this reading.
     pub const fn description(self) -> &'static str {
         match self {
             Self::Literal => "literal: units as printed; the rods are elastic over the record",
@@ -38,7 +38,7 @@ impl UnitReading {
     }
 }
 
-/// File of readings and its path.
+/// File of readings, with its path.
 #[derive(Debug)]
 pub(super) struct Readings {
     path: PathBuf,
@@ -59,7 +59,7 @@ struct ReadingsFile {
     realistic: Realistic,
 }
 
-/// Reading that exchanges the unit of time.
+/// Reading that replaces the unit of time.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 #[expect(
@@ -186,8 +186,8 @@ impl Readings {
         }
     }
 
-    /// Applies the factor to the viscosity η and Norton's coefficient B, which contain one unit of
-    /// time; the other parameters contain none.
+    /// Applies the factor to the viscosity η and to Norton's coefficient B, which contain one unit
+    /// of time; the other parameters contain none.
     fn with_time_factor(
         &self,
         unit: &UnitOfTime,

@@ -1,4 +1,4 @@
-//! Truncated cone, compound cylinder and long rod, from their impact faces.
+//! Truncated cone, compound cylinder and long rod, each from its impact face.
 
 use std::f64::consts::TAU;
 
@@ -11,8 +11,8 @@ use rodwave::modulus::{ConstantQ, Elastic, PowerLawPropagation};
 use super::{Case, PaperE};
 use crate::claim::Fallible;
 
-/// Frequency at which the causal law has the modulus of eq. 7, in Hz: there the printed exponents
-/// satisfy the relations of Kramers and Kronig.
+/// Frequency at which the causal law has the modulus of eq. 7, in Hz. At this frequency, the
+/// printed exponents satisfy the Kramers-Kronig relations.
 const LEVEL_HZ: f64 = 3e3;
 
 /// End of a body that meets the rod.
@@ -63,7 +63,7 @@ impl PaperE {
         Ok(Circle::of_diameter(diameter)?)
     }
 
-    /// Returns eq. 7 as printed: known on the frequency axis only.
+    /// Returns eq. 7 as printed, which is known only on the frequency axis.
     pub fn printed_nylon(&self) -> Fallible<Medium<PowerLawPropagation>> {
         let [damping, damping_exponent, wave_number, wave_number_exponent] = self.nylon;
         Ok(Medium::new(
@@ -72,7 +72,7 @@ impl PaperE {
         )?)
     }
 
-    /// Returns a causal law at the level of eq. 7: constant loss factor.
+    /// Returns a causal law with constant loss factor, at the level of eq. 7.
     pub fn causal_nylon(&self) -> Fallible<Medium<ConstantQ>> {
         let omega = TAU * LEVEL_HZ;
         let modulus = self.printed_nylon()?.modulus(omega);
@@ -143,8 +143,8 @@ impl PaperE {
             .end(Termination::semi_infinite(&self.steel()?, section))?)
     }
 
-    /// Returns the long rod with a finite section before a semi-infinite rest; the finite section
-    /// is long enough to contain the gauges.
+    /// Returns the long rod as a finite section before a semi-infinite rod. The finite section is
+    /// long enough to contain the gauges.
     pub fn gauged_rod(&self) -> Fallible<AnalyticChain> {
         let section = Self::circle(self.rod_diameter)?;
         let steel = self.steel()?;
@@ -159,7 +159,7 @@ impl PaperE {
         Ok(area * (self.steel_modulus * self.steel_density).sqrt())
     }
 
-    /// Returns |Z| of the face in kg/s, at 10 kHz by eq. 7 where it is of nylon.
+    /// Returns |Z| of the face in kg/s; for a nylon face, at 10 kHz by eq. 7.
     pub fn front_impedance(&self, face: Face) -> Fallible<f64> {
         let diameter = match face {
             Face::ConeA => self.cone_diameter[0],
@@ -176,8 +176,8 @@ impl PaperE {
         Ok(CrossSection::from(Self::circle(diameter)?).area() * specific.norm())
     }
 
-    /// Returns the time at which the echo from the far end of the rod arrives at the gauges, in s
-    /// after the contact.
+    /// Returns the time in s, from the contact, at which the echo from the far end of the rod
+    /// arrives at the gauges.
     pub fn echo_at_gauges(&self) -> f64 {
         (2.0 * self.rod_length - self.gauge_distance)
             / (self.steel_modulus / self.steel_density).sqrt()

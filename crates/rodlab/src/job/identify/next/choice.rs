@@ -1,14 +1,14 @@
-//! The tests among which the next one is chosen.
+//! Tests among which the next test is chosen.
 
 use super::NextSheet;
 use crate::job::simulate::StrikerSheet;
 use crate::sheet::{Exact, Length, Velocity};
 
-/// Identical tests that may be made next.
+/// One or several identical tests that may be made next.
 pub(super) struct Choice<'a> {
     pub(super) velocity: &'a Exact<Velocity>,
     pub(super) repeats: usize,
-    /// The rod; `None` for the rod of the first test made.
+    /// Rod; `None` for the rod of the first existing test.
     pub(super) rod: Option<StruckRod<'a>>,
 }
 
@@ -24,7 +24,7 @@ pub(super) struct StruckRod<'a> {
     number: usize,
 }
 
-/// All choices of a sheet.
+/// Returns all choices of a sheet.
 pub(super) fn all(next: &NextSheet) -> Vec<Choice<'_>> {
     let rods: Vec<Option<StruckRod<'_>>> = match &next.rods {
         None => vec![None],
@@ -61,7 +61,7 @@ pub(super) fn all(next: &NextSheet) -> Vec<Choice<'_>> {
 }
 
 impl Choice<'_> {
-    /// The choice in words, without what is equal for all choices of `next`.
+    /// Returns the choice in words, without the quantities that are equal in all choices of `next`.
     pub(super) fn name(&self, next: &NextSheet) -> String {
         let mut parts = Vec::new();
         if let (Some(rod), Some(rods)) = (&self.rod, &next.rods) {

@@ -1,4 +1,4 @@
-//! Planned blows of a striker on other rods, and the sheets for virtual tests of them.
+//! Planned blows of a striker on other rods, and the sheets of their virtual tests.
 
 use maxwellid::design::PlannedTest;
 use maxwellid::{Law, MaxwellidError, RodTest};
@@ -11,13 +11,14 @@ use rodwave::inelastic::{Elastic, Eyring, InelasticLaw, MaxwellGurevichRabinovic
 use super::choice::{Choice, StruckRod};
 use super::{IdentifySheet, LeftLaw};
 
-/// Number of samples of a planned record before the blow: twice the reach of its filter.
+/// Number of samples of a planned record before the blow; it is twice the length over which the
+/// filter of the recorder acts.
 const BEFORE: usize = 48;
 
 /// Ratio of the cut-off of a planned record to its sampling rate.
 const CUTOFF: f64 = 0.3125;
 
-/// A test with the striker on another rod of the same material.
+/// Plans a test with the striker on another rod of the same material.
 pub(super) fn planned(
     rod: &StruckRod<'_>,
     velocity: f64,
@@ -52,17 +53,18 @@ pub(super) fn planned(
             let eyring = Eyring::from_reference_rate(2.0, 1.0, 10e6).map_err(refused)?;
             by.on(eyring.with_parameters(of_law).map_err(refused)?)
         }
-        // between section and struck end, any other law damps the wave only little
+        // the law matters only between the struck end and the section of excitation, where the
+        // other laws damp the wave little
         _ => by.on(Elastic),
     }
 }
 
-/// A blow on a rod whose law may be of several types.
+/// A blow on a rod; the type of its law is chosen by the caller of `on`.
 struct Blow<'a> {
     rod: &'a StruckRod<'a>,
     velocity: f64,
     modulus: f64,
-    /// The test already made, whose instruments are assumed.
+    /// Existing test whose instruments are assumed.
     like: &'a RodTest,
 }
 
@@ -91,7 +93,7 @@ impl Blow<'_> {
             },
             samples_before: BEFORE,
             samples_after: self.like.response().len(),
-            // no displacement of a test reaches this range
+            // larger than the displacement in any test
             transducer_range: 1e3,
         };
         let section = length - self.rod.gap.si();
@@ -101,8 +103,8 @@ impl Blow<'_> {
     }
 }
 
-/// The sheet of virtual tests like `best`; `None` for a law that virtual rods do not have, or
-/// without a struck rod.
+/// Returns the sheet of virtual tests like `best`; `None` if virtual tests do not offer the law, or
+/// if `best` has no struck rod.
 pub(super) fn plan(
     sheet: &IdentifySheet,
     best: &Choice<'_>,

@@ -18,11 +18,11 @@ use crate::outcome::Setting;
 use crate::records::Records;
 use crate::sheet::{Duration, Exact};
 
-/// Minimum number of hits for a coherence. The errors of a single hit, and those of gauges, are
-/// found from the silence before it.
+/// Minimum number of hits for a coherence. The errors of a single hit, and the errors of gauges,
+/// are determined from the silence before the hit.
 const FEWEST_HITS: usize = 2;
 
-/// Degrees of freedom of a variance below which the coverage factor of its error limits exceeds 11.
+/// Degrees of freedom of a variance below which the coverage factor of the error limits exceeds 11.
 const FEW_DEGREES_OF_FREEDOM: f64 = 10.0;
 
 pub(super) fn of_hits(
@@ -57,7 +57,8 @@ pub(super) fn of_hits(
     };
     let mut found = hits.find_of(kind, loaded.records, reference, "source.hits")?;
     let taken: Vec<&str> = channels.iter().map(|taken| taken.channel).collect();
-    // pulses and modes have windows of their own, and a trigger has the length of the sheet
+    // pulses and modes have windows of their own, and hits cut by a trigger have the length that
+    // the sheet states
     let is_whole = matches!(from_hits, FromHits::Ratio(..) | FromHits::Gauges { .. });
     if is_whole && tail == TailSheet::LeaveOut && hits.cut.is_none() {
         found.leave_out_tail(&taken, "source.tail")?;
@@ -202,8 +203,8 @@ pub(super) fn of_hits(
     Ok(measured)
 }
 
-/// The spectra of each of several hits alone: ratios with the noise of one hit, gauges with the
-/// noise of that hit; none for pulses and modes.
+/// Returns the spectra of each hit alone, with the noise of a single hit; none for pulses and
+/// modes.
 fn by_hit(
     all: &Spectra,
     hits: &[&Record],
@@ -257,7 +258,7 @@ fn ratio_refused(error: LabioError) -> RodlabError {
     }
 }
 
-/// Checks that the channels of the method exist, with quantities that it accepts.
+/// Checks that the channels of the method exist and have quantities that the method accepts.
 fn check_channels(method: &MethodSheet, record: &Record) -> Result<(), RodlabError> {
     let known = record.channels();
     let mut first: Option<(&str, labio::Quantity)> = None;

@@ -1,4 +1,4 @@
-//! Windows of the sheet around pulses.
+//! Windows that the sheet states around pulses.
 
 use labio::hits::Extent;
 use labio::{PulseWindow, Record};
@@ -7,7 +7,7 @@ use crate::RodlabError;
 use crate::job::modulus::method::Pulse;
 use crate::sheet::{Exact, Time};
 
-/// The samples of a pulse; its end must be within all hits.
+/// Returns the samples of a pulse; the end of the pulse must be within all hits.
 pub(super) fn window(pulse: &Pulse<'_>, hits: &[&Record]) -> Result<PulseWindow, RodlabError> {
     let rate_hz = hits.first().map_or(f64::NAN, |hit| hit.sampling_rate_hz());
     let sample = |time: &Exact<Time>| Extent::Seconds(time.si()).samples(rate_hz).ok();

@@ -22,8 +22,8 @@ pub(in crate::job::modulus) struct Modes {
 }
 
 impl Modes {
-    /// Frequencies and decay rates, with the standard error of the decay rate, which is also that
-    /// of the angular frequency.
+    /// Returns the table of frequencies and decay rates, with the standard error of the decay rate.
+    /// The angular frequency has the same standard error.
     pub(super) fn table(&self) -> Table {
         let of = |value: fn(&Pole) -> f64| self.poles.iter().map(value).collect();
         Table {
@@ -43,7 +43,7 @@ impl Modes {
     }
 }
 
-/// The modes; `None` if no mode stands out: then `measured` states this.
+/// Returns the modes. If no mode stands out, returns `None`, and `measured` states the reason.
 pub(super) fn modes(
     sheet: &ModulusSheet,
     &Vibration {
@@ -131,7 +131,7 @@ pub(super) fn modes(
     }))
 }
 
-/// Greatest common divisor.
+/// Returns the greatest common divisor.
 fn divisor(a: u32, b: u32) -> u32 {
     if b == 0 { a } else { divisor(b, a % b) }
 }

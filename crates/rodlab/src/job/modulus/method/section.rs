@@ -6,7 +6,7 @@ use serde::Deserialize;
 use super::Pulse;
 use crate::sheet::{Coordinate, Exact, Stated, Time};
 
-/// A section of a rod with a free end.
+/// Section of a rod with a free end.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SectionSheet {
@@ -20,7 +20,7 @@ pub struct SectionSheet {
     pub quantity: Option<QuantitySheet>,
 }
 
-/// A pulse at a section.
+/// Pulse at a section.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct WindowSheet {
@@ -77,11 +77,11 @@ impl From<QuantitySheet> for Quantity {
     }
 }
 
-/// The quantity of a channel in `cmod`: strain if the quantity is proportional to strain; `None`
-/// for quantities that no gauge on a rod measures.
+/// Returns the quantity of a channel in the form of `cmod`: strain for quantities that are
+/// proportional to strain; `None` for quantities that no gauge on a rod measures.
 pub(in crate::job::modulus) fn of_channel(quantity: labio::Quantity) -> Option<QuantitySheet> {
     match quantity {
-        // in a uniform bar they are proportional to the strain, and the factor cancels
+        // in a uniform bar these quantities are proportional to the strain, and the factor cancels
         labio::Quantity::Strain
         | labio::Quantity::Force
         | labio::Quantity::Pressure

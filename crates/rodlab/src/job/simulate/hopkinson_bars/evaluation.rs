@@ -1,4 +1,4 @@
-//! The sheet that evaluates the shot.
+//! Sheet that evaluates the shot.
 
 use super::super::blows::Recorded;
 use super::super::instrument::InstrumentSheet;

@@ -1,4 +1,4 @@
-//! The sheet that evaluates a virtual impact.
+//! Sheet that evaluates a virtual impact.
 
 use labio::Record;
 
@@ -8,8 +8,8 @@ use crate::job::simulate::blows::Recorded;
 use crate::job::simulate::instrument::InstrumentSheet;
 use crate::job::simulate::{Evaluation, Request};
 
-/// The sheet for `rodlab identify`; `levels` are the standard deviations of the noise of each test,
-/// if there is noise.
+/// Returns the sheet for `rodlab identify`; `levels` are the standard deviations of the noise of
+/// each test, if there is noise.
 pub(super) fn sheet(
     sheet: &ImpactedRodSheet,
     request: &Request<'_>,

@@ -12,8 +12,8 @@ pub(super) const COUNT: usize = 9;
 /// Number of points drawn per history.
 const POINTS: usize = 800;
 
-/// Histories at sections of the rod struck at the last velocity, each plotted about the place of
-/// its section.
+/// Figure of the histories at sections of the rod struck at the last velocity. Each history is
+/// drawn about the position of its section.
 pub(super) fn figure<L: InelasticLaw>(
     struck: &Struck<'_, L>,
     context: &JobContext<'_>,
@@ -23,7 +23,7 @@ pub(super) fn figure<L: InelasticLaw>(
     let mut histories = Vec::with_capacity(COUNT);
     for section in 0..COUNT {
         let from_struck_end = length * section as f64 / (COUNT - 1) as f64;
-        // the last section is the free end, which every test records
+        // the last section is the free end, whose velocity every test contains
         let distance = (length - from_struck_end).max(struck.cell);
         let history = struck.run(velocity, distance)?;
         let values = if section + 1 == COUNT {
@@ -39,7 +39,7 @@ pub(super) fn figure<L: InelasticLaw>(
         .iter()
         .flat_map(|(_, _, values)| values)
         .fold(0.0_f64, |peak, v| peak.max(v.abs()));
-    // neighbours touch at the peak
+    // the curves of neighbouring sections touch at the peak
     let scale = 1e3 * length / (COUNT - 1) as f64 / peak;
     let marks = histories
         .into_iter()
