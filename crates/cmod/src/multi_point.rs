@@ -54,7 +54,8 @@ use projection::{Projection, TestWaves};
 use spectra::WhiteLine;
 use waves::LineOfWaves;
 
-/// Maximum ratio of noise to signal of a valid line, as root mean squares over all gauges; 10 dB.
+/// Maximum ratio of noise to signal of a valid line, as root mean squares over all gauges, that is,
+/// a signal of 10.5 dB above the noise.
 pub const MOST_NOISE: f64 = 0.3;
 
 /// Method for three or more gauges at any positions, by least squares.

@@ -84,7 +84,7 @@ pub enum RodlabError {
         found: &'static str,
     },
     /// Another run is writing to the folder and has not finished in time.
-    #[error("{} is being written by {owner}, expected this to end within half a minute", folder.display())]
+    #[error("{} has been in use by another run ({owner}) for half a minute; wait for it, or choose another folder", folder.display())]
     Busy {
         /// The folder.
         folder: PathBuf,

@@ -145,7 +145,7 @@ pub fn inspect_bytes(bytes: &[u8], path: &str) -> Result<Inspection, RodlabError
         advice.insert(
             0,
             format!(
-                "column 1 increases evenly, like times, and channels are counted after it: if it is in s, `sampling_rate` is {} Hz",
+                "column 1 increases evenly, like times, and channels are numbered from the next column: if it is in s, `sampling_rate` is {} Hz",
                 rate(1.0 / step)
             ),
         );

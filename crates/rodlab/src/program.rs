@@ -300,11 +300,11 @@ fn retract(sheet: &Path, folder: &Path, error: &RodlabError, err: &mut dyn Write
     let _ = match batch::remember_failure(&row, folder) {
         Ok(()) => writeln!(
             err,
-            "{place} is from an earlier run; its result.json is removed, failure.json states the reason"
+            "{place} has the files of an earlier run: its result.json was removed, and failure.json states why this run failed"
         ),
         Err(error) => writeln!(
             err,
-            "warning: {place} is from an earlier run, which cannot be noted there: {}",
+            "warning: {place} has the files of an earlier run, and that could not be recorded there: {}",
             in_one_line(&error)
         ),
     };

@@ -202,7 +202,7 @@ fn r11_a_sensor_the_wrong_way_round_and_a_wrong_mass_put_a_mobility_in_doubt() {
     assert_eq!(
         outcome.warnings,
         [
-            "The support of the body is not stated (`support`), and there is no line at 0 Hz to show it: the mobility is not screened, and has no impulse response."
+            "The support of the body is not stated (`support`), and no line at 0 Hz indicates it: the mobility is not screened, and has no impulse response."
         ]
     );
 }

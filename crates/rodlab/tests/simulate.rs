@@ -543,7 +543,7 @@ fn the_seed_and_nothing_else_decides() {
             "output: records.csv",
             "seed: 1",
             "instrument.before: 2 ms",
-            "instrument.anti_alias: linear phase, half at 20480 Hz",
+            "instrument.anti_alias: linear phase, half amplitude at 20480 Hz",
             "instrument.converter.full_scale: 125 %",
         ]
     );

@@ -242,8 +242,6 @@ impl TransitionMatrix {
     }
 }
 
-/// Puts elements in series, those of `right` first: `p_b * p_a` is A followed by B along +x (paper
-/// E, eq. A9).
 impl Segment {
     /// Returns the transition matrix from the near to the far end for a part made of `medium`, at
     /// `omega` [rad/s].
@@ -289,6 +287,8 @@ impl Segment {
     }
 }
 
+/// Puts elements in series, those of `right` first: `p_b * p_a` is A followed by B along +x (paper
+/// E, eq. A9).
 impl Mul for TransitionMatrix {
     type Output = Self;
 

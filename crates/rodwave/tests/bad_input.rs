@@ -629,7 +629,7 @@ fn laws_of_too_many_parameters() {
     derivatives: list of parameters of the law has 5 entries, expected 4
     branch: list of parameters of the law has 5 entries, expected 4
     ");
-    // elements beyond the memory limit are not examined
+    // parameters beyond the largest number of parameters have no derivatives
     let changes = FiveParameters.change_with_sensitivity(&[1e6; LANES], 5);
     assert_eq!(
         changes,

@@ -220,7 +220,7 @@ fn f7_a_doubled_loss_is_found_beneath_the_noise() {
             found[case] += u64::from(tested.verdict() != Verdict::Causal);
         }
     }
-    // false alarms 0 to 1 %: two of 40 have a probability of 6 %; power of 95 % and more: 33 of 40
+    // false alarms 0 to 1 %: more than two of 40 have a probability below 1 %; power of 95 % and more: 33 of 40
     // or fewer have a probability of 0.1 %
     assert!(found[0] <= 2, "false alarms {found:?}");
     assert!(found[1] >= 34, "{found:?}");

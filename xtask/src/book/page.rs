@@ -140,7 +140,7 @@ impl Page {
         page
     }
 
-    /// Returns the index of the heading of an item with `section` headings before it.
+    /// Returns the index of the heading of level 2 with this text.
     pub(super) fn section_named(&self, text: &str) -> Option<usize> {
         self.headings
             .iter()

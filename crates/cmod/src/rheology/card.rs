@@ -112,8 +112,8 @@ impl<'a> MaterialCard<'a> {
     /// E(∞) <= E'(ω₂) + E''(ω₂) ,    E(0) >= E'(ω₁) - E''(ω₁)
     /// ```
     ///
-    /// The card begins with comments: the band, the largest deviation of the card from the data,
-    /// |E| at both ends and the middle of the band with its standard uncertainty due to random
+    /// The card begins with comments: the band, the largest deviation of the card from the data
+    /// and from the fitted series, |E| at both ends and the middle of the band with its standard uncertainty due to random
     /// and common errors ([`RheologicalFit::prediction`]), E(0) and E(∞), and the interval of
     /// each parameter.
     ///

@@ -215,7 +215,7 @@ fn named(sheets: BTreeMap<PathBuf, PathBuf>) -> Result<Vec<Test>, RodlabError> {
             RodlabError::request(
                 "sheets",
                 shown.display().to_string(),
-                "a sheet whose name without the extension can name a folder, that of its result",
+                "a sheet whose name without extension is a valid name for the folder of its result",
             )
         })?;
         if let Some(other) = tests.insert(name, shown.clone()) {

@@ -107,8 +107,8 @@ pub enum LawSheet {
         branches: Vec<BranchSheet>,
     },
     /// Power laws fitted to damping and wave number, as in paper E (eq. 7): alpha = a omega^p, k =
-    /// b omega^q with omega in rad/s. The law is not causal for any choice of the numbers, and
-    /// is known for real frequencies only.
+    /// b omega^q with omega in rad/s. In general the law is not causal; it is known for
+    /// real frequencies only.
     PowerLawPropagation {
         /// a, for alpha in 1/m.
         damping_factor: f64,

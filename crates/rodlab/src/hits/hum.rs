@@ -140,8 +140,8 @@ fn transform<'a>(samples: impl Iterator<Item = &'a f64>, omega: f64) -> Complex6
 mod tests {
     use super::*;
 
-    /// A blow of 100 N and 2 ms at 8192 Hz, with a hum of 0.6 N at 50 Hz: its spectrum at 50 Hz is
-    /// 10 N s per sampling interval of 0.12 ms, that of the hum 0.3 N times 8192 samples.
+    /// A blow of 100 N and 2 ms at 8192 Hz, with a hum of 0.6 N at 50 Hz: the Fourier sum of
+    /// the blow at 50 Hz is some 1000 N, that of the hum 0.3 N times 8192 samples.
     #[test]
     fn hum_is_found_beside_noise_and_not_in_noise_alone() {
         let blow = |n: usize| {

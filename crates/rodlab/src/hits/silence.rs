@@ -102,7 +102,7 @@ pub(crate) fn expect_silence(
             };
             let in_silence = greatest(&mut samples.iter().take(n_silent));
             if in_silence > MOST_IN_SILENCE * greatest(&mut samples.iter()) {
-                return Err(refused(format!("within it, `{channel}` is hit already")));
+                return Err(refused(format!("`{channel}` already moves within it")));
             }
         }
     }

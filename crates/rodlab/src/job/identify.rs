@@ -572,7 +572,13 @@ fn defaults() -> Vec<Setting> {
         Setting::by_default("laws", laws.join(", ")),
         Setting::by_default("compare", true),
         Setting::by_default("profiles", true),
-        Setting::by_default("cell", format!("{} mm", 1e3 * DEFAULT_CELL)),
+        Setting::by_default(
+            "cell",
+            format!(
+                "{} mm or less, as short as the accuracy requires",
+                1e3 * DEFAULT_CELL
+            ),
+        ),
         Setting::by_default("differentiator", differentiator),
     ]
 }

@@ -194,7 +194,7 @@ impl ModulusSheet {
         match &self.lateral_inertia {
             None => open(
                 "lateral_inertia",
-                "not taken out: an error for Poisson's ratios up to 0.5",
+                "not corrected; counted as an error for Poisson's ratios up to 0.5",
             ),
             Some(_) => open(
                 "lateral_inertia.theory",

@@ -130,7 +130,7 @@ fn load(
                 return Err(RodlabError::request(
                     format!("{field}.files"),
                     format!("{} records", several.len()),
-                    "one record: that of one shot",
+                    "the record of one shot",
                 ));
             }
         }
@@ -215,7 +215,7 @@ fn mean(
             return Err(RodlabError::request(
                 field,
                 format!("`{name}` twice"),
-                "different channels: the mean of a channel with itself is that channel",
+                "different channels; a channel would be averaged with itself",
             ));
         }
         let has = |record: &&Record| {

@@ -118,7 +118,7 @@ impl Request<'_> {
             RodlabError::request(
                 field,
                 format!("`{name}`"),
-                "a material whose law is Elastic, Maxwell, Zener or Prony: it is marched in time",
+                "a material whose law is Elastic, Maxwell, Zener or Prony: it is computed by marching in time",
             )
         })
     }

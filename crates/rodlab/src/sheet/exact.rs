@@ -17,7 +17,7 @@ pub(crate) const ADVICE: &str = ". To see the effect of the uncertainty, run a s
 
 /// Reason why a field takes no uncertainty.
 pub trait Reason {
-    /// Completes "`10 kHz ± 1 %` has an uncertainty".
+    /// Completes a message that begins with the text found, "`10 kHz ± 1 %`".
     const PROBLEM: &'static str;
     /// Suggested alternative, appended to the expected text.
     const ADVICE: &'static str;

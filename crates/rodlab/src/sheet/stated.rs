@@ -104,13 +104,13 @@ impl<K> Stated<K> {
 
     /// Returns the value of a property of a body, a material or a contact. It is for jobs that
     /// propagate the uncertainty by draws of the whole sheet, or that have refused any uncertainty
-    /// before by [`WithoutUncertainty`](super::replacement::WithoutUncertainty).
+    /// before by [`WithoutUncertainty`](crate::bodies::replacement::WithoutUncertainty).
     pub(crate) fn nominal(&self) -> f64 {
         self.stated.value
     }
 
-    /// Value taken as exact; `field` is its place in the sheet, `why` completes "no uncertainty can
-    /// be followed from here, because …".
+    /// Value taken as exact; `field` is its place in the sheet, `why` completes the message "the
+    /// value without ±, because …".
     ///
     /// # Errors
     ///

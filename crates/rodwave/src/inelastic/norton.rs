@@ -391,7 +391,7 @@ impl RelaxationFlow for NortonFlow {
         if stress == 0.0 {
             return RelaxedStress {
                 stress: 0.0,
-                // F'(0) is 0 for κ > 1 and E h r/σ_ref for κ = 1; for κ < 1 the stress is zero
+                // E h F'(0) is 0 for κ > 1 and E h r/σ_ref for κ = 1; for κ < 1 the stress is zero
                 by_stress: if self.excess > 0.0 {
                     1.0
                 } else if self.excess < 0.0 {

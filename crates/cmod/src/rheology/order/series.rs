@@ -9,8 +9,8 @@ use super::super::prony::{Prony, share_of};
 
 /// Relaxation times per decade of the grid.
 const TIMES_A_DECADE: f64 = 6.0;
-/// Decades of the grid beyond the band: two decades beyond, the flank of a relaxation is a straight
-/// line whatever its distance.
+/// Decades of the grid beyond the band: further away, the flank of a relaxation within the band is
+/// a straight line whatever its distance.
 const DECADES_BEYOND: f64 = 1.5;
 
 /// Equilibrium modulus E∞ and branches in order of increasing relaxation time.

@@ -102,7 +102,7 @@ impl BothDirections {
         let count = found.contradicting_lines;
         let holds = count as f64 <= Self::FEW * self.n_lines as f64;
         let verdict = match found.worst {
-            None => "the lines have no errors to judge it by".to_owned(),
+            None => "the lines have no standard errors, so this cannot be tested".to_owned(),
             Some((line, errors)) => format!(
                 "{count} of {} lines differ by more than four standard errors, the largest difference, at {} Hz, is {errors:.1}",
                 self.n_lines,

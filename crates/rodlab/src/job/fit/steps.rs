@@ -356,7 +356,7 @@ pub(super) fn thinned(steps: Vec<Step>, most: usize, outcome: &mut Outcome) -> V
     let steps: Vec<Step> = steps.into_iter().map(thinned).collect();
     let used: usize = steps.iter().map(|step| step.rows.len()).sum();
     let evenly = if has_times {
-        "those over time evenly spaced in its logarithm"
+        "rows over time evenly spaced in the logarithm of time"
     } else {
         "evenly chosen at each temperature"
     };

@@ -297,7 +297,7 @@ fn read_assembly(
         return Err(RodlabError::request(
             field,
             format!("without the front impedance of \"{}\"", sheet.face),
-            "a computed struck member, or a statement of its `front_impedance`",
+            "a computed struck member, or its `front_impedance`",
         ));
     }
     Ok(FaceBody::Assembly {
@@ -375,7 +375,7 @@ fn read_measured(
     outcome.by_default(format!("{field}.delay_uncertainty"), "none");
     outcome.by_default(
         format!("{field}.causal"),
-        "what precedes the impulse is kept",
+        "the part before the impulse is kept",
     );
     outcome.by_default(format!("{field}.passive"), "real parts below 0 are kept");
     if place != Place::Transfer {
@@ -440,7 +440,7 @@ fn tell_change(change: &LineChange, onto: Projection, field: &str, outcome: &mut
     };
     let holds = by_end || change.in_errors.is_none_or(|moved| moved <= MOVED);
     let mut verdict = match change.largest {
-        None => format!("{lines}; the lines have no errors to judge it by"),
+        None => format!("{lines}; the lines have no standard errors, so this cannot be tested"),
         Some((_, most)) => format!("{lines}; one line by as much as {most:.1} standard errors"),
     };
     if by_end {
@@ -450,7 +450,7 @@ fn tell_change(change: &LineChange, onto: Projection, field: &str, outcome: &mut
     }
     if !holds {
         outcome.doubt(format!(
-            "{field}: no {onto} body is within the errors of the lines: {verdict}"
+            "{field}: the lines exclude every {onto} body within their errors: {verdict}"
         ));
     }
     outcome.quantities.push(Quantity {

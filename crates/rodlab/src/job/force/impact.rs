@@ -26,14 +26,14 @@ pub(super) fn run(
         return Err(RodlabError::request(
             "problem.contact",
             sheet.contact.in_words(),
-            "`Rigid`, or the `front_impedance` of the measured bodies: a compliant contact is marched in time",
+            "`Rigid`, or the `front_impedance` of the measured bodies: a compliant contact is computed by marching in time",
         ));
     }
     if let (false, Some(step)) = (marched, &sheet.time_step) {
         return Err(RodlabError::request(
             "problem.time_step",
             step.to_string(),
-            "no statement, or the `front_impedance` of the measured bodies: without it nothing is marched in time",
+            "no statement, or the `front_impedance` of the measured bodies: without it there is no march in time",
         ));
     }
     defaults(sheet, bodies, marched, outcome)?;

@@ -159,7 +159,7 @@ pub(super) fn on_lines(
     } else if draws.n_drawn > 0 {
         "no error: the ± of a computed body is not propagated to the force on lines"
     } else if !anything {
-        "no error: nothing is stated with ±"
+        "no error: no quantity is stated with ±"
     } else {
         "errors of mobilities, scales, delays, masses and velocity"
     };

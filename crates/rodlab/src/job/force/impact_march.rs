@@ -260,7 +260,7 @@ pub(super) fn in_words(spread: Option<&Spread>) -> String {
             "from {} marches with draws of every quantity stated with ±, and from half the step",
             spread.n_draws
         ),
-        None => "nothing is stated with ±".to_owned(),
+        None => "no quantity is stated with ±".to_owned(),
     }
 }
 

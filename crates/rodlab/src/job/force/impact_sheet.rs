@@ -130,7 +130,7 @@ pub struct Line {
     #[serde(default)]
     pub samples: Option<usize>,
     /// Beginning of a raised cosine that reduces the spectrum to zero at the highest frequency; by
-    /// default none, or half the highest frequency if there is only the force on lines.
+    /// default none.
     #[serde(default)]
     pub roll_off_from: Option<Exact<Frequency>>,
 }

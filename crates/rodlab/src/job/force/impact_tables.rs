@@ -143,7 +143,7 @@ pub(super) fn quantities(march: &UncertainPrediction, outcome: &mut Outcome) {
 /// Returns the reason why a number has no error.
 fn no_error(march: &UncertainPrediction, name: &str) -> &'static str {
     match &march.spread {
-        None => "nothing is stated with ±",
+        None => "no quantity is stated with ±",
         Some(_) if name == "end of the last contact" => {
             "the number of contacts differs from draw to draw"
         }

@@ -58,7 +58,7 @@ pub(super) fn curve(solved: &ReconstructedForce) -> Option<Table> {
     let of = |value: &dyn Fn(&impulse::CurvePoint) -> f64| curve.iter().map(value).collect();
     Some(Table {
         name: "regularisation".to_owned(),
-        title: "What other parameters of the regularisation give".to_owned(),
+        title: "Results with other regularisation parameters".to_owned(),
         columns: vec![
             Column::numbers("parameter", "", of(&|point| point.parameter)),
             Column::numbers("squared residual", "", of(&|point| point.squared_residual)),

@@ -62,8 +62,8 @@ fn by_bucket(
     kept
 }
 
-/// Indices of a curve that runs back and forth: points separated by more than `fraction` of its
-/// extent, and the first and last of every part between points that are not finite.
+/// Returns the indices of a curve that runs back and forth: points separated by more than
+/// `fraction` of its extent, and the first of every part between points that are not finite.
 #[allow(
     clippy::indexing_slicing,
     reason = "the indices count the points that both lists have"

@@ -328,7 +328,7 @@ fn of_velocities(data: RodTestData, test: &TestSheet, field: &str) -> Result<Rod
         NoiseSheet::Displacements { .. } => {
             return Err(RodlabError::request(
                 format!("{field}.noise"),
-                "that of displacements",
+                "noise of displacements",
                 "Velocities(..): the histories are velocities",
             ));
         }
@@ -437,7 +437,8 @@ const KEPT_AFTER_END: usize = 64;
 /// cut by default.
 const KEPT_BEFORE_ARRIVAL: usize = 200;
 
-/// Passages of the rod after the arrival that are kept there, at least.
+/// Number of passages of the wave after its arrival that are kept in such a record, if
+/// [`LONGEST_RECORD`] allows it.
 const KEPT_PASSAGES: usize = 10;
 
 /// Returns the samples that are used of a long record if its recorder is part of the model and

@@ -68,7 +68,7 @@ pub(super) fn screen(
         let missing = mobility.validity.first() != Some(&LineValidity::Valid);
         if missing && matches!(sheet.support, SupportSheet::AsMeasured) {
             outcome.warnings.push(
-                "The support of the body is not stated (`support`), and there is no line at 0 Hz to show it: the mobility is not screened, and has no impulse response."
+                "The support of the body is not stated (`support`), and no line at 0 Hz indicates it: the mobility is not screened, and has no impulse response."
                     .to_owned(),
             );
             return Ok(Screened::default());

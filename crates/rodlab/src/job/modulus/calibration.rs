@@ -86,7 +86,7 @@ pub(super) fn state(
             ));
         } else if source.standard_error < 0.5 {
             outcome.summary.push(format!(
-                "The lines determine the {name}: {numbers}; it is taken out of the modulus."
+                "The lines determine the {name}: {numbers}; the modulus is corrected for it."
             ));
         }
     }

@@ -277,7 +277,7 @@ fn in_words(made: &CheckOutcome, found: &Found<'_>) -> String {
         }
         Check::KramersKronig => {
             "E' and E'' do not belong to one relaxing material: the sampling rate, a mass on an end, or a gain, delay or sign of a channel is \
-             not as stated, the record ends before the rod is at rest, a support or a sensor resonates, lateral inertia is not taken out, \
+             not as stated, the record ends before the rod is at rest, a support or a sensor resonates, lateral inertia is not corrected, \
              or errors are stated too small"
         }
         Check::FreeEndNull => {

@@ -30,7 +30,7 @@ pub(super) fn check(sheet: &ModulusSheet) -> Result<(), RodlabError> {
             "without a mass on the end the modulus does not depend on the diameter".to_owned()
         } else {
             format!(
-                "it is not propagated by {name}: the modulus of a thin rod does not depend on it, and for lateral inertia only that of Poisson's ratio is propagated"
+                "{name} does not propagate it: the modulus of a thin rod does not depend on the diameter, and for lateral inertia only the uncertainty of Poisson's ratio is propagated"
             )
         };
         exact(Some(&specimen.diameter), "specimen.diameter", &why)?;

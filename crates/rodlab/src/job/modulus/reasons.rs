@@ -57,10 +57,10 @@ fn in_few_words(violation: &Violation) -> &'static str {
             "error of the loss factor above its limit"
         }
         Violation::LateralInertiaTooLarge { quantity: "E'", .. } => {
-            "lateral inertia not taken out: error of E' above its limit"
+            "lateral inertia not corrected: error of E' above its limit"
         }
         Violation::LateralInertiaTooLarge { .. } => {
-            "lateral inertia not taken out: error of the loss factor above its limit"
+            "lateral inertia not corrected: error of the loss factor above its limit"
         }
         Violation::CommonErrorTooLarge { largest, .. } => by_source(*largest),
         Violation::ErrorAmplified { .. } => "errors amplified above the limit",
@@ -86,8 +86,8 @@ fn advice(reason: &str) -> Option<&'static str> {
         "coherence below its limit" => {
             "hits with more energy at these frequencies (a harder tip for the high ones), and a check of cables and mounting"
         }
-        _ if reason.starts_with("lateral inertia not taken out") => {
-            "state Poisson's ratio in `lateral_inertia`, so that lateral inertia is taken out"
+        _ if reason.starts_with("lateral inertia not corrected") => {
+            "state Poisson's ratio in `lateral_inertia`, so that lateral inertia is corrected"
         }
         _ if reason.starts_with("common error of E'") => {
             "measure again what contributes most to the common error"
@@ -112,7 +112,7 @@ fn by_source(largest: ErrorSource) -> &'static str {
             "common error of E' above its limit, most of it by Poisson's ratio"
         }
         ErrorSource::LateralInertia => {
-            "common error of E' above its limit, most of it by lateral inertia not taken out"
+            "common error of E' above its limit, most of it by lateral inertia not corrected"
         }
         _ => "common error of E' above its limit",
     }

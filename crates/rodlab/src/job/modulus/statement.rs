@@ -195,7 +195,7 @@ fn by_sources(line: &ModulusLine) -> String {
         .collect();
     sources.sort_by(|a, b| b.1.total_cmp(&a.1));
     if sources.is_empty() {
-        return "but no source of them is stated".to_owned();
+        return "but no source of these errors is stated".to_owned();
     }
     let words: Vec<String> = sources
         .iter()
@@ -391,7 +391,7 @@ fn warn(outcome: &mut Outcome, found: &Found<'_>, valid: &[&ModulusLine]) {
             && let Some((f, most)) = valid.last().and_then(|line| relative(line))
         {
             outcome.summary.push(format!(
-                "Lateral inertia was taken out: it raises E' by {} at {}.",
+                "E' was corrected for lateral inertia, which raises it by {} at {}.",
                 percent(most),
                 hertz(f)
             ));
@@ -408,7 +408,7 @@ fn warn(outcome: &mut Outcome, found: &Found<'_>, valid: &[&ModulusLine]) {
     } else if let Some(line) = valid.last() {
         let bound = line.lateral_inertia_bound().storage_modulus / line.modulus.re.abs();
         outcome.warnings.push(format!(
-            "Lateral inertia was not taken out, as no Poisson's ratio is stated. With any up to 0.5, E' is too small by at most {} at {}; \
+            "E' was not corrected for lateral inertia, because no Poisson's ratio is stated. For any ratio up to 0.5, E' is too small by at most {} at {}; \
              this bound is stated in addition to the errors and is included when lines are judged valid. State Poisson's ratio in `lateral_inertia` to take it out.",
             percent(bound),
             hertz(line.frequency_hz)

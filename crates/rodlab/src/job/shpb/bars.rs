@@ -27,7 +27,7 @@ pub(super) fn test(sheet: &ShpbSheet) -> Result<HopkinsonTest, RodlabError> {
             return Err(RodlabError::request(
                 format!("materials: {name}"),
                 material.in_words(),
-                "a law of the shear modulus: results have that of Young's modulus",
+                "a law of the shear modulus; a result contains a law of Young's modulus",
             ));
         }
     }

@@ -87,7 +87,7 @@ impl AntiAliasSheet {
     /// Returns the filter in words.
     pub(in crate::job) fn in_words(&self) -> String {
         match self {
-            Self::LinearPhase { cutoff } => format!("linear phase, half at {cutoff}"),
+            Self::LinearPhase { cutoff } => format!("linear phase, half amplitude at {cutoff}"),
             Self::Butterworth { order, cutoff } => {
                 format!("Butterworth of order {order}, {cutoff}")
             }
@@ -368,7 +368,7 @@ impl InstrumentSheet {
 
     /// Returns the defaults of the fields that the sheet does not state.
     pub(super) fn defaults(&self) -> Vec<Setting> {
-        let anti_alias = format!("linear phase, half at {} Hz", self.cutoff_hz());
+        let anti_alias = format!("linear phase, half amplitude at {} Hz", self.cutoff_hz());
         let mut defaults = vec![
             Setting::by_default("instrument.before", "2 ms"),
             Setting::by_default("instrument.anti_alias", anti_alias),

@@ -25,7 +25,7 @@ impl Truth {
         let rows = || self.0.iter();
         outcome.tables.push(Table {
             name: "truth".to_owned(),
-            title: "What the virtual specimen is".to_owned(),
+            title: "True values of the virtual specimen".to_owned(),
             columns: vec![
                 Column::words("quantity", rows().map(|row| row.0.clone()).collect()),
                 Column::numbers("value", "", rows().map(|row| row.1).collect()),
