@@ -86,7 +86,8 @@ enum OutsideError {
     PulledIn(usize, String),
 }
 
-/// Builds the programs and writes the page; with `check`, compares the page.
+/// Checks a program with each library crate alone and writes `docs/dependencies.md`; with `check`,
+/// fails if that page is not current.
 pub(crate) fn run(check: bool) -> Outcome {
     let root = workspace_root();
     let workspace = Metadata::of(root, &[])?;

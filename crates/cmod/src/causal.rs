@@ -88,7 +88,7 @@ pub struct CausalEstimate {
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct CausalLine {
-    /// Position of the line in the measured arrays, from 0.
+    /// Position of the line in the arrays given to the method, from 0.
     pub index: usize,
     /// Frequency \[Hz\].
     pub frequency_hz: f64,

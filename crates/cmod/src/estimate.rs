@@ -165,7 +165,8 @@ impl ModulusEstimate {
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct ModulusLine {
-    /// Position of the line in the measured arrays, from 0.
+    /// Position of the line in the arrays given to the method, from 0; for free vibration, position
+    /// of the pole.
     pub index: usize,
     /// Frequency \[Hz\].
     pub frequency_hz: f64,
@@ -309,7 +310,8 @@ impl Termination {
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct RefusedLine {
-    /// Position of the line in the measured arrays, from 0.
+    /// Position of the line in the arrays given to the method, from 0; for free vibration, position
+    /// of the pole.
     pub index: usize,
     /// Frequency \[Hz\].
     pub frequency_hz: f64,

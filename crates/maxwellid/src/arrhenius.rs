@@ -29,8 +29,8 @@ const GAS_CONSTANT: f64 = 8.314_462_618;
 /// Bounds of the activation energy [J/mol].
 const BOUNDS: (f64, f64) = (-1e6, 1e6);
 
-/// Largest change of the activation energy in one iteration [J/mol]: a factor of e² over 10 K at
-/// room temperature.
+/// Largest change of the activation energy in one iteration [J/mol]; it changes the ratio of the
+/// rates at two temperatures 10 K apart by a factor of e² at room temperature.
 const STEP_LIMIT: f64 = 150e3;
 
 /// Prior range of the activation energy [J/mol]: from a secondary transition of a polymer to its

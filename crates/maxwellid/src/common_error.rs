@@ -482,10 +482,11 @@ impl Direction {
     }
 }
 
-/// Relative difference of an excitation for the derivative with respect to its gain.
+/// Relative change of an excitation, to either side, for the numerical derivative of the response
+/// with respect to the gain of the excitation.
 const GAIN_DIFFERENCE: f64 = 1e-3;
 
-/// Difference of time, in samples, for the derivative with respect to a delay.
+/// Shift in time, in samples, to either side, for the numerical derivative with respect to a delay.
 const TIME_DIFFERENCE: f64 = 0.1;
 
 /// Derivative of the simulated response with respect to an error [m/s].

@@ -164,8 +164,8 @@ impl IdentifiableLaw for MaxwellNorton {
     const NAME: &'static str = "Maxwell-Norton";
     const STEP_LIMITS: &'static [f64] = &[0.5, 2.0];
 
-    /// Returns κ from 0.05, nearly dry friction, to 50, nearly perfect plasticity; the linear law κ
-    /// = 1 is inside.
+    /// Returns the bounds of κ, from 0.05 (inelastic strain rate nearly independent of the stress)
+    /// to 50 (nearly perfect plasticity), and of ln r. The linear law, κ = 1, is inside.
     fn parameter_bounds(&self) -> Vec<(f64, f64)> {
         vec![(0.05, 50.0), LOG_RATE_BOUNDS]
     }

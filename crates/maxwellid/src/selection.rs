@@ -136,6 +136,10 @@ const GRID_ERROR: f64 = 2.0;
 const REFINEMENTS: usize = 3;
 const SHORTEST_SHARE: f64 = 0.25;
 
+/// Probability of a misfit, relative to the level of adequacy, below which no finer grid makes a law
+/// explain the data.
+const REFUTED: f64 = 1e-3;
+
 /// Shortest cell chosen for the noise \[m\].
 const SHORTEST_CELL: f64 = 0.5e-3;
 
@@ -316,14 +320,22 @@ impl Selection {
     }
 
     /// A shorter cell \[m\], if the error of the present grid is not small compared with the noise
-    /// for a nonlinear law that, without this error, may explain the data as well as the best law.
+    /// for a nonlinear law that, without this error, may explain the data, and as well as the best
+    /// law. On a finer grid, a law that is refuted in any case would only take longer.
     fn finer_cell(
         &self,
         tests: &[RodTest],
         ground: &Ground,
         found: &[Option<Found>],
     ) -> Option<f64> {
-        let best = least(found)?.chi_square;
+        let least = least(found)?;
+        let best = least.chi_square;
+        let inflation = ground.inflation(least);
+        let samples: usize = ground.times.iter().map(Vec::len).sum();
+        let is_refuted = |chi_square: f64| {
+            self.adequacy(chi_square / inflation, samples as f64 / inflation)
+                .is_some_and(|probability| probability < REFUTED * self.adequacy_level)
+        };
         let nonlinear = self.candidates.iter().zip(found);
         let nonlinear = nonlinear.filter(|(candidate, _)| !candidate.model.is_linear());
         let error = nonlinear
@@ -332,7 +344,8 @@ impl Selection {
                 let error = self.grid_error(candidate, (tests, ground), found)?;
                 // the residual without the error of the grid is no smaller than this
                 let rest = (found.likeliest.chi_square.sqrt() - error.sqrt()).max(0.0);
-                (rest * rest <= best + 2.0 * BEYOND_COMPARISON).then_some(error)
+                let rest = rest * rest;
+                (rest <= best + 2.0 * BEYOND_COMPARISON && !is_refuted(rest)).then_some(error)
             })
             .fold(0.0, f64::max);
         let cell = self.cell * (GRID_ERROR / error).powf(0.25).max(SHORTEST_SHARE);

@@ -145,7 +145,7 @@ fn a_column_without_a_head_is_recognised_as_times() {
         inspection.advice.join("\n")
     };
     let single = inspected(&|k| format!("{:?}", f64::from(k as f32 / 48_000.0)));
-    let said = "column 1 increases evenly, like times, and channels are counted after it: if it is in s, `sampling_rate` is 48000 Hz";
+    let said = "column 1 increases evenly, like times, and channels are numbered from the next column: if it is in s, `sampling_rate` is 48000 Hz";
     assert!(single.contains(said), "{single}");
     let nine_digits = inspected(&|k| match k {
         0 => "0".to_owned(),

@@ -389,7 +389,7 @@ fn hopkinson_mistakes_are_named() {
                 "channel: \"incident\", averaged_with: [\"incident\"]",
             ),
             2,
-            "the mean of a channel with itself",
+            "a channel would be averaged with itself",
         ),
         (
             "gauge beyond the bar",

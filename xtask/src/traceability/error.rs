@@ -1,4 +1,5 @@
-//! Errors of the traced items, each with the item or the place in a file.
+//! Faults of the tracing: an item of the thesis without code or proof, or a citation of an item that
+//! does not exist, with its file and line.
 
 use std::fmt;
 

@@ -24,7 +24,8 @@ const FORCES_APART: f64 = 5.0;
 const PULL: f64 = 0.05;
 /// Largest strain of a bar: metals and glassy polymers are elastic up to about 2 %.
 const BAR_STRAIN: f64 = 0.03;
-/// Smallest strain of a pulse for which gauges are used.
+/// Smallest plausible value of the largest strain in the records; smaller pulses are not measured
+/// with strain gauges.
 const LEAST_STRAIN: f64 = 5e-6;
 /// Smallest ratio of the reflected to the incident wave; below it the specimen hardly deforms.
 const REFLECTED: f64 = 0.05;

@@ -31,8 +31,8 @@ impl FrequencyResponse {
     ///
     /// # Errors
     ///
-    /// [`LabioError::NonPhysical`] for the spacing, [`LabioError::CountMismatch`] for fewer than
-    /// three lines.
+    /// [`LabioError::NonPhysical`] for a spacing that is not above 0 or makes the highest line
+    /// infinite, [`LabioError::CountMismatch`] for fewer than three lines.
     pub fn of_lines(
         input: Channel,
         output: Channel,

@@ -56,8 +56,8 @@ impl Detrend {
     }
 }
 
-/// Returns the sum, computed in eight lanes: faster than one lane, with an eighth of the rounding
-/// error.
+/// Returns the sum of `term` over all samples, computed in eight lanes: faster than one lane, and
+/// the bound of the rounding error is about an eighth.
 fn sum(samples: &[f64], term: impl Fn(usize, f64) -> f64) -> f64 {
     let mut lanes = [0.0; 8];
     let mut start = 0;

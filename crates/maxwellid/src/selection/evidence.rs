@@ -42,9 +42,11 @@ const DISTANCES: [f64; 3] = [1.0, 2.5, 5.0];
 /// Number of points, in descending order of weight, at which a further proposal is tried.
 const MOST_TRIED: usize = 4;
 
-/// Step along a ridge in standard deviations, and the largest fall of ln L π along it, less than
-/// the ½ 3² of a normal.
+/// Step along a ridge, in standard deviations.
 const RIDGE_STEP: f64 = 3.0;
+
+/// Fall of ln(L π) from the centre at which a ridge ends. A normal density falls by ½·3² = 4.5 in
+/// the first step, so that only ridges outside the normal density are followed.
 const RIDGE_DROP: f64 = 3.0;
 const MOST_RIDGE_STEPS: usize = 6;
 
@@ -87,8 +89,8 @@ impl Integrand<'_> {
 
     /// Proposals along ridges outside the normal, from the centre to either side of each parameter.
     /// A ridge advances by steps of [`RIDGE_STEP`] standard deviations of Laplace's method at the
-    /// last point, with the other parameters at their minimum, while L π falls by less than
-    /// [`RIDGE_DROP`].
+    /// last point, with the other parameters at their minimum, while ln(L π) falls by less
+    /// than [`RIDGE_DROP`].
     fn ridges(&self) -> Vec<Proposal> {
         let axes = self.centre.len();
         let top = self.at(&vec![0.0; axes]);

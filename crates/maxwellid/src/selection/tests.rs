@@ -231,8 +231,8 @@ fn the_standard_candidates_are_those_of_the_documentation() {
     }
 }
 
-/// χ² of 30 over 100 samples, with the noise known, estimated from 20 samples, or known as a ratio
-/// only.
+/// χ² of 30 over 100 samples; the noise is known, estimated from 20 samples or from half a sample,
+/// or known only up to a common factor.
 #[test]
 fn likelihood_and_scale_are_those_of_what_is_known_of_the_noise() {
     let known = Selection::new(vec![Candidate::of(Law::Elastic)]).unwrap();

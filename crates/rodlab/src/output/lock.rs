@@ -223,7 +223,7 @@ mod tests {
         let said = FolderLock::within(2 * PAUSE, folder.path())
             .unwrap_err()
             .to_string();
-        let owner = format!("is being written by process {}", std::process::id());
+        let owner = format!("by another run (process {})", std::process::id());
         assert!(said.contains(&owner), "{said}");
     }
 

@@ -70,8 +70,8 @@ impl MaxwellNorton {
     }
 }
 
-/// Checks that the flow can be computed with an exponent. At exponents far below the limit, the law
-/// is already perfectly plastic.
+/// Checks that the flow can be computed with an exponent. At exponents of some hundred, the law is
+/// already perfectly plastic.
 fn check_exponent(exponent: f64) -> Result<f64, RodwaveError> {
     if exponent > 0.0 && exponent <= 1e6 {
         Ok(exponent)

@@ -33,9 +33,9 @@ pub(crate) struct Evaluated {
 pub(crate) struct Row {
     pub(crate) test: String,
     pub(crate) mass_ratio: f64,
-    /// Number of lines up to 20 kHz that fulfil conditions (i) to (iii) of the paper, and number of
-    /// these lines whose error is sufficiently small.
+    /// Number of lines up to 20 kHz.
     lines: usize,
+    /// Number of these lines that fulfil conditions (i) to (iii) of the paper.
     admissible: usize,
     /// First and last line that fulfils the conditions, in Hz.
     pub(crate) admissible_hz: [f64; 2],
@@ -112,7 +112,8 @@ pub(crate) fn all(paper: &PaperA) -> Result<Vec<Evaluated>, Error> {
         .collect()
 }
 
-/// Returns true if the line fulfils conditions (i) to (iii) of the paper.
+/// Returns true if the iteration converged and the line fulfils conditions (i) to (iii) of the
+/// paper.
 pub(crate) fn is_admissible(line: &ModulusLine) -> bool {
     !line.validity.violations().iter().any(|violation| {
         matches!(

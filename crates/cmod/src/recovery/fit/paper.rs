@@ -27,7 +27,7 @@ pub struct PaperFit {
     pub at_end_of_range: bool,
 }
 
-/// Fits `tests` by the procedure of paper C, section 3: for given m, E₂ and B follow uniquely from
+/// Fits `tests` by the procedure of paper C, section 3. For each m, E₂ and B follow uniquely from
 /// test number `reference` (the paper uses Test 2, whose load is in the middle of the loads); m is
 /// varied between the two `exponents` until the other tests match best.
 ///
