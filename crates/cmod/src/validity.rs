@@ -190,8 +190,8 @@ pub enum Violation {
         /// Accepted limit.
         limit: f64,
     },
-    /// Because of the theory of the waves, more lateral inertia remains in the modulus than the
-    /// limit allows, see [`AcceptanceLimits`].
+    /// Lateral inertia that the theory of the waves leaves in the modulus is above its limit, see
+    /// [`AcceptanceLimits`].
     #[error(
         "uncorrected lateral inertia may be {} of {quantity}, expected at most {}",
         percent(*.error), percent(*.limit)

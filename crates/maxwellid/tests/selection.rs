@@ -3,7 +3,7 @@
 use crate::virtual_tests;
 
 use maxwellid::selection::{Advice, Candidate, Decision, Doubt, Selection};
-use maxwellid::{DEFAULT_CELL, Law, MaxwellidError};
+use maxwellid::{Law, MaxwellidError};
 use rodwave::inelastic::{Maxwell, MaxwellNorton};
 use testbed::noise::draws;
 use virtual_tests::{
@@ -110,21 +110,6 @@ fn noise_that_is_not_known_refutes_less() {
     // half the noise: χ² is four times the samples, which twenty samples at rest refute less surely
     // than a known level
     assert!(of_known.laws[1].adequacy.unwrap() < estimated.laws[1].adequacy.unwrap());
-}
-
-/// With a fiftieth of the true noise stated, every law is refuted whatever the grid is, and no finer
-/// grid is computed: with cells of 0.5 mm, a comparison takes fifty times as long.
-#[test]
-fn no_finer_grid_is_computed_for_laws_that_it_cannot_save() {
-    let exact = by_the_chain(&norton(), 10.0);
-    let test = noisy(&exact, 0.01, 9).with_noise(2e-3, 2e-3).unwrap();
-    let laws = vec![Candidate::of(Law::Maxwell), Candidate::of(Law::Norton)];
-    let comparison = Selection::new(laws).unwrap().compare(&[test]).unwrap();
-    assert!(
-        matches!(comparison.decision, Decision::NoneOfThese { .. }),
-        "{comparison}"
-    );
-    assert!(comparison.cell >= DEFAULT_CELL, "{}", comparison.cell);
 }
 
 #[test]
