@@ -25,9 +25,9 @@
 //! |E_grid(ω) - E(ω)| <= ε E''(ω) ,    ε = (h²/8) e^h = 7.0e-4
 //! ```
 //!
-//! at every frequency of the band. (Branches beyond the ends of the grid are replaced by the last
-//! branch and the spring or the dashpot; the error is at most 1e-4 E''.) Hence, for *every*
-//! relaxing material,
+//! at every frequency of the band. (A branch slower than the grid is replaced by the slowest branch
+//! of the grid and the spring, a faster one by the fastest branch and the dashpot; the error is at
+//! most 1e-4 E''.) Hence, for *every* relaxing material,
 //!
 //! ```text
 //! rms |E - E_causal|/|E| <= ε rms E''/|E|

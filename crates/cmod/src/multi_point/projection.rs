@@ -111,13 +111,15 @@ impl Projection {
         Self::with_last_row(positions, false, 0.0)
     }
 
-    /// Creates the projection with the end of the rod as the last row, for gauges of motion if
-    /// `is_slope`. The force at the end is the inertia force of a mass equal to the mass of a
-    /// length `end_length` \[m\] of rod:
+    /// Creates the projection. The last row is the free end if one is used, otherwise the last
+    /// gauge (`is_slope` false, `end_length` 0). The force at the end accelerates a mass equal to
+    /// that of a length ℓ = `end_length` \[m\] of rod:
     ///
     /// ```text
-    /// P e^{-γL} (1 - ℓγ) ± N e^{γL} (1 + ℓγ) = 0 .
+    /// c₁ e^{-γL} (1 - ℓγ) ± c₂ e^{γL} (1 + ℓγ) = 0 ,
     /// ```
+    ///
+    /// with + for gauges of strain and - for gauges of motion (`is_slope`).
     pub(super) fn with_last_row(positions: &[f64], is_slope: bool, end_length: f64) -> Self {
         let first = positions.first().copied().unwrap_or_default();
         let last = positions.last().copied().unwrap_or_default();

@@ -51,8 +51,8 @@ pub struct ScaledModulus<M> {
 }
 
 impl<M: DifferentiableModulus> ScaledModulus<M> {
-    /// Creates the law with its present parameters as start; `free` are the indices of the
-    /// parameters to be identified, each with its range.
+    /// Creates the law from `law`, whose present parameters are the start of the identification.
+    /// `free` are the parameters to be identified, each with its index and range.
     ///
     /// # Errors
     /// [`MaxwellidError::UnknownParameter`] for an index that the law does not have;

@@ -186,7 +186,7 @@ fn sufficient_error(laplace: f64, all: &[f64]) -> f64 {
 }
 
 /// Special cases of each law that the data do not distinguish from it, those with the fewest
-/// parameters first. `scale` is the factor of the standard deviations.
+/// parameters first. The standard deviation of the noise is `scale` times the assumed one.
 fn limits(candidates: &[&Candidate], laws: &[ComparedLaw], scale: f64) -> Vec<Vec<Limit>> {
     candidates
         .iter()

@@ -243,8 +243,8 @@ mod tests {
         }
     }
 
-    /// The functions are regular at p = 0, q = 0 and ν = 1/2, where the printed form is singular or
-    /// trivial.
+    /// The equation is regular at p = 0, q = 0 and ν = 1/2, where its textbook form has a branch
+    /// point, a trivial root or an infinite λ.
     #[test]
     fn equation_is_regular_where_p_or_q_vanish() {
         let nu = 0.3;

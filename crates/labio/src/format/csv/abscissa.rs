@@ -19,7 +19,8 @@ pub const ROUNDED_STEP_TOLERANCE: f64 = 1e-4;
 #[derive(Debug)]
 pub(super) struct Choice {
     pub(super) column: Option<usize>,
-    /// True if the column is used only if it increases evenly.
+    /// True for the first column of a table without headings: it is the abscissa only if its values
+    /// increase evenly.
     tentative: bool,
     step: Option<f64>,
     /// Rate used if the column does not determine its own spacing.
