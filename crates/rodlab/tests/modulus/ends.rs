@@ -209,7 +209,8 @@ fn a_modulus_that_drifts_over_the_hits_is_named_and_referred_to_a_temperature() 
 }
 
 /// A sensitivity wrong by 2 % and a stated but absent skew: within the stated errors the lines
-/// determine both; beyond, they contradict the sheet.
+/// determine both; beyond, they contradict the sheet. A wrong mass on the free end would be
+/// absorbed by the errors of the sensors.
 #[test]
 fn errors_of_the_sensors_are_found_and_taken_out() {
     let folder = TempDir::new().unwrap();
@@ -243,14 +244,34 @@ fn errors_of_the_sensors_are_found_and_taken_out() {
         "{delay} {error}"
     );
 
-    let wrong = with("0.6 mV/g ± 1 %", "0 us");
-    let Verdict::InDoubt { reasons } = &wrong.verdict else {
-        panic!("{:?}", wrong.verdict);
+    let doubts = |outcome: &Outcome| match &outcome.verdict {
+        Verdict::InDoubt { reasons } => reasons.join("; "),
+        verdict => panic!("{verdict:?}"),
     };
-    let reasons = reasons.join("; ");
+    let reasons = doubts(&with("0.6 mV/g ± 1 %", "0 us"));
     assert!(
         reasons.contains("more than its stated uncertainty explains"),
         "{reasons}"
+    );
+
+    let text = sheet(TWO_POINT, BAND)
+        .replace(
+            r#"sensitivity: "0.5 mV/g""#,
+            r#"sensitivity: "0.5 mV/g ± 1 %""#,
+        )
+        .replace("2.9 gram ± 0.03 gram", "4 gram ± 0.04 gram");
+    let heavier = run(folder.path(), &text).unwrap();
+    let reasons = doubts(&heavier);
+    assert!(
+        reasons.contains("another error of the mass on the free end"),
+        "{reasons}"
+    );
+    let (mass, error) = found(&heavier, "error of the mass on the free end, found");
+    // 1.1 gram by the lines alone, drawn towards the stated 0 ± 0.04 gram
+    let expected = 1.1 * (1.0 - (error / 0.04).powi(2));
+    assert!(
+        (mass - expected).abs() < 4.0 * error && error < 0.02,
+        "{mass} {error}"
     );
 }
 

@@ -55,6 +55,10 @@ pub(super) fn state(
         let Some(of_sensors) = OfSensors::of(source.source, sheet, measured) else {
             continue;
         };
+        // the lines usually determine the mass, and it is reported only if the sheet is wrong
+        if source.source == ErrorSource::AccelerometerMass && !contradicts(source) {
+            continue;
+        }
         let OfSensors { name, unit, stated } = &of_sensors;
         let (size, error) = (stated * source.size, stated * source.standard_error);
         outcome.quantities.push(Quantity {
@@ -96,7 +100,7 @@ fn contradicts(source: &CalibratedSource) -> bool {
     source.discrepancy().abs() > CONTRADICTS
 }
 
-/// Error source of the sensors, with its stated standard uncertainty.
+/// Error source of the sensors, or of the mass of one of them, with its stated standard uncertainty.
 struct OfSensors {
     name: String,
     unit: &'static str,
@@ -104,7 +108,8 @@ struct OfSensors {
 }
 
 impl OfSensors {
-    /// Returns the entry for `source` if it is an error of the sensors; `None` for other sources.
+    /// Returns the entry for `source` if it is an error of the sensors or of the mass on the free
+    /// end; `None` for other sources.
     fn of(source: ErrorSource, sheet: &ModulusSheet, measured: &Measured) -> Option<Self> {
         let of_ratio = measured.of_ratio();
         let gauge = |index: usize| measured.of_gauges().get(index).copied();
@@ -113,6 +118,16 @@ impl OfSensors {
                 "error of the ratio of the sensitivities".to_owned(),
                 "%",
                 100.0 * of_ratio.gain,
+            ),
+            ErrorSource::AccelerometerMass => (
+                "error of the mass on the free end".to_owned(),
+                "gram",
+                1e3 * sheet
+                    .specimen
+                    .accelerometer_mass
+                    .as_ref()?
+                    .with_uncertainty()
+                    .uncertainty(),
             ),
             ErrorSource::Delay => (
                 "delay between the channels".to_owned(),
