@@ -277,8 +277,8 @@ fn gain_ratio_and_delay_are_found_within_their_errors() {
     }
 }
 
-/// If its sensors are not calibrated, the loss factor of the same record has errors ten times as
-/// large.
+/// Errors of the loss factor of the same record are ten times as large if its sensors are not
+/// calibrated.
 #[test]
 fn the_loss_factor_is_nearly_as_good_as_with_exact_sensors() {
     let record = STIFF.record(0.3 * GAIN, 0.3 * DELAY, &mut Noise::seeded(7));

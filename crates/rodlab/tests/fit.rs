@@ -38,7 +38,7 @@ fn interval_of(outcome: &Outcome, law: &str, parameter: &str) -> (f64, f64) {
     (end("lower end"), end("upper end"))
 }
 
-/// That of the fractional Zener model.
+/// Interval of a parameter of the fractional Zener model.
 fn interval(outcome: &Outcome, parameter: &str) -> (f64, f64) {
     interval_of(outcome, "fractional Zener", parameter)
 }

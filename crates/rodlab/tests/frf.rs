@@ -38,7 +38,7 @@ const ONSET: f64 = 0.05;
 const STRUCK: f64 = 1.2;
 const OTHER: f64 = 0.8;
 const MASS: f64 = STRUCK + OTHER;
-/// Of the mode \[rad/s\] and its damping ratio: at the end of a record it has fallen by 25 nepers.
+/// Frequency \[rad/s\] and damping ratio of the mode, which falls by 25 nepers over a record.
 const OMEGA: f64 = TAU * 300.0;
 const ZETA: f64 = 0.03;
 
@@ -287,7 +287,7 @@ fn spread(outcome: &Outcome, kind: &str, truth: impl Fn(f64) -> Complex64) -> (f
 
 const BAND: &str = r#"band: (from: "20 Hz", to: "1.2 kHz"),"#;
 
-/// Of a sheet that is not on disk.
+/// Identity of a sheet that is not on disk.
 fn identity() -> output::SheetIdentity {
     output::SheetIdentity {
         file: "sheet.ron".to_owned(),

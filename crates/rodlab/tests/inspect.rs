@@ -133,7 +133,7 @@ fn a_row_of_times_is_no_channel() {
     ");
 }
 
-/// If the rate is stated, a job reads such a column as the times, and counts the channels after it.
+/// A job reads such a column as the times if the rate is stated, and counts the channels after it.
 /// Times in single precision leave it open whether they are times; a `0` without decimals does not.
 #[test]
 fn a_column_without_a_head_is_recognised_as_times() {

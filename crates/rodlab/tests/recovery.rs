@@ -312,7 +312,7 @@ fn the_template_is_a_sheet_that_runs() {
     assert_eq!(outcome.verdict, Verdict::Answered, "{:?}", outcome.summary);
 }
 
-/// Of a sheet that is not on disk.
+/// Identity of a sheet that is not on disk.
 fn identity() -> rodlab::output::SheetIdentity {
     rodlab::output::SheetIdentity {
         file: "sheet.ron".to_owned(),

@@ -18,7 +18,7 @@ const POLYPROPYLENE: &str = r#"materials: {
     "steel": (density: "7800 kg/m3", law: Elastic(modulus: "206 GPa")),
 },"#;
 
-/// Of paper A: 400 mm ring down within 30 ms.
+/// Experiment of paper A: a rod of 400 mm rings down within 30 ms.
 const BOTH_ENDS: &str = r#"experiment: EndAccelerations(
     material: "polypropylene", length: "400 mm", diameter: "15.8 mm", accelerometer_mass: "2.9 gram",
     blows: (hits: 10, peak: "100 N", duration: "80 us"),

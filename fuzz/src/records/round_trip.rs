@@ -90,7 +90,7 @@ fn values(before: &Series, after: &Series, tolerance: f64, of: &str) {
     }
 }
 
-/// Where value `index` lies.
+/// Returns the abscissa of value `index`.
 fn place(abscissa: &Abscissa, index: usize) -> f64 {
     match abscissa {
         Abscissa::Even { start, step } => start + index as f64 * step,

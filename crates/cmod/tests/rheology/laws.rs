@@ -162,8 +162,8 @@ fn covariance_is_the_scatter_and_intervals_cover() {
     }
 }
 
-/// If the stated errors are five times too small, the errors from the residual are still right, and
-/// the scatter is reported.
+/// Errors from the residual are right even if the stated errors are five times too small, and the
+/// scatter is reported.
 #[test]
 fn errors_from_the_residual_do_not_depend_on_the_stated_ones() {
     let law = Zener::new(2.0e9, 2.7e9, 4e-5).unwrap();

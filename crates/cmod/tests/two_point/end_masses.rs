@@ -62,7 +62,7 @@ fn the_mass_on_the_impacted_end_does_not_matter() {
     }
 }
 
-/// If the mass on the free end is omitted, E' is wrong by about 2μ, 8 % here.
+/// Omission of the mass on the free end changes E' by about 2μ, 8 % here.
 #[test]
 fn the_mass_on_the_free_end_matters() {
     let frequency_hz = frequencies();

@@ -96,7 +96,7 @@ proptest! {
         }
     }
 
-    /// If input and output are exchanged, H1 becomes the inverse of H2.
+    /// Exchange of input and output turns H1 into the inverse of H2.
     #[test]
     fn exchanged_channels_are_reciprocal((hits, _) in any_hits(2)) {
         let spectra = averaged(&hits);

@@ -2,8 +2,8 @@
 
 use super::*;
 
-/// So many hits in N and the unit of `quantity`, in records of `n` samples, with `noise` over the
-/// peak on the motion and a tenth of that on the force; `change` does something to a hit.
+/// Writes hits in N and the unit of `quantity`, in records of `n` samples, with `noise` relative to
+/// the peak on the motion and a tenth of that on the force; `change` modifies a hit.
 fn write_motions(
     folder: &Path,
     quantity: Quantity,

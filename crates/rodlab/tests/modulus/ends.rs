@@ -374,7 +374,7 @@ fn a_ratio_of_another_program_is_taken_with_its_coherence() {
     );
 }
 
-/// Of a sheet that is not on disk.
+/// Identity of a sheet that is not on disk.
 fn identity() -> output::SheetIdentity {
     output::SheetIdentity {
         file: "sheet.ron".to_owned(),
