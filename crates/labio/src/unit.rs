@@ -125,7 +125,8 @@ impl Unit {
     ///
     /// Known units are the SI units of mechanics and electricity with their prefixes, also in words
     /// (`Newton`), `g` and `gn` (standard gravity, 9.80665 m/s²), `lbf`, `lbm`, `kgf`, `in`, `ft`,
-    /// `psi`, `ksi`, `bar`, `%`, `strain`, `microstrain` (`ue`, `µε`), `deg`, `degC` and `degF`.
+    /// `l`, `cc` (cm³), `psi`, `ksi`, `bar`, `%`, `strain`, `microstrain` (`ue`, `µε`), `deg`,
+    /// `degC` and `degF`.
     /// Compounds are written with `/`, `*`, `.`, `·` or a blank; powers as `s^2`, `s**2`, `s²`,
     /// `s2` or `s^-2`. A pure number is written `1`, `-` or `dimensionless`.
     ///

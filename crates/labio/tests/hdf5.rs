@@ -147,6 +147,13 @@ fn coordinates_units_and_texts_come_with_the_series() {
         assert_eq!(property(&matlab, key), value);
     }
     assert_eq!(
+        series(&matlab, "force").abscissa,
+        Abscissa::Even {
+            start: 0.0,
+            step: 1.0 / 51200.0
+        }
+    );
+    assert_eq!(
         series(&matlab, "counts").properties,
         [("class".to_owned(), "int16".to_owned())]
     );

@@ -1,7 +1,7 @@
 //! MATLAB files: files saved by SciPy, and bytes put together by hand from the definition in both
 //! byte orders.
 
-use labio::format::mat5::Mat5;
+use labio::format::mat5::{Mat5, RATE_SOURCE};
 use labio::format::{Reader, Strictness, Writer};
 use labio::{Abscissa, Contents, LabioError, Ordinate, Series, SeriesAxis, SeriesKind};
 use num_complex::Complex64;
@@ -18,7 +18,8 @@ fn read(bytes: &[u8]) -> Result<Contents, LabioError> {
     Mat5.read(bytes, Strictness::Strict)
 }
 
-/// Lists all contents except the description, which contains a date.
+/// Lists all contents except the description, which contains a date, and the source of the sampling
+/// rate, which is not in the file.
 pub(crate) fn said(contents: &Contents) -> String {
     let numbers = |ordinate: &Ordinate| match ordinate {
         Ordinate::Real(values) => format!("{values:?}"),
@@ -37,7 +38,7 @@ pub(crate) fn said(contents: &Contents) -> String {
     let properties = contents
         .properties
         .iter()
-        .filter(|(key, _)| key != "description")
+        .filter(|(key, _)| key != "description" && key != RATE_SOURCE)
         .map(|(key, value)| format!("{key} = {value}"));
     let defects = contents
         .defects
@@ -168,6 +169,46 @@ fn both_byte_orders_are_read() {
     ");
     assert_eq!(said(&read(&BIG.sample()).unwrap()), little);
     assert!(Mat5.recognises(&BIG.sample()[..128]));
+}
+
+/// A number below 1000 may be in kHz, and two numbers may contradict each other.
+#[test]
+fn a_variable_with_the_name_of_a_rate_gives_the_times() {
+    let force = LITTLE.matrix(6, &[3, 1], "force", &[LITTLE.doubles(&[1.0, 2.0, 3.0])]);
+    let abscissa_and_source = |numbers: &[(&str, f64)]| {
+        let numbers = numbers
+            .iter()
+            .map(|(name, value)| LITTLE.matrix(6, &[1, 1], name, &[LITTLE.doubles(&[*value])]));
+        let elements: Vec<Vec<u8>> = numbers.chain([force.clone()]).collect();
+        let contents = read(&LITTLE.file(&elements)).unwrap();
+        let mut properties = contents.properties.iter();
+        let source = properties.find(|(key, _)| key == RATE_SOURCE);
+        (
+            contents.series[0].abscissa.clone(),
+            source.map(|(_, source)| source.clone()),
+        )
+    };
+    let even = |step: f64| Abscissa::Even { start: 0.0, step };
+    let step = 1.0 / 65536.0;
+    for (name, value, unit) in [
+        ("Fs", 65536.0, "Hz"),
+        ("sampling_rate", 65536.0, "Hz"),
+        ("dt", step, "s"),
+    ] {
+        let source = format!("variable `{name}`, in {unit}");
+        assert_eq!(
+            abscissa_and_source(&[(name, value)]),
+            (even(step), Some(source))
+        );
+    }
+    let unclear: [&[(&str, f64)]; 3] = [
+        &[("fs", 65.536)],
+        &[("fs", 65536.0), ("dt", 1e-5)],
+        &[("fsize", 65536.0)],
+    ];
+    for numbers in unclear {
+        assert_eq!(abscissa_and_source(numbers), (even(1.0), None));
+    }
 }
 
 fn series(name: &str, abscissa: Abscissa, ordinate: Ordinate, unit: &str) -> Series {

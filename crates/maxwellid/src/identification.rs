@@ -218,8 +218,10 @@ impl<M: RodModel> Identification<M> {
 
     /// Determines the curvature from the profiles instead, which extend further: a parameter is
     /// linear if its interval is closed and both halves agree with the standard error. The standard
-    /// error is then at least that of the longer half, in the quantity as stated: an interval
-    /// symmetric about a viscosity, whose reciprocal determines the response, would end too low.
+    /// error of a parameter with a closed interval is at least that of the longer half, in the
+    /// quantity as stated: an interval symmetric about a viscosity, whose reciprocal determines the
+    /// response, would end too low. A parameter that depends on several coordinates has no profile,
+    /// and an error only if all of them are linear.
     pub(crate) fn judged_by(mut self, profiles: &[Profile]) -> Self {
         let Some(found) = self.identifiability(Noise::Stated) else {
             return self;
@@ -254,12 +256,13 @@ impl<M: RodModel> Identification<M> {
 
     fn flag_curvature(&mut self) {
         let names = self.model.parameter_names();
-        let curved = names
-            .iter()
-            .zip(&self.curved)
-            .filter(|(_, curved)| **curved);
+        let curved = names.iter().zip(&self.curved).enumerate();
+        let bent = |index: usize| self.bent.get(index).is_some_and(|bent| *bent);
         let flags: Vec<FitFlag> = curved
-            .map(|(name, _)| FitFlag::Curved {
+            .filter(|(index, (_, curved))| {
+                **curved && (bent(*index) || !self.has_closed_profile(*index))
+            })
+            .map(|(_, (name, _))| FitFlag::Curved {
                 parameter: (*name).to_owned(),
             })
             .collect();
@@ -468,13 +471,32 @@ impl<M: RodModel> Identification<M> {
             for (estimate, stated) in found.estimates.iter_mut().zip(&stated) {
                 let longer = self.longer_half(stated) / QUANTILE_95;
                 estimate.standard_error = estimate.standard_error.max(longer);
-                let mut weights = stated.gradient.iter().zip(&self.curved);
-                if unsettled || weights.any(|(weight, curved)| *weight != 0.0 && *curved) {
+                let is_large = !(estimate.standard_error < IDENTIFIED_BELOW);
+                if unsettled || is_large || self.exceeds_its_error(stated) {
                     estimate.verdict = Verdict::NotIdentifiable;
                 }
             }
         }
         Some(found)
+    }
+
+    /// Returns true if the standard error of a stated parameter does not represent the values that
+    /// the data exclude. The error of a parameter that depends on one coordinate with a closed
+    /// profile is that of the longer half of this profile, and represents it.
+    fn exceeds_its_error(&self, stated: &StatedParameter) -> bool {
+        let weights = stated.gradient.iter().enumerate();
+        let own: Vec<usize> = weights
+            .filter_map(|(index, weight)| (*weight != 0.0).then_some(index))
+            .collect();
+        let is = |flags: &[bool], index: &usize| flags.get(*index).is_some_and(|flag| *flag);
+        match own.as_slice() {
+            [index] if self.has_closed_profile(*index) => is(&self.bent, index),
+            all => all.iter().any(|index| is(&self.curved, index)),
+        }
+    }
+
+    fn has_closed_profile(&self, index: usize) -> bool {
+        self.ends.get(index).is_some_and(|ends| ends.len() == 2)
     }
 
     /// Longer half of the 95 % interval of the profile of a stated parameter that depends on one

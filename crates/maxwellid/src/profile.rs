@@ -141,8 +141,8 @@ impl<M: RodModel + Clone> Fit<M> {
     /// Identifies the model from all `tests` together, with the profiles of its parameters over the
     /// ranges of `candidate`, in one and the same problem. If a profile finds a lower minimum the
     /// fit continues from there: the estimate is the lowest point of its own profiles. A parameter
-    /// counts as identified if its interval is closed and its standard error represents both halves
-    /// of it.
+    /// counts as identified if its interval is closed; its standard error is at least that of the
+    /// longer half of the interval.
     ///
     /// # Errors
     /// The errors of [`Fit::to`]; [`MaxwellidError::InconsistentModel`] for a candidate with

@@ -16,14 +16,11 @@ pub use levels::Levels;
 use std::path::Path;
 
 use labio::format::{self, Strictness, customary_rate};
-use labio::{
-    Abscissa, ContentHash, Contents, Dimension, LabioError, Ordinate, Provenance, Series,
-    SeriesAxis,
-};
+use labio::{Abscissa, ContentHash, Contents, Dimension, Ordinate, Provenance, Series, SeriesAxis};
 use serde::Serialize;
 
 use crate::digits::{prefix_for, rate, significant};
-use crate::records::step_without_unit;
+use crate::records::{is_rounded_step, step_without_unit};
 use crate::{RodlabError, cut_short, input};
 
 /// Contents of a file.
@@ -374,15 +371,6 @@ fn advice(contents: &Contents, inspected: &[InspectedSeries]) -> Vec<String> {
 fn channels(numbers: &[String]) -> String {
     let plural = if numbers.len() == 1 { "" } else { "s" };
     format!("channel{plural} {}", text::listed(numbers))
-}
-
-/// Returns true if the defect is repeated times in a table: their digits do not determine the step.
-fn is_rounded_step(defect: &LabioError) -> bool {
-    matches!(
-        defect,
-        LabioError::Malformed { field, found, .. }
-            if field == "abscissa" && found.starts_with("repeated values")
-    )
 }
 
 /// Returns the customary sampling rate whose step may have been rounded to `step`; `None` if there

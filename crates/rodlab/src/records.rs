@@ -20,7 +20,7 @@ mod told;
 pub use channel::{BridgeSheet, ChannelSheet, Selector, Sensitivity};
 pub(crate) use clipped::clipped;
 pub use expect::{expect_different_files, expect_quantity};
-pub(crate) use told::step_without_unit;
+pub(crate) use told::{is_rounded_step, step_without_unit};
 
 use std::path::Path;
 
@@ -170,18 +170,18 @@ impl Records {
             left_out: Vec::new(),
         };
         let mut lost = None;
-        let mut replaced = Vec::new();
+        let mut statements = Vec::new();
         for found in files::paths(&self.files, folder, &format!("{field}.files"))? {
             let shown = files::relative(&found.path, folder);
             let bytes = input::read(&found.path)?;
             let n_inputs = loaded.inputs.len();
-            lost = lost.or(self.load_bytes(&bytes, shown, field, &mut loaded, &mut replaced)?);
+            lost = lost.or(self.load_bytes(&bytes, shown, field, &mut loaded, &mut statements)?);
             for input in loaded.inputs.iter_mut().skip(n_inputs) {
                 input.pattern = Some(found.pattern.to_owned());
             }
         }
         expect_different_files(&loaded.inputs)?;
-        let warnings = replaced.iter().map(told::ReplacedUnit::warning);
+        let warnings = statements.iter().map(told::FileStatement::warning);
         loaded.warnings.extend(warnings);
         match lost {
             Some(error) if loaded.records.is_empty() => Err(error),
@@ -200,14 +200,14 @@ impl Records {
         file: String,
         field: &str,
         loaded: &mut Loaded,
-        replaced: &mut Vec<told::ReplacedUnit>,
+        statements: &mut Vec<told::FileStatement>,
     ) -> Result<Option<RodlabError>, RodlabError> {
         let mut contents = match &self.sampling_rate {
             Some(rate) => format::read_bytes_at(bytes, rate.si()),
             None => format::read_bytes(bytes),
         }
-        .map_err(|error| RodlabError::step(format!("reading {file}"), error))?;
-        let chosen = self.complete(&mut contents, &file, field, replaced)?;
+        .map_err(|error| self.not_read(error, &file, field))?;
+        let chosen = self.complete(&mut contents, &file, field, statements)?;
         let provenance = Provenance::of_file(Path::new(&file), contents.format, bytes);
         loaded.inputs.push(InputFile {
             path: file.clone(),

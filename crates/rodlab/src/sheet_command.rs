@@ -10,6 +10,7 @@ use std::str::FromStr;
 use clap::Args;
 
 use crate::output::{self, TableFiles};
+use crate::sheet::value_and_uncertainty;
 use crate::{RodlabError, input};
 
 /// A sheet, and the folder for its results.
@@ -34,12 +35,18 @@ pub struct ChannelArgument {
     sensitivity: Option<String>,
 }
 
+/// Form of a channel, with examples.
+const FORM: &str = "CHANNEL:UNIT or CHANNEL:UNIT:SENSITIVITY, such as `2:m/s2` or `2:V:10.2 mV/g`";
+
 impl FromStr for ChannelArgument {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
         let mut parts = text.splitn(3, ':').map(|part| part.trim().to_owned());
         match (parts.next(), parts.next(), parts.next()) {
+            (Some(_), Some(_), Some(sensitivity)) if is_pure_number(&sensitivity) => Err(format!(
+                "the sensitivity `{sensitivity}` has no unit, expected {FORM}"
+            )),
             (Some(from), Some(unit), sensitivity) if !from.is_empty() && !unit.is_empty() => {
                 Ok(Self {
                     from,
@@ -47,9 +54,15 @@ impl FromStr for ChannelArgument {
                     sensitivity,
                 })
             }
-            _ => Err("expected CHANNEL:UNIT or CHANNEL:UNIT:SENSITIVITY, such as `2:m/s2` or `2:V:10.2 mV/g`".to_owned()),
+            _ => Err(format!("expected {FORM}")),
         }
     }
+}
+
+/// Returns true for a number without a unit, with or without an uncertainty.
+fn is_pure_number(text: &str) -> bool {
+    let (value, _) = value_and_uncertainty(text);
+    value.trim().parse::<f64>().is_ok()
 }
 
 /// Options that describe recordings, in commands without a sheet.
@@ -78,7 +91,8 @@ pub struct FrfCommand {
     /// The test sheet, or recordings together with `--input` and `--output`.
     #[arg(required = true, value_name = "SHEET|RECORDINGS")]
     files: Vec<PathBuf>,
-    /// Channel of the force in the recordings, such as 1:N or "1:V:2.25 mV/N".
+    /// Channel of the force in the recordings, such as 1:N or "1:V:2.25 mV/N". In a table,
+    /// channel 1 is the first column after the times.
     #[arg(long, value_name = "CHANNEL:UNIT[:SENSITIVITY]", requires = "output")]
     input: Option<ChannelArgument>,
     /// Channel of a motion, such as 2:m/s2; repeat the option for further motions.
@@ -94,7 +108,8 @@ pub struct ModulusCommand {
     /// The test sheet, or recordings of both ends of a rod together with `--impacted` and `--free`.
     #[arg(required = true, value_name = "SHEET|RECORDINGS")]
     files: Vec<PathBuf>,
-    /// Channel of the struck end, such as 1:m/s2.
+    /// Channel of the struck end, such as 1:m/s2 or "1:V:10.2 mV/g". In a table, channel 1 is the
+    /// first column after the times.
     #[arg(
         long,
         value_name = "CHANNEL:UNIT[:SENSITIVITY]",
@@ -337,6 +352,11 @@ mod tests {
         for text in ["", "1", ":N", "1:"] {
             assert!(parsed(text).unwrap_err().contains("CHANNEL:UNIT"), "{text}");
         }
+        assert_eq!(
+            parsed("1:V:5").unwrap_err(),
+            "the sensitivity `5` has no unit, expected CHANNEL:UNIT or CHANNEL:UNIT:SENSITIVITY, such as `2:m/s2` or `2:V:10.2 mV/g`"
+        );
+        assert!(parsed("1:V:5 ± 1 %").is_err() && parsed("1:V:5 ± 0.1 mV/N").is_ok());
     }
 
     /// Returns the text of the sheet that the command with `arguments` writes, and the job of this

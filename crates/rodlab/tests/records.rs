@@ -235,10 +235,59 @@ fn what_a_file_tells_is_believed_and_contradictions_are_said() {
     insta::assert_snapshot!(said, @r"
     records.sampling_rate is 2048 Hz, expected 1023.54 Hz, as stated in hit.csv, or the field left out
     records.channels[0].from is `hamer`, expected one of `hammer`, `end A` (hit.csv)
-    records.channels[0].from is channel 3, expected a number from 1 to 2 (hit.csv); the time column is not counted
+    records.channels[0].from is channel 3, expected a number from 1 to 2 (hit.csv); the column of times is not counted: channel 1 is the first column after it
     records.channels[0].unit is m/s2, expected `g`, as stated in hit.csv, or the field left out; if the unit of the file is wrong, correct it by `gain`
     records.channels[0].unit is a strain of 40.0 (hit.csv), expected at most 10: microstrain is `um/m`
     ");
+}
+
+/// Times with so few digits that they repeat, and times in an unknown unit.
+#[test]
+fn rounded_times_ask_for_the_sampling_rate() {
+    let folder = tempfile::tempdir().unwrap();
+    let rows = (0..500_u32).map(|k| format!("{:.4},{}\n", f64::from(k) / 51_200.0, k % 7));
+    let text = "Time (s),hammer\n".to_owned() + &rows.collect::<String>();
+    fs::write(folder.path().join("hit.csv"), text).unwrap();
+    fs::write(
+        folder.path().join("unit.csv"),
+        "Time (sek),hammer\n0,0\n0.001,1\n0.002,0\n",
+    )
+    .unwrap();
+    let sheet = |file: &str, rate: &str| {
+        format!(r#"(files: ["{file}"],{rate} channels: [(name: "f", from: 1, unit: "N")])"#)
+    };
+    let said = refusals(folder.path(), &[&sheet("hit.csv", "")]);
+    assert!(
+        said.starts_with(
+            "records.sampling_rate is not stated, expected the sampling rate, such as \"51.2 kHz\", that gives all times within half a step: those of hit.csv are rounded (repeated values; "
+        ),
+        "{said}"
+    );
+    insta::assert_snapshot!(refusals(folder.path(), &[&sheet("unit.csv", "")]), @r#"records.sampling_rate is not stated, expected the sampling rate, such as "51.2 kHz": unit.csv has times in `sek`, which is not a known unit; in s they give 1000 Hz"#);
+    let loaded = load(
+        folder.path(),
+        &sheet("hit.csv", r#" sampling_rate: "51.2 kHz","#),
+    )
+    .unwrap();
+    assert!((loaded.records[0].record.sampling_rate_hz() - 51_200.0).abs() < 1e-6);
+}
+
+#[test]
+fn the_rate_in_a_variable_is_used_and_said() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = "# Created by Octave 8.4.0\n# name: fs\n# type: scalar\n51200\n\n\n\
+                # name: hammer\n# type: matrix\n# rows: 4\n# columns: 1\n 0\n 40\n 10\n 0\n";
+    fs::write(folder.path().join("hit.mat"), text).unwrap();
+    let sheet = |rate: &str| {
+        format!(r#"(files: ["hit.mat"],{rate} channels: [(name: "f", from: "hammer", unit: "N")])"#)
+    };
+    let loaded = load(folder.path(), &sheet("")).unwrap();
+    assert!((loaded.records[0].record.sampling_rate_hz() - 51_200.0).abs() < 1e-6);
+    insta::assert_snapshot!(loaded.warnings.join("\n"), @"hit.mat states the sampling rate only as the variable `fs`, in Hz; `sampling_rate` in the sheet confirms it.");
+    let confirmed = load(folder.path(), &sheet(r#" sampling_rate: "51.2 kHz","#)).unwrap();
+    assert!(confirmed.warnings.is_empty(), "{:?}", confirmed.warnings);
+    let said = refusals(folder.path(), &[&sheet(r#" sampling_rate: "48 kHz","#)]);
+    insta::assert_snapshot!(said, @"records.sampling_rate is 48 kHz, expected 51200 Hz, as stated in hit.mat (variable `fs`, in Hz), or the field left out; if the variable is wrong, save the file without it");
 }
 
 #[test]

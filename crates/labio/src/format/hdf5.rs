@@ -12,7 +12,7 @@
 //! | array of more axes | a series along its last axis `a[0, 0, :]`, ...; skipped if there are more than 256 and another axis is longer |
 //! | single number, text, attribute of a group | property of the contents |
 //! | attribute of a data set | unit (`units` or `unit`), label (`long_name`), or property of its series |
-//! | variable of MATLAB | as in a file of [version 5](super::mat5): `a(:,1)`, `s.length`, `c{1}` |
+//! | variable of MATLAB | as in a file of [version 5](super::mat5), with the sampling rate: `a(:,1)`, `s.length`, `c{1}` |
 //!
 //! Complex numbers are pairs of numbers named `r` and `i` (h5py) or `real` and `imag` (MATLAB).
 //!
@@ -45,6 +45,7 @@ use hdf5_reader::group::Group;
 use hdf5_reader::{Attribute, Dataset, Hdf5File, OpenOptions};
 
 use crate::error;
+use crate::format::matlab_array::sample_at_stated_rate;
 use crate::format::reading::Reading;
 use crate::format::{MemoryLimit, Reader, Strictness};
 use crate::{Contents, LabioError, Place};
@@ -125,6 +126,7 @@ pub fn read_within(
             .reading
             .property(0, "description".to_owned(), description)?;
         matlab::variables(&root, &mut hierarchy)?;
+        sample_at_stated_rate(&mut hierarchy.reading.contents);
     } else {
         hierarchy.group(&root, "", 0)?;
     }

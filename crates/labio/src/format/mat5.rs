@@ -14,9 +14,17 @@
 //! | cell array `c` | its cells `c{1}` |
 //!
 //! The abscissa is the sample index from 0, because the file does not state which variable contains
-//! the times. A file of this writer, which is recognised by its description, is an exception:
-//! further variables give the abscissa and the units of a series. The property `class` of a series
-//! names the class of the numbers if it is not `double`.
+//! the times. There are two exceptions:
+//!
+//! - A single number with the name of a sampling rate in Hz (`fs`, `sample_rate`, `SamplingRate`,
+//!   `sampling_frequency`, ...) or of an interval in s (`dt`, `sample_interval`, ...) gives the
+//!   series their times, from 0. The property [`RATE_SOURCE`] names the variable. A rate below 1 kHz
+//!   is not used, because it may be in kHz, and neither are numbers that contradict each other, or
+//!   any number in a file with complex series, which are spectra.
+//! - In a file of this writer, which is recognised by its description, further variables give the
+//!   abscissa and the units of a series.
+//!
+//! The property `class` of a series names the class of the numbers if it is not `double`.
 //!
 //! # Rejected files
 //!
@@ -36,6 +44,7 @@ use std::io::Read;
 use flate2::read::ZlibDecoder;
 
 use crate::error;
+use crate::format::matlab_array::sample_at_stated_rate;
 use crate::format::memory::Budget;
 use crate::format::reading::Reading;
 use crate::format::{MemoryLimit, Reader, Strictness, text};
@@ -44,6 +53,10 @@ use crate::{Contents, LabioError, Place};
 use element::{Cursor, Element, Origin};
 
 const FORMAT: &str = "mat5";
+
+/// Property of the contents with the variable from which the sampling rate is taken, such as
+/// ``variable `fs`, in Hz``; also in files of Octave and of MATLAB 7.3.
+pub const RATE_SOURCE: &str = "source of the sampling rate";
 
 /// Bytes before the first variable.
 const HEADER_BYTES: usize = 128;
@@ -210,6 +223,8 @@ pub fn read_within(
     }
     if description.starts_with(beside::OF_WRITER) {
         beside::join(&mut reading.contents);
+    } else {
+        sample_at_stated_rate(&mut reading.contents);
     }
     Ok(reading.contents)
 }

@@ -1,7 +1,9 @@
 //! MATLAB arrays as series, for all versions of the file format.
 
+use super::mat5::RATE_SOURCE;
+use super::text;
 use crate::series::every;
-use crate::{Abscissa, Ordinate, Series, SeriesAxis, SeriesKind};
+use crate::{Abscissa, Contents, Ordinate, Series, SeriesAxis, SeriesKind};
 
 /// An array of numbers whose first axis varies fastest.
 #[derive(Debug, Clone, Copy)]
@@ -88,6 +90,67 @@ impl<'a> Array<'a> {
                 },
             }
         })
+    }
+}
+
+/// Names of variables with a sampling rate in Hz, in lower case and without `_`.
+const RATES: [&str; 6] = [
+    "fs",
+    "fsamp",
+    "samplerate",
+    "samplingrate",
+    "samplefrequency",
+    "samplingfrequency",
+];
+/// Names of variables with a sampling interval in s, in the same form.
+const INTERVALS: [&str; 3] = ["dt", "sampleinterval", "samplinginterval"];
+/// Lowest sampling rate \[Hz\] that is taken from a variable: a smaller number may be in kHz, and a
+/// longer interval in ms.
+const LOWEST_RATE: f64 = 1000.0;
+/// Largest relative difference of two statements of one rate.
+const SAME_RATE: f64 = 1e-6;
+
+/// Gives the series the times that follow from a variable with the name of a sampling rate or
+/// interval, and adds the property [`RATE_SOURCE`]. Without such a variable, for a rate below
+/// [`LOWEST_RATE`], if several variables contradict each other, and in a file with complex series,
+/// which are spectra, the contents do not change.
+pub(super) fn sample_at_stated_rate(contents: &mut Contents) {
+    let mut stated = contents.properties.iter().filter_map(|(key, value)| {
+        let (rate_hz, unit) = stated_rate(key, value)?;
+        Some((rate_hz, format!("variable `{key}`, in {unit}")))
+    });
+    let Some((rate_hz, source)) = stated.next() else {
+        return;
+    };
+    let is_same = |(other, _): (f64, String)| (other / rate_hz - 1.0).abs() < SAME_RATE;
+    let is_real = |series: &Series| matches!(series.ordinate, Ordinate::Real(_));
+    let is_usable = rate_hz.is_finite() && rate_hz >= LOWEST_RATE && stated.all(is_same);
+    if !(is_usable && contents.series.iter().all(is_real)) {
+        return;
+    }
+    for series in &mut contents.series {
+        series.abscissa = Abscissa::Even {
+            start: 0.0,
+            step: 1.0 / rate_hz,
+        };
+        series.abscissa_axis = text::axis("time", "s");
+    }
+    contents.properties.push((RATE_SOURCE.to_owned(), source));
+}
+
+/// Returns the sampling rate \[Hz\] that a variable states, and the unit of the variable; `None`
+/// for any other variable.
+fn stated_rate(variable: &str, value: &str) -> Option<(f64, &'static str)> {
+    let name = variable.rsplit('.').next().unwrap_or(variable);
+    let name = name.to_lowercase().replace('_', "");
+    let is_in = |names: &[&str]| names.contains(&name.as_str());
+    let number = || value.parse::<f64>().ok();
+    if is_in(&RATES) {
+        Some((number()?, "Hz"))
+    } else if is_in(&INTERVALS) {
+        Some((1.0 / number()?, "s"))
+    } else {
+        None
     }
 }
 

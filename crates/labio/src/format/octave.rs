@@ -5,7 +5,7 @@
 //!
 //! | variable | becomes |
 //! |---|---|
-//! | numbers, text, structures and cell arrays | as in a MATLAB file: [`mat5`](super::mat5) |
+//! | numbers, text, structures and cell arrays | as in a MATLAB file, with the sampling rate: [`mat5`](super::mat5) |
 //! | range `0:1e-5:1` | series of the values of the range |
 //! | missing value `NA` | NaN |
 //!
@@ -83,6 +83,7 @@ impl Reader for OctaveText {
         while file.is_before_name()? {
             file.element(|file, name| file.variable(name.to_owned(), 0))?;
         }
+        matlab_array::sample_at_stated_rate(&mut file.reading.contents);
         Ok(file.reading.contents)
     }
 }

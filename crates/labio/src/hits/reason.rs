@@ -224,7 +224,10 @@ impl fmt::Display for Reason {
                 write!(f, " between {} and {}", Short(*least), Short(*greatest))
             }
             Self::CutAtStart { missing } => {
-                write!(f, "{missing} samples are missing before it")
+                write!(
+                    f,
+                    "{missing} samples are missing before it; start the record earlier, by a pre-trigger of about a tenth of its length"
+                )
             }
             Self::CutAtEnd { missing } => {
                 write!(f, "{missing} samples are missing after it")
@@ -440,7 +443,7 @@ mod tests {
         no hit: the largest excursion of `force` is 0.500, its noise 0.123
         not triggered: `force` never passes 10.00; its values are between -0.250 and 9.500
         not triggered: `force` is never on the other side of 10.00 by the hysteresis of 1.000 before it passes this level; its values are between 9.500 and 300.0
-        cut at the start: 12 samples are missing before it
+        cut at the start: 12 samples are missing before it; start the record earlier, by a pre-trigger of about a tenth of its length
         cut at the end: 7 samples are missing after it
         lost samples: `force` has no number at sample 9
         dead channel: `force` is 0.000 throughout

@@ -25,6 +25,7 @@ const fn dimension([length, mass, time, current, temperature]: [i8; 5]) -> Dimen
 
 const NUMBER: Dimension = dimension([0, 0, 0, 0, 0]);
 const LENGTH: Dimension = dimension([1, 0, 0, 0, 0]);
+const VOLUME: Dimension = dimension([3, 0, 0, 0, 0]);
 const MASS: Dimension = dimension([0, 1, 0, 0, 0]);
 const TIME: Dimension = dimension([0, 0, 1, 0, 0]);
 const CURRENT: Dimension = dimension([0, 0, 0, 1, 0]);
@@ -50,6 +51,7 @@ const PREFIXABLE: &[(&[&str], Dimension, f64, f64)] = &[
         1.0,
         1.0,
     ),
+    (&["l", "L"], VOLUME, 1.0, 1000.0),
     (&["gram"], MASS, 1.0, 1000.0),
     (&["A", "Amps"], CURRENT, 1.0, 1.0),
     (&["K", "Kelvins"], TEMPERATURE, 1.0, 1.0),
@@ -85,6 +87,7 @@ const WHOLE: &[(&[&str], Dimension, f64, f64, f64)] = &[
     // international yard and pound agreement (1959)
     (&["in", "inch", "Inches"], LENGTH, 254.0, 10_000.0, 0.0),
     (&["ft"], LENGTH, 3048.0, 10_000.0, 0.0),
+    (&["cc"], VOLUME, 1.0, 1e6, 0.0),
     (&["lbm"], MASS, 45_359_237.0, 1e8, 0.0),
     // 0.45359237 kg times 9.80665 m/s^2
     (&["lbf"], FORCE, 44_482_216_152_605.0, 1e13, 0.0),

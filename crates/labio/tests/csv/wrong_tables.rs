@@ -24,7 +24,7 @@ fn what_is_wrong_is_said_with_its_place() {
     the csv file contains no data
     the csv file contains no data
     csv, line 1: table is not found, expected rows of numbers within the first 1000 lines
-    csv, line 1: comma is either a separator or a decimal mark, expected names above the numbers, or an explicit dialect
+    csv, line 1: comma is either a separator or a decimal mark, expected names above the numbers, such as `time,force`, if commas separate the columns, or decimal points if they do not; a program can state `separator` and `decimal_mark` of a `CsvDialect`
     csv, line 3, column 2: cell is `oops`, expected a number
     csv, line 4: row is `2,3`, expected a row of 3 numbers
     csv, line 4, column 2: cell is a number below an empty cell, expected no empty cell above it in the column

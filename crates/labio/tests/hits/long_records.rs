@@ -48,7 +48,7 @@ fn a_long_record_is_cut_into_hits_with_their_reasons() {
     insta::assert_snapshot!(log.to_string(), @r"
     hits in `force`: 5 found, 2 accepted
         1      2.0052 s  rejected
-                          cut at the start: 348 samples are missing before it
+                          cut at the start: 348 samples are missing before it; start the record earlier, by a pre-trigger of about a tenth of its length
         2      3.0002 s  accepted
         3      4.5002 s  accepted
         4      6.0002 s  rejected

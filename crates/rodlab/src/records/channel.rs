@@ -77,7 +77,7 @@ impl BridgeSheet {
     expecting = "found neither a channel nor a column, expected its number from 1 or its name in quotes"
 )]
 pub enum Selector {
-    /// Number, from 1.
+    /// Number, from 1; a column of times is not counted.
     Number(usize),
     /// Name.
     Name(String),

@@ -1,7 +1,8 @@
 //! Statements of a file about its channels, completed by statements of the sheet.
 
+use labio::format::mat5::RATE_SOURCE;
 use labio::format::uff58::response;
-use labio::{Abscissa, Contents, Dimension, Series, SeriesAxis, Unit};
+use labio::{Abscissa, Contents, Dimension, LabioError, Series, SeriesAxis, Unit};
 
 use super::{Records, Selector};
 use crate::RodlabError;
@@ -28,16 +29,38 @@ pub(crate) fn step_without_unit(series: &Series) -> Option<f64> {
     }
 }
 
-/// A unit of the sheet that replaces another unit, which some of the files state.
+/// Returns true for repeated times in a table, whose digits do not determine the step.
+pub(crate) fn is_rounded_step(error: &LabioError) -> bool {
+    // the name of a worksheet comes before that of the field
+    matches!(
+        error,
+        LabioError::Malformed { field, found, .. }
+            if field.ends_with("abscissa") && found.starts_with("repeated values")
+    )
+}
+
+/// Returns the error for times of `file` that need a stated sampling rate; `are` describes them.
+fn rate_needed(field: &str, file: &str, are: &str) -> RodlabError {
+    RodlabError::request(
+        format!("{field}.sampling_rate"),
+        "not stated",
+        format!(
+            "the sampling rate, such as \"51.2 kHz\", that gives all times within half a step: those of {file} are {are}"
+        ),
+    )
+}
+
+/// A doubtful statement of some of the files: a unit that the sheet replaces by another, or a
+/// sampling rate.
 #[derive(Debug)]
-pub(super) struct ReplacedUnit {
-    /// The files that state the other unit.
+pub(super) struct FileStatement {
+    /// The files with this statement.
     files: Vec<String>,
     /// Words after "the file states".
     statement: String,
 }
 
-impl ReplacedUnit {
+impl FileStatement {
     /// Adds `file` to the files with this statement.
     fn note(all: &mut Vec<Self>, file: &str, statement: String) {
         match all.iter_mut().find(|one| one.statement == statement) {
@@ -70,7 +93,26 @@ fn has_time_column(contents: &Contents) -> bool {
         && series.any(|series| series.abscissa_axis.label != "index")
 }
 
+/// Returns the variable from which the sampling rate of a MATLAB file is taken.
+fn rate_source(contents: &Contents) -> Option<&str> {
+    let mut properties = contents.properties.iter();
+    let found = properties.find(|(key, _)| key == RATE_SOURCE);
+    found.map(|(_, source)| source.as_str())
+}
+
 impl Records {
+    /// Returns the error about `file`, which could not be read. For rounded times without a stated
+    /// sampling rate, it asks for the rate.
+    pub(super) fn not_read(&self, error: LabioError, file: &str, field: &str) -> RodlabError {
+        if let LabioError::Malformed { found, .. } = &error
+            && self.sampling_rate.is_none()
+            && is_rounded_step(&error)
+        {
+            return rate_needed(field, file, &format!("rounded ({found})"));
+        }
+        RodlabError::step(format!("reading {file}"), error)
+    }
+
     /// Adds to `contents` the sampling rate and the units that the sheet states and `file` does not
     /// record. Returns the series of every channel of the sheet, which are several if a file
     /// contains several hits.
@@ -79,8 +121,14 @@ impl Records {
         contents: &mut Contents,
         file: &str,
         field: &str,
-        replaced: &mut Vec<ReplacedUnit>,
+        statements: &mut Vec<FileStatement>,
     ) -> Result<Vec<Vec<usize>>, RodlabError> {
+        if let (None, Some(source)) = (&self.sampling_rate, rate_source(contents)) {
+            let statement = format!(
+                "the sampling rate only as the {source}; `sampling_rate` in the sheet confirms it."
+            );
+            FileStatement::note(statements, file, statement);
+        }
         let mut chosen = Vec::with_capacity(self.channels.len());
         for (at, channel) in self.channels.iter().enumerate() {
             let series = meant(contents, &channel.from);
@@ -99,7 +147,7 @@ impl Records {
                 };
                 let hint = match &channel.from {
                     Selector::Number(_) if has_time_column(contents) => {
-                        "; the time column is not counted"
+                        "; the column of times is not counted: channel 1 is the first column after it"
                     }
                     _ => "",
                 };
@@ -122,7 +170,7 @@ impl Records {
             }
             for &index in &series {
                 self.complete_time(contents, index, file, field)?;
-                self.complete_unit(contents, index, at, file, field, replaced)?;
+                self.complete_unit(contents, index, at, file, field, statements)?;
             }
             chosen.push(series);
         }
@@ -140,25 +188,30 @@ impl Records {
         file: &str,
         field: &str,
     ) -> Result<(), RodlabError> {
+        let (by, remedy) = match rate_source(contents) {
+            Some(source) => (
+                format!(" ({source})"),
+                "; if the variable is wrong, save the file without it",
+            ),
+            None => (String::new(), ""),
+        };
         let series = &mut contents.series[index];
         let told = series.abscissa_axis.unit.as_ref();
         let Some(rate) = &self.sampling_rate else {
             let of_time = told.is_some_and(|unit| unit.dimension() == Dimension::TIME);
             if of_time && matches!(series.abscissa, Abscissa::Uneven(_)) {
-                return Err(RodlabError::request(
-                    format!("{field}.sampling_rate"),
-                    "not stated",
-                    format!(
-                        "the sampling rate, such as \"51.2 kHz\", that gives all times within half a step: those of {file} are not evenly spaced"
-                    ),
-                ));
+                return Err(rate_needed(field, file, "not evenly spaced"));
             }
-            return if told.is_none() && series.abscissa_axis.unit_text.is_empty() {
+            return if told.is_none() {
                 let told = step_without_unit(series).map_or_else(
                     || "does not state it".to_owned(),
                     |step| {
+                        let without = match series.abscissa_axis.unit_text.as_str() {
+                            "" => "without a unit".to_owned(),
+                            unit => format!("in `{unit}`, which is not a known unit"),
+                        };
                         format!(
-                            "has times without a unit; in s they give {} Hz",
+                            "has times {without}; in s they give {} Hz",
                             digits::rate(1.0 / step)
                         )
                     },
@@ -180,7 +233,7 @@ impl Records {
                         format!("{field}.sampling_rate"),
                         rate.to_string(),
                         format!(
-                            "{} Hz, as stated in {file}, or the field left out",
+                            "{} Hz, as stated in {file}{by}, or the field left out{remedy}",
                             digits::rate(told)
                         ),
                     ));
@@ -230,7 +283,7 @@ impl Records {
         at: usize,
         file: &str,
         field: &str,
-        replaced: &mut Vec<ReplacedUnit>,
+        statements: &mut Vec<FileStatement>,
     ) -> Result<(), RodlabError> {
         let axis = &mut contents.series[index].ordinate_axis;
         let channel = &self.channels[at];
@@ -264,8 +317,8 @@ impl Records {
                 ));
             }
             if told.dimension() != unit.dimension() {
-                ReplacedUnit::note(
-                    replaced,
+                FileStatement::note(
+                    statements,
                     file,
                     format!(
                         "{} in {}; the unit of the sheet is used instead, {}.",

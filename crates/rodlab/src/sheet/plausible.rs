@@ -5,7 +5,7 @@ use std::fmt::Display;
 
 use super::{Density, Exact, Frequency, Length, Ratio, Stated};
 use crate::RodlabError;
-use crate::digits::{hertz, short, significant};
+use crate::digits::{hertz, rate, short, significant};
 
 /// Wave speeds of solids \[m/s\], from soft foams to diamond.
 const WAVE_SPEEDS: [f64; 2] = [20.0, 20_000.0];
@@ -143,8 +143,21 @@ pub(crate) fn below_nyquist(
     Err(RodlabError::request(
         field,
         format!("`{stated}`"),
-        format!("at most {}, half the sampling rate", hertz(0.5 * rate_hz)),
+        format!(
+            "at most {}, half the sampling rate{}",
+            hertz(0.5 * rate_hz),
+            without_kilo(rate_hz, stated.si()).unwrap_or_default()
+        ),
     ))
+}
+
+/// Returns a question, after "sampling rate", about a rate \[Hz\] that is probably stated without
+/// the k of kHz: it is below 1 kHz, and half of it in kHz is enough for `highest_hz`, but half of
+/// it in Hz is not. Returns `None` for any other rate.
+pub(crate) fn without_kilo(rate_hz: f64, highest_hz: f64) -> Option<String> {
+    let is_without = rate_hz < 1e3 && (0.5 * rate_hz..=500.0 * rate_hz).contains(&highest_hz);
+    let number = rate(rate_hz);
+    is_without.then(|| format!(" of {number} Hz: did you mean {number} kHz?"))
 }
 
 /// Checks the number of `what` that is stated at `field`.
@@ -207,6 +220,11 @@ mod tests {
             said(band(44_100.0)),
             "band.to is `25.6 kHz`, expected at most 22.05 kHz, half the sampling rate"
         );
+        assert_eq!(
+            said(band(51.2)),
+            "band.to is `25.6 kHz`, expected at most 25.6 Hz, half the sampling rate of 51.2 Hz: did you mean 51.2 kHz?"
+        );
+        assert!(!said(band(44.1)).contains("did you mean"));
         assert!(at_most(f64::NAN, 10.0, "cells", "cell").is_err());
         let said = at_most(1e9, 2000.0, "cells", "cell")
             .unwrap_err()

@@ -286,6 +286,12 @@ fn what_is_wrong_with_a_sheet_is_said_with_its_field() {
         of(r#"weighed_mass: (mass: "2 kg", below: "20 Hz", fitted_to: "10 Hz"),"#),
         of("colour: 3,"),
     ];
+    let slow = sheet_of("hit_*.npy", BAND).replace("8192 Hz", "8.192 Hz");
+    let slip = run(folder.path(), &slow).unwrap_err();
+    assert!(
+        slip.ends_with("at a sampling rate of 8.192 Hz: did you mean 8.192 kHz?"),
+        "{slip}"
+    );
     let text = sheet_of("hit_*.npy", "").replace(r#"input: "hammer""#, r#"input: "force""#);
     said.push(run(folder.path(), &text).unwrap_err());
     let text = sheet_of("hit_*.npy", "kind: Mobility,").replace("100 mV/g", "100 mV/Pa");

@@ -18,6 +18,17 @@ fn one_hit_without_a_known_silence_is_not_allowed() {
     };
     insta::assert_snapshot!(reason, @"1 hit is accepted of 1 found, expected at least 2: the coherence of a single hit is always 1. If the file contains several hits, cut it by `source.hits.hits.cut`. Or state in `source.hits.silent` how long the record is silent before the blow; the errors of one hit are then determined there");
     assert_eq!(outcome.figures.len(), 1);
+
+    // the record begins 2 ms before the hit
+    let late = whole.replace("pre_trigger: \"1 ms\"", "pre_trigger: \"5 ms\"");
+    let outcome = run(folder.path(), &late).unwrap();
+    let Verdict::NotAllowed { reason } = &outcome.verdict else {
+        panic!("{:?}", outcome.summary)
+    };
+    assert!(
+        reason.contains("Record with a pre-trigger of about a tenth of the record"),
+        "{reason}"
+    );
 }
 
 #[test]
@@ -73,6 +84,25 @@ fn ends_that_are_interchanged_are_not_allowed_and_say_why() {
         "{:?}",
         outcome.summary
     );
+}
+
+#[test]
+fn a_unit_that_is_wrong_by_g_is_named() {
+    let folder = TempDir::new().unwrap();
+    virtual_rod::write_hits(folder.path(), 10, 1993);
+    let warnings = |text: &str| run(folder.path(), text).unwrap().warnings.join("\n");
+    let right = sheet(TWO_POINT, BAND);
+    let wrong = right.replace(
+        "(name: \"free end\", from: 2, unit: \"V\", sensitivity: \"0.5 mV/g\")",
+        "(name: \"free end\", from: 2, unit: \"V\", sensitivity: \"0.5 mV/(m/s2)\")",
+    );
+    assert!(!warnings(&right).contains("rigid body"));
+    let said = warnings(&wrong);
+    assert!(
+        said.contains("`struck end` moves 9.") && said.contains("wrong by a factor of 9.81"),
+        "{said}"
+    );
+    assert!(!said.contains("interchanged"), "{said}");
 }
 
 /// The loss factor is never known to 0.1 % here; E' is.

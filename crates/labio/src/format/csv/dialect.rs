@@ -266,7 +266,7 @@ pub(super) fn detect(text: &str) -> Result<CsvDialect, LabioError> {
             Place::Line(run.first_line),
             "comma",
             "either a separator or a decimal mark",
-            "names above the numbers, or an explicit dialect",
+            "names above the numbers, such as `time,force`, if commas separate the columns, or decimal points if they do not; a program can state `separator` and `decimal_mark` of a `CsvDialect`",
         ));
     }
     Ok(dialect)
@@ -318,7 +318,7 @@ mod tests {
     fn a_comma_that_may_be_either_is_refused() {
         assert_eq!(
             detect("0,914\n0,537\n").unwrap_err().to_string(),
-            "csv, line 1: comma is either a separator or a decimal mark, expected names above the numbers, or an explicit dialect"
+            "csv, line 1: comma is either a separator or a decimal mark, expected names above the numbers, such as `time,force`, if commas separate the columns, or decimal points if they do not; a program can state `separator` and `decimal_mark` of a `CsvDialect`"
         );
         // the cells look like four integers, but no integer is written 0033
         let decimals = "0,0644,0,7247\n0,0033,-0,3823\n";

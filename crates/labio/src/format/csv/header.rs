@@ -380,7 +380,9 @@ fn split_unit(name: &str) -> (String, String) {
     for (slash, _) in name.match_indices('/') {
         let (head, unit) = name.split_at(slash);
         let unit = unit.strip_prefix('/').unwrap_or(unit);
-        if !head.trim().is_empty() && is_unit(unit.trim()) && !is_unit(head.trim()) {
+        // x/L is a coordinate relative to a length, not x in litres
+        let is_length = matches!(unit.trim(), "l" | "L");
+        if !head.trim().is_empty() && is_unit(unit.trim()) && !is_length && !is_unit(head.trim()) {
             return split(head, unit);
         }
     }
@@ -415,6 +417,7 @@ mod tests {
             "at 0.15 m (1)",
             "Dev0/Ai0",
             "signal/voltage",
+            "x/L",
             "force_s",
             "time_of",
             "(s)",

@@ -1,6 +1,8 @@
 use num_complex::Complex64;
 
 use super::*;
+use crate::Abscissa;
+use crate::format::mat5::RATE_SOURCE;
 use crate::format::{read_bytes, recognise};
 
 const HEADER: &str = "# Created by Octave 8.4.0, Sat Nov 28 12:00:00 2026 UTC <user@host>\n";
@@ -57,8 +59,18 @@ fn a_workspace_is_read() {
             ("who(1,:)", "ab"),
             ("who(2,:)", "cd"),
             ("none", "empty, 0x0 double"),
-            ("on", "1")
+            ("on", "1"),
+            (RATE_SOURCE, "variable `fs`, in Hz")
         ]
+    );
+    let column = &contents.series[1];
+    let times = Abscissa::Even {
+        start: 0.0,
+        step: 1.0 / 51200.0,
+    };
+    assert_eq!(
+        (&column.abscissa, &*column.abscissa_axis.unit_text),
+        (&times, "s")
     );
     assert!(
         contents.properties[0]

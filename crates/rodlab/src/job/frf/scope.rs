@@ -7,6 +7,7 @@ use super::sheet::FrfSheet;
 use crate::RodlabError;
 use crate::digits::hertz;
 use crate::records::Records;
+use crate::sheet::plausible::without_kilo;
 
 /// The frequency range of the result.
 #[derive(Debug, Clone, Copy)]
@@ -103,10 +104,13 @@ pub(super) fn band_of(sheet: &FrfSheet, spectra: &AveragedSpectra) -> Result<Ban
         hertz(last)
     );
     if stated.from_hz >= stated.to_hz || stated.to_hz > last * (1.0 + 1e-9) {
+        let rate_hz = spacing * spectra.n_samples() as f64;
+        let slip = without_kilo(rate_hz, stated.to_hz);
+        let slip = slip.map(|slip| format!(", at a sampling rate{slip}"));
         return Err(RodlabError::request(
             "band",
             format!("from {} to {}", band.from, band.to),
-            range,
+            range + &slip.unwrap_or_default(),
         ));
     }
     if !frequency.iter().any(|f| stated.holds(*f)) {

@@ -1,5 +1,5 @@
-//! Mistakes in the sensors, such as a reversed or interchanged channel, that would explain why few
-//! lines are valid.
+//! Mistakes in the sensors: a wrong unit, or a reversed or interchanged channel that would explain
+//! why few lines are valid.
 
 use cmod::ModulusEstimate;
 use labio::ResponseRatio;
@@ -8,6 +8,7 @@ use num_complex::Complex64;
 use super::measured::{Measured, Spectra};
 use super::reasons::{lines, n_suitable};
 use super::{MethodSheet, ModulusSheet, estimate};
+use crate::digits::significant;
 
 /// Least factor by which the correction of a mistake must raise the number of known lines for the
 /// mistake to be reported.
@@ -41,18 +42,78 @@ const MISTAKES: [Mistake; 3] = [
     },
 ];
 
-/// Returns a sentence about a mistake in the sensors of a two-point measurement. Its correction
-/// would make E' known on three times as many lines, and on at least a quarter of those with a
-/// suitable wavelength. Returns `None` if there is no such mistake.
+/// Number of lines from which a wrong unit is recognised, the lowest ones.
+const LOWEST: usize = 5;
+/// Highest first line for a wrong unit to be recognised, as a multiple of the line spacing. A rod
+/// that is at rest at the end of the record moves almost as a rigid body at these frequencies.
+const HIGHEST_FIRST: f64 = 10.0;
+/// Largest relative error of these lines.
+const MOST_ERROR: f64 = 0.2;
+/// Factors between units that are easily mistaken, in words.
+const FACTORS: [(f64, &str); 2] = [
+    (9.80665, "9.81, as of g for m/s2, or a gain of 10"),
+    (1000.0, "1000"),
+];
+
+/// Returns a sentence about a unit that is wrong by one of [`FACTORS`]: both ends of a rigid body
+/// have the same motion, and a rod is hardly deformed on the lowest lines.
+fn wrong_unit(impacted: &str, free: &str, ratio: &ResponseRatio) -> Option<String> {
+    let [first, second, ..] = ratio.frequency_hz.as_slice() else {
+        return None;
+    };
+    if *first > HIGHEST_FIRST * (second - first) {
+        return None;
+    }
+    let lines = ratio.values.iter().zip(&ratio.variance).take(LOWEST);
+    let is_rigid = |(value, variance): &(&Complex64, &f64)| {
+        let is_known = variance.sqrt() < MOST_ERROR * value.norm();
+        is_known && value.re.abs() > 0.9 * value.norm()
+    };
+    let mut sizes: Vec<f64> = lines
+        .filter(is_rigid)
+        .map(|(value, _)| value.norm())
+        .collect();
+    if sizes.len() < LOWEST {
+        return None;
+    }
+    sizes.sort_by(f64::total_cmp);
+    let size = *sizes.get(LOWEST / 2)?;
+    // the struck end of an elastic rod moves less than the free end below the first resonance
+    let is_factor = |factor: f64| (0.8..1.1).contains(&(size / factor));
+    let (_, factor) = FACTORS
+        .iter()
+        .find(|(factor, _)| is_factor(*factor) || is_factor(1.0 / factor))?;
+    Some(format!(
+        "On the lowest lines, on which a rod moves as a rigid body, `{impacted}` moves {} times as much as `{free}`: the unit or the sensitivity of \
+         one of them is probably wrong by a factor of {factor}.",
+        significant(size, 2)
+    ))
+}
+
+/// Returns a sentence about a mistake in the sensors of a two-point measurement: a wrong unit, or a
+/// mistake whose correction would make E' known on three times as many lines, and on at least a
+/// quarter of those with a suitable wavelength. Returns `None` if there is no such mistake.
 pub(super) fn sensors(
     sheet: &ModulusSheet,
     measured: &Measured,
     spectra: &Spectra,
     found: &ModulusEstimate,
 ) -> Option<String> {
-    let (MethodSheet::TwoPoint { .. }, Spectra::Ratio(ratio)) = (&sheet.method, spectra) else {
+    let (
+        MethodSheet::TwoPoint {
+            impacted_end,
+            free_end,
+            ..
+        },
+        Spectra::Ratio(ratio),
+    ) = (&sheet.method, spectra)
+    else {
         return None;
     };
+    let wrong = wrong_unit(impacted_end, free_end, ratio);
+    if wrong.is_some() {
+        return wrong;
+    }
     let n_found = known(found);
     if 2 * n_found >= n_suitable(found) {
         return None;

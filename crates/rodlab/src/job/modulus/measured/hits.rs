@@ -114,12 +114,15 @@ pub(super) fn of_hits(
         1
     };
     if accepted.len() < fewest {
-        let rings = |hit: FoundHit<'_>| {
-            let mut reasons = hit.hit.reasons().iter();
-            reasons.any(|reason| matches!(reason, Reason::NotDecayed { .. }))
+        let all_have = |is: fn(&Reason) -> bool| {
+            let has = |hit: FoundHit<'_>| hit.hit.reasons().iter().any(is);
+            found.n_found() > 0 && found.hits().all(has)
         };
-        let why = if found.n_found() > 0 && found.hits().all(rings) {
+        let why = if all_have(|reason| matches!(reason, Reason::NotDecayed { .. })) {
             ": the hits end while the rod is still ringing. Record longer, until it is at rest"
+        } else if all_have(|reason| matches!(reason, Reason::CutAtStart { .. })) {
+            ": the records begin too late before the hits. Record with a pre-trigger of about a tenth of the record, or accept a complete hit by hand \
+             in `source.hits.hits.accept`"
         } else if fewest == FEWEST_HITS {
             ": the coherence of a single hit is always 1. If the file contains several hits, cut it by `source.hits.hits.cut`. Or state in \
              `source.hits.silent` how long the record is silent before the blow; the errors of one hit are then determined there"
