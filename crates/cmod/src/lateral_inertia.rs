@@ -20,7 +20,9 @@
 //! [`ErrorSource::PoissonRatio`]. To leading order this error is 2δν/ν times the correction. The
 //! errors of the specimen in the estimate are also propagated through the theory: errors of γ like
 //! the random errors, and a density that is wrong by 1 % makes the corrected modulus wrong by 1 %.
-//! The error of the correction due to the diameter, 2δD/D times the correction, is neglected.
+//! The diameter is another common error, D ∂E/∂D = 2E + γ ∂E/∂γ at constant γ, because the theories
+//! have the form E = ρω²D² G(γD). To leading order this error is 2δD/D times the correction. It is
+//! added to the error that the same diameter causes in the estimate.
 //!
 //! The bound on the effect of lateral inertia on the estimate ([`ErrorSource::LateralInertia`]) is
 //! replaced by the remaining error of the theory, [`LineCorrection::remaining_error`]. The lines
@@ -74,6 +76,8 @@ pub struct LateralInertia {
     density: f64,
     poisson_ratio: f64,
     poisson_ratio_uncertainty: f64,
+    /// Standard uncertainty of the diameter \[m\].
+    pub(crate) diameter_uncertainty: f64,
     theory: Option<Theory>,
 }
 
@@ -127,6 +131,9 @@ pub struct LineCorrection {
     pub apparent_modulus: Complex64,
     /// Derivative ∂E/∂ν at constant γ \[Pa\].
     pub by_poisson_ratio: Complex64,
+    /// Derivative ∂E/∂D at constant γ [Pa/m]; for a rectangle D is the diameter of the circle with
+    /// the same polar radius of gyration.
+    pub by_diameter: Complex64,
     /// Relative error of E' that remains after the correction, (E'_found - E')/E', for low losses.
     /// It is the bound on the common error [`ErrorSource::LateralInertia`] of the line. For a
     /// rectangle the value of a circle with the same polar radius of gyration is used, which is a
@@ -157,7 +164,7 @@ impl CorrectedEstimate {
 
 impl LateralInertia {
     /// Creates the correction for a round rod of `diameter` D \[m\], `density` ρ [kg/m³] and
-    /// `poisson_ratio` ν. All three are taken as exact.
+    /// `poisson_ratio` ν. All three are taken as exact, unless the uncertainty of ν or D is set.
     ///
     /// # Errors
     /// [`CmodError::NonPhysical`] unless diameter and density are finite and above 0 and 0 <= ν <=
@@ -202,6 +209,7 @@ impl LateralInertia {
             density,
             poisson_ratio,
             poisson_ratio_uncertainty: 0.0,
+            diameter_uncertainty: 0.0,
             theory: None,
         })
     }
@@ -213,6 +221,17 @@ impl LateralInertia {
     pub fn with_poisson_ratio_uncertainty(mut self, uncertainty: f64) -> Result<Self, CmodError> {
         self.poisson_ratio_uncertainty =
             check_not_negative("uncertainty of Poisson's ratio", uncertainty)?;
+        Ok(self)
+    }
+
+    /// Sets the standard uncertainty of the diameter D \[m\]; for a rectangle, that of the circle
+    /// with the same polar radius of gyration.
+    ///
+    /// # Errors
+    /// [`CmodError::NonPhysical`] unless the uncertainty is finite and not negative.
+    pub fn with_diameter_uncertainty(mut self, uncertainty: f64) -> Result<Self, CmodError> {
+        self.diameter_uncertainty =
+            check_not_negative("uncertainty of the diameter [m]", uncertainty)?;
         Ok(self)
     }
 
@@ -284,6 +303,7 @@ impl LateralInertia {
                 wavelength_in_diameters: in_diameters,
                 apparent_modulus: line.modulus,
                 by_poisson_ratio: corrected.by_poisson_ratio,
+                by_diameter: corrected.by_relative_diameter(line) / diameter,
                 remaining_error,
             };
             let shifts = self.shifts(line, &corrected, &correction);
@@ -298,8 +318,8 @@ impl LateralInertia {
         })
     }
 
-    /// Returns the common errors added by the correction, which are due to Poisson's ratio and to
-    /// the theory itself.
+    /// Returns the common errors added by the correction, which are due to the diameter, to
+    /// Poisson's ratio and to the theory itself.
     fn shifts(
         &self,
         line: &ModulusLine,
@@ -307,6 +327,13 @@ impl LateralInertia {
         correction: &LineCorrection,
     ) -> Vec<SystematicShift> {
         let mut shifts = Vec::new();
+        if self.diameter_uncertainty > 0.0 && corrected.is_corrected {
+            shifts.push(SystematicShift::new(
+                ErrorSource::Diameter,
+                correction.by_diameter * self.diameter_uncertainty,
+                Complex64::ZERO,
+            ));
+        }
         let uncertainty = self.poisson_ratio_uncertainty;
         if uncertainty > 0.0 && corrected.is_corrected {
             let first = corrected.by_poisson_ratio * uncertainty;
@@ -377,6 +404,11 @@ impl Corrected {
         })
     }
 
+    /// Returns D ∂E/∂D \[Pa\] at constant γ, 2E + γ ∂E/∂γ; 0 without a correction.
+    fn by_relative_diameter(&self, line: &ModulusLine) -> Complex64 {
+        2.0 * (self.modulus - self.factor * line.modulus)
+    }
+
     /// Propagates a common error of the apparent modulus to the corrected modulus. Errors that act
     /// through γ are multiplied by the factor of the random errors, and a relative error of the
     /// modulus remains the same relative error of the corrected modulus.
@@ -413,7 +445,16 @@ impl Corrected {
             .filter(|shift| shift.source != ErrorSource::LateralInertia)
             .map(|shift| self.through(shift, line))
             .collect();
-        systematic.extend(shifts);
+        for shift in shifts {
+            // the error of the diameter in the estimate and in the correction is one error
+            match systematic
+                .iter_mut()
+                .find(|known| known.source == shift.source)
+            {
+                Some(known) => known.modulus += shift.modulus,
+                None => systematic.push(shift),
+            }
+        }
         let uncertainty = Uncertainty::new(random, systematic, degrees_of_freedom)
             .with_own_degrees_of_freedom(own_degrees_of_freedom);
         let corrected = ModulusLine {
@@ -462,6 +503,12 @@ mod tests {
                 .unwrap_err()
                 .to_string(),
             "uncertainty of Poisson's ratio is NaN, expected a finite value, 0 or above"
+        );
+        assert_eq!(
+            rod.with_diameter_uncertainty(-1e-5)
+                .unwrap_err()
+                .to_string(),
+            "uncertainty of the diameter [m] is -0.00001, expected a finite value, 0 or above"
         );
     }
 }

@@ -8,8 +8,9 @@ use cmod::estimate::{ErrorSource, ModulusEstimate};
 use cmod::lateral_inertia::CorrectedEstimate;
 use cmod::rheology::{FitOptions, Law, ModulusData, RheologicalFit};
 use cmod::section_ratio::RatioLines;
+use cmod::two_point::SpecimenUncertainty;
 use cmod::validity::{AcceptanceLimits, Violation};
-use cmod::{LateralInertia, PulsedRod, SectionUncertainty, SeparatePulses};
+use cmod::{LateralInertia, PulsedRod, SectionUncertainty, SeparatePulses, Specimen, TwoPoint};
 use num_complex::Complex64;
 use rodwave::modulus::{ComplexModulus, ConstantQ};
 use rodwave::slenderness::{PochhammerChree, RodTheory, RoundRod, Theory};
@@ -33,21 +34,26 @@ fn frequencies() -> Vec<f64> {
     (1..=24).map(|j| 2e3 * f64::from(j)).collect()
 }
 
-fn ratios(poisson_ratio: f64, frequency_hz: &[f64]) -> Vec<Complex64> {
+fn gammas(poisson_ratio: f64, frequency_hz: &[f64]) -> Vec<Complex64> {
     let theory = PochhammerChree::new(RoundRod {
         density: DENSITY,
         diameter: DIAMETER,
         poisson_ratio,
     })
     .unwrap();
-    let ratio = |f: &f64| {
+    let gamma = |f: &f64| {
         let omega = TAU * f;
         let gamma = theory
             .propagation_coefficient(material().at(omega), omega)
             .unwrap();
-        (-gamma.found().unwrap() * DISTANCE).exp()
+        gamma.found().unwrap()
     };
-    frequency_hz.iter().map(ratio).collect()
+    frequency_hz.iter().map(gamma).collect()
+}
+
+fn ratios(poisson_ratio: f64, frequency_hz: &[f64]) -> Vec<Complex64> {
+    let gammas = gammas(poisson_ratio, frequency_hz).into_iter();
+    gammas.map(|gamma| (-gamma * DISTANCE).exp()).collect()
 }
 
 fn apparent(ratio: &[Complex64], variance: f64) -> ModulusEstimate {
@@ -479,6 +485,70 @@ fn error_of_the_density_is_that_of_the_corrected_modulus() {
     }
 }
 
+/// Compares the error of the diameter with the difference between rods of other diameters. With a
+/// mass on the end, the error of the estimate and that of the correction are one error.
+#[test]
+fn error_of_the_diameter_is_that_of_the_estimate_and_of_the_correction_together() {
+    let uncertainty = 1e-4 * DIAMETER;
+    let frequency_hz: Vec<f64> = (2..=192).map(|j| 250.0 * f64::from(j)).collect();
+    let gammas = gammas(POISSON_RATIO, &frequency_hz);
+    for accelerometer_mass in [0.0, 2e-3] {
+        let specimen = |diameter: f64| Specimen {
+            length: DISTANCE,
+            diameter,
+            density: DENSITY,
+            accelerometer_mass,
+        };
+        let mass_ratio = specimen(DIAMETER).mass_ratio();
+        let ratio = |gamma: &Complex64| {
+            let x = gamma * DISTANCE;
+            x.cosh() + mass_ratio * x * x.sinh()
+        };
+        let ratio: Vec<Complex64> = gammas.iter().map(ratio).collect();
+        let corrected = |diameter: f64| {
+            let uncertain = SpecimenUncertainty {
+                diameter: uncertainty,
+                ..SpecimenUncertainty::default()
+            };
+            let estimate = TwoPoint::new(specimen(diameter))
+                .and_then(|method| method.with_limits(AcceptanceLimits::NONE))
+                .and_then(|method| method.with_specimen_uncertainty(uncertain))
+                .and_then(|method| method.estimate(&frequency_hz, &ratio, &vec![1e-8; ratio.len()]))
+                .unwrap();
+            LateralInertia::new(diameter, DENSITY, POISSON_RATIO)
+                .and_then(|inertia| inertia.with_diameter_uncertainty(uncertainty))
+                .and_then(|inertia| inertia.correct(&estimate))
+                .unwrap()
+        };
+        let stated = corrected(DIAMETER);
+        let (larger, smaller) = (
+            corrected(DIAMETER + uncertainty),
+            corrected(DIAMETER - uncertainty),
+        );
+        let others = larger.modulus().lines().iter();
+        let others = others.zip(smaller.modulus().lines());
+        let lines = stated.modulus().lines().iter().zip(others);
+        assert!(lines.len() > 180, "{}", lines.len());
+        for (line, (larger, smaller)) in lines.filter(|(line, _)| line.frequency_hz >= 2e3) {
+            assert!(larger.index == line.index && smaller.index == line.index);
+            let shifts = line.uncertainty.systematic.iter();
+            let of_diameter = shifts.filter(|shift| shift.source == ErrorSource::Diameter);
+            let of_diameter: Vec<Complex64> = of_diameter.map(|shift| shift.modulus).collect();
+            let [shift] = of_diameter.as_slice() else {
+                panic!("{of_diameter:?}");
+            };
+            let change = 0.5 * (larger.modulus - smaller.modulus);
+            // the third order is (δD/D)² = 1e-8 times up to 1e3 where the mass on the end matters
+            // most; the solutions are exact to some 1e-12
+            assert!(
+                (shift - change).norm() < 1e-4 * change.norm() + 1e-10 * line.modulus.norm(),
+                "{accelerometer_mass} kg, {} Hz: {shift:e}, {change:e}",
+                line.frequency_hz
+            );
+        }
+    }
+}
+
 /// The apparent modulus decreases for short waves, which the modulus of no relaxing material does.
 /// After removal of lateral inertia the causal estimate is the modulus of the material.
 #[test]
@@ -517,4 +587,11 @@ fn a_causal_estimate_is_that_of_the_material_behind_the_waves() {
     }
     let apparent = CausalEstimate::of_ratio(&method, &lines, None).unwrap();
     assert!(apparent.p_value() < 1e-6, "{}", apparent.p_value());
+    // the error of the diameter is one of those that the lines may determine
+    let theory = theory.with_diameter_uncertainty(0.01 * DIAMETER).unwrap();
+    let causal = CausalEstimate::of_ratio(&method, &lines, Some(&theory)).unwrap();
+    assert!(causal.p_value() > 0.01, "{}", causal.p_value());
+    let sources = causal.sources().iter();
+    let of_diameter = sources.filter(|found| found.source == ErrorSource::Diameter);
+    assert_eq!(of_diameter.count(), 1);
 }

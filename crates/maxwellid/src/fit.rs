@@ -120,6 +120,13 @@ pub(crate) struct Lowest<'a, M> {
     pub(crate) course: Course,
 }
 
+impl<M> Lowest<'_, M> {
+    /// Returns true if parameters and excitation no longer change each other.
+    pub(crate) fn has_settled(&self) -> bool {
+        !self.course.flags.contains(&FitFlag::Unsettled)
+    }
+}
+
 impl<M: RodModel> Fit<M> {
     /// Creates an identification of the parameters of `model`, a law or any other [`RodModel`]. The
     /// shape of a law is the starting value; the rate is scanned and E follows from the time of

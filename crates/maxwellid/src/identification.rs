@@ -471,8 +471,8 @@ impl<M: RodModel> Identification<M> {
             for (estimate, stated) in found.estimates.iter_mut().zip(&stated) {
                 let longer = self.longer_half(stated) / QUANTILE_95;
                 estimate.standard_error = estimate.standard_error.max(longer);
-                let is_large = !(estimate.standard_error < IDENTIFIED_BELOW);
-                if unsettled || is_large || self.exceeds_its_error(stated) {
+                let is_known = estimate.standard_error < IDENTIFIED_BELOW;
+                if unsettled || !is_known || self.exceeds_its_error(stated) {
                     estimate.verdict = Verdict::NotIdentifiable;
                 }
             }

@@ -139,8 +139,9 @@ pub fn profiles(
 
 impl<M: RodModel + Clone> Fit<M> {
     /// Identifies the model from all `tests` together, with the profiles of its parameters over the
-    /// ranges of `candidate`, in one and the same problem. If a profile finds a lower minimum the
-    /// fit continues from there: the estimate is the lowest point of its own profiles. A parameter
+    /// ranges of `candidate`, in one and the same problem. If a profile finds a lower point, the fit
+    /// continues from there. A point that is lower only with the excitation of the minimum, and by
+    /// less than the rise at the ends of the intervals, belongs to the intervals. A parameter
     /// counts as identified if its interval is closed; its standard error is at least that of the
     /// longer half of the interval.
     ///
@@ -173,17 +174,30 @@ impl<M: RodModel + Clone> Fit<M> {
         }
         for _ in 0..RESTARTS {
             let found = walked(&lowest, candidate, &prior)?;
-            let Some(below) = found.below else {
-                let identification = self.concluded(lowest);
-                let identification = identification.judged_by(&found.profiles);
-                return Ok((identification, found.profiles));
+            let next = match &found.below {
+                None => None,
+                Some((_, below)) => {
+                    let of_model = below.get(..expected).unwrap_or_default();
+                    let next = self.lowest_from(tests, of_model, lowest.course.clone())?;
+                    // a fit that has settled is preferred to one within its interval that has not
+                    let allowance = match (lowest.has_settled(), next.has_settled()) {
+                        (true, false) => found.threshold,
+                        (false, true) => -found.threshold,
+                        _ => 0.0,
+                    };
+                    let gain = value(&lowest.minimum) - value(&next.minimum);
+                    (gain > allowance).then_some(next)
+                }
             };
-            let of_model: Vec<f64> = below.into_iter().take(expected).collect();
-            let next = self.lowest_from(tests, &of_model, lowest.course.clone())?;
-            if value(&next.minimum) >= value(&lowest.minimum) {
-                break;
+            match next {
+                Some(next) => lowest = next,
+                None if found.is_lowest_within_interval() => {
+                    let identification = self.concluded(lowest);
+                    let identification = identification.judged_by(&found.profiles);
+                    return Ok((identification, found.profiles));
+                }
+                None => break,
             }
-            lowest = next;
         }
         let found = walked(&lowest, candidate, &prior)?;
         Ok((self.concluded(lowest).unsettled(), found.profiles))
@@ -204,7 +218,19 @@ type Below = (f64, Vec<f64>);
 struct Walked {
     profiles: Vec<Profile>,
     /// The lowest point below the minimum.
-    below: Option<Vec<f64>>,
+    below: Option<Below>,
+    /// Rise of χ² at the ends of the intervals.
+    threshold: f64,
+}
+
+impl Walked {
+    /// Returns true if no point is below the minimum by more than the intervals allow. A lower
+    /// point where a fit with renewed excitation does not stay belongs to the intervals, which
+    /// contain it.
+    fn is_lowest_within_interval(&self) -> bool {
+        let below = self.below.as_ref();
+        below.is_none_or(|(rise, _)| *rise > -self.threshold)
+    }
 }
 
 #[allow(
@@ -269,7 +295,8 @@ fn walked<M: RodModel>(
     }
     Ok(Walked {
         profiles,
-        below: below.map(|(_, parameters)| parameters),
+        below,
+        threshold,
     })
 }
 

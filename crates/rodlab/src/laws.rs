@@ -214,7 +214,7 @@ impl LawsSheet {
                     density: density.ok_or_else(|| {
                         RodlabError::request(
                             "laws.laws",
-                            "`PowerLaw`, a law of waves in a rod",
+                            "`power_law` (in RON `PowerLaw`), a law of waves in a rod",
                             "the density of the material as well",
                         )
                     })?,

@@ -96,13 +96,13 @@ impl Outcome {
     }
 
     /// States that the data do not allow an answer; `reason` is a clause without a full stop.
-    /// Earlier doubts become warnings, because they may explain this.
+    /// Earlier doubts become the first warnings, because they may explain this.
     pub fn refuse(&mut self, reason: impl Into<String>) {
         let reason = reason.into();
         let earlier = std::mem::replace(&mut self.verdict, Verdict::NotAllowed { reason });
         if let Verdict::InDoubt { reasons } = earlier {
-            self.warnings
-                .extend(reasons.iter().map(|one| sentence(one)));
+            let explaining = reasons.iter().map(|one| sentence(one));
+            self.warnings.splice(0..0, explaining);
         }
     }
 

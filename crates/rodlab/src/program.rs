@@ -1,6 +1,7 @@
 //! Execution of the command line, and its exit status.
 
-use std::io::{self, Write};
+use std::fs;
+use std::io::{self, IsTerminal, Write};
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 use std::sync::atomic::AtomicBool;
@@ -259,7 +260,12 @@ fn one_sheet(
         interrupted,
     );
     drop(bar);
-    let done = done.inspect_err(|error| retract(&command.sheet, &folder, error, err))?;
+    let done = done.inspect_err(|error| {
+        if command.is_own {
+            withdraw(&command.sheet, &folder, err);
+        }
+        retract(&command.sheet, &folder, error, err);
+    })?;
     let standing = done.outcome.verdict.standing();
     if json {
         out.write_all(done.json.as_bytes()).map_err(to_terminal)?;
@@ -274,11 +280,37 @@ fn one_sheet(
         let folder = folder.display();
         say(out, &format!("{standing}; {count} files in {folder}"))?;
     }
-    if standing != Standing::Answered {
-        let why = done.outcome.verdict.headline(&done.outcome.summary);
+    let why = done.outcome.verdict.headline(&done.outcome.summary);
+    let mut summary = done.outcome.summary.iter();
+    let is_printed = !quiet && !json && summary.any(|sentence| sentence.contains(&why));
+    if standing != Standing::Answered && !(is_printed && is_one_terminal()) {
         let _ = writeln!(err, "{standing}: {why}");
     }
     Ok(Ending::With(standing))
+}
+
+/// Returns true if the standard output and the standard error appear on a terminal, where one
+/// follows the other.
+fn is_one_terminal() -> bool {
+    io::stdout().is_terminal() && io::stderr().is_terminal()
+}
+
+/// Removes the sheet that this run has written itself, so that the corrected command writes its
+/// sheet under the same name. An earlier result in `folder` is that of another sheet, and stays.
+fn withdraw(sheet: &Path, folder: &Path, err: &mut dyn Write) {
+    if fs::remove_file(sheet).is_err() {
+        return;
+    }
+    let earlier = if output::holds_result(folder) {
+        format!("; the result in {} is an earlier one", folder.display())
+    } else {
+        String::new()
+    };
+    let _ = writeln!(
+        err,
+        "{}, the sheet of this command, was removed, because there is no result; `--save` keeps a sheet{earlier}",
+        sheet.display()
+    );
 }
 
 /// Replaces an earlier result in the folder of a sheet by the failure of this run. Otherwise the
@@ -506,6 +538,7 @@ fn demo(
             sheet,
             out: None,
             tables: TableFiles::default(),
+            is_own: false,
         };
         let is_last = job == JobName::Modulus;
         let quiet = arguments.quiet || (arguments.json && !is_last);

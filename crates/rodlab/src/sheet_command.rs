@@ -24,19 +24,25 @@ pub struct SheetCommand {
     /// Formats of the tables.
     #[command(flatten)]
     pub tables: TableFiles,
+    /// True for a sheet that this run has written under a name of its own choice. It is removed
+    /// again if there is no result.
+    #[arg(skip)]
+    pub is_own: bool,
 }
 
-/// A channel of recordings, such as `1:N` or `hammer:V:2.25 mV/N ± 1 %`.
+/// A channel of recordings, such as `1`, `1:N` or `hammer:V:2.25 mV/N ± 1 %`.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ChannelArgument {
     /// Number from 1, or name in the file.
     from: String,
-    unit: String,
+    /// Unit of the samples; by default that of the file.
+    unit: Option<String>,
     sensitivity: Option<String>,
 }
 
 /// Form of a channel, with examples.
-const FORM: &str = "CHANNEL:UNIT or CHANNEL:UNIT:SENSITIVITY, such as `2:m/s2` or `2:V:10.2 mV/g`";
+const FORM: &str =
+    "CHANNEL, CHANNEL:UNIT or CHANNEL:UNIT:SENSITIVITY, such as `2`, `2:m/s2` or `2:V:10.2 mV/g`";
 
 impl FromStr for ChannelArgument {
     type Err = String;
@@ -47,7 +53,9 @@ impl FromStr for ChannelArgument {
             (Some(_), Some(_), Some(sensitivity)) if is_pure_number(&sensitivity) => Err(format!(
                 "the sensitivity `{sensitivity}` has no unit, expected {FORM}"
             )),
-            (Some(from), Some(unit), sensitivity) if !from.is_empty() && !unit.is_empty() => {
+            (Some(from), unit, sensitivity)
+                if !from.is_empty() && unit.as_ref().is_none_or(|unit| !unit.is_empty()) =>
+            {
                 Ok(Self {
                     from,
                     unit,
@@ -91,12 +99,12 @@ pub struct FrfCommand {
     /// The test sheet, or recordings together with `--input` and `--output`.
     #[arg(required = true, value_name = "SHEET|RECORDINGS")]
     files: Vec<PathBuf>,
-    /// Channel of the force in the recordings, such as 1:N or "1:V:2.25 mV/N". In a table,
-    /// channel 1 is the first column after the times.
-    #[arg(long, value_name = "CHANNEL:UNIT[:SENSITIVITY]", requires = "output")]
+    /// Channel of the force in the recordings, such as 1:N or "1:V:2.25 mV/N"; without a unit, that
+    /// of the file. In a table, channel 1 is the first column after the times.
+    #[arg(long, value_name = "CHANNEL[:UNIT[:SENSITIVITY]]", requires = "output")]
     input: Option<ChannelArgument>,
     /// Channel of a motion, such as 2:m/s2; repeat the option for further motions.
-    #[arg(long, value_name = "CHANNEL:UNIT[:SENSITIVITY]", requires = "input")]
+    #[arg(long, value_name = "CHANNEL[:UNIT[:SENSITIVITY]]", requires = "input")]
     output: Vec<ChannelArgument>,
     #[command(flatten)]
     recordings: Recordings,
@@ -108,16 +116,20 @@ pub struct ModulusCommand {
     /// The test sheet, or recordings of both ends of a rod together with `--impacted` and `--free`.
     #[arg(required = true, value_name = "SHEET|RECORDINGS")]
     files: Vec<PathBuf>,
-    /// Channel of the struck end, such as 1:m/s2 or "1:V:10.2 mV/g". In a table, channel 1 is the
-    /// first column after the times.
+    /// Channel of the struck end, such as 1:m/s2 or "1:V:10.2 mV/g"; without a unit, that of the
+    /// file. In a table, channel 1 is the first column after the times.
     #[arg(
         long,
-        value_name = "CHANNEL:UNIT[:SENSITIVITY]",
+        value_name = "CHANNEL[:UNIT[:SENSITIVITY]]",
         requires_all = ["free", "length", "diameter", "density"]
     )]
     impacted: Option<ChannelArgument>,
     /// Channel of the free end.
-    #[arg(long, value_name = "CHANNEL:UNIT[:SENSITIVITY]", requires = "impacted")]
+    #[arg(
+        long,
+        value_name = "CHANNEL[:UNIT[:SENSITIVITY]]",
+        requires = "impacted"
+    )]
     free: Option<ChannelArgument>,
     /// Length of the rod, such as "799 mm ± 0.3 mm".
     #[arg(long, requires = "impacted")]
@@ -239,6 +251,7 @@ impl Recordings {
             sheet,
             out: self.out.clone(),
             tables: self.tables,
+            is_own: false,
         }
     }
 
@@ -286,13 +299,14 @@ impl Recordings {
                 Ok(number) => number.to_string(),
                 Err(_) => quoted(&channel.from),
             };
-            _ = write!(
-                text,
-                "    {{ name = \"{name}\", from = {from}, unit = {}",
-                quoted(&channel.unit)
-            );
-            if let Some(sensitivity) = &channel.sensitivity {
-                _ = write!(text, ", sensitivity = {}", quoted(sensitivity));
+            _ = write!(text, "    {{ name = \"{name}\", from = {from}");
+            for (field, value) in [
+                ("unit", &channel.unit),
+                ("sensitivity", &channel.sensitivity),
+            ] {
+                if let Some(value) = value {
+                    _ = write!(text, ", {field} = {}", quoted(value));
+                }
             }
             text.push_str(" },\n");
         }
@@ -303,15 +317,18 @@ impl Recordings {
     /// `job.toml`, `job-2.toml`, … that no other sheet has. A file that already contains the same
     /// text is used.
     fn saved(&self, job: &str, text: &str) -> Result<SheetCommand, RodlabError> {
-        let written = |path: PathBuf| -> Result<PathBuf, RodlabError> {
+        let written = |path: PathBuf| -> Result<SheetCommand, RodlabError> {
             let is_there = path.exists() && input::read(&path)? == text.as_bytes();
             if !is_there {
                 output::write_new(&path, text.as_bytes())?;
             }
-            Ok(path)
+            Ok(SheetCommand {
+                is_own: !is_there && self.save.is_none(),
+                ..self.command(path)
+            })
         };
         if let Some(path) = &self.save {
-            return written(path.clone()).map(|path| self.command(path));
+            return written(path.clone());
         }
         let mut number = 1;
         loop {
@@ -321,7 +338,7 @@ impl Recordings {
             };
             match written(PathBuf::from(name)) {
                 Err(RodlabError::Exists { .. }) if number < MOST_SHEETS => number += 1,
-                path => return path.map(|path| self.command(path)),
+                done => return done,
             }
         }
     }
@@ -340,21 +357,22 @@ mod tests {
     use crate::arguments::{Arguments, Command};
 
     #[test]
-    fn a_channel_has_a_place_a_unit_and_maybe_a_sensitivity() {
+    fn a_channel_has_a_place_and_maybe_a_unit_and_a_sensitivity() {
         let parsed = |text: &str| text.parse::<ChannelArgument>();
         let channel = parsed("hammer:V:2.25 mV/N ± 1 %").unwrap();
         assert_eq!(
-            (channel.from.as_str(), channel.unit.as_str()),
-            ("hammer", "V")
+            (channel.from.as_str(), channel.unit.as_deref()),
+            ("hammer", Some("V"))
         );
         assert_eq!(channel.sensitivity.as_deref(), Some("2.25 mV/N ± 1 %"));
         assert_eq!(parsed("1:N").unwrap().sensitivity, None);
-        for text in ["", "1", ":N", "1:"] {
+        assert_eq!(parsed("1").unwrap().unit, None);
+        for text in ["", ":N", "1:"] {
             assert!(parsed(text).unwrap_err().contains("CHANNEL:UNIT"), "{text}");
         }
         assert_eq!(
             parsed("1:V:5").unwrap_err(),
-            "the sensitivity `5` has no unit, expected CHANNEL:UNIT or CHANNEL:UNIT:SENSITIVITY, such as `2:m/s2` or `2:V:10.2 mV/g`"
+            "the sensitivity `5` has no unit, expected CHANNEL, CHANNEL:UNIT or CHANNEL:UNIT:SENSITIVITY, such as `2`, `2:m/s2` or `2:V:10.2 mV/g`"
         );
         assert!(parsed("1:V:5 ± 1 %").is_err() && parsed("1:V:5 ± 0.1 mV/N").is_ok());
     }
@@ -410,7 +428,7 @@ mod tests {
             "--output",
             "2:m/s2",
             "--output",
-            "end B:m/s2",
+            "end B",
         ];
         let (text, parsed) = written(&frf).unwrap();
         insta::assert_snapshot!(text, @r#"
@@ -425,7 +443,7 @@ mod tests {
         channels = [
             { name = "input", from = 1, unit = "V", sensitivity = "2.25 mV/N ± 1 %" },
             { name = "output 1", from = 2, unit = "m/s2" },
-            { name = "output 2", from = "end B", unit = "m/s2" },
+            { name = "output 2", from = "end B" },
         ]
         "#);
         assert!(parsed.contains("/a \\\"b\\\" \\\\ 1.npy"), "{parsed}");

@@ -371,6 +371,40 @@ fn a_recording_is_inspected_and_converted() {
     );
 }
 
+/// The first channel has its unit from the file; the second has none.
+#[test]
+fn a_refused_command_without_a_sheet_leaves_no_sheet_and_the_earlier_result() {
+    let folder = folder_with(&[
+        ("hit.ron", FORCE),
+        (
+            "hit.csv",
+            "Time (s);force (N);b\n0;1;0\n0.001;2;1\n0.002;-1;0\n0.003;0.5;0\n",
+        ),
+    ]);
+    let first = rodlab(folder.path(), &["force", "hit.ron", "--out", "results"]);
+    assert!(first.status.success(), "{}", text(&first.stderr));
+    let result = folder.path().join("results/result.json");
+    let earlier = fs::read(&result).unwrap();
+    let call = ["frf", "hit.csv", "--input", "1", "--output", "2"];
+    let said = refused(folder.path(), &[&call[..], &["--out", "results"]].concat());
+    for part in [
+        "frf.toml, the sheet of this command, was removed",
+        "the result in results is an earlier one",
+        "error: records.channels[1].unit is not stated",
+    ] {
+        assert!(said.contains(part), "{part} is not in\n{said}");
+    }
+    assert!(!folder.path().join("frf.toml").exists());
+    assert_eq!(fs::read(&result).unwrap(), earlier);
+    // a sheet with a name of the user's choice, and one that was there before, stay
+    refused(
+        folder.path(),
+        &[&call[..], &["--save", "frf.toml"]].concat(),
+    );
+    refused(folder.path(), &call);
+    assert!(folder.path().join("frf.toml").is_file());
+}
+
 #[test]
 fn a_sheet_whose_files_are_missing_is_found_by_check() {
     // every template names recordings that are not there, but for those of virtual tests and of two

@@ -631,7 +631,7 @@ fn what_is_wrong_with_a_plan_is_said() {
     ]
     .map(|text| refused(&text).lines().next().unwrap_or_default().to_owned());
     insta::assert_snapshot!(errors.join("\n"), @r#"
-    instrument is missing, expected at least `(sampling_rate: .., length: ..)`: this experiment is recorded
+    instrument is missing, expected at least its fields `sampling_rate` and `length`: this experiment is recorded
     experiment: EndAccelerations.material is `nylon`, expected one of the materials `polypropylene`, `steel`
     experiment: EndAccelerations.material is `polypropylene`, whose law is known for real frequencies only, expected a material with a causal law: a history is computed
     instrument.length is 2 ms, expected more than `before`, 0.002 s, and 40 samples

@@ -74,7 +74,11 @@ fn measure(
         let spacing = TOP / f64::from(n_frequencies);
         bencher.iter(|| {
             (1..=n_frequencies)
-                .map(|line| chain.mobility(black_box(spacing * f64::from(line))).unwrap())
+                .map(|line| {
+                    chain
+                        .mobility(black_box(spacing * f64::from(line)))
+                        .unwrap()
+                })
                 .sum::<Complex64>()
         });
     });

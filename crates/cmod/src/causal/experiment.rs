@@ -38,12 +38,28 @@ struct Inertia {
     factor: Complex64,
     /// Relative change of the modulus due to one standard uncertainty of Poisson's ratio.
     by_poisson_ratio: Complex64,
+    /// Relative change of the modulus due to one standard uncertainty of the diameter in the
+    /// correction.
+    by_diameter: Complex64,
 }
 
 const NO_INERTIA: Inertia = Inertia {
     factor: Complex64::ONE,
     by_poisson_ratio: Complex64::ZERO,
+    by_diameter: Complex64::ZERO,
 };
+
+impl Inertia {
+    /// Returns the relative change of the modulus due to one standard uncertainty of `source` in
+    /// the correction.
+    fn relative_change(&self, source: ErrorSource) -> Complex64 {
+        match source {
+            ErrorSource::PoissonRatio => self.by_poisson_ratio,
+            ErrorSource::Diameter => self.by_diameter,
+            _ => Complex64::ZERO,
+        }
+    }
+}
 
 /// Finds the material nearest to the lines of an `experiment` in the band of its valid lines. The
 /// experiment removes the errors of the `measured` sources from its data. If a theory of lateral
@@ -87,21 +103,24 @@ pub(crate) fn of_experiment(
         });
         enough(parts.len())?;
         let mut sources = sources_of(&about, measured);
+        if !inertia.is_empty() {
+            sources.push(ErrorSource::PoissonRatio);
+        }
+        let is_uncertain = |theory: &LateralInertia| theory.diameter_uncertainty > 0.0;
+        if lateral_inertia.is_some_and(is_uncertain) && !sources.contains(&ErrorSource::Diameter) {
+            sources.push(ErrorSource::Diameter);
+        }
         let pairs = || parts.iter().zip(&about);
-        let mut shifts: Vec<Vec<Complex64>> = sources
+        let shifts: Vec<Vec<Complex64>> = sources
             .iter()
             .map(|source| {
                 let shift = |(part, about): (&Part<'_>, &LinearisedLine)| {
-                    part.inertia.factor * shift_of(&about.shifts, *source).modulus
+                    let of_correction = part.inertia.relative_change(*source) * part.modulus;
+                    part.inertia.factor * shift_of(&about.shifts, *source).modulus + of_correction
                 };
                 pairs().map(shift).collect()
             })
             .collect();
-        if !inertia.is_empty() {
-            sources.push(ErrorSource::PoissonRatio);
-            let shift = |part: &Part<'_>| part.inertia.by_poisson_ratio * part.modulus;
-            shifts.push(parts.iter().map(shift).collect());
-        }
         let mut values: Vec<Value> = pairs()
             .map(|(part, about)| {
                 let factor = part.inertia.factor;
@@ -213,9 +232,11 @@ fn inertia_of_lines(corrected: &CorrectedEstimate) -> Vec<(usize, Inertia)> {
     with_effect
         .map(|(line, correction)| {
             let of_poisson = shift_of(&line.uncertainty.systematic, ErrorSource::PoissonRatio);
+            let diameter_uncertainty = corrected.settings().diameter_uncertainty;
             let inertia = Inertia {
                 factor: line.modulus / correction.apparent_modulus,
                 by_poisson_ratio: of_poisson.modulus / line.modulus,
+                by_diameter: correction.by_diameter * diameter_uncertainty / line.modulus,
             };
             (line.index, inertia)
         })

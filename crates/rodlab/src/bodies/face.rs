@@ -167,7 +167,7 @@ impl BodySheet {
             Self::Measured(_) => Err(RodlabError::request(
                 field,
                 "a measured body",
-                "one that is computed: `Chain`, `RigidMass`, `LongRod`, `Impedance` or an `Assembly` of them",
+                "one that is computed: a chain, a rigid mass, a long rod, an impedance or an assembly of them",
             )),
             Self::Assembly(assembly) => {
                 let member = |at: usize| assembly.computed_member(at, materials, field);

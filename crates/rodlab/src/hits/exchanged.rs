@@ -73,7 +73,7 @@ impl FoundHits {
         }
         Ok((2 * negative > hits.len()).then(|| {
             format!(
-                "The blows are negative in `{force}`: the sensor is reversed, if a positive force pushes; `inverted: true` of its channel corrects it."
+                "The blows are negative in `{force}`: the sensor is reversed, if a positive force pushes; `inverted` of its channel, stated as true, corrects it."
             )
         }))
     }

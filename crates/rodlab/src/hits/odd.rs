@@ -38,6 +38,8 @@ impl FoundHits {
 
     /// Compares each accepted hit like [`Self::compare`], but without the test for an exchanged
     /// input. It is used if `input` and `outputs` are all responses, of which none causes another.
+    /// With a single output only the ratio of two channels is compared, which does not tell in
+    /// which of the two the fault is: a reason for doubt then names both.
     ///
     /// # Errors
     ///
@@ -55,6 +57,10 @@ impl FoundHits {
             .into_iter()
             .filter_map(|(hit, reason)| Some((*numbers.get(hit)?, reason)))
             .collect();
+        let whose = match outputs {
+            [output] => format!("; the fault may be in `{output}` or in `{input}`"),
+            _ => String::new(),
+        };
         match self.odd {
             OddSheet::LeaveOut => {
                 for (number, reason) in odd {
@@ -65,7 +71,7 @@ impl FoundHits {
                 let found = self.hits().find(|found| found.number == number);
                 let name = found.map(|found| found.name()).unwrap_or_default();
                 format!(
-                    "{name} {reason}: reject it, state `odd: LeaveOut` among the hits, or find out why"
+                    "{name} {reason}{whose}: reject the hit, state `odd = \"leave_out\"` among the hits (in RON `odd: LeaveOut`), or find out why"
                 )
             })),
         }

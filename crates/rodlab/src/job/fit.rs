@@ -397,7 +397,7 @@ fn check(sheet: &FitSheet) -> Result<(), RodlabError> {
             return Err(RodlabError::request(
                 "laws.cards",
                 format!("requested, for the {}", kind.modulus()),
-                "`kind: Tension` or `kind: Bending`: cards are built from Young's modulus and Poisson's ratio",
+                "a `kind` of `tension` or `bending` (in RON `Tension` or `Bending`): cards are built from Young's modulus and Poisson's ratio",
             ));
         }
     }

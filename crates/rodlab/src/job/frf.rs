@@ -400,7 +400,7 @@ fn warn_of_windows(
     };
     if let Some(trend) = trend {
         outcome.warnings.push(format!(
-            "The {trend} of a hit contains part of its motion: removing it biases the response of `{output}`. Remove the level at rest (`detrend: Rest`)."
+            "The {trend} of a hit contains part of its motion: removing it biases the response of `{output}`. Remove the level at rest: state `detrend` as `rest` (in RON `Rest`)."
         ));
     }
     let Some(departure) = departure else {

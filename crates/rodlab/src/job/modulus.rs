@@ -273,6 +273,10 @@ pub(super) fn run_with(
     outcome.figures = std::mem::take(&mut measured.figures);
     outcome.summary.extend(measured.in_words.clone());
     outcome.warnings = std::mem::take(&mut measured.warnings);
+    // a fault of single hits may cause the later doubts, and is named before them
+    for doubt in &measured.doubts {
+        outcome.doubt(doubt.as_str());
+    }
     context.has_read_all(&outcome.inputs)?;
     let Some(spectra) = &measured.spectra else {
         let reason = measured.missing.clone();
@@ -315,9 +319,6 @@ pub(super) fn run_with(
         ..found
     };
 
-    for doubt in &measured.doubts {
-        outcome.doubt(doubt.as_str());
-    }
     match found.calibration {
         // a draw reports no results for the sensors: they would be those of the drawn sensors
         _ if context.draw.is_some() => {}

@@ -156,7 +156,7 @@ pub(crate) fn run(sheet: &RecoverySheet, context: &JobContext<'_>) -> Result<Out
     if sheet.monte_carlo.is_some() && sheet.error_scale == Some(ErrorScaleSheet::FromResidual) {
         return Err(RodlabError::request(
             "monte_carlo",
-            "requested together with `error_scale: FromResidual`",
+            "requested together with an `error_scale` from the residual",
             NEEDS_ERRORS,
         ));
     }

@@ -322,7 +322,7 @@ pub(crate) fn run(sheet: &SimulateSheet, context: &JobContext<'_>) -> Result<Out
         RodlabError::request(
             "instrument",
             "missing",
-            "at least `(sampling_rate: .., length: ..)`: this experiment is recorded",
+            "at least its fields `sampling_rate` and `length`: this experiment is recorded",
         )
     };
     let instrument = sheet.instrument.as_ref();

@@ -36,7 +36,7 @@ pub struct ChannelSheet {
     #[serde(default)]
     pub offset: f64,
     /// Delay of the samples of this channel relative to the other channels, such as `"5 us"` or
-    /// `"0 us ± 2 us"`.
+    /// `"0 us ± 2 us"`. A channel that is sampled late shows its signal early.
     #[serde(default)]
     pub time_skew: Option<Stated<Time>>,
     /// Coordinate of the sensor along the rod.

@@ -80,6 +80,18 @@ fn r11_the_page_has_the_word_of_its_standing_and_every_failed_check() {
     }
 }
 
+#[test]
+fn doubts_that_may_explain_a_missing_answer_are_the_first_warnings() {
+    let mut outcome = Outcome::of("modulus", "Rod 7");
+    outcome.warnings.push("No band is stated.".to_owned());
+    outcome.doubt("hit 6 departs from the others");
+    outcome.refuse("no line is valid");
+    assert_eq!(
+        outcome.warnings,
+        ["Hit 6 departs from the others.", "No band is stated."]
+    );
+}
+
 /// Returns a table of 1000 lines, of which the lines above 50 kHz are not valid.
 fn long_table() -> Table {
     let numbers = |name: &str, unit: &str, of: fn(f64) -> f64| {

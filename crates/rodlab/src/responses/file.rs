@@ -383,7 +383,7 @@ impl ResponseFile {
                 place,
                 "not stated",
                 format!(
-                    "the kind of the response, such as Mobility: {} states no known unit",
+                    "the kind of the response, such as `mobility` (in RON `Mobility`): {} states no known unit",
                     self.file
                 ),
             )),

@@ -24,7 +24,9 @@ pub(crate) fn wave_speed(speed: f64, unusual: bool, field: &str) -> Result<(), R
     Err(RodlabError::request(
         field,
         format!("a material whose modulus and density give a wave speed of {speed:.3e} m/s"),
-        format!("{least} to {most} m/s, or `unusual: true` next to the density if it is intended"),
+        format!(
+            "{least} to {most} m/s, or `unusual` as true next to the density if it is intended"
+        ),
     ))
 }
 

@@ -117,6 +117,25 @@ fn r11_an_inverted_sensor_is_in_doubt_in_one_word_everywhere() {
         "{said}"
     );
     assert!(said.contains("\nin doubt; "), "{said}");
+
+    // on a terminal, where both streams appear, the doubt is stated once
+    #[cfg(target_os = "linux")]
+    {
+        let program = env!("CARGO_BIN_EXE_rodlab");
+        let command = format!("{program} modulus campaign/inverted/modulus.ron --out single");
+        let terminal = Command::new("script")
+            .args(["-qec", &command, "/dev/null"])
+            .current_dir(folder.path())
+            .output()
+            .unwrap();
+        let said = text(&terminal.stdout);
+        assert_eq!(terminal.status.code(), Some(3), "{said}");
+        assert!(
+            said.contains("explained: the Kramers-Kronig check fails")
+                && !said.contains("in doubt: the Kramers-Kronig check fails"),
+            "{said}"
+        );
+    }
 }
 
 #[test]

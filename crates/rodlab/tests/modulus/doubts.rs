@@ -172,6 +172,20 @@ fn r10_hits_that_are_one_measurement_are_refused_or_in_doubt() {
         reasons[0].contains("hit 1, hits.npy at 0.0020 s and hit 3, more.npy at 0.0020 s has "),
         "{reasons:?}"
     );
+
+    // what they may cause is stated after them
+    let temperature = r#"temperature: (of_hits: ["20 degC", "21 degC", "22 degC", "23 degC"], reference: "20 degC", slope: "0.05 1/K ± 0.001 1/K"),"#;
+    let warming = two_files.replace(BAND, &format!("{BAND} {temperature}"));
+    let outcome = run(folder.path(), &warming).unwrap();
+    let Verdict::InDoubt { reasons } = &outcome.verdict else {
+        panic!("{:?}", outcome.summary)
+    };
+    let of_slope = "the stated change of the modulus with temperature, ";
+    assert!(
+        reasons[0].starts_with("the difference between hit ")
+            && reasons.iter().any(|reason| reason.starts_with(of_slope)),
+        "{reasons:?}"
+    );
 }
 
 #[test]
@@ -330,7 +344,7 @@ fn what_is_wrong_is_said() {
     source.ratio.errors.coherence.column (psi.csv) is `gamma`, expected one of the columns `real`, `imaginary`
     FOLDER/test.ron:1:253: Modulus.source.Ratio.errors.Relative.of_value: `1 mm` has the dimension of a length (m), expected a pure number, such as "0.094" or "9.4 %"
     source.ratio.values.complex (psi.csv) is `real`, a column of real numbers, expected complex numbers, or `real` and `imaginary` separately
-    method.free_end.first.quantity is missing, expected Strain, Displacement, Velocity or Acceleration: a ratio in a file does not state it
+    method.free_end.first.quantity is missing, expected `strain`, `displacement`, `velocity` or `acceleration` (in RON with a capital letter): a ratio in a file does not state it
     source.ratio.errors.standard_error.column, line 2 is -0.1, expected a standard error of 0 or more
     method.multi_point.gauges is empty, expected at least three gauges
     laws.most_lines is 0, expected at least 1

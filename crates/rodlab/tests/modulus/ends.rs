@@ -253,6 +253,20 @@ fn errors_of_the_sensors_are_found_and_taken_out() {
         reasons.contains("more than its stated uncertainty explains"),
         "{reasons}"
     );
+    // samples that were not late are moved to later times
+    let reasons = doubts(&with("0.5 mV/g", "6 us ± 1 us"));
+    assert!(
+        reasons.contains("the lines indicate another delay between the channels, ")
+            && reasons.contains("; state it as `time_skew` of a channel, such as "),
+        "{reasons}"
+    );
+    let unstated = run(folder.path(), &sheet(TWO_POINT, BAND)).unwrap();
+    let advice = "State it as the ± of the channels, such as `gain` \"1 ± 1 %\" and `time_skew` \"0 us ± 5 us\".";
+    assert!(
+        unstated.warnings.iter().any(|said| said.ends_with(advice)),
+        "{:?}",
+        unstated.warnings
+    );
 
     let text = sheet(TWO_POINT, BAND)
         .replace(
@@ -366,6 +380,30 @@ fn a_ratio_of_another_program_is_taken_with_its_coherence() {
         );
         assert!(without[line] >= with[line]);
     }
+    // the diameter is propagated through the correction, to leading order with twice its error, and
+    // has no effect without it
+    let uncertain = text.replace("\"10 mm\"", "\"10 mm ± 1 %\"");
+    let found = run(folder.path(), &uncertain).unwrap();
+    let of_diameter = numbers(&found, "budget", "diameter, of E'");
+    for (line, _) in is_valid(&found).iter().enumerate().filter(|(_, v)| **v) {
+        let expected = 2.0 * (1.0 - with[line] / without[line]);
+        // above λ = 15 D the next order is below 1 % of the correction, which is computed with an
+        // error of 1e-10 of E'
+        assert!(
+            (of_diameter[line] / expected - 1.0).abs() < 0.1,
+            "{} Hz: {} % {expected} %",
+            frequency[line],
+            of_diameter[line]
+        );
+    }
+    let correction = "    lateral_inertia: (poisson_ratio: \"0.40 ± 0.02\"),\n";
+    let refused = run(folder.path(), &uncertain.replace(correction, "")).unwrap_err();
+    let refused = refused.to_string();
+    assert!(
+        refused.starts_with("specimen.diameter is `10 mm ± 1 %`, expected the value without ±")
+            && refused.contains("nor a correction of lateral inertia"),
+        "{refused}"
+    );
     assert_eq!(outcome.inputs[0].path, "psi.csv");
     let again = run(folder.path(), text).unwrap();
     assert_eq!(

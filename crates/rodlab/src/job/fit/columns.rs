@@ -349,7 +349,7 @@ fn abscissae(
         return refused(
             field,
             "stated for a modulus over frequency",
-            "a modulus over time: `Relaxation`, `Creep` or `CreepModulus`",
+            "a modulus over time: `relaxation`, `creep` or `creep_modulus` (in RON `Relaxation`, `Creep` or `CreepModulus`)",
         );
     }
     match (&table.frequency, &table.angular_frequency, &table.time) {

@@ -103,7 +103,7 @@ pub(super) fn covariances(
         } else {
             (
                 "of a complex modulus",
-                "`OverTime(\"1 %\")`, or `Columns(...)` in the form of the modulus",
+                "`over_time` (in RON `OverTime`), such as \"1 %\", or `columns` (in RON `Columns`) in the form of the modulus",
             )
         };
         return Err(RodlabError::request(file.place("errors"), found, expected));

@@ -26,7 +26,7 @@ pub(super) fn run(
         return Err(RodlabError::request(
             "problem.contact",
             sheet.contact.in_words(),
-            "`Rigid`, or the `front_impedance` of the measured bodies: a compliant contact is computed by marching in time",
+            "`rigid` (in RON `Rigid`), or the `front_impedance` of the measured bodies: a compliant contact is computed by marching in time",
         ));
     }
     if let (false, Some(step)) = (marched, &sheet.time_step) {

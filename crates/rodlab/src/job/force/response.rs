@@ -170,7 +170,7 @@ pub(super) fn run(
             return Err(RodlabError::request(
                 place,
                 "unknown",
-                "`White` or `FromRest`: several responses are weighted by their noise",
+                "`white` or `from_rest` (in RON `White` or `FromRest`): several responses are weighted by their noise",
             ));
         }
     }

@@ -3,8 +3,8 @@
 use cmod::estimate::ErrorSource;
 use cmod::self_calibration::{CalibratedSource, SelfCalibration};
 
-use super::ModulusSheet;
 use super::measured::{Measured, Spectra};
+use super::{ModulusSheet, SourceSheet};
 use crate::Outcome;
 use crate::digits::{short, significant, with_unit};
 use crate::outcome::Quantity;
@@ -31,10 +31,15 @@ pub(super) fn state_none(outcome: &mut Outcome, sheet: &ModulusSheet, measured: 
         Some(Spectra::Ratio(_) | Spectra::Gauges(_))
     ) && sheet.method.channels().len() > 1
     {
-        outcome.warnings.push(
-            "No uncertainty of the sensors is stated: the errors include neither deviations of their sensitivities nor delays between the channels."
-                .to_owned(),
-        );
+        let advice = match &sheet.source {
+            SourceSheet::Hits { .. } => {
+                " State it as the ± of the channels, such as `gain` \"1 ± 1 %\" and `time_skew` \"0 us ± 5 us\"."
+            }
+            SourceSheet::Ratio(_) => "",
+        };
+        outcome.warnings.push(format!(
+            "No uncertainty of the sensors is stated: the errors include neither deviations of their sensitivities nor delays between the channels.{advice}"
+        ));
     }
 }
 
@@ -85,8 +90,14 @@ pub(super) fn state(
                 .by_lines_alone()
                 .unwrap_or((source.size, source.standard_error));
             let numbers = against_stated(stated * size, stated * error);
+            let advice = match source.source {
+                ErrorSource::Delay | ErrorSource::GaugeDelay(_) => {
+                    "; state it as `time_skew` of a channel, such as \"5 us ± 1 us\" if its signal is early, \"-5 us ± 1 us\" if it is late"
+                }
+                _ => "",
+            };
             outcome.doubt(format!(
-                "the lines indicate another {name}, {numbers}: more than its stated uncertainty explains"
+                "the lines indicate another {name}, {numbers}: more than its stated uncertainty explains{advice}"
             ));
         } else if source.standard_error < 0.5 {
             outcome.summary.push(format!(

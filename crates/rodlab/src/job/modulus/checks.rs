@@ -12,7 +12,7 @@ use serde::Deserialize;
 
 use super::measured::Spectra;
 use super::method::MethodSheet;
-use super::{Found, checked_band, estimate, gauges, rod};
+use super::{Found, SourceSheet, checked_band, estimate, gauges, rod};
 use crate::digits::{hertz, significant};
 use crate::outcome::{CHECK, LogEntry, Quantity};
 use crate::sheet::{Exact, Frequency, Ratio};
@@ -293,12 +293,31 @@ fn in_words(made: &CheckOutcome, found: &Found<'_>) -> String {
         _ => "a condition that any material satisfies is not met",
     };
     format!(
-        "the {} check fails{at}: {cause} ({})",
+        "the {} check fails{at}: {cause} ({}){}",
         made.check,
         if made.p_value < 1e-6 {
             "p below 1e-6".to_owned()
         } else {
             format!("p = {}", significant(made.p_value, 2))
-        }
+        },
+        against_delay(made.check, found)
     )
+}
+
+/// Returns the remedy if a delay between the channels of the sheet may be the cause of a failed
+/// check; empty otherwise.
+fn against_delay(check: Check, found: &Found<'_>) -> &'static str {
+    let is_of_hits = matches!(found.sheet.source, SourceSheet::Hits { .. });
+    if !is_of_hits || found.sheet.method.channels().len() < 2 {
+        return "";
+    }
+    match check {
+        Check::Passivity | Check::KramersKronig => {
+            "; state a possible delay as `time_skew` of the channel, such as \"0 us ± 5 us\": the lines then determine it if they can"
+        }
+        Check::Causality => {
+            "; if the signal of a channel is early, state `time_skew` of the channel, such as \"20 us ± 1 us\""
+        }
+        _ => "",
+    }
 }

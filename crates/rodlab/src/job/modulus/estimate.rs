@@ -475,12 +475,14 @@ fn lateral_inertia(sheet: &ModulusSheet) -> Result<Option<LateralInertia>, Rodla
         return Ok(None);
     };
     let ratio = asked.poisson_ratio.with_uncertainty();
+    let diameter = sheet.specimen.diameter.with_uncertainty();
     LateralInertia::new(
-        sheet.specimen.diameter.with_uncertainty().value,
+        diameter.value,
         sheet.specimen.density.with_uncertainty().value,
         ratio.value,
     )
     .and_then(|inertia| inertia.with_poisson_ratio_uncertainty(ratio.uncertainty()))
+    .and_then(|inertia| inertia.with_diameter_uncertainty(diameter.uncertainty()))
     .map(|inertia| match asked.theory {
         None => inertia,
         Some(TheorySheet::LoveRayleigh) => inertia.with_theory(Theory::LoveRayleigh),
@@ -507,7 +509,7 @@ fn section(
             RodlabError::request(
                 format!("{field}.quantity"),
                 "missing",
-                "Strain, Displacement, Velocity or Acceleration: a ratio in a file does not state it",
+                "`strain`, `displacement`, `velocity` or `acceleration` (in RON with a capital letter): a ratio in a file does not state it",
             )
         })?,
     })

@@ -23,17 +23,15 @@ pub(super) fn check(sheet: &ModulusSheet) -> Result<(), RodlabError> {
         let why = format!("it is not propagated by {name}");
         exact(mass, "specimen.accelerometer_mass", &why)?;
     }
-    // the diameter matters only for the ratio of this mass to the mass of the rod
+    // the diameter matters only for the ratio of this mass to the mass of the rod, and for the
+    // correction of lateral inertia
     let has_mass = mass.is_some_and(|mass| mass.with_uncertainty().value > 0.0);
-    if !(used.end_mass && has_mass) {
-        let why = if used.end_mass {
-            "without a mass on the end the modulus does not depend on the diameter".to_owned()
-        } else {
-            format!(
-                "{name} does not propagate it: the modulus of a thin rod does not depend on the diameter, and for lateral inertia only the uncertainty of Poisson's ratio is propagated"
-            )
-        };
-        exact(Some(&specimen.diameter), "specimen.diameter", &why)?;
+    let asked = sheet.lateral_inertia.as_ref();
+    let is_corrected =
+        asked.is_some_and(|asked| asked.poisson_ratio.with_uncertainty().value > 0.0);
+    if !((used.end_mass && has_mass) || is_corrected) {
+        let why = "with neither a mass on the free end nor a correction of lateral inertia the modulus does not depend on the diameter";
+        exact(Some(&specimen.diameter), "specimen.diameter", why)?;
     }
     free_end(method)
 }

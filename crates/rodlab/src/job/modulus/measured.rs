@@ -151,7 +151,7 @@ pub(super) struct Measured {
     pub(super) first_hit: Option<FirstHit>,
     /// Sampling rate of the hits \[Hz\]; unknown for a ratio in a file.
     pub(super) sampling_rate_hz: Option<f64>,
-    /// Pairs of hits that may be the same measurement.
+    /// Pairs of hits that may be the same measurement, and hits that depart from the others.
     pub(super) doubts: Vec<String>,
     /// Spectra of each accepted hit alone; empty if the method uses all hits together.
     pub(super) each: Vec<Spectra>,

@@ -107,7 +107,7 @@ fn virgin(sheet: &RecoverySheet) -> Result<f64, RodlabError> {
         (ReadingsAre::LossFactors, None) => Err(RodlabError::request(
             "virgin_loss_factor",
             "missing",
-            "the loss factor before any load, or `readings_are: Changes`",
+            "the loss factor before any load, or `readings_are` as `changes` (in RON `Changes`)",
         )),
     }
 }
