@@ -184,18 +184,4 @@ mod tests {
             "distance from the free end [m] is 0, expected a finite value above 0"
         );
     }
-
-    /// Compares the optimum of the documented variance with 2x = 1 + e^{-4x}.
-    #[test]
-    fn best_distance_is_where_the_pulse_has_lost_two_thirds() {
-        // E|δγ|² ~ (1 + e^{4αd})/d² at fixed α = 1
-        let variance = |d: f64| (1.0 + (4.0 * d).exp()) / (d * d);
-        let best = (1..2000)
-            .map(|j| 1e-3 * f64::from(j))
-            .min_by(|a, b| variance(*a).total_cmp(&variance(*b)));
-        let best = best.unwrap();
-        // The tolerance is the grid step of 1e-3 times the slope of the condition.
-        assert!((2.0 * best - 1.0 - (-4.0 * best).exp()).abs() < 3e-3);
-        assert!((best - 0.55).abs() < 6e-3);
-    }
 }

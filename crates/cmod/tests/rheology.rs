@@ -8,5 +8,5 @@ mod measured;
 mod order;
 mod over_time;
 mod refusals;
-mod sweep;
+pub(crate) mod sweep;
 mod verdicts;

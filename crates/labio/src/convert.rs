@@ -229,17 +229,13 @@ mod tests {
 
     /// Three hits with a force and a motion whose samples vary irregularly.
     fn spectra(output: Quantity) -> AveragedSpectra {
-        let channels = vec![
-            Channel::new("f", Quantity::Force).unwrap(),
-            Channel::new("x", output).unwrap(),
-        ];
+        let channels = [("f", Quantity::Force), ("x", output)];
         let hits: Vec<Record> = (1..4_u8)
             .map(|hit| {
                 let samples = Array2::from_shape_fn((2, 33), |(c, n)| {
                     (f64::from(hit) * (1.3 + c as f64) * (n * n) as f64).sin()
                 });
-                let provenance = Provenance::computed("sines");
-                Record::new(samples, 330.0, 0.0, channels.clone(), provenance).unwrap()
+                Record::of_test(samples, 330.0, &channels)
             })
             .collect();
         AveragedSpectra::of(&hits, Window::Rectangular).unwrap()
@@ -284,13 +280,6 @@ mod tests {
         assert_eq!(mobility.values[0], Complex64::ZERO);
         assert_eq!(impedance.validity[0], LineValidity::NotDefined);
         assert!(impedance.values[0].is_nan());
-        // the relative error of a line does not change
-        let relative =
-            |r: &FrequencyResponse| r.variance.as_ref().unwrap()[line] / r.values[line].norm_sqr();
-        for kind in ResponseKind::ALL {
-            let ratio = relative(&receptance.to_kind(kind).unwrap()) / relative(&receptance);
-            assert!((ratio - 1.0).abs() < 1e-14);
-        }
     }
 
     #[test]

@@ -321,22 +321,6 @@ mod tests {
     const UNIVERSAL: &[u8] = b"    -1\n   164\n         1SI\n    -1\n";
 
     #[test]
-    fn the_content_tells_the_format() {
-        let beginnings: [(&[u8], &str); 6] = [
-            (b"TDSm\x0e\0\0\0", "tdms"),
-            (b"RIFF\x24\0\0\0WAVEfmt ", "wav"),
-            (b"\x93NUMPY\x01\0\x76\0", "npy"),
-            (UNIVERSAL, "uff58"),
-            (b"LabVIEW Measurement\t\r\nWriter_Version\t2\r\n", "lvm"),
-            (b"time;force\n0;1\n1;2\n2;0\n", "csv"),
-        ];
-        for (bytes, format) in beginnings {
-            assert_eq!(recognise(bytes).map(Reader::name), Some(format));
-        }
-        assert!(recognise(b"").is_none());
-    }
-
-    #[test]
     fn what_is_known_and_not_read_is_named_with_a_way_out() {
         for (bytes, expected) in [
             (&b"\x1f\x8b\x08\0"[..], "; gzip: unpack it"),

@@ -139,7 +139,7 @@ fn below_zero(value: f64, error: f64, freedom: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{AveragedSpectra, Channel, Provenance, Quantity, Record, Window};
+    use crate::{AveragedSpectra, Quantity, Record, Window};
     use ndarray::Array2;
     use rand::SeedableRng;
     use rand_chacha::ChaCha8Rng;
@@ -160,10 +160,7 @@ mod tests {
     ) -> AveragedSpectra {
         let n = 256;
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
-        let channels = vec![
-            Channel::new("force", Quantity::Force).unwrap(),
-            Channel::new("velocity", Quantity::Velocity).unwrap(),
-        ];
+        let channels = [("force", Quantity::Force), ("velocity", Quantity::Velocity)];
         let hits: Vec<Record> = (0..n_hits)
             .map(|_| {
                 let mut samples = Array2::zeros((2, n));
@@ -173,22 +170,14 @@ mod tests {
                     samples[(1, i)] = noise * unit;
                 }
                 samples[(1, delay)] += mobility;
-                let provenance = Provenance::computed("damper");
-                Record::new(samples, 256.0, 0.0, channels.clone(), provenance).unwrap()
+                Record::of_test(samples, 256.0, &channels)
             })
             .collect();
         AveragedSpectra::of(&hits, Window::Rectangular).unwrap()
     }
 
     #[test]
-    fn a_damper_is_passive_and_its_negative_is_not() {
-        let count = |mobility, delay| {
-            let response = damper(mobility, delay, 1e-6).h1("force", "velocity");
-            let report = response.unwrap().passivity(0.02).unwrap();
-            report.active_lines().count()
-        };
-        assert_eq!(count(2.0, 0), 0);
-        assert_eq!(count(-2.0, 0), 129);
+    fn a_late_damper_is_active_above_half_the_nyquist_frequency() {
         // late by one sample: above half the Nyquist frequency, the phase lag is more than a right
         // angle
         let response = damper(2.0, 1, 1e-6).h1("force", "velocity").unwrap();
@@ -205,10 +194,6 @@ mod tests {
     #[test]
     fn s12_nothing_but_noise_is_flagged_as_often_as_the_level_says() {
         let response = damper(0.0, 0, 1.0).h1("force", "velocity").unwrap();
-        let report = response.passivity(0.5).unwrap();
-        let active = report.active_lines().count() as f64 / 129.0;
-        // half of the lines, binomial standard error 0.044; four times this
-        assert!((active - 0.5).abs() < 0.18, "{active}");
         let report = response.passivity(0.02).unwrap();
         assert!(report.lines.contains(&Passivity::WithinError));
         // with three hits, two standard errors would flag 6 %: 1 % of 20 tests with 129 lines is

@@ -425,6 +425,21 @@ mod tests {
     use crate::{BridgeLayout, Quantity, Rating, StrainBridge};
     use ndarray::array;
 
+    impl Record {
+        /// A record for tests from time 0 on, with these channels.
+        pub(crate) fn of_test(
+            samples: Array2<f64>,
+            rate_hz: f64,
+            channels: &[(&str, Quantity)],
+        ) -> Self {
+            let named = channels
+                .iter()
+                .map(|(name, quantity)| Channel::new(*name, *quantity).unwrap());
+            let from = Provenance::computed("test");
+            Self::new(samples, rate_hz, 0.0, named.collect(), from).unwrap()
+        }
+    }
+
     fn channels() -> Vec<Channel> {
         vec![
             Channel::new("force", Quantity::Force).unwrap(),

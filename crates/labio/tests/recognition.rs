@@ -15,7 +15,7 @@ fn takers(bytes: &[u8]) -> Vec<&'static str> {
 
 #[test]
 fn every_file_has_one_taker() {
-    let cases: [(&[u8], &[&str]); 18] = [
+    let cases: [(&[u8], &[&str]); 19] = [
         (crate::npy::SAVED, &["npz"]),
         (crate::mat5::PACKED, &["mat5"]),
         (crate::mat5::OLD, &["mat5"]),
@@ -24,6 +24,7 @@ fn every_file_has_one_taker() {
             &["lvm"],
         ),
         (b"RF64\xff\xff\xff\xffWAVEds64", &["wav"]),
+        (b"RIFF\x24\0\0\0WAVEfmt ", &["wav"]),
         (b"\x93NUMPY\x01\x00v\x00{'descr': '<f8'", &["npy"]),
         (b"t;F\n0,1;2\n0,2;3\n", &["csv"]),
         (b"TDSm\x0e\0\0\0\x69\x12\0\0", &["tdms"]),

@@ -6,8 +6,10 @@ use std::io::{Cursor, Write};
 
 use labio::format::workbook::Xlsx;
 use labio::format::{self, Reader, Strictness};
-use labio::{Abscissa, LabioError, Ordinate};
+use labio::{Abscissa, LabioError};
 use zip::write::SimpleFileOptions;
+
+use crate::series::real;
 
 const XML: &str = r#"<?xml version="1.0" encoding="UTF-8" standalone="yes"?>"#;
 
@@ -85,13 +87,6 @@ fn row(number: usize, cells: &[&str]) -> String {
         })
         .collect();
     format!(r#"<row r="{number}">{cells}</row>"#)
-}
-
-fn real(contents: &labio::Contents, index: usize) -> &[f64] {
-    match &contents.series[index].ordinate {
-        Ordinate::Real(values) => values,
-        other => panic!("{other:?}"),
-    }
 }
 
 /// A title, an empty row, names, units, and numbers that need all of their digits.

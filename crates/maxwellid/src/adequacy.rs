@@ -358,16 +358,6 @@ mod tests {
         assert!(distances[2] < 2e-3, "{distances:?}");
     }
 
-    #[test]
-    fn with_a_constant_in_the_basis_the_limit_sums_to_one() {
-        let (features, classes) = cloud();
-        let limit = Weights::least_squares(&features, &classes, 0.0).unwrap();
-        for phi in &features {
-            let sum: f64 = limit.adequacies(phi).unwrap().iter().sum();
-            assert!((sum - 1.0).abs() < 1e-12, "{sum}");
-        }
-    }
-
     /// The increment correction minimises the mean of |r - wφ|: this mean is less for its weights
     /// than for the least-squares weights.
     #[test]

@@ -330,10 +330,9 @@ impl Selection {
     ) -> Option<f64> {
         let least = least(found)?;
         let best = least.chi_square;
-        let inflation = ground.inflation(least);
-        let samples: usize = ground.times.iter().map(Vec::len).sum();
+        let (inflation, effective) = ground.inflation(least);
         let is_refuted = |chi_square: f64| {
-            self.adequacy(chi_square / inflation, samples as f64 / inflation)
+            self.adequacy(chi_square / inflation, effective)
                 .is_some_and(|probability| probability < REFUTED * self.adequacy_level)
         };
         let nonlinear = self.candidates.iter().zip(found);
@@ -478,9 +477,7 @@ impl Selection {
         let Some(least) = least(found) else {
             return f64::INFINITY;
         };
-        let inflation = ground.inflation(least);
-        let samples: usize = ground.times.iter().map(Vec::len).sum();
-        let effective = samples as f64 / inflation;
+        let (inflation, effective) = ground.inflation(least);
         let fall = 4.0 * BEYOND_COMPARISON;
         match self.noise_samples {
             None => least.chi_square + fall * inflation,
@@ -543,10 +540,12 @@ pub(crate) struct Ground {
 }
 
 impl Ground {
-    /// Factor by which correlation reduces the number of independent residuals of a fit.
-    fn inflation(&self, fit: &Likeliest) -> f64 {
+    /// Factor by which correlation reduces the number of independent residuals of a fit, and this
+    /// number.
+    fn inflation(&self, fit: &Likeliest) -> (f64, f64) {
         let lengths: Vec<usize> = self.times.iter().map(Vec::len).collect();
-        correlation_inflation(&fit.residual, &lengths)
+        let inflation = correlation_inflation(&fit.residual, &lengths);
+        (inflation, lengths.iter().sum::<usize>() as f64 / inflation)
     }
 
     pub(crate) fn of(tests: &[RodTest]) -> Result<Self, MaxwellidError> {

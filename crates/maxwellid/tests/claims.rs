@@ -7,4 +7,3 @@ mod models;
 mod selection;
 mod table_a1;
 mod transducers;
-mod virtual_rod;

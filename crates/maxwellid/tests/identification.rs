@@ -3,86 +3,18 @@
 
 use maxwellid::{
     Fit, IdentifiableLaw, Identification, MaxwellidError, Noise, Provenance, RodTest, RodTestData,
-    Verdict,
 };
-use rodwave::band_limited::Recorder;
-use rodwave::experiment::{Acquisition, VelocityRecord};
+use rodwave::band_limited::{Recorder, SampledHistory};
+use rodwave::experiment::Acquisition;
 use rodwave::impact::{ImpactTest, Striker};
-use rodwave::inelastic::{InelasticLaw, Maxwell, MaxwellGurevichRabinovich, MaxwellNorton};
-use rodwave::lumped::{self, LumpedRod};
-use rodwave::{DirectProblem, InelasticRod, characteristics};
+use rodwave::inelastic::{InelasticLaw, Maxwell, MaxwellNorton};
+use rodwave::{DirectProblem, InelasticRod, characteristics, lumped};
 
-const ACQUISITION: Acquisition = Acquisition {
-    recorder: Recorder {
-        rate_hz: 51_200.0,
-        cutoff_hz: 16_000.0,
-    },
-    samples_before: 32,
-    samples_after: 128,
-    transducer_range: 0.020,
-};
-const DENSITY: f64 = 1100.0;
-const LENGTH: f64 = 0.4;
-
-fn rod<L: InelasticLaw>(modulus: f64, law: &L) -> InelasticRod<L> {
-    InelasticRod::new(LENGTH, DENSITY, modulus, law.clone()).unwrap()
-}
-
-/// The excitation that the striker of paper D gives a rod 8 mm longer than the distance between the
-/// sections.
-fn struck<L: InelasticLaw>(modulus: f64, law: &L) -> VelocityRecord {
-    ImpactTest {
-        striker: Striker::PAPER_D,
-        rod: InelasticRod::new(LENGTH + 0.008, DENSITY, modulus, law.clone()).unwrap(),
-        diameter: 0.016,
-        section_distance: LENGTH,
-    }
-    .record(&ACQUISITION, 0.5e-3)
-    .unwrap()
-}
-
-fn times(record: &VelocityRecord) -> Vec<f64> {
-    (0..record.excitation.len())
-        .map(|k| f64::from(u32::try_from(k).unwrap()) / record.sampling_rate_hz)
-        .collect()
-}
-
-fn data(record: &VelocityRecord, response: Vec<f64>, generator: &str) -> RodTestData {
-    RodTestData {
-        name: "virtual rod".into(),
-        length: LENGTH,
-        density: DENSITY,
-        impact_velocity: 10.0,
-        sampling_rate_hz: record.sampling_rate_hz,
-        excitation: record.excitation.clone(),
-        response,
-        provenance: Provenance::Virtual {
-            generator: generator.into(),
-        },
-    }
-}
+use crate::virtual_rod::{DENSITY, LENGTH, RATE, V0, struck, times};
 
 /// Data of the lumped chain, driven by the excitation as it was before sampling.
 fn independent_test<L: InelasticLaw>(modulus: f64, law: &L) -> RodTest {
-    let record = struck(modulus, law);
-    let response = LumpedRod::new(&rod(modulus, law), 800, 0.5)
-        .unwrap()
-        .free_end_velocity(&record.excitation_before_sampling, &times(&record))
-        .unwrap();
-    RodTest::new(data(&record, response, lumped::GENERATOR)).unwrap()
-}
-
-/// Data of the inverting solver itself, as in the appendix of paper D.
-fn round_trip_test<L: InelasticLaw>(modulus: f64, law: &L, cell: f64) -> RodTest {
-    let record = struck(modulus, law);
-    let excitation =
-        rodwave::band_limited::SampledHistory::new(&record.excitation, record.sampling_rate_hz)
-            .unwrap();
-    let response = DirectProblem::new(rod(modulus, law), (LENGTH / cell).ceil() as usize)
-        .unwrap()
-        .free_end_velocity(&excitation, &times(&record))
-        .unwrap();
-    RodTest::new(data(&record, response, characteristics::GENERATOR)).unwrap()
+    RodTest::new(struck(LENGTH, V0, modulus, law, 128).data).unwrap()
 }
 
 fn value<L: IdentifiableLaw>(fit: &Identification<L>, symbol: &str) -> f64 {
@@ -99,64 +31,21 @@ fn ratio_error(found: f64, expected: f64) -> f64 {
     (found / expected - 1.0).abs()
 }
 
-#[test]
-fn maxwell_is_recovered_from_an_independent_solver() {
-    // row M1 of Table A1 with its time unit read as ms
-    let fit = Fit::of(Maxwell::new(1e6).unwrap())
-        .with_cell(2e-3)
-        .to(&[independent_test(3.056e9, &Maxwell::new(11.12e6).unwrap())])
-        .unwrap();
-    assert!(fit.termination().was_successful());
-    // the two solvers differ by 1e-4 of V0; damping changes the response by some per cent of V0
-    assert!(
-        ratio_error(fit.modulus(), 3.056e9) < 5e-4,
-        "{}",
-        fit.report(Noise::FromResidual)
-    );
-    assert!(
-        ratio_error(value(&fit, "eta"), 11.12e6) < 0.013,
-        "{}",
-        fit.report(Noise::FromResidual)
-    );
-}
-
-#[test]
-fn norton_is_recovered_from_an_independent_solver() {
-    let truth = MaxwellNorton::new(2.108, 7e13).unwrap();
-    let start = MaxwellNorton::from_reference_rate(1.2, 1.0, 10e6).unwrap();
-    let fit = Fit::of(start)
-        .with_cell(2e-3)
-        .to(&[independent_test(2.58e9, &truth)])
-        .unwrap();
-    assert!(fit.termination().was_successful());
-    let report = fit.report(Noise::Known(0.02));
-    assert!(ratio_error(fit.modulus(), 2.58e9) < 5e-4, "{report}");
-    assert!((value(&fit, "kappa") - 2.108).abs() < 0.05, "{report}");
-    assert!(
-        ratio_error(value(&fit, "F(10 MPa)"), truth.inelastic_strain_rate(10e6)) < 0.02,
-        "{report}"
-    );
-}
-
-#[test]
-fn gurevich_rabinovich_is_recovered_where_the_activation_stress_acts() {
-    let truth = MaxwellGurevichRabinovich::new(3.5e6, 7.08e6).unwrap();
-    let start = MaxwellGurevichRabinovich::from_reference_rate(0.2, 1.0, 10e6).unwrap();
-    let fit = Fit::of(start)
-        .with_cell(2e-3)
-        .to(&[independent_test(2.107e9, &truth)])
-        .unwrap();
-    let report = fit.report(Noise::Known(0.02));
-    assert!(fit.termination().was_successful(), "{report}");
-    assert!(ratio_error(fit.modulus(), 2.107e9) < 5e-4, "{report}");
-    assert!(ratio_error(value(&fit, "m"), 7.08e6) < 0.03, "{report}");
-    assert!(ratio_error(value(&fit, "eta"), 3.5e6) < 0.03, "{report}");
-}
-
+/// Data of the inverting solver itself, as in the appendix of paper D.
 #[test]
 fn a_round_trip_ends_at_rounding() {
     let truth = MaxwellNorton::new(2.108, 7e13).unwrap();
-    let test = round_trip_test(2.58e9, &truth, 4e-3);
+    let mut data = struck(LENGTH, V0, 2.58e9, &truth, 128).data;
+    let excitation = SampledHistory::new(&data.excitation, RATE).unwrap();
+    let rod = InelasticRod::new(LENGTH, DENSITY, 2.58e9, truth).unwrap();
+    data.response = DirectProblem::new(rod, (LENGTH / 4e-3).ceil() as usize)
+        .unwrap()
+        .free_end_velocity(&excitation, &times(data.excitation.len()))
+        .unwrap();
+    data.provenance = Provenance::Virtual {
+        generator: characteristics::GENERATOR.into(),
+    };
+    let test = RodTest::new(data).unwrap();
     let fit = Fit::of(MaxwellNorton::from_reference_rate(1.2, 1.0, 10e6).unwrap())
         .round_trip()
         .to(&[test])
@@ -170,83 +59,18 @@ fn a_round_trip_ends_at_rounding() {
 }
 
 #[test]
-fn data_of_the_inverting_solver_are_refused() {
-    let law = Maxwell::new(4e6).unwrap();
-    let error = Fit::of(law)
-        .to(&[round_trip_test(3e9, &law, 4e-3)])
-        .unwrap_err();
-    assert!(
-        matches!(&error, MaxwellidError::InverseCrime { generator, .. } if generator == "rodwave::characteristics")
-    );
-    assert!(
-        error
-            .to_string()
-            .contains("the solver that would invert it")
-    );
-}
-
-/// Parameters that are not identifiable from `test` at 2 % of noise, and the report.
-fn not_identifiable<L: IdentifiableLaw>(start: L, test: RodTest) -> (Vec<&'static str>, String) {
-    let fit = Fit::of(start).to(&[test]).unwrap();
-    let judged = fit.identifiability(Noise::Known(0.02)).unwrap();
-    let symbols = judged
-        .estimates
-        .iter()
-        .filter(|e| e.verdict == Verdict::NotIdentifiable)
-        .map(|e| e.symbol)
-        .collect();
-    (symbols, fit.report(Noise::Known(0.02)).to_string())
-}
-
-#[test]
-fn a_rod_without_visible_damping_is_called_not_identifiable() {
-    // Table 4 read literally: relaxation times of 13 s to 20 min in a record of milliseconds
-    let polyamide = independent_test(3.209e9, &Maxwell::new(40.85e9).unwrap());
-    let (found, report) = not_identifiable(Maxwell::new(1e6).unwrap(), polyamide);
-    assert_eq!(found, ["eta"], "{report}");
-    let polypropylene = independent_test(2.58e9, &MaxwellNorton::new(2.108, 38.16e18).unwrap());
-    let start = MaxwellNorton::from_reference_rate(1.2, 1.0, 10e6).unwrap();
-    let (found, report) = not_identifiable(start, polypropylene);
-    assert_eq!(found, ["kappa", "F(10 MPa)", "B"], "{report}");
-    let polyethylene = independent_test(
-        2.107e9,
-        &MaxwellGurevichRabinovich::new(314.6e9, 7.082e12).unwrap(),
-    );
-    let start = MaxwellGurevichRabinovich::from_reference_rate(0.2, 1.0, 10e6).unwrap();
-    let (found, report) = not_identifiable(start, polyethylene);
-    assert_eq!(found, ["F(10 MPa)", "m", "eta"], "{report}");
-}
-
-/// The test of `law` without noise, from two grids of the chain extrapolated.
-fn extrapolated_test<L: InelasticLaw>(modulus: f64, law: &L) -> RodTest {
-    let record = struck(modulus, law);
-    let chain = |cells| {
-        LumpedRod::new(&rod(modulus, law), cells, 0.5)
-            .unwrap()
-            .free_end_velocity(&record.excitation_before_sampling, &times(&record))
-            .unwrap()
-    };
-    let response = chain(300)
-        .iter()
-        .zip(chain(600))
-        .map(|(coarse, fine)| fine + (fine - coarse) / 3.0)
-        .collect();
-    RodTest::new(data(&record, response, lumped::GENERATOR)).unwrap()
-}
-
-#[test]
 fn independent_data_without_noise_give_the_parameters_of_each_law() {
     // the fit's own errors: a grid of 1e-4 of V0 and the interpolation of the excitation
     let fit = Fit::of(Maxwell::new(1e6).unwrap())
         .with_accuracy(1e-4)
-        .to(&[extrapolated_test(3.056e9, &Maxwell::new(11.12e6).unwrap())])
+        .to(&[independent_test(3.056e9, &Maxwell::new(11.12e6).unwrap())])
         .unwrap();
     let report = fit.report(Noise::FromResidual);
     assert!(ratio_error(value(&fit, "eta"), 11.12e6) < 0.005, "{report}");
     let truth = MaxwellNorton::new(2.108, 7e13).unwrap();
     let fit = Fit::of(MaxwellNorton::from_reference_rate(1.2, 1.0, 10e6).unwrap())
         .with_accuracy(1e-4)
-        .to(&[extrapolated_test(2.58e9, &truth)])
+        .to(&[independent_test(2.58e9, &truth)])
         .unwrap();
     let report = fit.report(Noise::FromResidual);
     assert!(ratio_error(value(&fit, "kappa"), 2.108) < 0.02, "{report}");
@@ -278,7 +102,19 @@ fn exponent_through_recorder(rate_hz: f64, truth: &MaxwellNorton) -> f64 {
     }
     .record(&acquisition, 0.25e-3)
     .unwrap();
-    let test = RodTest::new(data(&record, record.response.clone(), lumped::GENERATOR)).unwrap();
+    let test = RodTest::new(RodTestData {
+        name: "virtual rod".into(),
+        length: LENGTH,
+        density: DENSITY,
+        impact_velocity: V0,
+        sampling_rate_hz: rate_hz,
+        excitation: record.excitation,
+        response: record.response,
+        provenance: Provenance::Virtual {
+            generator: lumped::GENERATOR.into(),
+        },
+    })
+    .unwrap();
     let start = MaxwellNorton::from_reference_rate(1.2, 1.0, 10e6).unwrap();
     value(&Fit::of(start).to(&[test]).unwrap(), "kappa")
 }
@@ -311,8 +147,8 @@ fn standard_errors_scale_with_the_noise() {
 
 #[test]
 fn bad_tests_are_refused_with_the_name_and_the_value() {
-    let record = struck(3e9, &Maxwell::new(4e6).unwrap());
-    let good = || data(&record, record.response.clone(), lumped::GENERATOR);
+    let rod = struck(LENGTH, V0, 3e9, &Maxwell::new(4e6).unwrap(), 128);
+    let good = || rod.data.clone();
     let refused = |change: &dyn Fn(&mut RodTestData)| {
         let mut data = good();
         change(&mut data);

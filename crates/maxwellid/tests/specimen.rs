@@ -4,64 +4,13 @@
 use std::sync::Arc;
 
 use maxwellid::linear::{ConstantQ, LinearModel};
-use maxwellid::{
-    Estimate, Fit, Noise, Provenance, RodModel, RodTest, RodTestData, Scale, SpecimenUncertainty,
-};
-use rodwave::InelasticRod;
-use rodwave::band_limited::Recorder;
-use rodwave::experiment::Acquisition;
-use rodwave::impact::{ImpactTest, Striker};
-use rodwave::inelastic::{InelasticLaw, Maxwell, MaxwellGurevichRabinovich, MaxwellNorton};
-use rodwave::lumped::{self, LumpedRod};
+use maxwellid::{Estimate, Fit, Noise, RodModel, RodTest, RodTestData, Scale, SpecimenUncertainty};
+use rodwave::inelastic::{Maxwell, MaxwellGurevichRabinovich, MaxwellNorton};
 
-const LENGTH: f64 = 0.4;
-const DENSITY: f64 = 1100.0;
-const MODULUS: f64 = 3e9;
+use crate::virtual_rod::{DENSITY, LENGTH, V0, struck};
+
 const LONGER: f64 = 1.002;
 const DENSER: f64 = 1.005;
-
-/// Histories of a struck rod by the lumped chain.
-fn histories<L: InelasticLaw>(law: &L) -> RodTestData {
-    let rod = |length| InelasticRod::new(length, DENSITY, MODULUS, law.clone()).unwrap();
-    let record = ImpactTest {
-        striker: Striker::PAPER_D,
-        rod: rod(LENGTH + 0.008),
-        diameter: 0.016,
-        section_distance: LENGTH,
-    }
-    .record(
-        &Acquisition {
-            recorder: Recorder {
-                rate_hz: 51_200.0,
-                cutoff_hz: 16_000.0,
-            },
-            samples_before: 32,
-            samples_after: 100,
-            transducer_range: 0.020,
-        },
-        1e-3,
-    )
-    .unwrap();
-    let times: Vec<f64> = (0..record.excitation.len())
-        .map(|k| f64::from(u32::try_from(k).unwrap()) / record.sampling_rate_hz)
-        .collect();
-    let response = LumpedRod::new(&rod(LENGTH), 200, 0.5)
-        .unwrap()
-        .free_end_velocity(&record.excitation_before_sampling, &times)
-        .unwrap();
-    RodTestData {
-        name: "virtual rod".into(),
-        length: LENGTH,
-        density: DENSITY,
-        impact_velocity: 10.0,
-        sampling_rate_hz: record.sampling_rate_hz,
-        excitation: record.excitation,
-        response,
-        provenance: Provenance::Virtual {
-            generator: lumped::GENERATOR.into(),
-        },
-    }
-}
 
 fn estimates(model: &Arc<dyn RodModel>, data: &RodTestData) -> Vec<Estimate> {
     let test = RodTest::new(data.clone()).unwrap().with_noise(0.05, 0.05);
@@ -115,7 +64,7 @@ fn moves_as_its_sensitivity_says(model: Arc<dyn RodModel>, data: &RodTestData) {
 #[test]
 fn r08_parameters_move_with_the_specimen_as_their_sensitivities_say() {
     let law = MaxwellNorton::from_reference_rate(2.0, 8.0, 10e6).unwrap();
-    let data = histories(&law);
+    let data = struck(LENGTH, V0, 3e9, &law, 100).data;
     let sharp = MaxwellGurevichRabinovich::from_reference_rate(1.0, 8.0, 10e6).unwrap();
     let linear = Maxwell::from_reference_rate(3.0, 10e6).unwrap();
     moves_as_its_sensitivity_says(Arc::new(law), &data);

@@ -1,59 +1,15 @@
-//! Profiles, advice on the next test, and the paper's classifier on virtual tests.
+//! Advice on the next test, and the paper's classifier on virtual tests.
 
 use crate::virtual_tests;
 
-use maxwellid::adequacy::{Basis, RobbinsMonro, Weights};
+use maxwellid::adequacy::{Basis, Weights};
 use maxwellid::conformal::p_values;
 use maxwellid::design::{Design, Estimated, PlannedTest};
-use maxwellid::profile::{Profile, profiles};
 use maxwellid::samples::{Pattern, StandardSamples};
 use maxwellid::selection::Candidate;
-use maxwellid::{Law, MaxwellidError, RodTest, Verdict};
-use rodwave::inelastic::{Elastic, Maxwell, MaxwellNorton};
+use maxwellid::{Law, MaxwellidError};
+use rodwave::inelastic::MaxwellNorton;
 use virtual_tests::{by_the_chain, noisy};
-
-fn profile(law: Law, tests: &[RodTest], index: usize) -> Profile {
-    profiles(&Candidate::of(law), tests, 8e-3)
-        .unwrap()
-        .swap_remove(index)
-}
-
-/// A linear rod fitted with the power law: the linear limit κ = 1 is inside the interval.
-#[test]
-fn the_interval_of_a_linear_rod_contains_the_linear_limit() {
-    let exact = by_the_chain(&Maxwell::new(2e6).unwrap(), 10.0);
-    let kappa = profile(Law::Norton, &[noisy(&exact, 0.01, 5)], 1);
-    assert_eq!(kappa.verdict, Verdict::Identified, "{}", kappa.reason());
-    assert!(kappa.contains(1.0), "{}", kappa.reason());
-    let (lower, upper) = (kappa.lower.unwrap(), kappa.upper.unwrap());
-    // the linearised errors of such a test are of order 0.1
-    assert!(
-        upper - lower > 0.05 && upper - lower < 1.5,
-        "{lower} {upper}"
-    );
-}
-
-/// An elastic rod with two per cent of noise: a relaxation time is excluded below a bound, none
-/// above it, and no exponent at all.
-#[test]
-fn damping_that_is_not_there_is_bounded_on_one_side() {
-    let exact = by_the_chain(&Elastic, 10.0);
-    let test = [noisy(&exact, 0.02, 8)];
-    let time = profile(Law::Maxwell, &test, 1);
-    let Verdict::BoundedBelow(least) = time.verdict else {
-        panic!("{}", time.reason())
-    };
-    // the window is 2.8 ms: a relaxation time of the same length would take a tenth of a wave on
-    // its way
-    assert!(least > 1e-3_f64.ln() && least < 1.0_f64.ln(), "{least}");
-    let kappa = profile(Law::Norton, &test, 1);
-    assert_eq!(
-        kappa.verdict,
-        Verdict::NotIdentifiable,
-        "{}",
-        kappa.reason()
-    );
-}
 
 #[test]
 fn a_faster_test_separates_what_a_repetition_does_not() {
@@ -140,17 +96,6 @@ fn the_classifier_of_the_paper_is_what_it_is() {
     let features: Vec<Vec<f64>> = projected.iter().map(|z| Basis::Linear.of(z)).collect();
     let limit = Weights::least_squares(&features, &samples.class_of, 0.0).unwrap();
     let measured = projection.project(&samples.measured(&tests)).unwrap();
-    let adequacies = limit.adequacies(&Basis::Linear.of(&measured)).unwrap();
-    assert!(
-        (adequacies.iter().sum::<f64>() - 1.0).abs() < 1e-10,
-        "{adequacies:?}"
-    );
-    let found =
-        Weights::robbins_monro(&features, &samples.class_of, &RobbinsMonro::default()).unwrap();
-    let by_recursion = found.adequacies(&Basis::Linear.of(&measured)).unwrap();
-    for (a, b) in by_recursion.iter().zip(&adequacies) {
-        assert!((a - b).abs() < 0.02, "{by_recursion:?} {adequacies:?}");
-    }
     // with a linear basis, sixty samples are separated hardly better than by chance
     let right = features
         .iter()

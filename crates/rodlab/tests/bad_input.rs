@@ -3,7 +3,8 @@
 
 use std::fs;
 use std::path::Path;
-use std::process::Command;
+
+use crate::runs::{rodlab, text as text_of};
 
 /// Runs the example of polypropylene after `change` of its sheet.
 fn said_of(change: impl Fn(&str) -> String) -> String {
@@ -20,18 +21,13 @@ fn said_of(change: impl Fn(&str) -> String) -> String {
     let changed = change(&text);
     assert_ne!(text, changed, "the change found nothing to change");
     fs::write(&sheet, changed).unwrap();
-    let run = Command::new(env!("CARGO_BIN_EXE_rodlab"))
-        .current_dir(folder.path())
-        .env("NO_COLOR", "1")
-        .args(["modulus", "modulus.ron", "--quiet"])
-        .output()
-        .unwrap();
-    assert_eq!(String::from_utf8(run.stdout).unwrap(), "");
+    let run = rodlab(folder.path(), &["modulus", "modulus.ron", "--quiet"]);
+    assert_eq!(text_of(&run.stdout), "");
     let done = folder.path().join("modulus-result/result.json").exists();
     // a status of 2 leaves no result, one of 1 leaves what was found
     assert_eq!(done, run.status.code() == Some(1));
     let here = folder.path().canonicalize().unwrap();
-    let words = String::from_utf8(run.stderr).unwrap();
+    let words = text_of(&run.stderr);
     let words = words.replace(&here.display().to_string(), "FOLDER");
     let lines: Vec<&str> = words.lines().map(str::trim_end).collect();
     format!(
@@ -163,16 +159,12 @@ fn said_at_once(job: &str, text: &str) -> String {
     let folder = tempfile::tempdir().unwrap();
     fs::write(folder.path().join("sheet.ron"), text).unwrap();
     let began = std::time::Instant::now();
-    let run = Command::new(env!("CARGO_BIN_EXE_rodlab"))
-        .current_dir(folder.path())
-        .args([job, "sheet.ron", "--quiet"])
-        .output()
-        .unwrap();
+    let run = rodlab(folder.path(), &[job, "sheet.ron", "--quiet"]);
     // a sheet that is not refused runs for minutes
     assert!(began.elapsed().as_secs() < 30, "{:?}", began.elapsed());
     assert_eq!(run.status.code(), Some(2));
     assert!(!folder.path().join("sheet-result").exists());
-    String::from_utf8(run.stderr).unwrap()
+    text_of(&run.stderr)
 }
 
 fn of_ends(modulus: &str, hits: &str, length: &str) -> String {
@@ -249,30 +241,17 @@ fn r20_an_unusual_material_is_taken_if_the_sheet_says_so() {
     );
     let folder = tempfile::tempdir().unwrap();
     fs::write(folder.path().join("sheet.ron"), meant).unwrap();
-    let run = Command::new(env!("CARGO_BIN_EXE_rodlab"))
-        .current_dir(folder.path())
-        .args(["check", "sheet.ron"])
-        .output()
-        .unwrap();
-    assert_eq!(
-        run.status.code(),
-        Some(0),
-        "{:?}",
-        String::from_utf8(run.stderr)
-    );
+    let run = rodlab(folder.path(), &["check", "sheet.ron"]);
+    assert_eq!(run.status.code(), Some(0), "{}", text_of(&run.stderr));
 }
 
 #[test]
 fn r20_a_recording_given_for_a_sheet_is_named() {
     let example = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/frame");
     let run = |arguments: &[&str]| {
-        let run = Command::new(env!("CARGO_BIN_EXE_rodlab"))
-            .current_dir(&example)
-            .args(arguments)
-            .output()
-            .unwrap();
+        let run = rodlab(&example, arguments);
         assert_eq!(run.status.code(), Some(2));
-        String::from_utf8(run.stderr).unwrap()
+        text_of(&run.stderr)
     };
     insta::assert_snapshot!(run(&["modulus", "strains-1.npy"]), @"error: strains-1.npy is a recording (NPY), expected a test sheet; `rodlab init modulus` writes one");
     assert!(run(&["check", "strains-1.npy"]).contains("is a recording (NPY)"));

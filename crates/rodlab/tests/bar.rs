@@ -4,15 +4,15 @@
 use std::f64::consts::TAU;
 use std::fs;
 use std::path::Path;
-use std::sync::atomic::AtomicBool;
 
 use num_complex::Complex64;
-use rodlab::job::{self, Sheet, Silent};
-use rodlab::outcome::{Cells, Verdict};
+use rodlab::Outcome;
+use rodlab::outcome::Verdict;
 use rodlab::templates::JobName;
-use rodlab::{Outcome, RodlabError};
 use tempfile::TempDir;
 use testbed::long_bar::LongBar;
+
+use crate::runs::{column, outcome_of as run, words, write_columns};
 
 /// Gauges 900 and 500 mm before the free end, and a quiet recorder; a pulse of 2 ms overlaps with
 /// its reflections.
@@ -34,18 +34,7 @@ fn short_pulse() -> LongBar {
 }
 
 fn write(folder: &Path, rows: &[Vec<f64>]) {
-    let line = |n: usize| {
-        let cells: Vec<String> = rows.iter().map(|row| format!("{:e}", row[n])).collect();
-        cells.join(",")
-    };
-    let lines: Vec<String> = (0..rows[0].len()).map(line).collect();
-    fs::write(folder.join("shot.csv"), lines.join("\n")).unwrap();
-}
-
-fn run(folder: &Path, text: &str) -> Result<Outcome, RodlabError> {
-    let path = folder.join("bar.ron");
-    fs::write(&path, text).unwrap();
-    job::run(&Sheet::read(&path)?, &Silent, &AtomicBool::new(false))
+    write_columns(&folder.join("shot.csv"), rows);
 }
 
 /// The template for these records, whose waves are one-dimensional and whose gauges are exact but
@@ -78,24 +67,13 @@ fn one_gauge() -> String {
         .replace("to: \"12 kHz\"", "to: \"8 kHz\"")
 }
 
-fn column<'a>(outcome: &'a Outcome, name: &str) -> &'a Cells {
-    let table = outcome.tables.iter().find(|t| t.name == "propagation");
-    let mut columns = table.unwrap().columns.iter();
-    &columns.find(|column| column.name == name).unwrap().cells
-}
-
 fn numbers<'a>(outcome: &'a Outcome, name: &str) -> &'a [f64] {
-    let Cells::Numbers(numbers) = column(outcome, name) else {
-        panic!("{name}")
-    };
-    numbers
+    column(outcome, "propagation", name)
 }
 
 /// Valid lines, and those outside the 95 % bands of damping coefficient and phase velocity.
 fn outside(outcome: &Outcome, bar: &LongBar) -> [usize; 3] {
-    let Cells::Validity { words, .. } = column(outcome, "validity") else {
-        panic!("validity")
-    };
+    let words = words(outcome, "propagation", "validity");
     let mut found = [0; 3];
     for line in (0..words.len()).filter(|line| words[*line] == "valid") {
         let s = Complex64::new(0.0, TAU * numbers(outcome, "frequency")[line]);

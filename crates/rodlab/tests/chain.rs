@@ -19,7 +19,7 @@ use testbed::hopkinson::{HopkinsonRig, HopkinsonTruth, RecorderErrors};
 use testbed::long_bar::LongBar;
 use testbed::noise::Noise;
 
-use crate::runs::column;
+use crate::runs::{column, write_columns};
 
 const RATE: f64 = 1e6;
 const LENGTH: f64 = 0.006;
@@ -51,12 +51,7 @@ fn long_bar() -> LongBar {
 }
 
 fn write(folder: &Path, name: &str, rows: &[Vec<f64>]) {
-    let line = |n: usize| {
-        let cells: Vec<String> = rows.iter().map(|row| format!("{:e}", row[n])).collect();
-        cells.join(",")
-    };
-    let lines: Vec<String> = (0..rows[0].len()).map(line).collect();
-    fs::write(folder.join(name), lines.join("\n")).unwrap();
+    write_columns(&folder.join(name), rows);
 }
 
 /// Runs a sheet and writes what it attaches beside it.

@@ -14,20 +14,11 @@ use std::path::Path;
 
 use rodfigure::Mark;
 use rodlab::Outcome;
-use rodlab::outcome::{Cells, Verdict};
+use rodlab::outcome::Verdict;
 use sweep::{Sweep, Temperatures};
 use tempfile::TempDir;
 
-use crate::runs::{column as numbers, outcome_of as run, quantity};
-
-fn words<'a>(outcome: &'a Outcome, table: &str, column: &str) -> &'a [String] {
-    let table = outcome.tables.iter().find(|t| t.name == table).unwrap();
-    let found = table.columns.iter().find(|c| c.name == column).unwrap();
-    match &found.cells {
-        Cells::Words(words) => words,
-        _ => panic!("{column} are numbers"),
-    }
-}
+use crate::runs::{column as numbers, outcome_of as run, quantity, words};
 
 /// The interval of a parameter of a law.
 fn interval_of(outcome: &Outcome, law: &str, parameter: &str) -> (f64, f64) {

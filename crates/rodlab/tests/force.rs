@@ -3,11 +3,11 @@
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
+use rodlab::RodlabError;
 use rodlab::job::{self, Sheet, Silent, parse};
 use rodlab::outcome::{Outcome, Verdict};
-use rodlab::{RodlabError, output};
 
-use crate::runs::column;
+use crate::runs::{column, json, quantity};
 
 fn attempt(text: &str) -> Result<Outcome, RodlabError> {
     let path = Path::new("test.ron");
@@ -20,13 +20,11 @@ fn attempt(text: &str) -> Result<Outcome, RodlabError> {
 }
 
 fn value(outcome: &Outcome, name: &str) -> f64 {
-    let found = outcome.quantities.iter().find(|q| q.name == name).unwrap();
-    found.value.unwrap()
+    quantity(outcome, name).value.unwrap()
 }
 
 fn error(outcome: &Outcome, name: &str) -> f64 {
-    let found = outcome.quantities.iter().find(|q| q.name == name).unwrap();
-    found.standard_error.unwrap()
+    quantity(outcome, name).standard_error.unwrap()
 }
 
 #[test]
@@ -226,13 +224,8 @@ fn r06_the_error_is_that_of_the_curve_and_follows_every_stated_uncertainty() {
 #[test]
 fn the_same_sheet_gives_the_same_bytes() {
     let text = rodlab::templates::JobName::Force.template(rodlab::sheet::Language::Ron);
-    let sheet = output::SheetIdentity {
-        file: "force.ron".to_owned(),
-        sha256: String::new(),
-    };
-    let once = output::json_of(&attempt(text).unwrap(), &sheet).unwrap();
-    let again = output::json_of(&attempt(text).unwrap(), &sheet).unwrap();
-    assert_eq!(once, again);
+    let once = json(&attempt(text).unwrap());
+    assert_eq!(once, json(&attempt(text).unwrap()));
     assert_eq!(attempt(text).unwrap().verdict, Verdict::Answered);
 }
 

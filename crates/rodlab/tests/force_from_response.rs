@@ -13,9 +13,10 @@ use std::path::Path;
 use impulse::ForceHistory;
 use num_complex::Complex64;
 use rodlab::outcome::Verdict;
-use rodlab::output;
 use tempfile::TempDir;
-use two_masses::{BODY, Body, HAMMER, Hammer, RATE, SAMPLES, attempt, column, quantity, strike};
+use two_masses::{
+    BODY, Body, HAMMER, Hammer, RATE, SAMPLES, attempt, column, json, quantity, strike,
+};
 
 /// Writes the exact accelerance of `body` as a table.
 fn accelerance(folder: &Path, body: Body) {
@@ -105,11 +106,6 @@ fn a_force_comes_back_within_its_band() {
     assert_eq!(names, ["force", "path", "regularisation"]);
     assert_eq!(outcome.warnings, Vec::<String>::new());
     // a band that holds no less than the pointwise one, and the same bytes again
-    let identity = output::SheetIdentity {
-        file: "test.ron".to_owned(),
-        sha256: String::new(),
-    };
-    let json = |outcome| output::json_of(outcome, &identity).unwrap();
     assert_eq!(
         json(&outcome),
         json(&attempt(folder.path(), &text).unwrap())

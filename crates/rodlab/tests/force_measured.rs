@@ -7,9 +7,8 @@ use std::fs;
 use std::path::Path;
 
 use rodlab::outcome::Verdict;
-use rodlab::output;
 use tempfile::TempDir;
-use two_masses::{BODY, HAMMER, Hammer, attempt, column, quantity, strike};
+use two_masses::{BODY, HAMMER, Hammer, attempt, column, json, quantity, strike};
 
 const VELOCITY: f64 = 2.0;
 const IMPEDANCE: f64 = 1000.0;
@@ -170,11 +169,6 @@ fn a_measured_body_presses_as_the_body_itself() {
         .iter()
         .find(|setting| setting.name == "problem.uncertainty.seed");
     assert_eq!(seed.unwrap().value, "1");
-    let identity = output::SheetIdentity {
-        file: "test.ron".to_owned(),
-        sha256: String::new(),
-    };
-    let json = |outcome| output::json_of(outcome, &identity).unwrap();
     assert_eq!(
         json(&outcome),
         json(&attempt(folder.path(), &text).unwrap())

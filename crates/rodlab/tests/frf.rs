@@ -15,7 +15,6 @@ use testbed::measured;
 use std::f64::consts::{PI, TAU};
 use std::fs;
 use std::path::Path;
-use std::sync::atomic::AtomicBool;
 
 use labio::format::{self, npy::Npy};
 use labio::instrument::{Converter, Instrument, NoiseSpectrum};
@@ -28,9 +27,11 @@ use num_complex::Complex64;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
-use rodlab::job::{self, Sheet, Silent};
-use rodlab::outcome::{Cells, Verdict};
-use rodlab::{Outcome, output};
+use rodlab::Outcome;
+use rodlab::job;
+use rodlab::outcome::Verdict;
+
+use crate::runs::{self, json, words};
 
 const RATE: f64 = 8192.0;
 const N: usize = 4096;
@@ -200,8 +201,6 @@ fn sheet_of(files: &str, rest: &str) -> String {
 }
 
 fn run(folder: &Path, text: &str) -> Result<Outcome, String> {
-    let path = folder.join("test.ron");
-    fs::write(&path, text).unwrap();
     let said = |error: rodlab::RodlabError| {
         let mut text = error.to_string();
         let mut source = std::error::Error::source(&error);
@@ -213,36 +212,15 @@ fn run(folder: &Path, text: &str) -> Result<Outcome, String> {
         }
         text.replace(&folder.display().to_string(), "FOLDER")
     };
-    let sheet = Sheet::read(&path).map_err(said)?;
-    job::run(&sheet, &Silent, &AtomicBool::new(false)).map_err(said)
+    runs::outcome_of(folder, text).map_err(said)
 }
 
 fn column(outcome: &Outcome, table: &str, column: &str) -> Vec<f64> {
-    let table = outcome.tables.iter().find(|t| t.name == table).unwrap();
-    let found = table.columns.iter().find(|c| c.name == column);
-    let names: Vec<&str> = table.columns.iter().map(|c| c.name.as_str()).collect();
-    match &found
-        .unwrap_or_else(|| panic!("{column} in {names:?}"))
-        .cells
-    {
-        Cells::Numbers(values) => values.clone(),
-        _ => panic!("words"),
-    }
-}
-
-fn words(outcome: &Outcome, table: &str, column: &str) -> Vec<String> {
-    let table = outcome.tables.iter().find(|t| t.name == table).unwrap();
-    let found = table.columns.iter().find(|c| c.name == column).unwrap();
-    match &found.cells {
-        Cells::Words(words) | Cells::Validity { words, .. } => words.clone(),
-        Cells::Numbers(_) => panic!("numbers"),
-    }
+    runs::column(outcome, table, column).to_vec()
 }
 
 fn quantity(outcome: &Outcome, name: &str) -> (f64, Option<f64>) {
-    let found = outcome.quantities.iter().find(|q| q.name == name);
-    let names: Vec<&str> = outcome.quantities.iter().map(|q| q.name.as_str()).collect();
-    let found = found.unwrap_or_else(|| panic!("{name} in {names:?}"));
+    let found = runs::quantity(outcome, name);
     (found.value.unwrap(), found.standard_error)
 }
 
@@ -286,11 +264,3 @@ fn spread(outcome: &Outcome, kind: &str, truth: impl Fn(f64) -> Complex64) -> (f
 }
 
 const BAND: &str = r#"band: (from: "20 Hz", to: "1.2 kHz"),"#;
-
-/// Identity of a sheet that is not on disk.
-fn identity() -> output::SheetIdentity {
-    output::SheetIdentity {
-        file: "sheet.ron".to_owned(),
-        sha256: String::new(),
-    }
-}

@@ -8,13 +8,8 @@ use crate::struck_rods;
 
 use std::fs;
 use std::path::Path;
-use std::process::Command;
-use std::sync::atomic::AtomicBool;
 
-use rodlab::RodlabError;
-use rodlab::job::{self, Sheet, Silent, parse};
-use rodlab::outcome::{Cells, Column, Outcome, Quantity, Verdict};
-use rodlab::output::{SheetIdentity, json_of};
+use rodlab::outcome::{Cells, Column, Outcome, Verdict};
 use rodwave::characteristics;
 use rodwave::inelastic::{Elastic, InelasticLaw, Maxwell, MaxwellNorton};
 use rodwave::modulus::{GeneralisedMaxwell, MaxwellBranch};
@@ -23,15 +18,7 @@ use struck_rods::{
 };
 use tempfile::TempDir;
 
-fn attempt(folder: &Path, text: &str) -> Result<Outcome, RodlabError> {
-    let path = folder.join("identify.ron");
-    let sheet = Sheet {
-        text: text.to_owned(),
-        job: parse(&path, text)?,
-        path,
-    };
-    job::run(&sheet, &Silent, &AtomicBool::new(false))
-}
+use crate::runs::{json, outcome_of as attempt, quantity, rodlab, words};
 
 fn refused(folder: &Path, text: &str) -> String {
     attempt(folder, text).unwrap_err().to_string()
@@ -66,14 +53,6 @@ fn sheet(tests: &[String], more: &str) -> String {
     )
 }
 
-fn quantity<'a>(outcome: &'a Outcome, name: &str) -> &'a Quantity {
-    let names: Vec<&String> = outcome.quantities.iter().map(|q| &q.name).collect();
-    let mut found = outcome.quantities.iter();
-    found
-        .find(|q| q.name == name)
-        .unwrap_or_else(|| panic!("{name} is none of {names:?}"))
-}
-
 /// Distance of a quantity from the truth, in its standard errors, which must be finite and no
 /// larger than `largest` of the truth.
 fn standard_errors_off(outcome: &Outcome, name: &str, truth: f64, largest: f64) -> f64 {
@@ -82,15 +61,6 @@ fn standard_errors_off(outcome: &Outcome, name: &str, truth: f64, largest: f64) 
     assert!(found.valid, "{found:?}");
     assert!(error < largest * truth, "{found:?}");
     (found.value.unwrap() - truth).abs() / error
-}
-
-fn words<'a>(outcome: &'a Outcome, table: &str, column: &str) -> &'a [String] {
-    let table = outcome.tables.iter().find(|t| t.name == table).unwrap();
-    let column = table.columns.iter().find(|c| c.name == column).unwrap();
-    match &column.cells {
-        Cells::Words(words) => words,
-        _ => unreachable!("a column of words"),
-    }
 }
 
 /// The rod is at rest for 1.25 ms, and is seen for two and a half round trips of the wave. Waves of
@@ -499,14 +469,7 @@ fn displacements_are_differentiated_and_give_the_law() {
     );
     // the same sheet and file, the same result to the last digit
     let again = attempt(folder.path(), &text).unwrap();
-    let identity = SheetIdentity {
-        file: "identify.ron".to_owned(),
-        sha256: String::new(),
-    };
-    assert_eq!(
-        json_of(&outcome, &identity).unwrap(),
-        json_of(&again, &identity).unwrap()
-    );
+    assert_eq!(json(&outcome), json(&again));
     assert_eq!(outcome.figures, again.figures);
 }
 
@@ -521,15 +484,9 @@ fn an_elastic_rod_has_no_damping_to_identify() {
         &[test],
         &format!("laws: [Maxwell], compare: false, {QUICK}"),
     );
-    let sheet_path = folder.path().join("identify.ron");
-    fs::write(&sheet_path, &text).unwrap();
-    let status = Command::new(env!("CARGO_BIN_EXE_rodlab"))
-        .args(["--quiet", "identify"])
-        .arg(&sheet_path)
-        .output()
-        .unwrap()
-        .status;
-    assert_eq!(status.code(), Some(1));
+    fs::write(folder.path().join("identify.ron"), &text).unwrap();
+    let ran = rodlab(folder.path(), &["--quiet", "identify", "identify.ron"]);
+    assert_eq!(ran.status.code(), Some(1));
     let outcome = attempt(folder.path(), &text).unwrap();
     let Verdict::NotAllowed { reason } = &outcome.verdict else {
         unreachable!("{:#?}", outcome.summary);

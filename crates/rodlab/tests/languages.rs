@@ -3,7 +3,6 @@
 use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
 use std::sync::atomic::AtomicBool;
 
 use rodlab::Outcome;
@@ -12,18 +11,7 @@ use rodlab::sheet::{self, Language};
 use rodlab::templates::JobName;
 use tempfile::TempDir;
 
-fn rodlab(folder: &Path, arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_rodlab"))
-        .current_dir(folder)
-        .env("NO_COLOR", "1")
-        .args(arguments)
-        .output()
-        .unwrap()
-}
-
-fn text(bytes: &[u8]) -> String {
-    String::from_utf8(bytes.to_vec()).unwrap()
-}
+use crate::runs::{rodlab, text};
 
 /// The sheets of the examples in RON.
 fn examples() -> Vec<PathBuf> {

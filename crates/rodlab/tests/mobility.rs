@@ -9,9 +9,8 @@ use std::path::Path;
 
 use num_complex::Complex64;
 use rodlab::outcome::{Cells, Outcome, Verdict};
-use rodlab::output;
 use tempfile::TempDir;
-use two_masses::{BODY, Body, HAMMER, Hammer, attempt, column, quantity, strike, words};
+use two_masses::{BODY, Body, HAMMER, Hammer, attempt, column, json, quantity, strike, words};
 
 const CHANNELS: &str =
     r#"channels: [(name: "hammer", from: "force"), (name: "face", from: "acceleration")]"#;
@@ -102,11 +101,6 @@ fn hits_give_the_mobility_within_its_errors() {
         assert!((there / here - 1.0).abs() < 1e-10);
     }
     // the same bytes from the same sheet
-    let identity = output::SheetIdentity {
-        file: "test.ron".to_owned(),
-        sha256: String::new(),
-    };
-    let json = |outcome: &Outcome| output::json_of(outcome, &identity).unwrap();
     assert_eq!(
         json(&outcome),
         json(&attempt(folder.path(), &text).unwrap())

@@ -19,7 +19,7 @@ use rodlab::outcome::{Cells, Verdict};
 use tempfile::TempDir;
 use virtual_rod::{RATE_HZ, SAMPLES};
 
-use crate::runs::{column as numbers, outcome_of as run};
+use crate::runs::{column as numbers, json, outcome_of as run, quantity, table};
 
 /// A sheet for the rod of paper A; hits in one long recording.
 fn sheet(method: &str, rest: &str) -> String {
@@ -53,7 +53,7 @@ const TWO_POINT: &str = r#"TwoPoint(impacted_end: "struck end", free_end: "free 
 const BAND: &str = r#"band: (from: "50 Hz", to: "20 kHz"),"#;
 
 fn is_valid(outcome: &Outcome) -> Vec<bool> {
-    let table = outcome.tables.iter().find(|t| t.name == "modulus").unwrap();
+    let table = table(outcome, "modulus");
     match &table.columns.last().unwrap().cells {
         Cells::Validity { valid, words, .. } => {
             let said: Vec<bool> = words.iter().map(|word| word == "valid").collect();
@@ -141,14 +141,9 @@ fn the_template_is_a_sheet_that_runs() {
     let outcome = run(folder.path(), &template).unwrap();
     assert_eq!(outcome.verdict, Verdict::Answered, "{:?}", outcome.summary);
     // two sensitivities of 1 % each, which the lines determine better
-    let mut quantities = outcome.quantities.iter();
-    let gain = quantities
-        .find(|quantity| quantity.name == "error of the ratio of the sensitivities, found")
-        .unwrap();
+    let gain = quantity(&outcome, "error of the ratio of the sensitivities, found");
     assert!(gain.standard_error.unwrap() < 0.1, "{gain:?}");
-    let budget = outcome.tables.iter().find(|table| table.name == "budget");
-    let columns: Vec<&str> = budget
-        .unwrap()
+    let columns: Vec<&str> = table(&outcome, "budget")
         .columns
         .iter()
         .map(|column| column.name.as_str())
@@ -185,6 +180,5 @@ fn the_template_is_a_sheet_that_runs() {
         .replace("    // report_at", "    report_at");
     let outcome = run(folder.path(), &optional).unwrap();
     assert_eq!(outcome.verdict, Verdict::Answered, "{:?}", outcome.summary);
-    let table = outcome.tables.iter().find(|t| t.name == "laws").unwrap();
-    assert_eq!(table.columns[0].cells.len(), 3);
+    assert_eq!(table(&outcome, "laws").columns[0].cells.len(), 3);
 }

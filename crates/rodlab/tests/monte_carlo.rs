@@ -8,7 +8,7 @@ use rodlab::outcome::{Cells, Table};
 use rodlab::{Outcome, RodlabError};
 use tempfile::TempDir;
 
-use crate::runs::{column, outcome_of};
+use crate::runs::{column, outcome_of, table};
 
 fn example(name: &str) -> std::path::PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR"))
@@ -37,10 +37,6 @@ fn drawn(
     };
     let text = format!("{all}{separator}\n    monte_carlo: {draws},\n)\n");
     outcome_of(folder.path(), &text)
-}
-
-fn table<'a>(outcome: &'a Outcome, name: &str) -> &'a Table {
-    outcome.tables.iter().find(|t| t.name == name).unwrap()
 }
 
 fn verdicts(table: &Table) -> Vec<bool> {

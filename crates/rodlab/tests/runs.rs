@@ -1,11 +1,13 @@
 //! Runs of a sheet or of the program, and what they found.
 
+use std::fs;
 use std::path::Path;
 use std::process::{Command, Output};
 use std::sync::atomic::AtomicBool;
 
 use rodlab::job::{self, Sheet, Silent, parse};
-use rodlab::outcome::{Cells, Quantity};
+use rodlab::outcome::{Cells, Quantity, Table};
+use rodlab::output::{SheetIdentity, json_of};
 use rodlab::{Outcome, RodlabError};
 
 /// The outcome of a sheet whose files are in `folder`.
@@ -19,17 +21,46 @@ pub(crate) fn outcome_of(folder: &Path, text: &str) -> Result<Outcome, RodlabErr
     job::run(&sheet, &Silent, &AtomicBool::new(false))
 }
 
+/// The text of the result of a sheet that is not on disk.
+pub(crate) fn json(outcome: &Outcome) -> String {
+    let identity = SheetIdentity {
+        file: "test.ron".to_owned(),
+        sha256: String::new(),
+    };
+    json_of(outcome, &identity).unwrap()
+}
+
+pub(crate) fn table<'a>(outcome: &'a Outcome, name: &str) -> &'a Table {
+    let found = outcome.tables.iter().find(|t| t.name == name);
+    found.unwrap_or_else(|| {
+        let names: Vec<&String> = outcome.tables.iter().map(|t| &t.name).collect();
+        panic!("{name} is none of {names:?}")
+    })
+}
+
+fn cells<'a>(outcome: &'a Outcome, of: &str, name: &str) -> &'a Cells {
+    let columns = &table(outcome, of).columns;
+    let found = columns.iter().find(|c| c.name == name);
+    let found = found.unwrap_or_else(|| {
+        let names: Vec<&String> = columns.iter().map(|c| &c.name).collect();
+        panic!("{name} is none of {names:?}")
+    });
+    &found.cells
+}
+
 /// The numbers of a column.
 pub(crate) fn column<'a>(outcome: &'a Outcome, table: &str, name: &str) -> &'a [f64] {
-    let tables: Vec<&String> = outcome.tables.iter().map(|t| &t.name).collect();
-    let of = outcome.tables.iter().find(|t| t.name == table);
-    let of = of.unwrap_or_else(|| panic!("{table} is none of {tables:?}"));
-    let names: Vec<&String> = of.columns.iter().map(|c| &c.name).collect();
-    let column = of.columns.iter().find(|c| c.name == name);
-    let column = column.unwrap_or_else(|| panic!("{name} is none of {names:?}"));
-    match &column.cells {
+    match cells(outcome, table, name) {
         Cells::Numbers(values) => values,
         _ => panic!("{name} is a column of words"),
+    }
+}
+
+/// The words of a column, those of a verdict too.
+pub(crate) fn words<'a>(outcome: &'a Outcome, table: &str, name: &str) -> &'a [String] {
+    match cells(outcome, table, name) {
+        Cells::Words(words) | Cells::Validity { words, .. } => words,
+        _ => panic!("{name} is a column of numbers"),
     }
 }
 
@@ -53,4 +84,15 @@ pub(crate) fn rodlab(folder: &Path, arguments: &[&str]) -> Output {
 
 pub(crate) fn text(bytes: &[u8]) -> String {
     String::from_utf8(bytes.to_vec()).unwrap()
+}
+
+/// Writes a table of these columns without names.
+pub(crate) fn write_columns(path: &Path, columns: &[Vec<f64>]) {
+    let line = |n: usize| {
+        let cells: Vec<String> = columns.iter().map(|x| format!("{:e}", x[n])).collect();
+        cells.join(",")
+    };
+    let count = columns.iter().map(Vec::len).min().unwrap();
+    let lines: Vec<String> = (0..count).map(line).collect();
+    fs::write(path, lines.join("\n")).unwrap();
 }

@@ -6,16 +6,16 @@ mod records_of_others;
 
 use std::fs;
 use std::path::Path;
-use std::sync::atomic::AtomicBool;
 
 use rodfigure::Mark;
-use rodlab::job::{self, Sheet, Silent};
+use rodlab::Outcome;
 use rodlab::outcome::{Cells, Verdict};
-use rodlab::{Outcome, RodlabError};
 use rodwave::inelastic::MaxwellNorton;
 use rodwave::line::Segment;
 use tempfile::TempDir;
 use testbed::hopkinson::{HopkinsonRig, HopkinsonTruth, RecorderErrors};
+
+use crate::runs::{column, outcome_of as run, quantity, table, write_columns};
 
 const RATE: f64 = 1e6;
 
@@ -50,10 +50,8 @@ fn recorded(truth: &HopkinsonTruth) -> [Vec<f64>; 2] {
     [first.remove(0), second.remove(0)]
 }
 
-fn write(folder: &Path, [first, second]: &[Vec<f64>; 2]) {
-    let lines = first.iter().zip(second);
-    let lines: Vec<String> = lines.map(|(a, b)| format!("{a:e},{b:e}")).collect();
-    fs::write(folder.join("shot.csv"), lines.join("\n")).unwrap();
+fn write(folder: &Path, gauges: &[Vec<f64>; 2]) {
+    write_columns(&folder.join("shot.csv"), gauges);
 }
 
 /// The template, with the sampling rate that is not in the file.
@@ -61,21 +59,6 @@ fn template() -> String {
     rodlab::templates::JobName::Shpb
         .template(rodlab::sheet::Language::Ron)
         .replace("// sampling_rate: \"1 MHz\"", "sampling_rate: \"1 MHz\"")
-}
-
-fn run(folder: &Path, text: &str) -> Result<Outcome, RodlabError> {
-    let path = folder.join("shot.ron");
-    fs::write(&path, text).unwrap();
-    job::run(&Sheet::read(&path)?, &Silent, &AtomicBool::new(false))
-}
-
-fn column<'a>(outcome: &'a Outcome, table: &str, name: &str) -> &'a [f64] {
-    let table = outcome.tables.iter().find(|t| t.name == table).unwrap();
-    let column = table.columns.iter().find(|c| c.name == name).unwrap();
-    let Cells::Numbers(numbers) = &column.cells else {
-        panic!("{name}")
-    };
-    numbers
 }
 
 #[test]
@@ -108,7 +91,7 @@ fn hopkinson_template_evaluates_a_shot_on_nylon_bars() {
     }
     // the sheet is right: noise alone is outside, and it is small against the common errors
     assert!(all > 500 && outside * 20 < all, "{outside} of {all}");
-    let table = outcome.tables.iter().find(|t| t.name == "budget").unwrap();
+    let table = table(&outcome, "budget");
     // noise; factor, position of two gauges and one delay; two diameters; length and diameter of
     // the specimen; density and modulus; tail and level; part above the band
     assert_eq!(table.columns[0].cells.len(), 1 + 5 + 2 + 2 + 2 + 2 + 1);
@@ -138,7 +121,7 @@ fn hopkinson_draws_stand_beside_linear_errors() {
     assert_eq!(outcome.verdict, Verdict::Answered, "{:?}", outcome.summary);
     for name in ["stress", "strain"] {
         let name = format!("check: standard error of the {name} by draws over the linear one");
-        let found = outcome.quantities.iter().find(|q| q.name == name).unwrap();
+        let found = quantity(&outcome, &name);
         // 4 % of 300 draws, 7 % of the noise in the linear one: three of these
         assert!((found.value.unwrap() - 1.0).abs() < 0.24, "{found:?}");
     }
@@ -285,7 +268,7 @@ fn hopkinson_bending_cancels_between_opposite_gauges() {
     }
     // two gauges of 0.5 % each have a mean within 0.35 %; the delay of the other sheet is not there
     let budget = |outcome: &Outcome| {
-        let table = outcome.tables.iter().find(|t| t.name == "budget").unwrap();
+        let table = table(outcome, "budget");
         let (Cells::Words(names), Cells::Numbers(stress)) =
             (&table.columns[0].cells, &table.columns[1].cells)
         else {

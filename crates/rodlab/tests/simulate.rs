@@ -2,16 +2,14 @@
 
 use std::fs;
 use std::path::Path;
-use std::process::Command;
 
 use labio::{Ordinate, Series};
 use num_complex::Complex64;
-use rodlab::outcome::{Cells, Outcome, Verdict};
+use rodlab::outcome::{Outcome, Verdict};
 use rodlab::output;
 use tempfile::TempDir;
 
-use crate::runs::{column, outcome_of as attempt};
-use crate::two_masses::words;
+use crate::runs::{self, column, outcome_of as attempt, quantity, words};
 
 const POLYPROPYLENE: &str = r#"materials: {
     "polypropylene": (density: "912 kg/m3", law: ConstantQ(modulus: "2.6 GPa", loss_factor: "0.07", at: "1.6 kHz")),
@@ -82,14 +80,7 @@ fn polypropylene(frequency_hz: f64) -> (f64, f64) {
 /// errors.
 fn off_in_standard_errors(found: &Outcome) -> Vec<[f64; 2]> {
     let of = |name: &str| column(found, "modulus", name);
-    let table = found.tables.iter().find(|t| t.name == "modulus").unwrap();
-    let validity = table.columns.iter().find(|c| c.name == "validity").unwrap();
-    let Cells::Validity {
-        words: validity, ..
-    } = &validity.cells
-    else {
-        unreachable!("words");
-    };
+    let validity = words(found, "modulus", "validity");
     let frequency = of("frequency");
     (0..frequency.len())
         .filter(|line| validity[*line] == "valid")
@@ -294,7 +285,7 @@ fn a_projectile_gives_the_law_that_was_put_in() {
             ("Maxwell: Young's modulus E", 2.6e9),
             ("Maxwell: viscosity eta", 4e6),
         ] {
-            let quantity = found.quantities.iter().find(|q| q.name == name).unwrap();
+            let quantity = quantity(&found, name);
             let error = quantity.standard_error.unwrap();
             assert!(
                 (quantity.value.unwrap() - truth).abs() < 3.0 * error && error < 0.2 * truth,
@@ -446,8 +437,7 @@ fn through_a_recorder(law: &str, velocities: &str) -> String {
 
 /// The quantity is the `truth` within three standard errors of at most this share of it.
 fn is_found(outcome: &Outcome, name: &str, truth: f64, share: f64) {
-    let mut all = outcome.quantities.iter();
-    let quantity = all.find(|quantity| quantity.name == name).unwrap();
+    let quantity = quantity(outcome, name);
     let error = quantity.standard_error.unwrap();
     assert!(
         (quantity.value.unwrap() - truth).abs() < 3.0 * error && error < share * truth,
@@ -571,13 +561,7 @@ fn the_seed_and_nothing_else_decides() {
 #[test]
 fn a_person_simulates_and_evaluates_by_two_commands() {
     let folder = TempDir::new().unwrap();
-    let rodlab = |arguments: &[&str]| {
-        Command::new(env!("CARGO_BIN_EXE_rodlab"))
-            .current_dir(folder.path())
-            .args(arguments)
-            .output()
-            .unwrap()
-    };
+    let rodlab = |arguments: &[&str]| runs::rodlab(folder.path(), arguments);
     assert!(rodlab(&["init", "simulate", "plan.ron"]).status.success());
     for arguments in [
         ["--quiet", "simulate", "plan.ron"],

@@ -2,29 +2,23 @@
 //! filter, noise and a converter.
 
 use std::f64::consts::TAU;
-use std::fs;
 use std::path::Path;
 
 use num_complex::Complex64;
 use rodlab::Outcome;
-use rodlab::outcome::{Cells, Verdict};
+use rodlab::outcome::Verdict;
 use tempfile::TempDir;
 use testbed::long_bar::LongBar;
 use testbed::ringing_rod::RingingRod;
 
-use crate::runs::{outcome_of as run, quantity};
+use crate::runs::{column as numbers, outcome_of as run, quantity, words, write_columns};
 
 /// Gauges of 250 kHz in the columns of a table of text.
 fn write(folder: &Path, rows: &[Vec<f64>], factor: f64) {
-    let line = |n: usize| {
-        let cells: Vec<String> = rows
-            .iter()
-            .map(|row| format!("{:e}", factor * row[n]))
-            .collect();
-        cells.join(",")
-    };
-    let lines: Vec<String> = (0..rows[0].len()).map(line).collect();
-    fs::write(folder.join("shot.csv"), lines.join("\n")).unwrap();
+    let scaled = rows
+        .iter()
+        .map(|row| row.iter().map(|x| factor * x).collect());
+    write_columns(&folder.join("shot.csv"), &scaled.collect::<Vec<_>>());
 }
 
 fn sheet(method: &str, units: [&str; 2], rest: &str) -> String {
@@ -56,37 +50,12 @@ const BEFORE_END: &str = r#"MultiPoint(gauges: [(channel: "g1", at: "1600 mm"), 
 const SILENT: &str = r#"silent: "0.9 ms","#;
 
 fn column<'a>(outcome: &'a Outcome, name: &str) -> &'a [f64] {
-    let table = outcome
-        .tables
-        .iter()
-        .find(|table| table.name == "modulus")
-        .unwrap();
-    let column = table
-        .columns
-        .iter()
-        .find(|column| column.name == name)
-        .unwrap();
-    let Cells::Numbers(numbers) = &column.cells else {
-        panic!("{name}")
-    };
-    numbers
+    numbers(outcome, "modulus", name)
 }
 
 /// Valid lines, and how many of them lie outside 1.96 stated errors of E' and of the loss factor.
 fn outside(outcome: &Outcome) -> [usize; 3] {
-    let table = outcome
-        .tables
-        .iter()
-        .find(|table| table.name == "modulus")
-        .unwrap();
-    let validity = table
-        .columns
-        .iter()
-        .find(|column| column.name == "validity")
-        .unwrap();
-    let Cells::Validity { words, .. } = &validity.cells else {
-        panic!("validity")
-    };
+    let words = words(outcome, "modulus", "validity");
     let mut found = [0; 3];
     for line in (0..words.len()).filter(|line| words[*line] == "valid") {
         let s = Complex64::new(0.0, TAU * column(outcome, "frequency")[line]);
@@ -275,11 +244,7 @@ fn lines_valid_within_limits_keep_them() {
         let folder = TempDir::new().unwrap();
         write(folder.path(), &bar.shot(&[1.0, 0.97], seed), 1.0);
         let outcome = run(folder.path(), &text).unwrap();
-        let table = outcome.tables.iter().find(|t| t.name == "modulus").unwrap();
-        let words = table.columns.iter().find(|c| c.name == "validity").unwrap();
-        let Cells::Validity { words, .. } = &words.cells else {
-            panic!("validity")
-        };
+        let words = words(&outcome, "modulus", "validity");
         for line in (0..words.len()).filter(|line| words[*line] == "valid") {
             let s = Complex64::new(0.0, TAU * column(&outcome, "frequency")[line]);
             let exact = (bar.modulus)(s);
@@ -343,7 +308,7 @@ fn free_vibration_of_a_steel_bar_has_its_loss_factor() {
             "{off:e} ± {error:e}"
         );
     }
-    let modes = |outcome: &Outcome, name| crate::runs::column(outcome, "modes", name).to_vec();
+    let modes = |outcome: &Outcome, name| numbers(outcome, "modes", name).to_vec();
     assert_eq!(modes(&outcome, "mode"), [1.0, 2.0, 3.0, 4.0]);
     for (decay, frequency) in modes(&outcome, "decay rate").iter().zip(frequency) {
         // half the loss factor, to four standard errors of a hundredth of it
@@ -408,11 +373,7 @@ fn two_gauges_on_a_steel_bar_tell_its_wave_speed() {
             )
             .replace("loss_factor: \"100 %\"", "loss_factor: \"100000 %\"");
         let outcome = run(folder.path(), &text).unwrap();
-        let table = outcome.tables.iter().find(|t| t.name == "modulus").unwrap();
-        let words = table.columns.iter().find(|c| c.name == "validity").unwrap();
-        let Cells::Validity { words, .. } = &words.cells else {
-            panic!("validity")
-        };
+        let words = words(&outcome, "modulus", "validity");
         answered += usize::from(outcome.verdict == Verdict::Answered);
         let valid = words
             .iter()

@@ -10,23 +10,21 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use rodwave::medium::Medium;
-use rodwave::modulus::{
-    ComplexModulus, FractionalZener, GeneralisedMaxwell, LaplaceModulus, MaxwellBranch,
-};
+use rodwave::modulus::{ComplexModulus, FractionalZener, GeneralisedMaxwell, LaplaceModulus};
 use rodwave::transition::{State, TransitionMatrix};
 
-use super::measured::{Noise, logarithmic, measured};
+use super::measured::{Noise, logarithmic, measured, series};
 
 const REFERENCE: f64 = 353.15;
 
 /// Returns ln a_T by Williams, Landel and Ferry.
-fn wlf(c1: f64, c2: f64, temperature: f64) -> f64 {
+pub(crate) fn wlf(c1: f64, c2: f64, temperature: f64) -> f64 {
     let d = temperature - REFERENCE;
     -std::f64::consts::LN_10 * c1 * d / (c2 + d)
 }
 
 /// Returns ln a_T by Arrhenius, for an energy in J/mol.
-fn arrhenius(energy: f64, temperature: f64) -> f64 {
+pub(crate) fn arrhenius(energy: f64, temperature: f64) -> f64 {
     energy / 8.314462618 * (1.0 / temperature - 1.0 / REFERENCE)
 }
 
@@ -34,17 +32,13 @@ fn temperatures() -> Vec<f64> {
     (0..13).map(|k| 293.15 + 10.0 * f64::from(k)).collect()
 }
 
-fn four_branches() -> GeneralisedMaxwell {
+pub(crate) fn four_branches() -> GeneralisedMaxwell {
     let branches = [(0.5e9, 1e-6), (0.6e9, 2e-5), (0.5e9, 5e-4), (0.4e9, 2e-2)];
-    let branch = |(modulus, relaxation_time)| MaxwellBranch {
-        modulus,
-        relaxation_time,
-    };
-    GeneralisedMaxwell::new(0.4e9, branches.map(branch).to_vec()).unwrap()
+    series(0.4e9, &branches)
 }
 
 /// Returns sixteen lines from 400 Hz to 10 kHz at each temperature.
-fn sweep(
+pub(crate) fn sweep(
     law: &dyn Fn(f64) -> Complex64,
     log_shift: &dyn Fn(f64) -> f64,
     noise: f64,

@@ -616,16 +616,6 @@ mod tests {
         assert!(accelerometer.with_gain(rating(0.0, "1")).is_err());
     }
 
-    #[test]
-    fn uncertainties_of_factors_add_in_squares() {
-        let sensitivity = rating(10.0, "mV/g").with_uncertainty(0.3).unwrap();
-        let gain = rating(100.0, "1").with_uncertainty(4.0).unwrap();
-        let chain = SensorChain::of_sensitivity(sensitivity).unwrap();
-        let chain = chain.with_gain(gain).unwrap();
-        // 3 % and 4 % combine to 5 %, within rounding errors
-        assert!((chain.relative_uncertainty() - 0.05).abs() < 1e-15);
-    }
-
     fn chains() -> impl Strategy<Value = SensorChain> {
         let transducer = prop_oneof![
             (0.1..1000.0).prop_map(|s| SensorChain::of_sensitivity(rating(s, "mV/g")).unwrap()),

@@ -132,7 +132,7 @@ impl AveragedSpectra {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Channel, Provenance, Quantity, Record, Welch, Window};
+    use crate::{Quantity, Record, Welch, Window};
     use ndarray::Array2;
     use rand::SeedableRng;
     use rand_chacha::ChaCha8Rng;
@@ -146,11 +146,11 @@ mod tests {
         for n in 0..n_samples {
             samples[(1, n)] += common * samples[(0, n)];
         }
-        let channels = vec![
-            Channel::new("x", Quantity::Force).unwrap(),
-            Channel::new("y", Quantity::Velocity).unwrap(),
-        ];
-        Record::new(samples, 1.0, 0.0, channels, Provenance::computed("noise")).unwrap()
+        Record::of_test(
+            samples,
+            1.0,
+            &[("x", Quantity::Force), ("y", Quantity::Velocity)],
+        )
     }
 
     #[test]
@@ -167,64 +167,34 @@ mod tests {
         assert!(coherence.chance_level(0.0).is_err() && coherence.chance_level(1.0).is_err());
     }
 
+    /// Bendat and Piersol: √(2/n) (1 - γ²) γ, to which a claim compares the scatter over lines.
     #[test]
-    fn the_spread_of_coherence_over_lines_is_its_random_error() {
-        let mut rng = ChaCha8Rng::seed_from_u64(4);
-        let hits: Vec<Record> = (0..60).map(|_| noise(8192, 1.0, &mut rng)).collect();
-        let spectra = AveragedSpectra::of(&hits, Window::Rectangular).unwrap();
-        let coherence = spectra.coherence("x", "y").unwrap();
-        let inner = &coherence.values[1..4096];
-        let n = inner.len() as f64;
-        let mean = inner.iter().sum::<f64>() / n;
-        let spread = (inner.iter().map(|c| (c - mean).powi(2)).sum::<f64>() / n).sqrt();
-        let expected = (2.0_f64 / 60.0).sqrt() * 0.5 * 0.5_f64.sqrt();
-        // the neglected terms of first order in 1/n are 2 %; 4095 lines have a standard error of
-        // 1.1 %, four of which are added
-        assert!(
-            (spread / expected - 1.0).abs() < 0.065,
-            "{spread} {expected}"
-        );
-        // the reported error of a line with the true coherence is the expected one
-        let reported = Coherence {
+    fn the_random_error_is_that_of_the_effective_averages() {
+        let coherence = Coherence {
+            frequency_hz: vec![1.0],
             values: vec![0.5],
-            ..coherence
+            n_averages: 60,
+            effective_averages: 60.0,
+            validity: vec![LineValidity::Valid],
         };
-        assert!((reported.random_error()[0] - expected).abs() < 1e-15);
+        let expected = (2.0_f64 / 60.0).sqrt() * 0.5 * 0.5_f64.sqrt();
+        assert!((coherence.random_error()[0] - expected).abs() < 1e-15);
     }
 
     #[test]
     fn segments_that_are_almost_one_have_no_coherence() {
         let mut rng = ChaCha8Rng::seed_from_u64(5);
-        let record = noise(70, 1.0, &mut rng);
-        let spectra = Welch::new(64)
-            .unwrap()
-            .with_overlap(62)
-            .unwrap()
-            .spectra(&record)
-            .unwrap();
-        assert_eq!(spectra.n_averages(), 4);
-        assert!(matches!(
-            spectra.coherence("x", "y").unwrap_err(),
-            LabioError::TooFewAverages { found: 1, .. }
-        ));
-        let response = spectra.h1("x", "y").unwrap();
-        assert!(response.coherence.is_none() && response.variance.is_none());
-    }
-
-    #[test]
-    fn two_segments_that_are_almost_one_count_as_one() {
-        let mut rng = ChaCha8Rng::seed_from_u64(6);
-        let spectra = Welch::new(64)
-            .unwrap()
-            .with_overlap(62)
-            .unwrap()
-            .spectra(&noise(66, 1.0, &mut rng))
-            .unwrap();
-        assert_eq!(spectra.n_averages(), 2);
-        assert!(matches!(
-            spectra.coherence("x", "y").unwrap_err(),
-            LabioError::TooFewAverages { found: 1, .. }
-        ));
+        for (n_samples, n_segments) in [(70, 4), (66, 2)] {
+            let welch = Welch::new(64).unwrap().with_overlap(62).unwrap();
+            let spectra = welch.spectra(&noise(n_samples, 1.0, &mut rng)).unwrap();
+            assert_eq!(spectra.n_averages(), n_segments);
+            assert!(matches!(
+                spectra.coherence("x", "y").unwrap_err(),
+                LabioError::TooFewAverages { found: 1, .. }
+            ));
+            let response = spectra.h1("x", "y").unwrap();
+            assert!(response.coherence.is_none() && response.variance.is_none());
+        }
     }
 
     /// The coherence of copies of one hit is 1 within rounding on most lines, whatever it is on the

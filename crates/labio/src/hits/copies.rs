@@ -363,7 +363,7 @@ fn turns(phase: f64, count: usize) -> Vec<Complex64> {
 )]
 mod tests {
     use super::*;
-    use crate::{Channel, Provenance, Quantity};
+    use crate::Quantity;
     use ndarray::Array2;
     use rand::SeedableRng;
     use rand_chacha::ChaCha8Rng;
@@ -374,18 +374,8 @@ mod tests {
 
     fn record(rows: [Vec<f64>; 2]) -> Record {
         let samples = Array2::from_shape_fn((2, N), |(row, n)| rows[row][n]);
-        let channels = vec![
-            Channel::new("force", Quantity::Force).unwrap(),
-            Channel::new("end", Quantity::Acceleration).unwrap(),
-        ];
-        Record::new(
-            samples,
-            RATE_HZ,
-            0.0,
-            channels,
-            Provenance::computed("test"),
-        )
-        .unwrap()
+        let channels = [("force", Quantity::Force), ("end", Quantity::Acceleration)];
+        Record::of_test(samples, RATE_HZ, &channels)
     }
 
     /// A pulse and the ringing of three modes that it excites, beginning `later` samples after

@@ -218,9 +218,7 @@ mod tests {
         for (k, x) in samples.iter_mut().enumerate().skip(100) {
             *x += if k < 110 { 50.0 } else { left };
         }
-        let channels = vec![crate::Channel::new("force", crate::Quantity::Force).unwrap()];
-        let provenance = crate::Provenance::computed("test");
-        Record::new(samples, 1e4, 0.0, channels, provenance).unwrap()
+        Record::of_test(samples, 1e4, &[("force", crate::Quantity::Force)])
     }
 
     #[test]

@@ -121,7 +121,7 @@ mod tests {
     use testbed::noise::Noise;
 
     use super::*;
-    use crate::{Channel, Provenance, Quantity};
+    use crate::Quantity;
 
     const RATE: f64 = 10e3;
 
@@ -135,9 +135,8 @@ mod tests {
             let ringing = (-since / time_constant).exp() * (2513.0 * since).sin();
             ringing + 1e-3 * noise.normal() + 1e-3 * (314.0 * t).sin()
         });
-        let channels = vec![Channel::new("a", Quantity::Acceleration).unwrap()];
         let samples = ndarray::Array2::from_shape_vec((1, n_samples), samples.collect()).unwrap();
-        Record::new(samples, RATE, 0.0, channels, Provenance::computed("test")).unwrap()
+        Record::of_test(samples, RATE, &[("a", Quantity::Acceleration)])
     }
 
     fn found(time_constant: f64, n_samples: usize, seed: u64) -> Option<usize> {

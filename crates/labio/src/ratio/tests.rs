@@ -5,7 +5,7 @@ use num_complex::Complex64;
 use testbed::noise::Noise;
 
 use super::*;
-use crate::{Channel, Provenance, Quantity, Rating, SensorChain};
+use crate::{Quantity, Rating, SensorChain};
 
 const RATE: f64 = 1e4;
 
@@ -25,15 +25,8 @@ fn shot(random: &mut Noise) -> Record {
         };
         (1.0 + channel as f64) * pulse + 0.006 * noise[channel][n]
     });
-    let channels = ["x", "y"].map(|name| Channel::new(name, Quantity::Strain).unwrap());
-    Record::new(
-        samples,
-        RATE,
-        0.0,
-        channels.to_vec(),
-        Provenance::computed("test"),
-    )
-    .unwrap()
+    let channels = ["x", "y"].map(|name| (name, Quantity::Strain));
+    Record::of_test(samples, RATE, &channels)
 }
 
 /// Mean of |δr|² divided by the stated variance, over 300 shots with noise on both channels; it is
@@ -159,9 +152,7 @@ fn a_pulse_without_its_tail_errs_as_it_states() {
                 let n_of = |from: f64| n as f64 - from;
                 pulse(n_of(100.0)) + 0.5 * pulse(n_of(400.0)) + 1e-6 * noise[n]
             });
-            let channels = vec![Channel::new("gauge", Quantity::Strain).unwrap()];
-            let provenance = Provenance::computed("test");
-            Record::new(samples, RATE, 0.0, channels, provenance).unwrap()
+            Record::of_test(samples, RATE, &[("gauge", Quantity::Strain)])
         })
         .into();
     let hits: Vec<&Record> = hits.iter().collect();
@@ -268,10 +259,8 @@ fn rounding_that_is_alike_in_all_hits_is_part_of_the_error() {
                         };
                         output(value, added[n * channel + sample])
                     });
-                    let names = ["x", "y"];
-                    let channels = names.map(|name| Channel::new(name, Quantity::Strain).unwrap());
-                    let from = Provenance::computed("test");
-                    Record::new(samples, rate, 0.0, channels.to_vec(), from).unwrap()
+                    let channels = ["x", "y"].map(|name| (name, Quantity::Strain));
+                    Record::of_test(samples, rate, &channels)
                 };
                 exact.push(record(&|value, _| value));
                 found.push(record(&|value, noise| {

@@ -266,9 +266,7 @@ mod tests {
                 2.0 + 0.3 * t + (0.7 * t).sin()
             }
         });
-        let channels = vec![crate::Channel::new("end", Quantity::Displacement).unwrap()];
-        let from = crate::Provenance::computed("ramp");
-        let hit = Record::new(samples, 1.0, 0.0, channels, from).unwrap();
+        let hit = Record::of_test(samples, 1.0, &[("end", Quantity::Displacement)]);
         let plain: Vec<f64> = hit
             .channel("end")
             .unwrap()

@@ -180,7 +180,7 @@ fn samples_left(n_silent: usize, segment: usize) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{AveragedSpectra, Channel, Provenance, Quantity, Window};
+    use crate::{AveragedSpectra, Quantity, Window};
     use ndarray::Array2;
     use rand::{RngExt, SeedableRng};
     use rand_chacha::ChaCha8Rng;
@@ -194,15 +194,7 @@ mod tests {
             .map(|_| {
                 let samples =
                     Array2::from_shape_fn((1, 2048), |_| 3.0 + random.random::<f64>() - 0.5);
-                let channels = vec![Channel::new("gauge", Quantity::Strain).unwrap()];
-                Record::new(
-                    samples,
-                    8000.0,
-                    0.0,
-                    channels,
-                    Provenance::computed("noise"),
-                )
-                .unwrap()
+                Record::of_test(samples, 8000.0, &[("gauge", Quantity::Strain)])
             })
             .collect();
         let all: Vec<&Record> = hits.iter().collect();
@@ -230,9 +222,8 @@ mod tests {
 
     #[test]
     fn silence_that_is_too_short_is_refused() {
-        let channels = vec![Channel::new("gauge", Quantity::Strain).unwrap()];
         let samples = Array2::zeros((1, 100));
-        let hit = Record::new(samples, 1.0, 0.0, channels, Provenance::computed("none")).unwrap();
+        let hit = Record::of_test(samples, 1.0, &[("gauge", Quantity::Strain)]);
         let text = |n| {
             let error = RestNoise::before(&[&hit], "gauge", n).unwrap_err();
             error.to_string()

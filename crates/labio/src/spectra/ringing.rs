@@ -239,15 +239,14 @@ impl RestNoise {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{AveragedSpectra, Channel, Provenance, Quantity, SpectrumAverager, Window};
+    use crate::{AveragedSpectra, Quantity, SpectrumAverager, Window};
     use ndarray::Array2;
     use rand::{RngExt, SeedableRng};
     use rand_chacha::ChaCha8Rng;
 
     fn record(samples: Vec<f64>) -> Record {
         let samples = Array2::from_shape_vec((1, samples.len()), samples).unwrap();
-        let channels = vec![Channel::new("gauge", Quantity::Strain).unwrap()];
-        Record::new(samples, 10e3, 0.0, channels, Provenance::computed("test")).unwrap()
+        Record::of_test(samples, 10e3, &[("gauge", Quantity::Strain)])
     }
 
     fn spectra(hit: &Record, window: AddedDamping) -> AveragedSpectra {
@@ -334,10 +333,8 @@ mod tests {
         let needs = |starts: [&[usize]; 2]| {
             let rows = starts.map(|starts| passages(starts, 1550)).concat();
             let samples = Array2::from_shape_vec((2, 1550), rows).unwrap();
-            let channels =
-                ["near", "far"].map(|name| Channel::new(name, Quantity::Strain).unwrap());
-            let provenance = Provenance::computed("test");
-            let hit = Record::new(samples, 10e3, 0.0, channels.to_vec(), provenance).unwrap();
+            let channels = ["near", "far"].map(|name| (name, Quantity::Strain));
+            let hit = Record::of_test(samples, 10e3, &channels);
             let damping = damping_of_ringing(&[&hit], &["near", "far"], 300, 50.0).unwrap();
             damping.is_some()
         };

@@ -268,7 +268,7 @@ impl Welch {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Provenance, Quantity};
+    use crate::Quantity;
     use proptest::prelude::*;
     use rand::SeedableRng;
     use rand_chacha::ChaCha8Rng;
@@ -318,11 +318,11 @@ mod tests {
             let unit: f64 = StandardNormal.sample(&mut rng);
             unit
         });
-        let channels = vec![
-            Channel::new("x", Quantity::Force).unwrap(),
-            Channel::new("y", Quantity::Velocity).unwrap(),
-        ];
-        Record::new(samples, 100.0, 0.0, channels, Provenance::computed("noise")).unwrap()
+        Record::of_test(
+            samples,
+            100.0,
+            &[("x", Quantity::Force), ("y", Quantity::Velocity)],
+        )
     }
 
     fn bits(spectra: &AveragedSpectra) -> Vec<u64> {

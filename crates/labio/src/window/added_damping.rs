@@ -148,24 +148,6 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_mode_under_the_window_is_the_mode_with_its_decay_rates_added() {
-        // decay rates of 3 1/s of the body and 4 1/s of the window, damped frequency 24 rad/s: a
-        // 7-24-25 triangle under the window
-        let apparent = DampedMode {
-            natural_omega: 25.0,
-            damping_ratio: 7.0 / 25.0,
-        };
-        let mode = AddedDamping::new(4.0)
-            .unwrap()
-            .remove_from_mode(apparent)
-            .unwrap();
-        let natural = (9.0_f64 + 576.0).sqrt();
-        // a few rounding errors
-        assert!((mode.natural_omega - natural).abs() < 1e-14 * natural);
-        assert!((mode.damping_ratio - 3.0 / natural).abs() < 1e-14);
-    }
-
-    #[test]
     fn the_end_weight_is_reached_at_the_end() {
         let window = AddedDamping::to_end_weight(0.01, 2.0).unwrap();
         let weights = window.weights(201, 100.0).unwrap();

@@ -13,45 +13,6 @@ fn a_symmetric_window_has_one_sample_less_a_period_and_an_extra_zero() {
 }
 
 #[test]
-fn the_two_hann_windows_differ_in_their_last_sample() {
-    let periodic = Window::HannPeriodic.sample(8).unwrap().weights;
-    let symmetric = Window::HannSymmetric.sample(8).unwrap().weights;
-    // cos(2 pi 7/8) = 1/sqrt 2; rounding error of one cosine
-    assert!((periodic[7] - (0.5 - 0.5 / 2.0_f64.sqrt())).abs() < 1e-15);
-    assert!(symmetric[7].abs() < 1e-15);
-}
-
-#[test]
-fn a_symmetric_window_is_a_periodic_one_of_one_sample_less_and_its_first_sample_again() {
-    let pairs = [
-        (Window::HannSymmetric, Window::HannPeriodic),
-        (Window::HammingSymmetric, Window::HammingPeriodic),
-        (
-            Window::BlackmanHarrisSymmetric,
-            Window::BlackmanHarrisPeriodic,
-        ),
-        (Window::FlatTopSymmetric, Window::FlatTopPeriodic),
-        (
-            Window::TukeySymmetric { taper: 0.3 },
-            Window::TukeyPeriodic { taper: 0.3 },
-        ),
-    ];
-    for (symmetric, periodic) in pairs {
-        for n in [4, 17, 64] {
-            let mut expected = periodic.sample(n - 1).unwrap().weights;
-            expected.push(expected[0]);
-            assert_eq!(symmetric.sample(n).unwrap().weights, expected);
-            let mut reversed = expected.clone();
-            reversed.reverse();
-            for (a, b) in expected.iter().zip(&reversed) {
-                // rounding errors of cosines of mirrored angles
-                assert!((a - b).abs() < 1e-15);
-            }
-        }
-    }
-}
-
-#[test]
 fn tukey_lies_between_rectangular_and_hann() {
     let weights = |window: Window| window.sample(64).unwrap().weights;
     assert_eq!(

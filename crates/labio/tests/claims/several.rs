@@ -71,6 +71,8 @@ fn several_inputs(report: &mut Claims) {
         ),
         || {
             let response = three_inputs(64, 6, 0.0, 1)?;
+            let multiple = response.multiple_coherence.iter();
+            multiple.for_each(|c| assert!((c - 1.0).abs() < 1e-12, "{c}"));
             worst(GAINS.iter().enumerate(), |(input, gain)| {
                 let values = response.values.row(input);
                 Ok(largest(values.iter().map(|h| (h - gain).norm())))
@@ -91,6 +93,10 @@ fn several_inputs(report: &mut Claims) {
             }
             // a = u, b = v + u/2, c = w - 0.8 v - 0.1 u: y = 1.6 u - 1.7 v + 1.5 w + e
             let total = 1.6_f64.powi(2) + 1.7_f64.powi(2) + 1.5_f64.powi(2) + 1.0;
+            for (input, part) in [1.6_f64, 1.7, 1.5].into_iter().enumerate() {
+                let ordered = mean(&response.ordered_coherence.row(input).to_vec());
+                assert!((ordered - part * part / total).abs() < 0.011, "{input}: {ordered}");
+            }
             let last = response.partial_coherence.row(2).to_vec();
             Ok(largest([
                 mean(&response.multiple_coherence) - (1.0 - 1.0 / total),

@@ -4,7 +4,7 @@
 
 use std::path::Path;
 
-use labio::hits::{Criteria, HitLog};
+use labio::hits::{Criteria, Extent, HitLog, Reason, Trigger, find_hits};
 use labio::{AveragedSpectra, LabioError, Record, Window, format};
 
 use testbed::claim::{
@@ -112,6 +112,17 @@ fn shocks(data: &Path) -> Ours<Shocks> {
     }
     let log = HitLog::of_records(found.iter().cloned(), TABLE, &Criteria::default())?;
     let judged = log.hits().iter().zip([true, true, true, false]);
+    // both channels fall from 140 000 to 113 000 before the shock
+    for name in [TABLE, SPECIMEN] {
+        let rests_there = |reason: &Reason| {
+            matches!(reason, Reason::StaticOffset { channel, level, .. }
+                if channel == name && (110_000.0..145_000.0).contains(level))
+        };
+        assert!(log.hits()[3].reasons().iter().any(rests_there), "{log}");
+    }
+    let trigger = Trigger::new(TABLE, 5000.0, Extent::Seconds(0.5))?;
+    let untriggered = find_hits(&found[3], &trigger, &Criteria::default())?;
+    assert_eq!(untriggered.accepted().count(), 0, "{untriggered}");
     let before = found[3].channel(TABLE)?;
     Ok(Shocks {
         sampling_rate_hz: found[0].sampling_rate_hz(),

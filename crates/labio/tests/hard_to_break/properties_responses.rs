@@ -115,24 +115,3 @@ proptest! {
         prop_assert!((part(plain) - part(other)).abs() < 1e-14);
     }
 }
-
-/// The fields are public: arrays whose lengths no longer match are rejected and never indexed.
-#[test]
-fn a_response_with_arrays_of_unequal_lengths_is_refused() {
-    let mut short = response(vec![Complex64::ONE; 5], 1.0)
-        .with_variance(vec![0.1; 5])
-        .unwrap();
-    short.validity.pop();
-    let text =
-        |result: Result<FrequencyResponse, labio::LabioError>| result.unwrap_err().to_string();
-    assert_eq!(
-        text(short.to_kind(ResponseKind::Mobility)),
-        "lines of the validity: found 4, expected 5"
-    );
-    assert!(short.clone().impulse_response().is_err());
-    assert!(short.clone().with_coherence(vec![0.5; 5], 3).is_err());
-    assert!(short.clone().with_variance(vec![0.5; 5]).is_err());
-    assert!(short.passivity(0.02).is_err());
-    let other = response(vec![Complex64::ONE; 5], 1.0);
-    assert!(MergedResponse::by_inverse_variance(&[other, short]).is_err());
-}

@@ -1,4 +1,4 @@
-//! Waves in bars, and measured hits and shocks.
+//! Waves in bars, and measured hits.
 
 use super::*;
 
@@ -129,24 +129,7 @@ fn r17_an_onset_behind_the_record_is_refused() {
 }
 
 #[test]
-fn the_measured_hammer_hits_are_accepted() {
-    let Some(folder) = measured::folder() else {
-        return;
-    };
-    let channels = [
-        Channel::new(FORCE, Quantity::Force).unwrap(),
-        Channel::new("response", Quantity::Acceleration).unwrap(),
-    ];
-    let hits = (1..=5).map(|number| {
-        let path = folder.join(format!("hammer/measurements_{number}.npy"));
-        npy::read(path, &channels).unwrap()
-    });
-    let log = HitLog::of_records(hits, FORCE, &Criteria::default()).unwrap();
-    assert_eq!(log.accepted().count(), 5, "{log}");
-}
-
-#[test]
-fn measured_hits_in_one_long_record_are_found_again() {
+fn measured_hammer_hits_are_accepted_and_found_again_in_one_long_record() {
     let Some(folder) = measured::folder() else {
         return;
     };
@@ -160,6 +143,8 @@ fn measured_hits_in_one_long_record_are_found_again() {
             npy::read(path, &channels).unwrap()
         })
         .collect();
+    let log = HitLog::of_records(hits.iter().cloned(), FORCE, &Criteria::default()).unwrap();
+    assert_eq!(log.accepted().count(), 5, "{log}");
     let n = hits[0].n_samples();
     let samples = Array2::from_shape_fn((2, 5 * n), |(channel, k)| {
         hits[k / n].samples()[[channel, k % n]]
@@ -182,65 +167,6 @@ fn measured_hits_in_one_long_record_are_found_again() {
         let into = (hit.time() - number as f64) * rate_hz;
         assert!((17.0..21.0).contains(&into.round()), "{log}");
     }
-}
-
-/// The two accelerations of a shock test, from a comma-separated LVM file whose first column is the
-/// time.
-fn shock(folder: &std::path::Path, number: &str) -> Record {
-    let text = std::fs::read(folder.join(format!("shock/Test_{number}.lvm"))).unwrap();
-    let text: String = text.into_iter().map(char::from).collect();
-    let rows = text.lines().skip_while(|line| !line.starts_with("X_Value"));
-    let mut accelerations = [Vec::new(), Vec::new()];
-    for row in rows.skip(1) {
-        for (samples, cell) in accelerations.iter_mut().zip(row.split(',').skip(1)) {
-            samples.push(cell.parse::<f64>().unwrap());
-        }
-    }
-    let n = accelerations[0].len();
-    assert_eq!(n, 51_200);
-    let samples = Array2::from_shape_fn((2, n), |(channel, k)| accelerations[channel][k]);
-    let channels = ["table", "specimen"]
-        .map(|name| Channel::new(name, Quantity::Acceleration).unwrap())
-        .to_vec();
-    Record::new(
-        samples,
-        51_200.0,
-        0.0,
-        channels,
-        Provenance::computed("test"),
-    )
-    .unwrap()
-}
-
-#[test]
-fn the_measured_shocks_are_accepted_and_the_documented_failure_is_not() {
-    let Some(folder) = measured::folder() else {
-        return;
-    };
-    let shocks = ["001", "002", "003", "017"].map(|number| shock(&folder, number));
-    let [_, _, _, failure] = &shocks;
-    let trigger = Trigger::new("table", 5000.0, Extent::Seconds(0.5)).unwrap();
-    let untriggered = find_hits(failure, &trigger, &Criteria::default()).unwrap();
-    assert_eq!(untriggered.accepted().count(), 0);
-
-    let log = HitLog::of_records(shocks, "table", &Criteria::default()).unwrap();
-    let accepted: Vec<bool> = log.hits().iter().map(|hit| hit.is_accepted()).collect();
-    assert_eq!(accepted, [true, true, true, false], "{log}");
-    let reasons = log.hits()[3].reasons();
-    let offset = |name: &str| {
-        reasons.iter().find_map(|reason| match reason {
-            Reason::StaticOffset { channel, level, .. } if channel == name => Some(*level),
-            _ => None,
-        })
-    };
-    // both channels fall from 140 000 to 113 000 before the shock
-    for name in ["table", "specimen"] {
-        assert!(
-            (110_000.0..145_000.0).contains(&offset(name).unwrap()),
-            "{log}"
-        );
-    }
-    eprintln!("{log}\n{untriggered}");
 }
 
 #[test]

@@ -34,17 +34,11 @@ NONE
     -1
 ";
 
-fn of_file<'a>(contents: &'a Contents, name: &str) -> Option<&'a str> {
-    let mut properties = contents.properties.iter();
-    let found = properties.find(|(own, _)| own == name);
-    found.map(|(_, value)| value.as_str())
-}
-
 #[test]
 fn units_and_nodes_complete_a_function() {
     let contents = strict(BY_PYUFF.as_bytes()).unwrap();
-    assert_eq!(of_file(&contents, UNITS), Some("10 mm/newton"));
-    assert_eq!(of_file(&contents, SKIPPED), None);
+    assert_eq!(property(&contents.properties, UNITS), Some("10 mm/newton"));
+    assert_eq!(property(&contents.properties, SKIPPED), None);
     let series = &contents.series[0];
     // mm/s² over N
     let unit = series.ordinate_axis.unit.as_ref().unwrap();
@@ -114,7 +108,7 @@ fn units_and_nodes_of_another_layout_are_listed_and_cost_no_function() {
         (BY_PYUFF.replace("2.50500E+02", "2.505zzE+02"), "15"),
     ] {
         let contents = strict(broken.as_bytes()).unwrap();
-        assert_eq!(of_file(&contents, SKIPPED), Some(listed));
+        assert_eq!(property(&contents.properties, SKIPPED), Some(listed));
         assert_eq!(contents.series.len(), 1);
         let has_units = contents.series[0].ordinate_axis.unit.is_some();
         let position = property(&contents.series[0].properties, POSITION);

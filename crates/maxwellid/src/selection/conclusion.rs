@@ -44,7 +44,7 @@ impl Selection {
     ) -> Result<Comparison, MaxwellidError> {
         let samples: usize = ground.times.iter().map(Vec::len).sum();
         let least = least(found).ok_or(MaxwellidError::NoCandidate)?;
-        let mut inflation = ground.inflation(least);
+        let (mut inflation, _) = ground.inflation(least);
         let mut scale = self.noise_scale(least.chi_square, samples);
         if let Some([known_scale, known_inflation]) =
             weighed.iter().flatten().map(|w| w.noise).next()

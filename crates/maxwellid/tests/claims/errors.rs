@@ -4,7 +4,7 @@
 use maxwellid::{Fit, IdentifiableLaw, Noise, RodModel, RodTest, Scale};
 use rodwave::inelastic::{Maxwell, MaxwellGurevichRabinovich, MaxwellNorton};
 
-use super::virtual_rod::{VELOCITY, noisy, struck};
+use crate::virtual_rod::{LENGTH, V0, struck};
 use testbed::claim::{Claims, Ours, Within, missing, of};
 use testbed::difference::largest;
 use testbed::hold;
@@ -73,12 +73,12 @@ fn claims_hold() {
 }
 
 fn covered<L: IdentifiableLaw>(modulus: f64, truth: &L, start: &L) -> Ours<Covered> {
-    let clean = struck(modulus, truth, VELOCITY, 88)?;
+    let clean = struck(LENGTH, V0, modulus, truth, 88);
     let expected = RodModel::stated(truth, &RodModel::parameters(truth, modulus));
     let mut sums = vec![[0.0; 3]; expected.len()];
     let mut to_noise = 0.0;
     for seed in 0..SEEDS {
-        let test = RodTest::new(noisy(&clean, NOISE, seed))?.with_noise(NOISE, NOISE)?;
+        let test = RodTest::new(clean.noisy(NOISE, seed))?.with_noise(NOISE, NOISE)?;
         let fit = Fit::of(start.clone()).with_cell(8e-3).to(&[test])?;
         if !fit.termination().was_successful() {
             return Err(missing("the end of a fit"));

@@ -10,7 +10,7 @@ use rodwave::line::{Body, Drive, End, Line, Segment};
 use rodwave::lumped::LumpedRod;
 use rodwave::modulus::{GeneralisedMaxwell, MaxwellBranch};
 
-use super::virtual_rod::{RATE_HZ, times};
+use crate::virtual_rod::{RATE, times};
 use testbed::claim::{Claims, Ours, Within, missing};
 use testbed::difference::largest;
 use testbed::hold;
@@ -43,12 +43,12 @@ fn samples() -> Vec<f64> {
 /// Calls `with` for the driven rod, on cells of this length.
 fn driven<T>(cell: f64, with: impl FnOnce(&DrivenRod<'_>) -> Ours<T>) -> Ours<T> {
     let samples = samples();
-    let excitation = SampledHistory::new(&samples, RATE_HZ)?;
+    let excitation = SampledHistory::new(&samples, RATE)?;
     let times = times(SAMPLES - SampledHistory::HALF_WIDTH);
     with(&DrivenRod {
         length: LENGTH,
         density: DENSITY,
-        sampling_rate_hz: RATE_HZ,
+        sampling_rate_hz: RATE,
         samples: &samples,
         excitation: &excitation,
         times: &times,
@@ -227,7 +227,7 @@ fn solvers(claims: &mut Claims) {
             let segment = Segment::prony(LENGTH, 1e-4, DENSITY, &material)?;
             let line = Line::new([Body::new([segment])?])?
                 .with_left_end(End::Velocity(Drive::history(rod.excitation.clone())))?;
-            let run = line.run(5e-7, (SAMPLES - 2) as f64 / RATE_HZ, &[])?;
+            let run = line.run(5e-7, (SAMPLES - 2) as f64 / RATE, &[])?;
             // ends are known at dt/2, 3 dt/2 ...
             let dt = run.grid.time_step;
             let end = SampledHistory::new(&run.ends[1].velocity, 1.0 / dt)?;

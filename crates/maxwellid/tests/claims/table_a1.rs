@@ -2,14 +2,14 @@
 //! in the paper: the inverting solver has generated the data, which tests the search and nothing
 //! else.
 
-use maxwellid::{Fit, IdentifiableLaw, Noise, RodTest, RodTestData};
+use maxwellid::{Fit, IdentifiableLaw, Noise, Provenance, RodTest, RodTestData};
 use rodwave::band_limited::{Recorder, SampledHistory};
 use rodwave::experiment::Acquisition;
 use rodwave::impact::{ImpactTest, Striker};
 use rodwave::inelastic::{Maxwell, MaxwellGurevichRabinovich, MaxwellNorton};
 use rodwave::{DirectProblem, InelasticRod, characteristics};
 
-use super::virtual_rod::{RATE_HZ, VELOCITY, data, times};
+use crate::virtual_rod::{RATE, V0, times};
 use testbed::claim::{Claims, Ours, Within, missing, of};
 use testbed::hold;
 use testbed::papers::paper_d::{self, AppendixRow, LawParameters, UnitReading};
@@ -138,7 +138,7 @@ fn round_trip<L: IdentifiableLaw>(
     .record(
         &Acquisition {
             recorder: Recorder {
-                rate_hz: RATE_HZ,
+                rate_hz: RATE,
                 cutoff_hz: 16_000.0,
             },
             samples_before: 32,
@@ -148,19 +148,21 @@ fn round_trip<L: IdentifiableLaw>(
         // a ninetieth of the shortest wave of the record
         (modulus / row.density).sqrt() / 16_000.0 / 90.0,
     )?;
-    let excitation = SampledHistory::new(&record.excitation, RATE_HZ)?;
+    let excitation = SampledHistory::new(&record.excitation, RATE)?;
     let rod = InelasticRod::new(length, row.density, modulus, truth.clone())?;
     let response = DirectProblem::new(rod, CELLS)?
         .free_end_velocity(&excitation, &times(record.excitation.len()))?;
     let test = RodTest::new(RodTestData {
+        name: "virtual rod".into(),
         length,
         density: row.density,
-        ..data(
-            record.excitation,
-            response,
-            VELOCITY,
-            characteristics::GENERATOR,
-        )
+        impact_velocity: V0,
+        sampling_rate_hz: RATE,
+        excitation: record.excitation,
+        response,
+        provenance: Provenance::Virtual {
+            generator: characteristics::GENERATOR.into(),
+        },
     })?;
     let fit = Fit::of(start)
         .with_cell(length / CELLS as f64)

@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use maxwellid::{Differentiator, Fit, Freedom, Nuisances, RodTest};
 use rodwave::inelastic::MaxwellNorton;
 
-use super::virtual_rod::{RATE_HZ, VELOCITY, struck};
+use crate::virtual_rod::{LENGTH, RATE, V0, struck};
 use testbed::claim::{Claims, Ours, Within, of};
 use testbed::difference::largest;
 use testbed::hold;
@@ -105,20 +105,24 @@ fn nuisances(claims: &mut Claims) {
     claims.by("transducer with a known gain, offset and delay on a virtual rod without noise");
     let found = || -> Ours<[f64; 5]> {
         let truth = MaxwellNorton::new(2.0, 1.3e13)?;
-        let mut data = struck(2.6e9, &truth, VELOCITY, 100)?;
+        let mut data = struck(LENGTH, V0, 2.6e9, &truth, 100).data;
         for value in &mut data.response {
             *value = 1.03 * *value + 0.05;
         }
         data.response.splice(0..0, [0.05, 0.05]);
         data.response.truncate(data.excitation.len());
-        let fit = Fit::of(MaxwellNorton::from_reference_rate(1.2, 1.0, 10e6)?)
+        let start = MaxwellNorton::from_reference_rate(1.2, 1.0, 10e6)?;
+        let test = [RodTest::new(data)?];
+        let blind = Fit::of(start).to(&test)?;
+        assert!((blind.modulus() / 2.6e9 - 1.0).abs() > 0.05);
+        let fit = Fit::of(start)
             .with_nuisances(Nuisances {
                 response_gain: Freedom::Free,
                 response_offset: Freedom::Free,
                 delay: Freedom::Free,
                 ..Nuisances::default()
             })
-            .to(&[RodTest::new(data)?])?;
+            .to(&test)?;
         let of_name = |name: &str| {
             let found = fit.nuisances().first();
             let same = found.and_then(|all| all.iter().find(|n| n.name.starts_with(name)));
@@ -152,7 +156,7 @@ fn nuisances(claims: &mut Claims) {
         (
             "delay",
             "s",
-            2.0 / RATE_HZ,
+            2.0 / RATE,
             Within(
                 1e-6,
                 "a twentieth of a sample; it is told from E by reflections alone",

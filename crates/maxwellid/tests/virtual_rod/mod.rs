@@ -12,13 +12,14 @@ use testbed::noise::Noise;
 use testbed::struck_rod::{self, StruckRod};
 
 pub(crate) const DENSITY: f64 = 1100.0;
+pub(crate) const LENGTH: f64 = 0.4;
 pub(crate) const V0: f64 = 10.0;
 pub(crate) const RATE: f64 = 51_200.0;
 
 /// A struck rod: both velocities as recorded, and the excitation before sampling.
 pub(crate) struct VirtualRod {
     pub(crate) data: RodTestData,
-    excitation: SampledHistory,
+    pub(crate) excitation: SampledHistory,
 }
 
 pub(crate) fn times(count: usize) -> Vec<f64> {
@@ -90,11 +91,6 @@ pub(crate) fn struck_before<L: InelasticLaw>(
 }
 
 impl VirtualRod {
-    /// v_e [m/s] at `time` \[s\] of the record, known without its samples.
-    pub(crate) fn excitation_at(&self, time: f64) -> f64 {
-        self.excitation.at(time)
-    }
-
     pub(crate) fn named(&self, name: &str) -> RodTestData {
         RodTestData {
             name: name.into(),

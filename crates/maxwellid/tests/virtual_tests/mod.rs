@@ -12,6 +12,7 @@ use rodwave::line::{self, Body, Drive, End, Line, Segment};
 use rodwave::lumped::{self, LumpedRod};
 use rodwave::modulus::{GeneralisedMaxwell, MaxwellBranch};
 use testbed::noise::Noise;
+use testbed::struck_rod;
 
 pub(crate) const DENSITY: f64 = 912.0;
 pub(crate) const MODULUS: f64 = 2.6e9;
@@ -101,9 +102,7 @@ pub(crate) fn sampled_fast<L: InelasticLaw>(law: &L, level: f64, seed: u64) -> R
 }
 
 fn times(record: &VelocityRecord) -> Vec<f64> {
-    (0..record.excitation.len())
-        .map(|k| k as f64 / record.sampling_rate_hz)
-        .collect()
+    struck_rod::times(record.excitation.len(), record.sampling_rate_hz)
 }
 
 /// The lumped chain's response to the excitation as recorded: a recorder's filter does not commute
@@ -190,26 +189,35 @@ pub(crate) fn beside_a_branch(
 fn of_segment(segment: Segment, velocity: f64, step: f64) -> Exact {
     // the excitation of a rod of nearly the same damping
     let record = struck(&Maxwell::new(4e6).unwrap(), velocity);
-    let drive = Drive::history(record.excitation_before_sampling.clone());
+    let times = times(&record);
+    Exact {
+        velocity,
+        response: of_line(segment, &record.excitation_before_sampling, &times, step),
+        excitation: record.excitation,
+        generator: line::GENERATOR,
+    }
+}
+
+/// Velocity of the free end of a driven segment by the line.
+pub(crate) fn of_line(
+    segment: Segment,
+    excitation: &SampledHistory,
+    times: &[f64],
+    step: f64,
+) -> Vec<f64> {
     let line = Line::new([Body::new([segment]).unwrap()])
         .unwrap()
-        .with_left_end(End::Velocity(drive))
+        .with_left_end(End::Velocity(Drive::history(excitation.clone())))
         .unwrap();
-    let times = times(&record);
+    // the last three samples are beyond every window
     let duration = times[times.len() - 4];
     let run = line.run(step, duration, &[]).unwrap();
     let dt = run.grid.time_step;
     let end = SampledHistory::new(&run.ends[1].velocity, 1.0 / dt).unwrap();
-    Exact {
-        velocity,
-        excitation: record.excitation,
-        // the last three samples are beyond every window
-        response: times
-            .iter()
-            .map(|t| end.at((t - 0.5 * dt).min(duration)))
-            .collect(),
-        generator: line::GENERATOR,
-    }
+    times
+        .iter()
+        .map(|t| end.at((t - 0.5 * dt).min(duration)))
+        .collect()
 }
 
 fn with_white_noise(exact: &Exact, level: f64, seed: u64) -> RodTest {
@@ -300,20 +308,8 @@ pub(crate) fn in_order<L: InelasticLaw>(law: &L, velocity: f64) -> Exact {
 /// loses nothing.
 pub(crate) fn rounded<L: InelasticLaw>(law: &L, velocity: f64, deviation: f64) -> Exact {
     let record = struck(law, velocity);
-    let sharp = &record.excitation_before_sampling;
     let times = times(&record);
-    let end = times[times.len() - 1];
-    let places: Vec<f64> = (-40..=40).map(|k| 0.1 * f64::from(k)).collect();
-    let weights: Vec<f64> = places.iter().map(|z| (-0.5 * z * z).exp()).collect();
-    let sum: f64 = weights.iter().sum();
-    let excitation: Vec<f64> = times
-        .iter()
-        .map(|t| {
-            let pairs = places.iter().zip(&weights);
-            let values = pairs.map(|(z, w)| w * sharp.at((t + deviation * z).clamp(0.0, end)));
-            values.sum::<f64>() / sum
-        })
-        .collect();
+    let excitation = struck_rod::rounded(&record.excitation_before_sampling, &times, deviation);
     let rod = InelasticRod::new(LENGTH, DENSITY, MODULUS, law.clone()).unwrap();
     let driven = SampledHistory::new(&excitation, ACQUISITION.recorder.rate_hz).unwrap();
     let response = LumpedRod::new(&rod, 400, 0.5)

@@ -155,17 +155,7 @@ fn r24_a_single_hit_has_no_valid_line_and_no_hit_has_no_response() {
         panic!("{:?}", single.verdict)
     };
     insta::assert_snapshot!(reasons.join("\n"), @"only one hit is accepted: there is no coherence, and the error of its lines is not known");
-    let table = single
-        .tables
-        .iter()
-        .find(|t| t.name == "response_struck_end")
-        .unwrap();
-    let Cells::Validity {
-        words: validity, ..
-    } = &table.columns.last().unwrap().cells
-    else {
-        panic!("words")
-    };
+    let validity = words(&single, "response_struck_end", "validity");
     assert!(
         validity
             .iter()
@@ -249,16 +239,9 @@ fn the_same_sheet_gives_the_same_outcome() {
     write_hits(folder.path(), 3, 1e-3, NOISE);
     let text = sheet_of("hit_*.npy", BAND);
     let [first, second] = [(); 2].map(|()| run(folder.path(), &text).unwrap());
-    assert_eq!(
-        output::json_of(&first, &identity()).unwrap(),
-        output::json_of(&second, &identity()).unwrap()
-    );
+    assert_eq!(json(&first), json(&second));
     assert_eq!(first.attachments, second.attachments);
-    assert!(
-        !output::json_of(&first, &identity())
-            .unwrap()
-            .contains(&folder.path().display().to_string())
-    );
+    assert!(!json(&first).contains(&folder.path().display().to_string()));
 }
 
 #[test]

@@ -200,7 +200,7 @@ fn motions_are_converted_and_a_weighed_mass_carries_the_low_lines() {
         "{mass} {error:?}"
     );
     let validity = words(&outcome, "response_struck_end", "validity");
-    for ((frequency, value), validity) in response(&outcome, "mobility").iter().zip(&validity) {
+    for ((frequency, value), validity) in response(&outcome, "mobility").iter().zip(validity) {
         let s = on_axis(*frequency);
         let truth = accelerance(s) / s;
         if *frequency < 20.0 {

@@ -1,5 +1,7 @@
 //! Rods of several lengths, and transducers with errors.
 
+use rodlab::outcome::Quantity;
+
 use super::*;
 
 /// A rod of another length than 394 mm in each test, and a response that reads 2 % too much:

@@ -2,8 +2,6 @@
 
 use std::fmt::Write as _;
 
-use rodlab::output;
-
 use super::*;
 
 #[test]
@@ -131,10 +129,7 @@ fn ten_hits_on_polypropylene_give_its_modulus_within_the_stated_errors() {
     assert!(10 * one < both, "{one} of {both}");
 
     let again = run(folder.path(), &text).unwrap();
-    assert_eq!(
-        output::json_of(&again, &identity()).unwrap(),
-        output::json_of(&outcome, &identity()).unwrap()
-    );
+    assert_eq!(json(&again), json(&outcome));
 }
 
 /// A rod that warms by 1.5 K over six hits and softens by 0.3 % per kelvin, with times of the hits
@@ -192,7 +187,7 @@ fn a_modulus_that_drifts_over_the_hits_is_named_and_referred_to_a_temperature() 
     {
         assert!(common / modulus > 0.000_75, "{common} {modulus}");
     }
-    let budget = stated.tables.iter().find(|t| t.name == "budget").unwrap();
+    let budget = table(&stated, "budget");
     let temperature = "change with temperature, of E'";
     assert!(
         budget
@@ -225,8 +220,7 @@ fn errors_of_the_sensors_are_found_and_taken_out() {
         run(folder.path(), &text.replace(channel, &changed)).unwrap()
     };
     let found = |outcome: &Outcome, name: &str| {
-        let mut quantities = outcome.quantities.iter();
-        let quantity = quantities.find(|quantity| quantity.name == name).unwrap();
+        let quantity = quantity(outcome, name);
         (quantity.value.unwrap(), quantity.standard_error.unwrap())
     };
     let right = with("0.51 mV/g ± 2 %", "4 us ± 3 us");
@@ -406,18 +400,7 @@ fn a_ratio_of_another_program_is_taken_with_its_coherence() {
     );
     assert_eq!(outcome.inputs[0].path, "psi.csv");
     let again = run(folder.path(), text).unwrap();
-    assert_eq!(
-        output::json_of(&again, &identity()).unwrap(),
-        output::json_of(&outcome, &identity()).unwrap()
-    );
-}
-
-/// Identity of a sheet that is not on disk.
-fn identity() -> output::SheetIdentity {
-    output::SheetIdentity {
-        file: "sheet.ron".to_owned(),
-        sha256: String::new(),
-    }
+    assert_eq!(json(&again), json(&outcome));
 }
 
 /// Records of a second, in which the rod moves for 60 ms: their rest is left out, which makes more

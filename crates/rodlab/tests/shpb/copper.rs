@@ -10,7 +10,7 @@ use rodwave::fourier::RealFourier;
 use tempfile::TempDir;
 use testbed::measured;
 
-use super::{column, run};
+use super::{column, quantity, run, write_columns};
 
 const NAME: &str = "copper/gauge_strain_records.csv";
 const GAUGES: [&str; 2] = [
@@ -99,9 +99,7 @@ impl Elements {
 
 /// The sheet of the shot, with the samples in a file at even times.
 fn evaluated(folder: &Path, gauges: &[Vec<f64>; 2], poisson_ratio: &str) -> Outcome {
-    let lines = gauges[0].iter().zip(&gauges[1]);
-    let lines: Vec<String> = lines.map(|(a, b)| format!("{a:e},{b:e}")).collect();
-    fs::write(folder.join("copper.csv"), lines.join("\n")).unwrap();
+    write_columns(&folder.join("copper.csv"), gauges);
     let bar = |channel: usize, separation: &str| {
         format!(
             r#"(waves: Speed(density: "7850 kg/m3", wave_speed: "5122.7 m/s ± 5 m/s"), diameter: "16 mm", length: "1000 mm",
@@ -267,9 +265,7 @@ fn hopkinson_copper_has_the_velocities_of_its_faces() {
     let (theirs, mended) = (elements.column("time_s"), elements.mended_times());
     let ratio = r#"poisson_ratio: "0.3","#;
     let (as_it_is, right, long_waves) = (of(&theirs, ratio), of(&mended, ratio), of(&mended, ""));
-    let mut quantities = right.quantities.iter();
-    let band = quantities.find(|q| q.name == "end of the band").unwrap();
-    let band = 1e3 * band.value.unwrap();
+    let band = 1e3 * quantity(&right, "end of the band").value.unwrap();
     let (as_sampled, true_times) = (velocities(&theirs), velocities(&mended));
     let [incident, transmitted] = [0, 1].map(|at| {
         let face = ["incident", "transmitted"][at];

@@ -16,9 +16,9 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rodlab::RodlabError;
 use rodlab::job::{self, Sheet, Silent, parse};
-use rodlab::outcome::{Cells, Outcome};
+use rodlab::outcome::Outcome;
 
-pub(crate) use crate::runs::{column, quantity};
+pub(crate) use crate::runs::{column, json, quantity, words};
 
 pub(crate) const RATE: f64 = 51_200.0;
 pub(crate) const SAMPLES: usize = 2048;
@@ -162,13 +162,4 @@ pub(crate) fn attempt(folder: &Path, text: &str) -> Result<Outcome, RodlabError>
         text: text.to_owned(),
     };
     job::run(&sheet, &Silent, &AtomicBool::new(false))
-}
-
-pub(crate) fn words<'a>(outcome: &'a Outcome, table: &str, name: &str) -> &'a [String] {
-    let table = outcome.tables.iter().find(|t| t.name == table).unwrap();
-    let column = table.columns.iter().find(|c| c.name == name).unwrap();
-    let (Cells::Words(values) | Cells::Validity { words: values, .. }) = &column.cells else {
-        unreachable!("{name} is a column of numbers");
-    };
-    values
 }

@@ -6,7 +6,7 @@ use labio::ResponseRatio;
 use num_complex::Complex64;
 
 use super::measured::{Measured, Spectra};
-use super::reasons::{lines, n_suitable};
+use super::reasons::{known, lines, n_suitable};
 use super::{MethodSheet, ModulusSheet, estimate};
 use crate::digits::significant;
 
@@ -114,7 +114,7 @@ pub(super) fn sensors(
     if wrong.is_some() {
         return wrong;
     }
-    let n_found = known(found);
+    let n_found = known(found).len();
     if 2 * n_found >= n_suitable(found) {
         return None;
     }
@@ -124,7 +124,7 @@ pub(super) fn sensors(
         let Ok(would_be) = estimate::plain(sheet, measured, &corrected) else {
             continue;
         };
-        let n_known = known(&would_be);
+        let n_known = known(&would_be).len();
         if n_known >= FEWEST.max(MORE * n_found) && 4 * n_known >= n_suitable(&would_be) {
             return Some(format!(
                 "E' would be known on {} instead of {n_found} if {}: {}.",
@@ -135,14 +135,6 @@ pub(super) fn sensors(
         }
     }
     None
-}
-
-/// Returns the number of lines with a known E'.
-fn known(estimate: &ModulusEstimate) -> usize {
-    let lines = estimate.lines().iter();
-    lines
-        .filter(|line| line.validity.storage_modulus_is_valid())
-        .count()
 }
 
 fn without(mistake: &Mistake, ratio: &ResponseRatio) -> ResponseRatio {

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use cmod::ModulusLine;
 use cmod::estimate::{ErrorSource, ModulusEstimate};
 use cmod::validity::Violation;
 
@@ -202,6 +203,14 @@ pub(super) fn n_suitable(estimate: &ModulusEstimate) -> usize {
     lines
         .filter(|line| !line.validity.violations().iter().any(is_of_wavelength))
         .count()
+}
+
+/// Returns the lines with a known E'.
+pub(super) fn known(estimate: &ModulusEstimate) -> Vec<&ModulusLine> {
+    let lines = estimate.lines().iter();
+    lines
+        .filter(|line| line.validity.storage_modulus_is_valid())
+        .collect()
 }
 
 pub(super) fn lines(count: usize) -> String {

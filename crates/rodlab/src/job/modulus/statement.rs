@@ -3,7 +3,7 @@
 use cmod::ModulusLine;
 use cmod::estimate::ErrorSource;
 
-use super::reasons::{Reasons, lines, n_suitable};
+use super::reasons::{Reasons, known, lines, n_suitable};
 use super::{Found, MethodSheet};
 use crate::Outcome;
 use crate::digits::{hertz, percent, to_error};
@@ -87,10 +87,7 @@ fn middle_of<'a>(
 /// because with a reversed sensor some lines may have no other reason by chance.
 fn storage_modulus_alone(outcome: &mut Outcome, found: &Found<'_>, reasons: &Reasons) -> bool {
     let all = found.estimate.lines();
-    let known = all
-        .iter()
-        .filter(|line| line.validity.storage_modulus_is_valid());
-    let known: Vec<&ModulusLine> = known.collect();
+    let known = known(found.estimate);
     let (Some(first), Some(last)) = (known.first(), known.last()) else {
         return false;
     };
