@@ -146,11 +146,12 @@ fn coordinates_units_and_texts_come_with_the_series() {
     ] {
         assert_eq!(property(&matlab, key), value);
     }
+    // a file with complex series holds spectra, to which `fs` gives no times
     assert_eq!(
         series(&matlab, "force").abscissa,
         Abscissa::Even {
             start: 0.0,
-            step: 1.0 / 51200.0
+            step: 1.0
         }
     );
     assert_eq!(

@@ -211,7 +211,7 @@ fn a_report_says_what_was_learnt_and_what_was_not() {
     let damped = independent_test(3.209e9, &Maxwell::new(4e6).unwrap());
     let fit = Fit::of(Maxwell::new(1e6).unwrap()).to(&[damped]).unwrap();
     insta::assert_snapshot!(words(fit.report(Noise::Known(0.02)).to_string()), @r"
-    Maxwell law, converged: the sum of squares cannot be reduced further after 0 iterations; residual 0.000 % of V0
+    Maxwell law, converged: the step is negligible after 0 iterations; residual 0.000 % of V0
       E = 0.0000e0 Pa ± 0.00 % (identified)
       eta = 0.0000e0 Pa s ± 0.00 % (identified)
     ");

@@ -50,13 +50,11 @@ use crate::format::reading::Reading;
 use crate::format::{MemoryLimit, Reader, Strictness, text};
 use crate::{Contents, LabioError, Place};
 
+pub use crate::format::matlab_array::RATE_SOURCE;
+
 use element::{Cursor, Element, Origin};
 
 const FORMAT: &str = "mat5";
-
-/// Property of the contents with the variable from which the sampling rate is taken, such as
-/// ``variable `fs`, in Hz``; also in files of Octave and of MATLAB 7.3.
-pub const RATE_SOURCE: &str = "source of the sampling rate";
 
 /// Bytes before the first variable.
 const HEADER_BYTES: usize = 128;

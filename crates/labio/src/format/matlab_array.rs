@@ -1,6 +1,5 @@
 //! MATLAB arrays as series, for all versions of the file format.
 
-use super::mat5::RATE_SOURCE;
 use super::text;
 use crate::series::every;
 use crate::{Abscissa, Contents, Ordinate, Series, SeriesAxis, SeriesKind};
@@ -92,6 +91,10 @@ impl<'a> Array<'a> {
         })
     }
 }
+
+/// Property of the contents with the variable from which the sampling rate is taken, such as
+/// ``variable `fs`, in Hz``; also in files of Octave and of MATLAB 7.3.
+pub const RATE_SOURCE: &str = "source of the sampling rate";
 
 /// Names of variables with a sampling rate in Hz, in lower case and without `_`.
 const RATES: [&str; 6] = [
