@@ -86,6 +86,16 @@ pub trait Reader: Debug + Sync {
     /// [`LabioError`] with the place of the fault; if `strictness` is tolerant, only if nothing can
     /// be read from the bytes.
     fn read(&self, bytes: &[u8], strictness: Strictness) -> Result<Contents, LabioError>;
+
+    /// Returns true if every file states its length, so that one that was cut short is refused.
+    fn states_length(&self) -> bool {
+        true
+    }
+
+    /// Returns true if files are tables of rows, in which the abscissa may be a column.
+    fn reads_tables(&self) -> bool {
+        false
+    }
 }
 
 /// A writer of a format.
@@ -129,6 +139,12 @@ static READERS: &[&dyn Reader] = &[
 #[must_use]
 pub fn readers() -> &'static [&'static dyn Reader] {
     READERS
+}
+
+/// Returns the reader of the format called `name`, such as `uff58`.
+#[must_use]
+pub fn reader(name: &str) -> Option<&'static dyn Reader> {
+    READERS.iter().copied().find(|reader| reader.name() == name)
 }
 
 /// Returns the reader for the whole file `bytes`, or `None` if its format is not known.

@@ -3,11 +3,12 @@
 use std::sync::{Arc, LazyLock};
 
 use rodwave::inelastic::{
-    DEFAULT_REFERENCE_STRESS, Elastic, Eyring, Maxwell, MaxwellGurevichRabinovich, MaxwellNorton,
+    DEFAULT_REFERENCE_STRESS, Elastic, Eyring, InelasticLaw, Maxwell, MaxwellGurevichRabinovich,
+    MaxwellNorton,
 };
 
 use crate::branched::BranchedRod;
-use crate::law::StatedParameter;
+use crate::law::{IdentifiableLaw, Role, Scale, StatedParameter};
 use crate::linear::{ConstantQ, LOSS_FACTOR, LinearLaw, LinearModel, MaxwellBranches};
 use crate::model::{DrivenRod, LinearisedResponse, RodModel, forwarded_rod_model};
 use crate::special_case::{NO_SHARE, PronySeries, SpecialCase};
@@ -88,21 +89,13 @@ pub enum Law {
 /// neighbour: 0.02 to 5.
 const SHARE: Option<(f64, f64)> = Some((-3.912_023, 1.609_438));
 
-/// Prior range of ln(σ_ref/σ*) of Eyring's dashpot: σ* from 20 to 1 MPa.
-const LN_SHARPNESS: Option<(f64, f64)> = Some((-std::f64::consts::LN_2, std::f64::consts::LN_10));
-
 /// Prior range of the logarithm of the relaxation time of a linear branch: 5 us to 1 ms.
 const TIME: Option<(f64, f64)> = Some(TIME_RANGE);
 pub(crate) const TIME_RANGE: (f64, f64) = (-12.206_073, -6.907_755);
 
-/// Prior range of Norton's exponent.
-const EXPONENT: Option<(f64, f64)> = Some((0.25, 3.75));
-
-/// Prior range of σ_ref/m of the dashpot of Gurevich and Rabinovich: m down to 2.9 MPa.
-const SHARPNESS: Option<(f64, f64)> = Some((-0.5, 3.5));
-
-/// A model as used in a comparison.
-pub(crate) struct Compared {
+/// A model with the shape at which a search for its parameters starts, and its prior.
+#[derive(Clone)]
+pub(crate) struct Entry {
     pub(crate) model: Arc<dyn RodModel>,
     /// Prior ranges of the parameters except ln E; `None` for a range that follows from the
     /// duration of the record.
@@ -111,17 +104,17 @@ pub(crate) struct Compared {
     pub(crate) is_flat_loss: bool,
 }
 
-impl Compared {
-    /// Returns the model of the catalogue itself, with these ranges.
-    pub(crate) fn itself(law: Law, ranges: Vec<Option<(f64, f64)>>) -> Self {
+impl Entry {
+    /// Creates the entry of a model that has these ranges and no flat loss.
+    fn of(model: impl RodModel + 'static, ranges: &[Option<(f64, f64)>]) -> Self {
         Self {
-            model: Arc::new(law),
-            ranges,
+            model: Arc::new(model),
+            ranges: ranges.to_vec(),
             is_flat_loss: false,
         }
     }
 
-    /// Returns a linear law with its own ranges.
+    /// Creates the entry of a linear law, with its own ranges.
     pub(crate) fn linear(law: impl LinearLaw + 'static) -> Self {
         Self {
             ranges: law.ranges().into_iter().map(Some).collect(),
@@ -129,6 +122,14 @@ impl Compared {
             model: Arc::new(LinearModel::new(law)),
         }
     }
+}
+
+/// Refers to an entry that is made at its first use and then kept.
+macro_rules! kept {
+    ($entry:expr) => {{
+        static ENTRY: LazyLock<Entry> = LazyLock::new(|| $entry);
+        &*ENTRY
+    }};
 }
 
 impl Law {
@@ -185,43 +186,19 @@ impl Law {
         }
     }
 
-    /// Returns the law as it is compared with others.
-    pub(crate) fn compared(self) -> Compared {
-        let ranges = match self {
-            Self::Maxwell => return Compared::linear(MaxwellBranches::maxwell()),
-            Self::TwoMaxwellBranches => return Compared::linear(MaxwellBranches::two()),
-            Self::ThreeMaxwellBranches => return Compared::linear(MaxwellBranches::three()),
-            Self::Zener => return Compared::linear(MaxwellBranches::zener()),
-            Self::ConstantQ => return Compared::linear(ConstantQ::default()),
-            Self::ZhuWangTang => return Compared::linear(MaxwellBranches::zhu_wang_tang()),
-            Self::Elastic => Vec::new(),
-            Self::Norton => vec![EXPONENT, None],
-            Self::GurevichRabinovich => vec![SHARPNESS, None],
-            Self::Eyring => vec![LN_SHARPNESS, None],
-            Self::ZenerEyring => vec![SHARE, LN_SHARPNESS, None],
-            Self::ZenerNorton => vec![SHARE, EXPONENT, None],
-            Self::ZenerGurevichRabinovich => vec![SHARE, SHARPNESS, None],
-            Self::MaxwellAndNorton => vec![SHARE, TIME, EXPONENT, None],
-            Self::MaxwellAndGurevichRabinovich => vec![SHARE, TIME, SHARPNESS, None],
-            Self::ZhuWangTangNorton => vec![SHARE, SHARE, TIME, EXPONENT, None],
-            Self::FlatLossAndNorton => vec![SHARE, Some(LOSS_FACTOR), EXPONENT, None],
-            Self::FlatLossAndGurevichRabinovich => {
-                vec![SHARE, Some(LOSS_FACTOR), SHARPNESS, None]
-            }
-        };
-        Compared::itself(self, ranges)
-    }
-
-    /// Returns the model with the shape at which a search for its parameters starts.
+    /// Returns the entry of the law, with the parameters that a fit states.
     #[expect(
         clippy::expect_used,
         reason = "rates and stresses are positive constants"
     )]
-    fn model(self) -> &'static dyn RodModel {
-        type Branches = LazyLock<LinearModel<MaxwellBranches>>;
+    pub(crate) fn entry(self) -> &'static Entry {
         const RATE: f64 = 1.0;
         const STRESS: f64 = DEFAULT_REFERENCE_STRESS;
         const POSITIVE: &str = "positive constants";
+        const LOSS: Option<(f64, f64)> = Some(LOSS_FACTOR);
+        fn maxwell() -> Maxwell {
+            Maxwell::from_reference_rate(RATE, STRESS).expect(POSITIVE)
+        }
         fn norton() -> MaxwellNorton {
             MaxwellNorton::from_reference_rate(1.5, RATE, STRESS).expect(POSITIVE)
         }
@@ -231,67 +208,321 @@ impl Law {
         fn eyring() -> Eyring {
             Eyring::from_reference_rate(2.0, RATE, STRESS).expect(POSITIVE)
         }
-        static MAXWELL: LazyLock<Maxwell> =
-            LazyLock::new(|| Maxwell::from_reference_rate(RATE, STRESS).expect(POSITIVE));
-        static TWO: Branches = LazyLock::new(|| LinearModel::new(MaxwellBranches::two()));
-        static THREE: Branches = LazyLock::new(|| LinearModel::new(MaxwellBranches::three()));
-        static ZENER: Branches = LazyLock::new(|| LinearModel::new(MaxwellBranches::zener()));
-        static CONSTANT_Q: LazyLock<LinearModel<ConstantQ>> =
-            LazyLock::new(|| LinearModel::new(ConstantQ::default()));
-        static NORTON: LazyLock<MaxwellNorton> = LazyLock::new(norton);
-        static GUREVICH_RABINOVICH: LazyLock<MaxwellGurevichRabinovich> =
-            LazyLock::new(gurevich_rabinovich);
-        static EYRING: LazyLock<Eyring> = LazyLock::new(eyring);
-        static ZHU_WANG_TANG: Branches =
-            LazyLock::new(|| LinearModel::new(MaxwellBranches::zhu_wang_tang()));
-        static ZENER_EYRING: LazyLock<BranchedRod<Eyring>> =
-            LazyLock::new(|| BranchedRod::standard_solid(eyring(), "Zener-Eyring"));
-        static ZENER_NORTON: LazyLock<BranchedRod<MaxwellNorton>> =
-            LazyLock::new(|| BranchedRod::standard_solid(norton(), "Zener-Norton"));
-        static ZENER_GUREVICH: LazyLock<BranchedRod<MaxwellGurevichRabinovich>> =
-            LazyLock::new(|| {
-                let law = gurevich_rabinovich();
-                BranchedRod::standard_solid(law, "Zener-Gurevich-Rabinovich")
-            });
-        static MAXWELL_NORTON: LazyLock<BranchedRod<MaxwellNorton>> =
-            LazyLock::new(|| BranchedRod::beside_maxwell(norton(), "Maxwell and Norton branches"));
-        static MAXWELL_GUREVICH: LazyLock<BranchedRod<MaxwellGurevichRabinovich>> =
-            LazyLock::new(|| {
-                let law = gurevich_rabinovich();
-                BranchedRod::beside_maxwell(law, "Maxwell and Gurevich-Rabinovich branches")
-            });
-        static ZHU_WANG_TANG_NORTON: LazyLock<BranchedRod<MaxwellNorton>> = LazyLock::new(|| {
-            BranchedRod::standard_solid(norton(), "Zhu-Wang-Tang-Norton").with_linear_branch()
-        });
-        static FLAT_NORTON: LazyLock<BranchedRod<MaxwellNorton>> = LazyLock::new(|| {
-            BranchedRod::beside_flat_loss(norton(), "flat loss and Norton branch")
-        });
-        static FLAT_GUREVICH: LazyLock<BranchedRod<MaxwellGurevichRabinovich>> =
-            LazyLock::new(|| {
-                let law = gurevich_rabinovich();
-                BranchedRod::beside_flat_loss(law, "flat loss and Gurevich-Rabinovich branch")
-            });
         match self {
-            Self::Elastic => &Elastic,
-            Self::Maxwell => &*MAXWELL,
-            Self::TwoMaxwellBranches => &*TWO,
-            Self::ThreeMaxwellBranches => &*THREE,
-            Self::Zener => &*ZENER,
-            Self::ConstantQ => &*CONSTANT_Q,
-            Self::Norton => &*NORTON,
-            Self::GurevichRabinovich => &*GUREVICH_RABINOVICH,
-            Self::Eyring => &*EYRING,
-            Self::ZhuWangTang => &*ZHU_WANG_TANG,
-            Self::ZenerEyring => &*ZENER_EYRING,
-            Self::ZenerNorton => &*ZENER_NORTON,
-            Self::ZenerGurevichRabinovich => &*ZENER_GUREVICH,
-            Self::MaxwellAndNorton => &*MAXWELL_NORTON,
-            Self::MaxwellAndGurevichRabinovich => &*MAXWELL_GUREVICH,
-            Self::ZhuWangTangNorton => &*ZHU_WANG_TANG_NORTON,
-            Self::FlatLossAndNorton => &*FLAT_NORTON,
-            Self::FlatLossAndGurevichRabinovich => &*FLAT_GUREVICH,
+            Self::Elastic => kept!(Entry::of(Elastic, &[])),
+            Self::Maxwell => kept!(Entry::of(maxwell(), &[None])),
+            Self::TwoMaxwellBranches => kept!(Entry::linear(MaxwellBranches::two())),
+            Self::ThreeMaxwellBranches => kept!(Entry::linear(MaxwellBranches::three())),
+            Self::Zener => kept!(Entry::linear(MaxwellBranches::zener())),
+            Self::ConstantQ => kept!(Entry::linear(ConstantQ::default())),
+            Self::Norton => kept!(Entry::of(norton(), &[EXPONENT, None])),
+            Self::GurevichRabinovich => {
+                kept!(Entry::of(gurevich_rabinovich(), &[SHARPNESS, None]))
+            }
+            Self::Eyring => kept!(Entry::of(eyring(), &[LN_SHARPNESS, None])),
+            Self::ZhuWangTang => kept!(Entry::linear(MaxwellBranches::zhu_wang_tang())),
+            Self::ZenerNorton => kept!(Entry::of(
+                BranchedRod::standard_solid(norton(), "Zener-Norton"),
+                &[SHARE, EXPONENT, None]
+            )),
+            Self::ZenerGurevichRabinovich => kept!(Entry::of(
+                BranchedRod::standard_solid(gurevich_rabinovich(), "Zener-Gurevich-Rabinovich"),
+                &[SHARE, SHARPNESS, None]
+            )),
+            Self::ZenerEyring => kept!(Entry::of(
+                BranchedRod::standard_solid(eyring(), "Zener-Eyring"),
+                &[SHARE, LN_SHARPNESS, None]
+            )),
+            Self::MaxwellAndNorton => kept!(Entry::of(
+                BranchedRod::beside_maxwell(norton(), "Maxwell and Norton branches"),
+                &[SHARE, TIME, EXPONENT, None]
+            )),
+            Self::MaxwellAndGurevichRabinovich => kept!(Entry::of(
+                BranchedRod::beside_maxwell(
+                    gurevich_rabinovich(),
+                    "Maxwell and Gurevich-Rabinovich branches"
+                ),
+                &[SHARE, TIME, SHARPNESS, None]
+            )),
+            Self::ZhuWangTangNorton => kept!(Entry::of(
+                BranchedRod::standard_solid(norton(), "Zhu-Wang-Tang-Norton").with_linear_branch(),
+                &[SHARE, SHARE, TIME, EXPONENT, None]
+            )),
+            Self::FlatLossAndNorton => kept!(Entry::of(
+                BranchedRod::beside_flat_loss(norton(), "flat loss and Norton branch"),
+                &[SHARE, LOSS, EXPONENT, None]
+            )),
+            Self::FlatLossAndGurevichRabinovich => kept!(Entry::of(
+                BranchedRod::beside_flat_loss(
+                    gurevich_rabinovich(),
+                    "flat loss and Gurevich-Rabinovich branch"
+                ),
+                &[SHARE, LOSS, SHARPNESS, None]
+            )),
         }
     }
 }
 
-forwarded_rod_model!(Law, this => this.model());
+forwarded_rod_model!(Law, this => this.entry().model);
+
+/// Bounds of the logarithm of a rate in 1/s: from the age of the universe to the period of an atom.
+const LOG_RATE_BOUNDS: (f64, f64) = (-50.0, 50.0);
+
+fn rate_at_reference(law: &impl InelasticLaw, gradient: Vec<f64>) -> StatedParameter {
+    StatedParameter {
+        name: "inelastic strain rate at 10 MPa",
+        symbol: "F(10 MPa)",
+        unit: "1/s",
+        value: law.inelastic_strain_rate(law.reference_stress()),
+        scale: Scale::Ratio,
+        gradient,
+        role: Role::Coordinate,
+    }
+}
+
+impl IdentifiableLaw for Elastic {
+    const NAME: &'static str = "elastic";
+    const STEP_LIMITS: &'static [f64] = &[];
+    const LINEAR: bool = true;
+
+    fn stated(&self) -> Vec<StatedParameter> {
+        Vec::new()
+    }
+
+    fn specimen_sensitivities(&self) -> Vec<SpecimenSensitivity> {
+        Vec::new()
+    }
+
+    fn at_rate(&self, _rate: f64) -> Option<Self> {
+        None
+    }
+
+    fn linear_rate(&self) -> Option<f64> {
+        Some(0.0)
+    }
+}
+
+impl IdentifiableLaw for Maxwell {
+    const NAME: &'static str = "Maxwell";
+    const STEP_LIMITS: &'static [f64] = &[2.0];
+    const LINEAR: bool = true;
+
+    fn parameter_bounds(&self) -> Vec<(f64, f64)> {
+        vec![LOG_RATE_BOUNDS]
+    }
+
+    fn stated(&self) -> Vec<StatedParameter> {
+        vec![StatedParameter {
+            name: "viscosity",
+            symbol: "eta",
+            unit: "Pa s",
+            value: self.viscosity(),
+            scale: Scale::Ratio,
+            gradient: vec![-1.0],
+            role: Role::Coordinate,
+        }]
+    }
+
+    fn specimen_sensitivities(&self) -> Vec<SpecimenSensitivity> {
+        vec![SpecimenSensitivity::of_rate(1.0)]
+    }
+
+    fn at_rate(&self, rate: f64) -> Option<Self> {
+        Self::from_reference_rate(rate, self.reference_stress()).ok()
+    }
+
+    fn linear_rate(&self) -> Option<f64> {
+        Some(self.reference_stress() / self.viscosity())
+    }
+
+    fn at_linear_limit(&self, rate: f64) -> Option<(Self, &'static str)> {
+        Some((self.at_rate(rate)?, "of the same viscosity"))
+    }
+}
+
+/// Prior range of Norton's exponent.
+const EXPONENT: Option<(f64, f64)> = Some((0.25, 3.75));
+
+impl IdentifiableLaw for MaxwellNorton {
+    const NAME: &'static str = "Maxwell-Norton";
+    const STEP_LIMITS: &'static [f64] = &[0.5, 2.0];
+
+    /// Returns the bounds of κ, from 0.05 (inelastic strain rate nearly independent of the stress)
+    /// to 50 (nearly perfect plasticity), and of ln r. The linear law, κ = 1, is inside.
+    fn parameter_bounds(&self) -> Vec<(f64, f64)> {
+        vec![(0.05, 50.0), LOG_RATE_BOUNDS]
+    }
+
+    fn stated(&self) -> Vec<StatedParameter> {
+        vec![
+            StatedParameter {
+                name: "exponent",
+                symbol: "kappa",
+                unit: "1",
+                value: self.exponent(),
+                scale: Scale::Difference,
+                gradient: vec![1.0, 0.0],
+                role: Role::Coordinate,
+            },
+            rate_at_reference(self, vec![0.0, 1.0]),
+            StatedParameter {
+                name: "coefficient",
+                symbol: "B",
+                unit: "Pa^kappa s",
+                value: self.coefficient(),
+                scale: Scale::Ratio,
+                // ln B = κ ln σ_ref - ln r
+                gradient: vec![self.reference_stress().ln(), -1.0],
+                role: Role::Derived,
+            },
+        ]
+    }
+
+    fn specimen_sensitivities(&self) -> Vec<SpecimenSensitivity> {
+        vec![
+            SpecimenSensitivity::default(),
+            SpecimenSensitivity::of_rate(self.exponent()),
+        ]
+    }
+
+    fn at_rate(&self, rate: f64) -> Option<Self> {
+        Self::from_reference_rate(self.exponent(), rate, self.reference_stress()).ok()
+    }
+
+    fn at_linear_limit(&self, rate: f64) -> Option<(Self, &'static str)> {
+        let law = Self::from_reference_rate(1.0, rate, self.reference_stress()).ok()?;
+        Some((law, "with kappa = 1"))
+    }
+}
+
+/// Prior range of σ_ref/m of the dashpot of Gurevich and Rabinovich: m down to 2.9 MPa.
+const SHARPNESS: Option<(f64, f64)> = Some((-0.5, 3.5));
+
+/// β = σ_ref/m.
+#[allow(clippy::indexing_slicing, reason = "the law has two parameters")]
+fn sharpness(law: &MaxwellGurevichRabinovich) -> f64 {
+    InelasticLaw::parameters(law)[0]
+}
+
+impl IdentifiableLaw for MaxwellGurevichRabinovich {
+    const NAME: &'static str = "Maxwell-Gurevich-Rabinovich";
+    const STEP_LIMITS: &'static [f64] = &[0.5, 2.0];
+
+    /// Returns β from -50 to 50; the linear law β = 0 is inside.
+    fn parameter_bounds(&self) -> Vec<(f64, f64)> {
+        vec![(-50.0, 50.0), LOG_RATE_BOUNDS]
+    }
+
+    fn stated(&self) -> Vec<StatedParameter> {
+        let sharpness = sharpness(self);
+        vec![
+            rate_at_reference(self, vec![0.0, 1.0]),
+            StatedParameter {
+                name: "activation stress",
+                symbol: "m",
+                unit: "Pa",
+                value: self.activation_stress(),
+                scale: Scale::Ratio,
+                // ln m = ln σ_ref - ln β
+                gradient: vec![-1.0 / sharpness, 0.0],
+                role: Role::Coordinate,
+            },
+            StatedParameter {
+                name: "viscosity",
+                symbol: "eta",
+                unit: "Pa s",
+                value: self.viscosity(),
+                scale: Scale::Ratio,
+                // ln η = ln σ_ref + β - ln r
+                gradient: vec![1.0, -1.0],
+                role: Role::Derived,
+            },
+        ]
+    }
+
+    /// ln F = ln r + ln(σ/σ_ref) + β (σ/σ_ref - 1) has the slope 1 + β at σ_ref, and β = σ_ref/m.
+    fn specimen_sensitivities(&self) -> Vec<SpecimenSensitivity> {
+        let sharpness = sharpness(self);
+        vec![
+            SpecimenSensitivity {
+                length: -sharpness,
+                density: -sharpness,
+            },
+            SpecimenSensitivity::of_rate(1.0 + sharpness),
+        ]
+    }
+
+    fn at_rate(&self, rate: f64) -> Option<Self> {
+        Self::from_reference_rate(sharpness(self), rate, self.reference_stress()).ok()
+    }
+
+    fn at_linear_limit(&self, rate: f64) -> Option<(Self, &'static str)> {
+        let law = Self::from_reference_rate(0.0, rate, self.reference_stress()).ok()?;
+        Some((law, "with 1/m = 0"))
+    }
+}
+
+/// Prior range of ln(σ_ref/σ*) of Eyring's dashpot: σ* from 20 to 1 MPa.
+const LN_SHARPNESS: Option<(f64, f64)> = Some((-std::f64::consts::LN_2, std::f64::consts::LN_10));
+
+/// Sharpness at which Eyring's law is linear: the rate differs by β²/6 (σ²/σ_ref² - 1), 1e-5 at a
+/// stress of 8 σ_ref.
+const LINEAR_SHARPNESS: f64 = 1e-3;
+
+impl IdentifiableLaw for Eyring {
+    const NAME: &'static str = "Maxwell-Eyring";
+    const STEP_LIMITS: &'static [f64] = &[0.5, 2.0];
+
+    /// Returns bounds of ln β for β from 1e-3, the linear law, to 50.
+    fn parameter_bounds(&self) -> Vec<(f64, f64)> {
+        vec![(LINEAR_SHARPNESS.ln(), 50_f64.ln()), LOG_RATE_BOUNDS]
+    }
+
+    fn stated(&self) -> Vec<StatedParameter> {
+        vec![
+            rate_at_reference(self, vec![0.0, 1.0]),
+            StatedParameter {
+                name: "activation stress",
+                symbol: "sigma*",
+                unit: "Pa",
+                value: self.activation_stress(),
+                scale: Scale::Ratio,
+                // ln σ* = ln σ_ref - ln β
+                gradient: vec![-1.0, 0.0],
+                role: Role::Coordinate,
+            },
+            StatedParameter {
+                name: "rate factor",
+                symbol: "rate_0",
+                unit: "1/s",
+                value: self.rate_factor(),
+                scale: Scale::Ratio,
+                // ln ε̇₀ = ln r - ln sinh β
+                gradient: vec![-self.exponent_at_reference(), 1.0],
+                role: Role::Derived,
+            },
+        ]
+    }
+
+    /// ln F has the slope β coth β at σ_ref, and β = σ_ref/σ*.
+    fn specimen_sensitivities(&self) -> Vec<SpecimenSensitivity> {
+        vec![
+            SpecimenSensitivity {
+                length: -1.0,
+                density: -1.0,
+            },
+            SpecimenSensitivity::of_rate(self.exponent_at_reference()),
+        ]
+    }
+
+    fn at_rate(&self, rate: f64) -> Option<Self> {
+        let sharpness = self.reference_stress() / self.activation_stress();
+        Self::from_reference_rate(sharpness, rate, self.reference_stress()).ok()
+    }
+
+    fn at_linear_limit(&self, rate: f64) -> Option<(Self, &'static str)> {
+        let law =
+            Self::from_reference_rate(LINEAR_SHARPNESS, rate, self.reference_stress()).ok()?;
+        Some((law, "with 1/sigma* = 0"))
+    }
+}

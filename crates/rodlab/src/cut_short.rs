@@ -8,7 +8,7 @@
 /// Returns a warning about `bytes` in `format` if the last line has no line ending; `name` is the
 /// name of the file.
 pub(crate) fn warning(bytes: &[u8], format: &str, name: &str) -> Option<String> {
-    let is_text = matches!(format, "csv" | "lvm");
+    let is_text = labio::format::reader(format).is_some_and(|reader| !reader.states_length());
     // a line ends with LF or CR, which are two bytes in UTF-16
     let ended = match bytes {
         [.., b'\n' | b'\r'] | [.., b'\n' | b'\r', 0] => true,

@@ -15,7 +15,7 @@ pub use levels::Levels;
 
 use std::path::Path;
 
-use labio::format::{self, Strictness, customary_rate};
+use labio::format::{self, Reader, Strictness, customary_rate};
 use labio::{Abscissa, ContentHash, Contents, Dimension, Ordinate, Provenance, Series, SeriesAxis};
 use serde::Serialize;
 
@@ -273,8 +273,8 @@ fn is_table(contents: &Contents) -> bool {
     };
     let is_over = |symbol: &str| all.iter().any(|s| of(&s.abscissa_axis, symbol));
     let is_of_moduli = count("Pa") >= 2 && (count("Hz") > 0 || is_over("Hz"));
-    let is_text = matches!(contents.format, "csv" | "xlsx" | "xls");
-    is_of_moduli || (is_text && !is_over("s") && count("Hz") + count("K") > 0)
+    let is_tabular = format::reader(contents.format).is_some_and(Reader::reads_tables);
+    is_of_moduli || (is_tabular && !is_over("s") && count("Hz") + count("K") > 0)
 }
 
 /// Describes a table in words, and names the job that reads it.

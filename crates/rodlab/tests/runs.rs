@@ -96,3 +96,9 @@ pub(crate) fn write_columns(path: &Path, columns: &[Vec<f64>]) {
     let lines: Vec<String> = (0..count).map(line).collect();
     fs::write(path, lines.join("\n")).unwrap();
 }
+
+/// A message with `FORMATS` in place of the names of all formats, which a new format changes.
+pub(crate) fn without_formats(message: &str) -> String {
+    let names = labio::format::readers().iter().map(|reader| reader.name());
+    message.replace(&names.collect::<Vec<_>>().join(", "), "FORMATS")
+}

@@ -40,6 +40,8 @@ macro_rules! lanes {
 }
 pub(crate) use lanes;
 
+#[cfg(test)]
+mod battery;
 mod elastic;
 mod elementary;
 mod exponential_integral;

@@ -290,6 +290,14 @@ impl Reader for Csv {
     fn read(&self, bytes: &[u8], strictness: Strictness) -> Result<Contents, LabioError> {
         read_with(bytes, strictness, &CsvOptions::default())
     }
+
+    fn states_length(&self) -> bool {
+        false
+    }
+
+    fn reads_tables(&self) -> bool {
+        true
+    }
 }
 
 impl Writer for Csv {

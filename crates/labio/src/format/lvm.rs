@@ -93,6 +93,14 @@ impl Reader for Lvm {
         }
         Ok(contents)
     }
+
+    fn states_length(&self) -> bool {
+        false
+    }
+
+    fn reads_tables(&self) -> bool {
+        true
+    }
 }
 
 /// The lines that are still to be read.

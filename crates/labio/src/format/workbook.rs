@@ -48,6 +48,10 @@ impl Reader for Xlsx {
     fn read(&self, bytes: &[u8], strictness: Strictness) -> Result<Contents, LabioError> {
         read_at(bytes, strictness, CsvAbscissa::ByContent)
     }
+
+    fn reads_tables(&self) -> bool {
+        true
+    }
 }
 
 /// Workbooks of Excel 97 to 2003: compound files.
@@ -65,6 +69,10 @@ impl Reader for Xls {
 
     fn read(&self, bytes: &[u8], strictness: Strictness) -> Result<Contents, LabioError> {
         read_at(bytes, strictness, CsvAbscissa::ByContent)
+    }
+
+    fn reads_tables(&self) -> bool {
+        true
     }
 }
 

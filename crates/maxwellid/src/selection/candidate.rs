@@ -3,10 +3,10 @@
 use std::sync::Arc;
 
 use crate::arrhenius::{self, Arrhenius};
-use crate::catalogue::{Compared, Law};
+use crate::catalogue::{Entry, Law};
 use crate::error::{MaxwellidError, check_range};
 use crate::law::IdentifiableLaw;
-use crate::linear::LinearLaw;
+use crate::linear::{LinearLaw, MaxwellBranches};
 use crate::model::{RodModel, check_counts};
 use crate::selection::Ground;
 use crate::special_case::SpecialCase;
@@ -61,31 +61,31 @@ impl Candidate {
     /// its parameters are not those of [`Law::Maxwell`] in a fit.
     #[must_use]
     pub fn of(law: Law) -> Self {
-        Self::compared(law.compared(), Some(law))
+        match law {
+            Law::Maxwell => Self::of_entry(Entry::linear(MaxwellBranches::maxwell()), Some(law)),
+            _ => Self::of_fit(law),
+        }
     }
 
     /// Creates a candidate of the catalogue with the parameters that a fit states: those of
     /// [`Self::of`], but with the viscosity for [`Law::Maxwell`].
     #[must_use]
     pub fn of_fit(law: Law) -> Self {
-        match law {
-            Law::Maxwell => Self::compared(Compared::itself(law, vec![None]), Some(law)),
-            _ => Self::of(law),
-        }
+        Self::of_entry(law.entry().clone(), Some(law))
     }
 
     /// Creates a candidate from a linear law, with its own ranges.
     #[must_use]
     pub fn linear(law: impl LinearLaw + 'static) -> Self {
-        Self::compared(Compared::linear(law), None)
+        Self::of_entry(Entry::linear(law), None)
     }
 
-    fn compared(compared: Compared, law: Option<Law>) -> Self {
+    fn of_entry(entry: Entry, law: Option<Law>) -> Self {
         Self {
-            model: compared.model,
-            ranges: compared.ranges,
+            model: entry.model,
+            ranges: entry.ranges,
             law,
-            is_flat_loss: compared.is_flat_loss,
+            is_flat_loss: entry.is_flat_loss,
             weight: 1.0,
         }
     }

@@ -10,6 +10,7 @@ mod frame_strains;
 mod hammer_on_body;
 mod hopkinson_bars;
 mod impacted_rod;
+pub(crate) mod inelastic_law;
 mod instrument;
 mod level;
 mod truth;
@@ -20,7 +21,8 @@ pub use end_accelerations::EndAccelerationsSheet;
 pub use frame_strains::{StrainsInFrameSheet, SupportSheet};
 pub use hammer_on_body::HammerOnBodySheet;
 pub use hopkinson_bars::{HopkinsonBarsSheet, VirtualBarSheet, VirtualSpecimenSheet};
-pub use impacted_rod::{ImpactedRodSheet, InelasticLawSheet, SensorsSheet, StrikerSheet};
+pub use impacted_rod::{ImpactedRodSheet, SensorsSheet, StrikerSheet};
+pub use inelastic_law::InelasticLawSheet;
 pub use instrument::{AntiAliasSheet, ConverterSheet, InstrumentSheet};
 pub use level::LevelText;
 

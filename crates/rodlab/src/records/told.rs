@@ -2,6 +2,7 @@
 
 use labio::format::mat5::RATE_SOURCE;
 use labio::format::uff58::response;
+use labio::format::{self, Reader};
 use labio::{Abscissa, Contents, Dimension, LabioError, Series, SeriesAxis, Unit};
 
 use super::{Records, Selector};
@@ -89,7 +90,7 @@ impl FileStatement {
 /// Returns true for a table of rows with a column of times or another abscissa.
 fn has_time_column(contents: &Contents) -> bool {
     let mut series = contents.series.iter();
-    matches!(contents.format, "csv" | "xlsx" | "xls" | "lvm")
+    format::reader(contents.format).is_some_and(Reader::reads_tables)
         && series.any(|series| series.abscissa_axis.label != "index")
 }
 

@@ -52,3 +52,14 @@ impl RelaxationFlow for ElasticFlow {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::inelastic::battery::battery;
+
+    #[test]
+    fn the_flow_is_exact() {
+        battery(&Elastic);
+    }
+}

@@ -310,3 +310,16 @@ impl RelaxationFlow for EyringFlow {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::inelastic::battery::battery;
+
+    #[test]
+    fn the_flow_is_exact() {
+        for sharpness in [1e-6, 1e-3, 0.1, 0.7, 2.0, 4.0, 7.0] {
+            battery(&Eyring::from_reference_rate(sharpness, 4.0, 10e6).unwrap());
+        }
+    }
+}

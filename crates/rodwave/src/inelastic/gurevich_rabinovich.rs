@@ -518,7 +518,15 @@ fn mean_growth_by_series<const TERMS: usize>(x: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::inelastic::battery::battery;
     use crate::inelastic::exponential_integral::GAUSS_LEGENDRE;
+
+    #[test]
+    fn the_flow_is_exact() {
+        for sharpness in [-1.5, -1e-9, 0.0, 1e-9, 1e-4, 0.3, 1.4, 4.0] {
+            battery(&MaxwellGurevichRabinovich::from_reference_rate(sharpness, 4.0, 10e6).unwrap());
+        }
+    }
 
     /// Computes y1/y0 - 1 without the series: ∫₀^S exp(p (1 - e^{-s})) ds = a, with the integral by
     /// quadrature, is solved for S by Newton's method.

@@ -136,3 +136,14 @@ impl RelaxationFlow for MaxwellFlow {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::inelastic::battery::battery;
+
+    #[test]
+    fn the_flow_is_exact() {
+        battery(&Maxwell::new(2.5e6).unwrap());
+    }
+}

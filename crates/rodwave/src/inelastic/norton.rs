@@ -454,3 +454,16 @@ fn bend(x: f64) -> f64 {
         (x.ln_1p() - x / (1.0 + x)) / (x * x)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::inelastic::battery::battery;
+
+    #[test]
+    fn the_flow_is_exact() {
+        for exponent in [0.7, 0.999_999, 1.0, 1.000_001, 1.55, 2.108, 3.5] {
+            battery(&MaxwellNorton::from_reference_rate(exponent, 4.0, 10e6).unwrap());
+        }
+    }
+}

@@ -8,13 +8,14 @@ use labio::Quantity;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rodwave::RodwaveError;
-use rodwave::inelastic::{Elastic, Eyring, Maxwell, MaxwellGurevichRabinovich, MaxwellNorton};
+use rodwave::inelastic::Elastic;
 use rodwave::line::{self, Body, Gauge, Line, LineHistory, Segment};
 use rodwave::modulus::GeneralisedMaxwell;
 use serde::Deserialize;
 
 use super::blows::{Recorded, peaks};
-use super::impacted_rod::{InelasticLawSheet, StrikerSheet, with_law};
+use super::impacted_rod::StrikerSheet;
+use super::inelastic_law::{InelasticLawSheet, with_law};
 use super::instrument::{History, InstrumentSheet, Sensed};
 use super::truth::Truth;
 use super::{Made, Request};

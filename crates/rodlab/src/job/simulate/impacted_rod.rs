@@ -9,22 +9,19 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rodwave::InelasticRod;
 use rodwave::impact::{ImpactHistory, ImpactTest, Striker};
-use rodwave::inelastic::{
-    Elastic, Eyring, InelasticLaw, Maxwell, MaxwellGurevichRabinovich, MaxwellNorton,
-};
+use rodwave::inelastic::InelasticLaw;
 use rodwave::lumped;
 use serde::Deserialize;
 
 use super::blows::{Recorded, peaks};
+use super::inelastic_law::{InelasticLawSheet, with_law};
 use super::instrument::{History, InstrumentSheet, Sensed};
 use super::truth::Truth;
 use super::{Made, Request};
 use crate::RodlabError;
 use crate::job::JobContext;
 use crate::outcome::{Column, Table};
-use crate::sheet::{
-    Density, Exact, Frequency, Length, Pressure, Ratio, Velocity, Viscosity, plausible,
-};
+use crate::sheet::{Density, Exact, Length, Pressure, Ratio, Velocity, plausible};
 
 const FIELD: &str = "experiment: ImpactedRod";
 const NEAR: &str = "near end";
@@ -71,40 +68,6 @@ pub struct ImpactedRodSheet {
     /// Confirms a wave speed outside the range of solids.
     #[serde(default)]
     pub unusual: bool,
-}
-
-/// An inelastic law.
-#[derive(Debug, Clone, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub enum InelasticLawSheet {
-    /// No inelastic strain.
-    Elastic,
-    /// Strain rate proportional to stress.
-    Maxwell {
-        /// Viscosity, such as `"4 MPa s"`.
-        viscosity: Exact<Viscosity>,
-    },
-    /// Strain rate as a power of the stress.
-    Norton {
-        /// Exponent, such as `"1.8"`.
-        exponent: Exact<Ratio>,
-        /// Strain rate at 10 MPa, such as `"8 1/s"`.
-        rate_at_10_mpa: Exact<Frequency>,
-    },
-    /// Strain rate exponential in the stress.
-    GurevichRabinovich {
-        /// Viscosity at vanishing stress.
-        viscosity: Exact<Viscosity>,
-        /// Activation stress, such as `"8 MPa"`.
-        activation_stress: Exact<Pressure>,
-    },
-    /// Strain rate proportional to the hyperbolic sine of the stress.
-    Eyring {
-        /// Activation stress, such as `"2.5 MPa"`.
-        activation_stress: Exact<Pressure>,
-        /// Strain rate at 10 MPa, such as `"8 1/s"`.
-        rate_at_10_mpa: Exact<Frequency>,
-    },
 }
 
 /// A cylindrical elastic projectile.
@@ -166,50 +129,6 @@ impl<L: InelasticLaw> Struck<'_, L> {
             .map_err(|error| RodlabError::step(FIELD, error))
     }
 }
-
-/// Evaluates `$use` with the law of the sheet. A macro is needed because each law has a different
-/// type.
-macro_rules! with_law {
-    ($sheet:expr, |$law:ident| $use:expr) => {{
-        let refused = |error| RodlabError::step(format!("{FIELD}.law"), error);
-        match &$sheet.law {
-            InelasticLawSheet::Elastic => {
-                let $law = Elastic;
-                $use
-            }
-            InelasticLawSheet::Maxwell { viscosity } => {
-                let $law = Maxwell::new(viscosity.si()).map_err(refused)?;
-                $use
-            }
-            InelasticLawSheet::Norton {
-                exponent,
-                rate_at_10_mpa,
-            } => {
-                let rate = rate_at_10_mpa.si();
-                let $law = MaxwellNorton::from_reference_rate(exponent.si(), rate, 10e6)
-                    .map_err(refused)?;
-                $use
-            }
-            InelasticLawSheet::GurevichRabinovich {
-                viscosity,
-                activation_stress,
-            } => {
-                let $law = MaxwellGurevichRabinovich::new(viscosity.si(), activation_stress.si())
-                    .map_err(refused)?;
-                $use
-            }
-            InelasticLawSheet::Eyring {
-                activation_stress,
-                rate_at_10_mpa,
-            } => {
-                let (sharpness, rate) = (10e6 / activation_stress.si(), rate_at_10_mpa.si());
-                let $law = Eyring::from_reference_rate(sharpness, rate, 10e6).map_err(refused)?;
-                $use
-            }
-        }
-    }};
-}
-pub(super) use with_law;
 
 impl ImpactedRodSheet {
     pub(super) fn make(
@@ -331,7 +250,7 @@ impl ImpactedRodSheet {
         if let Some(share) = &self.spring {
             truth.add("share of the spring in the modulus", share.si(), "");
         }
-        for (name, value, unit) in self.law_in_numbers() {
+        for (name, value, unit) in self.law.in_numbers() {
             truth.add(name, value, unit);
         }
         truth.add("density", density, "kg/m3");
@@ -411,44 +330,6 @@ impl ImpactedRodSheet {
             channels: vec![
                 channel(NEAR, &history.section_velocity),
                 channel(FREE, &history.free_end_velocity),
-            ],
-        }
-    }
-
-    fn law_in_numbers(&self) -> Vec<(&'static str, f64, &'static str)> {
-        match &self.law {
-            InelasticLawSheet::Elastic => Vec::new(),
-            InelasticLawSheet::Maxwell { viscosity } => {
-                vec![("viscosity", viscosity.si(), "Pa s")]
-            }
-            InelasticLawSheet::Norton {
-                exponent,
-                rate_at_10_mpa,
-            } => vec![
-                ("exponent", exponent.si(), ""),
-                (
-                    "inelastic strain rate at 10 MPa",
-                    rate_at_10_mpa.si(),
-                    "1/s",
-                ),
-            ],
-            InelasticLawSheet::GurevichRabinovich {
-                viscosity,
-                activation_stress,
-            } => vec![
-                ("viscosity at vanishing stress", viscosity.si(), "Pa s"),
-                ("activation stress", activation_stress.si(), "Pa"),
-            ],
-            InelasticLawSheet::Eyring {
-                activation_stress,
-                rate_at_10_mpa,
-            } => vec![
-                ("activation stress", activation_stress.si(), "Pa"),
-                (
-                    "inelastic strain rate at 10 MPa",
-                    rate_at_10_mpa.si(),
-                    "1/s",
-                ),
             ],
         }
     }

@@ -1,15 +1,16 @@
 //! Planned blows of a striker on other rods, and the sheets of their virtual tests.
 
 use maxwellid::design::PlannedTest;
-use maxwellid::{Law, MaxwellidError, RodTest};
+use maxwellid::{MaxwellidError, RodTest};
 use rodwave::InelasticRod;
 use rodwave::band_limited::Recorder;
 use rodwave::experiment::Acquisition;
 use rodwave::impact::Striker;
-use rodwave::inelastic::{Elastic, Eyring, InelasticLaw, MaxwellGurevichRabinovich, MaxwellNorton};
+use rodwave::inelastic::InelasticLaw;
 
 use super::choice::{Choice, StruckRod};
 use super::{IdentifySheet, LeftLaw};
+use crate::job::simulate::inelastic_law::{self, LawVisitor};
 
 /// Number of samples of a planned record before the blow; it is twice the length over which the
 /// filter of the recorder acts.
@@ -40,26 +41,10 @@ pub(super) fn planned(
         modulus,
         like,
     };
-    match leading.law {
-        Law::Norton => {
-            let norton = MaxwellNorton::from_reference_rate(2.0, 1.0, 10e6).map_err(refused)?;
-            by.on(norton.with_parameters(of_law).map_err(refused)?)
-        }
-        Law::GurevichRabinovich => {
-            let gurevich = MaxwellGurevichRabinovich::new(1e6, 1e7).map_err(refused)?;
-            by.on(gurevich.with_parameters(of_law).map_err(refused)?)
-        }
-        Law::Eyring => {
-            let eyring = Eyring::from_reference_rate(2.0, 1.0, 10e6).map_err(refused)?;
-            by.on(eyring.with_parameters(of_law).map_err(refused)?)
-        }
-        // the law matters only between the struck end and the section of excitation, where the
-        // other laws damp the wave little
-        _ => by.on(Elastic),
-    }
+    inelastic_law::planned(leading.law, of_law, by).map_err(refused)?
 }
 
-/// A blow on a rod; the type of its law is chosen by the caller of `on`.
+/// A blow on a rod with any law.
 struct Blow<'a> {
     rod: &'a StruckRod<'a>,
     velocity: f64,
@@ -68,8 +53,10 @@ struct Blow<'a> {
     like: &'a RodTest,
 }
 
-impl Blow<'_> {
-    fn on<L: InelasticLaw>(&self, law: L) -> Result<PlannedTest, MaxwellidError> {
+impl LawVisitor for Blow<'_> {
+    type Result = Result<PlannedTest, MaxwellidError>;
+
+    fn on<L: InelasticLaw>(self, law: L) -> Self::Result {
         let rate_hz = self.like.sampling_rate_hz();
         let length = self.rod.length.si();
         let rod = InelasticRod::new(length, self.like.density(), self.modulus, law).map_err(
@@ -116,25 +103,7 @@ pub(super) fn plan(
         let mut stated = stated.iter();
         stated.find(|one| one.name == name).map(|one| one.value)
     };
-    let law = match leading.law {
-        Law::Elastic => "Elastic".to_owned(),
-        Law::Norton => format!(
-            "Norton(exponent: \"{}\", rate_at_10_mpa: \"{} 1/s\")",
-            value("exponent")?,
-            value("inelastic strain rate at 10 MPa")?
-        ),
-        Law::GurevichRabinovich => format!(
-            "GurevichRabinovich(viscosity: \"{} Pa s\", activation_stress: \"{} Pa\")",
-            value("viscosity")?,
-            value("activation stress")?
-        ),
-        Law::Eyring => format!(
-            "Eyring(activation_stress: \"{} Pa\", rate_at_10_mpa: \"{} 1/s\")",
-            value("activation stress")?,
-            value("inelastic strain rate at 10 MPa")?
-        ),
-        _ => return None,
-    };
+    let law = inelastic_law::in_ron(leading.law, value)?;
     let rod = best.rod.as_ref()?;
     let length = rod.length.si();
     let velocities = vec![format!("\"{} m/s\"", best.velocity.si()); best.repeats];
