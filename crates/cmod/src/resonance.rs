@@ -221,6 +221,10 @@ impl RatioMethod for Resonances {
         Ok(estimate)
     }
 
+    fn has_all_lines(&self) -> bool {
+        false
+    }
+
     /// Returns `None`: a few resonances do not determine the ratio at the frequencies between them.
     fn ratio_about(&self, _frequency_hz: f64, _gamma: Complex64) -> Option<RatioAbout> {
         None

@@ -9,12 +9,11 @@
 //! Ψ = q̂₁/q̂₂ = f₁(γ)/f₂(γ) = g(γ)
 //! ```
 //!
-//! where f₁ and f₂ are entire functions of γ. [`FreeEnd`](crate::FreeEnd),
-//! [`SeparatePulses`](crate::SeparatePulses) and [`OneGauge`](crate::OneGauge) differ only in f₁
-//! and f₂. On each line Newton's iteration solves f₁ - Ψf₂ = 0, starting at the γ/ω expected from
-//! the previous lines, and the first lines start from one wave speed that explains all of them. The
-//! quantity that is followed from line to line is γ itself, not the phase of Ψ, and lines with
-//! little information on γ have little weight.
+//! where f₁ and f₂ are entire functions of γ. Methods such as [`FreeEnd`](crate::FreeEnd) and
+//! [`OneGauge`](crate::OneGauge) differ only in f₁ and f₂. On each line Newton's iteration solves
+//! f₁ - Ψf₂ = 0, starting at the γ/ω expected from the previous lines, and the first lines start
+//! from one wave speed that explains all of them. The quantity that is followed from line to line
+//! is γ itself, not the phase of Ψ, and lines with little information on γ have little weight.
 //!
 //! # Errors of the result
 //! An error δΨ changes γ by δγ = δΨ/g'(γ), and the modulus by δE = -2E δγ/γ. With a circular error
@@ -97,8 +96,12 @@ pub trait RatioMethod {
     /// The errors of the method that implements the trait.
     fn estimate_ratio(&self, lines: &RatioLines<'_>) -> Result<ModulusEstimate, CmodError>;
 
+    /// Returns true if the method gives a modulus at every line, and false if it gives moduli only
+    /// at frequencies that it selects, such as resonances.
+    fn has_all_lines(&self) -> bool;
+
     /// Returns Ψ of a rod with the propagation coefficient `gamma`, and its derivatives; `None` if
-    /// a value is not finite.
+    /// a value is not finite, and for a method that does not have all lines.
     fn ratio_about(&self, frequency_hz: f64, gamma: Complex64) -> Option<RatioAbout>;
 
     /// Returns the method with the mass on the free end reduced by `size` of its standard
@@ -154,6 +157,10 @@ impl<T: SectionRatio> RatioMethod for T {
             estimate.add(line.index, line.frequency_hz, judged);
         }
         Ok(estimate)
+    }
+
+    fn has_all_lines(&self) -> bool {
+        true
     }
 
     fn ratio_about(&self, frequency_hz: f64, gamma: Complex64) -> Option<RatioAbout> {

@@ -371,6 +371,10 @@ impl RatioMethod for TwoPoint {
         Ok(estimate)
     }
 
+    fn has_all_lines(&self) -> bool {
+        true
+    }
+
     fn ratio_about(&self, frequency_hz: f64, gamma: Complex64) -> Option<RatioAbout> {
         let Specimen {
             length, density, ..

@@ -167,6 +167,8 @@ fn mistakes(name: &str, text: &str) -> String {
             .unwrap_or_default();
         let problem = mistake.problem().replace('\n', " ");
         let problem = problem.split(", only `").next().unwrap();
+        // only the first method, so that a new one does not change the snapshot
+        let problem = problem.split(", `resonances`").next().unwrap();
         format!(
             "{}:{} {}: {problem}{advice}",
             mistake.line(),
@@ -204,7 +206,7 @@ channels = [{ name = "struck end", from = true }, { from = 2, unit = "m/s2" }]
     8:1 specimen.denisty: there is no field `denisty` | did you mean `density`?
     8:11 specimen.denisty: `912 furlong` has no known unit: `furlong` is not among the known symbols, expected a density, such as "1150 kg/m3", with or without ±
     10:1 method.two_pint: the field `free_end` is missing | add a line `free_end = ...`
-    10:9 method: found `two_pint`, expected one of `two_point`, `resonances`, `free_vibration`, `free_end`, `separate_pulses`, `one_gauge`, `three_point`, `multi_point` | did you mean `two_point`?
+    10:9 method: found `two_pint`, expected one of `two_point` | did you mean `two_point`?
     15:17 source.hits.records.sampling_rate: found the number `65536`, expected a frequency with its unit in quotes, such as "51.2 kHz"
     16:43 source.hits.records.channels[0].from: found neither a channel nor a column, expected its number from 1 or its name in quotes
     16:51 source.hits.records.channels[1]: the field `name` is missing | add a line `name = ...`

@@ -16,7 +16,7 @@ use crate::self_calibration::{
 };
 
 /// Method that determines the modulus from the spectra of gauges.
-pub trait GaugeMethod: Sized {
+pub trait GaugeMethod {
     /// Returns the gauged rod.
     fn rod(&self) -> &GaugedRod;
 
@@ -149,7 +149,7 @@ impl SelfCalibration {
     /// # Errors
     /// The errors of the `method`.
     pub fn of_gauges(
-        method: &impl GaugeMethod,
+        method: &(impl GaugeMethod + ?Sized),
         spectra: &GaugeSpectra<'_>,
     ) -> Result<Option<Self>, CmodError> {
         let experiment = GaugeExperiment::new(method, spectra);
@@ -175,7 +175,7 @@ impl CausalEstimate {
     /// # Errors
     /// The errors of [`CausalEstimate::of_ratio`].
     pub fn of_gauges(
-        method: &impl GaugeMethod,
+        method: &(impl GaugeMethod + ?Sized),
         spectra: &GaugeSpectra<'_>,
         lateral_inertia: Option<&LateralInertia>,
     ) -> Result<Self, CmodError> {
@@ -184,14 +184,14 @@ impl CausalEstimate {
     }
 }
 
-struct GaugeExperiment<'a, M> {
+struct GaugeExperiment<'a, M: ?Sized> {
     method: &'a M,
     spectra: &'a GaugeSpectra<'a>,
     /// Uncertain sources with their standard uncertainties.
     sources: Vec<(ErrorSource, f64)>,
 }
 
-impl<'a, M: GaugeMethod> GaugeExperiment<'a, M> {
+impl<'a, M: GaugeMethod + ?Sized> GaugeExperiment<'a, M> {
     fn new(method: &'a M, spectra: &'a GaugeSpectra<'a>) -> Self {
         Self {
             method,
@@ -239,7 +239,7 @@ impl<'a, M: GaugeMethod> GaugeExperiment<'a, M> {
     }
 }
 
-impl<M: GaugeMethod> Experiment for GaugeExperiment<'_, M> {
+impl<M: GaugeMethod + ?Sized> Experiment for GaugeExperiment<'_, M> {
     fn added_damping(&self) -> f64 {
         self.method.added_damping()
     }

@@ -11,7 +11,7 @@ pub(super) fn check(sheet: &ModulusSheet) -> Result<(), RodlabError> {
     let (specimen, method) = (&sheet.specimen, &sheet.method);
     let name = method.words();
     for (section, field) in method.sections() {
-        on_the_end(section, field)?;
+        on_the_end(section, &field)?;
     }
     let used = method.use_of_specimen();
     if !used.length {

@@ -1,9 +1,26 @@
-//! Methods for the modulus: their sheets, and the data of specimen and hits that they need.
+//! Methods for the modulus: their sheets, their arrangements of sensors, and their counterparts in
+//! `cmod`.
 
 mod section;
 
+use cmod::multi_point::GaugeMethod;
+use cmod::section_ratio::RatioMethod;
+use cmod::two_point::SpecimenUncertainty;
+use cmod::{
+    CmodError, FreeEnd, MultiPoint, OneGauge, PulsedRod, Resonances, SeparatePulses, Solver,
+    Specimen, ThreePoint, TwoPoint,
+};
+use labio::{ResponseRatio, SectionSpectra};
 use serde::Deserialize;
 
+use super::ModulusSheet;
+use super::arrangement::{Arrangement, Vibration};
+use super::gauges::noise_freedom;
+use super::measured::Measured;
+use super::rod::{
+    end_mass, gauge_quantity, gauge_uncertainty, gauged_rod, length, limits, rod_with_free_end,
+    section, section_uncertainty, uncertainty,
+};
 use crate::RodlabError;
 use crate::sheet::{Coordinate, Exact, Language, Length, Stated, Time, Velocity};
 pub(super) use section::of_channel;
@@ -109,249 +126,40 @@ pub enum SolverSheet {
     Series,
 }
 
-/// Channel of a method, its place in the sheet, and whether it must be a motion.
-pub(super) struct Taken<'a> {
-    pub(super) channel: &'a str,
-    pub(super) field: String,
-    pub(super) motion: bool,
-}
-
-/// Data of the specimen that a method uses; errors of these data become errors of the modulus.
-pub(super) struct UsedOfSpecimen {
-    pub(super) length: bool,
-    pub(super) end_mass: bool,
-}
-
-/// Data of the hits that a method uses.
-pub(super) enum FromHits<'a> {
-    /// The ratio of the first channel to the second.
-    Ratio(&'a str, &'a str),
-    /// The ratio of the later of two pulses to the earlier pulse.
-    Pulses {
-        earlier: Pulse<'a>,
-        later: Pulse<'a>,
-    },
-    /// The spectra of all gauges.
-    Gauges {
-        gauges: &'a [GaugeSheet],
-        /// True if the method corrects for an exponential window, so that hits may end while the
-        /// rod rings.
-        may_ring: bool,
-    },
-    /// The modes of the free vibration.
-    Modes(Vibration<'a>),
-}
-
-/// Pulse in a channel, with its field in the sheet.
-pub(super) struct Pulse<'a> {
-    pub(super) channel: &'a str,
-    pub(super) from: &'a Exact<Time>,
-    pub(super) to: &'a Exact<Time>,
-    pub(super) field: &'static str,
-}
-
-/// Data of a free vibration.
-pub(super) struct Vibration<'a> {
-    pub(super) channel: &'a str,
-    pub(super) from: &'a Exact<Time>,
-    pub(super) wave_speed: &'a Exact<Velocity>,
-}
-
-/// Distance over which a method counts wavelengths.
-pub(super) enum Counted<'a> {
-    /// The length of the specimen.
-    Length,
-    /// A distance between sections \[m\].
-    Between(f64),
-    /// The least distance between these gauges.
-    Gauges(&'a [GaugeSheet]),
-}
-
 impl MethodSheet {
+    /// Returns the name of the method in the sheet, and its name for a sentence.
+    fn names(&self) -> (&'static str, &'static str) {
+        match self {
+            Self::TwoPoint { .. } => ("TwoPoint", "the two-point method"),
+            Self::Resonances { .. } => ("Resonances", "the resonances of the rod"),
+            Self::FreeVibration { .. } => (
+                "FreeVibration",
+                "frequency and decay of the modes of the free rod",
+            ),
+            Self::FreeEnd { .. } => ("FreeEnd", "the method of two sections and a free end"),
+            Self::SeparatePulses { .. } => ("SeparatePulses", "separate pulses at two sections"),
+            Self::OneGauge { .. } => (
+                "OneGauge",
+                "the incident and the reflected pulse at one gauge",
+            ),
+            Self::ThreePoint { .. } => ("ThreePoint", "the three-point method"),
+            Self::MultiPoint { .. } => ("MultiPoint", "least squares over all gauges"),
+        }
+    }
+
     /// Returns the name of the method in the sheet.
     pub(super) fn name(&self) -> &'static str {
-        match self {
-            Self::TwoPoint { .. } => "TwoPoint",
-            Self::Resonances { .. } => "Resonances",
-            Self::FreeVibration { .. } => "FreeVibration",
-            Self::FreeEnd { .. } => "FreeEnd",
-            Self::SeparatePulses { .. } => "SeparatePulses",
-            Self::OneGauge { .. } => "OneGauge",
-            Self::ThreePoint { .. } => "ThreePoint",
-            Self::MultiPoint { .. } => "MultiPoint",
-        }
+        self.names().0
+    }
+
+    /// Returns the name of the method for a sentence.
+    pub(super) fn words(&self) -> &'static str {
+        self.names().1
     }
 
     /// Returns the place in the sheet of the field `name` of the method.
     pub(super) fn field(&self, name: &str) -> String {
         format!("method.{}.{name}", Language::Toml.name_of(self.name()))
-    }
-
-    /// Returns the name of the method for a sentence.
-    pub(super) fn words(&self) -> &'static str {
-        match self {
-            Self::TwoPoint { .. } => "the two-point method",
-            Self::Resonances { .. } => "the resonances of the rod",
-            Self::FreeVibration { .. } => "frequency and decay of the modes of the free rod",
-            Self::FreeEnd { .. } => "the method of two sections and a free end",
-            Self::SeparatePulses { .. } => "separate pulses at two sections",
-            Self::OneGauge { .. } => "the incident and the reflected pulse at one gauge",
-            Self::ThreePoint { .. } => "the three-point method",
-            Self::MultiPoint { .. } => "least squares over all gauges",
-        }
-    }
-
-    /// Returns the data of the specimen that the method uses.
-    pub(super) fn use_of_specimen(&self) -> UsedOfSpecimen {
-        let (length, end_mass) = match self {
-            Self::TwoPoint { .. } | Self::Resonances { .. } | Self::FreeVibration { .. } => {
-                (true, true)
-            }
-            Self::FreeEnd { .. } | Self::OneGauge { .. } => (false, true),
-            Self::SeparatePulses { .. } | Self::ThreePoint { .. } => (false, false),
-            Self::MultiPoint { .. } => (false, self.used_free_end().is_some()),
-        };
-        UsedOfSpecimen { length, end_mass }
-    }
-
-    /// Returns the sections of a rod with a free end, with their fields in the sheet.
-    pub(super) fn sections(&self) -> Vec<(&SectionSheet, &'static str)> {
-        match self {
-            Self::FreeEnd { first, second, .. } => {
-                vec![
-                    (first, "method.free_end.first"),
-                    (second, "method.free_end.second"),
-                ]
-            }
-            Self::OneGauge { section, .. } => vec![(section, "method.one_gauge.section")],
-            _ => Vec::new(),
-        }
-    }
-
-    /// Returns the channels. The first one marks the beginning of a hit, unless the sheet states
-    /// another channel.
-    pub(super) fn channels(&self) -> Vec<Taken<'_>> {
-        let taken = |channel, field: &str, motion| Taken {
-            channel,
-            field: self.field(field),
-            motion,
-        };
-        match self {
-            Self::TwoPoint {
-                impacted_end,
-                free_end,
-                ..
-            }
-            | Self::Resonances {
-                impacted_end,
-                free_end,
-            } => vec![
-                taken(impacted_end.as_str(), "impacted_end", true),
-                taken(free_end.as_str(), "free_end", true),
-            ],
-            Self::FreeVibration { channel, .. } => vec![taken(channel.as_str(), "channel", false)],
-            Self::FreeEnd { first, second, .. } => vec![
-                taken(first.channel.as_str(), "first.channel", false),
-                taken(second.channel.as_str(), "second.channel", false),
-            ],
-            Self::SeparatePulses { first, second, .. } => vec![
-                taken(first.channel.as_str(), "first.channel", false),
-                taken(second.channel.as_str(), "second.channel", false),
-            ],
-            Self::OneGauge { section, .. } => {
-                vec![taken(section.channel.as_str(), "section.channel", false)]
-            }
-            Self::ThreePoint { gauges } | Self::MultiPoint { gauges, .. } => gauges
-                .iter()
-                .enumerate()
-                .map(|(index, gauge)| {
-                    let field = format!("gauges[{index}].channel");
-                    taken(gauge.channel.as_str(), &field, false)
-                })
-                .collect(),
-        }
-    }
-
-    /// Returns the data of the hits that the method uses.
-    pub(super) fn taken_from_hits(&self) -> FromHits<'_> {
-        match self {
-            Self::TwoPoint {
-                impacted_end,
-                free_end,
-                ..
-            }
-            | Self::Resonances {
-                impacted_end,
-                free_end,
-            } => FromHits::Ratio(impacted_end, free_end),
-            Self::FreeVibration {
-                channel,
-                from,
-                wave_speed,
-            } => FromHits::Modes(Vibration {
-                channel,
-                from,
-                wave_speed,
-            }),
-            Self::FreeEnd { first, second, .. } => FromHits::Ratio(&first.channel, &second.channel),
-            Self::SeparatePulses { first, second, .. } => FromHits::Pulses {
-                earlier: first.pulse("method.separate_pulses.first"),
-                later: second.pulse("method.separate_pulses.second"),
-            },
-            Self::OneGauge {
-                section,
-                incident,
-                reflected,
-                ..
-            } => {
-                let pulse = |(from, to), field| Pulse {
-                    channel: &section.channel,
-                    from,
-                    to,
-                    field,
-                };
-                FromHits::Pulses {
-                    earlier: pulse((&incident.0, &incident.1), "method.one_gauge.incident"),
-                    later: pulse((&reflected.0, &reflected.1), "method.one_gauge.reflected"),
-                }
-            }
-            Self::ThreePoint { gauges } => FromHits::Gauges {
-                gauges,
-                may_ring: false,
-            },
-            Self::MultiPoint { gauges, .. } => FromHits::Gauges {
-                gauges,
-                may_ring: true,
-            },
-        }
-    }
-
-    /// Returns the gauges, if the method has gauges.
-    pub(super) fn gauges(&self) -> Option<&[GaugeSheet]> {
-        match self.taken_from_hits() {
-            FromHits::Gauges { gauges, .. } => Some(gauges),
-            _ => None,
-        }
-    }
-
-    /// Returns the distance over which the method counts wavelengths.
-    pub(super) fn counted(&self) -> Counted<'_> {
-        let from_end = |section: &SectionSheet| section.from_free_end.with_uncertainty().value;
-        match self {
-            Self::TwoPoint { .. } | Self::Resonances { .. } | Self::FreeVibration { .. } => {
-                Counted::Length
-            }
-            Self::FreeEnd { first, second, .. } => {
-                Counted::Between(from_end(first).max(from_end(second)))
-            }
-            Self::SeparatePulses { distance, .. } => {
-                Counted::Between(distance.with_uncertainty().value)
-            }
-            Self::OneGauge { section, .. } => Counted::Between(2.0 * from_end(section)),
-            Self::ThreePoint { gauges } | Self::MultiPoint { gauges, .. } => {
-                Counted::Gauges(gauges)
-            }
-        }
     }
 
     /// Returns the optional field of the method, and its default in words.
@@ -366,41 +174,225 @@ impl MethodSheet {
         }
     }
 
-    /// Returns the position of the free end if it is a condition of the method, that is, with two
-    /// gauges.
-    pub(super) fn used_free_end(&self) -> Option<&Stated<Coordinate>> {
+    /// Returns the sensors of the method.
+    pub(super) fn arrangement(&self) -> Arrangement<'_> {
         match self {
+            Self::TwoPoint {
+                impacted_end,
+                free_end,
+                ..
+            }
+            | Self::Resonances {
+                impacted_end,
+                free_end,
+            } => Arrangement::Ends {
+                impacted_end,
+                free_end,
+            },
+            Self::FreeVibration {
+                channel,
+                from,
+                wave_speed,
+            } => Arrangement::FreeRod(Vibration {
+                channel,
+                from,
+                wave_speed,
+            }),
+            Self::FreeEnd { first, second, .. } => Arrangement::Sections { first, second },
+            Self::SeparatePulses {
+                first,
+                second,
+                distance,
+                ..
+            } => Arrangement::Pulses {
+                first,
+                second,
+                distance,
+            },
+            Self::OneGauge {
+                section,
+                incident,
+                reflected,
+                ..
+            } => Arrangement::OneGauge {
+                section,
+                incident,
+                reflected,
+            },
+            Self::ThreePoint { gauges } => Arrangement::Gauges {
+                gauges,
+                free_end: None,
+                may_ring: false,
+            },
+            // with two gauges, the free end is the third condition
             Self::MultiPoint {
                 gauges,
                 free_end_at,
                 ..
-            } if gauges.len() == 2 => free_end_at.as_ref(),
-            _ => None,
+            } => Arrangement::Gauges {
+                gauges,
+                free_end: free_end_at.as_ref().filter(|_| gauges.len() == 2),
+                may_ring: true,
+            },
         }
     }
+}
 
-    /// Returns true if all channels must have the same quantity.
-    pub(super) fn one_quantity(&self) -> bool {
-        !matches!(self, Self::FreeEnd { .. })
-    }
-
-    /// Returns numerator and denominator of the ratio in a file, in words.
-    pub(super) fn ratio_in_words(&self) -> Result<&'static str, RodlabError> {
-        match self {
-            Self::TwoPoint { .. } | Self::Resonances { .. } => Ok("impacted end over free end"),
-            Self::FreeEnd { .. } => Ok("first section over second"),
-            Self::SeparatePulses { .. } => Ok("pulse at the second section over that at the first"),
-            Self::OneGauge { .. } => Ok("reflected pulse over incident pulse"),
-            Self::ThreePoint { .. } | Self::MultiPoint { .. } => Err(RodlabError::request(
-                "source",
-                "a ratio",
-                format!("hits: {} needs the spectra of all gauges", self.name()),
-            )),
-            Self::FreeVibration { .. } => Err(RodlabError::request(
-                "source",
-                "a ratio",
-                "hits: FreeVibration needs their histories",
-            )),
+/// Returns the method of the sheet for a ratio.
+pub(super) fn ratio_method(
+    sheet: &ModulusSheet,
+    measured: &Measured,
+    ratio: &ResponseRatio,
+) -> Result<Box<dyn RatioMethod>, RodlabError> {
+    let (specimen, limits) = (&sheet.specimen, limits(sheet));
+    let diameter = specimen.diameter.with_uncertainty();
+    let density = specimen.density.with_uncertainty();
+    let at = |one, field| section(measured, one, &sheet.method.field(field));
+    match &sheet.method {
+        MethodSheet::TwoPoint { solver, .. } => TwoPoint::new(Specimen {
+            length: length(sheet)?,
+            diameter: diameter.value,
+            density: density.value,
+            accelerometer_mass: end_mass(sheet),
+        })
+        .and_then(|method| method.with_limits(limits))
+        .and_then(|method| {
+            method.with_specimen_uncertainty(SpecimenUncertainty {
+                length: uncertainty(specimen.length.as_ref()),
+                diameter: diameter.uncertainty(),
+                density: density.uncertainty(),
+                accelerometer_mass: uncertainty(specimen.accelerometer_mass.as_ref()),
+            })
+        })
+        .map(|method| {
+            boxed(method.with_solver(match solver {
+                None | Some(SolverSheet::Continuation) => Solver::Continuation,
+                Some(SolverSheet::Newton) => Solver::Newton,
+                Some(SolverSheet::Series) => Solver::Series,
+            }))
+        }),
+        MethodSheet::Resonances { .. } => {
+            let error = uncertainty(specimen.length.as_ref());
+            Resonances::new(rod_with_free_end(sheet), length(sheet)?)
+                .and_then(|method| method.with_limits(limits))
+                .and_then(|method| method.with_uncertainty(section_uncertainty(sheet, error)))
+                .map(boxed)
+        }
+        MethodSheet::FreeEnd {
+            first,
+            second,
+            wave_speed,
+        } => {
+            let sections = (at(first, "first")?, at(second, "second")?);
+            let error = uncertainty(Some(&first.from_free_end))
+                .max(uncertainty(Some(&second.from_free_end)));
+            FreeEnd::new(rod_with_free_end(sheet), sections.0, sections.1)
+                .and_then(|method| method.with_limits(limits))
+                .and_then(|method| method.with_uncertainty(section_uncertainty(sheet, error)))
+                .and_then(|method| if_some(method, speed(wave_speed), FreeEnd::with_wave_speed))
+                .map(boxed)
+        }
+        MethodSheet::SeparatePulses {
+            distance,
+            wave_speed,
+            ..
+        } => {
+            let error = uncertainty(Some(distance));
+            SeparatePulses::new(PulsedRod {
+                distance: distance.with_uncertainty().value,
+                diameter: diameter.value,
+                density: density.value,
+            })
+            .and_then(|method| method.with_limits(limits))
+            .and_then(|method| method.with_uncertainty(section_uncertainty(sheet, error)))
+            .and_then(|method| if_some(method, speed(wave_speed), SeparatePulses::with_wave_speed))
+            .and_then(|method| if_some(method, ratio.delay, SeparatePulses::with_delay))
+            .map(boxed)
+        }
+        MethodSheet::OneGauge {
+            section,
+            wave_speed,
+            ..
+        } => {
+            let error = uncertainty(Some(&section.from_free_end));
+            OneGauge::new(rod_with_free_end(sheet), at(section, "section")?)
+                .and_then(|method| method.with_limits(limits))
+                .and_then(|method| method.with_uncertainty(section_uncertainty(sheet, error)))
+                .and_then(|method| if_some(method, speed(wave_speed), OneGauge::with_wave_speed))
+                .and_then(|method| if_some(method, ratio.delay, OneGauge::with_delay))
+                .map(boxed)
+        }
+        // for these methods a ratio has been refused before it is read
+        MethodSheet::ThreePoint { .. }
+        | MethodSheet::MultiPoint { .. }
+        | MethodSheet::FreeVibration { .. } => {
+            sheet.method.ratio_in_words()?;
+            Err(CmodError::NoLines)
         }
     }
+    .map_err(refused)
+}
+
+/// Returns the method of the sheet for the spectra of gauges.
+pub(super) fn gauge_method(
+    sheet: &ModulusSheet,
+    measured: &Measured,
+    spectra: &SectionSpectra,
+) -> Result<Box<dyn GaugeMethod>, CmodError> {
+    let limits = limits(sheet);
+    match &sheet.method {
+        MethodSheet::ThreePoint { gauges } => ThreePoint::new(gauged_rod(sheet, gauges))?
+            .with_limits(limits)?
+            .with_noise_freedom(noise_freedom(spectra)?)?
+            .with_uncertainty(gauge_uncertainty(sheet, gauges, spectra))
+            .map(|method| Box::new(method) as Box<dyn GaugeMethod>),
+        MethodSheet::MultiPoint {
+            gauges, wave_speed, ..
+        } => {
+            let rod = gauged_rod(sheet, gauges);
+            let method = match sheet.method.used_free_end() {
+                Some(end) => MultiPoint::before_free_end(rod, end.with_uncertainty().value)?
+                    .with_end_mass(end_mass(sheet))?,
+                None => MultiPoint::new(rod)?,
+            }
+            .with_limits(limits)?
+            .with_added_damping(spectra.decay_rate())?
+            .with_uncertainty(gauge_uncertainty(sheet, gauges, spectra))?;
+            let method = if_some(method, speed(wave_speed), MultiPoint::with_wave_speed)?
+                .with_noise_freedom(noise_freedom(spectra)?)?;
+            Ok(Box::new(
+                method.with_quantity(gauge_quantity(measured, gauges)),
+            ))
+        }
+        MethodSheet::TwoPoint { .. }
+        | MethodSheet::Resonances { .. }
+        | MethodSheet::FreeVibration { .. }
+        | MethodSheet::FreeEnd { .. }
+        | MethodSheet::SeparatePulses { .. }
+        | MethodSheet::OneGauge { .. } => Err(CmodError::NoLines),
+    }
+}
+
+fn boxed(method: impl RatioMethod + 'static) -> Box<dyn RatioMethod> {
+    Box::new(method)
+}
+
+fn speed(stated: &Option<Exact<Velocity>>) -> Option<f64> {
+    stated.as_ref().map(Exact::si)
+}
+
+/// Returns the method with a setting, if there is a value for it.
+fn if_some<M>(
+    method: M,
+    value: Option<f64>,
+    set: impl FnOnce(M, f64) -> Result<M, CmodError>,
+) -> Result<M, CmodError> {
+    match value {
+        Some(value) => set(method, value),
+        None => Ok(method),
+    }
+}
+
+pub(super) fn refused(error: CmodError) -> RodlabError {
+    RodlabError::step("finding the modulus", error)
 }

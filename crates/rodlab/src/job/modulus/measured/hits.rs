@@ -12,7 +12,8 @@ use crate::hits::{
     FoundHit, HitKind, HitsSheet, expect_independent, expect_silence, silent_samples, trigger_of,
 };
 use crate::job::JobContext;
-use crate::job::modulus::method::{self, FromHits, MethodSheet};
+use crate::job::modulus::arrangement::{FromHits, Taken};
+use crate::job::modulus::method::{self, MethodSheet};
 use crate::job::modulus::{ModulusSheet, gauges, histories};
 use crate::outcome::Setting;
 use crate::records::Records;
@@ -211,7 +212,7 @@ pub(super) fn of_hits(
 fn by_hit(
     all: &Spectra,
     hits: &[&Record],
-    channels: &[method::Taken<'_>],
+    channels: &[Taken<'_>],
 ) -> Result<Vec<Spectra>, RodlabError> {
     match (all, channels) {
         (Spectra::Ratio(all), [numerator, denominator]) if all.delay.is_none() => {

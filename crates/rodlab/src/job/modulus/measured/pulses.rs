@@ -4,7 +4,7 @@ use labio::hits::Extent;
 use labio::{PulseWindow, Record};
 
 use crate::RodlabError;
-use crate::job::modulus::method::Pulse;
+use crate::job::modulus::arrangement::Pulse;
 use crate::sheet::{Exact, Time};
 
 /// Returns the samples of a pulse; the end of the pulse must be within all hits.
@@ -18,7 +18,7 @@ pub(super) fn window(pulse: &Pulse<'_>, hits: &[&Record]) -> Result<PulseWindow,
             samples: from..to,
         }),
         _ => Err(RodlabError::request(
-            pulse.field,
+            pulse.field.as_str(),
             format!("\"{}\" to \"{}\"", pulse.from, pulse.to),
             format!(
                 "an interval in the record of a hit, 0 to {:.4} ms",

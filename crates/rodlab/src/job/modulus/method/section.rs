@@ -3,7 +3,6 @@
 use cmod::multi_point::Quantity;
 use serde::Deserialize;
 
-use super::Pulse;
 use crate::sheet::{Coordinate, Exact, Stated, Time};
 
 /// Section of a rod with a free end.
@@ -30,17 +29,6 @@ pub struct WindowSheet {
     pub from: Exact<Time>,
     /// End of the pulse.
     pub to: Exact<Time>,
-}
-
-impl WindowSheet {
-    pub(super) fn pulse(&self, field: &'static str) -> Pulse<'_> {
-        Pulse {
-            channel: &self.channel,
-            from: &self.from,
-            to: &self.to,
-            field,
-        }
-    }
 }
 
 /// A gauge.
