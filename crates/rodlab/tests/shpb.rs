@@ -468,3 +468,51 @@ fn hopkinson_virtual_shot_comes_back() {
         assert!(said.contains(words), "{said}");
     }
 }
+
+/// A polymer that hardens between steel bars: its stress is largest where the unloading begins, and
+/// there the forces are uncertain by a position known to 1 mm.
+#[test]
+fn hopkinson_largest_stress_is_quoted_from_equilibrium() {
+    let folder = TempDir::new().unwrap();
+    let plan = r#"Simulate(
+    title: "Polymer between steel bars",
+    materials: {"steel": (density: "7800 kg/m3", law: Elastic(modulus: "206 GPa"))},
+    experiment: HopkinsonBars(
+        striker: (length: "400 mm", diameter: "20 mm", density: "7800 kg/m3", modulus: "206 GPa"), velocity: "8 m/s",
+        incident: (material: "steel", diameter: "20 mm", length: "1800 mm", gauges: ["900 mm"]),
+        transmitted: (material: "steel", diameter: "20 mm", length: "1600 mm", gauges: ["400 mm"]),
+        specimen: (length: "6 mm", diameter: "12 mm", density: "1200 kg/m3", modulus: "2 GPa",
+            law: Norton(exponent: "6", rate_at_10_mpa: "0.01 1/s"), hardening: "200 MPa")),
+    instrument: (sampling_rate: "1 MHz", length: "1.2 ms", before: "0.2 ms", noise: "0.1 %", converter: (bits: 14)),
+    output: "shot.csv")"#;
+    let made = run(folder.path(), plan).unwrap();
+    for file in &made.attachments {
+        fs::write(folder.path().join(&file.name), &file.bytes).unwrap();
+    }
+    let sheet = fs::read_to_string(folder.path().join("shpb.ron")).unwrap();
+    let sheet = sheet
+        .replace("at: \"900 mm\"", "at: \"900 mm ± 1 mm\"")
+        .replace("at: \"400 mm\"", "at: \"400 mm ± 1 mm\"");
+    let found = run(folder.path(), &sheet).unwrap();
+    assert_eq!(found.verdict, Verdict::Answered, "{:?}", found.summary);
+    let of = |name: &str| {
+        let found = quantity(&found, name);
+        (found.value.unwrap(), found.standard_error.unwrap())
+    };
+    let (stress, error) = of("largest stress in equilibrium");
+    let (strain, _) = of("strain at the largest stress in equilibrium");
+    let (peak, peak_error) = of("largest stress");
+    assert!(error < 0.02 * stress, "{stress} {error}");
+    assert!(peak_error > 0.1 * peak, "{peak} {peak_error}");
+    let truth = |name: &str| column(&made, "true-stress-strain", name);
+    let after = truth("strain").iter().position(|e| *e > strain).unwrap();
+    let exact = truth("stress")[after];
+    assert!((stress - exact).abs() < 2.0 * error, "{stress} {exact}");
+    assert!(
+        found.summary[0].starts_with("The largest stress in equilibrium is ("),
+        "{:?}",
+        found.summary
+    );
+    let named = |said: &String| said.contains("not known to be in equilibrium there");
+    assert!(found.summary.iter().any(named), "{:?}", found.summary);
+}

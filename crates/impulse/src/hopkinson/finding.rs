@@ -17,11 +17,17 @@ const OF_RISE: f64 = 0.5;
 
 /// Largest relative difference of the wave speed between passages.
 const SPEED: f64 = 0.03;
-/// Largest difference of the ratio of the two forces from 1, absolute and in standard errors.
+/// Largest difference of the ratio of the two forces from 1, absolute and in standard errors: a
+/// normal number is beyond three of them with a probability of 0.27 %.
 const FORCES: f64 = 0.03;
-const FORCES_APART: f64 = 5.0;
+const FORCES_APART: f64 = 3.0;
+/// Number of standard errors by which the force of the transmitted face must exceed that of the
+/// incident one to come before it; a normal number exceeds two with a probability of 2.3 %.
+const LEAD_APART: f64 = 2.0;
 /// Largest pull of a face in compression, relative to the largest force.
 const PULL: f64 = 0.05;
+/// Engineering strain of compression at which nothing is left of the specimen.
+const CRUSHED: f64 = 1.0;
 /// Largest strain of a bar: metals and glassy polymers are elastic up to about 2 %.
 const BAR_STRAIN: f64 = 0.03;
 /// Smallest plausible value of the largest strain in the records; smaller pulses are not measured
@@ -51,6 +57,11 @@ pub enum Finding {
     /// Strains too large for a bar, or too small for a gauge.
     StrainOfBar {
         /// Largest strain.
+        largest: f64,
+    },
+    /// The specimen is compressed to nothing, which is impossible.
+    StrainOfSpecimen {
+        /// Largest engineering strain while the specimen is loaded.
         largest: f64,
     },
     /// The band ends above the frequency up to which the law of a bar was measured.
@@ -132,7 +143,10 @@ impl Finding {
     pub fn forbids(&self) -> bool {
         matches!(
             self,
-            Self::WrongSign { .. } | Self::StrainOfBar { .. } | Self::Overlap { .. }
+            Self::WrongSign { .. }
+                | Self::StrainOfBar { .. }
+                | Self::StrainOfSpecimen { .. }
+                | Self::Overlap { .. }
         )
     }
 
@@ -164,6 +178,10 @@ impl fmt::Display for Finding {
             Self::StrainOfBar { largest } => write!(
                 f,
                 "the largest strain of a bar is {largest:.3e}, expected {LEAST_STRAIN:.0e} to {BAR_STRAIN}: check gauge factor, excitation and the unit of the channels"
+            ),
+            Self::StrainOfSpecimen { largest } => write!(
+                f,
+                "the largest strain of the specimen is {largest:.3} in compression, expected less than {CRUSHED}: check the length of the specimen, gains and gauge factors"
             ),
             Self::Overlap { alone } => write!(
                 f,
@@ -249,8 +267,14 @@ pub(super) fn of(
     }
     let strains = record.gauges.iter().flatten().flatten();
     let largest = strains.fold(0.0_f64, |most, x| most.max(x.abs()));
+    let strain = result.curves.of(Curve::Strain).get(result.loaded.clone());
+    let of_specimen = strain.unwrap_or(&[]).iter().copied().fold(0.0, f64::max);
     if !(LEAST_STRAIN..=BAR_STRAIN).contains(&largest) {
         findings.push(Finding::StrainOfBar { largest });
+    } else if test.loading == Loading::Compression && of_specimen >= CRUSHED {
+        findings.push(Finding::StrainOfSpecimen {
+            largest: of_specimen,
+        });
     }
     let known_to_hz = test
         .bars
@@ -347,17 +371,24 @@ fn passages(
 }
 
 /// Lead of the transmitted force over that of the incident face where each first exceeds a quarter
-/// of the transmitted peak \[s\].
+/// of the transmitted peak \[s\]; 0 if the errors of the forces explain their difference there.
 fn forces_lead(result: &HopkinsonResult) -> f64 {
     let second = result.curves.of(Curve::Force2);
     let level = 0.25 * second.iter().copied().fold(0.0_f64, f64::max);
     let first_above = |force: &[f64]| force.iter().position(|f| *f > level);
-    match (
+    let (Some(first), Some(second)) = (
         first_above(result.curves.of(Curve::Force1)),
         first_above(second),
-    ) {
-        (Some(first), Some(second)) => (first as f64 - second as f64) * result.time_step,
-        _ => 0.0,
+    ) else {
+        return 0.0;
+    };
+    let difference = result.curves.of(Curve::ForceDifference).iter();
+    let errors = result.standard_error(Curve::ForceDifference);
+    let mut between = difference.zip(&errors).take(first).skip(second);
+    if between.any(|(difference, error)| -difference > LEAD_APART * error) {
+        (first as f64 - second as f64) * result.time_step
+    } else {
+        0.0
     }
 }
 

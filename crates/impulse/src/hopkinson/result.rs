@@ -12,7 +12,7 @@ use crate::ImpulseError;
 
 /// Part of the peak above which the specimen counts as loaded.
 const LOADED: f64 = 0.1;
-/// Largest index that counts as equilibrium.
+/// Largest index that counts as equilibrium, and its largest standard error.
 const INDEX_LIMIT: f64 = 0.05;
 /// Fraction of the loaded samples after the start of equilibrium that must be in equilibrium.
 const MOST: f64 = 0.95;
@@ -277,6 +277,36 @@ impl HopkinsonResult {
         let stress = self.curves.of(Curve::Stress);
         let widths = self.expanded_uncertainty(Curve::Stress, level)?;
         Ok(with_half_width(stress, &widths))
+    }
+
+    /// Returns true if the forces of the two faces are known to be equal at a sample: the index is
+    /// at most 0.05 plus two standard errors, and its standard error at most 0.05.
+    #[must_use]
+    pub fn is_in_equilibrium(&self, sample: usize) -> bool {
+        let equilibrium = &self.equilibrium;
+        let index = equilibrium.index.get(sample);
+        index
+            .zip(equilibrium.standard_error.get(sample))
+            .is_some_and(|(index, error)| {
+                *error <= INDEX_LIMIT && index.abs() <= INDEX_LIMIT + 2.0 * error
+            })
+    }
+
+    /// Returns the sample of the largest stress before the unloading at which the specimen [is in
+    /// equilibrium](Self::is_in_equilibrium), from the start of equilibrium on; `None` if there is
+    /// none. Where the unloading begins, an error of a position makes the forces uncertain.
+    #[must_use]
+    pub fn largest_in_equilibrium(&self) -> Option<usize> {
+        let from = self.equilibrium.from?;
+        let stress = self.curves.of(Curve::Stress).iter();
+        let rates = self.curves.of(Curve::StrainRate);
+        let samples = stress.zip(rates).enumerate().take(self.loaded.end);
+        samples
+            .filter(|(at, (_, rate))| {
+                **rate > 0.0 && self.time_at(*at) >= from && self.is_in_equilibrium(*at)
+            })
+            .max_by(|(_, (a, _)), (_, (b, _))| a.total_cmp(b))
+            .map(|(at, _)| at)
     }
 
     fn judged(&self, separation: WaveSeparation) -> Equilibrium {

@@ -97,6 +97,57 @@ fn hopkinson_a_wrong_gauge_factor_is_named_by_the_ratio_of_the_forces() {
     assert!(!finding.forbids() && said.contains("0.8"), "{said}");
 }
 
+/// Gauge factors known to 1 %, and a force 3.9 standard errors of the ratio off: three are beyond
+/// chance.
+#[test]
+fn hopkinson_forces_four_errors_apart_are_named() {
+    let (mut test, mut record) = shot();
+    for bar in &mut test.bars {
+        bar.gauges[0].factor_uncertainty = 0.01;
+    }
+    let right = rig::evaluated(&test, &record);
+    let error = right.equilibrium.force_ratio_error;
+    let differ = |finding: &Finding| matches!(finding, Finding::ForcesDiffer { .. });
+    assert!(
+        error > 0.01 && !right.findings.iter().any(differ),
+        "{error}"
+    );
+    scaled(&mut record, 1, 1.0 - 3.9 * error);
+    let wrong = rig::evaluated(&test, &record);
+    let equilibrium = &wrong.equilibrium;
+    let apart = (equilibrium.force_ratio - 1.0) / equilibrium.force_ratio_error;
+    // below the five of before
+    assert!((3.0..5.0).contains(&apart), "{apart}");
+    assert!(
+        wrong.findings.iter().any(differ),
+        "{apart}: {:?}",
+        wrong.findings
+    );
+}
+
+/// The length of the specimen is wrong: it is compressed to less than nothing.
+#[test]
+fn hopkinson_a_strain_of_one_in_compression_is_refused() {
+    let (mut test, record) = shot();
+    let right = rig::evaluated(&test, &record);
+    let strain = &right.curves.of(Curve::Strain)[right.loaded.clone()];
+    let most = strain.iter().copied().fold(0.0, f64::max);
+    test.specimen.length.value *= most / 1.2;
+    let findings = rig::evaluated(&test, &record).findings;
+    let said = findings.iter().find_map(|finding| match finding {
+        Finding::StrainOfSpecimen { largest } if finding.forbids() => {
+            Some((*largest, finding.to_string()))
+        }
+        _ => None,
+    });
+    let (largest, said) = said.unwrap_or_else(|| panic!("{findings:?}"));
+    assert!((largest - 1.2).abs() < 1e-6, "{said}");
+    assert!(
+        said.contains("1.200 in compression, expected less than 1: check the length"),
+        "{said}"
+    );
+}
+
 /// Density and modulus for a wave speed 15 % too high: the reflected wave arrives 15 % later than
 /// stated. A delay of 8 % could be due to the front of a specimen here, where the wave rises within
 /// 0.12 ms; such an error is found from the forces of the two faces.
@@ -167,6 +218,19 @@ fn hopkinson_a_channel_ahead_of_the_others_is_named_and_alignment_takes_its_lag(
         loaded.iter().sum::<f64>() / loaded.len() as f64
     };
     assert!((mean(&aligned) / mean(&right) - 1.0).abs() < 0.03);
+}
+
+/// The recorder of the transmitted bar is 60 us ahead, and its delay is known to 60 us.
+#[test]
+fn hopkinson_a_lead_within_the_errors_of_the_forces_is_not_reported() {
+    let findings = found(|test, record| {
+        test.bars[1].gauges[0].delay_uncertainty = 60e-6;
+        for samples in &mut record.gauges[1] {
+            samples.rotate_left(60);
+        }
+    });
+    let early = |finding: &Finding| matches!(finding, Finding::TransmittedEarly { .. });
+    assert!(!findings.iter().any(early), "{findings:?}");
 }
 
 #[test]

@@ -197,10 +197,17 @@ impl Criteria {
                 |limit: f64| [run.step_in, run.step_out].map(|s| s.is_some_and(|s| s > limit));
             if is_extreme {
                 let [into, out] = leaps(3.0 * step.max(f64::MIN_POSITIVE) + LEAP * noise);
+                // noise of several steps leaves three samples of a steep crest equal, with a leap
+                // on one side; a limit cuts both flanks
+                let cut = if noise > step {
+                    into && out
+                } else {
+                    into || out
+                };
                 if limit_is_told
                     && self.clipped_run.is_some_and(|n| run.length >= n)
                     && from_rest > BEYOND_NOISE * noise
-                    && (into || out || is_improbable(run.length, noise / step))
+                    && (cut || is_improbable(run.length, noise / step))
                 {
                     clipped.get_or_insert(run);
                 }

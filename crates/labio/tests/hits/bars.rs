@@ -101,6 +101,30 @@ fn r17_a_limit_is_found_where_noise_tells_it_from_a_plateau() {
     );
 }
 
+/// Three equal samples at the crest, in noise of four steps: with a flank on one side they are
+/// chance, between two steep flanks a limit.
+#[test]
+fn r17_three_equal_samples_between_noise_are_no_limit() {
+    let mut rng = ChaCha8Rng::seed_from_u64(5);
+    let rest: Vec<f64> = (0..1000).map(|_| noise(&mut rng, 4.0).round()).collect();
+    for (slope, is_limit) in [(4, false), (100, true)] {
+        let mut samples = rest.clone();
+        samples.extend((1..100).map(|k| 40.0 * f64::from(k)));
+        samples.extend([4000.0; 3]);
+        let falling = (1..4000 / slope).map(|k| f64::from(4000 - slope * k));
+        samples.extend(falling);
+        samples.extend(&rest);
+        let record = gauge_record(samples, Quantity::Strain);
+        let reasons = Criteria::bar().judge(&record, "gauge", None).unwrap();
+        let clipped = |reason: &Reason| matches!(reason, Reason::Clipped { .. });
+        assert_eq!(
+            reasons.iter().any(clipped),
+            is_limit,
+            "{slope}: {reasons:?}"
+        );
+    }
+}
+
 #[test]
 fn r17_every_reason_begins_with_its_name() {
     for reason in [

@@ -1,11 +1,11 @@
 //! Complex modulus of a rod by any of the methods of `cmod`, from hits, or from a ratio of spectra
 //! that another program computed.
 
-mod arrangement;
 mod calibration;
 mod causal;
 mod checked_band;
 mod checks;
+mod constructed;
 mod drift;
 mod estimate;
 mod figures;

@@ -12,7 +12,7 @@ use serde::Deserialize;
 
 use super::measured::Spectra;
 use super::method::MethodSheet;
-use super::{Found, SourceSheet, checked_band, estimate, gauges, rod};
+use super::{Found, SourceSheet, checked_band, constructed, estimate, gauges, rod};
 use crate::digits::{hertz, significant};
 use crate::outcome::{CHECK, LogEntry, Quantity};
 use crate::sheet::{Exact, Frequency, Ratio};
@@ -155,7 +155,7 @@ fn free_end_null(outcome: &mut Outcome, found: &Found<'_>, level: f64) {
     for line in found.estimate.valid() {
         gamma[line.index] = line.propagation_coefficient;
     }
-    let quantity = rod::gauge_quantity(found.measured, gauges);
+    let quantity = constructed::gauge_quantity(found.measured, gauges);
     let rod = rod::rod_with_free_end(found.sheet);
     let made = FreeEndNull::new(rod, distances.collect(), quantity)
         .and_then(|check| check.with_noise_freedom(gauges::noise_freedom(spectra)?))

@@ -15,8 +15,9 @@ use num_complex::Complex64;
 use rayon::prelude::*;
 use rodwave::slenderness::Theory;
 
+use super::constructed::{gauge_method, ratio_method, refused};
 use super::measured::{Measured, Spectra};
-use super::method::{MethodSheet, gauge_method, ratio_method, refused};
+use super::method::MethodSheet;
 use super::rod::{length, limits, rod_with_free_end, section_uncertainty, uncertainty};
 use super::{ModulusSheet, TheorySheet};
 use crate::RodlabError;

@@ -4,7 +4,7 @@ use rodfigure::{Figure, Mark, Panel, Role};
 
 use crate::hits::FoundHits;
 
-use super::arrangement::Taken;
+use super::method::Taken;
 
 /// Maximum number of accepted hits that are drawn.
 const HITS_DRAWN: usize = 3;

@@ -13,8 +13,8 @@ use rodfigure::Figure;
 use serde::Deserialize;
 
 use super::ModulusSheet;
-use super::arrangement::FromHits;
 use super::gauges::Damping;
+use super::method::FromHits;
 use crate::RodlabError;
 use crate::digits::significant;
 use crate::draw::Draw;

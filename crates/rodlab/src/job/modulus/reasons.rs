@@ -12,6 +12,9 @@ use crate::outcome::LogEntry;
 /// Maximum number of frequency ranges listed for one reason.
 const STRETCHES_NAMED: usize = 4;
 
+/// Reason for a line on which the number of waves is in doubt.
+const UNCOUNTED: &str = "number of waves in doubt";
+
 /// The reasons of all lines.
 pub(super) struct Reasons {
     /// Short reasons for each line of the estimate; empty for a valid line.
@@ -48,7 +51,7 @@ fn in_few_words(violation: &Violation) -> &'static str {
         Violation::WavelengthTooLong { .. } => "wavelength above five lengths",
         Violation::DampingNotPositive { .. } => "damping coefficient not positive",
         Violation::WaveNumberNotPositive { .. } => "wave number not positive",
-        Violation::BranchAmbiguous(_) => "number of waves in doubt",
+        Violation::BranchAmbiguous(_) => UNCOUNTED,
         Violation::NotConverged { .. } => "iteration did not settle",
         Violation::RootNotFollowed { .. } => "root lost where two roots meet",
         Violation::SeriesTruncated { .. } => "series in the mass ratio not accurate enough",
@@ -120,6 +123,14 @@ fn by_source(largest: ErrorSource) -> &'static str {
 }
 
 impl Reasons {
+    /// Returns the number of lines on which the number of waves is in doubt.
+    pub(super) fn n_uncounted(&self) -> usize {
+        let mut counts = self.counts.iter();
+        counts
+            .find(|(reason, _)| *reason == UNCOUNTED)
+            .map_or(0, |(_, count)| *count)
+    }
+
     /// Returns the most frequent reasons, such as `error of E' above its limit (312 lines), ...`.
     pub(super) fn commonest(&self, most: usize) -> String {
         let named: Vec<String> = self

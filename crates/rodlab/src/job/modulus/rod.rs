@@ -1,14 +1,10 @@
 //! Rod, uncertainties and limits of the sheet, in the form used by the methods of `cmod`.
 
-use cmod::multi_point::Quantity;
 use cmod::validity::AcceptanceLimits;
-use cmod::{EndSection, GaugeUncertainty, GaugedRod, RodWithFreeEnd, SectionUncertainty};
-use labio::{SectionSpectra, SensorError};
+use cmod::{GaugedRod, RodWithFreeEnd, SectionUncertainty};
 
 use super::ModulusSheet;
-use super::arrangement::Counted;
-use super::measured::Measured;
-use super::method::{GaugeSheet, SectionSheet};
+use super::method::{Counted, GaugeSheet};
 use crate::RodlabError;
 use crate::digits::significant;
 use crate::sheet::{Exact, Ratio, Stated, plausible};
@@ -102,62 +98,6 @@ pub(super) fn section_uncertainty(sheet: &ModulusSheet, distance: f64) -> Sectio
         density: uncertainty(Some(&sheet.specimen.density)),
         end_mass: uncertainty(sheet.specimen.accelerometer_mass.as_ref()),
     }
-}
-
-/// Returns the uncertainties of the gauges. Those of mass and diameter matter only on a free end
-/// that is a condition of the method.
-pub(super) fn gauge_uncertainty(
-    sheet: &ModulusSheet,
-    gauges: &[GaugeSheet],
-    spectra: &SectionSpectra,
-) -> GaugeUncertainty {
-    let specimen = &sheet.specimen;
-    let free_end = sheet.method.used_free_end();
-    let on_end = |value: f64| if free_end.is_some() { value } else { 0.0 };
-    let of_sensors = |value: fn(&SensorError) -> f64| spectra.sensors.iter().map(value).collect();
-    GaugeUncertainty {
-        free_end: uncertainty(free_end),
-        end_mass: on_end(uncertainty(specimen.accelerometer_mass.as_ref())),
-        diameter: on_end(uncertainty(Some(&specimen.diameter))),
-        density: uncertainty(Some(&specimen.density)),
-        positions: gauges
-            .iter()
-            .map(|gauge| uncertainty(Some(&gauge.at)))
-            .collect(),
-        factors: of_sensors(|sensor| sensor.gain),
-        delays: of_sensors(|sensor| sensor.delay),
-    }
-}
-
-/// Returns a section of a rod with a free end. The quantity measured there is stated in the sheet,
-/// or that of the channel.
-pub(super) fn section(
-    measured: &Measured,
-    section: &SectionSheet,
-    field: &str,
-) -> Result<EndSection, RodlabError> {
-    let quantity = section
-        .quantity
-        .map(Quantity::from)
-        .or_else(|| measured.quantity_of(&section.channel));
-    Ok(EndSection {
-        distance: section.from_free_end.with_uncertainty().value,
-        quantity: quantity.ok_or_else(|| {
-            RodlabError::request(
-                format!("{field}.quantity"),
-                "missing",
-                "`strain`, `displacement`, `velocity` or `acceleration` (in RON with a capital letter): a ratio in a file does not state it",
-            )
-        })?,
-    })
-}
-
-/// Returns the quantity of all gauges, which is that of the first gauge.
-pub(super) fn gauge_quantity(measured: &Measured, gauges: &[GaugeSheet]) -> Quantity {
-    gauges
-        .first()
-        .and_then(|gauge| measured.quantity_of(&gauge.channel))
-        .unwrap_or_default()
 }
 
 pub(super) fn uncertainty<K>(stated: Option<&Stated<K>>) -> f64 {

@@ -13,6 +13,13 @@ use crate::outcome::Quantity;
 /// fraction of the frequency.
 const NEAR: f64 = 0.02;
 
+/// Largest number of valid lines that may all have a wrong number of waves.
+const FEW: usize = 3;
+
+/// Number of lines on which the number of waves is in doubt, for each of these few, from which they
+/// are doubted.
+const UNCOUNTED: usize = 20;
+
 pub(super) fn state(outcome: &mut Outcome, found: &Found<'_>, reasons: &Reasons) {
     let all = found.estimate.lines();
     let valid: Vec<&ModulusLine> = found.estimate.valid().collect();
@@ -65,6 +72,18 @@ pub(super) fn state(outcome: &mut Outcome, found: &Found<'_>, reasons: &Reasons)
             reasons.commonest(3)
         ));
         outcome.summary.extend(reasons.advice_in_words());
+    }
+    let n_uncounted = reasons.n_uncounted();
+    if valid.len() <= FEW && n_uncounted >= UNCOUNTED * valid.len() {
+        outcome.doubt(format!(
+            "the number of waves is in doubt on {}, and only {} valid: a disturbance of the low lines, such as mains hum or a shift of zero, \
+             may lead to a wrong number there; raise `band.from` above the disturbed lines",
+            lines(n_uncounted),
+            match valid.len() {
+                1 => "1 line is".to_owned(),
+                count => format!("{} are", lines(count)),
+            }
+        ));
     }
     warn(outcome, found, &valid);
 }

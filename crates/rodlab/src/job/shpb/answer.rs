@@ -17,23 +17,42 @@ pub(super) fn state(
     result: &HopkinsonResult,
 ) -> Result<(), RodlabError> {
     let peak = peak(result);
-    let at = |values: &[f64]| values.get(peak).copied().unwrap_or(f64::NAN);
+    let value = |values: &[f64], at: usize| values.get(at).copied().unwrap_or(f64::NAN);
+    let at = |values: &[f64]| value(values, peak);
     let strain = at(result.curves.of(Curve::Strain));
     let strain_error = at(&result.standard_error(Curve::Strain));
-    let refused = |error| RodlabError::step("bands", error);
-    let width = |curve| {
+    let band = |curve| {
         let band = result.expanded_uncertainty(curve, LEVEL);
-        band.map(|band| at(&band)).map_err(refused)
+        band.map_err(|error| RodlabError::step("bands", error))
     };
-    let (stress, stress_width) = result.largest_stress(LEVEL).map_err(refused)?;
-    let stress_error =
-        at(&result.standard_error(Curve::Stress)) * stress_width / width(Curve::Stress)?;
+    let bands = [band(Curve::Stress)?, band(Curve::Strain)?];
+    let (stress, stress_width) = result
+        .largest_stress(LEVEL)
+        .map_err(|error| RodlabError::step("bands", error))?;
+    let stress_error = at(&result.standard_error(Curve::Stress)) * stress_width / at(&bands[0]);
     let loaded = result.loaded.clone();
     let (rate, rate_error) = mean_rate(result);
-    outcome.summary.push(format!(
-        "The peak stress is {} at a strain of {} (95 % intervals) and a mean rate of {} 1/s.",
+    let at_peak = format!(
+        "{} at a strain of {}",
         with_unit(stress, Some(stress_width), "Pa"),
-        with_error(Some(strain), Some(width(Curve::Strain)?)),
+        with_error(Some(strain), Some(at(&bands[1]))),
+    );
+    let balanced = result.is_in_equilibrium(peak);
+    let quoted = result.largest_in_equilibrium().filter(|_| !balanced);
+    let headline = match quoted {
+        Some(place) => {
+            let [stress, strain] =
+                [Curve::Stress, Curve::Strain].map(|curve| value(result.curves.of(curve), place));
+            format!(
+                "The largest stress in equilibrium is {} at a strain of {}",
+                with_unit(stress, Some(value(&bands[0], place)), "Pa"),
+                with_error(Some(strain), Some(value(&bands[1], place))),
+            )
+        }
+        None => format!("The peak stress is {at_peak}"),
+    };
+    outcome.summary.push(format!(
+        "{headline} (95 % intervals) and a mean rate of {} 1/s.",
         significant(rate, 3),
     ));
     let time_us = |time: f64| 1e6 * (time - result.start_time);
@@ -45,7 +64,25 @@ pub(super) fn state(
         ),
         None => "No time was found from which the forces of the two faces agree within 5 % and their error.".to_owned(),
     });
-    outcome.summary.push(dominating(result, peak));
+    outcome
+        .summary
+        .push(dominating(result, quoted.unwrap_or(peak)));
+    if !balanced {
+        let index = at(&result.equilibrium.index).abs();
+        let error = at(&result.equilibrium.standard_error);
+        let differ = if index.is_finite() {
+            let error = significant(error, 2);
+            format!(
+                "differ by {} of their mean ± {error}",
+                significant(index, 2)
+            )
+        } else {
+            "cannot be compared".to_owned()
+        };
+        outcome.summary.push(format!(
+            "The stress has its peak, {at_peak}, where the forces of the two faces {differ}: the specimen is not known to be in equilibrium there."
+        ));
+    }
     outcome.summary.push(format!(
         "All results are stated in the band up to {} kHz; there, a wave that is traced back to the specimen grows at most {}-fold.",
         significant(1e-3 * result.band_hz, 3),
@@ -73,6 +110,21 @@ pub(super) fn state(
         strain,
         Some(strain_error),
     );
+    if let Some(place) = quoted {
+        for (name, unit, curve, factor) in [
+            ("largest stress in equilibrium", "MPa", Curve::Stress, 1e-6),
+            (
+                "strain at the largest stress in equilibrium",
+                "",
+                Curve::Strain,
+                1.0,
+            ),
+        ] {
+            let error = factor * value(&result.standard_error(curve), place);
+            let found = factor * value(result.curves.of(curve), place);
+            say(name, unit, found, Some(error));
+        }
+    }
     say("mean strain rate", "1/s", rate, Some(rate_error));
     let energies = result.energies;
     say("work of deformation", "J", energies.deformation, None);

@@ -12,8 +12,7 @@ use crate::hits::{
     FoundHit, HitKind, HitsSheet, expect_independent, expect_silence, silent_samples, trigger_of,
 };
 use crate::job::JobContext;
-use crate::job::modulus::arrangement::{FromHits, Taken};
-use crate::job::modulus::method::{self, MethodSheet};
+use crate::job::modulus::method::{self, FromHits, MethodSheet, Taken};
 use crate::job::modulus::{ModulusSheet, gauges, histories};
 use crate::outcome::Setting;
 use crate::records::Records;

@@ -4,7 +4,7 @@ use labio::hits::Extent;
 use labio::{PulseWindow, Record};
 
 use crate::RodlabError;
-use crate::job::modulus::arrangement::Pulse;
+use crate::job::modulus::method::Pulse;
 use crate::sheet::{Exact, Time};
 
 /// Returns the samples of a pulse; the end of the pulse must be within all hits.

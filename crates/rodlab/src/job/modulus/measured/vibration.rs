@@ -10,7 +10,7 @@ use super::Measured;
 use crate::RodlabError;
 use crate::digits::significant;
 use crate::job::modulus::ModulusSheet;
-use crate::job::modulus::arrangement::Vibration;
+use crate::job::modulus::method::Vibration;
 use crate::job::modulus::rod::{length, rod_with_free_end};
 use crate::outcome::{Column, Table};
 

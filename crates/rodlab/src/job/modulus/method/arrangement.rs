@@ -1,11 +1,11 @@
 //! Arrangements of sensors on a rod, and the data of specimen and hits that follow from them.
 
-use super::method::{GaugeSheet, MethodSheet, SectionSheet, WindowSheet};
+use super::{GaugeSheet, MethodSheet, SectionSheet, WindowSheet};
 use crate::RodlabError;
 use crate::sheet::{Coordinate, Exact, Length, Stated, Time, Velocity};
 
 /// Sensors of a method. Methods of one arrangement have the same names for these fields.
-pub(super) enum Arrangement<'a> {
+pub(in crate::job::modulus) enum Arrangement<'a> {
     /// The motions of both ends of a rod.
     Ends {
         impacted_end: &'a str,
@@ -34,7 +34,7 @@ pub(super) enum Arrangement<'a> {
     Gauges {
         gauges: &'a [GaugeSheet],
         /// Position of the free end, if it is a condition of the method.
-        free_end: Option<&'a Stated<Coordinate>>,
+        free_end_at: Option<&'a Stated<Coordinate>>,
         /// True if the method corrects for an exponential window, so that hits may end while the
         /// rod rings.
         may_ring: bool,
@@ -42,20 +42,20 @@ pub(super) enum Arrangement<'a> {
 }
 
 /// Channel of a method, its place in the sheet, and whether it must be a motion.
-pub(super) struct Taken<'a> {
-    pub(super) channel: &'a str,
-    pub(super) field: String,
-    pub(super) motion: bool,
+pub(in crate::job::modulus) struct Taken<'a> {
+    pub(in crate::job::modulus) channel: &'a str,
+    pub(in crate::job::modulus) field: String,
+    pub(in crate::job::modulus) motion: bool,
 }
 
 /// Data of the specimen that a method uses; errors of these data become errors of the modulus.
-pub(super) struct UsedOfSpecimen {
-    pub(super) length: bool,
-    pub(super) end_mass: bool,
+pub(in crate::job::modulus) struct UsedOfSpecimen {
+    pub(in crate::job::modulus) length: bool,
+    pub(in crate::job::modulus) end_mass: bool,
 }
 
 /// Data of the hits that a method uses.
-pub(super) enum FromHits<'a> {
+pub(in crate::job::modulus) enum FromHits<'a> {
     /// The ratio of the first channel to the second.
     Ratio(&'a str, &'a str),
     /// The ratio of the later of two pulses to the earlier pulse.
@@ -73,22 +73,22 @@ pub(super) enum FromHits<'a> {
 }
 
 /// Pulse in a channel, with its field in the sheet.
-pub(super) struct Pulse<'a> {
-    pub(super) channel: &'a str,
-    pub(super) from: &'a Exact<Time>,
-    pub(super) to: &'a Exact<Time>,
-    pub(super) field: String,
+pub(in crate::job::modulus) struct Pulse<'a> {
+    pub(in crate::job::modulus) channel: &'a str,
+    pub(in crate::job::modulus) from: &'a Exact<Time>,
+    pub(in crate::job::modulus) to: &'a Exact<Time>,
+    pub(in crate::job::modulus) field: String,
 }
 
 /// Data of a free vibration.
-pub(super) struct Vibration<'a> {
-    pub(super) channel: &'a str,
-    pub(super) from: &'a Exact<Time>,
-    pub(super) wave_speed: &'a Exact<Velocity>,
+pub(in crate::job::modulus) struct Vibration<'a> {
+    pub(in crate::job::modulus) channel: &'a str,
+    pub(in crate::job::modulus) from: &'a Exact<Time>,
+    pub(in crate::job::modulus) wave_speed: &'a Exact<Velocity>,
 }
 
 /// Distance over which a method counts wavelengths.
-pub(super) enum Counted<'a> {
+pub(in crate::job::modulus) enum Counted<'a> {
     /// The length of the specimen.
     Length,
     /// A distance between sections \[m\].
@@ -99,18 +99,18 @@ pub(super) enum Counted<'a> {
 
 impl MethodSheet {
     /// Returns the data of the specimen that the method uses.
-    pub(super) fn use_of_specimen(&self) -> UsedOfSpecimen {
+    pub(in crate::job::modulus) fn use_of_specimen(&self) -> UsedOfSpecimen {
         let (length, end_mass) = match self.arrangement() {
             Arrangement::Ends { .. } | Arrangement::FreeRod(_) => (true, true),
             Arrangement::Sections { .. } | Arrangement::OneGauge { .. } => (false, true),
             Arrangement::Pulses { .. } => (false, false),
-            Arrangement::Gauges { free_end, .. } => (false, free_end.is_some()),
+            Arrangement::Gauges { free_end_at, .. } => (false, free_end_at.is_some()),
         };
         UsedOfSpecimen { length, end_mass }
     }
 
     /// Returns the sections of a rod with a free end, with their fields in the sheet.
-    pub(super) fn sections(&self) -> Vec<(&SectionSheet, String)> {
+    pub(in crate::job::modulus) fn sections(&self) -> Vec<(&SectionSheet, String)> {
         match self.arrangement() {
             Arrangement::Sections { first, second } => {
                 vec![(first, self.field("first")), (second, self.field("second"))]
@@ -122,7 +122,7 @@ impl MethodSheet {
 
     /// Returns the channels. The first one marks the beginning of a hit, unless the sheet states
     /// another channel.
-    pub(super) fn channels(&self) -> Vec<Taken<'_>> {
+    pub(in crate::job::modulus) fn channels(&self) -> Vec<Taken<'_>> {
         let taken = |channel, field: &str, motion| Taken {
             channel,
             field: self.field(field),
@@ -160,7 +160,7 @@ impl MethodSheet {
     }
 
     /// Returns the data of the hits that the method uses.
-    pub(super) fn taken_from_hits(&self) -> FromHits<'_> {
+    pub(in crate::job::modulus) fn taken_from_hits(&self) -> FromHits<'_> {
         let pulse = |channel, (from, to), field: &str| Pulse {
             channel,
             from,
@@ -195,7 +195,7 @@ impl MethodSheet {
     }
 
     /// Returns the gauges, if the method has gauges.
-    pub(super) fn gauges(&self) -> Option<&[GaugeSheet]> {
+    pub(in crate::job::modulus) fn gauges(&self) -> Option<&[GaugeSheet]> {
         match self.arrangement() {
             Arrangement::Gauges { gauges, .. } => Some(gauges),
             _ => None,
@@ -204,15 +204,15 @@ impl MethodSheet {
 
     /// Returns the position of the free end of a rod with gauges if it is a condition of the
     /// method.
-    pub(super) fn used_free_end(&self) -> Option<&Stated<Coordinate>> {
+    pub(in crate::job::modulus) fn used_free_end(&self) -> Option<&Stated<Coordinate>> {
         match self.arrangement() {
-            Arrangement::Gauges { free_end, .. } => free_end,
+            Arrangement::Gauges { free_end_at, .. } => free_end_at,
             _ => None,
         }
     }
 
     /// Returns the distance over which the method counts wavelengths.
-    pub(super) fn counted(&self) -> Counted<'_> {
+    pub(in crate::job::modulus) fn counted(&self) -> Counted<'_> {
         let from_end = |section: &SectionSheet| section.from_free_end.with_uncertainty().value;
         match self.arrangement() {
             Arrangement::Ends { .. } | Arrangement::FreeRod(_) => Counted::Length,
@@ -228,12 +228,12 @@ impl MethodSheet {
     }
 
     /// Returns true if all channels must have the same quantity.
-    pub(super) fn one_quantity(&self) -> bool {
+    pub(in crate::job::modulus) fn one_quantity(&self) -> bool {
         !matches!(self.arrangement(), Arrangement::Sections { .. })
     }
 
     /// Returns numerator and denominator of the ratio in a file, in words.
-    pub(super) fn ratio_in_words(&self) -> Result<&'static str, RodlabError> {
+    pub(in crate::job::modulus) fn ratio_in_words(&self) -> Result<&'static str, RodlabError> {
         match self.arrangement() {
             Arrangement::Ends { .. } => Ok("impacted end over free end"),
             Arrangement::Sections { .. } => Ok("first section over second"),
