@@ -17,7 +17,9 @@ mod reason;
 mod rest;
 mod segment;
 mod settled;
+mod trend;
 mod trigger;
+mod windowed;
 
 pub use copies::{Copy, NearCopy, find_copy, find_near_copies};
 pub use criteria::Criteria;
@@ -28,4 +30,6 @@ pub use reason::Reason;
 pub use rest::{padded, samples_at_rest};
 pub use segment::{find_hits, find_hits_in_blocks};
 pub use settled::samples_of_motion;
+pub use trend::{Trend, find_trends};
 pub use trigger::{Extent, Slope, Trigger};
+pub use windowed::{FallingNoise, find_falling_noise};

@@ -19,6 +19,8 @@ mod odd;
 mod reading;
 mod silence;
 mod tail;
+mod trend;
+mod windowed;
 
 pub use criteria::{CriteriaSheet, HitKind, Limit};
 pub use cut::Cut;
@@ -27,6 +29,7 @@ pub use independent::{expect_independent, expect_noise};
 pub use odd::level_at_rest;
 pub use reading::{Reading, Stretch};
 pub(crate) use silence::{expect_silence, silent_samples, trigger_of};
+pub(crate) use windowed::windows_of_analyser;
 
 use labio::hits::{Criteria, HitLog, find_hits};
 use labio::{Channel, Record};

@@ -129,7 +129,7 @@ pub fn find_odd_hits(
 
 /// Returns the transform of a channel relative to its level at rest, completed by the motion after
 /// the record and without the line at 0 Hz.
-fn lines_of(
+pub(super) fn lines_of(
     hit: &Record,
     name: &str,
     n_samples: usize,
@@ -258,7 +258,7 @@ fn deviations(probability: f64, n: usize) -> f64 {
 /// Returns the probability that a Student variable is beyond `t` on either side, as a finite sum
 /// for a whole number of degrees of freedom (M. Abramowitz and I. A. Stegun, *Handbook of
 /// Mathematical Functions*, 26.7.3 and 26.7.4). Absolute error 1e-15.
-fn beyond_student(t: f64, degrees: usize) -> f64 {
+pub(super) fn beyond_student(t: f64, degrees: usize) -> f64 {
     let angle = (t / (degrees as f64).sqrt()).atan();
     let (sine, cosine) = angle.sin_cos();
     let odd = degrees % 2 == 1;

@@ -3,7 +3,7 @@
 use labio::hits::{Copy, find_copy, find_near_copies};
 use labio::{AveragedSpectra, Record};
 
-use super::FoundHits;
+use super::{FoundHits, windows_of_analyser};
 use crate::RodlabError;
 use crate::digits::significant;
 
@@ -12,7 +12,8 @@ const LEVEL: f64 = 0.01;
 
 /// Refuses accepted hits of `sets` that are the same measurement, and `channels` that have the same
 /// samples. Returns one reason for doubt for each pair of hits that differ by less than their noise
-/// ([`find_near_copies`]).
+/// ([`find_near_copies`]). If the analyser has applied a window, the noise before a hit is not that
+/// of the hit, and only the windows are reasons for doubt.
 ///
 /// # Errors
 ///
@@ -46,6 +47,13 @@ pub fn expect_independent(
             });
         }
         None => {}
+    }
+    let mut windows: Vec<String> = Vec::new();
+    for found in sets {
+        windows.extend(windows_of_analyser(&found.accepted(), channels)?);
+    }
+    if !windows.is_empty() {
+        return Ok(windows);
     }
     let near = find_near_copies(&hits, channels, LEVEL).map_err(comparing)?;
     Ok(near

@@ -25,7 +25,8 @@ impl FoundHits {
     /// Compares each accepted hit with the response of `outputs` to `input` in all other hits.
     /// Depending on the sheet, a hit that departs is left out, or a reason for doubt is returned
     /// for it. A reason for doubt is also returned for each output that appears exchanged with the
-    /// input.
+    /// input, or whose response changes with the strength of the blow or between the halves of the
+    /// hits.
     ///
     /// # Errors
     ///
@@ -33,13 +34,15 @@ impl FoundHits {
     pub fn compare(&mut self, input: &str, outputs: &[&str]) -> Result<Vec<String>, RodlabError> {
         let mut doubts = self.exchanged(input, outputs)?;
         doubts.extend(self.odd(input, outputs)?);
+        doubts.extend(self.trends(input, outputs)?);
         Ok(doubts)
     }
 
-    /// Compares each accepted hit like [`Self::compare`], but without the test for an exchanged
-    /// input. It is used if `input` and `outputs` are all responses, of which none causes another.
-    /// With a single output only the ratio of two channels is compared, which does not tell in
-    /// which of the two the fault is: a reason for doubt then names both.
+    /// Compares each accepted hit like [`Self::compare`], but without the tests for an exchanged
+    /// input and for changes over the hits. It is used if `input` and `outputs` are all responses,
+    /// of which none causes another. With a single output only the ratio of two channels is
+    /// compared, which does not tell in which of the two the fault is: a reason for doubt then names
+    /// both.
     ///
     /// # Errors
     ///

@@ -363,3 +363,98 @@ fn the_measured_hits_have_the_coherence_that_is_known_of_them() {
     // 0.998 to 0.9996 in the parts of this band, from all five hits
     assert!((0.997..1.0).contains(&mean), "{mean}");
 }
+
+/// Writes eight hits of 150 to 220 N, changed by `change` of hit and samples before they are
+/// recorded and by `after` of index and sample of the response afterwards.
+fn write_changed(
+    folder: &Path,
+    change: impl Fn(u64, &mut Array2<f64>),
+    after: impl Fn(usize, f64) -> f64,
+) {
+    let with = |record: &Record, samples: Array2<f64>| {
+        let channels = record.channels().to_vec();
+        Record::new(
+            samples,
+            RATE,
+            0.0,
+            channels,
+            Provenance::computed("changed"),
+        )
+        .unwrap()
+    };
+    for hit in 0..8 {
+        let peak = 150.0 + 10.0 * hit as f64;
+        let right = history(N, |t| blow(t - ONSET, peak, 1e-3));
+        let mut samples = right.samples().to_owned();
+        change(hit, &mut samples);
+        let taken = recorded(&with(&right, samples), NOISE / 100.0, hit);
+        let mut volts = taken.samples().to_owned();
+        for (n, x) in volts.row_mut(1).iter_mut().enumerate() {
+            *x = after(n, *x);
+        }
+        write(&folder.join(format!("hit_{hit}.npy")), &with(&taken, volts));
+    }
+}
+
+fn doubts_of(folder: &Path) -> Vec<String> {
+    let outcome = run(folder, &sheet_of("hit_*.npy", BAND)).unwrap();
+    match outcome.verdict {
+        Verdict::InDoubt { reasons } => reasons,
+        Verdict::Answered => Vec::new(),
+        Verdict::NotAllowed { .. } => panic!("{:?}", outcome.summary),
+    }
+}
+
+#[test]
+fn a_window_of_the_analyser_is_found_by_the_noise() {
+    let folder = tempfile::tempdir().unwrap();
+    write_changed(folder.path(), |_, _| {}, |_, x| x);
+    assert_eq!(doubts_of(folder.path()), [""; 0]);
+    let window = |n: usize| (-(n as f64) / RATE / 0.2).exp();
+    write_changed(folder.path(), |_, _| {}, |n, x| x * window(n));
+    let doubts = doubts_of(folder.path());
+    assert!(
+        doubts.iter().any(|said| {
+            said.starts_with("the noise of `struck end` falls from ")
+                && said.contains("the analyser has applied a window")
+        }),
+        "{doubts:?}"
+    );
+    // the noise of the blow is then not that before it, and no pair of hits is a copy
+    assert!(!doubts.iter().any(|said| said.contains("stored twice")));
+}
+
+#[test]
+fn a_force_that_saturates_and_another_body_are_found_over_the_hits() {
+    let folder = tempfile::tempdir().unwrap();
+    // 2 % less force at 150 N, and 5 % at 220 N
+    let saturates = |_: u64, samples: &mut Array2<f64>| {
+        samples
+            .row_mut(0)
+            .mapv_inplace(|f| f * (1.0 - 1e-6 * f * f));
+    };
+    write_changed(folder.path(), saturates, |_, x| x);
+    let doubts = doubts_of(folder.path());
+    assert!(
+        doubts.iter().any(|said| {
+            said.starts_with("the gain of `struck end` rises by ")
+                && said.contains("`hammer` saturates")
+        }),
+        "{doubts:?}"
+    );
+    let lighter = |hit: u64, samples: &mut Array2<f64>| {
+        if hit >= 4 {
+            samples.row_mut(1).mapv_inplace(|x| 1.05 * x);
+        }
+    };
+    write_changed(folder.path(), lighter, |_, x| x);
+    let doubts = doubts_of(folder.path());
+    assert!(
+        doubts.iter().any(|said| {
+            said.starts_with(
+                "the response of `struck end` up to hit 4 differs from that of hit 5 on",
+            )
+        }),
+        "{doubts:?}"
+    );
+}

@@ -9,7 +9,7 @@ use super::response_sheet::{NoiseSheet, PathSheet, ResponseSheet};
 use super::response_solve::HitsInBand;
 use super::{response_answer, response_figures, response_solve, response_tables};
 use crate::digits::short;
-use crate::hits::FoundHits;
+use crate::hits::{FoundHits, windows_of_analyser};
 use crate::job::JobContext;
 use crate::outcome::Setting;
 use crate::records::expect_quantity;
@@ -96,6 +96,13 @@ pub(super) fn run(
         );
         return Ok(());
     };
+    let channels: Vec<&str> = std::iter::once(&sheet.response)
+        .chain(sheet.further.iter().map(|further| &further.response))
+        .map(String::as_str)
+        .collect();
+    for doubt in windows_of_analyser(&[&record], &channels)? {
+        outcome.doubt(doubt);
+    }
     check_lines(
         sheet,
         &record,

@@ -1,0 +1,279 @@
+//! Changes of the response from hit to hit: with the strength of the blow, or from the first half
+//! of the hits to the second.
+
+use num_complex::Complex64;
+
+use super::odd::{beyond_student, lines_of};
+use crate::spectra::ending::Completion;
+use crate::{LabioError, Record};
+
+/// Fewest hits for a change with the strength of the blow.
+const FEWEST_HITS: usize = 5;
+/// Fewest hits for a change between halves.
+const FEWEST_OF_HALVES: usize = 4;
+/// Least ratio of the largest to the smallest blow.
+const LEAST_RANGE: f64 = 1.2;
+/// Probability of a change with the strength of the blow by chance.
+const LEVEL: f64 = 1e-4;
+/// Probability of a change between halves by chance.
+const LEVEL_OF_HALVES: f64 = 1e-3;
+/// Least change relative to the response.
+const LEAST_CHANGE: f64 = 0.005;
+/// Least ratio, divided by the number of hits, of the variance between halves to that within them:
+/// three times the greatest ratio by a uniform drift.
+const STEP_OVER_DRIFT: f64 = 9.0;
+
+/// A change of the response to `input` over the hits.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Trend {
+    /// The gain of an output changes with the peak of the input.
+    Gain {
+        /// Name of the output.
+        channel: String,
+        /// Change of the gain from the smallest to the largest blow, relative to its mean.
+        change: f64,
+    },
+    /// The response differs between the first and the second half of the hits.
+    Halves {
+        /// Name of the output.
+        channel: String,
+        /// Number of hits in the first half.
+        n_first: usize,
+        /// Difference of the responses relative to their mean, over all lines.
+        difference: f64,
+    },
+}
+
+/// Returns the changes of the response of `outputs` to `input` over `hits`, in their order.
+///
+/// With the response $`H`$ of all hits and $`P = HX_j`$, hit $`j`$ has the gain
+/// $`\mathrm{Re}\sum\overline{P}Y_j/\sum\lvert P\rvert^2`$. Its slope over the peaks of the input
+/// is tested by Student's distribution at a level of 1e-4, for at least five hits whose peaks
+/// differ by 20 % or more. A saturated input makes the gain rise.
+///
+/// The responses $`H_1`$, $`H_2`$ of both halves of the hits, in their order, are compared by the
+/// ratio of $`\sum\lvert H_1-H_2\rvert^2 w_1w_2/(w_1+w_2)`$, with the energies $`w`$ of the input
+/// on a line, to the mean square of the hits about the response of their half. It is tested as one
+/// variance over `n - 2`, because a cause common to all lines is a single variable, at a level of
+/// 0.1 %. It must also exceed nine times the number of hits: a uniform drift gives up to three
+/// times this number.
+///
+/// Changes below half a per cent are ignored.
+///
+/// # Errors
+///
+/// [`LabioError::UnknownChannel`]; [`LabioError::CountMismatch`] for hits that differ in length
+/// from the first.
+pub fn find_trends(
+    hits: &[&Record],
+    input: &str,
+    outputs: &[&str],
+    n_rest: Option<usize>,
+) -> Result<Vec<Trend>, LabioError> {
+    let Some(first) = hits.first().filter(|_| hits.len() >= FEWEST_OF_HALVES) else {
+        return Ok(Vec::new());
+    };
+    let n_samples = first.n_samples();
+    let completion = Completion::new(n_samples, 1.0);
+    let lines = |name: &str| -> Result<Vec<Vec<Complex64>>, LabioError> {
+        hits.iter()
+            .map(|hit| lines_of(hit, name, n_samples, n_rest, &completion))
+            .collect()
+    };
+    let peaks: Vec<f64> = hits
+        .iter()
+        .map(|hit| peak_of(hit, input, n_rest))
+        .collect::<Result<_, LabioError>>()?;
+    let inputs = lines(input)?;
+    let mut found = Vec::new();
+    for output in outputs {
+        let halves = Halves::of(&inputs, &lines(output)?);
+        if let Some(change) = change_of_gain(&halves.gains, &peaks) {
+            found.push(Trend::Gain {
+                channel: (*output).to_owned(),
+                change,
+            });
+        }
+        if let Some(difference) = halves.difference() {
+            found.push(Trend::Halves {
+                channel: (*output).to_owned(),
+                n_first: hits.len() / 2,
+                difference,
+            });
+        }
+    }
+    Ok(found)
+}
+
+/// Returns the largest deviation of the input from its level at rest.
+fn peak_of(hit: &Record, input: &str, n_rest: Option<usize>) -> Result<f64, LabioError> {
+    let samples = hit.channel(input)?;
+    let n_rest = n_rest.unwrap_or(0).min(samples.len());
+    let level = samples.iter().take(n_rest).sum::<f64>() / n_rest.max(1) as f64;
+    Ok(samples
+        .iter()
+        .fold(0.0, |top: f64, x| top.max((x - level).abs())))
+}
+
+/// Returns the relative change of the gain from the smallest to the largest peak, if it is large
+/// and significant.
+fn change_of_gain(gains: &[f64], peaks: &[f64]) -> Option<f64> {
+    let largest = peaks.iter().copied().fold(0.0, f64::max);
+    let smallest = peaks.iter().copied().fold(f64::INFINITY, f64::min);
+    if gains.len() < FEWEST_HITS || largest < LEAST_RANGE * smallest {
+        return None;
+    }
+    let n = gains.len() as f64;
+    let mean = |values: &[f64]| values.iter().sum::<f64>() / n;
+    let (gain, peak) = (mean(gains), mean(peaks));
+    let pairs = || gains.iter().zip(peaks).map(|(g, p)| (g - gain, p - peak));
+    let square: f64 = pairs().map(|(_, p)| p * p).sum();
+    let slope = pairs().map(|(g, p)| g * p).sum::<f64>() / square;
+    let left: f64 = pairs().map(|(g, p)| (g - slope * p).powi(2)).sum();
+    let error = (left / (n - 2.0) / square).sqrt();
+    let change = slope * (largest - smallest) / gain;
+    let is_significant = beyond_student((slope / error).abs(), gains.len() - 2) < LEVEL;
+    (change.abs() >= LEAST_CHANGE && is_significant).then_some(change)
+}
+
+/// Comparison of both halves of the hits.
+struct Halves {
+    /// Gain of each hit.
+    gains: Vec<f64>,
+    /// Energy of the difference of the responses, weighted by the inputs.
+    between: f64,
+    /// Energy of the departures of the hits from the response of their half.
+    within: f64,
+    /// Square of the relative difference of the responses.
+    relative: f64,
+}
+
+impl Halves {
+    fn of(inputs: &[Vec<Complex64>], outputs: &[Vec<Complex64>]) -> Self {
+        let n_hits = inputs.len();
+        let mut gains = vec![(0.0, 0.0); n_hits];
+        let (mut between, mut within) = (0.0, 0.0);
+        let (mut difference, mut whole) = (0.0, 0.0);
+        let n_lines = inputs.first().map_or(0, Vec::len);
+        for line in 0..n_lines {
+            let pairs = || {
+                let pairs = inputs.iter().zip(outputs);
+                pairs.filter_map(move |(x, y)| Some((*x.get(line)?, *y.get(line)?)))
+            };
+            // energies of the input, cross-spectra and energies of the output of both halves
+            let mut sums = [(0.0, Complex64::ZERO, 0.0); 2];
+            let [first, second] = &mut sums;
+            for (hit, (x, y)) in pairs().enumerate() {
+                let half = if hit < n_hits / 2 {
+                    &mut *first
+                } else {
+                    &mut *second
+                };
+                half.0 += x.norm_sqr();
+                half.1 += x.conj() * y;
+                half.2 += y.norm_sqr();
+            }
+            let [first, second] = sums;
+            let energy = first.0 + second.0;
+            if !(first.0 > 0.0 && second.0 > 0.0) {
+                continue;
+            }
+            let response = (first.1 + second.1) / energy;
+            for (gain, (x, y)) in gains.iter_mut().zip(pairs()) {
+                let predicted = response * x;
+                gain.0 += (predicted.conj() * y).re;
+                gain.1 += predicted.norm_sqr();
+            }
+            let apart = (first.1 / first.0 - second.1 / second.0).norm_sqr();
+            between += apart * first.0 * second.0 / energy;
+            for half in [first, second] {
+                within += (half.2 - half.1.norm_sqr() / half.0).max(0.0);
+            }
+            difference += apart * energy;
+            whole += response.norm_sqr() * energy;
+        }
+        Self {
+            gains: gains.into_iter().map(|(with, of)| with / of).collect(),
+            between,
+            within,
+            relative: difference / whole,
+        }
+    }
+
+    /// Returns the relative difference of the halves, if it is large and significant.
+    fn difference(&self) -> Option<f64> {
+        let n = self.gains.len();
+        let ratio = self.between * (n - 2) as f64 / self.within;
+        let difference = self.relative.sqrt();
+        let is_significant = ratio > STEP_OVER_DRIFT * n as f64
+            && beyond_student(ratio.sqrt(), n - 2) < LEVEL_OF_HALVES;
+        (difference >= LEAST_CHANGE && is_significant).then_some(difference)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Quantity;
+    use ndarray::Array2;
+    use rand::SeedableRng;
+    use rand_chacha::ChaCha8Rng;
+    use rand_distr::{Distribution, StandardNormal};
+
+    const N: usize = 2048;
+
+    /// Eight hits of a mode, with blows in no order and noise of 1e-4. `input` is the recorded
+    /// force of a force; `pole` is the angle of the mode per sample in this hit.
+    fn found(seed: u64, input: impl Fn(f64) -> f64, pole: impl Fn(usize) -> f64) -> Vec<Trend> {
+        let mut rng = ChaCha8Rng::seed_from_u64(seed);
+        let blows = [1.0, 1.3, 0.9, 1.2, 1.35, 0.95, 1.1, 1.25];
+        let hits: Vec<Record> = blows
+            .into_iter()
+            .enumerate()
+            .map(|(hit, peak)| {
+                let force = |n: usize| {
+                    let t = (n as f64 - 200.0) / 12.0;
+                    let inside = (0.0..1.0).contains(&t);
+                    peak * if inside {
+                        (std::f64::consts::PI * t).sin()
+                    } else {
+                        0.0
+                    }
+                };
+                let z = Complex64::from_polar(0.98, pole(hit));
+                let mut state = Complex64::ZERO;
+                let mut samples = Array2::zeros((2, N));
+                for n in 0..N {
+                    state = z * state + force(n);
+                    let mut noise = || -> f64 { StandardNormal.sample(&mut rng) };
+                    samples[[0, n]] = input(force(n)) + 1e-4 * noise();
+                    samples[[1, n]] = state.im + 1e-4 * noise();
+                }
+                let channels = [("force", Quantity::Force), ("end", Quantity::Acceleration)];
+                Record::of_test(samples, 10_000.0, &channels)
+            })
+            .collect();
+        let hits: Vec<&Record> = hits.iter().collect();
+        find_trends(&hits, "force", &["end"], Some(150)).unwrap()
+    }
+
+    #[test]
+    fn a_saturated_force_and_another_body_are_found_and_right_hits_are_not() {
+        for seed in 0..20 {
+            assert_eq!(found(seed, |f| f, |_| 0.3), []);
+            // a uniform drift is no second body
+            assert_eq!(found(seed, |f| f, |hit| 0.3 + 1e-3 * hit as f64), []);
+        }
+        // the gain is 1 / (1 - 0.02 f²) or less: up to 1.2 % from 0.9 to 1.35 N
+        let saturated = found(1, |f| f * (1.0 - 0.02 * f * f), |_| 0.3);
+        assert!(
+            matches!(saturated[..], [Trend::Gain { change, .. }] if (0.005..0.025).contains(&change)),
+            "{saturated:?}"
+        );
+        let bodies = found(1, |f| f, |hit| if hit < 4 { 0.3 } else { 0.33 });
+        assert!(
+            matches!(bodies[..], [Trend::Halves { n_first: 4, .. }]),
+            "{bodies:?}"
+        );
+    }
+}

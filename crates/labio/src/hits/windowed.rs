@@ -1,0 +1,257 @@
+//! Noise that falls within the records: a window that the analyser has applied.
+
+use ndarray::ArrayView1;
+use statrs::distribution::{ContinuousCDF, FisherSnedecor};
+
+use super::rest::samples_at_rest;
+use crate::quantization::smallest_step;
+use crate::{LabioError, Record};
+
+/// Fewest samples of either part of a hit.
+const FEWEST_SAMPLES: usize = 32;
+/// Largest fraction of a hit that is its end.
+const END: usize = 8;
+/// Sum of the squares of the coefficients of a fourth difference: the variance of white noise is
+/// multiplied by it.
+const GAIN: f64 = 70.0;
+/// Number of lags over which the differences are correlated.
+const LAGS: usize = 16;
+/// Number of equal last samples that were not recorded: a hit continued at its level, or a force
+/// set to 0 after the blow.
+const STILL: usize = 4;
+/// Least noise in steps of the converter, whose rounding is then independent of the level.
+const LEAST_STEPS: f64 = 0.5;
+/// Least noise relative to the largest sample, above the rounding of single precision.
+const FINEST: f64 = 2e-7;
+/// Largest ratio of the variances at which the noise counts as falling.
+const LARGEST_RATIO: f64 = 0.8;
+/// Probability of a smaller ratio by chance.
+const LEVEL: f64 = 1e-4;
+
+/// Noise of a channel that is smaller at the end of the records than before the blows.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FallingNoise {
+    /// Name of the channel.
+    pub channel: String,
+    /// Standard deviation before the blows, of white noise with the same fourth differences.
+    pub before: f64,
+    /// Standard deviation at the end of the records, likewise.
+    pub after: f64,
+    /// Decay rate of an exponential window under which the noise falls alike \[1/s\].
+    pub decay_rate: f64,
+}
+
+/// Returns the `channels` whose noise at the end of the `hits` is smaller than before the blows: a
+/// window was applied to the records.
+///
+/// Fourth differences of the samples contain the noise at high frequencies, and hardly any
+/// of a motion. Their mean squares in the second half of the rest before the blow and in an equally
+/// long part at the end, over all hits, are compared by an F test. The degrees of freedom of $`n`$
+/// differences with the correlations $`r_k`$ are $`n/(1 + 2\sum r_k^2)`$. The noise falls if the
+/// ratio is below 0.8 and a smaller one is less probable than 1e-4. Among three hits or more, the
+/// one with the greatest noise before the blow is left out, because a single disturbance may cause
+/// it.
+///
+/// # Validity
+///
+/// The noise must be stationary without the window. A motion at the end makes the end louder and
+/// can only hide a window. Hits whose noise is below half a step of the converter at either end,
+/// hits with fewer than 64 samples at rest before the blow, and hits with constant last samples are
+/// left out.
+///
+/// # Errors
+///
+/// [`LabioError::UnknownChannel`].
+pub fn find_falling_noise(
+    hits: &[&Record],
+    channels: &[&str],
+) -> Result<Vec<FallingNoise>, LabioError> {
+    let mut parts = Vec::with_capacity(hits.len());
+    for hit in hits {
+        let n_rest = samples_at_rest(&[hit], channels)?.unwrap_or(0);
+        let n_samples = (n_rest / 2).min(hit.n_samples() / END);
+        if n_samples >= FEWEST_SAMPLES {
+            parts.push((*hit, n_rest, n_samples));
+        }
+    }
+    let mut found = Vec::new();
+    let mut work = Work::default();
+    for channel in channels {
+        let mut pairs = Vec::with_capacity(parts.len());
+        let mut spans = 0.0;
+        for (hit, n_rest, n_samples) in &parts {
+            let samples = hit.channel(channel)?;
+            let last = samples.len() - n_samples;
+            let before = work.noise(samples, n_rest - n_samples, *n_samples);
+            let after = work.noise(samples, last, *n_samples);
+            if let (Some(before), Some(after)) = (before, after) {
+                pairs.push((before, after));
+                spans += (samples.len() - n_rest) as f64 / hit.sampling_rate_hz();
+            }
+        }
+        let span = spans / pairs.len() as f64;
+        if let Some((before, after)) = falls(pairs) {
+            found.push(FallingNoise {
+                channel: (*channel).to_owned(),
+                before: before.sqrt(),
+                after: after.sqrt(),
+                decay_rate: 0.5 * (before / after).ln() / span,
+            });
+        }
+    }
+    Ok(found)
+}
+
+/// Returns the variances before the blows and at the ends, if the second is significantly smaller.
+fn falls(mut pairs: Vec<(Noise, Noise)>) -> Option<(f64, f64)> {
+    if pairs.len() > 2 {
+        let variances = pairs.iter().map(|(before, _)| before.variance());
+        let loudest = variances.enumerate().max_by(|a, b| a.1.total_cmp(&b.1));
+        pairs.swap_remove(loudest?.0);
+    }
+    let (mut before, mut after) = pairs.pop()?;
+    for (one, other) in &pairs {
+        before.add(one);
+        after.add(other);
+    }
+    let ratio = after.variance() / before.variance();
+    let law = FisherSnedecor::new(after.degrees_of_freedom(), before.degrees_of_freedom()).ok()?;
+    let is_falling = ratio < LARGEST_RATIO && law.cdf(ratio) < LEVEL;
+    is_falling.then(|| (before.variance(), after.variance()))
+}
+
+/// Sums of the products of differences.
+struct Noise {
+    n_differences: f64,
+    /// Sums of the products at the lags from 0 on.
+    products: [f64; LAGS + 1],
+}
+
+impl Noise {
+    fn add(&mut self, other: &Self) {
+        self.n_differences += other.n_differences;
+        for (sum, product) in self.products.iter_mut().zip(other.products) {
+            *sum += product;
+        }
+    }
+
+    fn variance(&self) -> f64 {
+        let [squares, ..] = self.products;
+        squares / (GAIN * self.n_differences)
+    }
+
+    fn degrees_of_freedom(&self) -> f64 {
+        let [squares, lagged @ ..] = &self.products;
+        let correlated: f64 = lagged.iter().map(|sum| (sum / squares).powi(2)).sum();
+        self.n_differences / (1.0 + 2.0 * correlated)
+    }
+}
+
+/// Samples of a part of a channel and their differences.
+#[derive(Default)]
+struct Work {
+    part: Vec<f64>,
+    differences: Vec<f64>,
+}
+
+impl Work {
+    /// Returns the noise of `n_samples` samples from the sample `first` on; `None` if it is below
+    /// that of the converter or of the numbers, or if the last samples are equal.
+    fn noise(
+        &mut self,
+        samples: ArrayView1<'_, f64>,
+        first: usize,
+        n_samples: usize,
+    ) -> Option<Noise> {
+        self.part.clear();
+        self.part.extend(samples.iter().skip(first).take(n_samples));
+        let last = *self.part.last()?;
+        let mut ending = self.part.iter().rev().take(STILL);
+        if ending.all(|x| (x - last).abs() <= 0.0) {
+            return None;
+        }
+        self.differences.clear();
+        self.differences
+            .extend(self.part.windows(5).filter_map(|five| match five {
+                [a, b, c, d, e] => Some(a - 4.0 * b + 6.0 * c - 4.0 * d + e),
+                _ => None,
+            }));
+        let products = std::array::from_fn(|lag| {
+            let later = self.differences.iter().skip(lag);
+            self.differences.iter().zip(later).map(|(a, b)| a * b).sum()
+        });
+        let noise = Noise {
+            n_differences: self.differences.len() as f64,
+            products,
+        };
+        let largest = self.part.iter().fold(0.0, |top: f64, x| top.max(x.abs()));
+        let least = (LEAST_STEPS * smallest_step(&self.part)).max(FINEST * largest);
+        (noise.variance().sqrt() > least).then_some(noise)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Quantity;
+    use ndarray::Array2;
+    use rand::SeedableRng;
+    use rand_chacha::ChaCha8Rng;
+    use rand_distr::{Distribution, StandardNormal};
+
+    const N: usize = 4096;
+    const RATE_HZ: f64 = 20_000.0;
+
+    /// Five hits of a blow at sample 400 and a ringing of 1 kHz and 2 ms, with noise of a standard
+    /// deviation of 0.01; `change` acts on the sample with this index.
+    fn found(seed: u64, change: impl Fn(usize, f64) -> f64) -> Vec<FallingNoise> {
+        let mut rng = ChaCha8Rng::seed_from_u64(seed);
+        let hits: Vec<Record> = (0..5)
+            .map(|_| {
+                let samples = Array2::from_shape_fn((1, N), |(_, n)| {
+                    let unit: f64 = StandardNormal.sample(&mut rng);
+                    let t = n as f64 - 400.0;
+                    let rings = if t > 0.0 {
+                        (std::f64::consts::TAU * t / 20.0).sin() * (-t / 40.0).exp()
+                    } else {
+                        0.0
+                    };
+                    change(n, rings + 0.01 * unit)
+                });
+                Record::of_test(samples, RATE_HZ, &[("end", Quantity::Acceleration)])
+            })
+            .collect();
+        let hits: Vec<&Record> = hits.iter().collect();
+        find_falling_noise(&hits, &["end"]).unwrap()
+    }
+
+    #[test]
+    fn noise_falls_under_a_window_only() {
+        let t = |n: usize| n as f64 / RATE_HZ;
+        for seed in 0..50 {
+            assert_eq!(found(seed, |_, x| x), []);
+            // steps of a converter of 1.5 standard deviations, and of 10
+            for step in [0.015, 0.1] {
+                assert_eq!(found(seed, |_, x| (x / step).round() * step), []);
+            }
+            // a motion that goes on at high frequency
+            let sign = |n: usize| if n.is_multiple_of(2) { 0.02 } else { -0.02 };
+            assert_eq!(
+                found(seed, |n, x| if n < 400 { x } else { x + sign(n) }),
+                []
+            );
+            // a hit that is continued at its level
+            assert_eq!(found(seed, |n, x| if n < 4000 { x } else { 0.0 }), []);
+        }
+        let [window] = &found(1, |n, x| x * (-t(n) / 0.1).exp())[..] else {
+            panic!("an exponential window is not found");
+        };
+        // 4 x 146 differences have 215 degrees of freedom: an error of 5 % of a deviation, 7 % of
+        // the ratio and 0.4 1/s of the decay
+        assert!((window.after / window.before - (-1.9_f64).exp()).abs() < 0.25 * 0.15);
+        assert!((window.decay_rate - 10.0).abs() < 1.2, "{window:?}");
+        assert!((window.before - 0.0089).abs() < 0.0015, "{window:?}");
+        let hann = |n: usize| (std::f64::consts::PI * n as f64 / N as f64).sin().powi(2);
+        assert_eq!(found(2, |n, x| x * hann(n)).len(), 1);
+    }
+}

@@ -1,0 +1,51 @@
+//! Test for a response that changes over the hits: a saturated channel, or another body.
+
+use labio::hits::{Trend, find_trends, samples_at_rest};
+
+use super::FoundHits;
+use crate::RodlabError;
+use crate::digits::significant;
+
+impl FoundHits {
+    /// Returns a reason for doubt for each of `outputs` whose gain changes with the peak of
+    /// `input`, or whose response differs between the halves of the hits ([`find_trends`]).
+    ///
+    /// # Errors
+    ///
+    /// [`RodlabError::Step`] for a missing channel.
+    pub(super) fn trends(&self, input: &str, outputs: &[&str]) -> Result<Vec<String>, RodlabError> {
+        let comparing = |error| RodlabError::step("comparing hits", error);
+        let (numbers, hits) = self.numbered();
+        let channels: Vec<&str> = std::iter::once(input)
+            .chain(outputs.iter().copied())
+            .collect();
+        let rest = samples_at_rest(&hits, &channels).map_err(comparing)?;
+        let found = find_trends(&hits, input, outputs, rest).map_err(comparing)?;
+        let number = |hit: usize| numbers.get(hit).copied().unwrap_or_default();
+        let in_words = |trend: &Trend| match trend {
+            Trend::Gain { channel, change } => {
+                let (changes, saturated) = if *change > 0.0 {
+                    ("rises", input)
+                } else {
+                    ("falls", channel.as_str())
+                };
+                format!(
+                    "the gain of `{channel}` {changes} by {} % from the smallest to the largest blow: `{saturated}` saturates, or the body is nonlinear",
+                    significant(100.0 * change.abs(), 2)
+                )
+            }
+            Trend::Halves {
+                channel,
+                n_first,
+                difference,
+            } => format!(
+                "the response of `{channel}` up to hit {} differs from that of hit {} on by {} %, far more than the hits of either group among themselves: \
+                 they were measured on two bodies, or with two set-ups",
+                number(n_first.saturating_sub(1)),
+                number(*n_first),
+                significant(100.0 * difference, 2)
+            ),
+        };
+        Ok(found.iter().map(in_words).collect())
+    }
+}

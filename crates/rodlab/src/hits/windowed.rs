@@ -1,0 +1,42 @@
+//! Test for a window that the analyser has applied to the records.
+
+use labio::Record;
+use labio::hits::find_falling_noise;
+
+use crate::RodlabError;
+use crate::digits::significant;
+
+/// Returns one reason for doubt for each of `channels` whose noise falls between the beginning and
+/// the end of `hits` ([`find_falling_noise`]). The windows of a sheet act on records without
+/// windows, and none of its fields states a window of the analyser.
+///
+/// # Errors
+///
+/// [`RodlabError::Step`] for a missing channel.
+pub(crate) fn windows_of_analyser(
+    hits: &[&Record],
+    channels: &[&str],
+) -> Result<Vec<String>, RodlabError> {
+    let falling = find_falling_noise(hits, channels)
+        .map_err(|error| RodlabError::step("comparing hits", error))?;
+    let unit_of = |name: &str| {
+        let known = hits.first().map(|hit| hit.channels()).unwrap_or_default();
+        let channel = known.iter().find(|channel| channel.name() == name);
+        channel.map_or("", |channel| channel.quantity().unit())
+    };
+    Ok(falling
+        .iter()
+        .map(|noise| {
+            format!(
+                "the noise of `{}` falls from {} {unit} to {} {unit} between the beginning and the end of the records, as under an exponential window of \
+                 time constant {} ms: the analyser has applied a window, which changes the result; record without window, because an \
+                 `exponential_window` of the sheet would be a second one",
+                noise.channel,
+                significant(noise.before, 2),
+                significant(noise.after, 2),
+                significant(1e3 / noise.decay_rate, 2),
+                unit = unit_of(&noise.channel),
+            )
+        })
+        .collect())
+}
