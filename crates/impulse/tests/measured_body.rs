@@ -443,3 +443,54 @@ fn r05_the_true_front_impedance_is_never_contradicted_and_a_wrong_one_is() {
         "{flags:?}"
     );
 }
+
+/// A free body of 2 kg on a support, with lines above `from_hz` and errors of 0.1 %: the objections
+/// to its mass.
+fn objections_to_the_mass(support_hz: f64, from_hz: f64, seed: u64) -> Vec<ScreeningFlag> {
+    let step = 25.0 / 16.0;
+    let exact = |line: u32| {
+        if line == 0 {
+            return Complex64::ZERO;
+        }
+        let s = Complex64::new(0.0, TAU * step * f64::from(line));
+        let mode = |hz: f64, damping: f64| {
+            let omega = TAU * hz;
+            s / (s * s + 2.0 * damping * omega * s + omega * omega)
+        };
+        0.5 * mode(support_hz, 0.02) + 0.3 * mode(1700.0, 0.02)
+    };
+    let exact: Vec<Complex64> = (0..2560).map(exact).collect();
+    let (mobility, variance) = noisy(&exact, 1e-3, seed);
+    let screening = MeasuredBody::from_mobility(&mobility, step, weighed(2.0))
+        .and_then(|body| body.with_variance(&variance))
+        .unwrap()
+        .with_first_measured((from_hz / step).ceil() as usize)
+        .screen();
+    let mut flags = screening.flags();
+    flags.retain(|flag| {
+        matches!(
+            flag,
+            ScreeningFlag::MassContradicted { .. } | ScreeningFlag::NotFree { .. }
+        )
+    });
+    if let [ScreeningFlag::MassContradicted { standard_error, .. }] = flags[..] {
+        // the message and the number state one error
+        assert_eq!(
+            Some(standard_error),
+            screening.mass.map(|mass| mass.standard_error)
+        );
+    }
+    flags
+}
+
+/// Only four lines are nearly rigid, and their scatter leaves the mass open.
+#[test]
+fn s12_a_support_that_resonates_below_the_lines_is_told() {
+    for seed in 0..5 {
+        for (support_hz, from_hz) in [(25.0, 60.0), (40.0, 80.0)] {
+            let flags = objections_to_the_mass(support_hz, from_hz, seed);
+            assert_eq!(flags.len(), 1, "{support_hz} Hz: {flags:?}");
+        }
+    }
+    assert_eq!(objections_to_the_mass(1.0, 60.0, 1), []);
+}

@@ -5,7 +5,7 @@ pub(crate) mod causal;
 mod fit;
 mod lines;
 
-pub(crate) use fit::{fit, of_value};
+pub(crate) use fit::{fit, of_value, unexplained};
 pub(crate) use lines::{Drawn, Lines};
 
 use cmod::rheology::{Criterion, ErrorScale, FitOptions, Law};

@@ -36,6 +36,7 @@ pub mod convert;
 mod cut_short;
 mod digits;
 mod draw;
+mod earlier;
 pub mod error;
 pub mod finished;
 pub mod hits;

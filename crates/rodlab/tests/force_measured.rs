@@ -6,7 +6,8 @@ use crate::two_masses;
 use std::fs;
 use std::path::Path;
 
-use rodlab::outcome::Verdict;
+use rodlab::outcome::{Outcome, Verdict};
+use rodlab::output::{SheetIdentity, write};
 use tempfile::TempDir;
 use two_masses::{BODY, HAMMER, Hammer, attempt, column, json, quantity, strike};
 
@@ -14,7 +15,7 @@ const VELOCITY: f64 = 2.0;
 const IMPEDANCE: f64 = 1000.0;
 
 /// Puts `body.uff` into the folder: the mobility by eight hits, lines up to 6 kHz.
-fn measure(folder: &Path) {
+fn measure(folder: &Path) -> Outcome {
     let hammer = Hammer {
         pulse: 0.2e-3,
         ..HAMMER
@@ -30,6 +31,7 @@ fn measure(folder: &Path) {
     .unwrap();
     let file = &outcome.attachments[0];
     fs::write(folder.join("body.uff"), &file.bytes).unwrap();
+    outcome
 }
 
 /// The two masses with [`VELOCITY`] against a long rod, as long as they press: force at steps of 1
@@ -376,4 +378,30 @@ fn a_member_with_two_measured_faces_presses_as_in_one_piece() {
         let refused = attempt(folder.path(), &sheet(&joined.replacen(from, to, 1))).unwrap_err();
         assert!(refused.to_string().contains(expected), "{refused}");
     }
+}
+
+#[test]
+fn r11_a_doubt_about_a_mobility_is_one_about_its_force() {
+    let folder = TempDir::new().unwrap();
+    let mut mobility = measure(folder.path());
+    let identity = SheetIdentity {
+        file: "body.ron".to_owned(),
+        sha256: "0".repeat(64),
+    };
+    let first = FIRST.replace("body.uff", "result/mobility.uff");
+    let mut verdict = || {
+        write(&mobility, &identity, &folder.path().join("result"), &[]).unwrap();
+        mobility.doubt("the hits are one measurement");
+        attempt(folder.path(), &sheet(&first, "")).unwrap().verdict
+    };
+    assert_eq!(verdict(), Verdict::Answered);
+    let Verdict::InDoubt { reasons } = verdict() else {
+        panic!("answered with a mobility in doubt")
+    };
+    assert_eq!(
+        reasons,
+        [
+            "problem.first: the response of result/mobility.uff is in doubt: the hits are one measurement"
+        ]
+    );
 }

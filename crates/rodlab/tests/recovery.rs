@@ -308,3 +308,46 @@ fn the_template_is_a_sheet_that_runs() {
     let outcome = run(folder.path(), include_str!("../templates/recovery.ron")).unwrap();
     assert_eq!(outcome.verdict, Verdict::Answered, "{:?}", outcome.summary);
 }
+
+/// Readings in the reverse order of their times describe no recovery: nothing that was fitted to
+/// them is valid.
+#[test]
+fn readings_in_the_wrong_order_leave_no_valid_number() {
+    let folder = TempDir::new().unwrap();
+    let mut tests = String::new();
+    for (name, stress, duration) in &LOADS[..3] {
+        let mut values = changes(march(0.0, |_| *stress, *duration, 5000));
+        values.reverse();
+        write!(tests, "(name: \"{name}\", load: [Constant(stress: \"{stress} Pa\", duration: \"{duration} s\")], readings: Here([").unwrap();
+        for (time, change) in TIMES.iter().zip(&values) {
+            write!(tests, "(at: \"{time} s\", value: {}),", VIRGIN + change).unwrap();
+        }
+        tests.push_str("])),");
+    }
+    let outcome = sheet(folder.path(), &tests, "").unwrap();
+    assert_ne!(outcome.verdict, Verdict::Answered);
+    for name in [
+        "exponent (m)",
+        "initial change of the loss factor, Test 1 alone",
+    ] {
+        let mut quantities = outcome.quantities.iter();
+        let quantity = quantities.find(|quantity| quantity.name == name);
+        assert!(
+            quantity.is_none_or(|quantity| !quantity.valid),
+            "{quantity:?}"
+        );
+    }
+}
+
+#[test]
+fn loss_factors_in_per_cent_are_told() {
+    let folder = TempDir::new().unwrap();
+    let text = r#"Recovery(title: "x", series_modulus: "3.1 GPa", frequency: "10 kHz", virgin_loss_factor: "2.5", standard_error: "0.04",
+        tests: [(name: "a", load: [Constant(stress: "45 MPa", duration: "30 min")],
+        readings: Here([(at: "1 min", value: 4.35), (at: "10 min", value: 3.13), (at: "60 min", value: 2.63)]))])"#;
+    let said = run(folder.path(), text).unwrap().warnings.join("\n");
+    assert!(
+        said.contains("The largest loss factor of the sheet is 4.35"),
+        "{said}"
+    );
+}

@@ -38,7 +38,7 @@ use num_complex::Complex64;
 use rodwave::modulus::{ComplexModulus, GeneralisedMaxwell};
 
 use super::data::ModulusData;
-use super::fit::{FitOptions, RheologicalFit};
+use super::fit::{ErrorScale, FitOptions, RheologicalFit};
 use super::law::FittedLaw;
 use super::measured_law::{LawError, MeasuredLaw};
 use crate::error::{CmodError, check_not_negative, check_positive};
@@ -49,6 +49,9 @@ use isotropic::Isotropic;
 pub const ANSYS_TERMS: usize = 100;
 /// Maximum number of terms of `*MAT_GENERAL_VISCOELASTIC`, including the term of rate 0.
 pub const LS_DYNA_TERMS: usize = 18;
+
+/// Probability of chi-square below which a card states that its series does not explain the data.
+const UNEXPLAINED: f64 = 0.01;
 
 /// Meaning of the elastic constants that accompany a Prony series in Abaqus.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -178,10 +181,19 @@ impl<'a> MaterialCard<'a> {
             law.equilibrium_modulus(),
             law.unrelaxed_modulus()
         ));
-        card.comments.push(format!(
-            "{:.0} % intervals; all parameters are identified",
-            100.0 * options.confidence
-        ));
+        let intervals = format!("{:.0} % intervals", 100.0 * options.confidence);
+        if own.error_scale == ErrorScale::Stated && own.p_value() < UNEXPLAINED {
+            card.comments.push(format!(
+                "{intervals} of a series that does not explain the data:"
+            ));
+            card.comments.push(format!(
+                "chi-square {:.3e} with {} degrees of freedom",
+                own.chi_squared, own.degrees_of_freedom
+            ));
+        } else {
+            card.comments
+                .push(format!("{intervals}; all parameters are identified"));
+        }
         for parameter in &own.parameters {
             card.comments.push(format!(
                 "{}: {:.3e} to {:.3e} {}",
@@ -212,7 +224,9 @@ impl<'a> MaterialCard<'a> {
     ///
     /// # Errors
     /// [`CmodError::NonPhysical`] unless the frequency is finite and above 0, the uncertainty is
-    /// finite and not negative, and the resulting instantaneous ratio is above -1.
+    /// finite and not negative, and the resulting instantaneous ratio is not negative, or above -1
+    /// if the Poisson ratio itself is negative. The long-term ratio is between the Poisson ratio
+    /// and 1/2.
     pub fn with_poisson_ratio_at(
         mut self,
         frequency_hz: f64,
@@ -231,12 +245,18 @@ impl<'a> MaterialCard<'a> {
         let storage = self.law.at(std::f64::consts::TAU * frequency).re;
         let bulk = storage / (3.0 * (1.0 - 2.0 * self.poisson_ratio));
         let instantaneous = 0.5 - self.law.unrelaxed_modulus() / (6.0 * bulk);
+        let refused = |expected| CmodError::NonPhysical {
+            quantity: "instantaneous Poisson ratio",
+            value: instantaneous,
+            expected,
+        };
         if instantaneous <= -1.0 {
-            return Err(CmodError::NonPhysical {
-                quantity: "instantaneous Poisson ratio",
-                value: instantaneous,
-                expected: "above -1",
-            });
+            return Err(refused("above -1"));
+        }
+        if ratio >= 0.0 && instantaneous < 0.0 {
+            return Err(refused(
+                "0 or above for a ratio that is not negative itself",
+            ));
         }
         self.instantaneous_ratio = instantaneous;
         self.comments.push(format!(

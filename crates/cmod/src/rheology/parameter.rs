@@ -185,6 +185,9 @@ pub enum Reason {
     },
 }
 
+/// Largest standard error, usually of a logarithm, that is stated.
+const MOST_STATED: f64 = 10.0;
+
 impl fmt::Display for Reason {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
@@ -200,10 +203,11 @@ impl fmt::Display for Reason {
                 write!(f, "compensated by {with}, correlation {correlation:.3}")
             }
             Self::NoInfluence => f.write_str("the law does not depend on it here"),
-            Self::Noise { standard_error } => write!(
+            Self::Noise { standard_error } if *standard_error <= MOST_STATED => write!(
                 f,
                 "the errors of the data leave a standard error of {standard_error:.2}"
             ),
+            Self::Noise { .. } => f.write_str("the errors of the data leave it undetermined"),
         }
     }
 }

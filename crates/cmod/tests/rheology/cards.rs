@@ -563,3 +563,33 @@ fn l1_cards_of_draws_scatter_by_the_errors_of_the_modulus() {
         }
     }
 }
+
+/// A ratio of 0.38 where the modulus is a sixth of the instantaneous one would be -0.22 there; a
+/// ratio that is negative itself may be negative at all rates.
+#[test]
+fn a_card_has_no_negative_poisson_ratio_beside_a_positive_one() {
+    let soft = series(1e8, &[(5e8, 1e-4)]);
+    let at = |ratio: f64, law: &GeneralisedMaxwell| {
+        MaterialCard::new("X", 1000.0, ratio, law)
+            .and_then(|card| card.with_poisson_ratio_at(1.0, None))
+            .map(|_| ())
+    };
+    let refused = at(0.38, &soft).unwrap_err().to_string();
+    assert!(refused.contains("instantaneous Poisson ratio"), "{refused}");
+    assert!(at(0.45, &soft).is_ok());
+    assert!(at(-0.1, &series(1e8, &[(2e7, 1e-4)])).is_ok());
+}
+
+/// A single branch for data of four decades: the intervals of its card are those of a wrong series.
+#[test]
+fn a_card_of_a_series_that_does_not_explain_its_data_says_so() {
+    let frequency = logarithmic(1.0, 1e5, 60);
+    let data = with_noise(&law(), &frequency, 0.003, 1);
+    let options = FitOptions::default().with_most_branches(1);
+    let fit = PronyFit::new(&data, &options).unwrap().fit;
+    let text = MaterialCard::from_fit("PP", 912.0, 0.35, &fit, &data)
+        .and_then(|card| card.ls_dyna(1))
+        .unwrap();
+    assert!(text.contains("does not explain the data"), "{text}");
+    assert!(!text.contains("all parameters are identified"), "{text}");
+}

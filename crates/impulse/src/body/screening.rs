@@ -298,12 +298,32 @@ impl MeasuredBody {
         };
         let [intercept, ..] = fit.terms;
         let scale = self.scale_error() * weighed.mass;
+        let of_mass = |error: f64| error / (intercept * intercept);
+        let by_scatter = (of_mass(fit.error), fit.degrees_of_freedom);
+        let variances = self.accelerance_variances(rigid.len().max(SMOOTH));
+        let by_variance = variances.as_ref().map(|variances| {
+            let (error, freedom) = of_sum(&fit.weights, variances);
+            (of_mass(error), freedom)
+        });
+        // variances of 0 do not state that the lines are exact
+        let by_variance = by_variance.filter(|(error, _)| error.is_finite() && *error > 0.0);
+        let (standard_error, degrees_of_freedom) = match by_variance {
+            Some(own) if own.0 < by_scatter.0 => own,
+            _ => by_scatter,
+        };
+        let lowest = variances.as_ref().and_then(|variances| {
+            let (error, freedom) = of_sum(&[1.0 / SMOOTH as f64; SMOOTH], variances);
+            (error > 0.0 && *start > 0.0).then(|| [1.0 / start, error / start / start, freedom])
+        });
         let mass = MassCheck {
             apparent: 1.0 / intercept,
-            standard_error: fit.error / (intercept * intercept),
-            degrees_of_freedom: fit.degrees_of_freedom,
+            standard_error,
+            degrees_of_freedom,
             weighed: (weighed.mass, weighed.standard_error.hypot(scale)),
             n_lines: rigid.len(),
+            by_scatter,
+            by_variance,
+            lowest,
         };
         let phase = rigid.iter().map(|(omega, a)| {
             let x = omega / unit;
@@ -322,11 +342,38 @@ impl MeasuredBody {
         });
         (Some(mass), delay)
     }
+
+    /// Returns the variance of the real part of iωG of the first `n_lines` measured lines, with its
+    /// degrees of freedom; `None` without variances.
+    fn accelerance_variances(&self, n_lines: usize) -> Option<Vec<(f64, f64)>> {
+        let lines = self.variance()?.iter().zip(self.freedom()).enumerate();
+        let measured = lines.skip(self.first_measured().max(1)).take(n_lines);
+        // half of the variance belongs to the real part
+        let of_real = measured.map(|(line, (variance, freedom))| {
+            let omega = self.omega(line);
+            (0.5 * omega * omega * variance, *freedom)
+        });
+        Some(of_real.collect())
+    }
+}
+
+/// Returns the standard error of a weighted sum of independent values with these variances, and its
+/// degrees of freedom.
+fn of_sum(weights: &[f64], variances: &[(f64, f64)]) -> (f64, f64) {
+    let (mut sum, mut by_freedom) = (0.0, 0.0);
+    for (weight, (variance, freedom)) in weights.iter().zip(variances) {
+        let part = weight * weight * variance;
+        sum += part;
+        by_freedom += part * part / freedom;
+    }
+    (sum.sqrt(), sum * sum / by_freedom)
 }
 
 /// Least squares with three terms.
 struct Fit {
     terms: [f64; TERMS],
+    /// Weights of the values in the first term.
+    weights: Vec<f64>,
     /// Standard error of the first term, from the scatter.
     error: f64,
     degrees_of_freedom: f64,
@@ -376,6 +423,7 @@ impl Fit {
         let c = c - a * first_by_third - b * second_by_third;
         let fit = Self {
             terms: [a, b, c],
+            weights: first.iter().map(|x| x / of_first).collect(),
             error,
             degrees_of_freedom,
         };

@@ -94,6 +94,9 @@ pub struct FitSheet {
     /// with its errors, and checks whether the rows agree with it; off by default.
     #[serde(default)]
     pub causal: bool,
+    /// Accepts moduli above 1500 GPa, which are otherwise taken for a wrong unit.
+    #[serde(default)]
+    pub unusual: bool,
     /// Number of Monte Carlo draws, such as 1000, of the rows and of every quantity stated with ±;
     /// they check the linear errors.
     #[serde(default)]
@@ -455,6 +458,8 @@ fn lines<'a>(found: &Found<'_>, data: &'a ModulusData) -> Lines<'a> {
     Lines {
         data,
         error_scale: found.error_scale,
+        // several temperatures are judged by their master curve
+        chance: found.sweep.is_none().then_some(master::CHANCE),
         series_profiles: found.sweep.is_none(),
         density: found.sheet.density.as_ref().map(Stated::with_uncertainty),
         is_youngs: matches!(

@@ -22,6 +22,7 @@ use serde::Deserialize;
 
 use super::About;
 use super::JobContext;
+use crate::digits::significant;
 use crate::draw::NEEDS_ERRORS;
 use crate::outcome::Setting;
 use crate::outcome::{InputFile, LogEntry, Verdict};
@@ -162,6 +163,8 @@ pub(crate) fn run(sheet: &RecoverySheet, context: &JobContext<'_>) -> Result<Out
     }
     let mut tests = Vec::with_capacity(sheet.tests.len());
     let mut standard_errors = Vec::with_capacity(sheet.tests.len());
+    let virgin = sheet.virgin_loss_factor.as_ref();
+    let mut largest = virgin.map_or(0.0, |virgin| virgin.with_uncertainty().value);
     for (index, test) in sheet.tests.iter().enumerate() {
         let read = readings::test(sheet, test, &format!("tests[{index}]"), context)?;
         outcome.log.push(LogEntry {
@@ -169,10 +172,18 @@ pub(crate) fn run(sheet: &RecoverySheet, context: &JobContext<'_>) -> Result<Out
             accepted: true,
             reasons: Vec::new(),
         });
+        largest = largest.max(read.largest);
         outcome.inputs.extend(read.input);
         outcome.warnings.extend(read.warning);
         standard_errors.push(read.standard_error);
         tests.push(read.test);
+    }
+    if largest > MOST_LOSS {
+        outcome.warnings.push(format!(
+            "The largest loss factor of the sheet is {}, expected at most {MOST_LOSS} for a material of a rod: loss factors and their errors are pure \
+             numbers; if these are in per cent, divide all of them by 100.",
+            significant(largest, 3)
+        ));
     }
     outcome.inputs.sort();
     outcome
@@ -193,7 +204,7 @@ pub(crate) fn run(sheet: &RecoverySheet, context: &JobContext<'_>) -> Result<Out
     let fit = match RecoveryFit::new(&tests, series_modulus, scale) {
         Ok(fit) => fit,
         Err(error @ (cmod::CmodError::TooFewReadings { .. } | cmod::CmodError::NoStart)) => {
-            statement::without_fit(&mut outcome, &tests, &singles, &error);
+            statement::without_fit(&mut outcome, sheet, (&tests, &singles), &error);
             return Ok(outcome);
         }
         Err(error) => return Err(RodlabError::step("fitting the tests", error)),
@@ -238,6 +249,9 @@ fn defaults(sheet: &RecoverySheet) -> Vec<Setting> {
     }
     defaults
 }
+
+/// Loss factor above which all loss factors are probably in per cent.
+const MOST_LOSS: f64 = 1.0;
 
 /// Default search range of exponents in the procedure of paper C.
 const EXPONENTS: (f64, f64) = (0.2, 5.0);

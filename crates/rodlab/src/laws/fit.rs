@@ -1,6 +1,6 @@
 //! Fits of laws to lines, reported as sentences, numbers, a table and figures.
 
-use cmod::rheology::{Comparison, Parameter, RheologicalFit, Scale, TransientTest};
+use cmod::rheology::{Comparison, ErrorScale, Parameter, RheologicalFit, Scale, TransientTest};
 use num_complex::Complex64;
 use rodfigure::{Axis, Figure, Mark, Panel, Role};
 
@@ -81,6 +81,12 @@ pub(crate) fn fit(
             best.law.law()
         ));
     }
+    if let Some(chance) = lines.chance
+        && lines.error_scale == ErrorScale::Stated
+        && best.p_value() < chance
+    {
+        outcome.doubt(unexplained(best));
+    }
     for row in &comparison.rows {
         parameters(outcome, &row.fit);
         if row.fit.law.prony_series().is_none() && !row.fit.parameters.iter().any(is_open) {
@@ -94,6 +100,16 @@ pub(crate) fn fit(
         cards::attach(outcome, lines, &comparison, cards)?;
     }
     Ok(Some(comparison))
+}
+
+/// Returns the clause that no law explains the lines, with the chi-square of the preferred one.
+pub(crate) fn unexplained(best: &RheologicalFit) -> String {
+    format!(
+        "no law explains the moduli within their stated errors: chi-square of the preferred one ({}) is {} with {} degrees of freedom",
+        best.law.law(),
+        significant(best.chi_squared, 3),
+        best.degrees_of_freedom
+    )
 }
 
 /// Attaches the preferred law with its errors, for the sheets of later jobs.

@@ -13,7 +13,7 @@ use serde::Deserialize;
 use super::kind::{KindSheet, dimension, quantities};
 use crate::outcome::InputFile;
 use crate::records::Selector;
-use crate::{Outcome, RodlabError, cut_short, input, universal};
+use crate::{Outcome, RodlabError, cut_short, earlier, input, universal};
 
 /// Tolerance for the frequency of a line, as a fraction of the spacing; it allows for rounding of
 /// the frequencies.
@@ -75,7 +75,8 @@ struct Lines {
 }
 
 impl ResponseFile {
-    /// Reads the response and enters the file in `outcome`.
+    /// Reads the response and enters the file in `outcome`. A doubt about the result to which the
+    /// file belongs becomes a doubt of the outcome.
     ///
     /// # Errors
     ///
@@ -101,6 +102,12 @@ impl ResponseFile {
                 .unwrap_or_default(),
             pattern: None,
         });
+        if let Some(reason) = earlier::doubt(&path, &bytes) {
+            outcome.doubt(format!(
+                "{field}: the response of {} is in doubt: {reason}",
+                self.file
+            ));
+        }
         outcome
             .warnings
             .extend(cut_short::warning(&bytes, contents.format, &self.file).map(|text| text + "."));

@@ -55,6 +55,32 @@ pub(crate) fn density(
     ))
 }
 
+/// Largest storage modulus \[Pa\]: diamond, the stiffest solid, has about 1200 GPa.
+const STIFFEST: f64 = 1500e9;
+
+/// Checks the storage modulus \[Pa\] in the row of a table at `field`.
+///
+/// # Errors
+///
+/// [`RodlabError::Request`] for a modulus above 1500 GPa, unless the sheet confirms it.
+pub(crate) fn storage_modulus(
+    modulus: f64,
+    unusual: bool,
+    field: impl FnOnce() -> String,
+) -> Result<(), RodlabError> {
+    if unusual || modulus <= STIFFEST {
+        return Ok(());
+    }
+    Err(RodlabError::request(
+        field(),
+        format!("a modulus of {} GPa", significant(1e-9 * modulus, 4)),
+        format!(
+            "at most {} GPa, because diamond has 1200 GPa: is the unit MPa or kPa? State `unusual` as true in the sheet if it is intended",
+            1e-9 * STIFFEST
+        ),
+    ))
+}
+
 /// Largest diameter of a body \[m\]; it is that of the largest piles.
 const LARGEST_DIAMETER: f64 = 5.0;
 
@@ -204,6 +230,13 @@ mod tests {
             assert_eq!(found.is_ok(), is_solid, "{text}");
         }
         let said = |checked: Result<(), RodlabError>| checked.unwrap_err().to_string();
+        let row = || "modulus.storage".to_owned();
+        assert!(storage_modulus(1200e9, false, row).is_ok());
+        assert!(storage_modulus(2400e9, true, row).is_ok());
+        assert_eq!(
+            said(storage_modulus(2400e9, false, row)),
+            "modulus.storage is a modulus of 2400 GPa, expected at most 1500 GPa, because diamond has 1200 GPa: is the unit MPa or kPa? State `unusual` as true in the sheet if it is intended"
+        );
         let mass: Stated<AddedMass> = "0.8 kg".parse().unwrap();
         assert!(end_mass(&mass, 0.8, 0.9, "mass").is_ok());
         assert_eq!(

@@ -130,16 +130,19 @@ fn a_solid_is_found_from_relaxation_from_creep_and_from_both() {
     );
 }
 
-/// A ramp that is not stated is a wrong law: chi-square shows this.
+/// A ramp that is not stated is a wrong law: chi-square shows this, and puts the answer and the
+/// material file in doubt.
 #[test]
 fn a_ramp_that_is_forgotten_is_seen() {
     let folder = folder();
     let outcome = fitted(&folder, &RELAXATION.replace(r#"ramp: "12 s", "#, ""));
-    let said = outcome.warnings.join("\n");
-    assert!(
-        said.contains("No law explains the moduli within their stated errors"),
-        "{said}"
-    );
+    let doubt = "no law explains the moduli within their stated errors";
+    let said = super::reasons(&outcome);
+    assert!(said.contains(doubt), "{said}");
+    let mut files = outcome.attachments.iter();
+    let material = files.find(|file| file.name == "material.json").unwrap();
+    let material = String::from_utf8(material.bytes.clone()).unwrap();
+    assert!(material.contains(doubt), "{material}");
 }
 
 #[test]

@@ -231,3 +231,40 @@ fn repeated_readings_are_averaged_and_compared_with_their_errors() {
         assert_eq!(data.columns[0].cells.len(), 3);
     }
 }
+
+/// Two copies of each reading are one reading.
+#[test]
+fn rows_that_are_stored_twice_count_once() {
+    let folder = TempDir::new().unwrap();
+    let rows = "1,1000,100,20\n10,1100,110,20\n100,1200,120,20\n";
+    let table = format!("f,E',E'',T\nHz,MPa,MPa,degC\n{rows}{rows}");
+    fs::write(folder.path().join("t.csv"), table).unwrap();
+    let outcome = run(folder.path(), SHEET).unwrap();
+    let said = outcome.warnings.join("\n");
+    assert!(
+        said.contains("3 row(s) agree in every digit with another row")
+            && said.contains("first t.csv, line 6 with t.csv, line 3"),
+        "{said}"
+    );
+    assert!(!outcome.summary.join("\n").contains("were averaged"));
+}
+
+#[test]
+fn a_modulus_above_that_of_diamond_is_refused_unless_the_sheet_confirms_it() {
+    let table = TABLE
+        .replace("Hz,MPa,MPa", "Hz,GPa,GPa")
+        .replace(",1000,", ",2000,");
+    let table = table.replace(",1200,", ",1300,").replace(",900,", ",950,");
+    let message = said(&table, SHEET);
+    assert!(
+        message.contains("t.csv, line 3) is a modulus of 2000 GPa, expected at most 1500 GPa"),
+        "{message}"
+    );
+    let folder = TempDir::new().unwrap();
+    fs::write(folder.path().join("t.csv"), table).unwrap();
+    let sheet = SHEET.replace(
+        "reference_temperature",
+        "unusual: true, reference_temperature",
+    );
+    assert!(run(folder.path(), &sheet).is_ok());
+}

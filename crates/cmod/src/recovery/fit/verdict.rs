@@ -39,6 +39,9 @@ pub enum Reason {
     },
 }
 
+/// Largest standard error of a logarithm that is stated; a larger one is a factor without meaning.
+const MOST_STATED: f64 = 10.0;
+
 impl fmt::Display for Reason {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
@@ -51,10 +54,13 @@ impl fmt::Display for Reason {
                 f,
                 "the earliest reading is at {earliest:.0} recovery times, where all loads look alike"
             ),
-            Self::Noise { standard_error } => write!(
+            Self::Noise { standard_error } if *standard_error <= MOST_STATED => write!(
                 f,
-                "the errors of the readings leave a standard error of {standard_error:.2}"
+                "the errors of the readings leave a standard error of {standard_error:.2} of ln E2, ln k or m"
             ),
+            Self::Noise { .. } => {
+                f.write_str("the errors of the readings do not determine E2, k and m separately")
+            }
         }
     }
 }

@@ -25,6 +25,13 @@ const MASS_TOLERANCE: f64 = 1e-3;
 /// Number of standard errors allowed in addition to a tolerance.
 const BESIDE_TOLERANCE: f64 = 2.0;
 
+/// Number of combined standard errors by which the mass must differ from the weighed one if the
+/// error is that of the lines' own variances.
+const MASS_ERRORS: f64 = 3.0;
+
+/// Probability of noise alone at which the lowest lines count as those of no free mass.
+const NOT_FREE: f64 = 1e-3;
+
 /// Relative deviation of the front impedance that is never flagged: the impedance of a polymer
 /// increases by as much within the measured band.
 const FRONT_TOLERANCE: f64 = 0.1;
@@ -87,7 +94,9 @@ pub struct MassCheck {
     /// The mass \[kg\] in the low-frequency expansion $`\operatorname{Re}(i\omega G) = (1 -
     /// e\omega^2 - g\omega^4)/M`$, by least squares over the measured lines.
     pub apparent: f64,
-    /// Standard error of the mass \[kg\], from the scatter of the lines.
+    /// Standard error of the mass \[kg\]: the smaller of that from the scatter of the lines and
+    /// that from their variances, if any. A law that does not fit increases the scatter, but not
+    /// the variances.
     pub standard_error: f64,
     /// Degrees of freedom of the standard error.
     pub degrees_of_freedom: f64,
@@ -96,6 +105,53 @@ pub struct MassCheck {
     pub weighed: (f64, f64),
     /// Number of lines used.
     pub n_lines: usize,
+    /// Standard error \[kg\] and its degrees of freedom, from the scatter of the lines.
+    pub(super) by_scatter: (f64, f64),
+    /// Standard error \[kg\] and its degrees of freedom, from the variances of the lines.
+    pub(super) by_variance: Option<(f64, f64)>,
+    /// Mass \[kg\] by the mean of the lowest lines, its standard error from their variances, and
+    /// the degrees of freedom of that error.
+    pub(super) lowest: Option<[f64; 3]>,
+}
+
+impl MassCheck {
+    /// Returns the objection to the mass, if any.
+    fn flag(&self) -> Option<ScreeningFlag> {
+        let (weighed, weighed_error) = self.weighed;
+        // the lines determine 1/M
+        let beside_weighed = |own: f64, freedom: f64, apparent: f64| {
+            let own = own * (weighed / apparent).powi(2);
+            let error = own.hypot(weighed_error);
+            (error, freedom * (error / own).powi(4))
+        };
+        let (error, freedom) = self.by_scatter;
+        let (error, freedom) = beside_weighed(error, freedom, self.apparent);
+        let mut allowed = least_doubted(error, freedom, MASS_TOLERANCE * weighed);
+        if let Some((error, freedom)) = self.by_variance {
+            let (error, freedom) = beside_weighed(error, freedom, self.apparent);
+            let by_variance = least_doubted(error, freedom, MASS_TOLERANCE * weighed);
+            allowed = allowed.min(by_variance.max(MASS_ERRORS * error));
+        }
+        // a negative or infinite mass is wrong whatever its error
+        let difference = (weighed / self.apparent - 1.0).abs() * weighed;
+        if self.apparent <= 0.0 || !(0.0..=allowed).contains(&difference) {
+            return Some(ScreeningFlag::MassContradicted {
+                apparent: self.apparent,
+                standard_error: self.standard_error,
+                weighed,
+                weighed_error,
+            });
+        }
+        let [at_most, standard_error, freedom] = self.lowest?;
+        let (error, freedom) = beside_weighed(standard_error, freedom, at_most);
+        let excess = (weighed / at_most - 1.0 - MASS_TOLERANCE) * weighed;
+        (below(-excess / error, freedom) < NOT_FREE).then_some(ScreeningFlag::NotFree {
+            at_most,
+            standard_error,
+            weighed,
+            weighed_error,
+        })
+    }
 }
 
 /// Instantaneous response of the face.
@@ -160,22 +216,7 @@ impl Screening {
             });
         }
         match self.mass {
-            Some(mass) => {
-                let (weighed, weighed_error) = mass.weighed;
-                let own = mass.standard_error * (weighed / mass.apparent).powi(2);
-                let error = own.hypot(weighed_error);
-                let freedom = mass.degrees_of_freedom * (error / own).powi(4);
-                let allowed = least_doubted(error, freedom, MASS_TOLERANCE * weighed);
-                // a negative or infinite mass is wrong whatever its error; the lines determine 1/M
-                let difference = (weighed / mass.apparent - 1.0).abs() * weighed;
-                if mass.apparent <= 0.0 || !(0.0..=allowed).contains(&difference) {
-                    flags.push(ScreeningFlag::MassContradicted {
-                        apparent: mass.apparent,
-                        standard_error: error,
-                        weighed,
-                    });
-                }
-            }
+            Some(mass) => flags.extend(mass.flag()),
             None if self.free => flags.push(ScreeningFlag::MassNotSeen),
             None => {}
         }
@@ -242,10 +283,24 @@ pub enum ScreeningFlag {
     MassContradicted {
         /// Mass from the mobility \[kg\].
         apparent: f64,
-        /// Standard error of the difference \[kg\].
+        /// Standard error of that mass \[kg\].
         standard_error: f64,
         /// Weighed mass \[kg\].
         weighed: f64,
+        /// Standard error of the weighed mass \[kg\], including that of the scale of the lines.
+        weighed_error: f64,
+    },
+    /// The lowest lines move more than the weighed mass alone, while a free body moves less up to
+    /// its first resonance: a support has its resonance below these lines, for example.
+    NotFree {
+        /// Mass of which the motion would be that of the lowest lines \[kg\].
+        at_most: f64,
+        /// Standard error of that mass \[kg\].
+        standard_error: f64,
+        /// Weighed mass \[kg\].
+        weighed: f64,
+        /// Standard error of the weighed mass \[kg\], including that of the scale of the lines.
+        weighed_error: f64,
     },
     /// No line lies below the first antiresonance of a free body, so that its mass cannot be
     /// checked.
@@ -296,9 +351,19 @@ impl fmt::Display for ScreeningFlag {
                 apparent,
                 standard_error,
                 weighed,
+                weighed_error,
             } => write!(
                 formatter,
-                "the low lines give a mass of {apparent:.4} kg ± {standard_error:.1e} kg, expected the weighed {weighed} kg"
+                "the low lines give a mass of {apparent:.4} kg ± {standard_error:.1e} kg, expected the weighed {weighed} kg ± {weighed_error:.1e} kg"
+            ),
+            Self::NotFree {
+                at_most,
+                standard_error,
+                weighed,
+                weighed_error,
+            } => write!(
+                formatter,
+                "the lowest lines move like a mass of {at_most:.4} kg ± {standard_error:.1e} kg, expected at least the weighed {weighed} kg ± {weighed_error:.1e} kg of a free body: its support may have a resonance below these lines"
             ),
             Self::MassNotSeen => {
                 write!(formatter, "no line is low enough to determine the mass")

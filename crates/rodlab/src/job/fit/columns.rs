@@ -16,7 +16,7 @@ use crate::input;
 use crate::job::JobContext;
 use crate::outcome::{InputFile, LogEntry};
 use crate::records::{self, Selector};
-use crate::sheet::{Duration, Exact, Temperature};
+use crate::sheet::{Duration, Exact, Temperature, plausible};
 use cmod::estimate::ComplexCovariance;
 use cmod::rheology::TransientTest;
 
@@ -300,6 +300,9 @@ fn rows(
             };
             return refused(&field, found, expected);
         }
+        plausible::storage_modulus(modulus.re, sheet.unusual, || {
+            file.place_of(&format!("modulus.{of_modulus}"), row)
+        })?;
         if temperature <= 0.0 {
             return refused(
                 "temperature",

@@ -11,8 +11,8 @@ use super::steps::{Step, celsius, to_celsius};
 use super::{Found, Sweep};
 use crate::Outcome;
 use crate::digits::{hertz, percent, short, significant, with_error, with_unit};
-use crate::laws::WHITE;
-use crate::outcome::{CHECK, LogEntry, Quantity};
+use crate::laws::{WHITE, unexplained};
+use crate::outcome::{CHECK, LogEntry, Quantity, sentence};
 use crate::sheet::Exact;
 
 /// Number of standard errors by which a shift must rise with temperature to count as wrong.
@@ -73,13 +73,9 @@ pub(super) fn of_laws(outcome: &mut Outcome, found: &Found<'_>, comparison: Opti
     outcome
         .tables
         .extend(comparison.map(super::tables::parameters));
-    if found.error_scale == ErrorScale::Stated && best.p_value() < CHANCE {
-        outcome.warnings.push(format!(
-            "No law explains the moduli within their stated errors: chi-square of the preferred one ({}) is {} with {} degrees of freedom.",
-            best.law.law(),
-            significant(best.chi_squared, 3),
-            best.degrees_of_freedom
-        ));
+    let is_judged = found.sweep.is_none();
+    if !is_judged && found.error_scale == ErrorScale::Stated && best.p_value() < CHANCE {
+        outcome.warnings.push(sentence(&unexplained(best)));
     }
 }
 
@@ -336,6 +332,15 @@ fn one_curve(outcome: &mut Outcome, found: &Found<'_>, curve: &MasterCurve) {
             percent(scatter)
         ));
     }
+    if let Some((departure, error)) = departure_of_reference(curve, stated) {
+        outcome.doubt(format!(
+            "the sweep at the reference temperature, {}, departs from its neighbours by a factor of {}, expected 1, as after repeated clamping: all \
+             moduli of the master curve are wrong by this factor if the neighbours are right; choose another reference temperature to compare, or \
+             repeat the sweep",
+            celsius(curve.reference_temperature),
+            with_error(Some(departure.exp()), Some(departure.exp() * error))
+        ));
+    }
     let open: Vec<String> = curve
         .shifts
         .iter()
@@ -373,6 +378,64 @@ fn scatter_of_factors(curve: &MasterCurve) -> Option<f64> {
         .map(|shift| shift.vertical_standard_error);
     let error = (errors.map(|error| error * error).sum::<f64>() / n).sqrt();
     (scatter > BEYOND_ERRORS * error && scatter > LEAST_SCATTER).then_some(scatter)
+}
+
+/// Number of standard errors from which the reference departs from its neighbours.
+const DEPARTS: f64 = 4.0;
+/// Normal standard deviation, as a multiple of the median of absolute deviations.
+const OF_MEDIAN: f64 = 1.4826;
+
+/// Returns the logarithm of the factor by which the moduli of the neighbours of the reference
+/// differ from those of the reference, and its standard error, if the factor is not 1; `stated` is
+/// the stated relative uncertainty of the scale.
+///
+/// The factors of the other temperatures have the error of the sweep at the reference in common, so
+/// their mean is no more accurate than the best of them. A straight line of ln b_T over temperature
+/// by medians, without the reference, gives the factor expected there.
+fn departure_of_reference(curve: &MasterCurve, stated: f64) -> Option<(f64, f64)> {
+    let shifts = curve.shifts.iter();
+    let others: Vec<(f64, f64, f64)> = shifts
+        .filter(|shift| shift.vertical_standard_error > 0.0)
+        .map(|shift| {
+            let from_reference = shift.temperature - curve.reference_temperature;
+            (
+                from_reference,
+                shift.vertical.ln(),
+                shift.vertical_standard_error,
+            )
+        })
+        .collect();
+    departure(&others, stated)
+}
+
+/// Returns the departure of a value of 0 at 0 from the straight line of the `others` (place, value
+/// and standard error), and its standard error, if it is significant.
+fn departure(others: &[(f64, f64, f64)], stated: f64) -> Option<(f64, f64)> {
+    if others.len() + 1 < FEWEST_FACTORS {
+        return None;
+    }
+    let slopes = others.iter().enumerate().flat_map(|(at, a)| {
+        let later = others.iter().skip(at + 1);
+        later.map(move |b| (b.1 - a.1) / (b.0 - a.0))
+    });
+    let slope = median(slopes.collect())?;
+    let levels: Vec<f64> = others.iter().map(|(t, b, _)| b - slope * t).collect();
+    let level = median(levels.clone())?;
+    let scatter = OF_MEDIAN * median(levels.iter().map(|b| (b - level).abs()).collect())?;
+    let own = others.iter().map(|(_, _, error)| *error);
+    let error = own
+        .fold(f64::INFINITY, f64::min)
+        .hypot(scatter)
+        .hypot(stated);
+    (level.abs() > DEPARTS * error && level.abs() > LEAST_SCATTER).then_some((level, error))
+}
+
+/// Returns the median; `None` without values.
+fn median(mut values: Vec<f64>) -> Option<f64> {
+    values.sort_by(f64::total_cmp);
+    let upper = *values.get(values.len() / 2)?;
+    let lower = *values.get((values.len() - 1) / 2)?;
+    Some(0.5 * (lower + upper))
 }
 
 /// Checks that relaxation is faster at higher temperature.
@@ -481,4 +544,37 @@ fn of_shift_laws(outcome: &mut Outcome, own: &ShiftLaws, by_scatter: Option<&Shi
             significant(laws.arrhenius_p_value, 2),
         )
     });
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Factors of nine temperatures around a reference whose sample was clamped again.
+    fn factors(at_reference: f64, slope: f64, scatter: f64) -> Vec<(f64, f64, f64)> {
+        let steps = (-4..=4).filter(|step| *step != 0);
+        let factor = |step: i32| {
+            let t = 5.0 * f64::from(step);
+            let sign = if step.rem_euclid(2) == 0 { 1.0 } else { -1.0 };
+            (t, at_reference.ln() + slope * t + sign * scatter, 0.015)
+        };
+        steps.map(factor).collect()
+    }
+
+    #[test]
+    fn a_reference_that_departs_from_its_neighbours_is_told() {
+        let (level, error) = departure(&factors(1.174, -1e-3, 0.003), 0.0).unwrap();
+        assert!((level.exp() - 1.174).abs() < 0.005, "{level}");
+        assert!((0.015..0.02).contains(&error), "{error}");
+        // within the errors, within a stated scale, with as much scatter among the others, on their
+        // straight line, and with one wrong neighbour
+        assert_eq!(departure(&factors(1.04, 0.0, 0.003), 0.0), None);
+        assert_eq!(departure(&factors(1.174, 0.0, 0.003), 0.1), None);
+        assert_eq!(departure(&factors(1.174, 0.0, 0.1), 0.0), None);
+        assert_eq!(departure(&factors(1.0, 0.02, 0.003), 0.0), None);
+        let mut one = factors(1.0, 0.0, 0.003);
+        one[5].1 = -0.19;
+        assert_eq!(departure(&one, 0.0), None);
+        assert_eq!(departure(&one[..3], 0.0), None);
+    }
 }

@@ -235,9 +235,11 @@ fn near(mut rows: Vec<Row>, within: f64) -> Vec<Vec<Row>> {
 }
 
 /// Averages the rows of a file that repeat a frequency at one temperature, and compares the scatter
-/// of these rows with their stated errors.
+/// of these rows with their stated errors. Rows that agree in every digit are one reading, stored
+/// several times: only the first of them is used.
 fn average(steps: &mut [Step], scale: ErrorScale, outcome: &mut Outcome) {
     let (mut repeated, mut averaged, mut squares) = (0, 0, 0.0);
+    let mut copies: Vec<(String, String)> = Vec::new();
     for step in steps {
         let is_same = |a: &Row, b: &Row| {
             a.over_time.is_none()
@@ -248,7 +250,17 @@ fn average(steps: &mut [Step], scale: ErrorScale, outcome: &mut Outcome) {
         };
         let mut rows = Vec::with_capacity(step.rows.len());
         for same in step.rows.chunk_by(is_same) {
-            let [first, others @ ..] = same else { continue };
+            let mut different: Vec<&Row> = Vec::with_capacity(same.len());
+            for row in same {
+                match different.iter().find(|other| is_copy(other, row)) {
+                    Some(original) => copies.push((row.place.clone(), original.place.clone())),
+                    None => different.push(row),
+                }
+            }
+            let same = different;
+            let Some((&first, others)) = same.split_first() else {
+                continue;
+            };
             let mut row = first.clone();
             if let Some(last) = others.last() {
                 let count = same.len() as f64;
@@ -269,6 +281,13 @@ fn average(steps: &mut [Step], scale: ErrorScale, outcome: &mut Outcome) {
         }
         step.rows = rows;
     }
+    if let Some((copy, original)) = copies.first() {
+        outcome.warnings.push(format!(
+            "{} row(s) agree in every digit with another row of the same frequency and temperature, first {copy} with {original}: they are \
+             left out, because one reading that is stored twice has no smaller error.",
+            copies.len()
+        ));
+    }
     if averaged == 0 {
         return;
     }
@@ -285,6 +304,12 @@ fn average(steps: &mut [Step], scale: ErrorScale, outcome: &mut Outcome) {
             significant((squares / freedom).sqrt(), 2)
         ));
     }
+}
+
+/// Returns true if two rows agree in every digit.
+fn is_copy(a: &Row, b: &Row) -> bool {
+    let bits = |row: &Row| [row.temperature, row.modulus.re, row.modulus.im].map(f64::to_bits);
+    bits(a) == bits(b)
 }
 
 /// Returns the square of the deviation of a row from `mean`, weighted by the inverse of the

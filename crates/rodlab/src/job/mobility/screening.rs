@@ -245,7 +245,12 @@ pub(crate) fn tell(screening: &Screening, outcome: &mut Outcome) -> Vec<String> 
             "kg",
             mass.apparent,
             Some(mass.standard_error),
-            against(&|flag| matches!(flag, ScreeningFlag::MassContradicted { .. })),
+            against(&|flag| {
+                matches!(
+                    flag,
+                    ScreeningFlag::MassContradicted { .. } | ScreeningFlag::NotFree { .. }
+                )
+            }),
         );
     }
     if let Some(front) = &screening.front {
@@ -292,6 +297,7 @@ pub(crate) fn tell(screening: &Screening, outcome: &mut Outcome) -> Vec<String> 
                 | ScreeningFlag::Active { .. }
                 | ScreeningFlag::Delayed { .. }
                 | ScreeningFlag::MassContradicted { .. }
+                | ScreeningFlag::NotFree { .. }
         )
     };
     let (failed, warnings): (Vec<ScreeningFlag>, Vec<ScreeningFlag>) =

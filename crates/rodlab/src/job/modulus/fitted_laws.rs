@@ -38,6 +38,7 @@ pub(super) fn fit(
             .map(|line| (line.frequency_hz, line.modulus))
             .collect(),
         error_scale: ErrorScale::Stated,
+        chance: None,
         series_profiles: true,
         density: Some(found.sheet.specimen.density.with_uncertainty()),
         is_youngs: true,

@@ -57,6 +57,8 @@ struct Columns {
 pub(super) struct Read {
     pub(super) test: RecoveryTest,
     pub(super) standard_error: Vec<f64>,
+    /// Largest reading, as it was stated.
+    pub(super) largest: f64,
     pub(super) input: Option<InputFile>,
     pub(super) warning: Option<String>,
 }
@@ -92,6 +94,7 @@ pub(super) fn test(
         .map_err(|error| RodlabError::step(field, error))?;
     Ok(Read {
         test,
+        largest: columns.value.iter().copied().fold(0.0, f64::max),
         standard_error: columns.standard_error,
         warning: file.as_ref().and_then(|file| file.warning.clone()),
         input: file.map(|file| file.input),

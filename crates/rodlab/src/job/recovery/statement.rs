@@ -4,7 +4,7 @@ use cmod::CmodError;
 use cmod::recovery::RecoveryTest;
 use cmod::recovery::fit::{Ending, Estimate, Scale, SingleTestFit, Verdict as Identified};
 
-use super::{ErrorScaleSheet, Found};
+use super::{ErrorScaleSheet, Found, RecoverySheet};
 use crate::Outcome;
 use crate::digits::{hertz, percent, significant, to_error, with_error};
 use crate::outcome::{LogEntry, Quantity};
@@ -16,15 +16,26 @@ const DEVIATIONS: f64 = 3.0;
 /// States the verdict if no model could be fitted, and the results of each test alone.
 pub(super) fn without_fit(
     outcome: &mut Outcome,
-    tests: &[RecoveryTest],
-    singles: &[Result<SingleTestFit, CmodError>],
+    sheet: &RecoverySheet,
+    (tests, singles): (&[RecoveryTest], &[Result<SingleTestFit, CmodError>]),
     error: &CmodError,
 ) {
     outcome.refuse(format!("no model can be fitted: {error}"));
     outcome
         .summary
         .push(format!("No model can be fitted: {error}."));
-    of_single_tests(outcome, tests, singles);
+    of_single_tests(outcome, tests, singles, has_stated_errors(sheet));
+}
+
+/// Returns true if the standard errors of the readings are not taken from the residual.
+fn has_stated_errors(sheet: &RecoverySheet) -> bool {
+    sheet.error_scale != Some(ErrorScaleSheet::FromResidual)
+}
+
+/// Returns the largest chi-square that the errors of the readings explain: the mean ν plus
+/// [`DEVIATIONS`] standard deviations (2ν)^½.
+fn most_explained(freedom: f64) -> f64 {
+    freedom + DEVIATIONS * (2.0 * freedom).sqrt()
 }
 
 pub(super) fn state(outcome: &mut Outcome, found: &Found<'_>) {
@@ -38,6 +49,16 @@ pub(super) fn state(outcome: &mut Outcome, found: &Found<'_>) {
     }
     match unidentified {
         Some(reason) => {
+            // objections to a refused answer are warnings, which make no quantity invalid
+            if let Some(objection) = objections(found).into_iter().next() {
+                let estimates = found.fit.estimates.iter().zip(&mut outcome.quantities);
+                let fitted = estimates
+                    .filter(|(one, own)| own.valid && !matches!(one.verdict, Identified::Given));
+                for (_, quantity) in fitted {
+                    quantity.valid = false;
+                    quantity.verdict.clone_from(&objection);
+                }
+            }
             outcome.summary.push(format!(
                 "The tests do not determine the model: the {reason}."
             ));
@@ -61,7 +82,12 @@ pub(super) fn state(outcome: &mut Outcome, found: &Found<'_>) {
         valid: true,
         verdict: format!("{} degrees of freedom", fit.degrees_of_freedom),
     });
-    of_single_tests(outcome, &found.tests, &found.singles);
+    of_single_tests(
+        outcome,
+        &found.tests,
+        &found.singles,
+        has_stated_errors(found.sheet),
+    );
     if let Some(paper) = &found.paper {
         for (name, unit, value) in [
             (
@@ -142,16 +168,28 @@ fn quantity(estimate: &Estimate) -> Quantity {
     }
 }
 
-/// Adds initial change and recovery time of each test, from equation 4 of paper C.
+/// Adds initial change and recovery time of each test, from equation 4 of paper C. If the errors
+/// are stated, chi-square of the readings tests the equation.
 fn of_single_tests(
     outcome: &mut Outcome,
     tests: &[RecoveryTest],
     singles: &[Result<SingleTestFit, CmodError>],
+    errors_are_stated: bool,
 ) {
     for (test, single) in tests.iter().zip(singles) {
         let name = test.name();
         match single {
             Ok(single) => {
+                let freedom = test.time().len().saturating_sub(2) as f64;
+                let misfit = (errors_are_stated
+                    && freedom > 0.0
+                    && single.chi_squared > most_explained(freedom))
+                .then(|| {
+                    format!(
+                        "the readings do not follow 1/(1 + t/t_r): chi-square {} with {freedom} degrees of freedom",
+                        significant(single.chi_squared, 3)
+                    )
+                });
                 for (what, unit, value, error) in [
                     (
                         "initial change of the loss factor",
@@ -172,11 +210,11 @@ fn of_single_tests(
                         unit: unit.to_owned(),
                         value: determined.then_some(value),
                         standard_error: determined.then_some(value * error),
-                        valid: determined,
-                        verdict: if determined {
-                            "determined by this test".to_owned()
-                        } else {
-                            "not determined by this test alone".to_owned()
+                        valid: determined && misfit.is_none(),
+                        verdict: match &misfit {
+                            _ if !determined => "not determined by this test alone".to_owned(),
+                            Some(misfit) => misfit.clone(),
+                            None => "determined by this test".to_owned(),
                         },
                     });
                 }
@@ -190,14 +228,14 @@ fn of_single_tests(
     }
 }
 
-fn warn(outcome: &mut Outcome, found: &Found<'_>) {
+/// Returns the objections to the fit of all tests, one clause each.
+fn objections(found: &Found<'_>) -> Vec<String> {
     let fit = &found.fit;
     let freedom = fit.degrees_of_freedom as f64;
-    let stated = found.sheet.error_scale != Some(ErrorScaleSheet::FromResidual);
-    // χ² has the mean ν and the variance 2ν
-    let most = freedom + DEVIATIONS * (2.0 * freedom).sqrt();
-    if stated && freedom > 0.0 && fit.chi_squared > most {
-        outcome.doubt(format!(
+    let most = most_explained(freedom);
+    let mut objections = Vec::new();
+    if has_stated_errors(found.sheet) && freedom > 0.0 && fit.chi_squared > most {
+        objections.push(format!(
             "the readings scatter more about the model than their stated errors allow: chi-square {} with {} degrees of freedom, \
              expected below {}; either the errors are larger than stated, or the model does not hold, and the errors of the result \
              are too small",
@@ -207,10 +245,17 @@ fn warn(outcome: &mut Outcome, found: &Found<'_>) {
         ));
     }
     if fit.ending != Ending::Converged {
-        outcome.doubt(format!(
+        objections.push(format!(
             "the fit did not converge ({:?}): its values are those at which the iteration stopped",
             fit.ending
         ));
+    }
+    objections
+}
+
+fn warn(outcome: &mut Outcome, found: &Found<'_>) {
+    for objection in objections(found) {
+        outcome.doubt(objection);
     }
     outcome.warnings.push(
         "The model describes the loss factor at the frequency of the tests and nothing else: its spring moduli are not moduli of the \
