@@ -1,4 +1,4 @@
-//! Files of records: every reader of `labio::format`.
+//! Files of records: readers of `labio::format`.
 
 mod blocks;
 mod contents;
