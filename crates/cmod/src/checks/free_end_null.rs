@@ -1,12 +1,17 @@
 //! Check that no force acts at the free end except that of its mass.
 
+mod common;
+
+use std::f64::consts::TAU;
+
 use num_complex::Complex64;
 
 use super::{Check, CheckOutcome, check_level, chi_square_tail, fisher_tail};
 use crate::error::{CmodError, check_positive};
 use crate::estimate::VarianceFreedom;
 use crate::free_end::{FreeEndShape, RodWithFreeEnd};
-use crate::multi_point::{GaugeSpectra, Quantity};
+use crate::multi_point::{GaugeSpectra, GaugeUncertainty, Quantity};
+use common::{CommonErrors, NormalEquations};
 
 /// Maximum number of Gauss-Newton steps per line.
 const MOST_STEPS: u32 = 60;
@@ -15,6 +20,10 @@ const MOST_STEPS: u32 = 60;
 const FEWEST_DEGREES_OF_FREEDOM: f64 = 4.0;
 /// Smallest fraction of a Gauss-Newton step that is tried.
 const SMALLEST_FRACTION: f64 = 1e-6;
+/// Maximum number of Gauss-Newton steps of the common errors.
+const MOST_ROUNDS: usize = 4;
+/// Fall of χ² over all lines by a step of the common errors at which they are at their minimum.
+const LEAST_FALL: f64 = 0.1;
 
 /// Free-end null check: three or more sections must agree on one motion of the free end and one γ.
 ///
@@ -28,7 +37,9 @@ const SMALLEST_FRACTION: f64 = 1e-6;
 /// A support, a crack or a wrongly placed or calibrated sensor adds a second wave. On each line, γ
 /// and one c per test are fitted, and χ² = 2Σ|b - cf|²/σ² has 2(M(n - 1) - 1) degrees of freedom
 /// for M tests with n sections. The statistic is the sum over all lines divided by the sum of their
-/// degrees of freedom; noise alone gives 1.
+/// degrees of freedom; noise alone gives 1. With stated uncertainties, the errors of positions,
+/// sensitivities, delays and end mass, which are common to all lines, are fitted as well: their
+/// squares in standard deviations are added to the sum, whose degrees of freedom stay the same.
 ///
 /// Two sections always agree on some γ, whatever their errors, so at least three are needed. A rod
 /// whose waves are not one-dimensional, because of bending or of lateral inertia that changes the
@@ -62,6 +73,15 @@ pub struct FreeEndNull {
     quantity: Quantity,
     /// Degrees of freedom of the noise of one sensor, if it was measured.
     noise_freedom: Option<VarianceFreedom>,
+    uncertainty: GaugeUncertainty,
+}
+
+/// Result of the fits of all lines.
+struct Fitted {
+    chi_square: f64,
+    n_lines: usize,
+    worst: Option<usize>,
+    equations: NormalEquations,
 }
 
 impl FreeEndNull {
@@ -91,7 +111,19 @@ impl FreeEndNull {
             distances,
             quantity,
             noise_freedom: None,
+            uncertainty: GaugeUncertainty::default(),
         })
+    }
+
+    /// Sets the uncertainties of positions, sensitivities, delays, free end and end mass. Exact
+    /// quantities fail the check for an error that their uncertainty would explain.
+    ///
+    /// # Errors
+    /// [`CmodError::NonPhysical`] and [`CmodError::GaugeCount`] as for
+    /// [`MultiPoint::with_uncertainty`](crate::MultiPoint::with_uncertainty).
+    pub fn with_uncertainty(mut self, uncertainty: GaugeUncertainty) -> Result<Self, CmodError> {
+        self.uncertainty = uncertainty.check(self.distances.len(), true)?;
+        Ok(self)
     }
 
     /// Sets the degrees of freedom of a measured noise, per sensor and line.
@@ -142,29 +174,21 @@ impl FreeEndNull {
             spectra.frequency_hz.len(),
         )?;
         let freedom = 2 * (spectra.tests.len() * (n - 1) - 1);
-        let mut fit = Fit::new(self, n, spectra.tests.len());
-        let (mut total, mut count) = (0.0, 0_usize);
-        let mut worst = (0.0, None);
-        for (index, &gamma) in propagation_coefficient.iter().enumerate() {
-            if noises(spectra, index).any(|noise| noise == 0.0) {
-                return Err(CmodError::NoNoise {
-                    what: "noise of a sensor at line",
-                    index,
-                });
-            }
-            if !gamma.is_finite() || !fit.load(spectra, index) {
-                continue;
-            }
-            let chi_square = 2.0 * fit.least_misfit(gamma);
-            total += chi_square;
-            count += 1;
-            if chi_square > worst.0 {
-                worst = (chi_square, Some(index));
+        let mut errors = CommonErrors::of(&self.uncertainty, &self.rod);
+        let mut fitted = self.fitted(spectra, propagation_coefficient, &errors)?;
+        let mut total = fitted.chi_square;
+        if errors.count() > 0 {
+            for _ in 0..MOST_ROUNDS {
+                let improved = errors.improve(&fitted.equations, fitted.chi_square);
+                let Some((least, fall)) = improved else { break };
+                total = least;
+                if fall < LEAST_FALL {
+                    break;
+                }
+                fitted = self.fitted(spectra, propagation_coefficient, &errors)?;
             }
         }
-        if count == 0 {
-            return Err(CmodError::NoLines);
-        }
+        let count = fitted.n_lines;
         let all = (count * freedom) as f64;
         let (statistic, p_value) = match self.noise_freedom {
             None => (total / all, chi_square_tail(total, all)),
@@ -177,7 +201,50 @@ impl FreeEndNull {
             }
         };
         let outcome = CheckOutcome::judged(Check::FreeEndNull, (statistic, 1.0), p_value, level);
-        Ok(outcome.at(worst.1))
+        Ok(outcome.at(fitted.worst))
+    }
+
+    /// Fits γ and the amplitudes of all lines with these common errors.
+    fn fitted(
+        &self,
+        spectra: &GaugeSpectra<'_>,
+        propagation_coefficient: &[Complex64],
+        errors: &CommonErrors,
+    ) -> Result<Fitted, CmodError> {
+        let mut fit = Fit::new(self, errors, spectra.tests.len());
+        let mut fitted = Fitted {
+            chi_square: 0.0,
+            n_lines: 0,
+            worst: None,
+            equations: NormalEquations::new(errors.count()),
+        };
+        let mut largest = 0.0;
+        let lines = propagation_coefficient.iter().zip(spectra.frequency_hz);
+        for (index, (&gamma, frequency_hz)) in lines.enumerate() {
+            if noises(spectra, index).any(|noise| noise == 0.0) {
+                return Err(CmodError::NoNoise {
+                    what: "noise of a sensor at line",
+                    index,
+                });
+            }
+            let omega = TAU * frequency_hz;
+            if !gamma.is_finite() || !fit.load(spectra, index, omega) {
+                continue;
+            }
+            let (misfit, gamma) = fit.least_misfit(gamma);
+            if errors.count() > 0 {
+                fit.add_to(&mut fitted.equations, gamma, omega);
+            }
+            fitted.chi_square += 2.0 * misfit;
+            fitted.n_lines += 1;
+            if misfit > largest {
+                (largest, fitted.worst) = (misfit, Some(index));
+            }
+        }
+        if fitted.n_lines == 0 {
+            return Err(CmodError::NoLines);
+        }
+        Ok(fitted)
     }
 }
 
@@ -192,21 +259,37 @@ fn noises(spectra: &GaugeSpectra<'_>, index: usize) -> impl Iterator<Item = f64>
 
 /// Fit of one line to the values of all tests, divided by the noise of each sensor.
 struct Fit<'a> {
-    check: &'a FreeEndNull,
+    errors: &'a CommonErrors,
+    shape_of_end: FreeEndShape,
+    /// Distances of the sensors from the free end, with their errors \[m\].
+    distances: Vec<f64>,
     /// Values of all sensors, (n_tests · n_sensors).
     values: Vec<Complex64>,
     weights: Vec<f64>,
     /// Functions f and f' of each sensor, divided by the noise of the sensor.
     shape: Vec<(Complex64, Complex64)>,
+    /// Changes of all values by each common error, without those that γ and the amplitudes explain.
+    columns: Vec<Vec<Complex64>>,
+    residual: Vec<Complex64>,
 }
 
 impl<'a> Fit<'a> {
-    fn new(check: &'a FreeEndNull, n_sensors: usize, n_tests: usize) -> Self {
+    fn new(check: &FreeEndNull, errors: &'a CommonErrors, n_tests: usize) -> Self {
+        let n_sensors = check.distances.len();
+        let distances = check.distances.iter().enumerate();
+        let distances = distances.map(|(sensor, stated)| errors.distance(sensor, *stated));
         Self {
-            check,
+            errors,
+            shape_of_end: FreeEndShape {
+                quantity: check.quantity,
+                length_of_end_mass: errors.end_length(check.rod.length_of_end_mass()),
+            },
+            distances: distances.collect(),
             values: Vec::with_capacity(n_sensors * n_tests),
             weights: Vec::with_capacity(n_sensors),
             shape: Vec::with_capacity(n_sensors),
+            columns: vec![Vec::with_capacity(n_sensors * n_tests); errors.count()],
+            residual: Vec::with_capacity(n_sensors * n_tests),
         }
     }
 
@@ -214,14 +297,15 @@ impl<'a> Fit<'a> {
         clippy::indexing_slicing,
         reason = "`GaugeSpectra::check` has refused spectra of another length"
     )]
-    fn load(&mut self, spectra: &GaugeSpectra<'_>, index: usize) -> bool {
+    fn load(&mut self, spectra: &GaugeSpectra<'_>, index: usize, omega: f64) -> bool {
         self.weights.clear();
         let noises = noises(spectra, index).map(f64::recip);
         self.weights.extend(noises);
         self.values.clear();
         for test in spectra.tests {
-            for (spectrum, weight) in test.iter().zip(&self.weights) {
-                self.values.push(spectrum[index] * weight);
+            for (sensor, (spectrum, weight)) in test.iter().zip(&self.weights).enumerate() {
+                let value = spectrum[index] / self.errors.factor(sensor, omega);
+                self.values.push(value * weight);
             }
         }
         self.values.iter().all(|value| value.is_finite())
@@ -229,14 +313,9 @@ impl<'a> Fit<'a> {
 
     /// Returns Σ|b - cf|² at γ, and the Gauss-Newton step from γ.
     fn misfit(&mut self, gamma: Complex64) -> (f64, Complex64) {
-        let l = self.check.rod.length_of_end_mass();
-        let shape = FreeEndShape {
-            quantity: self.check.quantity,
-            length_of_end_mass: l,
-        };
         self.shape.clear();
-        for (distance, weight) in self.check.distances.iter().zip(&self.weights) {
-            let jet = shape.at(*distance, gamma);
+        for (distance, weight) in self.distances.iter().zip(&self.weights) {
+            let jet = self.shape_of_end.at(*distance, gamma);
             self.shape.push((weight * jet.value, weight * jet.first));
         }
         let power: f64 = self.shape.iter().map(|(f, _)| f.norm_sqr()).sum();
@@ -263,9 +342,56 @@ impl<'a> Fit<'a> {
         (misfit, gradient / curvature)
     }
 
-    /// Returns the least misfit near `start`. Each Gauss-Newton step is halved until the misfit
-    /// decreases.
-    fn least_misfit(&mut self, start: Complex64) -> f64 {
+    /// Adds the line to the equations of the common errors, linearised about its minimum at γ.
+    fn add_to(&mut self, equations: &mut NormalEquations, gamma: Complex64, omega: f64) {
+        self.misfit(gamma);
+        let n = self.shape.len();
+        let power: f64 = self.shape.iter().map(|(f, _)| f.norm_sqr()).sum();
+        let along = |values: &[Complex64], shape: &[(Complex64, Complex64)]| -> Complex64 {
+            let pairs = shape.iter().zip(values);
+            pairs
+                .map(|((f, _), value)| f.conj() * value)
+                .sum::<Complex64>()
+                / power
+        };
+        let slopes: Vec<Complex64> = self.shape.iter().map(|(_, slope)| *slope).collect();
+        let drift = along(&slopes, &self.shape);
+        self.columns.iter_mut().for_each(Vec::clear);
+        self.residual.clear();
+        // changes of all values by γ
+        let mut by_gamma = Vec::with_capacity(self.values.len());
+        for test in self.values.chunks_exact(n) {
+            let c = along(test, &self.shape);
+            let pairs = self.shape.iter().zip(test);
+            self.residual.extend(pairs.map(|((f, _), b)| b - c * f));
+            by_gamma.extend(self.shape.iter().map(|(f, slope)| c * (slope - drift * f)));
+            for (sensor, (distance, weight)) in self.distances.iter().zip(&self.weights).enumerate()
+            {
+                let about = (&self.shape_of_end, gamma, omega);
+                let changes = self.errors.changes((sensor, *distance), about);
+                for (column, change) in self.columns.iter_mut().zip(changes) {
+                    column.push(c * weight * change);
+                }
+            }
+        }
+        let curvature: f64 = by_gamma.iter().map(Complex64::norm_sqr).sum();
+        for column in &mut self.columns {
+            for values in column.chunks_exact_mut(n) {
+                let amplitude = along(values, &self.shape);
+                let pairs = values.iter_mut().zip(&self.shape);
+                pairs.for_each(|(value, (f, _))| *value -= amplitude * f);
+            }
+            let pairs = by_gamma.iter().zip(column.iter());
+            let share = pairs.map(|(d, value)| d.conj() * value).sum::<Complex64>() / curvature;
+            let pairs = column.iter_mut().zip(&by_gamma);
+            pairs.for_each(|(value, d)| *value -= share * d);
+        }
+        equations.add(&self.columns, &self.residual);
+    }
+
+    /// Returns the least misfit near `start`, and γ there. Each Gauss-Newton step is halved until
+    /// the misfit decreases.
+    fn least_misfit(&mut self, start: Complex64) -> (f64, Complex64) {
         let mut gamma = start;
         let (mut best, mut step) = self.misfit(gamma);
         for _ in 0..MOST_STEPS {
@@ -285,13 +411,75 @@ impl<'a> Fit<'a> {
                 break;
             }
         }
-        best
+        (best, gamma)
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use testbed::noise::Noise;
+
+    /// Five gauges of which each is 0.3 to 0.6 mm from its stated position and 0.5 to 1 % off: exact
+    /// positions fail, stated uncertainties of 0.5 mm and 1 % explain them, and an error of 8 mm
+    /// fails in spite of them.
+    #[test]
+    fn stated_uncertainties_explain_what_they_cover_and_no_more() {
+        let rod = RodWithFreeEnd {
+            diameter: 0.0106,
+            density: 903.0,
+            end_mass: 1e-3,
+        };
+        let frequency_hz: Vec<f64> = (4..=160).map(|j| 50.0 * f64::from(j)).collect();
+        let gamma: Vec<Complex64> = frequency_hz
+            .iter()
+            .map(|f| Complex64::new(0.05, 1.0) * (TAU * f / 1700.0))
+            .collect();
+        let stated = [0.25, 0.31, 0.40, 0.51, 0.55];
+        let noise = 1e-3;
+        let outcome = |seed: u64, moved: f64, uncertain: bool| {
+            let mut random = Noise::seeded(seed);
+            let signs = [1.0, -1.0, -1.0, 1.0, -1.0];
+            let sensors = stated.iter().zip(signs).enumerate();
+            let spectra: Vec<Vec<Complex64>> = sensors
+                .map(|(sensor, (d, sign))| {
+                    let off = 0.3e-3 + 0.07e-3 * sensor as f64;
+                    let d = d + sign * off + if sensor == 2 { moved } else { 0.0 };
+                    let gain = 1.0 - sign * (0.005 + 0.001 * sensor as f64);
+                    let length = rod.length_of_end_mass();
+                    let value = |gamma: &Complex64| {
+                        let noise = Complex64::new(random.normal(), random.normal());
+                        let shape = (gamma * d).sinh() + length * gamma * (gamma * d).cosh();
+                        gain * shape + 1e-3 * std::f64::consts::FRAC_1_SQRT_2 * noise
+                    };
+                    gamma.iter().map(value).collect()
+                })
+                .collect();
+            let measured = GaugeSpectra {
+                frequency_hz: &frequency_hz,
+                tests: &[&spectra],
+                noise: &vec![vec![noise; frequency_hz.len()]; stated.len()],
+            };
+            let uncertainty = GaugeUncertainty {
+                positions: vec![0.5e-3; 5],
+                factors: vec![0.01; 5],
+                ..GaugeUncertainty::default()
+            };
+            let check = FreeEndNull::new(rod, stated.to_vec(), Quantity::Strain).unwrap();
+            let check = if uncertain {
+                check.with_uncertainty(uncertainty).unwrap()
+            } else {
+                check
+            };
+            check.check(&measured, &gamma, 0.01).unwrap()
+        };
+        assert!(outcome(1, 0.0, false).has_failed());
+        assert!(outcome(1, 8e-3, true).has_failed());
+        // the errors of this arrangement are fixed, so that chance is in the noise alone: p-values
+        // are uniform but for the squares of the errors, which are below those of the prior
+        let failures = (0..40).filter(|seed| outcome(*seed, 0.0, true).has_failed());
+        assert!(failures.count() <= 2);
+    }
 
     /// Noise that is assumed 10 % too small in amplitude: with chi-square over many lines a correct
     /// record fails. With Fisher's distribution for a noise of 100 degrees of freedom in all, whose
@@ -306,7 +494,7 @@ mod tests {
         let frequency_hz: Vec<f64> = (1..=900).map(|j| 10.0 * f64::from(j)).collect();
         let gamma: Vec<Complex64> = frequency_hz
             .iter()
-            .map(|f| Complex64::new(0.05, 1.0) * (std::f64::consts::TAU * f / 1700.0))
+            .map(|f| Complex64::new(0.05, 1.0) * (TAU * f / 1700.0))
             .collect();
         let distances = [0.1, 0.25, 0.41];
         let noise = 1e-3;
@@ -322,7 +510,7 @@ mod tests {
                 let value = |gamma: &Complex64| {
                     let size = noise * (-uniform().ln()).sqrt();
                     (gamma * d).sinh()
-                        + Complex64::from_polar(size, std::f64::consts::TAU * uniform())
+                        + Complex64::from_polar(size, TAU * uniform())
                 };
                 gamma.iter().map(value).collect()
             })

@@ -91,7 +91,7 @@ pub(super) struct GaugeInfluence {
 }
 
 impl GaugeUncertainty {
-    pub(super) fn check(self, n_gauges: usize, has_free_end: bool) -> Result<Self, CmodError> {
+    pub(crate) fn check(self, n_gauges: usize, has_free_end: bool) -> Result<Self, CmodError> {
         for (quantity, value) in [
             (
                 "uncertainty of the position of the free end [m]",

@@ -157,7 +157,9 @@ fn free_end_null(outcome: &mut Outcome, found: &Found<'_>, level: f64) {
     }
     let quantity = constructed::gauge_quantity(found.measured, gauges);
     let rod = rod::rod_with_free_end(found.sheet);
+    let uncertainty = constructed::gauge_uncertainty(found.sheet, gauges, spectra);
     let made = FreeEndNull::new(rod, distances.collect(), quantity)
+        .and_then(|check| check.with_uncertainty(uncertainty))
         .and_then(|check| check.with_noise_freedom(gauges::noise_freedom(spectra)?))
         .and_then(|check| {
             estimate::with_gauge_spectra(spectra, |spectra| check.check(spectra, &gamma, level))

@@ -211,7 +211,7 @@ pub(super) fn gauge_quantity(measured: &Measured, gauges: &[GaugeSheet]) -> Quan
 
 /// Returns the uncertainties of the gauges. Those of mass and diameter matter only on a free end
 /// that is a condition of the method.
-fn gauge_uncertainty(
+pub(super) fn gauge_uncertainty(
     sheet: &ModulusSheet,
     gauges: &[GaugeSheet],
     spectra: &SectionSpectra,
