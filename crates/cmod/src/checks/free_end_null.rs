@@ -509,8 +509,7 @@ mod tests {
             .map(|d| {
                 let value = |gamma: &Complex64| {
                     let size = noise * (-uniform().ln()).sqrt();
-                    (gamma * d).sinh()
-                        + Complex64::from_polar(size, TAU * uniform())
+                    (gamma * d).sinh() + Complex64::from_polar(size, TAU * uniform())
                 };
                 gamma.iter().map(value).collect()
             })
