@@ -22,13 +22,18 @@ pub(crate) fn windows_of_analyser(
     let unit_of = |name: &str| {
         let known = hits.first().map(|hit| hit.channels()).unwrap_or_default();
         let channel = known.iter().find(|channel| channel.name() == name);
-        channel.map_or("", |channel| channel.quantity().unit())
+        let unit = channel.map_or("1", |channel| channel.quantity().unit());
+        if unit == "1" {
+            String::new()
+        } else {
+            format!(" {unit}")
+        }
     };
     Ok(falling
         .iter()
         .map(|noise| {
             format!(
-                "the noise of `{}` falls from {} {unit} to {} {unit} between the beginning and the end of the records, as under an exponential window of \
+                "the noise of `{}` falls from {}{unit} to {}{unit} between the beginning and the end of the records, as under an exponential window of \
                  time constant {} ms: the analyser has applied a window, which changes the result; record without window, because an \
                  `exponential_window` of the sheet would be a second one",
                 noise.channel,
