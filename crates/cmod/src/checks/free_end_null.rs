@@ -1,6 +1,6 @@
 //! Check that no force acts at the free end except that of its mass.
 
-mod common;
+mod common_errors;
 
 use std::f64::consts::TAU;
 
@@ -11,7 +11,7 @@ use crate::error::{CmodError, check_positive};
 use crate::estimate::VarianceFreedom;
 use crate::free_end::{FreeEndShape, RodWithFreeEnd};
 use crate::multi_point::{GaugeSpectra, GaugeUncertainty, Quantity};
-use common::{CommonErrors, NormalEquations};
+use common_errors::{CommonErrors, NormalEquations};
 
 /// Maximum number of Gauss-Newton steps per line.
 const MOST_STEPS: u32 = 60;
