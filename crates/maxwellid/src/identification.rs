@@ -256,13 +256,12 @@ impl<M: RodModel> Identification<M> {
 
     fn flag_curvature(&mut self) {
         let names = self.model.parameter_names();
-        let curved = names.iter().zip(&self.curved).enumerate();
-        let bent = |index: usize| self.bent.get(index).is_some_and(|bent| *bent);
-        let flags: Vec<FitFlag> = curved
-            .filter(|(index, (_, curved))| {
-                **curved && (bent(*index) || !self.has_closed_profile(*index))
-            })
-            .map(|(_, (name, _))| FitFlag::Curved {
+        let lacking = names
+            .iter()
+            .enumerate()
+            .filter(|(index, _)| self.lacks_interval(*index));
+        let flags: Vec<FitFlag> = lacking
+            .map(|(_, name)| FitFlag::Curved {
                 parameter: (*name).to_owned(),
             })
             .collect();
@@ -488,15 +487,17 @@ impl<M: RodModel> Identification<M> {
         let own: Vec<usize> = weights
             .filter_map(|(index, weight)| (*weight != 0.0).then_some(index))
             .collect();
-        let is = |flags: &[bool], index: &usize| flags.get(*index).is_some_and(|flag| *flag);
         match own.as_slice() {
-            [index] if self.has_closed_profile(*index) => is(&self.bent, index),
-            all => all.iter().any(|index| is(&self.curved, index)),
+            [index] => self.lacks_interval(*index),
+            all => all.iter().any(|index| is_set(&self.curved, *index)),
         }
     }
 
-    fn has_closed_profile(&self, index: usize) -> bool {
-        self.ends.get(index).is_some_and(|ends| ends.len() == 2)
+    /// Returns true if neither the standard error nor a closed profile of a coordinate represents
+    /// the values that the data exclude.
+    fn lacks_interval(&self, index: usize) -> bool {
+        let is_closed = self.ends.get(index).is_some_and(|ends| ends.len() == 2);
+        is_set(&self.curved, index) && (is_set(&self.bent, index) || !is_closed)
     }
 
     /// Longer half of the 95 % interval of the profile of a stated parameter that depends on one
@@ -513,6 +514,10 @@ impl<M: RodModel> Identification<M> {
         });
         halves.fold(0.0, f64::max)
     }
+}
+
+fn is_set(flags: &[bool], index: usize) -> bool {
+    flags.get(index).is_some_and(|flag| *flag)
 }
 
 /// The 97.5 % quantile of the normal distribution.

@@ -191,12 +191,15 @@ impl<M: RodModel + Clone> Fit<M> {
             };
             match next {
                 Some(next) => lowest = next,
-                None if found.is_lowest_within_interval() => {
-                    let identification = self.concluded(lowest);
-                    let identification = identification.judged_by(&found.profiles);
+                None => {
+                    let concluded = self.concluded(lowest);
+                    let identification = if found.is_lowest_within_interval() {
+                        concluded.judged_by(&found.profiles)
+                    } else {
+                        concluded.unsettled()
+                    };
                     return Ok((identification, found.profiles));
                 }
-                None => break,
             }
         }
         let found = walked(&lowest, candidate, &prior)?;
