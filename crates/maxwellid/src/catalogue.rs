@@ -34,6 +34,11 @@ use crate::specimen::SpecimenSensitivity;
 ///
 /// Maxwell, Norton and Gurevich-Rabinovich are the laws of (Ödeen 1993, paper D, Table 1).
 ///
+/// # Prior ranges
+/// The range of κ is 0.25 to 3.75 and that of σ_ref/m is -0.5 to 3.5 (σ_ref = 10 MPa; m down to 2.9
+/// MPa); that of Eyring's σ* is 1 to 20 MPa. The share of a nonlinear branch is a fiftieth to five
+/// times that of its neighbour, the relaxation time of a linear branch in parallel 5 us to 1 ms.
+///
 /// ```
 /// use maxwellid::{Law, RodModel};
 ///
@@ -524,5 +529,47 @@ impl IdentifiableLaw for Eyring {
         let law =
             Self::from_reference_rate(LINEAR_SHARPNESS, rate, self.reference_stress()).ok()?;
         Some((law, "with 1/sigma* = 0"))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_prior_ranges_are_those_of_the_documentation() {
+        let ranges_of = |law: Law| law.entry().ranges.clone();
+        assert_eq!(ranges_of(Law::Norton), [Some((0.25, 3.75)), None]);
+        let gurevich = ranges_of(Law::GurevichRabinovich);
+        assert_eq!(gurevich, [Some((-0.5, 3.5)), None]);
+        // logarithms of 0.02 and 5, of 5 us and 1 ms
+        let share = [0.02_f64.ln(), 5_f64.ln()];
+        let time = [5e-6_f64.ln(), 1e-3_f64.ln()];
+        let loss = [0.005_f64.ln(), 0.5_f64.ln()];
+        let (kappa, ratio) = ([0.25, 3.75], [-0.5, 3.5]);
+        // σ_ref/σ* of 20 and 1 MPa
+        let sharpness = [0.5_f64.ln(), 10_f64.ln()];
+        for (law, expected) in [
+            (Law::Eyring, vec![sharpness]),
+            (Law::ZenerEyring, vec![share, sharpness]),
+            (Law::ZenerNorton, vec![share, kappa]),
+            (Law::ZenerGurevichRabinovich, vec![share, ratio]),
+            (Law::MaxwellAndNorton, vec![share, time, kappa]),
+            (Law::MaxwellAndGurevichRabinovich, vec![share, time, ratio]),
+            (Law::ZhuWangTangNorton, vec![share, share, time, kappa]),
+            (Law::FlatLossAndNorton, vec![share, loss, kappa]),
+            (Law::FlatLossAndGurevichRabinovich, vec![share, loss, ratio]),
+        ] {
+            let ranges = ranges_of(law);
+            assert_eq!(ranges.len(), expected.len() + 1, "{law:?}");
+            for (range, [low, high]) in ranges.iter().zip(expected) {
+                let (from, to) = range.unwrap();
+                assert!(
+                    (from - low).abs() < 1e-6 && (to - high).abs() < 1e-6,
+                    "{law:?}"
+                );
+            }
+            assert_eq!(ranges.last(), Some(&None), "{law:?}");
+        }
     }
 }

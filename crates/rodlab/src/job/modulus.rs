@@ -5,7 +5,6 @@ mod calibration;
 mod causal;
 mod checked_band;
 mod checks;
-mod constructed;
 mod drift;
 mod estimate;
 mod figures;
@@ -18,7 +17,6 @@ mod measured;
 mod method;
 mod mistaken;
 mod reasons;
-mod rod;
 mod statement;
 mod universal;
 
@@ -45,6 +43,7 @@ use crate::sheet::{
 };
 use crate::{Outcome, RodlabError};
 use measured::{Measured, Spectra};
+use method::rod;
 
 /// Sheet of the job.
 #[derive(Debug, Clone, Deserialize)]

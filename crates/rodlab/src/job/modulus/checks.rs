@@ -11,8 +11,8 @@ use num_complex::Complex64;
 use serde::Deserialize;
 
 use super::measured::Spectra;
-use super::method::MethodSheet;
-use super::{Found, SourceSheet, checked_band, constructed, estimate, gauges, rod};
+use super::method::{MethodSheet, rod};
+use super::{Found, SourceSheet, checked_band, estimate};
 use crate::digits::{hertz, significant};
 use crate::outcome::{CHECK, LogEntry, Quantity};
 use crate::sheet::{Exact, Frequency, Ratio};
@@ -155,12 +155,12 @@ fn free_end_null(outcome: &mut Outcome, found: &Found<'_>, level: f64) {
     for line in found.estimate.valid() {
         gamma[line.index] = line.propagation_coefficient;
     }
-    let quantity = constructed::gauge_quantity(found.measured, gauges);
+    let quantity = rod::gauge_quantity(&found.measured.quantities, gauges);
     let rod = rod::rod_with_free_end(found.sheet);
-    let uncertainty = constructed::gauge_uncertainty(found.sheet, gauges, spectra);
+    let uncertainty = rod::gauge_uncertainty(found.sheet, gauges, spectra);
     let made = FreeEndNull::new(rod, distances.collect(), quantity)
         .and_then(|check| check.with_uncertainty(uncertainty))
-        .and_then(|check| check.with_noise_freedom(gauges::noise_freedom(spectra)?))
+        .and_then(|check| check.with_noise_freedom(rod::noise_freedom(spectra)?))
         .and_then(|check| {
             estimate::with_gauge_spectra(spectra, |spectra| check.check(spectra, &gamma, level))
         });

@@ -15,10 +15,9 @@ use num_complex::Complex64;
 use rayon::prelude::*;
 use rodwave::slenderness::Theory;
 
-use super::constructed::{gauge_method, ratio_method, refused};
 use super::measured::{Measured, Spectra};
-use super::method::MethodSheet;
-use super::rod::{length, limits, rod_with_free_end, section_uncertainty, uncertainty};
+use super::method::rod::{length, limits, rod_with_free_end, section_uncertainty, uncertainty};
+use super::method::{MethodSheet, gauge_method, ratio_method, refused};
 use super::{ModulusSheet, TheorySheet};
 use crate::RodlabError;
 
@@ -116,7 +115,7 @@ fn with_ratio<T>(
         common: &common,
         lines_per_independent_line: ratio.lines_per_independent_line,
     };
-    let method = ratio_method(sheet, measured, ratio)?;
+    let method = ratio_method(sheet, &measured.quantities, ratio)?;
     take(method.as_ref(), &lines).map_err(refused)
 }
 
@@ -128,7 +127,7 @@ pub(super) fn deviations(
     (spectra, modulus): (&Spectra, &ModulusEstimate),
 ) -> Result<Option<Vec<f64>>, RodlabError> {
     if let Spectra::Ratio(ratio) = spectra {
-        let method = ratio_method(sheet, measured, ratio)?;
+        let method = ratio_method(sheet, &measured.quantities, ratio)?;
         let hits: Option<Vec<&[Complex64]>> = measured.each.iter().map(Spectra::ratios).collect();
         let linear = hits
             .and_then(|hits| hit_trend::deviations(method.as_ref(), modulus, &ratio.values, &hits));
@@ -217,7 +216,7 @@ fn with_gauges<T>(
     (measured, gauges): (&Measured, &SectionSpectra),
     take: impl FnOnce(&dyn GaugeMethod, &GaugeSpectra<'_>) -> Result<T, CmodError>,
 ) -> Result<T, RodlabError> {
-    gauge_method(sheet, measured, gauges)
+    gauge_method(sheet, &measured.quantities, gauges)
         .and_then(|method| with_gauge_spectra(gauges, |spectra| take(method.as_ref(), spectra)))
         .map_err(refused)
 }

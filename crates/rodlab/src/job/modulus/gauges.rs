@@ -1,19 +1,11 @@
 //! Spectra of gauges, with the damping that the sheet states or that the ringing of the rod
 //! requires.
 
-use cmod::CmodError;
-use cmod::estimate::VarianceFreedom;
 use labio::{LabioError, Record, SectionSpectra, damping_of_ringing};
 
 use super::method::GaugeSheet;
 use crate::RodlabError;
 use crate::job::frf::ExponentialWindowSheet;
-
-/// Returns the degrees of freedom of the noise of one gauge.
-pub(super) fn noise_freedom(gauges: &SectionSpectra) -> Result<VarianceFreedom, CmodError> {
-    let freedom = gauges.noise_freedom();
-    VarianceFreedom::new(freedom.line, freedom.own)
-}
 
 /// Damping added to hits before their transform.
 pub(super) enum Damping {

@@ -250,12 +250,6 @@ impl Measured {
             _ => &[],
         }
     }
-
-    /// Returns the quantity of a channel of the hits.
-    pub(super) fn quantity_of(&self, channel: &str) -> Option<Quantity> {
-        let found = self.quantities.iter().find(|(name, _)| name == channel);
-        found.map(|(_, quantity)| *quantity)
-    }
 }
 
 impl Spectra {

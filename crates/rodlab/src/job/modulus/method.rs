@@ -1,12 +1,27 @@
-//! Methods for the modulus: their sheets and their arrangements of sensors.
+//! Methods for the modulus: their sheets, their arrangements of sensors and their construction.
 
 mod arrangement;
+pub(super) mod rod;
 mod section;
 
+use cmod::multi_point::{GaugeMethod, Quantity};
+use cmod::section_ratio::RatioMethod;
+use cmod::two_point::SpecimenUncertainty;
+use cmod::{
+    CmodError, FreeEnd, MultiPoint, OneGauge, PulsedRod, Resonances, SeparatePulses, Solver,
+    Specimen, ThreePoint, TwoPoint,
+};
+use labio::{ResponseRatio, SectionSpectra};
 use serde::Deserialize;
 
+use super::ModulusSheet;
+use crate::RodlabError;
 use crate::sheet::{Coordinate, Exact, Language, Length, Stated, Time, Velocity};
 pub(super) use arrangement::{Arrangement, Counted, FromHits, Pulse, Taken, Vibration};
+use rod::{
+    end_mass, gauge_quantity, gauge_uncertainty, gauged_rod, length, limits, noise_freedom,
+    rod_with_free_end, section_uncertainty, uncertainty,
+};
 pub(super) use section::of_channel;
 pub use section::{GaugeSheet, QuantitySheet, SectionSheet, WindowSheet};
 
@@ -220,4 +235,164 @@ impl MethodSheet {
             },
         }
     }
+}
+
+/// Returns the method of the sheet for a ratio; `quantities` are those of the channels of the hits.
+pub(super) fn ratio_method(
+    sheet: &ModulusSheet,
+    quantities: &[(String, Quantity)],
+    ratio: &ResponseRatio,
+) -> Result<Box<dyn RatioMethod>, RodlabError> {
+    let (specimen, limits) = (&sheet.specimen, limits(sheet));
+    let diameter = specimen.diameter.with_uncertainty();
+    let density = specimen.density.with_uncertainty();
+    let at = |one, field| rod::section(quantities, one, &sheet.method.field(field));
+    match &sheet.method {
+        MethodSheet::TwoPoint { solver, .. } => TwoPoint::new(Specimen {
+            length: length(sheet)?,
+            diameter: diameter.value,
+            density: density.value,
+            accelerometer_mass: end_mass(sheet),
+        })
+        .and_then(|method| method.with_limits(limits))
+        .and_then(|method| {
+            method.with_specimen_uncertainty(SpecimenUncertainty {
+                length: uncertainty(specimen.length.as_ref()),
+                diameter: diameter.uncertainty(),
+                density: density.uncertainty(),
+                accelerometer_mass: uncertainty(specimen.accelerometer_mass.as_ref()),
+            })
+        })
+        .map(|method| {
+            boxed(method.with_solver(match solver {
+                None | Some(SolverSheet::Continuation) => Solver::Continuation,
+                Some(SolverSheet::Newton) => Solver::Newton,
+                Some(SolverSheet::Series) => Solver::Series,
+            }))
+        }),
+        MethodSheet::Resonances { .. } => {
+            let error = uncertainty(specimen.length.as_ref());
+            Resonances::new(rod_with_free_end(sheet), length(sheet)?)
+                .and_then(|method| method.with_limits(limits))
+                .and_then(|method| method.with_uncertainty(section_uncertainty(sheet, error)))
+                .map(boxed)
+        }
+        MethodSheet::FreeEnd {
+            first,
+            second,
+            wave_speed,
+        } => {
+            let sections = (at(first, "first")?, at(second, "second")?);
+            let error = uncertainty(Some(&first.from_free_end))
+                .max(uncertainty(Some(&second.from_free_end)));
+            FreeEnd::new(rod_with_free_end(sheet), sections.0, sections.1)
+                .and_then(|method| method.with_limits(limits))
+                .and_then(|method| method.with_uncertainty(section_uncertainty(sheet, error)))
+                .and_then(|method| if_some(method, speed(wave_speed), FreeEnd::with_wave_speed))
+                .map(boxed)
+        }
+        MethodSheet::SeparatePulses {
+            distance,
+            wave_speed,
+            ..
+        } => {
+            let error = uncertainty(Some(distance));
+            SeparatePulses::new(PulsedRod {
+                distance: distance.with_uncertainty().value,
+                diameter: diameter.value,
+                density: density.value,
+            })
+            .and_then(|method| method.with_limits(limits))
+            .and_then(|method| method.with_uncertainty(section_uncertainty(sheet, error)))
+            .and_then(|method| if_some(method, speed(wave_speed), SeparatePulses::with_wave_speed))
+            .and_then(|method| if_some(method, ratio.delay, SeparatePulses::with_delay))
+            .map(boxed)
+        }
+        MethodSheet::OneGauge {
+            section,
+            wave_speed,
+            ..
+        } => {
+            let error = uncertainty(Some(&section.from_free_end));
+            OneGauge::new(rod_with_free_end(sheet), at(section, "section")?)
+                .and_then(|method| method.with_limits(limits))
+                .and_then(|method| method.with_uncertainty(section_uncertainty(sheet, error)))
+                .and_then(|method| if_some(method, speed(wave_speed), OneGauge::with_wave_speed))
+                .and_then(|method| if_some(method, ratio.delay, OneGauge::with_delay))
+                .map(boxed)
+        }
+        // for these methods a ratio has been refused before it is read
+        MethodSheet::ThreePoint { .. }
+        | MethodSheet::MultiPoint { .. }
+        | MethodSheet::FreeVibration { .. } => {
+            sheet.method.ratio_in_words()?;
+            Err(CmodError::NoLines)
+        }
+    }
+    .map_err(refused)
+}
+
+/// Returns the method of the sheet for the spectra of gauges; `quantities` are those of the
+/// channels of the hits.
+pub(super) fn gauge_method(
+    sheet: &ModulusSheet,
+    quantities: &[(String, Quantity)],
+    spectra: &SectionSpectra,
+) -> Result<Box<dyn GaugeMethod>, CmodError> {
+    let limits = limits(sheet);
+    match &sheet.method {
+        MethodSheet::ThreePoint { gauges } => ThreePoint::new(gauged_rod(sheet, gauges))?
+            .with_limits(limits)?
+            .with_noise_freedom(noise_freedom(spectra)?)?
+            .with_uncertainty(gauge_uncertainty(sheet, gauges, spectra))
+            .map(|method| Box::new(method) as Box<dyn GaugeMethod>),
+        MethodSheet::MultiPoint {
+            gauges, wave_speed, ..
+        } => {
+            let rod = gauged_rod(sheet, gauges);
+            let method = match sheet.method.used_free_end() {
+                Some(end) => MultiPoint::before_free_end(rod, end.with_uncertainty().value)?
+                    .with_end_mass(end_mass(sheet))?,
+                None => MultiPoint::new(rod)?,
+            }
+            .with_limits(limits)?
+            .with_added_damping(spectra.decay_rate())?
+            .with_uncertainty(gauge_uncertainty(sheet, gauges, spectra))?;
+            let method = if_some(method, speed(wave_speed), MultiPoint::with_wave_speed)?
+                .with_noise_freedom(noise_freedom(spectra)?)?;
+            Ok(Box::new(
+                method.with_quantity(gauge_quantity(quantities, gauges)),
+            ))
+        }
+        MethodSheet::TwoPoint { .. }
+        | MethodSheet::Resonances { .. }
+        | MethodSheet::FreeVibration { .. }
+        | MethodSheet::FreeEnd { .. }
+        | MethodSheet::SeparatePulses { .. }
+        | MethodSheet::OneGauge { .. } => Err(CmodError::NoLines),
+    }
+}
+
+fn boxed(method: impl RatioMethod + 'static) -> Box<dyn RatioMethod> {
+    Box::new(method)
+}
+
+fn speed(stated: &Option<Exact<Velocity>>) -> Option<f64> {
+    stated.as_ref().map(Exact::si)
+}
+
+/// Returns the method with a setting, if there is a value for it.
+fn if_some<M>(
+    method: M,
+    value: Option<f64>,
+    set: impl FnOnce(M, f64) -> Result<M, CmodError>,
+) -> Result<M, CmodError> {
+    match value {
+        Some(value) => set(method, value),
+        None => Ok(method),
+    }
+}
+
+pub(super) fn refused(error: CmodError) -> RodlabError {
+    RodlabError::step("finding the modulus", error)
 }

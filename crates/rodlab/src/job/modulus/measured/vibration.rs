@@ -11,7 +11,7 @@ use crate::RodlabError;
 use crate::digits::significant;
 use crate::job::modulus::ModulusSheet;
 use crate::job::modulus::method::Vibration;
-use crate::job::modulus::rod::{length, rod_with_free_end};
+use crate::job::modulus::method::rod::{length, rod_with_free_end};
 use crate::outcome::{Column, Table};
 
 /// The modes of a rod.

@@ -1,17 +1,23 @@
-//! Rod, uncertainties and limits of the sheet, in the form used by the methods of `cmod`.
+//! Rod, sections, gauges, uncertainties and limits of the sheet, in the form used by the methods of
+//! `cmod`.
 
+use cmod::estimate::VarianceFreedom;
+use cmod::multi_point::Quantity;
 use cmod::validity::AcceptanceLimits;
-use cmod::{GaugedRod, RodWithFreeEnd, SectionUncertainty};
+use cmod::{
+    CmodError, EndSection, GaugeUncertainty, GaugedRod, RodWithFreeEnd, SectionUncertainty,
+};
+use labio::{SectionSpectra, SensorError};
 
-use super::ModulusSheet;
-use super::method::{Counted, GaugeSheet};
+use super::{Counted, GaugeSheet, SectionSheet};
 use crate::RodlabError;
 use crate::digits::significant;
+use crate::job::modulus::ModulusSheet;
 use crate::sheet::{Exact, Ratio, Stated, plausible};
 
 /// Refuses a density outside the range of solids, and a diameter that is not below the length of
 /// the rod or the distance between its sections.
-pub(super) fn check(sheet: &ModulusSheet) -> Result<(), RodlabError> {
+pub(in crate::job::modulus) fn check(sheet: &ModulusSheet) -> Result<(), RodlabError> {
     plausible::density(&sheet.specimen.density, "specimen.density")?;
     let extent = match sheet.method.counted() {
         Counted::Gauges(gauges) => {
@@ -42,7 +48,7 @@ pub(super) fn check(sheet: &ModulusSheet) -> Result<(), RodlabError> {
 }
 
 /// Returns the length of the specimen \[m\]; an error if it is not stated.
-pub(super) fn length(sheet: &ModulusSheet) -> Result<f64, RodlabError> {
+pub(in crate::job::modulus) fn length(sheet: &ModulusSheet) -> Result<f64, RodlabError> {
     sheet
         .specimen
         .length
@@ -58,7 +64,7 @@ pub(super) fn length(sheet: &ModulusSheet) -> Result<f64, RodlabError> {
 }
 
 /// Returns the distance over which wavelengths are counted \[m\].
-pub(super) fn distance(sheet: &ModulusSheet) -> Result<f64, RodlabError> {
+pub(in crate::job::modulus) fn distance(sheet: &ModulusSheet) -> Result<f64, RodlabError> {
     match sheet.method.counted() {
         Counted::Length => length(sheet),
         Counted::Between(distance) => Ok(distance),
@@ -66,7 +72,7 @@ pub(super) fn distance(sheet: &ModulusSheet) -> Result<f64, RodlabError> {
     }
 }
 
-pub(super) fn rod_with_free_end(sheet: &ModulusSheet) -> RodWithFreeEnd {
+pub(in crate::job::modulus) fn rod_with_free_end(sheet: &ModulusSheet) -> RodWithFreeEnd {
     RodWithFreeEnd {
         diameter: sheet.specimen.diameter.with_uncertainty().value,
         density: sheet.specimen.density.with_uncertainty().value,
@@ -91,7 +97,10 @@ pub(super) fn end_mass(sheet: &ModulusSheet) -> f64 {
     mass.map_or(0.0, |mass| mass.with_uncertainty().value)
 }
 
-pub(super) fn section_uncertainty(sheet: &ModulusSheet, distance: f64) -> SectionUncertainty {
+pub(in crate::job::modulus) fn section_uncertainty(
+    sheet: &ModulusSheet,
+    distance: f64,
+) -> SectionUncertainty {
     SectionUncertainty {
         distance,
         diameter: uncertainty(Some(&sheet.specimen.diameter)),
@@ -100,11 +109,11 @@ pub(super) fn section_uncertainty(sheet: &ModulusSheet, distance: f64) -> Sectio
     }
 }
 
-pub(super) fn uncertainty<K>(stated: Option<&Stated<K>>) -> f64 {
+pub(in crate::job::modulus) fn uncertainty<K>(stated: Option<&Stated<K>>) -> f64 {
     stated.map_or(0.0, |stated| stated.with_uncertainty().uncertainty())
 }
 
-pub(super) fn limits(sheet: &ModulusSheet) -> AcceptanceLimits {
+pub(in crate::job::modulus) fn limits(sheet: &ModulusSheet) -> AcceptanceLimits {
     let default = AcceptanceLimits::default();
     let or =
         |stated: &Option<Exact<Ratio>>, default: f64| stated.as_ref().map_or(default, Exact::si);
@@ -121,5 +130,78 @@ pub(super) fn limits(sheet: &ModulusSheet) -> AcceptanceLimits {
             default.error_amplification,
         ),
         coherence: or(&sheet.limits.coherence, default.coherence),
+    }
+}
+
+/// Returns the degrees of freedom of the noise of one gauge.
+pub(in crate::job::modulus) fn noise_freedom(
+    gauges: &SectionSpectra,
+) -> Result<VarianceFreedom, CmodError> {
+    let freedom = gauges.noise_freedom();
+    VarianceFreedom::new(freedom.line, freedom.own)
+}
+
+/// Returns a section of a rod with a free end. The quantity measured there is stated in the sheet,
+/// or that of the channel.
+pub(super) fn section(
+    quantities: &[(String, Quantity)],
+    section: &SectionSheet,
+    field: &str,
+) -> Result<EndSection, RodlabError> {
+    let quantity = section
+        .quantity
+        .map(Quantity::from)
+        .or_else(|| quantity_of(quantities, &section.channel));
+    Ok(EndSection {
+        distance: section.from_free_end.with_uncertainty().value,
+        quantity: quantity.ok_or_else(|| {
+            RodlabError::request(
+                format!("{field}.quantity"),
+                "missing",
+                "`strain`, `displacement`, `velocity` or `acceleration` (in RON with a capital letter): a ratio in a file does not state it",
+            )
+        })?,
+    })
+}
+
+/// Returns the quantity of a channel of the hits.
+fn quantity_of(quantities: &[(String, Quantity)], channel: &str) -> Option<Quantity> {
+    let found = quantities.iter().find(|(name, _)| name == channel);
+    found.map(|(_, quantity)| *quantity)
+}
+
+/// Returns the quantity of all gauges, which is that of the first gauge.
+pub(in crate::job::modulus) fn gauge_quantity(
+    quantities: &[(String, Quantity)],
+    gauges: &[GaugeSheet],
+) -> Quantity {
+    gauges
+        .first()
+        .and_then(|gauge| quantity_of(quantities, &gauge.channel))
+        .unwrap_or_default()
+}
+
+/// Returns the uncertainties of the gauges. Those of mass and diameter matter only on a free end
+/// that is a condition of the method.
+pub(in crate::job::modulus) fn gauge_uncertainty(
+    sheet: &ModulusSheet,
+    gauges: &[GaugeSheet],
+    spectra: &SectionSpectra,
+) -> GaugeUncertainty {
+    let specimen = &sheet.specimen;
+    let free_end = sheet.method.used_free_end();
+    let on_end = |value: f64| if free_end.is_some() { value } else { 0.0 };
+    let of_sensors = |value: fn(&SensorError) -> f64| spectra.sensors.iter().map(value).collect();
+    GaugeUncertainty {
+        free_end: uncertainty(free_end),
+        end_mass: on_end(uncertainty(specimen.accelerometer_mass.as_ref())),
+        diameter: on_end(uncertainty(Some(&specimen.diameter))),
+        density: uncertainty(Some(&specimen.density)),
+        positions: gauges
+            .iter()
+            .map(|gauge| uncertainty(Some(&gauge.at)))
+            .collect(),
+        factors: of_sensors(|sensor| sensor.gain),
+        delays: of_sensors(|sensor| sensor.delay),
     }
 }
