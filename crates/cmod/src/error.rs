@@ -202,9 +202,7 @@ pub enum CmodError {
         coherence: f64,
     },
     /// There are too few averages to estimate a variance.
-    #[error(
-        "{found} averages, expected at least 2: the coherence of one is 1 whatever was measured"
-    )]
+    #[error("{found} averages, expected at least 2: the coherence of a single average is always 1")]
     TooFewAverages {
         /// Number of averages found.
         found: f64,

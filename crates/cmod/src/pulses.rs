@@ -232,7 +232,7 @@ mod tests {
         let reason = alone.lines()[0].validity.to_string();
         assert_eq!(
             reason,
-            "branch: 4 lines are too few to find the wave speed, expected 8 or a guess of it"
+            "branch: 4 lines are too few to find the wave speed, expected 8 or a guess of the wave speed"
         );
         let guided = method.with_wave_speed(1600.0).unwrap();
         let guided = guided.estimate(&frequency_hz, &ratio, &[1e-8; 4]).unwrap();

@@ -31,8 +31,8 @@
 //!   change of 10⁻¹⁰ %. The form above follows from eqs. 1-3.
 //! - **Equation 5**, Δtan δᵢ: the product E₂ ω m t_r is printed E₂ ω_m t_r.
 //! - **B** is printed in Pa s^-2.8; by eq. 1 its unit is Pa^-(m+1) s^-1.
-//! - **The survey** at the beginning of the thesis (section 3.3) puts E₁ parallel to the dashpot and E₂ in series. With this
-//!   arrangement |E*| would tend to E₂ = 13.1 kPa.
+//! - **The survey** at the beginning of the thesis (section 3.3) puts E₁ parallel to the dashpot
+//!   and E₂ in series. With this arrangement |E*| would tend to E₂ = 13.1 kPa.
 //!
 //! # Identifiability
 //! One test gives two numbers, Δtan δᵢ and t_r, for the three parameters E₂, B and m, so two loads

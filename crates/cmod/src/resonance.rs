@@ -155,8 +155,8 @@ impl Resonances {
         Some(root)
     }
 
-    /// Returns all zeros of Re Ψ within the band, numbered by the branch of the closed form, where cosh
-    /// αL cos kL = 0.
+    /// Returns all zeros of Re Ψ within the band, numbered by the branch of the closed form, where
+    /// cosh αL cos kL = 0.
     fn crossings(&self, measured: &[MeasuredRatio<'_>]) -> Result<Vec<Crossing>, CmodError> {
         let mass_ratio = self.rod.length_of_end_mass() / self.length;
         let roots = section_ratio::branches(measured, self.length, mass_ratio)?;

@@ -180,7 +180,7 @@ pub enum Violation {
     /// The random error is within its limit only because noise made the loss factor of the line too
     /// large, see [`judged_by_neighbours`](crate::ModulusEstimate::judged_by_neighbours).
     #[error(
-        "loss factor may be off by {} of that of the lines around it, expected at most {}: noise made it large",
+        "loss factor may be off by {} of the mean loss factor of the neighbouring lines, expected at most {}: noise has made the loss factor of this line too large",
         percent(*.error), percent(*.limit)
     )]
     LossWithinNoise {

@@ -479,7 +479,7 @@ fn the_report_names_errors_and_reasons() {
     let one = joint(&noisy_tests(1, 0.0, &clean)[1..2]);
     assert!(
         one.to_string()
-            .contains("not identifiable: one load gives two numbers for three parameters"),
+            .contains("not identifiable: one load determines only two numbers, but the model has three parameters"),
         "{one}"
     );
 }

@@ -25,7 +25,7 @@ fn method(bar: &RingingRod, wave_speed: f64) -> FreeVibration {
 fn free_vibration_tells_a_loss_factor_of_one_in_a_hundred_thousand() {
     const POWER: &str = "60 to 80 values: standard deviation of 3 % for a fraction of 95 %";
     let mut claims = Claims::default();
-    claims.by("waves to and fro on a damped line, noise, a converter of 16 bits");
+    claims.by("waves back and forth on a damped line, noise, a converter of 16 bits");
     for (loss, seconds, end_mass) in [
         (1e-4, 1.0, 0.0),
         (1e-4, 1.0, 0.004),

@@ -58,8 +58,8 @@ impl Joint {
         }
     }
 
-    /// Creates a joint by a massless spring of this `stiffness` [N/m] and, in parallel, a dashpot of
-    /// this `resistance` [kg/s]; either may be 0.
+    /// Creates a joint by a massless spring of this `stiffness` [N/m] and, in parallel, a dashpot
+    /// of this `resistance` [kg/s]; either may be 0.
     ///
     /// # Errors
     ///

@@ -186,7 +186,7 @@ pub enum ImpulseError {
     },
     /// The faces have no instantaneous response to a force, which time marching requires.
     #[error(
-        "the faces respond to a force step within {time_step} s with {weight} m/(N s), expected a velocity above 0"
+        "the velocity of the faces after the first step of {time_step} s is {weight} m/s per newton, expected a value above 0"
     )]
     ActiveFaces {
         /// Velocity after the first step, divided by the force [m/(N s)].

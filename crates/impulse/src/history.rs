@@ -95,8 +95,8 @@ impl ForceHistory {
         edges.position(|edge| time < edge)
     }
 
-    /// Slope of the force [N/s] between the neighbours of the sample nearest to `time` \[s\]; `None`
-    /// where one of them is missing, or for a slope of 0.
+    /// Slope of the force [N/s] between the neighbours of the sample nearest to `time` \[s\];
+    /// `None` where one of them is missing, or for a slope of 0.
     pub(crate) fn slope_near(&self, time: f64) -> Option<f64> {
         let index = self.index_near(time)?;
         let before = self.force.get(index.checked_sub(1)?)?;

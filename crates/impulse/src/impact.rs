@@ -288,8 +288,8 @@ impl<'a> Impact<'a> {
     /// balance of momentum and energy.
     ///
     /// Time 0 is the first touch. Cost: $`O(N\log^2 N)`$ for N steps and, with the default
-    /// quadrature, 8N evaluations of a mobility that is known in the right half-plane, or 32N of one
-    /// that is known on the frequency axis.
+    /// quadrature, 8N evaluations of a mobility that is known in the right half-plane, or 32N of
+    /// one that is known on the frequency axis.
     ///
     /// # Errors
     ///

@@ -85,7 +85,7 @@ fn mass_on_an_endless_rod(claims: &mut Claims) {
     );
     claims.deviation(
         "rigid mass on an endless rod, force by convolution quadrature, BDF2",
-        Within(5e-3, "begins with one step of first order, hZ/M = 4e-3"),
+        Within(5e-3, "the first step is of first order, hZ/M = 4e-3"),
         error(4096.0, Quadrature::Bdf2),
     );
     let energies = || -> Ours {
@@ -175,7 +175,7 @@ fn rods_of_different_lengths(claims: &mut Claims) {
             40.0,
             Within(
                 2e-7,
-                "what the roll-off of the bands leaves, by the fifth power of the distance",
+                "residual of the roll-off of the bands, by the fifth power of the distance",
             ),
         ),
     ] {
@@ -253,7 +253,7 @@ fn rods_of_equal_length(claims: &mut Claims) {
     let exact = |t: f64| if t < trip { plateau } else { 0.0 };
     claims.deviation(
         "two equal rods: force of one round trip, 40 steps from its end",
-        Within(1e-6, "what the roll-off of the bands leaves"),
+        Within(1e-6, "residual of the roll-off of the bands"),
         of(&found, |p| deviation(p, &[trip], 40.0, exact) / plateau),
     );
     claims.deviation(

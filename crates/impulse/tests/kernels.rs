@@ -66,7 +66,7 @@ fn echoes_of_an_elastic_rod(claims: &mut Claims) {
         "free elastic rod: kernel, over 7 % within two steps of an echo, 2e-3 within six, 2e-7 beyond",
         "what is allowed",
         0.0,
-        Within(1.0, "what the roll-off of the bands leaves of a kink, and the alias of the next period, e^-18 of 2"),
+        Within(1.0, "residual of the roll-off of the bands at a kink, and the alias of the next period, e^-18 of 2"),
         weighed(),
     );
     let impulses = || -> Ours {
@@ -80,7 +80,10 @@ fn echoes_of_an_elastic_rod(claims: &mut Claims) {
     };
     claims.deviation(
         "free elastic rod: impulse of the echoes, 2/Z each",
-        Within(4e-9, "what the roll-off of the bands leaves beside an echo"),
+        Within(
+            4e-9,
+            "residual of the roll-off of the bands next to an echo",
+        ),
         impulses(),
     );
 }
@@ -184,7 +187,7 @@ fn no_force_gains_energy(claims: &mut Claims) {
     };
     claims.deviation(
         "energy gained by 20 forces from a body of lines up to 20 kHz",
-        Within(1e-4, "a band limit that is not one of the body"),
+        Within(1e-4, "the band limit is not a property of the body"),
         measured(),
     );
 }

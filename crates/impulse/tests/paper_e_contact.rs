@@ -25,7 +25,7 @@ use testbed::hold;
 use testbed::papers::paper_e::{self, PaperE};
 
 const APART: &str =
-    "paper E in one-dimensional theory, computed apart with a nylon of constant loss factor";
+    "paper E in one-dimensional theory, computed separately with a nylon of constant loss factor";
 /// Standard deviation of the Gaussian by which the expected values were smoothed, in s.
 const ROUNDED: f64 = 10e-6;
 
@@ -211,7 +211,7 @@ fn peaks_and_ends_of_contact(claims: &mut Claims, paper: &Ours<PaperE>) {
             3,
             "peak of the force by marching, relative",
             "1",
-            Within(2e-3, "steps of 1 us, the peak looked for every 5 us"),
+            Within(2e-3, "steps of 1 us, the peak searched in steps of 5 us"),
         ),
     ] {
         claims.claim(
@@ -237,7 +237,7 @@ fn first_jumps(claims: &mut Claims, paper: &Ours<PaperE>) {
         "CCB: force of the first instant, over that jump",
         "1",
         1.0,
-        Within(1e-8, "the step of 0.1 us, in which nothing has come back"),
+        Within(1e-8, "the step of 0.1 us, in which no echo has returned"),
         over_exact(predicted(paper, "CCB", 1e-4, 1e-7)),
     );
     claims.claim(
@@ -246,7 +246,7 @@ fn first_jumps(claims: &mut Claims, paper: &Ours<PaperE>) {
         1.0,
         Within(
             2e-3,
-            "a law that is not causal has some of the echo from the first joint ahead",
+            "with a law that is not causal, a part of the echo from the first joint arrives too early",
         ),
         over_exact(by_printed_law(paper, "CCB", 2e-3, 1e-6)),
     );
@@ -255,7 +255,7 @@ fn first_jumps(claims: &mut Claims, paper: &Ours<PaperE>) {
 /// Errata of eq. 3: the force on the wide end of the cone falls to zero, and the end separates and
 /// touches again three times.
 fn the_wide_end_of_the_cone_touches_again(claims: &mut Claims, paper: &Ours<PaperE>) {
-    claims.by("paper E, eq. 3, erratum: face B of the cone touches again; by 800 slices and steps of 0.25 us, computed apart");
+    claims.by("paper E, eq. 3, erratum: face B of the cone touches again; by 800 slices and steps of 0.25 us, computed separately");
     let found = predicted(paper, "TCB", 8e-3, 1e-6);
     let again = [
         (1.8432e-3, 2.0585e-3),
@@ -263,7 +263,7 @@ fn the_wide_end_of_the_cone_touches_again(claims: &mut Claims, paper: &Ours<Pape
         (2.9630e-3, 2.9930e-3),
     ];
     claims.claim(
-        "TCB: begins and ends of the contacts 2, 3 and 4, and no fifth",
+        "TCB: start and end times of contacts 2, 3 and 4, and no fifth contact",
         "s",
         0.0,
         Within(2e-6, "two steps"),
@@ -353,7 +353,7 @@ fn three_ways_agree(claims: &mut Claims, paper: &Ours<PaperE>) {
             Quadrature::Bdf2,
             Within(
                 6e-3,
-                "BDF2 at 1 us had 0.4 % of the peak in the computation apart",
+                "BDF2 at 1 us had 0.4 % of the peak in the separate computation",
             ),
         ),
     ] {

@@ -30,8 +30,8 @@ const LEAST_SQUARE: f64 = f64::MIN_POSITIVE / f64::EPSILON;
 /// Estimator of the frequency response from the averaged spectra of input x and output y.
 ///
 /// If the input has noise of level $`a`$ relative to the spectrum of the input without noise, and
-/// the output noise of such a level $`b`$, uncorrelated with each other and with the signals, the expected values
-/// have the biases stated below.
+/// the output noise of such a level $`b`$, uncorrelated with each other and with the signals, the
+/// expected values have the biases stated below.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum Estimator {
@@ -45,7 +45,8 @@ pub enum Estimator {
     /// the scales of x and y; wrong by the factor $`\sqrt{(1+b)/(1+a)}`$.
     Hv,
     /// Total least squares with the noise that both channels have at rest, relative to the measured
-    /// spectra, $`\alpha = N_x/G_{xx}`$ and $`\beta = N_y/G_{yy}`$: not biased by the noise of either channel (errors in variables):
+    /// spectra, $`\alpha = N_x/G_{xx}`$ and $`\beta = N_y/G_{yy}`$: not biased by the noise of
+    /// either channel (errors in variables):
     ///
     /// ```math
     /// H_s = H_1\,\frac{2\beta}{R + \beta - \alpha}, \qquad R = \sqrt{(\beta-\alpha)^2 + 4\alpha\beta\gamma^2} .

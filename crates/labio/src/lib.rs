@@ -27,7 +27,7 @@
 //!     Channel::new("end A", Quantity::Acceleration)?,
 //! ];
 //! let hit = |force: f64| {
-//!     // the body answers one sample later, with twice the number
+//!     // the response is one sample later than the force, and twice as large
 //!     let samples = array![[0.0, force, 0.0, 0.0], [0.0, 0.0, 2.0 * force, 0.0]];
 //!     Record::new(samples, 8000.0, 0.0, channels.to_vec(), Provenance::computed("example"))
 //! };

@@ -72,8 +72,8 @@ impl<L: IdentifiableLaw> BranchedRod<L> {
         }
     }
 
-    /// Creates a branch of `law` in parallel with a linear material whose loss factor is constant to
-    /// 1 % from 0.1 to 30 kHz.
+    /// Creates a branch of `law` in parallel with a linear material whose loss factor is constant
+    /// to 1 % from 0.1 to 30 kHz.
     ///
     /// The linear material is a spring with seven Maxwell branches of fixed relaxation times. E is
     /// the modulus above all of them.

@@ -54,8 +54,8 @@ pub enum MaxwellidError {
     },
     /// The excitation before the filter of the recorder cannot be estimated.
     #[error(
-        "test `{test}`: the excitation before the recorder's filter has no likelihood: the stated noise of the excitation must be that of a record \
-         that contains a front"
+        "test `{test}`: the excitation before the recorder's filter cannot be estimated from the record: check that the record contains a \
+         front, and that the stated noise of the excitation is right"
     )]
     NoUnfilteredExcitation {
         /// Name of the test.

@@ -139,9 +139,9 @@ pub fn profiles(
 
 impl<M: RodModel + Clone> Fit<M> {
     /// Identifies the model from all `tests` together, with the profiles of its parameters over the
-    /// ranges of `candidate`, in one and the same problem. If a profile finds a lower point, the fit
-    /// continues from there. A point that is lower only with the excitation of the minimum, and by
-    /// less than the rise at the ends of the intervals, belongs to the intervals. A parameter
+    /// ranges of `candidate`, in one and the same problem. If a profile finds a lower point, the
+    /// fit continues from there. A point that is lower only with the excitation of the minimum, and
+    /// by less than the rise at the ends of the intervals, belongs to the intervals. A parameter
     /// counts as identified if its interval is closed; its standard error is at least that of the
     /// longer half of the interval.
     ///

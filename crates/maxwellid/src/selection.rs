@@ -136,8 +136,8 @@ const GRID_ERROR: f64 = 2.0;
 const REFINEMENTS: usize = 3;
 const SHORTEST_SHARE: f64 = 0.25;
 
-/// Probability of a misfit, relative to the level of adequacy, below which no finer grid makes a law
-/// explain the data.
+/// Probability of a misfit, relative to the level of adequacy, below which no finer grid makes a
+/// law explain the data.
 const REFUTED: f64 = 1e-3;
 
 /// Shortest cell chosen for the noise \[m\].

@@ -1,9 +1,9 @@
 //! Sensitivity of the parameters to length and density of the specimen, and the errors that their
 //! uncertainties cause.
 //!
-//! For x = Lξ and the stress s = σ/(ρL), the equations of the rod are v̇ = ∂s/∂ξ and ∂v/∂ξ = (ρL²/E)
-//! ṡ + L F(ρL s), and the histories at the ends are velocities. Two velocity histories therefore
-//! determine only E/(ρL²) and the function L F(ρL s) of s:
+//! For x = Lξ and the stress s = σ/(ρL), the equations of the rod are v̇ = ∂s/∂ξ and ∂v/∂ξ =
+//! (ρL²/E) ṡ + L F(ρL s), and the histories at the ends are velocities. Two velocity histories
+//! therefore determine only E/(ρL²) and the function L F(ρL s) of s:
 //!
 //! ```text
 //! d ln E = 2 d ln L + d ln ρ ,

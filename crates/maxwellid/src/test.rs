@@ -281,7 +281,8 @@ impl RodTest {
         self.density
     }
 
-    /// Standard deviations [m/s] of the noise of excitation and response; `None` if it is not known.
+    /// Standard deviations [m/s] of the noise of excitation and response; `None` if it is not
+    /// known.
     #[must_use]
     pub fn noise_deviations(&self) -> Option<[f64; 2]> {
         let noise = self.noise.as_ref()?;

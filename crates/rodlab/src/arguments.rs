@@ -20,10 +20,10 @@ use crate::templates::{JobName, Rig};
     version,
     max_term_width = 100,
     after_help = "Examples:
-  rodlab demo                             a virtual test, its records, its result and its report, to look at
-  rodlab inspect hits.uff                 what is in a recording
+  rodlab demo                             a virtual test, with its records, result and report
+  rodlab inspect hits.uff                 the contents of a recording
   rodlab init modulus rod.toml            a commented test sheet to fill in
-  rodlab check rod.toml                   what is wrong with it, before anything is computed
+  rodlab check rod.toml                   the mistakes in it, before anything is computed
   rodlab view rod.toml                    the sheet and its result side by side in a browser
   rodlab modulus rod.toml                 the result in rod-result/, its page in rod-result/report.html
   rodlab batch campaign/ --out results    all sheets of a folder, with one summary

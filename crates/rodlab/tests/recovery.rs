@@ -183,7 +183,7 @@ fn one_load_does_not_tell_the_exponent_and_says_what_it_does_tell() {
     let Verdict::NotAllowed { reason } = &outcome.verdict else {
         panic!("{:?}", outcome.verdict)
     };
-    insta::assert_snapshot!(reason, @"parallel modulus is not identifiable: one load gives two numbers for three parameters");
+    insta::assert_snapshot!(reason, @"parallel modulus is not identifiable: one load determines only two numbers, but the model has three parameters");
     let exponent = outcome.quantities.iter().find(|q| q.name == "exponent (m)");
     assert!(exponent.is_some_and(|m| m.value.is_none() && !m.valid));
     // but the recovery time of this load is a result

@@ -1,8 +1,8 @@
 //! Bodies made of elements in series: mobility of their faces and response of their sections.
 //!
 //! A body is a series of [elements](crate::element) along x from the impact face, with a
-//! [`Termination`] after the last one. A compressive force F̂ on the impact face causes its velocity
-//! v̂ = Ĝ F̂; Ĝ is the mobility (Ödeen 1993, paper E, eqs. 1 and A11).
+//! [`Termination`] after the last one. A compressive force F̂ on the impact face causes its
+//! velocity v̂ = Ĝ F̂; Ĝ is the mobility (Ödeen 1993, paper E, eqs. 1 and A11).
 //!
 //! ```
 //! use rodwave::element::Circle;
@@ -195,9 +195,9 @@ impl<V: Argument> Chain<V> {
         Some(elements.sum::<f64>() + end)
     }
 
-    /// Mobility Ĝ = v̂/F̂ \[s/kg\] of the impact face at `omega` [rad/s], of either sign: F̂ presses
-    /// on the face, v̂ is the velocity of the face along F̂ (paper E, eqs. A5 and A11). For the
-    /// truncated cone and the compound cylinder it agrees with the closed forms (paper E, eqs.
+    /// Mobility Ĝ = v̂/F̂ \[s/kg\] of the impact face at `omega` [rad/s], of either sign: F̂
+    /// presses on the face, v̂ is the velocity of the face along F̂ (paper E, eqs. A5 and A11). For
+    /// the truncated cone and the compound cylinder it agrees with the closed forms (paper E, eqs.
     /// 8, 9, A7, A13 and A14), for a semi-infinite rod it is 1/Z (paper E, eqs. 10 and A16).
     ///
     /// At ω = 0 the static limit is returned: 0 for a fixed body, 1/q for a dashpot q at the end.
@@ -211,8 +211,9 @@ impl<V: Argument> Chain<V> {
         self.impact_face(V::on_axis(omega)?)?.mobility()
     }
 
-    /// Mobility Ĝ = v̂/F̂ \[s/kg\] of the far face at `omega` [rad/s], where F̂ presses on it against
-    /// +x and v̂ is the velocity along F̂; the termination remains and the impact face is free.
+    /// Mobility Ĝ = v̂/F̂ \[s/kg\] of the far face at `omega` [rad/s], where F̂ presses on it
+    /// against +x and v̂ is the velocity along F̂; the termination remains and the impact face is
+    /// free.
     ///
     /// # Errors
     /// The errors of [`Chain::mobility`].

@@ -29,7 +29,7 @@
 //! while march.free_end_velocity() == 0.0 {
 //!     march.advance(9.0);
 //! }
-//! assert_eq!(march.steps(), 400); // one cell a step: the front moves at (E/ρ)^½
+//! assert_eq!(march.steps(), 400); // one cell per step: the front travels at (E/ρ)^½
 //! let energy = march.energy();
 //! assert!(energy.dissipated > 0.0);
 //! assert!((energy.supplied - energy.stored - energy.dissipated).abs() < 1e-12 * energy.supplied);

@@ -117,13 +117,13 @@ pub(super) fn section() -> Result<String, FaultsError> {
 
 fn table(campaign: &Campaign) -> Result<String, FaultsError> {
     let mut text = String::from(
-        "What a laboratory meets was done to the program as a person runs it, at every point that is named, and counted by \
-         `crates/rodlab/tests/faults.rs`, which tries a few of the points in the gate. \"Refused\": status 1 or 2 with a reason, and what was \
-         there before is whole. \"Right\": the result without the fault. \"Said\": there is a result, which says what is wrong with \
-         its input. \"Shorter\": what is left is a whole file of its format, which nobody can tell from one that never was longer. \
-         \"Ended\": the fault ended the program; every file is whole, a `result.json` has all files of its run beside it, and the next run \
-         gives the right result. \"Lost\": anything missing, mixed or wrong that nobody tells. \"Panics\": those, other signals, and runs \
-         without an end.\n\n",
+        "Faults that occur in a laboratory were injected into runs of the command, at each of the points in the column \"injected\". \
+         `crates/rodlab/tests/faults.rs` counts the outcomes; in the gate, it tries a few of the points. \"Refused\": status 1 or 2 with a \
+         reason, and the earlier files are complete. \"Right\": the same result as without the fault. \"Said\": there is a result, which \
+         states the fault of its input. \"Shorter\": the rest of the file is a complete file of its format, and the cut cannot be detected. \
+         \"Ended\": the fault ended the program; every file is complete, a `result.json` exists only with all files of its run, and the \
+         next run gives the right result. \"Lost\": data that are missing, mixed or wrong without a message. \"Panics\": panics, other signals, and \
+         runs that do not end.\n\n",
     );
     text.push_str(HEAD);
     let mut sums = [0; 8];

@@ -224,12 +224,12 @@ impl Page {
         let mut text = format!(
             "# Validation\n\n\
              Written by `{COMMAND}`; not edited by hand. `cargo xtask validate --check` is part of the gate.\n\n\
-             Every number that is ours was computed by the libraries when this page was written. What is expected comes from \
-             somewhere else, which the column \"source\" names: the printed tables of the thesis (S. Ödeen, Luleå 1993, papers \
-             A to E; a printed value carries half a unit of its last digit), a closed form or another \
-             way of computing, a law of conservation, reference output of other software, a measured record. \"Used\" is the \
-             difference as a part of the tolerance. Where zero is expected, ours is the difference, and one digit of it is \
-             enough where it is rounding. The records themselves are not part of the repository.\n\n{}",
+             The numbers in the column \"ours\" were computed by the libraries when this page was written. The expected numbers come \
+             from independent sources, which the column \"source\" names: the printed tables of the thesis (S. Ödeen, Luleå 1993, papers \
+             A to E; a printed value is uncertain by half a unit of its last digit), a closed form, another method of \
+             computation, a conservation law, reference output of other software, or a measured record. \"Used\" is the \
+             difference as a fraction of the tolerance. If the expected number is 0, \"ours\" is the difference; a difference that is \
+             only rounding is shown with one digit. The records themselves are not part of the repository.\n\n{}",
             self.tally()
         );
         for table in &self.tables {

@@ -73,7 +73,7 @@ pub enum BranchDoubt {
     },
     /// There are too few lines to distinguish wave speeds, and no guess was given.
     #[error(
-        "{found} lines are too few to find the wave speed, expected {expected} or a guess of it"
+        "{found} lines are too few to find the wave speed, expected {expected} or a guess of the wave speed"
     )]
     FewLines {
         /// Number of lines.

@@ -216,8 +216,8 @@ mod tests {
         }
     }
 
-    /// Doubts every line of a record that begins above 100 half waves: a dispersion of a few per cent
-    /// then exceeds one half wave, and the count of waves is undetermined.
+    /// Doubts every line of a record that begins above 100 half waves: a dispersion of a few per
+    /// cent then exceeds one half wave, and the count of waves is undetermined.
     #[test]
     fn a_start_behind_very_many_waves_is_doubted_on_every_line() {
         let exact = |f: f64| Complex64::new(0.001, 1.0) * (PI * 100.3 * f / 10_000.0);

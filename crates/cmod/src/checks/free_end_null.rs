@@ -420,9 +420,9 @@ mod tests {
     use super::*;
     use testbed::noise::Noise;
 
-    /// Five gauges of which each is 0.3 to 0.6 mm from its stated position and 0.5 to 1 % off: exact
-    /// positions fail, stated uncertainties of 0.5 mm and 1 % explain them, and an error of 8 mm
-    /// fails in spite of them.
+    /// Five gauges of which each is 0.3 to 0.6 mm from its stated position and 0.5 to 1 % off:
+    /// exact positions fail, stated uncertainties of 0.5 mm and 1 % explain them, and an error of 8
+    /// mm fails in spite of them.
     #[test]
     fn stated_uncertainties_explain_what_they_cover_and_no_more() {
         let rod = RodWithFreeEnd {

@@ -34,12 +34,12 @@ const MOST_ROUNDS: u32 = 4;
 /// ```
 ///
 /// has, for any ν, the distribution that F has with a known variance. Σu replaces ΣF, and the
-/// nearest material minimises Σu; outlying lines then have less weight. Σu is -ν/(ν + 2)
-/// times the logarithm of a likelihood, of which each parameter absorbs half of a chi-square
-/// variable. Therefore the number of parameters p in 2n - p is multiplied by ν/(ν + 2). If neighbouring lines share their variances,
-/// the values of u of these lines are correlated. With D degrees of freedom of all lines together,
-/// the variance of Σu is larger by the factor 1 + n (2/D - 2/Σν), and chi-square is scaled to this
-/// variance.
+/// nearest material minimises Σu; outlying lines then have less weight. Σu is -ν/(ν + 2) times the
+/// logarithm of a likelihood, of which each parameter absorbs half of a chi-square variable.
+/// Therefore the number of parameters p in 2n - p is multiplied by ν/(ν + 2). If neighbouring lines
+/// share their variances, the values of u of these lines are correlated. With D degrees of freedom
+/// of all lines together, the variance of Σu is larger by the factor 1 + n (2/D - 2/Σν), and
+/// chi-square is scaled to this variance.
 ///
 /// Σu is insensitive to an error common to all losses. The second statistic is the decrease of the
 /// residual due to a common factor on all losses

@@ -240,7 +240,7 @@ mod tests {
         assert!(doubt.is_ambiguous());
         assert_eq!(
             doubt.to_string(),
-            "5 lines are too few to find the wave speed, expected 8 or a guess of it"
+            "5 lines are too few to find the wave speed, expected 8 or a guess of the wave speed"
         );
     }
 }

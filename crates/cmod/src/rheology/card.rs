@@ -115,10 +115,10 @@ impl<'a> MaterialCard<'a> {
     /// E(∞) <= E'(ω₂) + E''(ω₂) ,    E(0) >= E'(ω₁) - E''(ω₁)
     /// ```
     ///
-    /// The card begins with comments: the band, the largest deviation of the card from the data
-    /// and from the fitted series, |E| at both ends and the middle of the band with its standard uncertainty due to random
-    /// and common errors ([`RheologicalFit::prediction`]), E(0) and E(∞), and the interval of
-    /// each parameter.
+    /// The card begins with comments: the band, the largest deviation of the card from the data and
+    /// from the fitted series, |E| at both ends and the middle of the band with its standard
+    /// uncertainty due to random and common errors ([`RheologicalFit::prediction`]), E(0) and E(∞),
+    /// and the interval of each parameter.
     ///
     /// # Errors
     /// The errors of [`Self::new`]; [`CmodError::CardLaw`] if another law was fitted;
@@ -255,7 +255,7 @@ impl<'a> MaterialCard<'a> {
         }
         if ratio >= 0.0 && instantaneous < 0.0 {
             return Err(refused(
-                "0 or above for a ratio that is not negative itself",
+                "0 or above, because the stated ratio is not negative",
             ));
         }
         self.instantaneous_ratio = instantaneous;

@@ -108,7 +108,7 @@ mod tests {
         };
         assert_eq!(
             text(&[0.9, 0.9], 1.0),
-            "1 averages, expected at least 2: the coherence of one is 1 whatever was measured"
+            "1 averages, expected at least 2: the coherence of a single average is always 1"
         );
         assert!(text(&[0.9, 0.9], f64::NAN).starts_with("NaN averages"));
         assert_eq!(

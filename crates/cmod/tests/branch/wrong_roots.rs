@@ -89,7 +89,7 @@ fn newton_as_printed_runs_to_wrong_roots_and_continuation_does_not() {
     let clean = record();
     let mut claims = Claims::default();
     let mut unseen = 0;
-    claims.by("paper A, eq. 5, erratum: it runs to wrong roots, counted apart");
+    claims.by("paper A, eq. 5, erratum: it converges to wrong roots, counted separately");
     for (noise, seeds, expected, within, by_continuation) in [
         (
             0.0,
@@ -135,7 +135,7 @@ fn newton_as_printed_runs_to_wrong_roots_and_continuation_does_not() {
             Ok(furthest),
         );
     }
-    claims.by("roots followed from the exact ones while the noise is put on");
+    claims.by("roots followed from the exact ones while the noise increases from 0");
     claims.claim(
         "noise of 0, 0.5 and 2 %: wrong roots on valid lines by continuation, eleven draws",
         "1",

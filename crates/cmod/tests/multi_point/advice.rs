@@ -55,7 +55,7 @@ fn plans_of_positions() {
 /// digits are not compared; with waves of our own, its order of magnitude is compared.
 fn what_unequal_distances_and_more_gauges_gain(claims: &mut Claims) {
     let [equal, unequal, five] = [&THREE_EQUAL[..], &THREE_UNEQUAL, &FIVE_EQUAL].map(summary);
-    claims.by("errors of sets of positions over 0.2 m, computed apart for 1 % of noise (its material and reflection are not stated)");
+    claims.by("errors of sets of positions over 0.2 m, computed separately for 1 % of noise (its material and reflection are not stated)");
     claims.deviation(
         "three equal, three unequal and five equal distances: median error of the propagation coefficient, worst part",
         Within(0.25, "another reflected wave moves it by a quarter"),

@@ -185,7 +185,7 @@ fn added_damping(claims: &mut Claims) {
             0.0,
             Within(
                 within,
-                "what the prior of the smooth modulus leaves at its lower end",
+                "residual effect of the prior of the smooth modulus at its lower end",
             ),
             Ok(largest_error(estimate.modulus(), 200)),
         );

@@ -289,7 +289,7 @@ fn of_ten_blows(claims: &mut Claims) {
         1.0,
         Within(
             0.02,
-            "means of 40 000 scatter by 0.5 %, four of it; 0.9 by n in place of n - 1",
+            "means of 40 000 scatter by 0.5 %, times four; n in place of n - 1 would give 0.9",
         ),
         Ok(mean / true_variance),
     );
@@ -297,19 +297,19 @@ fn of_ten_blows(claims: &mut Claims) {
         (
             "the 68.3 % factor of 18 degrees of freedom",
             0.683,
-            Within(0.0065, "80 000 values scatter by 0.16 %, four of it"),
+            Within(0.0065, "80 000 values scatter by 0.16 %, times four"),
             within[0],
         ),
         (
             "the 95 % factor of 18 degrees of freedom",
             0.95,
-            Within(0.0032, "80 000 values scatter by 0.08 %, four of it"),
+            Within(0.0032, "80 000 values scatter by 0.08 %, times four"),
             within[1],
         ),
         (
             "the normal factor of 95 %",
             0.9343,
-            Within(0.0035, "80 000 values scatter by 0.09 %, four of it"),
+            Within(0.0035, "80 000 values scatter by 0.09 %, times four"),
             within[2],
         ),
     ] {

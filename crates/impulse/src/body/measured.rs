@@ -369,8 +369,8 @@ impl MeasuredBody {
     ///
     /// # Errors
     ///
-    /// [`ImpulseError::NonPhysical`] for a negative `scale` or `delay`, or a mass or an impedance so
-    /// uncertain that a draw of it is not above zero.
+    /// [`ImpulseError::NonPhysical`] for a negative `scale` or `delay`, or a mass or an impedance
+    /// so uncertain that a draw of it is not above zero.
     pub fn drawn(
         &self,
         scale: f64,

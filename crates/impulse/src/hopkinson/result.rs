@@ -368,8 +368,8 @@ impl HopkinsonResult {
     }
 }
 
-/// Largest of `values`, and the larger distance from it to the largest values of the edges of a band
-/// of these half `widths`.
+/// Largest of `values`, and the larger distance from it to the largest values of the edges of a
+/// band of these half `widths`.
 pub(super) fn with_half_width(values: &[f64], widths: &[f64]) -> (f64, f64) {
     let edge = |side: f64| {
         let edge = values.iter().zip(widths).map(|(v, w)| v + side * w);

@@ -5,8 +5,8 @@ use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
 use crate::ImpulseError;
 use crate::error::check_probability;
 
-/// Student's factors for bands of one probability, for errors whose random part has given degrees of
-/// freedom.
+/// Student's factors for bands of one probability, for errors whose random part has given degrees
+/// of freedom.
 ///
 /// The factor is interpolated linearly between nodes of $`1/\nu`$, 1/1024 apart at most: the
 /// probability of a band of 95 % is off by less than $`10^{-5}`$.

@@ -122,12 +122,12 @@ impl fmt::Display for PredictionFlag {
             Self::StillInContact => write!(formatter, "the faces are still in contact at the end"),
             Self::Acausal { body, level } => write!(
                 formatter,
-                "body {body} responds before the impulse, or rings longer than its period: {level:.1e} of the first response"
+                "body {body} responds before the impulse, or rings for longer than the period of its lines: {level:.1e} of the first response"
             ),
             Self::Rings { body, level } => write!(
                 formatter,
-                "body {body} still rings after half of its period, with {level:.1e} of the first response, and the rest wraps around: measure longer records, \
-                 for lines closer together"
+                "body {body} still rings after half of the period of its lines, with {level:.1e} of the first response, and the rest wraps around: measure \
+                 longer records, so that the lines are closer together"
             ),
             Self::Active { body, activity } => write!(
                 formatter,
@@ -316,8 +316,8 @@ impl Prediction {
 
     /// Returns true if the force of the last of the [`main_contacts`](Self::main_contacts) fades
     /// instead of ending: in the last twentieth of the contact it is below a ten-thousandth of its
-    /// peak. A rigid mass on an endless rod has a force exp(-Zt/m), and no separation; its end is the
-    /// time from which the force does not count as contact.
+    /// peak. A rigid mass on an endless rod has a force exp(-Zt/m), and no separation; its end is
+    /// the time from which the force does not count as contact.
     #[must_use]
     pub fn fades(&self) -> bool {
         let force_before_end = |contact: &ContactInterval| {

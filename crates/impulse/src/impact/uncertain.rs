@@ -22,7 +22,8 @@ const SIDE_BY_SIDE: usize = 8;
 const OF_PARTS: usize = 48;
 
 /// Relative difference of the peak and of the end of the contacts up to which the step of the draws
-/// resolves them. A peak of eight steps may be exact to 2 %, and its change with a draw only to 30 %.
+/// resolves them. A peak of eight steps may be exact to 2 %, and its change with a draw only to 30
+/// %.
 const RESOLVED: f64 = 2e-3;
 
 /// An impact with errors; created by [`Impact::with_errors`].

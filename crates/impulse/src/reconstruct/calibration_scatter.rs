@@ -26,8 +26,8 @@ pub struct CalibrationBlow<'a> {
 ///
 /// The variance of an averaged frequency response treats the errors of its lines as independent.
 /// Differences between blows, such as those of position and direction, change all lines together
-/// and dominate the error unless the blows are alike. Blows with a measured force reveal this: each is
-/// reconstructed with the frequency response of the others, and its difference from the measured
+/// and dominate the error unless the blows are alike. Blows with a measured force reveal this: each
+/// is reconstructed with the frequency response of the others, and its difference from the measured
 /// force is the error itself.
 ///
 /// # Validity

@@ -12,9 +12,9 @@ pub enum Regularisation {
     /// amplified by $`1/|H|`$ without limit.
     #[default]
     None,
-    /// Minimum of `Σ w |x̂ - H F̂|² + λ Σ ω²ᵖ |F̂|²` over all lines, of both signs of the frequency. A
-    /// line keeps the fraction $`\varphi = \mu/(\mu+\lambda)`$ of its force, $`\mu = \sum_r
-    /// w_r|H_r|^2/\omega^{2p}`$.
+    /// Minimum of `Σ w |x̂ - H F̂|² + λ Σ ω²ᵖ |F̂|²` over all lines, of both signs of the
+    /// frequency. A line keeps the fraction $`\varphi = \mu/(\mu+\lambda)`$ of its force,
+    /// $`\mu = \sum_r w_r|H_r|^2/\omega^{2p}`$.
     Tikhonov {
         /// Penalised quantity.
         penalty: Penalty,

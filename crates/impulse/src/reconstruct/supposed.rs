@@ -22,8 +22,8 @@ const STRETCH_STEP: f64 = 0.04;
 /// hammer with different tips, hands and places differ by a third.
 const SPREADS: [f64; 3] = [1.0, 4.0, 0.3];
 /// Prior standard deviations of the exponent and of the skewness of a blow: from half sines over
-/// triangles to versed sines the exponent changes by factors of 0.7 to 1.3; rise and fall differ by a
-/// fifth of the half duration.
+/// triangles to versed sines the exponent changes by factors of 0.7 to 1.3; rise and fall differ by
+/// a fifth of the half duration.
 const DEFORMATIONS: [f64; 2] = [0.25, 0.2];
 /// Deviation of the shape of a blow from the calibration blows that is assumed beyond the deviation
 /// by deformations, relative to it.

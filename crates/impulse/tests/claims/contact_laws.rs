@@ -128,7 +128,7 @@ fn mass_on_a_spring(claims: &mut Claims) {
         }),
     );
     claims.deviation(
-        "mass on a spring, as a body and as a contact law: restitution, also as seen, less one, and what is left of the momentum",
+        "mass on a spring, as a body and as a contact law: restitution, also as seen, less one, and remaining momentum",
         Within(1e-6, "the part of the last step in which the contact is open"),
         of(&both, |both| {
             largest(both.iter().flat_map(|p| {
@@ -162,7 +162,7 @@ fn mass_on_a_spring(claims: &mut Claims) {
         "mass on a spring: stick force by the damped transform",
         Within(
             3e-6,
-            "the Gaussian takes (omega sigma)^2/2 = 1e-6 of the amplitude",
+            "the Gaussian reduces the amplitude by (omega sigma)^2/2 = 1e-6",
         ),
         damped(),
     );

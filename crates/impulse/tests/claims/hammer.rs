@@ -20,7 +20,7 @@ use testbed::hold;
 
 const FORCE: &str = "force";
 const ACCELERATION: &str = "acceleration";
-const SOURCE: &str = "description beside the records";
+const SOURCE: &str = "description supplied with the records";
 const TARGET: &str = "target of the software: every hit from the other four";
 /// The hit whose force is predicted from the others.
 const PREDICTED: usize = 4;
@@ -51,7 +51,7 @@ fn report(data: Option<&Path>) -> Claims {
             ));
         };
     check(
-        "samples a hit",
+        "samples per hit",
         (SOURCE, "1"),
         25_600.0,
         (0.0, "exact"),

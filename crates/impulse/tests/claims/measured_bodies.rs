@@ -31,15 +31,18 @@ fn claims_hold() {
     );
     claims.deviation(
         "rod of nylon: lines below 100 Hz from the weighed mass",
-        Within(1e-3, "the fourth order, and the loss that a mass has not"),
+        Within(
+            1e-3,
+            "the fourth order, and the loss, which a mass does not have",
+        ),
         completed_lines(),
     );
     claims.by("a causal response has half of the power of white noise");
     claims.claim(
-        "causal projection: part of the noise that is left",
+        "causal projection: fraction of the noise that remains",
         "1",
         0.5,
-        Within(0.1, "780 lines scatter by 5 %; two of these"),
+        Within(0.1, "780 lines scatter by 5 %, times two"),
         noise_after_projection(),
     );
     claims.by("paper E, section 3.1: F = F_g - m a below the force gauge");

@@ -21,7 +21,7 @@ fn claims_hold() {
     for (face, name) in [(0, "struck"), (1, "far")] {
         claims.deviation(
             format!("force from the acceleration of the {name} face, without noise"),
-            Within(1e-3, "what of the pulse is above 25 kHz and aliases"),
+            Within(1e-3, "aliasing of the part of the pulse above 25 kHz"),
             faces
                 .as_ref()
                 .map_err(Clone::clone)
@@ -35,12 +35,12 @@ fn claims_hold() {
             .map_err(Clone::clone)
             .and_then(|faces| coverage(faces, sensors, Some(SUPPORT), SEEDS));
         claims.claim(
-            format!("{name}: part of the force inside its pointwise band of 95 %"),
+            format!("{name}: fraction of the force inside its pointwise band of 95 %"),
             "1",
             0.95,
             Within(
                 0.055,
-                "parts of 60 histories scatter by 0.13: 3.3 errors of the mean",
+                "fractions of 60 histories scatter by 0.13: 3.3 errors of the mean",
             ),
             of(&covered, |covered| covered.inside),
         );
@@ -60,7 +60,7 @@ fn claims_hold() {
             0.95,
             Within(
                 0.09,
-                "sqrt(0.95 0.05/60) = 2.8 % and 1.1 % of its factor: three of both",
+                "sqrt(0.95 0.05/60) = 2.8 % and 1.1 % of its factor, both times three",
             ),
             of(&covered, |covered| covered.whole),
         );
@@ -70,7 +70,7 @@ fn claims_hold() {
         "far face with noise as stated: reduced chi-square",
         "1",
         1.0,
-        Within(0.13, "sqrt(2/2003) = 3 %, four of them"),
+        Within(0.13, "sqrt(2/2003) = 3 %, times four"),
         faces
             .as_ref()
             .map_err(Clone::clone)

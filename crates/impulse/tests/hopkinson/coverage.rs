@@ -293,7 +293,7 @@ fn hopkinson_mean_of_shots_covers_the_curve_of_the_specimens() {
         Ok(inside_single / all),
     );
     claims.claim(
-        "nylon bars, three shots: variance between shots over what their own errors explain",
+        "nylon bars, three shots: variance between shots over the variance that their own errors explain",
         "1",
         1.0,
         Within(

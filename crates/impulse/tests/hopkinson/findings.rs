@@ -89,7 +89,7 @@ fn hopkinson_a_wrong_gauge_factor_is_named_by_the_ratio_of_the_forces() {
     else {
         panic!("{findings:?}");
     };
-    // equal within a per cent in a right shot
+    // equal within a per cent in a fault-free shot
     assert!(
         (ratio - 0.8).abs() < 0.02 && *standard_error < 0.05,
         "{said}"

@@ -18,9 +18,9 @@
 //!
 //! - A single number with the name of a sampling rate in Hz (`fs`, `sample_rate`, `SamplingRate`,
 //!   `sampling_frequency`, ...) or of an interval in s (`dt`, `sample_interval`, ...) gives the
-//!   series their times, from 0. The property [`RATE_SOURCE`] names the variable. A rate below 1 kHz
-//!   is not used, because it may be in kHz, and neither are numbers that contradict each other, or
-//!   any number in a file with complex series, which are spectra.
+//!   series their times, from 0. The property [`RATE_SOURCE`] names the variable. A rate below
+//!   1 kHz is not used, because it may be in kHz, and neither are numbers that contradict each
+//!   other, or any number in a file with complex series, which are spectra.
 //! - In a file of this writer, which is recognised by its description, further variables give the
 //!   abscissa and the units of a series.
 //!

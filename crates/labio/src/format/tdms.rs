@@ -4,9 +4,9 @@
 //!
 //! A file is a sequence of segments. Each segment has a lead-in, metadata with changes of the
 //! objects (the file, groups, channels) and raw data of channels, in chunks: one channel after the
-//! other, or interleaved, or as delivered by a DAQmx device. Whatever the metadata do not mention
-//! is as in the previous segment. Either byte order is read; numbers in the first eight bytes of
-//! the lead-in are always little-endian.
+//! other, or interleaved, or as delivered by a DAQmx device. Objects that the metadata do not
+//! mention are as in the previous segment. Either byte order is read; numbers in the first eight
+//! bytes of the lead-in are always little-endian.
 //!
 //! # Series
 //!

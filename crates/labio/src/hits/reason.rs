@@ -213,7 +213,7 @@ impl fmt::Display for Reason {
                 if least < level && level < greatest {
                     write!(
                         f,
-                        "`{channel}` is never on the other side of {level_in_words} by the hysteresis of {hysteresis} before it passes this level; its values are",
+                        "`{channel}` passes {level_in_words} without having been at least {hysteresis} (the hysteresis) on the other side of it; its values are",
                     )?;
                 } else {
                     write!(
@@ -226,14 +226,14 @@ impl fmt::Display for Reason {
             Self::CutAtStart { missing } => {
                 write!(
                     f,
-                    "{missing} samples are missing before it; start the record earlier, by a pre-trigger of about a tenth of its length"
+                    "{missing} samples are missing before the hit; start the record earlier, with a pre-trigger of about a tenth of its length"
                 )
             }
             Self::CutAtEnd { missing } => {
-                write!(f, "{missing} samples are missing after it")
+                write!(f, "{missing} samples are missing after the hit")
             }
             Self::NonFinite { channel, index } => {
-                write!(f, "`{channel}` has no number at sample {index}")
+                write!(f, "`{channel}` is NaN or infinite at sample {index}")
             }
             Self::Dead { channel, value } => {
                 write!(f, "`{channel}` is {} throughout", Short(*value))
@@ -442,10 +442,10 @@ mod tests {
         insta::assert_snapshot!(said.join("\n"), @r"
         no hit: the largest excursion of `force` is 0.500, its noise 0.123
         not triggered: `force` never passes 10.00; its values are between -0.250 and 9.500
-        not triggered: `force` is never on the other side of 10.00 by the hysteresis of 1.000 before it passes this level; its values are between 9.500 and 300.0
-        cut at the start: 12 samples are missing before it; start the record earlier, by a pre-trigger of about a tenth of its length
-        cut at the end: 7 samples are missing after it
-        lost samples: `force` has no number at sample 9
+        not triggered: `force` passes 10.00 without having been at least 1.000 (the hysteresis) on the other side of it; its values are between 9.500 and 300.0
+        cut at the start: 12 samples are missing before the hit; start the record earlier, with a pre-trigger of about a tenth of its length
+        cut at the end: 7 samples are missing after the hit
+        lost samples: `force` is NaN or infinite at sample 9
         dead channel: `force` is 0.000 throughout
         double hit: two contacts in `force`, peaks in the ratio 0.250, 2.500 ms apart
         overload: 3 samples of `force` from sample 81 on reach the full scale of 10.00

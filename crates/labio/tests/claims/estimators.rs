@@ -185,7 +185,7 @@ fn random_errors(report: &mut Claims) {
     );
     report.check(
         Claim::new(
-            "random error of |H1|, 20 hits, noise of 30 %: median of what the lines state",
+            "random error of |H1|, 20 hits, noise of 30 %: median of the errors that the lines state",
             BENDAT,
         )
         .expects(predicted, "1")

@@ -157,7 +157,7 @@ fn impulse_responses(report: &mut Claims) {
     let energy = |to: usize| (0..to).map(|i| two_modes(i).powi(2)).sum::<f64>();
     report.check(
         Claim::new(
-            "input late by 20 samples: part of the energy before its cause",
+            "input late by 20 samples: fraction of the energy before its cause",
             "closed form: sum of squares",
         )
         .expects(energy(20) / energy(600), "1")
@@ -348,7 +348,7 @@ fn driving_points(report: &mut Claims) {
         (2.0, 1, 1e-6, 0.02),
     );
     check(
-        "nothing but noise, level of one half: lines called active",
+        "noise alone, level of one half: lines called active",
         "symmetry: one half",
         64.5,
         (23.0, "four binomial standard errors"),

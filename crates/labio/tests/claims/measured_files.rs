@@ -11,7 +11,7 @@ use testbed::claim::{Check, Claim, Claims, NotMeasured, Ours, is_absent, refused
 use testbed::difference::largest_difference;
 use testbed::hold;
 
-const SOURCE: &str = "description beside the records";
+const SOURCE: &str = "description supplied with the records";
 
 /// Numbers of files of a folder that, according to the description, are intact; have a defect (junk
 /// at the end of a table, fewer rows than announced, times of three digits); are corrupt or contain
@@ -44,7 +44,7 @@ fn report(data: Option<&Path>) -> Claims {
             .push(Check::of(claim.within(tolerance, why), ours));
     };
     check(
-        "files of nine folders, by how many are read whole, read but for a part that is named, refused",
+        "files of nine folders, by the numbers read completely, read except for a named part, and refused",
         "counts that differ, of 27",
         0.0,
         (0.0, "exact"),

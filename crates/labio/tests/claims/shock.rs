@@ -27,7 +27,8 @@ fn claims_hold() {
     let hits = data().and_then(two_hits);
     let mut report = Claims::default();
     let mut claim = |what: &str, unit, expected, (tolerance, why), ours| {
-        let claim = Claim::new(what, "description beside the records").expects(expected, unit);
+        let claim =
+            Claim::new(what, "description supplied with the records").expects(expected, unit);
         report
             .checks
             .push(Check::of(claim.within(tolerance, why), ours));
@@ -47,14 +48,14 @@ fn claims_hold() {
         of(&shocks, |s| s.mean_coherence),
     );
     claim(
-        "shock tests 1 to 3 and 17, a failed acquisition: accepted but the last",
+        "shock tests 1 to 3 and 17, a failed acquisition: all accepted except the last",
         "judgements that differ, of 4",
         0.0,
         (0.0, "exact"),
         of(&shocks, |s| s.wrongly_judged),
     );
     claim(
-        "hammer, LabVIEW file: hits in it",
+        "hammer, LabVIEW file: number of hits",
         "1",
         2.0,
         (0.0, "exact"),

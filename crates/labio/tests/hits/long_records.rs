@@ -48,13 +48,13 @@ fn a_long_record_is_cut_into_hits_with_their_reasons() {
     insta::assert_snapshot!(log.to_string(), @r"
     hits in `force`: 5 found, 2 accepted
         1      2.0052 s  rejected
-                          cut at the start: 348 samples are missing before it; start the record earlier, by a pre-trigger of about a tenth of its length
+                          cut at the start: 348 samples are missing before the hit; start the record earlier, with a pre-trigger of about a tenth of its length
         2      3.0002 s  accepted
         3      4.5002 s  accepted
         4      6.0002 s  rejected
                           double hit: two contacts in `force`, peaks in the ratio 0.375, 30.00 ms apart
         5      7.9002 s  rejected
-                          cut at the end: 6602 samples are missing after it
+                          cut at the end: 6602 samples are missing after the hit
     ");
     let starts: Vec<f64> = log.accepted().map(Record::start_time).collect();
     // 2 + (10 002 - 400)/10 000, within the rounding error of one sum

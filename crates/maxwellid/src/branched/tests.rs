@@ -150,9 +150,9 @@ fn derivatives_are_those_of_differences() {
     check(&flat, &[ln(MODULUS), ln(0.5), ln(0.05), 1.8, ln(20.0)]);
 }
 
-/// The modulus of the branches of a flat loss factor against the power law that they represent: both
-/// agree to 1 % from 0.1 to 30 kHz. Without the correction of the first and the last branch the
-/// loss factor would be 5 % too small.
+/// The modulus of the branches of a flat loss factor against the power law that they represent:
+/// both agree to 1 % from 0.1 to 30 kHz. Without the correction of the first and the last branch
+/// the loss factor would be 5 % too small.
 #[test]
 fn a_flat_loss_factor_is_flat() {
     for loss_factor in [1e-3, 0.02, 0.1, 0.3] {

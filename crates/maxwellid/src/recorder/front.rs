@@ -74,7 +74,7 @@ impl<'a> Front<'a> {
         })
     }
 
-    /// The most likely parameters of the prior; `None` if the record has no likelihood.
+    /// The most likely parameters of the prior; `None` if no parameters explain the record.
     pub(super) fn contact(&self, largest: f64) -> Option<Contact> {
         let middle = self.begins.start.midpoint(self.begins.end);
         let mut best = Contact {

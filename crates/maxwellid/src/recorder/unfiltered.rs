@@ -72,8 +72,8 @@ pub const LONGEST_RECORD: usize = 750;
 /// Largest number of points of the grid: their covariance takes 70 MB.
 const MOST_POINTS: usize = LONGEST_RECORD * FINER;
 
-/// White noise of the grid and of its interpolation relative to the largest sample, without which a
-/// record without noise has no likelihood.
+/// White noise of the grid and of its interpolation relative to the largest sample; without it, the
+/// covariance of a record without noise would be singular.
 const ROUNDING: f64 = 1e-4;
 
 /// The excitation of a test before the filter of its recorder, as the record and the prior

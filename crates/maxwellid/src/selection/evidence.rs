@@ -400,7 +400,8 @@ impl Proposal {
     }
 }
 
-/// Quantile of Student's t with four degrees of freedom (Shaw, *J. Comput. Finance* **9** (2006) 37).
+/// Quantile of Student's t with four degrees of freedom (Shaw, *J. Comput. Finance* **9** (2006)
+/// 37).
 fn t4_quantile(probability: f64) -> f64 {
     let p = probability.clamp(1e-12, 1.0 - 1e-12);
     let root = (4.0 * p * (1.0 - p)).sqrt().min(1.0);

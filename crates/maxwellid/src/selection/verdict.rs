@@ -153,8 +153,8 @@ impl Selection {
     }
 }
 
-/// Adds the special cases that the misfit of their general law does not exclude: only the priors make
-/// them less probable.
+/// Adds the special cases that the misfit of their general law does not exclude: only the priors
+/// make them less probable.
 fn with_special_cases(decision: Decision, laws: &[ComparedLaw]) -> Decision {
     let (mut between, reason) = match &decision {
         Decision::Law { candidate, .. } => (vec![*candidate], None),

@@ -32,8 +32,8 @@ pub(super) struct SignalBand {
 }
 
 impl SignalBand {
-    /// Returns `None` without noise, for a short record, and if the signal extends to nearly half of
-    /// the sampling rate. The same band applies to all laws.
+    /// Returns `None` without noise, for a short record, and if the signal extends to nearly half
+    /// of the sampling rate. The same band applies to all laws.
     pub(super) fn of(test: &RodTest) -> Option<Self> {
         let noise = test.noise.as_ref()?;
         if test.window <= 2 * HALF_LENGTH {

@@ -47,25 +47,25 @@ fn claims_hold() {
         ("Gurevich-Rabinovich", rabinovich()),
     ] {
         claims.deviation(
-            format!("{name}: part of the intervals of 95 % that hold the truth, of each parameter"),
-            Within(0.045, "100 draws, 2.2 %; two of it"),
+            format!("{name}: coverage of the 95 % intervals less 95 %, worst parameter"),
+            Within(0.045, "100 draws: 2.2 %, times two"),
             of(&found, |found| found.inside),
         );
         claims.deviation(
             format!("{name}: mean of errors over standard errors, of each parameter"),
-            Within(0.4, "1/sqrt(100) = 10 %, four of it"),
+            Within(0.4, "1/sqrt(100) = 10 %, times four"),
             of(&found, |found| found.mean),
         );
         claims.deviation(
             format!("{name}: mean square of errors over standard errors, of each parameter"),
-            Within(0.56, "sqrt(2/100) = 14 %, four of it"),
+            Within(0.56, "sqrt(2/100) = 14 %, times four"),
             of(&found, |found| found.squares),
         );
         claims.claim(
             format!("{name}: residual over the stated noise"),
             "1",
             1.0,
-            Within(0.03, "1/sqrt(2 100 100) = 0.7 %, four of it"),
+            Within(0.03, "1/sqrt(2 100 100) = 0.7 %, times four"),
             of(&found, |found| found.to_noise),
         );
     }

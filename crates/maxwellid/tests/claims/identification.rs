@@ -155,7 +155,7 @@ fn ways(claims: &mut Claims) {
             .map_err(Clone::clone)
             .and_then(|test| Ok(test.modulus_from_time_of_flight()? / 3e9)),
     );
-    claims.by("one minimum, whatever the start: arrivals of another period are left");
+    claims.by("one minimum for any start: arrivals of another period are rejected");
     for factor in [0.5, 1.6] {
         let modulus = || -> Ours {
             let test = test.clone()?;
@@ -262,7 +262,7 @@ fn undamped(claims: &mut Claims) {
 }
 
 fn inverse_crime(claims: &mut Claims) {
-    claims.by("the solver that inverts has not made the data");
+    claims.by("data may not be made by the solver that inverts them");
     let refused = || -> Ours {
         let law = Maxwell::new(4e6)?;
         let data = struck(LENGTH, V0, 3e9, &law, 100).data;

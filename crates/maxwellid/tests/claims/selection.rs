@@ -86,7 +86,7 @@ fn nonlinear(claims: &mut Claims) {
         "two velocities: draws in which the Norton law is named",
         "1",
         5.0,
-        Within(1.5, "19 of 20 are asked for"),
+        Within(1.5, "19 of 20 are required"),
         of(&found, |found| {
             found.iter().filter(names_norton).count() as f64
         }),
@@ -95,7 +95,7 @@ fn nonlinear(claims: &mut Claims) {
         "two velocities: mean exponent of the Norton law",
         "1",
         2.0,
-        Within(0.09, "four of 0.05/sqrt(5)"),
+        Within(0.09, "four times 0.05/sqrt(5)"),
         of(&found, |found| {
             let exponents = found.iter().map(|comparison| {
                 let mut laws = comparison.laws.iter();
@@ -199,7 +199,7 @@ fn profile(claims: &mut Claims) {
     };
     let yes = Within(0.5, "yes or no");
     claims.claim(
-        "linear rod: the profile interval of the exponent holds 1",
+        "linear rod: the profile interval of the exponent contains 1",
         "1",
         1.0,
         yes,
@@ -336,7 +336,7 @@ fn conformal(claims: &mut Claims) {
         42.0 / 82.0,
         Within(
             0.035,
-            "four of 0.29/sqrt(2000), and the one neighbour fewer that a sample has",
+            "four times 0.29/sqrt(2000), and one neighbour fewer for a sample",
         ),
         of(&found, |found| found[0]),
     );
@@ -344,7 +344,7 @@ fn conformal(claims: &mut Claims) {
         "conformal p-values of 2000 patterns: part at 0.1 or below",
         "1",
         4.0 / 41.0,
-        Within(0.027, "sqrt(0.1 0.9/2000), four of it"),
+        Within(0.027, "sqrt(0.1 0.9/2000), times four"),
         of(&found, |found| found[1]),
     );
 }

@@ -94,7 +94,7 @@ fn differentiator(claims: &mut Claims) {
         1.0,
         Within(
             0.01,
-            "1/sqrt(2 200 000), and four of it for the correlation of neighbours",
+            "1/sqrt(2 200 000), times four because neighbours are correlated",
         ),
         noise(),
     );
@@ -159,17 +159,17 @@ fn nuisances(claims: &mut Claims) {
             2.0 / RATE,
             Within(
                 1e-6,
-                "a twentieth of a sample; it is told from E by reflections alone",
+                "a twentieth of a sample; only reflections distinguish it from E",
             ),
         ),
         (
-            "modulus beside",
+            "modulus, identified together with it",
             "Pa",
             2.6e9,
             Within(7.8e6, "0.3 %: a delay of 0.1 % of the flight is 0.2 % of E"),
         ),
         (
-            "exponent beside",
+            "exponent, identified together with it",
             "1",
             2.0,
             Within(

@@ -73,7 +73,7 @@ impl FoundHits {
         }
         Ok((2 * negative > hits.len()).then(|| {
             format!(
-                "The blows are negative in `{force}`: the sensor is reversed, if a positive force pushes; `inverted` of its channel, stated as true, corrects it."
+                "The blows are negative in `{force}`. If a positive force is a push, the sensor is reversed: state `inverted` of its channel as true."
             )
         }))
     }

@@ -107,7 +107,7 @@ fn a_long_record_is_cut_by_a_trigger() {
     true hit 2, long.npy at 0.7002 s 
     true hit 3, long.npy at 1.3002 s 
     true hit 4, long.npy at 1.9001 s 
-    false hit 5, long.npy at 2.5001 s cut at the end: 2887 samples are missing after it
+    false hit 5, long.npy at 2.5001 s cut at the end: 2887 samples are missing after the hit
     ");
     let (mean, _) = spread(&outcome, "accelerance", |f| accelerance(on_axis(f)));
     // four hits: F(2, 6), mean 1.5, whose variance is large

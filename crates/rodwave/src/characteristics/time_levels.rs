@@ -19,7 +19,8 @@ pub(super) struct TimeLevels {
 }
 
 impl TimeLevels {
-    /// Checks `times` \[s\] of a response to `excitation` and returns the levels, `step` \[s\] apart.
+    /// Checks `times` \[s\] of a response to `excitation` and returns the levels, `step` \[s\]
+    /// apart.
     pub(super) fn of(
         excitation: &dyn VelocityHistory,
         times: &[f64],

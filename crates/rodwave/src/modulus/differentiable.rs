@@ -54,8 +54,8 @@ pub trait DifferentiableModulus: LaplaceModulus {
         self.gradient_at_s(Complex64::new(0.0, omega), derivatives)
     }
 
-    /// Returns E(s) \[Pa\] at the Laplace variable `s` [1/s], off the negative real axis, and writes
-    /// the derivatives ∂E/∂p \[Pa per unit of p\] to `derivatives`.
+    /// Returns E(s) \[Pa\] at the Laplace variable `s` [1/s], off the negative real axis, and
+    /// writes the derivatives ∂E/∂p \[Pa per unit of p\] to `derivatives`.
     ///
     /// # Errors
     /// [`RodwaveError::LengthMismatch`] unless `derivatives` has one entry per parameter.

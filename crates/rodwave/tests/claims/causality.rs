@@ -45,7 +45,7 @@ fn claims_hold() {
         .by("erratum of paper E, eq. 7: no causal pair; another non-negative least-squares routine")
         .deviation(
             "power laws of Nylon-6 from 500 and from 100 Hz to 10 kHz: distance to the nearest causal material by 3.3e-4 and 2.4e-3 of |E|",
-            Within(0.1, "the lines of the other computation are others"),
+            Within(0.1, "the other computation uses other lines"),
             Ok(largest(of_eq_7.map(|(_, error)| error))),
         );
     let ratio = (FRAC_PI_2 * 0.03).tan();

@@ -107,7 +107,7 @@ fn end_accelerations(report: &mut Claims) {
     ];
     report.by("two lines of the Laplace plane").deviation(
         "histories by the damped and by the periodic transform, by the peak",
-        Within(1e-5, "what is left of the vibration after 50 ms"),
+        Within(1e-5, "remaining vibration after 50 ms"),
         Ok(largest(ends.map(|(a, b)| {
             let n = a.len().min(b.len());
             largest_difference(&a[..n], &b[..n]) / largest(a.iter().copied())
@@ -201,7 +201,7 @@ fn strains(report: &mut Claims) {
         (10..=60).map(error).collect::<Vec<_>>()
     });
     report.by("paper B, eqs. 6 and 7").deviation(
-        "ε₁ + ε₂ = 2ε₀ cosh γa in a frame, beams on both ends with and without a lump of 0.5 kg, 0.5 to 3 kHz, by its terms",
+        "ε₁ + ε₂ = 2ε₀ cosh γa in a frame, beams on both ends with and without a lumped mass of 0.5 kg, 0.5 to 3 kHz, by its terms",
         Within(1e-14, "cancelling terms of sizes up to e^(αL) of each other"),
         Ok(largest(errors)),
     );
@@ -211,7 +211,7 @@ fn strains(report: &mut Claims) {
     report
         .by("Euler's beam of 280 × 30 × 1 mm: 1.8751²(EI/ρA)^(1/2)/2πl²")
         .claim(
-            "cantilever beam of paper B as mass and spring: own frequency",
+            "cantilever beam of paper B as mass and spring: natural frequency",
             "Hz",
             euler,
             Within(

@@ -49,7 +49,7 @@ fn claims_hold() {
         "sixteen laws: relaxation modulus against E(s)/s, 10 ns to 1 s, by |E(1/t)|",
         Within(
             5e-11,
-            "1e-12 of the inversion, and what cancels on its contour",
+            "1e-12 of the inversion, and cancellation on its contour",
         ),
         Ok(largest(relaxations)),
     );
@@ -64,7 +64,7 @@ fn claims_hold() {
         Ok(largest([0.0, 1.0, 0.4e9, 1e15].map(retardation_error))),
     );
     report.by("the law itself, at lines between those of the fit").claim(
-        "fractional Zener by 4 Maxwell branches a decade, 100 Hz to 20 kHz: error in its own estimate of it",
+        "fractional Zener by 4 Maxwell branches per decade, 100 Hz to 20 kHz: error in its own estimate of it",
         "1",
         1.0,
         Within(0.02, "both seek the peaks of the error on lines of their own"),

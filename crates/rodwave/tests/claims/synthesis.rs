@@ -11,7 +11,7 @@ use testbed::hold;
 
 use crate::bodies::{circle, steel};
 
-const WRAP: &str = "the next period comes in with e^(-16)";
+const WRAP: &str = "the next period contributes e^(-16)";
 
 #[test]
 fn claims_hold() {

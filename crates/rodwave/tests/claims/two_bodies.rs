@@ -60,7 +60,7 @@ fn claims_hold() {
     // the square of a rounded jump is smaller than that of the jump by Pσ/√π at each side
     let shortfall = 2.0 * 1.25e-6 / PI.sqrt() / trip;
     report
-        .by("conservation of energy, less what the Gaussian rounds off")
+        .by("conservation of energy, less the part removed by the Gaussian")
         .deviation(
             "free rod on a long one of its kind: work on the long rod, relative",
             Within(5e-7, "next order of the rounding"),

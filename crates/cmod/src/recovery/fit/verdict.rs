@@ -45,14 +45,16 @@ const MOST_STATED: f64 = 10.0;
 impl fmt::Display for Reason {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::OneLoad => f.write_str("one load gives two numbers for three parameters"),
+            Self::OneLoad => f.write_str(
+                "one load determines only two numbers, but the model has three parameters",
+            ),
             Self::RecoveryNotFollowed { latest } => write!(
                 f,
                 "the latest reading is at {latest:.2} of the recovery time, before the loss factor falls"
             ),
             Self::OnlyTail { earliest } => write!(
                 f,
-                "the earliest reading is at {earliest:.0} recovery times, where all loads look alike"
+                "the earliest reading is at {earliest:.0} recovery times, where the curves of all loads coincide"
             ),
             Self::Noise { standard_error } if *standard_error <= MOST_STATED => write!(
                 f,

@@ -162,7 +162,7 @@ fn refined(data: &ModulusData, mut times: Vec<f64>, ends: (f64, f64)) -> Result<
             return Err(CmodError::CardUndetermined {
                 what: "number of relaxations of the card",
                 value: 0.0,
-                expected: "a loss above its error for at least one branch",
+                expected: "at least one branch, whose loss modulus exceeds its error",
             });
         }
         let model = Prony::new(true, start.branches.len());

@@ -94,7 +94,7 @@ pub(super) fn waves(waves: &Waves, passages: &Passages) -> Vec<Figure> {
     });
     let (name, title) = ("separated_waves", "Waves at the gauge and at the ends");
     let separated = Figure {
-        caption: "From the first gauge and the free end, in the band of the valid lines. A wave that is traced back to the struck end grows, and ends correspondingly earlier."
+        caption: "Computed from the first gauge and the free end, in the band of the valid lines. A wave that is traced back to the struck end grows, and ends correspondingly earlier."
             .to_owned(),
         ..Figure::new(name, title, separated.collect())
     };

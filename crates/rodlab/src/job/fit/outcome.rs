@@ -328,7 +328,7 @@ fn one_curve(outcome: &mut Outcome, found: &Found<'_>, curve: &MasterCurve) {
     {
         outcome.doubt(format!(
             "the factors of the modulus scatter by {} about a smooth change with temperature, as after repeated clamping: the modulus at the \
-             reference temperature is uncertain by the same amount, which no error includes; state `scale_uncertainty`",
+             reference temperature is uncertain by the same amount, which the stated errors do not include; state `scale_uncertainty`",
             percent(scatter)
         ));
     }
@@ -536,7 +536,7 @@ fn of_shift_laws(outcome: &mut Outcome, own: &ShiftLaws, by_scatter: Option<&Shi
     } else {
         format!(
             "The shifts follow WLF with C1 = {} and C2 = {}{}; log a falls by {} per K at the reference. The \
-             probability of Arrhenius compared with it is {}.",
+             probability of Arrhenius relative to WLF is {}.",
             with_error(Some(wlf.c1), Some(wlf.c1_standard_error)),
             with_unit(wlf.c2, Some(wlf.c2_standard_error), "K"),
             if is_wlf { "" } else { ", with equal errors of all shifts, not within their own errors" },

@@ -182,8 +182,8 @@ pub(super) fn of(
     }
     if let Some(step) = widest {
         outcome.warnings.push(format!(
-            "The temperatures of a step differ by up to {} K, from {} to {} around {}: the mean of a step is used, and no error \
-             includes the drift.",
+            "The temperatures of a step differ by up to {} K, from {} to {} around {}: the mean of a step is used, and the errors \
+             do not include the drift.",
             short(step.range.1 - step.range.0),
             celsius(step.range.0),
             celsius(step.range.1),
@@ -284,7 +284,7 @@ fn average(steps: &mut [Step], scale: ErrorScale, outcome: &mut Outcome) {
     if let Some((copy, original)) = copies.first() {
         outcome.warnings.push(format!(
             "{} row(s) agree in every digit with another row of the same frequency and temperature, first {copy} with {original}: they are \
-             left out, because one reading that is stored twice has no smaller error.",
+             left out, because storing a reading twice does not reduce its error.",
             copies.len()
         ));
     }

@@ -86,7 +86,7 @@ impl Replacement for Draws<'_> {
             .map_err(|error: Written| {
                 RodlabError::request(
                     field,
-                    format!("{stated}, of which a draw is out of range: {error}"),
+                    format!("{stated}, for which a draw is out of range: {error}"),
                     "an uncertainty that is small compared with the value",
                 )
             })

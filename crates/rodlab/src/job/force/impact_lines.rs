@@ -439,7 +439,7 @@ impl OnLines {
             (_, None) => self.about_errors.to_owned(),
             (_, Some(end)) => match end.verdict {
                 EndVerdict::Linear => {
-                    "zero of the force on lines, which is a straight line within two standard errors of the zero"
+                    "zero of the force on lines; within two standard errors of the zero, the force is linear in time"
                         .to_owned()
                 }
                 EndVerdict::Curved { deviation } => format!(

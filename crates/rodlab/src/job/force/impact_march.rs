@@ -39,7 +39,7 @@ pub(super) fn band(sheet: &ImpactSheet, bodies: [&FaceBody; 2]) -> Result<BandLi
             return Err(RodlabError::request(
                 "problem.band",
                 stated.to_string(),
-                format!("at most {measured_to} Hz, up to which the bodies were measured"),
+                format!("at most {measured_to} Hz, the end of the measured lines"),
             ));
         }
         Some(stated) => BandLimit::up_to(stated.si()),

@@ -300,7 +300,7 @@ fn warnings(problem: &Problem<'_>, solved: &ReconstructedForce, outcome: &mut Ou
                     .to_owned(),
             ),
             ChoiceVerdict::NoCorner => outcome.warnings.push(
-                "The curve of the regularisation has no point to choose: the weakest one was used."
+                "The curve of the regularisation has no finite point from which to choose: the weakest regularisation was used."
                     .to_owned(),
             ),
             _ => {}

@@ -150,7 +150,7 @@ fn choice(chosen: &ChosenParameter) -> Figure {
     ];
     let title = "Choice of the parameter of the regularisation";
     Figure {
-        caption: "Above, penalised norm over residual; below, the function whose minimum, or zero for the discrepancy, the method chooses."
+        caption: "Above: penalised norm over residual. Below: the criterion of the method; the chosen parameter is at its minimum, or at its zero for the discrepancy principle."
             .to_owned(),
         ..Figure::new("regularisation", title, panels)
     }

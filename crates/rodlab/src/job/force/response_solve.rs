@@ -419,8 +419,8 @@ pub(super) fn acting_like_hits(
         return Ok(longest);
     }
     outcome.doubt(format!(
-        "by division, the force reaches {:.0} % of its peak outside the duration of a calibration hit: it is sought over the whole record, without the part on lines that \
-         the hits do not determine; state `acting`",
+        "the force by division reaches {:.0} % of its peak outside the duration of a calibration hit; the time in which it acts is therefore not limited, and the force has no \
+         part on lines that the hits do not determine: state `acting`",
         100.0 * at_first
     ));
     Ok(None)

@@ -54,7 +54,7 @@ pub(super) fn figure(
     };
     Ok(Figure {
         caption: format!(
-            "Histories of the hits, overlaid, first of the blow alone, from the trigger or from the beginning of each record; rejected hits are faint. Windows are drawn with the height of the largest sample. For long histories, the smallest and largest samples of short intervals are drawn.{of_which}"
+            "Time histories of the hits, overlaid; a short blow is also shown enlarged, in the first panel. Time starts at the trigger, or at the beginning of each record. Rejected hits are faint. Windows are drawn with the height of the largest sample. For long histories, the smallest and largest samples of short intervals are drawn.{of_which}"
         ),
         ..Figure::new(name, title, panels)
     })

@@ -26,8 +26,8 @@ pub(super) enum Left {
     One { law: usize, probability: f64 },
     /// Several laws that the data cannot distinguish, the most probable first.
     Several { laws: Vec<usize>, reason: String },
-    /// The laws that the comparison left, followed by all other nonlinear laws. The recorder biases
-    /// nonlinear laws, so that none of them can be named or excluded.
+    /// The laws that remain after the comparison, followed by all other nonlinear laws. The recorder
+    /// biases nonlinear laws, so that none of them can be named or excluded.
     Biased { laws: Vec<usize> },
     /// No law; `best` is the best of the excluded laws.
     None { best: usize, adequacy: f64 },
@@ -295,7 +295,7 @@ fn tell_comparison(found: &Found, is_biased: bool, outcome: &mut Outcome) {
         && comparison.laws[*law].is_linear
     {
         outcome.summary.push(
-            "The nonlinear laws were compared with the bias of this recorder; only a test at another impact velocity can exclude them."
+            "The bias of this recorder is part of the comparison of the nonlinear laws; only a test at another impact velocity can exclude them."
                 .to_owned(),
         );
     }

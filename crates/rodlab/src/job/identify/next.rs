@@ -359,7 +359,7 @@ fn state(
     outcome.tables.push(Table {
         name: "next_tests".to_owned(),
         title: format!(
-            "Planned tests with those made, if the law is {}",
+            "Planned tests, each together with the tests already made, if the law is {}",
             candidate.name()
         ),
         columns,

@@ -111,7 +111,8 @@ fn contradicts(source: &CalibratedSource) -> bool {
     source.discrepancy().abs() > CONTRADICTS
 }
 
-/// Error source of the sensors, or of the mass of one of them, with its stated standard uncertainty.
+/// Error source of the sensors, or of the mass of one of them, with its stated standard
+/// uncertainty.
 struct OfSensors {
     name: String,
     unit: &'static str,

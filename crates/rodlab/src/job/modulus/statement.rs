@@ -431,7 +431,7 @@ fn warn(outcome: &mut Outcome, found: &Found<'_>, valid: &[&ModulusLine]) {
         let bound = line.lateral_inertia_bound().storage_modulus / line.modulus.re.abs();
         outcome.warnings.push(format!(
             "E' was not corrected for lateral inertia, because no Poisson's ratio is stated. For any ratio up to 0.5, E' is too small by at most {} at {}; \
-             this bound is stated in addition to the errors and is included when lines are judged valid. State Poisson's ratio in `lateral_inertia` to take it out.",
+             this bound is stated in addition to the errors and is included when lines are judged valid. State Poisson's ratio in `lateral_inertia` to correct for it.",
             percent(bound),
             hertz(line.frequency_hz)
         ));

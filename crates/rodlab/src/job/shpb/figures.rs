@@ -112,7 +112,7 @@ fn stress_strain(
             strain,
             stress.clone(),
         ));
-        compared = " The grey line is what the same records give if the bars are assumed elastic, with their wave speed in the middle of the band.";
+        compared = " The grey line is the result from the same records if the bars are assumed elastic, with their wave speed in the middle of the band.";
     }
     let rate = of(result.curves.of(Curve::StrainRate).to_vec());
     let rate_half = of(band(result, Curve::StrainRate, 1.0)?);
@@ -127,7 +127,7 @@ fn stress_strain(
     ];
     Ok(Figure {
         caption: format!(
-            "Engineering values up to the end of the loading. The band contains the stress with a probability of 95 % {held}; that of the rate contains a single value at its time.{compared}"
+            "Engineering values up to the end of the loading. The band contains the stress with a probability of 95 % {held}. The band of the strain rate contains a single value at its time with the same probability.{compared}"
         ),
         ..Figure::new("stress_strain", title, panels)
     })
