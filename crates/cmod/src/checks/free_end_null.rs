@@ -21,7 +21,7 @@ const FEWEST_DEGREES_OF_FREEDOM: f64 = 4.0;
 /// Smallest fraction of a Gauss-Newton step that is tried.
 const SMALLEST_FRACTION: f64 = 1e-6;
 /// Maximum number of Gauss-Newton steps of the common errors.
-const MOST_ROUNDS: usize = 4;
+const MOST_ROUNDS: usize = 8;
 /// Fall of χ² over all lines by a step of the common errors at which they are at their minimum.
 const LEAST_FALL: f64 = 0.1;
 
@@ -266,6 +266,7 @@ struct Fit<'a> {
     /// Values of all sensors, (n_tests · n_sensors).
     values: Vec<Complex64>,
     weights: Vec<f64>,
+    factors: Vec<Complex64>,
     /// Functions f and f' of each sensor, divided by the noise of the sensor.
     shape: Vec<(Complex64, Complex64)>,
     /// Changes of all values by each common error, without those that γ and the amplitudes explain.
@@ -287,6 +288,7 @@ impl<'a> Fit<'a> {
             distances: distances.collect(),
             values: Vec::with_capacity(n_sensors * n_tests),
             weights: Vec::with_capacity(n_sensors),
+            factors: Vec::with_capacity(n_sensors),
             shape: Vec::with_capacity(n_sensors),
             columns: vec![Vec::with_capacity(n_sensors * n_tests); errors.count()],
             residual: Vec::with_capacity(n_sensors * n_tests),
@@ -299,14 +301,18 @@ impl<'a> Fit<'a> {
     )]
     fn load(&mut self, spectra: &GaugeSpectra<'_>, index: usize, omega: f64) -> bool {
         self.weights.clear();
-        let noises = noises(spectra, index).map(f64::recip);
-        self.weights.extend(noises);
+        self.factors.clear();
+        for (sensor, noise) in noises(spectra, index).enumerate() {
+            let factor = self.errors.factor(sensor, omega);
+            // the noise was measured in the same units as the value
+            self.weights.push(factor.norm() / noise);
+            self.factors.push(factor);
+        }
         self.values.clear();
         for test in spectra.tests {
-            for (sensor, (spectrum, weight)) in test.iter().zip(&self.weights).enumerate() {
-                let value = spectrum[index] / self.errors.factor(sensor, omega);
-                self.values.push(value * weight);
-            }
+            let sensors = test.iter().zip(&self.weights).zip(&self.factors);
+            let values = sensors.map(|((spectrum, weight), factor)| weight * spectrum[index] / factor);
+            self.values.extend(values);
         }
         self.values.iter().all(|value| value.is_finite())
     }

@@ -2,8 +2,8 @@
 //!
 //! On a single line V(γ) has many minima. However, only one wave speed, which is nearly constant
 //! over the first wavelengths, explains many lines at once. From a series of speeds, the search
-//! chooses the speed that minimises the misfit, averaged over lines with up to one wavelength
-//! between the outermost gauges. The logarithm of the misfit is averaged without the worst third of
+//! chooses the speed that minimises the misfit, averaged over the first lines, over which the
+//! number of wavelengths between the outermost gauges grows by one. The logarithm of the misfit is averaged without the worst third of
 //! the lines, to exclude outliers. The best speeds are compared again on more lines.
 
 use num_complex::Complex64;
@@ -148,7 +148,8 @@ impl Search<'_> {
     fn score(&mut self, slowness: Complex64, count: usize) -> f64 {
         let frequencies = self.spectra.frequency_hz;
         let frequency = |index: &usize| frequencies.get(*index).copied().unwrap_or(0.0);
-        let highest = 1.0 / (slowness.im * self.aperture);
+        let lowest = self.usable.first().map_or(0.0, frequency);
+        let highest = lowest + 1.0 / (slowness.im * self.aperture);
         let below = self
             .usable
             .partition_point(|index| frequency(index) <= highest);

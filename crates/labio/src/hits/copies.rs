@@ -6,6 +6,7 @@ use std::f64::consts::LN_2;
 use num_complex::Complex64;
 
 use super::rest::samples_at_rest;
+use crate::quantization::step_above_noise;
 use crate::spectra::RestNoise;
 use crate::{LabioError, Record, dft};
 
@@ -167,8 +168,13 @@ struct Lines {
 }
 
 impl Lines {
-    /// Returns the lines of a channel; `None` if there is no silence, or no noise in it.
+    /// Returns the lines of a channel; `None` if there is no silence, or no noise in it that changes
+    /// the output of the converter: two hits then have equal samples in their silence and after
+    /// they have decayed.
     fn of(hit: &Record, channel: &str, silent: usize) -> Result<Option<Self>, LabioError> {
+        if step_above_noise(hit.channel(channel)?, silent).is_some() {
+            return Ok(None);
+        }
         let noise = RestNoise::before(&[hit], channel, silent)?;
         let samples = hit.channel(channel)?.to_vec();
         let (rate, n) = (hit.sampling_rate_hz(), samples.len() as f64);

@@ -1,4 +1,4 @@
-//! Lines used in the checks if the sheet states no band: the lines with a signal and without
+//! Lines used in the checks: the lines with a signal and, if the sheet states no band, without
 //! aliases.
 
 use cmod::ModulusEstimate;
@@ -30,9 +30,7 @@ pub(super) fn lines(
             format!("at most {}, the Nyquist frequency", hertz(nyquist)),
         ));
     }
-    if found.sheet.band.is_some() {
-        return Ok(None);
-    }
+    let has_band = found.sheet.band.is_some();
     let (mut from, mut to) = (f64::NEG_INFINITY, f64::INFINITY);
     let mut because = Vec::new();
     if let Some((first, last)) = found.ratio().and_then(with_signal) {
@@ -40,6 +38,8 @@ pub(super) fn lines(
         because.push("the coherence is above that of chance".to_owned());
     }
     match (stated, nyquist) {
+        // whoever states a band states that it has no aliases
+        _ if has_band => {}
         (Some(stated), _) => {
             to = to.min(stated.si());
             because.push(format!("aliases are suppressed up to {stated}"));
@@ -75,9 +75,17 @@ pub(super) fn lines(
     );
     let beyond = found.estimate.valid().count() - looked_at.valid().count();
     if beyond > 0 {
+        let (why, remedy) = if has_band {
+            ("", "")
+        } else {
+            (
+                "No `band` is stated: ",
+                "; state a band, or `checks.alias_free_to` if the filter of the recorder suppresses aliases further up",
+            )
+        };
+        let the = if has_band { "The" } else { "the" };
         outcome.warnings.push(format!(
-            "No `band` is stated: the checks use the lines from {ends}, where {}. {beyond} valid lines are outside and are not \
-             checked; state a band, or `checks.alias_free_to` if the filter of the recorder suppresses aliases further up.",
+            "{why}{the} checks use the lines from {ends}, where {}. {beyond} valid lines are outside and are not checked{remedy}.",
             because.join(" and ")
         ));
     }

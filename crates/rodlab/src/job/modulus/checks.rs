@@ -26,6 +26,13 @@ const FRONT: f64 = 1.02;
 /// Maximum number of lines used in the check of Kramers and Kronig.
 const MOST_LINES: usize = 1000;
 
+/// Minimum number of valid lines for the check of Kramers and Kronig.
+const FEWEST_CHECKED: usize = 3;
+
+/// Warning about a loss factor that no check tests.
+const UNCHECKED_LOSS: &str = "Fewer than three lines or modes are valid, so no check tests whether the loss is that of the material: energy that \
+     leaves through supports, cables or sensors counts as loss of the material. Measure more modes, or repeat the test with the supports elsewhere.";
+
 /// Suffix of the name of the quantity of a check.
 const SUFFIX: &str = ", p-value";
 
@@ -101,6 +108,9 @@ pub(super) fn check(outcome: &mut Outcome, found: &Found<'_>) -> Result<(), Rodl
     if checks.has(CheckSheet::KramersKronig) {
         let made = kramers_kronig_on(found.estimate, most_lines(found, MOST_LINES), level);
         say(outcome, found, Check::KramersKronig, made);
+        if (1..FEWEST_CHECKED).contains(&found.estimate.valid().count()) {
+            outcome.warnings.push(UNCHECKED_LOSS.to_owned());
+        }
     }
     if checks.has(CheckSheet::FreeEndNull) {
         free_end_null(outcome, found, level);
@@ -143,9 +153,17 @@ fn free_end_null(outcome: &mut Outcome, found: &Found<'_>, level: f64) {
     else {
         return;
     };
-    // with two gauges, the method itself assumes the free end; with damped spectra, the propagation
-    // coefficient at real frequencies does not apply
-    if gauges.len() == 2 || spectra.added_damping.is_some() {
+    // with two gauges, the method itself assumes the free end
+    if gauges.len() == 2 {
+        return;
+    }
+    // the propagation coefficient at real frequencies does not apply to damped spectra
+    if spectra.added_damping.is_some() {
+        outcome.log.push(LogEntry {
+            what: format!("{CHECK}{}", Check::FreeEndNull),
+            accepted: false,
+            reasons: vec!["not made: the spectra are those of damped records".to_owned()],
+        });
         return;
     }
     let distances = gauges
@@ -280,7 +298,7 @@ fn in_words(made: &CheckOutcome, found: &Found<'_>) -> String {
         Check::KramersKronig => {
             "E' and E'' do not belong to one relaxing material: the sampling rate, a mass on an end, or a gain, delay or sign of a channel is \
              not as stated, the record ends before the rod is at rest, a support or a sensor resonates, lateral inertia is not corrected, \
-             or errors are stated too small"
+             errors are stated too small, or an offset, drift or hum disturbs the lowest lines (raise `band.from`)"
         }
         Check::FreeEndNull => {
             "the gauges do not indicate a free end: a gauge may be elsewhere than stated, wired the other way round or wrongly calibrated, \
