@@ -293,15 +293,4 @@ mod tests {
         assert!(FreeEndRoot::of(Complex64::ONE).angle < f64::MIN_POSITIVE);
         assert!((FreeEndRoot::of(Complex64::ZERO).angle - FRAC_PI_2).abs() < 1e-16);
     }
-
-    #[test]
-    fn table_1_gives_back_the_phase_in_every_quadrant() {
-        for j in 0..200 {
-            let gamma_length = Complex64::new(0.2, 0.05 + 0.1 * f64::from(j));
-            let root = FreeEndRoot::of(gamma_length.cosh());
-            let branch = Branch::at(gamma_length.im);
-            // The tolerance is a few roundings of kL <= 20.
-            assert!((root.on(branch) - gamma_length).norm() < 1e-14 * (1.0 + gamma_length.norm()));
-        }
-    }
 }

@@ -481,36 +481,6 @@ mod tests {
     }
 
     #[test]
-    fn arrays_that_do_not_fit_are_refused() {
-        let method = TwoPoint::new(SPECIMEN).unwrap();
-        let ratio = [Complex64::new(0.9, 0.01); 2];
-        let text = |f: &[f64], r: &[Complex64], v: &[f64]| {
-            method.estimate(f, r, v).unwrap_err().to_string()
-        };
-        assert_eq!(text(&[], &[], &[]), "no line to evaluate");
-        assert_eq!(
-            text(&[1.0, 2.0, 3.0], &ratio, &[0.0; 3]),
-            "acceleration ratio has 2 lines, expected 3, one per frequency"
-        );
-        assert_eq!(
-            text(&[1.0, 2.0], &ratio, &[0.0]),
-            "variance has 1 lines, expected 2, one per frequency"
-        );
-        assert_eq!(
-            text(&[1.0, 1.0], &ratio, &[0.0; 2]),
-            "frequency of line 1 is 1 Hz, expected more than the 1 Hz of the previous line"
-        );
-        assert_eq!(
-            text(&[-1.0, 1.0], &ratio, &[0.0; 2]),
-            "frequency of line 0 is -1 Hz, expected a finite value, 0 or above"
-        );
-        assert_eq!(
-            text(&[1.0, 2.0], &ratio, &[0.0, -1e-3]),
-            "variance of line 1 is -0.001, expected 0 or above"
-        );
-    }
-
-    #[test]
     fn a_line_without_information_is_refused_alone() {
         let method = TwoPoint::new(SPECIMEN).unwrap();
         let gamma_length = |f: f64| Complex64::new(0.02, 1.0) * (f / 400.0);

@@ -8,13 +8,11 @@ use impulse::{
     Projection, Reciprocity, ScreeningFlag, WeighedMass, lines_of,
 };
 use num_complex::Complex64;
-use rand::SeedableRng;
-use rand_chacha::ChaCha8Rng;
-use rand_distr::{Distribution, StandardNormal};
 use rodwave::chain::{Chain, Termination};
 use rodwave::element::{Circle, CrossSection};
 use rodwave::medium::Medium;
 use rodwave::modulus::PowerLawPropagation;
+use testbed::noise::Noise;
 
 pub(crate) const STEP_HZ: f64 = 10.0;
 pub(crate) const N_LINES: usize = 1025;
@@ -62,15 +60,13 @@ pub(crate) fn noisy(
     relative: f64,
     seed: u64,
 ) -> (Vec<Complex64>, Vec<f64>) {
-    let mut random = ChaCha8Rng::seed_from_u64(seed);
+    let mut random = Noise::seeded(seed);
     mobility
         .iter()
         .map(|line| {
             let size = relative * line.norm();
-            let re: f64 = StandardNormal.sample(&mut random);
-            let im: f64 = StandardNormal.sample(&mut random);
-            let noise = Complex64::new(re, im) * (0.5_f64.sqrt() * size);
-            (line + noise, size * size)
+            let noise = Complex64::new(random.normal(), random.normal());
+            (line + noise * (0.5_f64.sqrt() * size), size * size)
         })
         .unzip()
 }
@@ -131,8 +127,8 @@ fn active_lines_within_their_error_are_no_fault() {
 /// Averages of `hits` blows of unit force, each with noise of `level` times the greatest
 /// accelerance within the band: the lines, their estimated variances, and their degrees of freedom.
 fn struck(exact: &[Complex64], hits: usize, level: f64, seed: u64) -> MeasuredBody {
-    let mut random = ChaCha8Rng::seed_from_u64(seed);
-    let mut normal = || -> f64 { StandardNormal.sample(&mut random) };
+    let mut random = Noise::seeded(seed);
+    let mut normal = || random.normal();
     let omega = |line: usize| TAU * STEP_HZ * line as f64;
     let accelerance = |line: usize| exact[line].norm() * omega(line);
     let greatest = (1..exact.len()).map(accelerance).fold(0.0, f64::max);

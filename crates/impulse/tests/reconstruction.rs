@@ -5,11 +5,10 @@ use impulse::{
     Parameter, Penalty, Reconstruction, Regularisation, ResponseNoise, Sensor, TimeInterval,
 };
 use num_complex::Complex64;
-use rand::SeedableRng;
-use rand_chacha::ChaCha8Rng;
 
-use crate::virtual_body::{Faces, Pulse, VirtualBody, noisy, noisy_lines};
+use crate::virtual_body::{Faces, Pulse, VirtualBody, noisy_lines};
 use testbed::claim::{Ours, missing};
+use testbed::noise::Noise;
 
 pub(crate) const BODY: VirtualBody = VirtualBody {
     length: 0.4,
@@ -70,8 +69,8 @@ pub(crate) fn coverage(
         whole: 0.0,
     };
     for seed in 0..seeds {
-        let mut random = ChaCha8Rng::seed_from_u64(seed);
-        let responses = [0, 1].map(|face| noisy(&faces.responses[face], NOISE[face], &mut random));
+        let mut random = Noise::seeded(seed);
+        let responses = [0, 1].map(|face| random.added_to(&faces.responses[face], NOISE[face]));
         let lines = [0, 1].map(|face| {
             noisy_lines(
                 &faces.frequency_responses[face],
@@ -98,7 +97,7 @@ pub(crate) fn coverage(
             .ok_or_else(|| missing("the error of the force"))?;
         let pointwise = error.pointwise(&found.history, 0.95)?;
         let simultaneous =
-            error.simultaneous(&found.history, 0.95, window.clone(), 400, &mut random)?;
+            error.simultaneous(&found.history, 0.95, window.clone(), 400, &mut random.0)?;
         sums.inside += pointwise.part_inside(&truth, window.clone());
         sums.whole += simultaneous.part_inside(&truth, window.clone()).floor();
         let squares: f64 = window
@@ -139,8 +138,8 @@ fn bands_cover_the_true_force_at_their_level() {
 
 /// Chi-square of the acceleration of the far face, with these lines of its accelerance.
 pub(crate) fn chi_square(faces: &Faces, lines: &[Complex64]) -> Ours {
-    let mut random = ChaCha8Rng::seed_from_u64(11);
-    let response = noisy(&faces.responses[1], NOISE[1], &mut random);
+    let mut random = Noise::seeded(11);
+    let response = random.added_to(&faces.responses[1], NOISE[1]);
     let sensor = Sensor::new(&response, lines)?.with_noise(ResponseNoise::White(NOISE[1]))?;
     let found = Reconstruction::of_sensors(vec![sensor], BODY.sampling_rate_hz)?
         .acting_during(SUPPORT)
@@ -190,8 +189,8 @@ fn a_slow_sensor_needs_regularisation() {
         })
         .collect();
     let level = 0.02 * response.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
-    let mut random = ChaCha8Rng::seed_from_u64(12);
-    let response = noisy(&response, level, &mut random);
+    let mut random = Noise::seeded(12);
+    let response = random.added_to(&response, level);
     let problem = Reconstruction::new(&response, BODY.sampling_rate_hz, &lines)
         .unwrap()
         .acting_during(SUPPORT);

@@ -207,14 +207,6 @@ pub enum LabioError {
         /// The relative deviation that is accepted.
         tolerance: f64,
     },
-    /// The file is not in the format, or its header cannot be understood.
-    #[error("the {format} header cannot be read: {detail}")]
-    MalformedHeader {
-        /// Name of the format.
-        format: &'static str,
-        /// The fault found by the parser.
-        detail: String,
-    },
     /// The array in the file has the wrong number of axes.
     #[error("the {format} array has {found} axes, expected {expected}")]
     WrongDimensions {

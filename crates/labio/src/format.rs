@@ -322,6 +322,17 @@ pub fn write(
         .map_err(|source| in_file(path, source))
 }
 
+/// Opens the file at `path` and returns what `with` makes of it; an error names the file.
+fn opened<T>(
+    path: &Path,
+    with: impl FnOnce(fs::File) -> Result<T, LabioError>,
+) -> Result<T, LabioError> {
+    fs::File::open(path)
+        .map_err(|source| LabioError::Read { source })
+        .and_then(with)
+        .map_err(|source| in_file(path, source))
+}
+
 fn in_file(path: &Path, source: LabioError) -> LabioError {
     LabioError::InFile {
         path: path.to_path_buf(),

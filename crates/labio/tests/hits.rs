@@ -34,19 +34,12 @@ use ndarray::Array2;
 use num_complex::Complex64;
 use proptest::prelude::*;
 use rand::RngExt;
-use rand::SeedableRng;
-use rand_chacha::ChaCha8Rng;
-use rand_distr::{Distribution, StandardNormal};
+use testbed::noise::Noise;
 
 const RATE_HZ: f64 = 10_000.0;
 const ONSET: usize = 500;
 const N: usize = 10_000;
 const FORCE: &str = "force";
-
-fn noise(rng: &mut ChaCha8Rng, deviation: f64) -> f64 {
-    let unit: f64 = StandardNormal.sample(rng);
-    deviation * unit
-}
 
 /// Contact of 2 ms with a peak of 1 at its middle.
 fn contact(t: f64) -> f64 {
@@ -78,12 +71,12 @@ fn response(t: f64) -> f64 {
 
 /// A good hit of 80 N with noise and ringing; each modification must be detected.
 fn hit(change: impl Fn(usize, f64, &mut f64, &mut f64)) -> Record {
-    let mut rng = ChaCha8Rng::seed_from_u64(17);
+    let mut rng = Noise::seeded(17);
     let mut samples = Array2::zeros((2, N));
     for k in 0..N {
         let t = (k as f64 - ONSET as f64) / RATE_HZ;
-        let mut force = 80.0 * (contact(t) + ringing(t)) + noise(&mut rng, 0.05);
-        let mut acceleration = response(t) + noise(&mut rng, 0.2);
+        let mut force = 80.0 * (contact(t) + ringing(t)) + 0.05 * rng.normal();
+        let mut acceleration = response(t) + 0.2 * rng.normal();
         change(k, t, &mut force, &mut acceleration);
         samples[[0, k]] = force;
         samples[[1, k]] = acceleration;

@@ -432,30 +432,6 @@ mod tests {
     use std::f64::consts::TAU;
 
     #[test]
-    fn sinusoids_are_reproduced_between_the_samples_to_the_stated_error() {
-        let rate = 51_200.0;
-        for fraction in [0.05, 0.1, 0.2, 0.25, 0.3, 0.35, 0.38] {
-            let omega = TAU * fraction * rate;
-            let samples: Vec<f64> = (0..400)
-                .map(|k| (omega * f64::from(k) / rate).sin())
-                .collect();
-            let history = SampledHistory::new(&samples, rate).unwrap();
-            // away from the two ends: beyond them the history is a continuation, not the sinusoid
-            let worst = (0..5000)
-                .map(|k| {
-                    let t = (40.0 + f64::from(k) * 0.06137) / rate;
-                    let value = (history.at(t) - (omega * t).sin()).abs();
-                    let slope = (history.slope(t) / omega - (omega * t).cos()).abs();
-                    (value, slope)
-                })
-                .fold((0.0_f64, 0.0_f64), |a, b| (a.0.max(b.0), a.1.max(b.1)));
-            assert!(worst.0 < 2e-5, "{fraction} of the rate: {worst:?}");
-            // the slope of the cubic through the fine points is one order less accurate
-            assert!(worst.1 < 2e-4, "{fraction} of the rate: {worst:?}");
-        }
-    }
-
-    #[test]
     fn a_history_rests_until_its_begin_and_not_much_longer() {
         let rate = 51_200.0;
         for first in [0, 10, 16, 17, 40] {

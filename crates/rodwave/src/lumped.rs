@@ -146,12 +146,6 @@ impl<L: InelasticLaw> LumpedRod<L> {
         cubic(around, position - base).value
     }
 
-    /// Stress \[Pa\] in the cell next to node 0.
-    #[must_use]
-    pub fn first_stress(&self) -> f64 {
-        self.stress[0]
-    }
-
     /// Momentum per unit area [kg/(m s)].
     #[must_use]
     pub fn momentum(&self) -> f64 {

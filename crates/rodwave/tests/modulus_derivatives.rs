@@ -5,7 +5,7 @@ use rodwave::RodwaveError;
 use rodwave::medium::{Medium, PropagationLaw};
 use rodwave::modulus::{
     ComplexModulus, ConstantQ, DifferentiableModulus, Elastic, FractionalZener, HavriliakNegami,
-    KelvinVoigt, Maxwell, PowerLawPropagation, SpringPot, Tabulated, Zener,
+    KelvinVoigt, Maxwell, SpringPot, Tabulated, Zener,
 };
 
 use crate::bodies::{self, nylon, nylon_law, steel};
@@ -223,42 +223,4 @@ fn slope_of_a_table_is_that_of_its_interpolation() {
         // Within an interval, the difference is exact for a cubic; rounding causes 3e-13.
         assert!(change < 2e-12 * law.at(omega).norm(), "{omega}");
     }
-}
-
-/// Derivatives of γ with respect to ln a, p, ln b and q.
-#[test]
-fn power_laws_have_exact_derivatives() {
-    let gamma = |shift: [f64; 4], omega: f64| {
-        let law = PowerLawPropagation::new(
-            8.818e-5 * shift[0].exp(),
-            0.894 + shift[1],
-            8.937e-4 * shift[2].exp(),
-            0.970 + shift[3],
-        );
-        law.unwrap().propagation_coefficient(omega, 1150.0)
-    };
-    let mut derivatives = [Complex64::ZERO; 4];
-    for omega in frequencies() {
-        nylon_law()
-            .propagation_gradient(omega, &mut derivatives)
-            .unwrap();
-        for (index, derivative) in derivatives.iter().enumerate() {
-            let differenced = difference(1e-4, |h| {
-                let mut shift = [0.0; 4];
-                shift[index] = h;
-                gamma(shift, omega)
-            });
-            // Truncation h⁴/30 (ln ω)⁵ = 4e-12 at 10⁷ rad/s, rounding 3e-12.
-            let scale = gamma([0.0; 4], omega).norm();
-            assert!(
-                (derivative - differenced).norm() <= 1e-10 * scale,
-                "{index} at {omega}"
-            );
-        }
-    }
-    assert!(
-        nylon_law()
-            .propagation_gradient(1.0, &mut derivatives[..3])
-            .is_err()
-    );
 }

@@ -104,14 +104,17 @@ fn f2_a_flat_smoothing_leaves_a_short_blow_as_it_is() {
     let omega = std::f64::consts::TAU / length;
     let synthesis = DampedSynthesis::new(2e-3, interval).unwrap();
     let smoothed = synthesis.smoothed(2.5 * interval).unwrap();
-    let largest_error = |synthesis: &DampedSynthesis| {
+    let blow = |synthesis: &DampedSynthesis| {
         let lines: Vec<Complex64> = synthesis
             .arguments()
             .map(|s| {
                 (1.0 - (-s * length).exp()) * omega * omega / (2.0 * s * (s * s + omega * omega))
             })
             .collect();
-        let history = synthesis.history(&lines).unwrap();
+        synthesis.history(&lines).unwrap()
+    };
+    let largest_error = |synthesis: &DampedSynthesis| {
+        let history = blow(synthesis);
         let samples = history.samples.iter().enumerate();
         samples
             .map(|(n, found)| {
@@ -130,21 +133,9 @@ fn f2_a_flat_smoothing_leaves_a_short_blow_as_it_is() {
     // content of the pulse beyond the smoothing, because its curvature jumps at the ends: sigma^2/2
     // times half the jump; the sidelobes of the kernel reduce it to less than a tenth
     assert!(largest_error(&smoothed.flat()) < 0.006);
-    let peak = |synthesis: &DampedSynthesis| {
-        let lines: Vec<Complex64> = synthesis
-            .arguments()
-            .map(|s| {
-                (1.0 - (-s * length).exp()) * omega * omega / (2.0 * s * (s * s + omega * omega))
-            })
-            .collect();
-        let history = synthesis.history(&lines).unwrap();
-        history.samples.iter().fold(0.0_f64, |top, f| top.max(*f))
-    };
+    let samples = blow(&smoothed.flat()).samples;
+    let peak = samples.into_iter().fold(0.0_f64, f64::max);
     // the peak is 6.5 sigma from either end; a step of an eighth of a sample may miss it by
     // (pi/32)^2/4
-    assert!(
-        (peak(&smoothed.flat()) - 1.0).abs() < 3e-3,
-        "{}",
-        peak(&smoothed.flat())
-    );
+    assert!((peak - 1.0).abs() < 3e-3, "{peak}");
 }

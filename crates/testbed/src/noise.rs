@@ -29,6 +29,11 @@ impl Noise {
         StandardNormal.sample(&mut self.0)
     }
 
+    /// Returns white noise of the standard deviation `deviation`.
+    pub fn white(&mut self, n_samples: usize, deviation: f64) -> Vec<f64> {
+        (0..n_samples).map(|_| deviation * self.normal()).collect()
+    }
+
     /// Returns `history` with white noise of the standard deviation `deviation`.
     pub fn added_to(&mut self, history: &[f64], deviation: f64) -> Vec<f64> {
         let noisy = history.iter().map(|v| v + deviation * self.normal());

@@ -196,9 +196,9 @@ mod tests {
     const POSITIONS: [f64; 3] = [0.0, 0.08, 0.2];
     const SPEED: f64 = 1234.0;
 
-    fn start_of(first_hz: f64, n_lines: u32) -> Start {
+    fn start_of((first_hz, step_hz): (f64, f64), n_lines: u32) -> Start {
         let frequency_hz: Vec<f64> = (0..n_lines)
-            .map(|j| first_hz + 20.0 * f64::from(j))
+            .map(|j| first_hz + step_hz * f64::from(j))
             .collect();
         let spectrum = |x: &f64| {
             let value = |f: &f64| {
@@ -224,20 +224,24 @@ mod tests {
         .unwrap()
     }
 
+    /// The phase over 0.2 m at the first line is 0.02 to 4 rad. With lines 1 Hz apart, any number
+    /// of speeds explains a few neighbouring lines.
     #[test]
-    fn the_speed_is_found_wherever_the_lines_begin() {
-        // the phase over 0.2 m at the first line is 0.02 to 4 rad
-        for first_hz in [20.0, 500.0, 1000.0, 4000.0] {
-            let start = start_of(first_hz, 300);
-            assert!(start.doubt.is_none(), "{first_hz} Hz: {:?}", start.doubt);
-            let speed = start.slowness.im.recip();
-            assert!((speed / SPEED - 1.0).abs() < 0.06, "{first_hz} Hz: {speed}");
+    fn the_speed_is_found_wherever_the_lines_begin_and_however_close_they_are() {
+        for first_hz in [20.0, 500.0, 725.0, 1000.0, 4000.0] {
+            for (step_hz, n_lines) in [(20.0, 300), (10.0, 600), (1.0, 6000)] {
+                let start = start_of((first_hz, step_hz), n_lines);
+                let case = format!("from {first_hz} Hz, {step_hz} Hz apart");
+                assert!(start.doubt.is_none(), "{case}: {:?}", start.doubt);
+                let speed = start.slowness.im.recip();
+                assert!((speed / SPEED - 1.0).abs() < 0.06, "{case}: {speed}");
+            }
         }
     }
 
     #[test]
     fn few_lines_are_not_trusted() {
-        let doubt = start_of(1000.0, 5).doubt.unwrap();
+        let doubt = start_of((1000.0, 20.0), 5).doubt.unwrap();
         assert!(doubt.is_ambiguous());
         assert_eq!(
             doubt.to_string(),

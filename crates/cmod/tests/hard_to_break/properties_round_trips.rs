@@ -5,7 +5,6 @@ use num_complex::Complex64;
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 
-use cmod::branch::resolve;
 use cmod::estimate::{PlottedQuantity, coverage_factor};
 use cmod::multi_point::Quantity;
 use cmod::validity::AcceptanceLimits;
@@ -120,19 +119,6 @@ proptest! {
             prop_assert!(phase > before, "{phase} after {before}");
             before = phase;
             prop_assert!(line.damping_coefficient() > 0.0);
-        }
-    }
-
-    #[test]
-    fn branches_never_go_back(specimen in any_specimen()) {
-        let light = Specimen { end_mass: 0.0, ..specimen };
-        let frequency_hz = frequencies(&light);
-        let ratio: Vec<_> = frequency_hz.iter().map(|f| light.motion_at(light.length, *f)).collect();
-        let mut before = (0, 0.0);
-        for root in resolve(&frequency_hz, &ratio).unwrap() {
-            let quadrant = (root.branch.half_waves(), root.gamma_length.im);
-            prop_assert!(quadrant.0 >= before.0 && quadrant.1 > before.1);
-            before = quadrant;
         }
     }
 

@@ -5,14 +5,13 @@
 use std::f64::consts::{PI, TAU};
 
 use num_complex::Complex64;
-use rand::{Rng, RngExt};
-use rand_distr::StandardNormal;
 use rodwave::RodwaveError;
 use rodwave::chain::{AnalyticChain, Chain, Termination};
 use rodwave::element::Circle;
 use rodwave::medium::Medium;
 use rodwave::modulus::ConstantQ;
 use rodwave::synthesis::DampedSynthesis;
+use testbed::noise::Noise;
 
 /// Ratio of the synthesis rate to the sampling rate. With this ratio, content above the Nyquist
 /// frequency does not alias into the synthesis.
@@ -110,28 +109,21 @@ impl VirtualBody {
     }
 }
 
-/// `values` with Gaussian noise of standard deviation `level`.
-pub(crate) fn noisy(values: &[f64], level: f64, random: &mut impl Rng) -> Vec<f64> {
-    let mut noise = || -> f64 { random.sample(StandardNormal) };
-    values.iter().map(|x| x + level * noise()).collect()
-}
-
 /// Lines with circular Gaussian errors of these variances; at 0 Hz and at the Nyquist frequency the
 /// errors are real.
 pub(crate) fn noisy_lines(
     lines: &[Complex64],
     variances: &[f64],
-    random: &mut impl Rng,
+    random: &mut Noise,
 ) -> Vec<Complex64> {
     let last = lines.len() - 1;
-    let mut noise = || -> f64 { random.sample(StandardNormal) };
     let values = lines.iter().zip(variances).enumerate();
     values
         .map(|(k, (line, variance))| {
             let error = if k == 0 || k == last {
-                Complex64::from(noise())
+                Complex64::from(random.normal())
             } else {
-                Complex64::new(noise(), noise()) * 0.5_f64.sqrt()
+                random.circular(1.0)
             };
             line + variance.sqrt() * error
         })

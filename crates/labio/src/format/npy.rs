@@ -20,15 +20,16 @@ mod blocks;
 pub(super) mod file;
 pub(super) mod header;
 
-use std::fs::File;
 use std::io::Read;
 use std::path::Path;
 
-use ndarray::{Array2, ArrayView1, ArrayView2, Axis};
-use ndarray_npy::{ReadNpyExt, ViewNpyError, ViewNpyExt};
+use ndarray::{Array2, ArrayView1, Axis, ShapeBuilder};
 
+use super::opened;
 use crate::error::check_positive;
 use crate::{Channel, LabioError, Provenance, Record};
+use array::{Array, Values};
+use header::{Element, Header};
 
 pub use blocks::Blocks;
 pub use file::Npy;
@@ -63,19 +64,9 @@ pub const TIME_STEP_TOLERANCE: f64 = 1e-6;
 /// ```
 pub fn read(path: impl AsRef<Path>, channels: &[Channel]) -> Result<Record, LabioError> {
     let path = path.as_ref();
-    let record = File::open(path)
-        .map_err(|source| LabioError::Read { source })
-        .and_then(|file| read_from(file, channels));
-    match record {
-        Ok(record) => {
-            let provenance = record.provenance().clone().found_at(path);
-            Ok(record.with_provenance(provenance))
-        }
-        Err(error) => Err(LabioError::InFile {
-            path: path.to_path_buf(),
-            source: Box::new(error),
-        }),
-    }
+    let record = opened(path, |file| read_from(file, channels))?;
+    let provenance = record.provenance().clone().found_at(path);
+    Ok(record.with_provenance(provenance))
 }
 
 /// Reads an array from `reader` to its end; `channels` name the rows after the row of times.
@@ -85,9 +76,9 @@ pub fn read(path: impl AsRef<Path>, channels: &[Channel]) -> Result<Record, Labi
 /// # Errors
 ///
 /// - [`LabioError::Read`]: the bytes cannot be read.
-/// - [`LabioError::MalformedHeader`], [`LabioError::WrongDimensions`],
-///   [`LabioError::WrongElement`], [`LabioError::NoData`], [`LabioError::Truncated`],
-///   [`LabioError::TrailingBytes`]: the bytes are not an array of the expected layout.
+/// - [`LabioError::Malformed`], [`LabioError::WrongDimensions`], [`LabioError::WrongElement`],
+///   [`LabioError::NoData`], [`LabioError::Truncated`], [`LabioError::TrailingBytes`]: the bytes
+///   are not an array of the expected layout.
 /// - [`LabioError::NonUniformTime`]: a time step deviates from the mean step by more than a
 ///   relative [`TIME_STEP_TOLERANCE`].
 /// - The errors of [`Record::new`] for channels and samples.
@@ -118,72 +109,35 @@ pub fn read_from(mut reader: impl Read, channels: &[Channel]) -> Result<Record, 
 /// Parses the array without trusting the shape in the header: memory is allocated only for bytes
 /// that exist.
 fn parse(bytes: &[u8]) -> Result<Array2<f64>, LabioError> {
-    match header_end(bytes) {
-        Some(end) if bytes.len() == end => return Err(LabioError::NoData { format: FORMAT }),
-        // the parser below would allocate memory for a header of the announced length
-        Some(end) if bytes.len() < end => {
-            return Err(LabioError::MalformedHeader {
-                format: FORMAT,
-                detail: "the file ends inside it".to_owned(),
-            });
-        }
-        _ => {}
-    }
-    match ArrayView2::<f64>::view_npy(bytes) {
-        Ok(view) => Ok(view.to_owned()),
-        // the shape agrees with the bytes; only the alignment of the buffer in memory does not
-        // allow a view
-        Err(ViewNpyError::MisalignedData) => {
-            Array2::read_npy(bytes).map_err(|error| LabioError::MalformedHeader {
-                format: FORMAT,
-                detail: error.to_string(),
-            })
-        }
-        Err(ViewNpyError::WrongNdim(_, found)) => Err(LabioError::WrongDimensions {
+    let Header {
+        element,
+        fortran_order,
+        shape,
+        ..
+    } = Header::read(bytes, FORMAT, "")?;
+    if element != Element::F64 {
+        return Err(LabioError::WrongElement {
             format: FORMAT,
-            found,
+            found: format!("'{element}'"),
+            expected: "'<f8'",
+        });
+    }
+    let &[n_rows, n_samples] = shape.as_slice() else {
+        return Err(LabioError::WrongDimensions {
+            format: FORMAT,
+            found: shape.len(),
             expected: 2,
-        }),
-        Err(ViewNpyError::WrongDescriptor(found)) => Err(LabioError::WrongElement {
-            format: FORMAT,
-            found: found.to_string(),
-            expected: "'<f8'",
-        }),
-        Err(ViewNpyError::NonNativeEndian) => Err(LabioError::WrongElement {
-            format: FORMAT,
-            found: "f8 of the other byte order".to_owned(),
-            expected: "'<f8'",
-        }),
-        Err(ViewNpyError::MissingBytes(missing_bytes)) => Err(LabioError::Truncated {
-            format: FORMAT,
-            missing_bytes,
-        }),
-        Err(ViewNpyError::ExtraBytes(extra_bytes)) => Err(LabioError::TrailingBytes {
-            format: FORMAT,
-            extra_bytes,
-        }),
-        Err(error) => Err(LabioError::MalformedHeader {
-            format: FORMAT,
-            detail: match error {
-                ViewNpyError::ParseHeader(reason) => reason.to_string(),
-                ViewNpyError::Io(_) => "the file ends inside it".to_owned(),
-                other => other.to_string(),
-            },
-        }),
-    }
-}
-
-/// Returns the end of the header. The length of the header follows the magic string and two bytes
-/// of version; `None` if there is no such header, which the parser then reports.
-fn header_end(bytes: &[u8]) -> Option<usize> {
-    match bytes.strip_prefix(b"\x93NUMPY")? {
-        [1, _, a, b, ..] => Some(10 + usize::from(u16::from_le_bytes([*a, *b]))),
-        [2 | 3, _, a, b, c, d, ..] => {
-            let length = usize::try_from(u32::from_le_bytes([*a, *b, *c, *d]));
-            Some(length.map_or(usize::MAX, |length| length.saturating_add(12)))
-        }
-        _ => None,
-    }
+        });
+    };
+    let values = match Array::read(bytes, FORMAT, "")?.values {
+        Values::Real(values) => values,
+        Values::Complex(_) | Values::Text(_) => Vec::new(),
+    };
+    let shape = (n_rows, n_samples).set_f(fortran_order);
+    Array2::from_shape_vec(shape, values)
+        .ok()
+        .filter(|array| !array.is_empty())
+        .ok_or(LabioError::NoData { format: FORMAT })
 }
 
 /// Start and rate of a row of evenly spaced times.
@@ -235,7 +189,6 @@ impl Clock {
 mod tests {
     use super::*;
     use crate::Quantity;
-    use std::error::Error;
 
     /// A `.npy` of version 1.0 put together by hand.
     fn npy(header: &str, data: &[f64]) -> Vec<u8> {
@@ -291,47 +244,25 @@ mod tests {
         assert_eq!(fortran.samples(), c.samples());
     }
 
-    #[test]
-    fn a_buffer_at_an_odd_address_reads_the_same() {
-        let mut shifted = vec![0_u8];
-        shifted.extend(f8("(3, 4)", &DATA));
-        let array = parse(&shifted[1..]).unwrap();
-        assert_eq!(array.as_slice().unwrap(), DATA);
-    }
-
+    /// `tests/npy.rs` has the faults of headers, which are the same for any array.
     #[test]
     fn what_is_not_the_array_expected_is_refused_with_numbers() {
-        let whole = f8("(3, 4)", &DATA);
-        let mut uneven = DATA;
-        uneven[2] = 0.76;
-        let mut backwards = DATA;
-        backwards[3] = 0.25;
-        let mut timeless = DATA;
-        timeless[1] = f64::NAN;
-        let mut spoiled = DATA;
-        spoiled[6] = f64::NEG_INFINITY;
-        let mut longer = whole.clone();
-        longer.extend([0; 3]);
-        let f4 = "{'descr': '<f4', 'fortran_order': False, 'shape': (3, 8), }";
+        let with = |index: usize, value: f64| {
+            let mut data = DATA;
+            data[index] = value;
+            f8("(3, 4)", &data)
+        };
         let big = "{'descr': '>f8', 'fortran_order': False, 'shape': (3, 4), }";
         let cases = [
-            whole[..whole.len() - 5].to_vec(),
-            whole[..40].to_vec(),
-            longer,
-            Vec::new(),
-            b"time;force;acceleration\n0;1;2\n".to_vec(),
             f8("(12,)", &DATA),
             f8("(4, 3)", &DATA),
             f8("(3, 1)", &DATA[..3]),
-            f8("(0, 9223372036854775807, 9223372036854775807)", &[]),
-            f8("(1000000000, 100000000)", &DATA),
-            f8("(9223372036854775807, 9223372036854775807)", &DATA),
-            npy(f4, &DATA),
+            f8("(0, 9223372036854775807)", &[]),
             npy(big, &DATA),
-            f8("(3, 4)", &uneven),
-            f8("(3, 4)", &backwards),
-            f8("(3, 4)", &timeless),
-            f8("(3, 4)", &spoiled),
+            with(2, 0.76),
+            with(3, 0.25),
+            with(1, f64::NAN),
+            with(6, f64::NEG_INFINITY),
         ];
         let refusals = cases
             .map(|bytes| {
@@ -340,19 +271,11 @@ mod tests {
             })
             .join("\n");
         insta::assert_snapshot!(refusals, @r"
-        the npy data end 5 bytes too early
-        the npy header cannot be read: the file ends inside it
-        3 bytes follow the npy data
-        the npy header cannot be read: the file ends inside it
-        the npy header cannot be read: start does not match magic string
         the npy array has 1 axes, expected 2
         rows of the array, one for the times and one per channel: found 4, expected 3
         the row of times has 1 samples, expected at least 2
         the npy file contains no data
-        the npy data end 799999999999999904 bytes too early
-        the npy header cannot be read: overflow computing length from shape
-        the npy array contains '<f4', expected '<f8'
-        the npy array contains f8 of the other byte order, expected '<f8'
+        the npy array contains '>f8', expected '<f8'
         time step 1 is 0.135 s, expected 0.125 s within a relative deviation of 0.000001
         mean time step [s] is -0.08333333333333333, expected a finite value above 0
         sample 1 of channel `time` is NaN, expected a finite value
@@ -361,23 +284,10 @@ mod tests {
     }
 
     #[test]
-    fn errors_of_files_name_the_file() {
+    fn a_record_of_a_file_names_the_file() {
         let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("cut.npy");
+        let path = folder.path().join("hit.npy");
         let whole = f8("(3, 4)", &DATA);
-        std::fs::write(&path, &whole[..whole.len() - 8]).unwrap();
-        let error = read(&path, &channels()).unwrap_err();
-        assert!(error.to_string().ends_with("cut.npy"));
-        assert_eq!(
-            error.source().unwrap().to_string(),
-            "the npy data end 8 bytes too early"
-        );
-        let absent = read(folder.path().join("absent.npy"), &channels()).unwrap_err();
-        let LabioError::InFile { source, .. } = absent else {
-            panic!("expected the file to be named")
-        };
-        assert!(matches!(*source, LabioError::Read { .. }));
-
         std::fs::write(&path, &whole).unwrap();
         let record = read(&path, &channels()).unwrap();
         assert_eq!(

@@ -134,15 +134,10 @@ mod tests {
     use super::*;
     use crate::{Quantity, Record, Welch, Window};
     use ndarray::Array2;
-    use rand::SeedableRng;
-    use rand_chacha::ChaCha8Rng;
-    use rand_distr::{Distribution, StandardNormal};
+    use testbed::noise::Noise;
 
-    fn noise(n_samples: usize, common: f64, rng: &mut ChaCha8Rng) -> Record {
-        let mut samples = Array2::from_shape_simple_fn((2, n_samples), || {
-            let unit: f64 = StandardNormal.sample(rng);
-            unit
-        });
+    fn noise(n_samples: usize, common: f64, rng: &mut Noise) -> Record {
+        let mut samples = Array2::from_shape_simple_fn((2, n_samples), || rng.normal());
         for n in 0..n_samples {
             samples[(1, n)] += common * samples[(0, n)];
         }
@@ -155,7 +150,7 @@ mod tests {
 
     #[test]
     fn chance_exceeds_its_level_as_often_as_said() {
-        let mut rng = ChaCha8Rng::seed_from_u64(3);
+        let mut rng = Noise::seeded(3);
         let hits: Vec<Record> = (0..6).map(|_| noise(16384, 0.0, &mut rng)).collect();
         let spectra = AveragedSpectra::of(&hits, Window::Rectangular).unwrap();
         let coherence = spectra.coherence("x", "y").unwrap();
@@ -183,7 +178,7 @@ mod tests {
 
     #[test]
     fn segments_that_are_almost_one_have_no_coherence() {
-        let mut rng = ChaCha8Rng::seed_from_u64(5);
+        let mut rng = Noise::seeded(5);
         for (n_samples, n_segments) in [(70, 4), (66, 2)] {
             let welch = Welch::new(64).unwrap().with_overlap(62).unwrap();
             let spectra = welch.spectra(&noise(n_samples, 1.0, &mut rng)).unwrap();

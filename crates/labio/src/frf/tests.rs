@@ -1,9 +1,7 @@
 use super::*;
 use crate::{Quantity, Record, RestNoise, SpectrumAverager, Window};
 use ndarray::Array2;
-use rand::SeedableRng;
-use rand_chacha::ChaCha8Rng;
-use rand_distr::{Distribution, StandardNormal};
+use testbed::noise::Noise;
 
 const RATE: f64 = 1000.0;
 
@@ -15,15 +13,6 @@ fn hit(input: &[f64], output: &[f64]) -> Record {
         RATE,
         &[("x", Quantity::Force), ("y", Quantity::Velocity)],
     )
-}
-
-fn noise(rng: &mut ChaCha8Rng, n: usize, level: f64) -> Vec<f64> {
-    (0..n)
-        .map(|_| {
-            let unit: f64 = StandardNormal.sample(rng);
-            level * unit
-        })
-        .collect()
 }
 
 fn sum(a: &[f64], b: &[f64]) -> Vec<f64> {
@@ -54,15 +43,15 @@ fn one_average_gives_a_response_but_no_coherence() {
 /// Hits of white noise through a gain of 2, with noise of relative power `a` on the input and `b`
 /// on the output.
 fn noisy(seed: u64, n: usize, n_hits: usize, a: f64, b: f64) -> AveragedSpectra {
-    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    let mut rng = Noise::seeded(seed);
     let mut averager =
         SpectrumAverager::for_records_like(&hit(&vec![0.0; n], &vec![0.0; n]), Window::Rectangular)
             .unwrap();
     for _ in 0..n_hits {
-        let clean = noise(&mut rng, n, 1.0);
+        let clean = rng.white(n, 1.0);
         let output: Vec<f64> = clean.iter().map(|x| 2.0 * x).collect();
-        let input = sum(&clean, &noise(&mut rng, n, a.sqrt()));
-        let output = sum(&output, &noise(&mut rng, n, 2.0 * b.sqrt()));
+        let input = sum(&clean, &rng.white(n, a.sqrt()));
+        let output = sum(&output, &rng.white(n, 2.0 * b.sqrt()));
         averager.add(&hit(&input, &output)).unwrap();
     }
     averager.spectra().unwrap()
@@ -132,47 +121,6 @@ fn empty_lines_are_flagged_with_their_reason() {
 }
 
 #[test]
-fn the_bias_that_is_stated_is_the_bias_that_is_found() {
-    let n_hits = 40;
-    let magnitude = |response: &FrequencyResponse| {
-        let inner = 1..response.values.len() - 1;
-        mean(
-            &inner
-                .map(|k| response.values[k].norm() / 2.0)
-                .collect::<Vec<_>>(),
-        )
-    };
-    for (a, b) in [(0.3, 0.0), (0.0, 0.3)] {
-        let spectra = noisy(17, 8192, n_hits, a, b);
-        for response in [
-            spectra.h1("x", "y").unwrap(),
-            spectra.h2("x", "y").unwrap(),
-            spectra.hv("x", "y").unwrap(),
-        ] {
-            let exact = FrequencyResponse {
-                coherence: Some(vec![1.0 / 1.3; response.values.len()]),
-                ..response.clone()
-            };
-            let bias = exact.bias().unwrap()[1];
-            let noise = if a > 0.0 {
-                bias.input_noise
-            } else {
-                bias.output_noise
-            };
-            let expected = (1.0 + noise) * (1.0 + bias.scatter);
-            let found = magnitude(&response);
-            // the mean of 4095 lines with a random error of 0.061 each has an error of 0.001; the
-            // tolerance is four of these, plus the second order of the scatter, 1/n
-            assert!(
-                (found / expected - 1.0).abs() < 0.006,
-                "{:?} {a} {b}: {found} {expected}",
-                response.estimator
-            );
-        }
-    }
-}
-
-#[test]
 fn the_variance_of_a_line_is_twice_that_of_a_component() {
     let n_hits = 30;
     let spectra = noisy(19, 512, n_hits, 0.0, 0.4);
@@ -225,9 +173,9 @@ fn lines_whose_squares_have_lost_digits_say_so() {
 
 #[test]
 fn the_coherence_does_not_depend_on_the_units() {
-    let mut rng = ChaCha8Rng::seed_from_u64(17);
+    let mut rng = Noise::seeded(17);
     let pairs: Vec<(Vec<f64>, Vec<f64>)> = (0..3)
-        .map(|_| (noise(&mut rng, 64, 1.0), noise(&mut rng, 64, 1.0)))
+        .map(|_| (rng.white(64, 1.0), rng.white(64, 1.0)))
         .collect();
     let coherence = |input: i32, output: i32| {
         let scaled = |values: &[f64], exponent: i32| -> Vec<f64> {
@@ -247,13 +195,6 @@ fn the_coherence_does_not_depend_on_the_units() {
     for (input, output) in [(400, 400), (-400, -400), (400, -400), (-380, 400)] {
         assert_eq!(coherence(input, output), as_it_is, "2^{input}, 2^{output}");
     }
-}
-
-#[test]
-fn a_mean_is_a_mean() {
-    // eight lanes and one value that begins the next round; integers are exact
-    let values: Vec<f64> = (1..=9).map(f64::from).collect();
-    assert!(super::mean(&values).total_cmp(&5.0).is_eq());
 }
 
 #[test]
@@ -305,15 +246,15 @@ fn blows(
     [on_input, on_output]: [f64; 2],
 ) -> (AveragedSpectra, [RestNoise; 2]) {
     const LENGTH: usize = 512;
-    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    let mut rng = Noise::seeded(seed);
     let hits: Vec<Record> = (0..n_hits)
         .map(|_| {
             let mut blow = vec![0.0; LENGTH];
             blow[LENGTH / 2] = (LENGTH as f64).sqrt();
             let answer: Vec<f64> = blow.iter().map(|x| 2.0 * x).collect();
             hit(
-                &sum(&blow, &noise(&mut rng, LENGTH, on_input.sqrt())),
-                &sum(&answer, &noise(&mut rng, LENGTH, 2.0 * on_output.sqrt())),
+                &sum(&blow, &rng.white(LENGTH, on_input.sqrt())),
+                &sum(&answer, &rng.white(LENGTH, 2.0 * on_output.sqrt())),
             )
         })
         .collect();

@@ -371,9 +371,7 @@ mod tests {
     use super::*;
     use crate::Quantity;
     use ndarray::Array2;
-    use rand::SeedableRng;
-    use rand_chacha::ChaCha8Rng;
-    use rand_distr::{Distribution, StandardNormal};
+    use testbed::noise::Noise;
 
     const N: usize = 2048;
     const RATE_HZ: f64 = 50_000.0;
@@ -387,11 +385,11 @@ mod tests {
     /// A pulse and the ringing of three modes that it excites, beginning `later` samples after
     /// sample 200, where `later` need not be an integer; with white noise of standard deviation
     /// `noise` relative to the peak.
-    fn hit(peak: f64, later: f64, noise: f64, rng: &mut ChaCha8Rng) -> [Vec<f64>; 2] {
+    fn hit(peak: f64, later: f64, noise: f64, rng: &mut Noise) -> [Vec<f64>; 2] {
         let mut of = |value: &dyn Fn(f64) -> f64| -> Vec<f64> {
             (0..N)
                 .map(|n| {
-                    let unit: f64 = StandardNormal.sample(rng);
+                    let unit = rng.normal();
                     peak * (value(n as f64 - 200.0 - later) + noise * unit)
                 })
                 .collect()
@@ -428,7 +426,7 @@ mod tests {
 
     #[test]
     fn r10_equal_samples_are_found_whatever_their_scale_and_format() {
-        let mut rng = ChaCha8Rng::seed_from_u64(1);
+        let mut rng = Noise::seeded(1);
         let hits: Vec<[Vec<f64>; 2]> = (0..4).map(|_| hit(1.0, 0.0, 1e-4, &mut rng)).collect();
         let records: Vec<Record> = hits.iter().cloned().map(record).collect();
         assert_eq!(copy_of(&records), None);
@@ -459,7 +457,7 @@ mod tests {
 
     #[test]
     fn r10_one_channel_in_two_places_is_found_and_a_dead_one_is_none() {
-        let mut rng = ChaCha8Rng::seed_from_u64(2);
+        let mut rng = Noise::seeded(2);
         let [force, end] = hit(1.0, 0.0, 1e-4, &mut rng);
         let twice = record([force.iter().map(|x| 2.0 * x).collect(), force]);
         let expected = Copy::Channels {
@@ -480,7 +478,7 @@ mod tests {
 
     #[test]
     fn r10_a_hit_that_was_rounded_scaled_or_sampled_again_is_nearly_a_copy() {
-        let mut rng = ChaCha8Rng::seed_from_u64(3);
+        let mut rng = Noise::seeded(3);
         let hits: Vec<[Vec<f64>; 2]> = (0..3).map(|_| hit(1.0, 0.0, 1e-3, &mut rng)).collect();
         let records: Vec<Record> = hits.iter().cloned().map(record).collect();
         assert_eq!(near(&records), []);
@@ -517,7 +515,7 @@ mod tests {
     /// Hits of a machine that always strikes with the same force: they differ only by noise.
     #[test]
     fn r10_hits_that_differ_by_noise_only_are_no_copies() {
-        let mut rng = ChaCha8Rng::seed_from_u64(4);
+        let mut rng = Noise::seeded(4);
         for noise in [1e-5, 1e-3, 3e-2] {
             for _ in 0..20 {
                 let hits: Vec<Record> = (0..5)
@@ -530,7 +528,7 @@ mod tests {
         for _ in 0..20 {
             let hits: Vec<Record> = (0..5)
                 .map(|_| {
-                    let unit: f64 = StandardNormal.sample(&mut rng);
+                    let unit = rng.normal();
                     let mut rows = hit(1.0, 0.0, 1e-4, &mut rng);
                     for x in rows.iter_mut().flat_map(|row| row.iter_mut().enumerate()) {
                         let t = x.0 as f64 / RATE_HZ;
@@ -542,13 +540,15 @@ mod tests {
             assert_eq!(near(&hits), []);
         }
         // counts of a converter, with noise below its last bit
-        let hits: Vec<Record> = (0..5)
-            .map(|number| {
-                let peak = 1.0 + 0.01 * f64::from(number);
-                map(&hit(peak, 0.0, 1e-6, &mut rng), |x| (4096.0 * x).round())
-            })
-            .collect();
-        assert_eq!(near(&hits), []);
-        assert_eq!(copy_of(&hits), None);
+        for levels in [4096.0, 100.0] {
+            let hits: Vec<Record> = (0..5)
+                .map(|number| {
+                    let peak = 1.0 + 0.01 * f64::from(number);
+                    map(&hit(peak, 0.0, 1e-6, &mut rng), |x| (levels * x).round())
+                })
+                .collect();
+            assert_eq!(near(&hits), [], "{levels} levels");
+            assert_eq!(copy_of(&hits), None, "{levels} levels");
+        }
     }
 }

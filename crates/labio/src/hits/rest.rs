@@ -169,8 +169,7 @@ pub(super) fn onset_of(samples: &[f64], part_of_peak: f64) -> usize {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use rand::SeedableRng;
-    use rand_distr::{Distribution, StandardNormal};
+    use testbed::noise::Noise;
 
     #[test]
     fn the_onset_is_found_on_an_offset_and_on_either_slope() {
@@ -277,14 +276,9 @@ mod tests {
 
     #[test]
     fn a_tenth_of_wild_samples_moves_neither_level_nor_noise_much() {
-        let mut rng = rand_chacha::ChaCha8Rng::seed_from_u64(5);
+        let mut rng = Noise::seeded(5);
         let n = 10_000;
-        let mut samples: Vec<f64> = (0..n)
-            .map(|_| {
-                let unit: f64 = StandardNormal.sample(&mut rng);
-                7.0 + 0.5 * unit
-            })
-            .collect();
+        let mut samples: Vec<f64> = (0..n).map(|_| 7.0 + 0.5 * rng.normal()).collect();
         let clean = Rest::of(&samples).unwrap();
         // the median of n deviates has an error of 0.5·√(π/2n) = 0.0063, the scaled deviation
         // 0.5·1.17/√n = 0.0058: four times each

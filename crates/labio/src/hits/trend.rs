@@ -216,16 +216,14 @@ mod tests {
     use super::*;
     use crate::Quantity;
     use ndarray::Array2;
-    use rand::SeedableRng;
-    use rand_chacha::ChaCha8Rng;
-    use rand_distr::{Distribution, StandardNormal};
+    use testbed::noise::Noise;
 
     const N: usize = 2048;
 
     /// Eight hits of a mode, with blows in no order and noise of 1e-4. `input` is the recorded
     /// force of a force; `pole` is the angle of the mode per sample in this hit.
     fn found(seed: u64, input: impl Fn(f64) -> f64, pole: impl Fn(usize) -> f64) -> Vec<Trend> {
-        let mut rng = ChaCha8Rng::seed_from_u64(seed);
+        let mut rng = Noise::seeded(seed);
         let blows = [1.0, 1.3, 0.9, 1.2, 1.35, 0.95, 1.1, 1.25];
         let hits: Vec<Record> = blows
             .into_iter()
@@ -245,7 +243,7 @@ mod tests {
                 let mut samples = Array2::zeros((2, N));
                 for n in 0..N {
                     state = z * state + force(n);
-                    let mut noise = || -> f64 { StandardNormal.sample(&mut rng) };
+                    let mut noise = || rng.normal();
                     samples[[0, n]] = input(force(n)) + 1e-4 * noise();
                     samples[[1, n]] = state.im + 1e-4 * noise();
                 }

@@ -195,9 +195,7 @@ mod tests {
     use super::*;
     use crate::Quantity;
     use ndarray::Array2;
-    use rand::SeedableRng;
-    use rand_chacha::ChaCha8Rng;
-    use rand_distr::{Distribution, StandardNormal};
+    use testbed::noise::Noise;
 
     const N: usize = 4096;
     const RATE_HZ: f64 = 20_000.0;
@@ -205,11 +203,11 @@ mod tests {
     /// Five hits of a blow at sample 400 and a ringing of 1 kHz and 2 ms, with noise of a standard
     /// deviation of 0.01; `change` acts on the sample with this index.
     fn found(seed: u64, change: impl Fn(usize, f64) -> f64) -> Vec<FallingNoise> {
-        let mut rng = ChaCha8Rng::seed_from_u64(seed);
+        let mut rng = Noise::seeded(seed);
         let hits: Vec<Record> = (0..5)
             .map(|_| {
                 let samples = Array2::from_shape_fn((1, N), |(_, n)| {
-                    let unit: f64 = StandardNormal.sample(&mut rng);
+                    let unit = rng.normal();
                     let t = n as f64 - 400.0;
                     let rings = if t > 0.0 {
                         (std::f64::consts::TAU * t / 20.0).sin() * (-t / 40.0).exp()

@@ -1,9 +1,7 @@
 use super::*;
 use crate::{Channel, Provenance, Quantity, Record, RestNoise, Window};
-use rand::SeedableRng;
-use rand_chacha::ChaCha8Rng;
-use rand_distr::{Distribution, StandardNormal};
 use statrs::distribution::StudentsT;
+use testbed::noise::Noise;
 
 const N: usize = 2048;
 const RATE: f64 = 8192.0;
@@ -18,7 +16,7 @@ fn channels() -> Vec<Channel> {
 /// Hits of a hammer whose half-sine lasts `hammer.contact` samples from sample `at` on, on a body
 /// whose response is half the force two samples later, with noise on both.
 fn hits_of(hammer: Hammer, seed: u64, at: usize) -> Vec<Record> {
-    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    let mut rng = Noise::seeded(seed);
     let mut hit = || {
         let mut samples = Array2::zeros((2, N));
         for n in 0..hammer.contact {
@@ -26,12 +24,12 @@ fn hits_of(hammer: Hammer, seed: u64, at: usize) -> Vec<Record> {
             samples[(0, at + n)] = hammer.peak * phase.sin();
         }
         for n in 0..N {
-            let noise: f64 = StandardNormal.sample(&mut rng);
+            let noise = rng.normal();
             let cause = samples[(0, (n + N - 2) % N)];
             samples[(1, n)] = 0.5 * hammer.gain * cause + hammer.noise * noise;
         }
         for n in 0..N {
-            let noise: f64 = StandardNormal.sample(&mut rng);
+            let noise = rng.normal();
             samples[(0, n)] += hammer.input_noise * noise;
         }
         let provenance = Provenance::computed("half-sines");

@@ -2,9 +2,7 @@ use super::*;
 use crate::{AveragedSpectra, Estimator, Quantity, Record, Window};
 use ndarray::Array2;
 use num_complex::Complex64;
-use rand::SeedableRng;
-use rand_chacha::ChaCha8Rng;
-use rand_distr::{Distribution, StandardNormal};
+use testbed::noise::Noise;
 
 /// Free steel rod: its mass and the time of a wave from end to end.
 const MASS: f64 = 3.79;
@@ -37,8 +35,8 @@ fn measured(noise: f64) -> FrequencyResponse {
     let hit = Record::of_test(samples, RATE, &channels);
     let spectra = AveragedSpectra::of([&hit, &hit], Window::Rectangular).unwrap();
     let mut response = spectra.response(Estimator::H1, "force", "face").unwrap();
-    let mut rng = ChaCha8Rng::seed_from_u64(1);
-    let mut normal = || -> f64 { StandardNormal.sample(&mut rng) };
+    let mut rng = Noise::seeded(1);
+    let mut normal = || rng.normal();
     let mut variances = Vec::new();
     for line in 0..response.values.len() {
         let value = exact(TAU * response.frequency_hz[line]);

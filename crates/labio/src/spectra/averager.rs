@@ -381,18 +381,7 @@ impl SpectrumAverager {
     /// [`LabioError::TooFewAverages`] before the first hit; [`LabioError::SpectrumOverflow`] if
     /// finite samples were too large for finite spectra.
     pub fn spectra(&self) -> Result<AveragedSpectra, LabioError> {
-        let about = Averaged {
-            channels: &self.channels,
-            weights: &self.weights,
-            sampling_rate_hz: self.sampling_rate_hz,
-            n_samples: self.n_samples,
-            window: self.window,
-            gains: self.gains,
-            added_damping: self.added_damping,
-            tails: self.tails.as_ref(),
-            n_averages: self.n_averages,
-        };
-        about.spectra(
+        self.about().spectra(
             self.auto_sums.clone(),
             self.cross_sums.clone(),
             self.n_averages as f64,
@@ -406,11 +395,17 @@ impl SpectrumAverager {
     }
 
     pub(super) fn into_averages(
-        self,
+        mut self,
         effective_averages: f64,
     ) -> Result<AveragedSpectra, LabioError> {
-        let sums = (self.auto_sums, self.cross_sums);
-        let about = Averaged {
+        let auto_sums = std::mem::take(&mut self.auto_sums);
+        let cross_sums = std::mem::take(&mut self.cross_sums);
+        self.about()
+            .spectra(auto_sums, cross_sums, effective_averages)
+    }
+
+    fn about(&self) -> Averaged<'_> {
+        Averaged {
             channels: &self.channels,
             weights: &self.weights,
             sampling_rate_hz: self.sampling_rate_hz,
@@ -420,8 +415,7 @@ impl SpectrumAverager {
             added_damping: self.added_damping,
             tails: self.tails.as_ref(),
             n_averages: self.n_averages,
-        };
-        about.spectra(sums.0, sums.1, effective_averages)
+        }
     }
 
     fn check_no_other_window(&self, asked: &'static str) -> Result<(), LabioError> {

@@ -1,10 +1,7 @@
 use super::*;
 use crate::{ForceWindow, Quantity};
 use ndarray::Array2;
-use rand::SeedableRng;
-use rand_chacha::ChaCha8Rng;
-use rand_distr::{Distribution, StandardNormal};
-use std::f64::consts::TAU;
+use testbed::noise::Noise;
 
 const NAMES: [&str; 3] = ["a", "b", "c"];
 
@@ -12,46 +9,6 @@ fn record(rows: &[Vec<f64>], sampling_rate_hz: f64) -> Record {
     let samples = Array2::from_shape_fn((rows.len(), rows[0].len()), |(c, n)| rows[c][n]);
     let channels = NAMES.map(|name| (name, Quantity::Velocity));
     Record::of_test(samples, sampling_rate_hz, &channels[..rows.len()])
-}
-
-fn noise(rng: &mut ChaCha8Rng, n: usize) -> Vec<f64> {
-    (0..n).map(|_| StandardNormal.sample(rng)).collect()
-}
-
-#[test]
-fn the_spectral_matrix_is_the_average_of_direct_sums() {
-    let mut rng = ChaCha8Rng::seed_from_u64(1);
-    let (n, rate, n_hits) = (30, 50.0, 4);
-    let hits: Vec<Vec<Vec<f64>>> = (0..n_hits)
-        .map(|_| (0..3).map(|_| noise(&mut rng, n)).collect())
-        .collect();
-    let records: Vec<Record> = hits.iter().map(|rows| record(rows, rate)).collect();
-    let spectra = AveragedSpectra::of(&records, Window::HannPeriodic).unwrap();
-    assert_eq!(spectra.n_averages(), n_hits);
-    let transform = |samples: &[f64], k: usize| -> Complex64 {
-        (0..n)
-            .map(|i| {
-                let hann = (TAU / 2.0 * i as f64 / n as f64).sin().powi(2);
-                samples[i] * hann / rate * Complex64::cis(-TAU * (k * i) as f64 / n as f64)
-            })
-            .sum()
-    };
-    for (a, first) in NAMES.iter().enumerate() {
-        for (b, second) in NAMES.iter().enumerate() {
-            let cross = spectra.cross(first, second).unwrap();
-            for (k, line) in cross.iter().enumerate() {
-                let sides = if k == 0 || k == n / 2 { 1.0 } else { 2.0 };
-                let mean: Complex64 = hits
-                    .iter()
-                    .map(|h| transform(&h[a], k).conj() * transform(&h[b], k))
-                    .sum::<Complex64>()
-                    / n_hits as f64;
-                let expected = sides * mean / 0.375; // mean squared Hann weight
-                // spectra are of order n/rate^2 = 0.01; a few hundred rounding errors
-                assert!((line - expected).norm() < 1e-15, "{first}{second} {k}");
-            }
-        }
-    }
 }
 
 #[test]
@@ -106,8 +63,8 @@ fn a_force_window_takes_the_noise_around_the_pulse_and_nothing_else() {
     for (i, slot) in pulse.iter_mut().enumerate().take(14).skip(10) {
         *slot = (i as f64 - 9.5).sin();
     }
-    let mut rng = ChaCha8Rng::seed_from_u64(21);
-    let noise = noise(&mut rng, n);
+    let mut rng = Noise::seeded(21);
+    let noise = rng.white(n, 1.0);
     let noisy: Vec<f64> = (0..n)
         .map(|i| {
             if (10..14).contains(&i) {
@@ -169,9 +126,9 @@ fn windows_that_would_weigh_twice_or_too_late_are_refused() {
 
 #[test]
 fn a_silent_channel_stays_silent_beside_a_loud_one() {
-    let mut rng = ChaCha8Rng::seed_from_u64(23);
-    let loud: Vec<f64> = noise(&mut rng, 64).iter().map(|x| 1e6 * x).collect();
-    let faint: Vec<f64> = noise(&mut rng, 64).iter().map(|x| 1e-9 * x).collect();
+    let mut rng = Noise::seeded(23);
+    let loud = rng.white(64, 1e6);
+    let faint = rng.white(64, 1e-9);
     let silent = vec![0.0; 64];
     let hit = record(&[loud, silent, faint.clone()], 10.0);
     let spectra = AveragedSpectra::of([&hit, &hit], Window::HannPeriodic).unwrap();

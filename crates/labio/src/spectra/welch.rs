@@ -270,9 +270,7 @@ mod tests {
     use super::*;
     use crate::Quantity;
     use proptest::prelude::*;
-    use rand::SeedableRng;
-    use rand_chacha::ChaCha8Rng;
-    use rand_distr::{Distribution, StandardNormal};
+    use testbed::noise::Noise;
 
     /// A record that is passed on in blocks of at most `at_most` samples.
     struct Played {
@@ -313,11 +311,8 @@ mod tests {
     }
 
     fn noise(n_samples: usize, seed: u64) -> Record {
-        let mut rng = ChaCha8Rng::seed_from_u64(seed);
-        let samples = Array2::from_shape_simple_fn((2, n_samples), || {
-            let unit: f64 = StandardNormal.sample(&mut rng);
-            unit
-        });
+        let mut rng = Noise::seeded(seed);
+        let samples = Array2::from_shape_simple_fn((2, n_samples), || rng.normal());
         Record::of_test(
             samples,
             100.0,

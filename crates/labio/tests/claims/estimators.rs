@@ -4,10 +4,9 @@ use std::f64::consts::TAU;
 
 use labio::{AveragedSpectra, Coherence, Estimator, SpectrumAverager, Window};
 use num_complex::Complex64;
-use rand::SeedableRng;
-use rand_chacha::ChaCha8Rng;
+use testbed::noise::Noise;
 
-use super::hits::{hit, mean, noise, sum};
+use super::hits::{hit, mean, sum};
 use testbed::claim::{Claim, Claims, Fallible};
 use testbed::difference::{largest, worst};
 use testbed::hold;
@@ -51,10 +50,10 @@ fn known_bodies(report: &mut Claims) {
         .within(2e-14, "rounding, amplified by the weakest of 49 lines"),
         || {
             worst(FILTERS, |filter| {
-                let mut rng = ChaCha8Rng::seed_from_u64(11);
+                let mut rng = Noise::seeded(11);
                 let mut hits = Vec::new();
                 for _ in 0..3 {
-                    let input = noise(&mut rng, 96, 1.0);
+                    let input = rng.white(96, 1.0);
                     hits.push(hit(&input, &circular(&filter, &input), RATE)?);
                 }
                 let spectra = AveragedSpectra::of(&hits, Window::Rectangular)?;
@@ -82,15 +81,15 @@ fn known_bodies(report: &mut Claims) {
 /// Hits of white noise through a gain of 2, with noise of relative power `a` on the input and `b`
 /// on the output.
 pub(super) fn noisy(seed: u64, n: usize, n_hits: u32, a: f64, b: f64) -> Fallible<AveragedSpectra> {
-    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    let mut rng = Noise::seeded(seed);
     let silence = vec![0.0; n];
     let like = hit(&silence, &silence, RATE)?;
     let mut averager = SpectrumAverager::for_records_like(&like, Window::Rectangular)?;
     for _ in 0..n_hits {
-        let clean = noise(&mut rng, n, 1.0);
+        let clean = rng.white(n, 1.0);
         let output: Vec<f64> = clean.iter().map(|x| 2.0 * x).collect();
-        let input = sum(&clean, &noise(&mut rng, n, a.sqrt()));
-        let output = sum(&output, &noise(&mut rng, n, 2.0 * b.sqrt()));
+        let input = sum(&clean, &rng.white(n, a.sqrt()));
+        let output = sum(&output, &rng.white(n, 2.0 * b.sqrt()));
         averager.add(&hit(&input, &output, RATE)?)?;
     }
     Ok(averager.spectra()?)
@@ -230,10 +229,10 @@ fn random_errors(report: &mut Claims) {
 fn nothing_in_common(report: &mut Claims) {
     const HITS: u32 = 10;
     let coherence = || -> Fallible<Coherence> {
-        let mut rng = ChaCha8Rng::seed_from_u64(13);
+        let mut rng = Noise::seeded(13);
         let mut hits = Vec::new();
         for _ in 0..HITS {
-            let (x, y) = (noise(&mut rng, 4096, 1.0), noise(&mut rng, 4096, 1.0));
+            let (x, y) = (rng.white(4096, 1.0), rng.white(4096, 1.0));
             hits.push(hit(&x, &y, RATE)?);
         }
         Ok(AveragedSpectra::of(&hits, Window::Rectangular)?.coherence("x", "y")?)

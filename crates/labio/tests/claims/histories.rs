@@ -8,10 +8,9 @@ use labio::{
     ResponseKind, RigidBand, RigidBody, SpectrumAverager, Window, differentiate, integrate,
 };
 use num_complex::Complex64;
-use rand::SeedableRng;
-use rand_chacha::ChaCha8Rng;
+use testbed::noise::Noise;
 
-use super::hits::{hit, noise, record};
+use super::hits::{hit, record};
 use testbed::claim::{Claim, Claims, Fallible};
 use testbed::difference::{largest, largest_difference, worst};
 use testbed::hold;
@@ -222,8 +221,8 @@ fn measured(gain: f64, level: f64) -> Fallible<FrequencyResponse> {
     let hit = record(&channels, 20_000.0)?;
     let spectra = AveragedSpectra::of([&hit, &hit], Window::Rectangular)?;
     let mut response = spectra.h1("force", "face")?;
-    let mut rng = ChaCha8Rng::seed_from_u64(1);
-    let errors = noise(&mut rng, 2 * response.values.len(), level);
+    let mut rng = Noise::seeded(1);
+    let errors = rng.white(2 * response.values.len(), level);
     let mut variance = Vec::new();
     for line in 0..response.values.len() {
         let value = rod(TAU * response.frequency_hz[line]);
@@ -284,10 +283,10 @@ fn rigid_bodies(report: &mut Claims) {
         .within(0.28, "four standard errors of 400 squares"),
         || {
             let mut response = measured(1.0, 1e-3)?;
-            let mut rng = ChaCha8Rng::seed_from_u64(9);
+            let mut rng = Noise::seeded(9);
             let (mut squares, mut stated) = (0.0, 0.0);
             for _ in 0..400 {
-                let errors = noise(&mut rng, 2 * response.values.len(), 1e-3);
+                let errors = rng.white(2 * response.values.len(), 1e-3);
                 for line in 4..response.values.len() {
                     let error = Complex64::new(errors[2 * line], errors[2 * line + 1]);
                     response.values[line] = rod(TAU * response.frequency_hz[line]) * (1.0 + error);
@@ -304,12 +303,12 @@ fn rigid_bodies(report: &mut Claims) {
 /// Response from eight hits on a damper whose velocity is `delay` samples late and noisy.
 fn damper(mobility: f64, delay: usize, level: f64) -> Fallible<FrequencyResponse> {
     let n = 256;
-    let mut rng = ChaCha8Rng::seed_from_u64(2);
+    let mut rng = Noise::seeded(2);
     let mut force = vec![0.0; n];
     force[0] = 1.0;
     let mut hits = Vec::new();
     for _ in 0..8 {
-        let mut velocity = noise(&mut rng, n, level);
+        let mut velocity = rng.white(n, level);
         velocity[delay] += mobility;
         hits.push(hit(&force, &velocity, 256.0)?);
     }

@@ -2,8 +2,6 @@
 
 use labio::{Channel, Provenance, Quantity, Record};
 use ndarray::Array2;
-use rand_chacha::ChaCha8Rng;
-use rand_distr::{Distribution, StandardNormal};
 
 use testbed::claim::Fallible;
 
@@ -28,16 +26,6 @@ pub(super) fn hit(force: &[f64], velocity: &[f64], rate_hz: f64) -> Fallible<Rec
         ],
         rate_hz,
     )
-}
-
-/// Independent normal numbers.
-pub(super) fn noise(rng: &mut ChaCha8Rng, n: usize, level: f64) -> Vec<f64> {
-    (0..n)
-        .map(|_| {
-            let unit: f64 = StandardNormal.sample(rng);
-            level * unit
-        })
-        .collect()
 }
 
 pub(super) fn sum(a: &[f64], b: &[f64]) -> Vec<f64> {

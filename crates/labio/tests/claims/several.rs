@@ -7,11 +7,10 @@ use labio::{
     SpectrumAverager, Window,
 };
 use ndarray::Array2;
-use rand::SeedableRng;
-use rand_chacha::ChaCha8Rng;
+use testbed::noise::Noise;
 
 use super::estimators::noisy;
-use super::hits::{mean, noise};
+use super::hits::mean;
 use testbed::claim::{Claim, Claims, Fallible};
 use testbed::difference::{largest, worst};
 use testbed::hold;
@@ -29,14 +28,14 @@ const GAINS: [f64; 3] = [2.0, -0.5, 1.5];
 /// Response to three inputs with gains; the second input contains half of the first, and the third
 /// contains parts of the first two; noise on the output.
 fn three_inputs(n: usize, n_hits: u32, level: f64, seed: u64) -> Fallible<MultiInputResponse> {
-    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    let mut rng = Noise::seeded(seed);
     let channels = ["a", "b", "c", "y"]
         .iter()
         .map(|name| Channel::new(*name, Quantity::Velocity))
         .collect::<Result<Vec<_>, _>>()?;
     let mut averager = SpectrumAverager::new(&channels, n, 1.0, Window::Rectangular)?;
     for _ in 0..n_hits {
-        let drawn = [0, 1, 2, 3].map(|_| noise(&mut rng, n, 1.0));
+        let drawn = [0, 1, 2, 3].map(|_| rng.white(n, 1.0));
         let mut samples = Array2::zeros((4, n));
         for i in 0..n {
             let a = drawn[0][i];

@@ -5,10 +5,9 @@ use std::f64::consts::TAU;
 
 use labio::{AddedDamping, AveragedSpectra, Channel, Quantity, Record, SpectrumAverager, Window};
 use num_complex::Complex64;
-use rand::SeedableRng;
-use rand_chacha::ChaCha8Rng;
+use testbed::noise::Noise;
 
-use super::hits::{hit, mean, noise, record};
+use super::hits::{hit, mean, record};
 use testbed::claim::{Claim, Claims, Fallible};
 use testbed::difference::{largest, worst};
 use testbed::hold;
@@ -32,8 +31,8 @@ fn closed_forms(report: &mut Claims) {
         || {
             worst([200, 201], |n| {
                 let rate = 1234.0;
-                let mut rng = ChaCha8Rng::seed_from_u64(1);
-                let x = noise(&mut rng, n, 1.0);
+                let mut rng = Noise::seeded(1);
+                let x = rng.white(n, 1.0);
                 let energy: f64 = x.iter().map(|x| x * x).sum::<f64>() / rate;
                 let spectra = AveragedSpectra::of([&hit(&x, &x, rate)?], Window::Rectangular)?;
                 let lines: f64 = spectra.auto("x")?.iter().sum();
@@ -70,8 +69,8 @@ fn closed_forms(report: &mut Claims) {
         .within(1e-14, "forty terms"),
         || {
             let (n, rate, sigma) = (40, 10.0, 1.5);
-            let mut rng = ChaCha8Rng::seed_from_u64(22);
-            let x = noise(&mut rng, n, 1.0);
+            let mut rng = Noise::seeded(22);
+            let x = rng.white(n, 1.0);
             let hit = record(&[("x", Quantity::Velocity, &x)], rate)?;
             let mut averager = SpectrumAverager::for_records_like(&hit, Window::Rectangular)?
                 .with_exponential_window(AddedDamping::new(sigma)?)?;
@@ -127,11 +126,11 @@ fn scatter(report: &mut Claims) {
     // each moment
     let relative = || -> Fallible<Vec<f64>> {
         let (n, rate) = (8192, 1000.0);
-        let mut rng = ChaCha8Rng::seed_from_u64(7);
+        let mut rng = Noise::seeded(7);
         let channels = [Channel::new("x", Quantity::Velocity)?];
         let mut averager = SpectrumAverager::new(&channels, n, rate, Window::Rectangular)?;
         for _ in 0..HITS {
-            let x = noise(&mut rng, n, 1.0);
+            let x = rng.white(n, 1.0);
             averager.add(&record(&[("x", Quantity::Velocity, &x)], rate)?)?;
         }
         let spectra = averager.spectra()?;

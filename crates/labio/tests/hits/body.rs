@@ -37,10 +37,10 @@ impl Body {
     }
 
     /// Force and motion of a hit without noise.
-    pub(super) fn clean(&self, rng: &mut ChaCha8Rng) -> [Vec<f64>; 2] {
+    pub(super) fn clean(&self, rng: &mut Noise) -> [Vec<f64>; 2] {
         const STEPS: usize = 8;
-        let peak = 100.0 * (1.0 + 0.2 * rng.random::<f64>());
-        let onset = (400.0 + 30.0 * rng.random::<f64>()) / RATE_HZ;
+        let peak = 100.0 * (1.0 + 0.2 * rng.0.random::<f64>());
+        let onset = (400.0 + 30.0 * rng.0.random::<f64>()) / RATE_HZ;
         let force = |t: f64| {
             let t = t - onset;
             let within = (0.0..Self::BLOW).contains(&t);
@@ -93,7 +93,7 @@ impl Body {
     }
 
     pub(super) fn hits(&self, count: usize, seed: u64) -> Vec<Record> {
-        let mut rng = ChaCha8Rng::seed_from_u64(seed);
+        let mut rng = Noise::seeded(seed);
         (0..count)
             .map(|_| {
                 let clean = self.clean(&mut rng);
@@ -101,7 +101,7 @@ impl Body {
                     .each_ref()
                     .map(|x| x.iter().fold(0.0_f64, |p, x| p.max(x.abs())));
                 let samples = Array2::from_shape_fn((2, Self::SAMPLES), |(channel, k)| {
-                    clean[channel][k] + noise(&mut rng, self.noise * peaks[channel])
+                    clean[channel][k] + self.noise * peaks[channel] * rng.normal()
                 });
                 record_of(samples, self.quantity)
             })

@@ -95,9 +95,9 @@ fn s11_the_odd_one_of_ten_is_found_and_no_right_one_is_accused() {
         type Fault = fn(&mut Vec<f64>);
         let faults: [(&str, Fault); 5] = [
             ("dead", |x| {
-                let mut rng = ChaCha8Rng::seed_from_u64(3);
+                let mut rng = Noise::seeded(3);
                 x.iter_mut()
-                    .for_each(|x| *x = noise(&mut rng, 1e-3) + 1e-3 * *x);
+                    .for_each(|x| *x = 1e-3 * rng.normal() + 1e-3 * *x);
             }),
             ("inverted", |x| x.iter_mut().for_each(|x| *x = -*x)),
             ("gain", |x| x.iter_mut().for_each(|x| *x *= 1.1)),

@@ -191,8 +191,8 @@ fn free_bodies_may_go_on_moving() {
 
 #[test]
 fn nothing_and_a_dead_channel_are_no_hit() {
-    let mut rng = ChaCha8Rng::seed_from_u64(3);
-    let quiet: Vec<f64> = (0..N).map(|_| noise(&mut rng, 0.05)).collect();
+    let mut rng = Noise::seeded(3);
+    let quiet: Vec<f64> = (0..N).map(|_| 0.05 * rng.normal()).collect();
     let record = hit(|k, _, f, a| (*f, *a) = (quiet[k], -1.0));
     let found = reasons(&record);
     assert!(

@@ -6,7 +6,6 @@ use num_complex::Complex64;
 use super::PropagationLaw;
 use crate::RodwaveError;
 use crate::error::check_positive;
-use crate::modulus::differentiable::write;
 
 /// Power laws α = a ω^p and k = b ω^q for ω > 0 (Ödeen 1993, paper E, eq. 7).
 ///
@@ -81,27 +80,6 @@ impl PowerLawPropagation {
                 wave_number_exponent,
             )?,
         })
-    }
-
-    /// Writes the derivatives of γ = α + ik [1/m] at `omega` [rad/s] with respect to ln a, p, ln b
-    /// and q, in this order, to `derivatives`: α, α ln |ω|, ik, ik ln |ω|; 0 at ω = 0.
-    ///
-    /// The derivatives of the modulus are -2E/γ times these.
-    ///
-    /// # Errors
-    /// [`RodwaveError::LengthMismatch`] unless `derivatives` has four entries.
-    pub fn propagation_gradient(
-        &self,
-        omega: f64,
-        derivatives: &mut [Complex64],
-    ) -> Result<(), RodwaveError> {
-        if omega == 0.0 {
-            return write(Complex64::ZERO, &[Complex64::ZERO; 4], derivatives).map(drop);
-        }
-        let (alpha, ik) = self.parts(omega);
-        let logarithm = omega.abs().ln();
-        let by_parameter = [alpha, alpha * logarithm, ik, ik * logarithm];
-        write(alpha + ik, &by_parameter, derivatives).map(drop)
     }
 
     /// Returns α and ik [1/m].

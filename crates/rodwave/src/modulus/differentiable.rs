@@ -78,7 +78,7 @@ pub(super) fn exactly<const N: usize>(parameters: &[f64]) -> Result<[f64; N], Ro
 }
 
 /// Copies the derivatives of a value to the caller's slice and returns the value.
-pub(crate) fn write(
+pub(super) fn write(
     value: Complex64,
     values: &[Complex64],
     derivatives: &mut [Complex64],

@@ -86,57 +86,6 @@ pub(super) fn fractional_decay_of_power(exponent: f64, power: f64) -> Result<f64
 mod tests {
     use super::*;
 
-    /// The power series Σ (-x)^k/Γ(αk + 1), summed with 400 digits.
-    const SERIES: [(f64, f64, f64); 10] = [
-        (0.1, 0.5, 0.6543244602880019291),
-        (0.25, 0.01, 0.98907913325073412043),
-        (0.25, 1.0, 0.46385276080171328694),
-        (0.25, 3.0, 0.21900442756040679925),
-        (0.5, 1.0, 0.42758357615580700441),
-        (0.75, 1.0, 0.39310830281575406177),
-        (0.75, 5.0, 0.067923974332643942122),
-        (0.75, 20.0, 0.014527522154459504195),
-        (0.95, 1.0, 0.37157362003067881032),
-        (0.95, 10.0, 0.0065071353122560575398),
-    ];
-
-    #[test]
-    fn decay_agrees_with_the_power_series() {
-        for (exponent, x, exact) in SERIES {
-            let decay = fractional_decay(exponent, x.powf(1.0 / exponent)).unwrap();
-            // The tolerance of the library's contour integral is 5 units in the last place of 1;
-            // computing x^(1/α) and its power costs 1/α more.
-            assert!(
-                (decay - exact).abs() < 1e-14,
-                "α = {exponent}, x = {x}: {:e}",
-                decay - exact
-            );
-        }
-    }
-
-    /// E_{1/2}(-x) = exp(x²) erfc(x) = (2/√π) ∫₀^∞ exp(-u² - 2xu) du, by the trapezoidal rule in v,
-    /// u = exp(v - e^{-v}).
-    #[test]
-    fn decay_of_order_one_half_is_an_error_function() {
-        for j in 0..=40 {
-            let x = 10f64.powf(-3.0 + 0.1 * f64::from(j));
-            let integral: f64 = (-100..=140)
-                .map(|k| 0.05 * f64::from(k))
-                .map(|v| {
-                    let u = (v - (-v).exp()).exp();
-                    (-u * u - 2.0 * x * u).exp() * u * (1.0 + (-v).exp()) * 0.05
-                })
-                .sum();
-            let exact = integral * std::f64::consts::FRAC_2_SQRT_PI;
-            // The rule converges exponentially; rounding of 240 positive terms of at most 1 is at
-            // most 1e-14 of the sum.
-            assert!(
-                (fractional_decay(0.5, x * x).unwrap() - exact).abs() < 1e-14,
-                "{x}"
-            );
-        }
-    }
-
     /// E_α(-x) → 1/(x Γ(1-α)) for x → ∞: the first term of the asymptotic series. The second term
     /// is smaller by the factor x.
     #[test]

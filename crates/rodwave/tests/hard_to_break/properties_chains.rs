@@ -104,17 +104,6 @@ fn loss(chain: &Chain, omega: f64) -> f64 {
 proptest! {
     #![proptest_config(cases(1))]
 
-    /// det P = 1 for the whole chain: a joint neither creates nor stores power.
-    #[test]
-    fn the_determinant_of_a_chain_is_one(parts in any_parts(), omega in any_omega()) {
-        let chain = chain(&parts);
-        let lost = loss(&chain, omega);
-        prop_assume!(lost < 1e12);
-        let determinant = chain.transition_matrix(omega).unwrap().determinant();
-        // phases of up to some hundred radians, each rounded once per element
-        prop_assert!((determinant - 1.0).norm() < 1e-12 * lost, "{determinant}");
-    }
-
     /// The far face of a reversed body responds as the impact face of the original does.
     #[test]
     fn a_turned_body_has_its_mobilities_exchanged(parts in any_parts(), omega in any_omega()) {
@@ -211,41 +200,4 @@ proptest! {
         // 1e-11: γ is computed by a root in polar form, and its rounding counts kL times
         prop_assert!((here - there).norm() < 1e-11 * here.norm(), "{here} {there}");
     }
-}
-
-/// Bodies evaluated by several threads give the same values as by one thread: there is no shared
-/// state.
-#[test]
-fn threads_make_no_difference() {
-    let parts: Vec<Part> = (0..12_u8)
-        .map(|k| {
-            (
-                k % 6,
-                k % 4,
-                1e-4 + 1e-5 * f64::from(k),
-                2e-4,
-                0.05 + 0.01 * f64::from(k),
-            )
-        })
-        .collect();
-    let chain = chain(&parts);
-    let omegas: Vec<f64> = (1..400).map(|k| 250.0 * f64::from(k)).collect();
-    let ask = |omegas: &[f64]| -> Vec<Complex64> {
-        omegas
-            .iter()
-            .map(|omega| chain.mobility(*omega).unwrap())
-            .collect()
-    };
-    let alone = ask(&omegas);
-    let together = std::thread::scope(|scope| {
-        let threads: Vec<_> = omegas
-            .chunks(67)
-            .map(|part| scope.spawn(|| ask(part)))
-            .collect();
-        let answers = threads
-            .into_iter()
-            .flat_map(|thread| thread.join().unwrap());
-        answers.collect::<Vec<_>>()
-    });
-    assert_eq!(alone, together);
 }

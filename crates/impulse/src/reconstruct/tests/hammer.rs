@@ -1,6 +1,7 @@
 //! Forces of hammers from measured paths: peak, impulse and samples within their errors.
 
 use super::*;
+use testbed::noise::Noise;
 
 /// A hammer test in physical order: blows (powers of raised cosines, each of its own duration and
 /// shape), an anti-alias filter, the recursion of the resonator, white noise. Five blows give the
@@ -88,9 +89,8 @@ impl HammerTest {
         change: impl Fn(Reconstruction<'_>) -> Reconstruction<'_>,
         is_old: bool,
     ) -> (ReconstructedForce, Vec<f64>) {
-        use rand::{RngExt, SeedableRng};
-        let mut random = rand_chacha::ChaCha8Rng::seed_from_u64(seed);
-        let mut drawn = testbed::noise::Noise::seeded(seed + 1000);
+        let mut random = Noise::seeded(seed);
+        let mut drawn = Noise::seeded(seed + 1000);
         let mut varied = |scatter: f64| (scatter * drawn.normal()).exp();
         let mut blow = |peak: f64, stretch: f64| {
             let duration = stretch * varied(self.scatter);
@@ -99,10 +99,7 @@ impl HammerTest {
         let truth = blow(300.0, self.stretch);
         let clean = ring(self.radius, &truth);
         let level = self.level * clean.iter().fold(0.0_f64, |top, x| top.max(x.abs()));
-        let mut noisy = |clean: Vec<f64>, level: f64| -> Vec<f64> {
-            let mut normal = || -> f64 { random.sample(rand_distr::StandardNormal) };
-            clean.into_iter().map(|x| x + level * normal()).collect()
-        };
+        let mut noisy = |clean: Vec<f64>, level: f64| random.added_to(&clean, level);
         let response = noisy(clean, level);
         let (mut forces, mut lines) = (Vec::new(), Vec::new());
         for index in 0..self.n_blows {
@@ -459,7 +456,6 @@ fn s4_the_force_comes_by_a_path_under_an_exponential_window() {
 /// response, whose lines are correlated under the window.
 #[test]
 fn s4_white_noise_is_followed_through_the_window() {
-    use rand::{RngExt, SeedableRng};
     // 1e-7 of the response is left at the end of the record: nothing wraps round
     let (radius, decay_rate, level) = (0.9995, 80.0, 0.4);
     let mut impulse = vec![0.0; N];
@@ -483,11 +479,7 @@ fn s4_white_noise_is_followed_through_the_window() {
         };
         let mut off: [Vec<f64>; 3] = Default::default();
         for seed in 0..60 {
-            let mut random = rand_chacha::ChaCha8Rng::seed_from_u64(seed);
-            let response: Vec<f64> = clean
-                .iter()
-                .map(|x| -> f64 { x + level * random.sample::<f64, _>(rand_distr::StandardNormal) })
-                .collect();
+            let response = Noise::seeded(seed).added_to(&clean, level);
             let sensor = |noise| {
                 Sensor::new(&response, &lines)
                     .unwrap()

@@ -9,6 +9,7 @@ use ndarray::Array2;
 use super::header::{Element, Header};
 use super::{FORMAT, TIME_STEP_TOLERANCE};
 use crate::error::check_positive;
+use crate::format::opened;
 use crate::{BlockSource, Channel, LabioError};
 
 /// Number of bytes read at once.
@@ -83,37 +84,8 @@ impl Blocks<File> {
     /// [`LabioError::InFile`] with the path and, as its source, the error of [`Blocks::new`] or of
     /// opening the file.
     pub fn open(path: impl AsRef<Path>, channels: &[Channel]) -> Result<Self, LabioError> {
-        in_file(path.as_ref(), |file| Self::new(file, channels))
+        opened(path.as_ref(), |file| Self::new(file, channels))
     }
-
-    /// Opens the array in the file at `path`, every row of which is a channel; see
-    /// [`Blocks::without_times`].
-    ///
-    /// # Errors
-    ///
-    /// The errors of [`Blocks::open`].
-    pub fn open_without_times(
-        path: impl AsRef<Path>,
-        channels: &[Channel],
-        sampling_rate_hz: f64,
-    ) -> Result<Self, LabioError> {
-        in_file(path.as_ref(), |file| {
-            Self::without_times(file, channels, sampling_rate_hz)
-        })
-    }
-}
-
-fn in_file<T>(
-    path: &Path,
-    with: impl FnOnce(File) -> Result<T, LabioError>,
-) -> Result<T, LabioError> {
-    File::open(path)
-        .map_err(|source| LabioError::Read { source })
-        .and_then(with)
-        .map_err(|error| LabioError::InFile {
-            path: path.to_path_buf(),
-            source: Box::new(error),
-        })
 }
 
 impl<R: Read + Seek> Blocks<R> {

@@ -9,7 +9,7 @@ use ndarray::Array2;
 use super::FORMAT;
 use super::layout::Layout;
 use crate::error::check_positive;
-use crate::format::Strictness;
+use crate::format::{Strictness, opened};
 use crate::{BlockSource, Channel, LabioError};
 
 /// Number of bytes read at once: large enough to make the cost of system calls negligible, small
@@ -64,14 +64,7 @@ impl Blocks<File> {
         channels: &[Channel],
         full_scale: &[f64],
     ) -> Result<Self, LabioError> {
-        let path = path.as_ref();
-        File::open(path)
-            .map_err(|source| LabioError::Read { source })
-            .and_then(|file| Self::new(file, channels, full_scale))
-            .map_err(|error| LabioError::InFile {
-                path: path.to_path_buf(),
-                source: Box::new(error),
-            })
+        opened(path.as_ref(), |file| Self::new(file, channels, full_scale))
     }
 }
 

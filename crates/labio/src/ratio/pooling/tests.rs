@@ -1,8 +1,6 @@
 use super::*;
 use crate::ratio::variance_from_coherence;
-use rand::SeedableRng;
-use rand_chacha::ChaCha8Rng;
-use rand_distr::{Distribution, StandardNormal};
+use testbed::noise::Noise;
 
 const LINES: usize = 300;
 
@@ -23,9 +21,9 @@ struct Hits {
 
 impl Hits {
     fn drawn(seed: u64, count: usize, noise: impl Fn(usize) -> [f64; 2]) -> Self {
-        let mut random = ChaCha8Rng::seed_from_u64(seed);
+        let mut random = Noise::seeded(seed);
         let mut circular = |power: f64| -> Complex64 {
-            let mut normal = || -> f64 { StandardNormal.sample(&mut random) };
+            let mut normal = || random.normal();
             Complex64::new(normal(), normal()) * (0.5 * power).sqrt()
         };
         let (mut ratio, mut coherence, mut power) = (Vec::new(), Vec::new(), Vec::new());
