@@ -101,6 +101,12 @@ impl Panel {
             equal_axes: false,
         }
     }
+
+    /// Sets the shaded ranges.
+    #[must_use]
+    pub fn with_greyed(self, greyed: Vec<Greyed>) -> Self {
+        Self { greyed, ..self }
+    }
 }
 
 /// Axis of a panel.

@@ -24,44 +24,26 @@ const MOST: usize = 3000;
 #[must_use]
 pub fn thinned(figure: &Figure) -> Figure {
     Figure {
+        name: figure.name.clone(),
+        title: figure.title.clone(),
+        caption: figure.caption.clone(),
         panels: figure.panels.iter().map(thinned_panel).collect(),
-        ..Figure {
-            name: figure.name.clone(),
-            title: figure.title.clone(),
-            caption: figure.caption.clone(),
-            panels: Vec::new(),
-        }
     }
 }
 
 fn thinned_panel(panel: &Panel) -> Panel {
-    #[allow(
-        clippy::indexing_slicing,
-        reason = "`kept` has places below the length of the shortest of the columns of a mark"
-    )]
-    let picked = |values: &[f64], kept: &[usize]| -> Vec<f64> {
-        kept.iter().map(|&index| values[index]).collect()
-    };
-    let marks = panel.marks.iter().map(|mark| match mark {
-        Mark::Line { name, role, x, y } => {
-            let kept = kept(&panel.x, x, y, y);
-            Mark::Line {
-                name: name.clone(),
-                role: *role,
-                x: picked(x, &kept),
-                y: picked(y, &kept),
+    let mut thinned = panel.clone();
+    for mark in &mut thinned.marks {
+        match mark {
+            Mark::Line { x, y, .. } => {
+                let kept = kept(&panel.x, x, y, y);
+                pick([x, y], &kept);
             }
-        }
-        Mark::Points {
-            name,
-            role,
-            x,
-            y,
-            error,
-        } => {
-            let kept = if error.is_empty() {
-                kept(&panel.x, x, y, y)
-            } else {
+            Mark::Points { x, y, error, .. } if error.is_empty() => {
+                let kept = kept(&panel.x, x, y, y);
+                pick([x, y], &kept);
+            }
+            Mark::Points { x, y, error, .. } => {
                 // a bar whose length is not finite is not drawn; only its point counts
                 let end = |sign: f64| -> Vec<f64> {
                     let reach = |(y, error): (&f64, &f64)| {
@@ -71,46 +53,31 @@ fn thinned_panel(panel: &Panel) -> Panel {
                             *y
                         }
                     };
-                    y.iter().zip(error).map(reach).collect()
+                    y.iter().zip(&*error).map(reach).collect()
                 };
-                kept(&panel.x, x, &end(-1.0), &end(1.0))
-            };
-            Mark::Points {
-                name: name.clone(),
-                role: *role,
-                x: picked(x, &kept),
-                y: picked(y, &kept),
-                error: if error.is_empty() {
-                    Vec::new()
-                } else {
-                    picked(error, &kept)
-                },
+                let kept = kept(&panel.x, x, &end(-1.0), &end(1.0));
+                pick([x, y, error], &kept);
             }
-        }
-        Mark::Band {
-            name,
-            role,
-            x,
-            lower,
-            upper,
-        } => {
-            let kept = kept(&panel.x, x, lower, upper);
             Mark::Band {
-                name: name.clone(),
-                role: *role,
-                x: picked(x, &kept),
-                lower: picked(lower, &kept),
-                upper: picked(upper, &kept),
+                x, lower, upper, ..
+            } => {
+                let kept = kept(&panel.x, x, lower, upper);
+                pick([x, lower, upper], &kept);
             }
+            Mark::At { .. } => {}
         }
-        Mark::At { .. } => mark.clone(),
-    });
-    Panel {
-        x: panel.x.clone(),
-        y: panel.y.clone(),
-        marks: marks.collect(),
-        greyed: panel.greyed.clone(),
-        equal_axes: panel.equal_axes,
+    }
+    thinned
+}
+
+/// Reduces each of the columns of a mark to the samples `kept`.
+#[allow(
+    clippy::indexing_slicing,
+    reason = "`kept` has places below the length of the shortest of the columns of a mark"
+)]
+fn pick<const N: usize>(columns: [&mut Vec<f64>; N], kept: &[usize]) {
+    for column in columns {
+        *column = kept.iter().map(|&index| column[index]).collect();
     }
 }
 

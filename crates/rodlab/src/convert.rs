@@ -7,6 +7,8 @@
 mod differences;
 mod fit;
 
+pub(crate) use fit::fitted;
+
 use std::path::Path;
 
 use labio::format::mat5::Mat5;
@@ -136,7 +138,7 @@ pub fn convert(
     };
     let reading = |error| RodlabError::step(format!("reading {}", input.display()), error);
     let contents = format::read_bytes_with(&bytes, strictness).map_err(reading)?;
-    let fitted = fit::fitted(&contents, format);
+    let fitted = fitted(&contents, format);
     let writing = |error| RodlabError::step(format!("converting to {format}"), error);
     let mut written = Vec::new();
     writer(format, options)

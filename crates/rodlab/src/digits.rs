@@ -18,11 +18,7 @@ pub(crate) fn short(value: f64) -> String {
     } else {
         format!("{value:.0}")
     };
-    if text.contains('.') {
-        text.trim_end_matches('0').trim_end_matches('.').to_owned()
-    } else {
-        text
-    }
+    trimmed(&text).to_owned()
 }
 
 /// Returns `value` to the second digit of its standard error, and with at least three significant
@@ -79,10 +75,15 @@ pub(crate) fn hertz(frequency_hz: f64) -> String {
 
 /// Returns a sampling rate in Hz to six digits, without trailing zeros.
 pub(crate) fn rate(rate_hz: f64) -> String {
-    let text = significant(rate_hz, 6);
-    match text.contains('.') {
-        true => text.trim_end_matches('0').trim_end_matches('.').to_owned(),
-        false => text,
+    trimmed(&significant(rate_hz, 6)).to_owned()
+}
+
+/// Returns the number without trailing zeros behind the decimal point.
+fn trimmed(text: &str) -> &str {
+    if text.contains('.') {
+        text.trim_end_matches('0').trim_end_matches('.')
+    } else {
+        text
     }
 }
 

@@ -37,7 +37,7 @@ use serde::Deserialize;
 
 use crate::RodlabError;
 use crate::outcome::Setting;
-use crate::records::NamedRecord;
+use crate::records::{NamedRecord, channel_called};
 
 /// Relative difference below which two sampling rates count as equal; the spectra use the same
 /// value.
@@ -49,10 +49,8 @@ const SAMPLING_RATE_TOLERANCE: f64 = 1e-9;
 pub struct HitsSheet {
     /// Channel that marks the beginning of a hit, by its name in the sheet; by default the channel
     /// that the job prescribes, usually the force.
-    #[serde(default)]
     pub channel: Option<String>,
     /// The cutting of records into hits; by default each record is a hit.
-    #[serde(default)]
     pub cut: Option<Cut>,
     /// Criteria for accepting a hit.
     #[serde(default)]
@@ -99,9 +97,9 @@ impl HitsSheet {
             || *odd != OddSheet::default()
     }
 
-    /// Finds and judges the hits of a hammer in `records`. `reference` is the channel that marks
-    /// the beginning of a hit if the sheet names no channel; `field` is the place of this part in
-    /// the sheet.
+    /// Finds and judges the hits in `records`. Their kind is `usual`, unless the sheet states
+    /// another. `reference` is the channel that marks the beginning of a hit if the sheet names no
+    /// channel; `field` is the place of this part in the sheet.
     ///
     /// All hits, accepted or not, are numbered from 1 in the order of the records. It is not an
     /// error if no hit is accepted; the job decides what follows from it.
@@ -112,6 +110,21 @@ impl HitsSheet {
     /// does not suit the channel, a decision names a hit that does not exist or that has a decision
     /// already, accepted hits differ in sampling rate, or a hit shorter than the longest has not
     /// come to rest at its end.
+    pub fn find_of(
+        &self,
+        usual: HitKind,
+        records: Vec<NamedRecord>,
+        reference: &str,
+        field: &str,
+    ) -> Result<FoundHits, RodlabError> {
+        self.find_weighed(usual, Ok, records, reference, field)
+    }
+
+    /// Finds and judges the hits of a hammer like [`Self::find_of`].
+    ///
+    /// # Errors
+    ///
+    /// The errors of [`Self::find_of`].
     pub fn find(
         &self,
         records: Vec<NamedRecord>,
@@ -121,39 +134,13 @@ impl HitsSheet {
         self.find_of(HitKind::Hammer, records, reference, field)
     }
 
-    /// Finds and judges the hits of a hammer that will be weighted by an exponential window;
-    /// `weigh` adapts the criteria to the window.
+    /// Finds and judges hits like [`Self::find_of`]; `weigh` adapts the criteria to an exponential
+    /// window, by which the hits will be weighted.
     ///
     /// # Errors
     ///
-    /// The errors of [`Self::find`] and of `weigh`.
+    /// The errors of [`Self::find_of`] and of `weigh`.
     pub fn find_weighed(
-        &self,
-        weigh: impl FnOnce(Criteria) -> Result<Criteria, RodlabError>,
-        records: Vec<NamedRecord>,
-        reference: &str,
-        field: &str,
-    ) -> Result<FoundHits, RodlabError> {
-        self.find_with(HitKind::Hammer, weigh, records, reference, field)
-    }
-
-    /// Finds and judges hits like [`Self::find`]. Their kind is `usual`, unless the sheet states
-    /// another.
-    ///
-    /// # Errors
-    ///
-    /// The errors of [`Self::find`].
-    pub fn find_of(
-        &self,
-        usual: HitKind,
-        records: Vec<NamedRecord>,
-        reference: &str,
-        field: &str,
-    ) -> Result<FoundHits, RodlabError> {
-        self.find_with(usual, Ok, records, reference, field)
-    }
-
-    fn find_with(
         &self,
         usual: HitKind,
         weigh: impl FnOnce(Criteria) -> Result<Criteria, RodlabError>,
@@ -163,7 +150,11 @@ impl HitsSheet {
     ) -> Result<FoundHits, RodlabError> {
         let channel = self.channel.as_deref().unwrap_or(reference);
         if let Some(first) = records.first() {
-            check_channel(&first.record, channel, &format!("{field}.channel"))?;
+            channel_called(
+                first.record.channels(),
+                channel,
+                &format!("{field}.channel"),
+            )?;
         }
         let channels: Vec<Channel> = records
             .first()
@@ -283,17 +274,4 @@ fn within(logs: &mut [(String, HitLog)], number: usize) -> Option<(&mut HitLog, 
         left -= log.hits().len();
     }
     None
-}
-
-fn check_channel(record: &Record, name: &str, field: &str) -> Result<(), RodlabError> {
-    let known = record.channels();
-    if known.iter().any(|channel| channel.name() == name) {
-        return Ok(());
-    }
-    let names: Vec<String> = known.iter().map(|c| format!("`{}`", c.name())).collect();
-    Err(RodlabError::request(
-        field,
-        format!("`{name}`"),
-        format!("one of the channels {}", names.join(", ")),
-    ))
 }

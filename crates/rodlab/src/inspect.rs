@@ -21,6 +21,7 @@ use serde::Serialize;
 
 use crate::digits::{prefix_for, rate, significant};
 use crate::records::{is_rounded_step, step_without_unit};
+use crate::sheet::snake_case;
 use crate::{RodlabError, cut_short, input};
 
 /// Contents of a file.
@@ -206,11 +207,11 @@ impl InspectedSeries {
             .abscissa_axis
             .unit
             .as_ref()
-            .filter(|unit| is_time(unit));
+            .filter(|unit| unit.dimension() == Dimension::TIME);
         Self {
             number,
             name: series.name.trim().to_owned(),
-            kind: words_of(&format!("{:?}", series.kind)),
+            kind: snake_case(&format!("{:?}", series.kind)).replace('_', " "),
             unit: series.ordinate_axis.unit_text.clone(),
             quantity: series
                 .ordinate_axis
@@ -232,29 +233,6 @@ impl InspectedSeries {
             properties: series.properties.clone(),
         }
     }
-}
-
-fn is_time(unit: &labio::Unit) -> bool {
-    unit.dimension()
-        == Dimension {
-            length: 0,
-            mass: 0,
-            time: 1,
-            current: 0,
-            temperature: 0,
-        }
-}
-
-/// Returns a name such as `TimeResponse` in words: `time response`.
-fn words_of(name: &str) -> String {
-    let mut words = String::new();
-    for letter in name.chars() {
-        if letter.is_uppercase() && !words.is_empty() {
-            words.push(' ');
-        }
-        words.extend(letter.to_lowercase());
-    }
-    words
 }
 
 /// Returns true if the series are columns of a table, not time histories: at least two columns in

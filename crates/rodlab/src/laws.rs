@@ -29,20 +29,15 @@ pub struct LawsSheet {
     /// The laws, such as `[Zener, FractionalZener, GeneralisedMaxwell]`.
     pub laws: Vec<LawSheet>,
     /// Criterion for comparing laws and numbers of branches; `Bic` by default.
-    #[serde(default)]
     pub criterion: Option<CriterionSheet>,
     /// Confidence of the intervals, such as `"95 %"`, which is the default.
-    #[serde(default)]
     pub confidence: Option<Exact<Ratio>>,
     /// Largest number of branches of a Prony series, for example the number that a program accepts;
     /// by default no limit.
-    #[serde(default)]
     pub most_branches: Option<usize>,
     /// Maximum number of fitted lines, chosen evenly among the valid lines; by default 400.
-    #[serde(default)]
     pub most_lines: Option<usize>,
     /// Cards of the generalised Maxwell model for other programs.
-    #[serde(default)]
     pub cards: Option<CardsSheet>,
 }
 
@@ -92,16 +87,13 @@ pub struct CardsSheet {
     pub poisson_ratio: Stated<PoissonRatio>,
     /// Frequency to which this ratio applies, such as `"1 kHz"`; by default the middle of the
     /// fitted lines.
-    #[serde(default)]
     pub poisson_ratio_at: Option<Exact<Frequency>>,
     /// Temperature of the specimen, such as `"23 degC"`, for a comment in the card.
-    #[serde(default)]
     pub temperature: Option<Exact<Temperature>>,
     /// The programs, such as `[Abaqus, Ansys, LsDyna, Comsol, CodeAster, Json]`.
     pub programs: Vec<ProgramSheet>,
     /// Number of additional cards, such as 100, for a Monte Carlo calculation with the program.
     /// Each card has a draw of the modulus, the density and Poisson's ratio. None by default.
-    #[serde(default)]
     pub draws: Option<usize>,
 }
 

@@ -35,13 +35,7 @@ impl NumberFile {
         let bytes = input::read(&full)?;
         let contents = format::read_bytes(&bytes)
             .map_err(|error| RodlabError::step(format!("{field}: reading {path}"), error))?;
-        let input = InputFile {
-            path: path.to_owned(),
-            format: contents.format.to_owned(),
-            bytes: bytes.len() as u64,
-            sha256: labio::ContentHash::of(&bytes).to_string(),
-            pattern: None,
-        };
+        let input = InputFile::of(path, contents.format, &bytes);
         let warning = cut_short::warning(&bytes, contents.format, path).map(|text| text + ".");
         Ok(Self {
             contents,

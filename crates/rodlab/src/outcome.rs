@@ -256,8 +256,20 @@ pub struct InputFile {
     pub sha256: String,
     /// Pattern of the sheet that matched the file, such as `hits-*.npy`; absent if the sheet names
     /// the file itself.
-    #[serde(default)]
     pub pattern: Option<String>,
+}
+
+impl InputFile {
+    /// Returns the file at `path` with its detected format and its contents.
+    pub(crate) fn of(path: &str, format: &str, bytes: &[u8]) -> Self {
+        Self {
+            path: path.to_owned(),
+            format: format.to_owned(),
+            bytes: bytes.len() as u64,
+            sha256: labio::ContentHash::of(bytes).to_string(),
+            pattern: None,
+        }
+    }
 }
 
 /// A setting.
@@ -299,6 +311,17 @@ pub struct LogEntry {
     pub reasons: Vec<String>,
 }
 
+impl LogEntry {
+    /// Returns the rejection of `what`.
+    pub(crate) fn rejected(what: impl Into<String>, reason: impl ToString) -> Self {
+        Self {
+            what: what.into(),
+            accepted: false,
+            reasons: vec![reason.to_string()],
+        }
+    }
+}
+
 /// A single number of the result.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Quantity {
@@ -317,6 +340,26 @@ pub struct Quantity {
     pub verdict: String,
 }
 
+impl Quantity {
+    /// Returns a quantity without standard error, which is valid if it has a value.
+    pub(crate) fn of(
+        name: impl Into<String>,
+        unit: impl Into<String>,
+        value: impl Into<Option<f64>>,
+        verdict: impl Into<String>,
+    ) -> Self {
+        let value = value.into();
+        Self {
+            name: name.into(),
+            unit: unit.into(),
+            value,
+            standard_error: None,
+            valid: value.is_some(),
+            verdict: verdict.into(),
+        }
+    }
+}
+
 /// A table with columns of equal length. Reports show it as it is; other programs get
 /// [`Table::published`].
 #[derive(Debug, Clone, PartialEq)]
@@ -327,6 +370,21 @@ pub struct Table {
     pub title: String,
     /// Columns, each with its unit.
     pub columns: Vec<Column>,
+}
+
+impl Table {
+    /// Returns a table of `columns`.
+    pub(crate) fn of(
+        name: impl Into<String>,
+        title: impl Into<String>,
+        columns: Vec<Column>,
+    ) -> Self {
+        Self {
+            name: name.into(),
+            title: title.into(),
+            columns,
+        }
+    }
 }
 
 /// A column of a [`Table`].

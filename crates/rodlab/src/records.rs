@@ -19,6 +19,7 @@ mod told;
 
 pub use channel::{BridgeSheet, ChannelSheet, Selector, Sensitivity};
 pub(crate) use clipped::clipped;
+pub(crate) use expect::{channel_called, expect_motion};
 pub use expect::{expect_different_files, expect_quantity};
 pub(crate) use told::{is_rounded_step, step_without_unit};
 
@@ -48,7 +49,6 @@ pub struct Records {
     /// Sampling rate, for files that do not record it (NPY), that record it rounded (by less than
     /// 0.1 %), or that have times which are not evenly spaced. In the last case all times must be
     /// within half a step of this rate.
-    #[serde(default)]
     pub sampling_rate: Option<NotFollowed<Frequency>>,
     /// Channels that are used; all others are ignored.
     pub channels: Vec<ChannelSheet>,
@@ -248,11 +248,9 @@ impl Records {
                     loaded
                         .warnings
                         .push(format!("{file} is left out: {error}."));
-                    loaded.left_out.push(LogEntry {
-                        what: file.clone(),
-                        accepted: false,
-                        reasons: vec![error.to_string()],
-                    });
+                    loaded
+                        .left_out
+                        .push(LogEntry::rejected(file.clone(), &error));
                     return Ok(Some(RodlabError::step(format!("{place}, {file}"), error)));
                 }
                 return Err(RodlabError::step(format!("{place}, {file}"), error));

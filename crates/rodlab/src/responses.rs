@@ -6,6 +6,7 @@
 mod file;
 mod hits;
 mod kind;
+mod lines;
 mod signal;
 mod support;
 
@@ -15,6 +16,7 @@ pub use hits::{
     EstimatorSheet, ForceWindowSheet, HitsSource, MergeSheet, disagreements, with_silence,
 };
 pub use kind::KindSheet;
+pub(crate) use lines::{JudgedLine, error_columns, judged_lines};
 pub use signal::stretch_with_signal;
 pub use support::{CompletionSheet, SupportSheet, measured_body};
 

@@ -22,6 +22,7 @@ use std::time::{Duration, Instant};
 
 use labio::ContentHash;
 use serde::Deserialize;
+use serde::de::DeserializeOwned;
 use serde_json::{Value, json};
 
 use self::http::{Answer, Request};
@@ -195,18 +196,9 @@ impl Served {
                 Ok(text) => json!({ "text": text, "hash": hash_of(&text) }),
                 Err(error) => json!({ "wrong": in_one_line(&error) }),
             }),
-            ("POST", "evaluate") => match serde_json::from_slice(&request.body) {
-                Ok(asked) => Answer::json(&self.evaluate(&asked)),
-                Err(_) => Answer::refused("400 Bad Request"),
-            },
-            ("POST", "rule") => match serde_json::from_slice(&request.body) {
-                Ok(asked) => rule(&asked),
-                Err(_) => Answer::refused("400 Bad Request"),
-            },
-            ("POST", "save") => match serde_json::from_slice(&request.body) {
-                Ok(asked) => Answer::json(&self.save(&asked)),
-                Err(_) => Answer::refused("400 Bad Request"),
-            },
+            ("POST", "evaluate") => posted(request, |asked| Answer::json(&self.evaluate(&asked))),
+            ("POST", "rule") => posted(request, |asked| rule(&asked)),
+            ("POST", "save") => posted(request, |asked| Answer::json(&self.save(&asked))),
             ("GET" | "POST", _) => Answer::refused("404 Not Found"),
             _ => Answer::refused("405 Method Not Allowed"),
         }
@@ -341,6 +333,12 @@ impl Served {
     fn stop(&self) {
         locked(&self.running).store(true, Ordering::Relaxed);
     }
+}
+
+/// Returns the answer to the request of a page.
+fn posted<T: DeserializeOwned>(request: &Request, answer: impl FnOnce(T) -> Answer) -> Answer {
+    let asked = serde_json::from_slice(&request.body);
+    asked.map_or_else(|_| Answer::refused("400 Bad Request"), answer)
 }
 
 /// Returns the text of the sheet with a decision on a hit.

@@ -311,7 +311,8 @@ impl<'a> Fit<'a> {
         self.values.clear();
         for test in spectra.tests {
             let sensors = test.iter().zip(&self.weights).zip(&self.factors);
-            let values = sensors.map(|((spectrum, weight), factor)| weight * spectrum[index] / factor);
+            let values =
+                sensors.map(|((spectrum, weight), factor)| weight * spectrum[index] / factor);
             self.values.extend(values);
         }
         self.values.iter().all(|value| value.is_finite())

@@ -41,7 +41,6 @@ struct Plan {
     #[serde(default)]
     grid: Vec<Axis>,
     /// Seeds of every combination of values.
-    #[serde(default)]
     seeds: Option<Seeds>,
 }
 

@@ -34,7 +34,6 @@ pub type Materials = BTreeMap<String, MaterialSheet>;
 pub struct MaterialSheet {
     /// Density, such as `"1150 kg/m3"`; not stated for a law from a result, because the result
     /// contains the density.
-    #[serde(default)]
     pub density: Option<Stated<Density>>,
     /// Law of the modulus.
     pub law: LawSheet,
@@ -101,7 +100,6 @@ pub enum LawSheet {
     /// Maxwell branches in parallel with a spring.
     Prony {
         /// Modulus of the spring; absent if there is none.
-        #[serde(default)]
         equilibrium: Option<Stated<Pressure>>,
         /// Branches, each with a modulus and a relaxation time.
         branches: Vec<BranchSheet>,
@@ -407,12 +405,7 @@ fn of_file(
         });
     }
     let bytes = input::read(&full)?;
-    outcome.inputs.push(InputFile {
-        path: path.to_owned(),
-        format: "material of a result".to_owned(),
-        bytes: bytes.len() as u64,
-        sha256: labio::ContentHash::of(&bytes).to_string(),
-        pattern: None,
-    });
+    let input = InputFile::of(path, "material of a result", &bytes);
+    outcome.inputs.push(input);
     MaterialFile::read(&bytes, &format!("{field}: reading {path}"))
 }

@@ -13,27 +13,20 @@ pub struct MeasuredBodySheet {
     /// Name of the file, relative to the sheet, such as `"hammer.uff"`.
     pub file: String,
     /// The data set, by number from 1 or by name; by default the only complex data set.
-    #[serde(default)]
     pub data_set: Option<Selector>,
     /// Column of the imaginary part, if it is separate.
-    #[serde(default)]
     pub imaginary: Option<Selector>,
     /// Kind of response, such as `Mobility` or `Accelerance`; by default the kind that suits the
     /// unit.
-    #[serde(default)]
     pub kind: Option<KindSheet>,
     /// Data set with the standard errors of the lines.
-    #[serde(default)]
     pub standard_error: Option<Selector>,
     /// Data set with the coherence, from which the standard error is computed together with
     /// `averages`.
-    #[serde(default)]
     pub coherence: Option<Selector>,
     /// Number of averaged hits.
-    #[serde(default)]
     pub averages: Option<usize>,
     /// Upper frequency of the lines used, such as `"10 kHz"`; by default all lines.
-    #[serde(default)]
     pub up_to: Option<Exact<Frequency>>,
     /// Support of the body, such as `Free(mass: "1.5 kg ± 1 gram")`; by default the support that
     /// the line at 0 Hz indicates.
@@ -41,18 +34,14 @@ pub struct MeasuredBodySheet {
     pub support: SupportSheet,
     /// Replacement of low-frequency lines of a free body by its weighed mass; by default the lines
     /// stay as measured.
-    #[serde(default)]
     pub complete: Option<CompletionSheet>,
     /// Characteristic impedance of the material at the face, such as `"2250 kg/s ± 2 %"`; it
     /// determines the response before any echo returns.
-    #[serde(default)]
     pub front_impedance: Option<Stated<SpecificImpedance>>,
     /// Standard uncertainty of the scale, such as `"1 %"`, due to the sensors; common to all lines.
-    #[serde(default)]
     pub scale_uncertainty: Option<Exact<Ratio>>,
     /// Standard uncertainty of the delay of the response relative to the force, such as `"2 us"`,
     /// due to the channels; common to all lines.
-    #[serde(default)]
     pub delay_uncertainty: Option<Exact<Duration>>,
     /// Removes the part of the impulse response before the impulse; by default it is kept.
     #[serde(default)]

@@ -4,7 +4,7 @@ use labio::{Abscissa, Contents, Series, SeriesAxis, SeriesKind};
 
 /// Returns `contents` without the parts that `format` cannot hold; values are always kept. The
 /// comparison of the written file with its source lists the removed parts.
-pub(super) fn fitted(contents: &Contents, format: &str) -> Contents {
+pub(crate) fn fitted(contents: &Contents, format: &str) -> Contents {
     let mut fitted = Contents::of_format(contents.format);
     fitted.series.clone_from(&contents.series);
     match format {

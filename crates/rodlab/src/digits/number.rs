@@ -1,6 +1,8 @@
 //! Numbers for tables and sentences, without meaningless digits.
 
-use super::prefix_for;
+use rodfigure::superscript;
+
+use super::{prefix_for, trimmed};
 
 /// Returns `value` with its standard error, both to the second digit of the error. Without an error
 /// the value has five digits.
@@ -117,14 +119,6 @@ pub(crate) fn in_line(values: &[f64]) -> Vec<String> {
     written(needed.unwrap_or(0))
 }
 
-fn trimmed(text: &str) -> &str {
-    if text.contains('.') {
-        text.trim_end_matches('0').trim_end_matches('.')
-    } else {
-        text
-    }
-}
-
 fn minus(text: &str) -> String {
     text.replace('-', "−")
 }
@@ -145,10 +139,6 @@ fn rounded(value: f64, last: f64) -> f64 {
 )]
 fn places(count: f64) -> usize {
     count.clamp(0.0, 17.0).round() as usize
-}
-
-fn superscript(power: f64) -> String {
-    rodfigure::superscript(power)
 }
 
 #[cfg(test)]

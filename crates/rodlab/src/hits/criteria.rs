@@ -12,6 +12,7 @@ use serde::{Deserialize, Deserializer};
 use super::Reading;
 use crate::RodlabError;
 use crate::outcome::Setting;
+use crate::records::channel_called;
 
 /// Limits of the checks of a hit. A limit that is not stated has its default; `None` disables its
 /// check.
@@ -165,54 +166,28 @@ impl CriteriaSheet {
         channels: &[Channel],
         field: &str,
     ) -> Result<Criteria, RodlabError> {
-        let refused = |error| RodlabError::step(field, error);
-        let mut criteria = self.kind.unwrap_or(usual).criteria();
-        criteria = self
+        let usual = self.kind.unwrap_or(usual).criteria();
+        let limited = self
             .peak_over_noise
-            .put(criteria, Criteria::with_peak_over_noise)
-            .map_err(refused)?;
-        criteria = self
-            .double_hit
-            .put(criteria, Criteria::with_double_hit)
-            .map_err(refused)?;
-        criteria = self
-            .clipped_run
-            .put(criteria, Criteria::with_clipped_run)
-            .map_err(refused)?;
-        criteria = self
-            .drop_out_run
-            .put(criteria, Criteria::with_drop_out_run)
-            .map_err(refused)?;
-        criteria = self
-            .static_offset
-            .put(criteria, Criteria::with_static_offset)
-            .map_err(refused)?;
-        criteria = self
-            .level_shift
-            .put(criteria, Criteria::with_level_shift)
-            .map_err(refused)?;
-        criteria = self
-            .remainder
-            .put(criteria, Criteria::with_remainder)
-            .map_err(refused)?;
-        let of_name = |name: &str, field: String| {
-            channels.iter().find(|c| c.name() == name).ok_or_else(|| {
-                let names: Vec<String> =
-                    channels.iter().map(|c| format!("`{}`", c.name())).collect();
-                RodlabError::request(
-                    field,
-                    format!("`{name}`"),
-                    format!("one of the channels {}", names.join(", ")),
-                )
+            .put(usual, Criteria::with_peak_over_noise);
+        let mut criteria = limited
+            .and_then(|limited| self.double_hit.put(limited, Criteria::with_double_hit))
+            .and_then(|limited| self.clipped_run.put(limited, Criteria::with_clipped_run))
+            .and_then(|limited| self.drop_out_run.put(limited, Criteria::with_drop_out_run))
+            .and_then(|limited| {
+                self.static_offset
+                    .put(limited, Criteria::with_static_offset)
             })
-        };
+            .and_then(|limited| self.level_shift.put(limited, Criteria::with_level_shift))
+            .and_then(|limited| self.remainder.put(limited, Criteria::with_remainder))
+            .map_err(|error| RodlabError::step(field, error))?;
         if let Some(name) = &self.force_channel {
-            of_name(name, format!("{field}.force_channel"))?;
+            channel_called(channels, name, &format!("{field}.force_channel"))?;
             criteria = criteria.with_force_channel(name);
         }
         for (name, full_scale) in &self.full_scales {
             let place = format!("{field}.full_scales.{name}");
-            let full_scale = full_scale.of(of_name(name, place.clone())?, &place)?;
+            let full_scale = full_scale.of(channel_called(channels, name, &place)?, &place)?;
             criteria = criteria
                 .with_full_scale(name, full_scale)
                 .map_err(|error| RodlabError::step(place, error))?;

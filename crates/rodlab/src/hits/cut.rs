@@ -26,15 +26,12 @@ pub enum Cut {
         /// in it, so it needs at least eight samples.
         pre_trigger: Stretch,
         /// Direction of the crossing: `Rising` (default), `Falling` or `Either`.
-        #[serde(default)]
         slope: Option<Slope>,
         /// Distance by which the signal must return past the level to re-arm the trigger, such as
         /// `"10 N"`; by default half the level.
-        #[serde(default)]
         hysteresis: Option<Reading>,
         /// Time without a new trigger, such as `"0.5 s"`; by default until the end of the hit, so
         /// that a second contact belongs to the same hit.
-        #[serde(default)]
         hold_off: Option<Stretch>,
     },
 }

@@ -46,10 +46,8 @@ pub struct BarSheet {
     /// are measured in it.
     pub silent: Exact<Duration>,
     /// Guess of the wave speed, such as `"1700 m/s"`; by default the speed is searched.
-    #[serde(default)]
     pub wave_speed: Option<Exact<Velocity>>,
     /// Lines used, such as `(from: "500 Hz", to: "15 kHz")`; by default all lines above 0 Hz.
-    #[serde(default)]
     pub band: Option<BandSheet>,
     /// Requirements of a valid line.
     #[serde(default)]
@@ -58,14 +56,11 @@ pub struct BarSheet {
     #[serde(default)]
     pub checks: ChecksSheet,
     /// Laws fitted to the valid lines; later sheets can use the preferred law as a material.
-    #[serde(default)]
     pub laws: Option<LawsSheet>,
     /// Frequencies whose results are reported individually.
-    #[serde(default)]
     pub report_at: Option<Vec<Exact<Frequency>>>,
     /// Number of Monte Carlo draws, such as 1000, of the noise and of every quantity stated with ±;
     /// they check the linear errors.
-    #[serde(default)]
     pub monte_carlo: Option<usize>,
 }
 
@@ -82,7 +77,6 @@ pub struct LongBarSheet {
     pub density: Stated<Density>,
     /// Poisson's ratio, such as `"0.37 ± 0.02"`, for lateral inertia; `"0"` for simulated
     /// one-dimensional waves.
-    #[serde(default)]
     pub poisson_ratio: Option<Stated<PoissonRatio>>,
 }
 

@@ -56,39 +56,29 @@ pub struct FitSheet {
     /// Tables of moduli.
     pub tables: Vec<TableSheet>,
     /// Loading, which determines the name of the modulus; by default `Tension`.
-    #[serde(default)]
     pub kind: Option<LoadingSheet>,
     /// Grouping of the rows into steps of one temperature; by default `Within("1 K")`.
-    #[serde(default)]
     pub steps: Option<StepsSheet>,
     /// Reference temperature of the master curve, such as `"20 degC"`; the nearest step is used. It
     /// must be stated if there are several temperatures.
-    #[serde(default)]
     pub reference_temperature: Option<Exact<Temperature>>,
     /// Shifts that connect temperatures whose curves do not overlap; none by default.
-    #[serde(default)]
     pub stated_shifts: Option<StatedShiftsSheet>,
     /// Factors of the modulus at each temperature; by default estimated if the data require them.
-    #[serde(default)]
     pub vertical_shifts: Option<VerticalSheet>,
     /// Measured frequencies used, such as `(from: "0.1 Hz", to: "50 Hz")`; by default all.
-    #[serde(default)]
     pub band: Option<BandSheet>,
     /// Standard uncertainty of the scale of all moduli, such as `"2 %"`, due to the force, the
     /// displacement and the dimensions of the specimen. None by default.
-    #[serde(default)]
     pub scale_uncertainty: Option<Exact<Ratio>>,
     /// Standard uncertainty of the temperature of each step, such as `"0.5 K"`, independent between
     /// steps. It enters the errors of the shifts and, through the reference step, the errors of the
     /// master curve. None by default.
-    #[serde(default)]
     pub temperature_uncertainty: Option<Exact<Temperature>>,
     /// Density of the material, such as `"1150 kg/m3 ± 2 kg/m3"`; needed for cards and for use as a
     /// material in later sheets.
-    #[serde(default)]
     pub density: Option<Stated<Density>>,
     /// Laws fitted to the modulus or to the master curve, and cards; none by default.
-    #[serde(default)]
     pub laws: Option<LawsSheet>,
     /// Computes the causal estimate, that is the relaxing material nearest to all rows together,
     /// with its errors, and checks whether the rows agree with it; off by default.
@@ -99,7 +89,6 @@ pub struct FitSheet {
     pub unusual: bool,
     /// Number of Monte Carlo draws, such as 1000, of the rows and of every quantity stated with ±;
     /// they check the linear errors.
-    #[serde(default)]
     pub monte_carlo: Option<usize>,
 }
 

@@ -46,7 +46,6 @@ pub struct ForceSheet {
     pub problem: Problem,
     /// Number of Monte Carlo draws, such as 1000, of the mobilities and of every quantity stated
     /// with ±; they check the errors of an impact.
-    #[serde(default)]
     pub monte_carlo: Option<usize>,
 }
 

@@ -32,7 +32,7 @@ use self::scope::{Band, band_of, outputs_of, outside_of};
 use self::words::capital;
 use super::JobContext;
 use crate::digits::{hertz, short};
-use crate::hits::{FoundHits, HitsSheet, expect_independent, silent_samples};
+use crate::hits::{FoundHits, HitKind, HitsSheet, expect_independent, silent_samples};
 use crate::outcome::Quantity;
 use crate::records::{Records, SKEW_NOT_FOLLOWED, expect_different_files};
 use crate::responses::{MergeSheet, disagreements, with_silence};
@@ -180,7 +180,8 @@ fn find(
         weighed.map_err(|error| RodlabError::step("exponential_window", error))
     };
     let field = format!("{place}hits");
-    let mut found = hits.find_weighed(weigh, loaded.records, &sheet.input, &field)?;
+    let mut found =
+        hits.find_weighed(HitKind::Hammer, weigh, loaded.records, &sheet.input, &field)?;
     let outputs: Vec<&str> = outputs.iter().map(String::as_str).collect();
     for doubt in found.compare(&sheet.input, &outputs)? {
         outcome.doubt(doubt);
@@ -259,14 +260,6 @@ fn of_the_test(
     greyed: &[Greyed],
     outcome: &mut Outcome,
 ) -> Result<(), RodlabError> {
-    let plain = |name: &str, unit: &str, value: f64, verdict: &str| Quantity {
-        name: name.to_owned(),
-        unit: unit.to_owned(),
-        value: Some(value),
-        standard_error: None,
-        valid: true,
-        verdict: verdict.to_owned(),
-    };
     for (number, (hits, spectra)) in accepted.iter().zip(spectra).enumerate() {
         let (hammer, name, title) = if number == 0 {
             ("", "input_spectra", "Spectra of the input")
@@ -280,11 +273,11 @@ fn of_the_test(
         outcome.figures.push(input_spectra::figure(
             sheet, hits, spectra, greyed, name, title,
         )?);
-        outcome.quantities.push(plain(
-            &format!("averages{hammer}"),
+        outcome.quantities.push(Quantity::of(
+            format!("averages{hammer}"),
             "",
             spectra.n_averages() as f64,
-            &match sheet.segments {
+            match sheet.segments {
                 None => "accepted hits".to_owned(),
                 Some(_) => format!(
                     "segments, equivalent to {} independent ones",
@@ -292,8 +285,8 @@ fn of_the_test(
                 ),
             },
         ));
-        outcome.quantities.push(plain(
-            &format!("end of the spectrum of the input{hammer}"),
+        outcome.quantities.push(Quantity::of(
+            format!("end of the spectrum of the input{hammer}"),
             "Hz",
             input_spectra::end_of(spectra, &sheet.input)?,
             "where the mean falls 20 dB below its maximum, or the lines end",
@@ -301,7 +294,7 @@ fn of_the_test(
     }
     let first = spectra.first();
     outcome.quantities.extend(first.map(|spectra| {
-        plain(
+        Quantity::of(
             "distance of lines",
             "Hz",
             spectra.line_spacing_hz(),
@@ -312,7 +305,7 @@ fn of_the_test(
         )
     }));
     if let Some(damping) = first.and_then(AveragedSpectra::added_damping) {
-        outcome.quantities.push(plain(
+        outcome.quantities.push(Quantity::of(
             "damping added by the exponential window",
             "1/s",
             damping.decay_rate(),

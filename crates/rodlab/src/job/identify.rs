@@ -45,16 +45,13 @@ pub struct IdentifySheet {
     #[serde(default)]
     pub about: About,
     /// Rod of all tests that do not state their own.
-    #[serde(default)]
     pub specimen: Option<SpecimenSheet>,
     /// Tests that are evaluated together.
     pub tests: Vec<TestSheet>,
     /// Filter of the recorder, for all tests. If it is stated, the recorder is part of the model,
     /// so that nonlinear laws can be compared and identified in spite of it.
-    #[serde(default)]
     pub recorder: Option<AntiAliasSheet>,
     /// Makes the rates and relaxation times of all laws thermally activated.
-    #[serde(default)]
     pub arrhenius: Option<ArrheniusSheet>,
     /// Differentiator for displacements.
     #[serde(default)]
@@ -71,15 +68,12 @@ pub struct IdentifySheet {
     pub profiles: bool,
     /// Cell length of the rod in the direct problem, at most `"4 mm"`; by default as short as the
     /// accuracy requires.
-    #[serde(default)]
     pub cell: Option<Exact<Length>>,
     /// Tests that may be made next. The job finds the most informative of these tests: to decide
     /// between the remaining laws or, if one law remains, to determine its parameters.
-    #[serde(default)]
     pub next: Option<NextSheet>,
     /// Number of Monte Carlo draws, such as 200, of the noise and of every quantity stated with ±;
     /// they check the linear errors.
-    #[serde(default)]
     pub monte_carlo: Option<usize>,
 }
 

@@ -36,21 +36,17 @@ pub struct MobilitySheet {
     pub source: SourceSheet,
     /// Mass between the force gauge of an impedance head and the face, including the screw, such as
     /// `"12.5 gram ± 0.1 gram"`.
-    #[serde(default)]
     pub head_mass: Option<Stated<AddedMass>>,
     /// Upper frequency of the lines used, such as `"10 kHz"`; by default all lines.
-    #[serde(default)]
     pub up_to: Option<Exact<Frequency>>,
     /// Support of the body; by default the support that the line at 0 Hz indicates.
     #[serde(default)]
     pub support: SupportSheet,
     /// Replacement of low-frequency lines of a free body by its weighed mass; by default the lines
     /// stay as measured.
-    #[serde(default)]
     pub complete: Option<CompletionSheet>,
     /// Characteristic impedance of the material at the face, such as `"3.2e3 kg/s"`; it determines
     /// the response before any echo returns.
-    #[serde(default)]
     pub front_impedance: Option<NotFollowed<SpecificImpedance>>,
 }
 
@@ -114,15 +110,9 @@ fn answer(known: &Known, outcome: &mut Outcome) {
         return;
     };
     let frequency = &known.mobility.frequency_hz;
-    let mut errors: Vec<f64> = known
-        .mobility
-        .random_error()
-        .into_iter()
-        .flat_map(|errors| {
-            let magnitudes: Vec<f64> = above_zero().map(|line| errors[line].magnitude).collect();
-            magnitudes
-        })
-        .collect();
+    let random = known.mobility.random_error().unwrap_or_default();
+    let errors = above_zero().filter_map(|line| random.get(line));
+    let mut errors: Vec<f64> = errors.map(|error| error.magnitude).collect();
     errors.sort_by(f64::total_cmp);
     let median = errors.get(errors.len() / 2).copied();
     let error = match median {
@@ -137,14 +127,9 @@ fn answer(known: &Known, outcome: &mut Outcome) {
         known.origin,
     ));
     let mut add = |name: &str, unit: &str, value: Option<f64>, verdict: &str| {
-        outcome.quantities.push(Quantity {
-            name: name.to_owned(),
-            unit: unit.to_owned(),
-            value,
-            standard_error: None,
-            valid: value.is_some(),
-            verdict: verdict.to_owned(),
-        });
+        outcome
+            .quantities
+            .push(Quantity::of(name, unit, value, verdict));
     };
     add("lines that are valid", "", Some(n_valid as f64), "counted");
     add(

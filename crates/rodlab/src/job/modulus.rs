@@ -61,7 +61,6 @@ pub struct ModulusSheet {
     /// The measured data.
     pub source: SourceSheet,
     /// Lines used, such as `(from: "200 Hz", to: "16 kHz")`; by default all lines above 0 Hz.
-    #[serde(default)]
     pub band: Option<BandSheet>,
     /// Requirements of a valid line.
     #[serde(default)]
@@ -69,7 +68,6 @@ pub struct ModulusSheet {
     /// Correction of the modulus for lateral inertia; by default none. Without it Poisson's ratio
     /// is assumed to be any value up to 0.5. The resulting error is one of the common errors, and a
     /// line is not valid if this error exceeds the limit of E'.
-    #[serde(default)]
     pub lateral_inertia: Option<LateralInertiaSheet>,
     /// Checks that need no reference values.
     #[serde(default)]
@@ -79,18 +77,14 @@ pub struct ModulusSheet {
     #[serde(default)]
     pub causal: bool,
     /// Laws fitted to the valid lines; none by default.
-    #[serde(default)]
     pub laws: Option<LawsSheet>,
     /// Frequencies whose results are reported individually, such as `["1 kHz", "5 kHz"]`; by
     /// default 1, 2 and 5 of each decade with valid lines.
-    #[serde(default)]
     pub report_at: Option<Vec<Exact<Frequency>>>,
     /// Temperatures of the hits, and the temperature to which the modulus is referred.
-    #[serde(default)]
     pub temperature: Option<TemperatureSheet>,
     /// Number of Monte Carlo draws, such as 1000, of the noise and of every quantity stated with ±;
     /// they check the linear errors.
-    #[serde(default)]
     pub monte_carlo: Option<usize>,
 }
 
@@ -99,7 +93,6 @@ pub struct ModulusSheet {
 #[serde(deny_unknown_fields)]
 pub struct SpecimenSheet {
     /// Length, such as `"799 mm ± 0.3 mm"`; needed by the methods that use both ends.
-    #[serde(default)]
     pub length: Option<Stated<Length>>,
     /// Diameter, such as `"15.8 mm"`.
     pub diameter: Stated<Length>,
@@ -108,7 +101,6 @@ pub struct SpecimenSheet {
     pub density: Stated<Density>,
     /// Mass on the free end, that is the accelerometer with its connector, such as `"2.9 gram"`;
     /// none by default.
-    #[serde(default)]
     pub accelerometer_mass: Option<Stated<AddedMass>>,
 }
 
@@ -215,7 +207,6 @@ pub struct LateralInertiaSheet {
     /// Poisson's ratio, such as `"0.40 ± 0.02"`; `"0"` for simulated one-dimensional waves.
     pub poisson_ratio: Stated<PoissonRatio>,
     /// Theory; by default that of Pochhammer and Chree at all wavelengths.
-    #[serde(default)]
     pub theory: Option<TheorySheet>,
 }
 

@@ -45,16 +45,12 @@ pub struct RecoverySheet {
     pub frequency: NotFollowed<Frequency>,
     /// Loss factor of the virgin material, such as `"0.025 ± 0.0003"`. Its uncertainty is common
     /// to all readings.
-    #[serde(default)]
     pub virgin_loss_factor: Option<Stated<Ratio>>,
     /// Kind of the readings: loss factors (the default), or changes of the loss factor.
-    #[serde(default)]
     pub readings_are: Option<ReadingsAre>,
     /// Standard error, such as `"0.0012"`, of readings for which none is stated.
-    #[serde(default)]
     pub standard_error: Option<Exact<Ratio>>,
     /// Basis of the errors of the result; by default the stated errors.
-    #[serde(default)]
     pub error_scale: Option<ErrorScaleSheet>,
     /// The tests.
     pub tests: Vec<TestSheet>,
@@ -62,11 +58,9 @@ pub struct RecoverySheet {
     #[serde(default)]
     pub predictions: Vec<PredictionSheet>,
     /// Applies the procedure of paper C in addition to the joint fit.
-    #[serde(default)]
     pub paper_procedure: Option<PaperProcedureSheet>,
     /// Number of Monte Carlo draws, such as 1000, of the readings and of every quantity stated with
     /// ±; they check the linear errors.
-    #[serde(default)]
     pub monte_carlo: Option<usize>,
 }
 
@@ -106,7 +100,6 @@ pub struct TestSheet {
     /// Parts of the load in their order, from the virgin specimen to the unloading.
     pub load: Vec<LoadSheet>,
     /// Frequency of this test, if it differs from that of the sheet.
-    #[serde(default)]
     pub frequency: Option<NotFollowed<Frequency>>,
     /// The readings.
     pub readings: ReadingsSheet,
@@ -130,7 +123,6 @@ pub struct PaperProcedureSheet {
     /// Name of the test that determines E₂ and B.
     pub reference: String,
     /// Search range of exponents; (0.2, 5.0) by default.
-    #[serde(default)]
     pub exponents: Option<(f64, f64)>,
 }
 

@@ -65,15 +65,12 @@ pub struct SimulateSheet {
     /// The experiment.
     pub experiment: ExperimentSheet,
     /// Sensors, filter, sampling and converter; needed by every experiment except `CreepRecovery`.
-    #[serde(default)]
     pub instrument: Option<InstrumentSheet>,
     /// Name of the files of the records. The files are numbered: `"hits.csv"` gives `hits-1.csv`,
     /// `hits-2.csv`, ... The extension determines the format: csv, npy, npz, uff or wav.
     /// `"records.csv"` by default.
-    #[serde(default)]
     pub output: Option<String>,
     /// Seed of scatter and noise; by default 1. The same sheet gives identical files.
-    #[serde(default)]
     pub seed: Option<u64>,
 }
 

@@ -41,11 +41,9 @@ pub(crate) fn fit(
         .map_err(|error| RodlabError::step("laws", error))?;
     context.check_cancelled()?;
     for (law, error) in &comparison.refused {
-        outcome.log.push(LogEntry {
-            what: format!("law: {law}"),
-            accepted: false,
-            reasons: vec![error.to_string()],
-        });
+        outcome
+            .log
+            .push(LogEntry::rejected(format!("law: {law}"), error));
     }
     let Some(best) = comparison.best() else {
         return Ok(None);

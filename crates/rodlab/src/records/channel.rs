@@ -17,17 +17,13 @@ pub struct ChannelSheet {
     /// Channel of the file.
     pub from: Selector,
     /// Unit of the samples, such as `"V"`, if the file does not record it.
-    #[serde(default)]
     pub unit: Option<String>,
     /// Sensitivity of the sensor, such as `"10.2 mV/g"` or `"4 pC/N ± 1 %"`; not stated if the file
     /// contains the quantity itself.
-    #[serde(default)]
     pub sensitivity: Option<Sensitivity>,
     /// Bridge of strain gauges, stated instead of a sensitivity.
-    #[serde(default)]
     pub bridge: Option<BridgeSheet>,
     /// Gain of an amplifier after the sensor, such as `"100"` or `"10 mV/pC"`.
-    #[serde(default)]
     pub gain: Option<Sensitivity>,
     /// True for a sensor that is wired or mounted in the opposite direction.
     #[serde(default)]
@@ -37,13 +33,10 @@ pub struct ChannelSheet {
     pub offset: f64,
     /// Delay of the samples of this channel relative to the other channels, such as `"5 us"` or
     /// `"0 us ± 2 us"`. A channel that is sampled late shows its signal early.
-    #[serde(default)]
     pub time_skew: Option<Stated<Time>>,
     /// Coordinate of the sensor along the rod.
-    #[serde(default)]
     pub position: Option<NotFollowed<Coordinate>>,
     /// Serial number of the sensor.
-    #[serde(default)]
     pub serial: Option<String>,
 }
 

@@ -1,9 +1,30 @@
 //! Requirements that a job has on channels and files.
 
-use labio::{Quantity, Record};
+use labio::{Channel, Quantity, Record};
 
 use crate::RodlabError;
 use crate::outcome::InputFile;
+
+/// Returns the channel `name`; `field` is the place of the name in the sheet.
+///
+/// # Errors
+///
+/// [`RodlabError::Request`] with the known channels if there is no such channel.
+pub(crate) fn channel_called<'a>(
+    channels: &'a [Channel],
+    name: &str,
+    field: &str,
+) -> Result<&'a Channel, RodlabError> {
+    let found = channels.iter().find(|channel| channel.name() == name);
+    found.ok_or_else(|| {
+        let names: Vec<String> = channels.iter().map(|c| format!("`{}`", c.name())).collect();
+        RodlabError::request(
+            field,
+            format!("`{name}`"),
+            format!("one of the channels {}", names.join(", ")),
+        )
+    })
+}
 
 /// Checks that the channel `name` has the quantity `wanted`. `field` is the place of the name in
 /// the sheet.
@@ -18,22 +39,31 @@ pub fn expect_quantity(
     wanted: Quantity,
     field: &str,
 ) -> Result<(), RodlabError> {
-    let known = record.channels();
-    match known.iter().find(|channel| channel.name() == name) {
-        Some(channel) if channel.quantity() == wanted => Ok(()),
-        Some(channel) => Err(RodlabError::request(
+    let found = channel_called(record.channels(), name, field)?.quantity();
+    if found == wanted {
+        return Ok(());
+    }
+    Err(RodlabError::request(
+        field,
+        format!("`{name}`, a channel of {}", found.name()),
+        format!("a channel of {} [{}]", wanted.name(), wanted.unit()),
+    ))
+}
+
+/// Checks that the channel `name` is an acceleration, a velocity or a displacement. `field` is the
+/// place of the name in the sheet.
+///
+/// # Errors
+///
+/// The errors of [`expect_quantity`].
+pub(crate) fn expect_motion(record: &Record, name: &str, field: &str) -> Result<(), RodlabError> {
+    match channel_called(record.channels(), name, field)?.quantity() {
+        Quantity::Acceleration | Quantity::Velocity | Quantity::Displacement => Ok(()),
+        other => Err(RodlabError::request(
             field,
-            format!("`{name}`, a channel of {}", channel.quantity().name()),
-            format!("a channel of {} [{}]", wanted.name(), wanted.unit()),
+            format!("`{name}`, a channel of {}", other.name()),
+            "a channel of acceleration, velocity or displacement",
         )),
-        None => {
-            let names: Vec<String> = known.iter().map(|c| format!("`{}`", c.name())).collect();
-            Err(RodlabError::request(
-                field,
-                format!("`{name}`"),
-                format!("one of the channels {}", names.join(", ")),
-            ))
-        }
     }
 }
 

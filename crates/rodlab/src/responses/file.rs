@@ -45,25 +45,19 @@ pub struct ResponseFile {
     pub file: String,
     /// Data set, by number from 1 or by name; by default the only complex data set. If real and
     /// imaginary part are two columns, the data set of the real part.
-    #[serde(default)]
     pub data_set: Option<Selector>,
     /// Column of the imaginary part, if it is separate.
-    #[serde(default)]
     pub imaginary: Option<Selector>,
     /// Kind of response, such as `Mobility`; by default the kind that suits the unit.
-    #[serde(default)]
     pub kind: Option<KindSheet>,
     /// Data set with the standard error of each line, that is the square root of the variance of
     /// the complex number, in the unit of the response. By default the data set that has the name
     /// of the response with the suffix `, standard error`, if there is one.
-    #[serde(default)]
     pub standard_error: Option<Selector>,
     /// Data set with the coherence, from which the standard error is computed together with
     /// `averages`.
-    #[serde(default)]
     pub coherence: Option<Selector>,
     /// Number of averaged hits.
-    #[serde(default)]
     pub averages: Option<usize>,
 }
 
@@ -311,7 +305,9 @@ impl ResponseFile {
         };
         let axis = &series.abscissa_axis;
         let unit = match &axis.unit {
-            Some(unit) if Some(unit.dimension()) == Dimension::NONE.quotient(TIME) => unit,
+            Some(unit) if Some(unit.dimension()) == Dimension::NONE.quotient(Dimension::TIME) => {
+                unit
+            }
             Some(unit) => return Err(off(format!("over {}", unit.symbol()))),
             None => {
                 return Err(off(format!(
@@ -433,14 +429,6 @@ impl ResponseFile {
         }
     }
 }
-
-const TIME: Dimension = Dimension {
-    length: 0,
-    mass: 0,
-    time: 1,
-    current: 0,
-    temperature: 0,
-};
 
 /// Returns a list of the data sets in the file.
 fn listed(contents: &Contents) -> String {

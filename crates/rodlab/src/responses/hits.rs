@@ -11,10 +11,10 @@ use super::leakage_of;
 use crate::context::JobContext;
 use crate::digits::short;
 use crate::hits::{
-    FoundHits, HitsSheet, expect_independent, expect_noise, level_at_rest, silent_samples,
+    FoundHits, HitKind, HitsSheet, expect_independent, expect_noise, level_at_rest, silent_samples,
 };
 use crate::outcome::Setting;
-use crate::records::{Records, expect_quantity};
+use crate::records::{Records, expect_motion, expect_quantity};
 use crate::sheet::{Duration, Exact, Ratio, Time};
 use crate::{Outcome, RodlabError};
 
@@ -33,20 +33,16 @@ pub struct HitsSource {
     pub response: String,
     /// Estimator of the response from the averaged spectra; by default `H1`, for noise on the
     /// response.
-    #[serde(default)]
     pub estimator: Option<EstimatorSheet>,
     /// Window that sets the force to 0 outside the contact of the hammer.
-    #[serde(default)]
     pub force_window: Option<ForceWindowSheet>,
     /// Exponential window on both channels, stated by its weight at the end of a hit, such as
     /// `"1 %"`.
-    #[serde(default)]
     pub exponential_window: Option<Exact<Ratio>>,
     /// Time before a blow in which the channels are at rest, such as `"20 ms"`. The noise for `Hs`,
     /// and the bias of the other estimators, are determined in it. By default the pre-trigger of
     /// hits that are cut by a trigger, less the rise of the blow, or else the rest found in the
     /// records.
-    #[serde(default)]
     pub silent: Option<Exact<Duration>>,
 }
 
@@ -240,22 +236,7 @@ impl HitsSource {
                 Quantity::Force,
                 &format!("{field}.force"),
             )?;
-            let known = record.channels().iter().find(|c| c.name() == self.response);
-            let place = format!("{field}.response");
-            match known.map(labio::Channel::quantity) {
-                Some(Quantity::Acceleration | Quantity::Velocity | Quantity::Displacement) => {}
-                Some(other) => {
-                    return Err(RodlabError::request(
-                        place,
-                        format!("`{}`, a channel of {}", self.response, other.name()),
-                        "a channel of acceleration, velocity or displacement",
-                    ));
-                }
-                // returns an error that names the existing channels
-                None => {
-                    expect_quantity(record, &self.response, Quantity::Acceleration, &place)?;
-                }
-            }
+            expect_motion(record, &self.response, &format!("{field}.response"))?;
         }
         outcome.inputs.extend(loaded.inputs);
         outcome.warnings.extend(loaded.warnings);
@@ -267,9 +248,9 @@ impl HitsSource {
                 .map_err(|error| RodlabError::step(format!("{field}.exponential_window"), error)),
         };
         let place = format!("{field}.hits");
-        let mut found = self
-            .hits
-            .find_weighed(weigh, loaded.records, &self.force, &place)?;
+        let mut found =
+            self.hits
+                .find_weighed(HitKind::Hammer, weigh, loaded.records, &self.force, &place)?;
         for doubt in found.compare(&self.force, &[&self.response])? {
             outcome.doubt(doubt);
         }

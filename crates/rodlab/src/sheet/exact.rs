@@ -60,6 +60,7 @@ impl Reason for NoWay {
 /// assert!(error.to_string().contains("cannot propagate"), "{error}");
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
+#[derive(Clone)]
 pub struct Exact<K, R = ByDefinition> {
     si: f64,
     text: String,
@@ -75,16 +76,6 @@ impl<K, R> Exact<K, R> {
     #[must_use]
     pub fn si(&self) -> f64 {
         self.si
-    }
-}
-
-impl<K, R> Clone for Exact<K, R> {
-    fn clone(&self) -> Self {
-        Self {
-            si: self.si,
-            text: self.text.clone(),
-            kind: PhantomData,
-        }
     }
 }
 

@@ -77,7 +77,7 @@ fn without_comments(text: &str) -> &str {
 }
 
 /// Converts a name such as `TwoPoint` to `two_point`, or `H1` to `h1`.
-pub(super) fn snake_case(name: &str) -> String {
+pub(crate) fn snake_case(name: &str) -> String {
     let mut words = String::with_capacity(name.len() + 4);
     for letter in name.chars() {
         if letter.is_uppercase() && !words.is_empty() {

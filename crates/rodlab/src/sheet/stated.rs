@@ -42,6 +42,7 @@ use crate::RodlabError;
 /// );
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
+#[derive(Clone)]
 pub struct Stated<K> {
     stated: ValueWithUncertainty,
     text: String,
@@ -69,16 +70,6 @@ impl ValueWithUncertainty {
     #[must_use]
     pub fn relative(&self) -> f64 {
         self.uncertainty() / self.value.abs()
-    }
-}
-
-impl<K> Clone for Stated<K> {
-    fn clone(&self) -> Self {
-        Self {
-            stated: self.stated,
-            text: self.text.clone(),
-            kind: PhantomData,
-        }
     }
 }
 
@@ -124,6 +115,31 @@ impl<K> Stated<K> {
             ));
         }
         Ok(self.stated.value)
+    }
+}
+
+impl<K: Kind> Stated<K> {
+    /// Returns the exact value that is `standards` standard uncertainties away; `field` is the
+    /// place of the quantity in the sheet, and `problem` the clause about a value out of range.
+    ///
+    /// # Errors
+    ///
+    /// [`RodlabError::Request`] if there is no such value.
+    pub(crate) fn moved(
+        &self,
+        standards: f64,
+        field: &str,
+        problem: &str,
+    ) -> Result<Self, RodlabError> {
+        let moved = self.stated.value + standards * self.stated.uncertainty();
+        let parsed = format!("{moved:e} {}", K::DIMENSION).parse();
+        parsed.map_err(|error: Written| {
+            RodlabError::request(
+                field,
+                format!("{self}, {problem}: {error}"),
+                "an uncertainty that is small compared with the value",
+            )
+        })
     }
 }
 

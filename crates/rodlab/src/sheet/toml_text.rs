@@ -78,6 +78,15 @@ fn fields_of(node: &Node) -> Vec<Field<'_>> {
     }
 }
 
+/// Returns true for a table, and for a choice with settings.
+fn has_fields(node: &Node) -> bool {
+    match &node.value {
+        Value::Table(_) => true,
+        Value::Choice(choice) => choice.content.is_some(),
+        _ => false,
+    }
+}
+
 struct Written<'a> {
     source: &'a str,
     text: String,
@@ -178,26 +187,13 @@ impl Written<'_> {
                 .is_some_and(|text| text.contains("//"))
         };
         match &field.node.value {
-            Value::Table(_)
-            | Value::Choice(Choice {
-                content: Some(_), ..
-            }) => {
+            _ if has_fields(field.node) => {
                 let is_short = line.chars().count() <= LONGEST_LINE
                     && values_of(field.node) <= VALUES_ON_A_LINE;
                 (is_short && !has_comments()).then_some(line)
             }
             Value::List(nodes) => {
-                let is_table = |node: &Node| {
-                    matches!(
-                        node.value,
-                        Value::Table(_)
-                            | Value::Choice(Choice {
-                                content: Some(_),
-                                ..
-                            })
-                    )
-                };
-                if nodes.is_empty() || !nodes.iter().all(is_table) {
+                if nodes.is_empty() || !nodes.iter().all(has_fields) {
                     return Some(line);
                 }
                 let lines: Vec<String> = nodes
@@ -219,10 +215,7 @@ impl Written<'_> {
 fn values_of(node: &Node) -> usize {
     match &node.value {
         Value::List(nodes) => nodes.iter().map(values_of).sum(),
-        Value::Table(_)
-        | Value::Choice(Choice {
-            content: Some(_), ..
-        }) => fields_of(node)
+        _ if has_fields(node) => fields_of(node)
             .iter()
             .map(|field| values_of(field.node))
             .sum(),

@@ -31,10 +31,8 @@ pub struct MemberSheet {
     /// Name of the member, without a comma.
     pub name: String,
     /// The body. A `Chain` has two points, `face` and `end`; other bodies have only a `face`.
-    #[serde(default)]
     pub body: Option<BodySheet>,
     /// Measured mobilities of several points.
-    #[serde(default)]
     pub measured: Option<MeasuredPointsSheet>,
 }
 
@@ -48,21 +46,17 @@ pub struct MeasuredPointsSheet {
     /// both directions are measured, they are compared and their mean is used.
     pub mobilities: Vec<PairSheet>,
     /// Upper frequency of the lines used; by default all lines.
-    #[serde(default)]
     pub up_to: Option<Exact<Frequency>>,
     /// Support of the body, stated like that of a measured body.
     #[serde(default)]
     pub support: SupportSheet,
     /// Replacement of low-frequency lines of a free body by its weighed mass; by default the lines
     /// stay as measured.
-    #[serde(default)]
     pub complete: Option<CompletionSheet>,
     /// Standard uncertainty of the scale, common to all mobilities, such as `"1 %"`.
-    #[serde(default)]
     pub scale_uncertainty: Option<Exact<Ratio>>,
     /// Standard uncertainty of the delay of the response relative to the force, common to all
     /// mobilities.
-    #[serde(default)]
     pub delay_uncertainty: Option<Exact<Duration>>,
 }
 
@@ -77,7 +71,6 @@ pub struct PairSheet {
     pub response: ResponseFile,
     /// Characteristic impedance of the material at the point, for a mobility at one point, such as
     /// `"2250 kg/s ± 2 %"`.
-    #[serde(default)]
     pub front_impedance: Option<Stated<SpecificImpedance>>,
 }
 
@@ -133,10 +126,8 @@ pub struct JointSheet {
     /// The two points, such as `("rod, end", "bit")`; the point `"ground"` does not move.
     pub between: (String, String),
     /// Stiffness of a spring.
-    #[serde(default)]
     pub stiffness: Option<Stated<Stiffness>>,
     /// Resistance of a dashpot in parallel with the spring.
-    #[serde(default)]
     pub resistance: Option<Stated<SpecificImpedance>>,
 }
 

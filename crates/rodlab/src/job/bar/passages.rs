@@ -6,6 +6,7 @@ use std::ops::Range;
 use super::BarSheet;
 use crate::RodlabError;
 use crate::job::JobContext;
+use crate::records::channel_called;
 use crate::sheet::{Exact, Time};
 
 /// Fraction of the peak above which a sample belongs to the pulse.
@@ -56,17 +57,11 @@ impl Passages {
             threshold: 0.0,
         };
         for (at, gauge) in sheet.gauges.iter().enumerate() {
-            let history = record.channel(&gauge.channel).map_err(|_| {
-                let names = record.channels().iter().map(|c| format!("`{}`", c.name()));
-                RodlabError::request(
-                    format!("gauges[{at}].channel"),
-                    format!("`{}`", gauge.channel),
-                    format!(
-                        "one of the channels {}",
-                        names.collect::<Vec<_>>().join(", ")
-                    ),
-                )
-            })?;
+            let field = format!("gauges[{at}].channel");
+            channel_called(record.channels(), &gauge.channel, &field)?;
+            let history = record
+                .channel(&gauge.channel)
+                .map_err(|error| RodlabError::step(field, error))?;
             let (history, threshold, first) = at_rest(&history.to_vec(), rate_hz, sheet, at)?;
             if at == 0 {
                 found.threshold = threshold;

@@ -29,20 +29,15 @@ pub struct TableSheet {
     /// temperatures, or of several files.
     pub files: Vec<String>,
     /// Column of the frequency, by name or by number from 1.
-    #[serde(default)]
     pub frequency: Option<Selector>,
     /// Column of the angular frequency, stated instead of the frequency.
-    #[serde(default)]
     pub angular_frequency: Option<Selector>,
     /// Column of the time since the beginning of the loading, for relaxation and creep.
-    #[serde(default)]
     pub time: Option<Selector>,
     /// Duration of the linear ramp of the load before it was held, such as `"0.5 s"`; by default 0,
     /// a step. Rows up to the end of the ramp are left out.
-    #[serde(default)]
     pub ramp: Option<Exact<Duration>>,
     /// Times used, such as `(from: "1 s", to: "1000 s")`; by default all after the ramp.
-    #[serde(default)]
     pub times: Option<TimesSheet>,
     /// Columns of the modulus.
     pub modulus: ModulusColumns,
@@ -53,7 +48,6 @@ pub struct TableSheet {
     pub temperature: TemperatureSheet,
     /// Standard errors of the moduli, independent from row to row; by default the errors are
     /// computed from the scatter about the fit.
-    #[serde(default)]
     pub errors: Option<ErrorsSheet>,
 }
 
@@ -189,13 +183,10 @@ pub(super) fn read(sheet: &FitSheet, context: &JobContext<'_>) -> Result<Read, R
             let rows = rows(sheet, table, &file, read.inputs.len())?;
             let growing = file.lines().len() - rows.len();
             if table.time.is_some() && growing > 0 {
-                read.log.push(LogEntry {
-                    what: file.path.clone(),
-                    accepted: false,
-                    reasons: vec![format!(
-                        "{growing} row(s) before the load was held, or outside `times`"
-                    )],
-                });
+                read.log.push(LogEntry::rejected(
+                    file.path.clone(),
+                    format!("{growing} row(s) before the load was held, or outside `times`"),
+                ));
             }
             read.rows.extend(rows);
             beyond.extend(file.beyond.map(|line| (file.path, line)));

@@ -171,11 +171,9 @@ fn of_sweep(outcome: &mut Outcome, found: &Found<'_>, sweep: &Sweep) {
                 ));
             }
         }
-        Err(error) => outcome.log.push(LogEntry {
-            what: "laws of the shifts".to_owned(),
-            accepted: false,
-            reasons: vec![error.to_string()],
-        }),
+        Err(error) => outcome
+            .log
+            .push(LogEntry::rejected("laws of the shifts", error)),
     }
     if !curve.unconnected.is_empty() {
         let all: Vec<String> = curve.unconnected.iter().map(|t| celsius(*t)).collect();
@@ -203,32 +201,22 @@ fn residual(curve: &MasterCurve) -> f64 {
 
 fn quantities(outcome: &mut Outcome, found: &Found<'_>, sweep: &Sweep) {
     let curve = &sweep.curve;
-    let mut plain = |name: &str, unit: &str, value: f64, verdict: String| {
-        outcome.quantities.push(Quantity {
-            name: name.to_owned(),
-            unit: unit.to_owned(),
-            value: Some(value),
-            standard_error: None,
-            valid: true,
-            verdict,
-        });
-    };
     let reference = curve.reference_temperature;
-    plain(
-        "reference temperature",
-        "degC",
-        to_celsius(reference),
-        "mean of the rows of the step".to_owned(),
-    );
-    plain(
-        "residual of the master curve",
-        "%",
-        100.0 * residual(curve),
-        format!(
-            "root mean square over {} lines, relative to |E|",
-            curve.points.len()
+    let n_lines = curve.points.len();
+    outcome.quantities.extend([
+        Quantity::of(
+            "reference temperature",
+            "degC",
+            to_celsius(reference),
+            "mean of the rows of the step",
         ),
-    );
+        Quantity::of(
+            "residual of the master curve",
+            "%",
+            100.0 * residual(curve),
+            format!("root mean square over {n_lines} lines, relative to |E|"),
+        ),
+    ]);
     let middle = found
         .steps
         .iter()

@@ -75,11 +75,10 @@ fn numbers(bytes: &[u8], path: &str, log: &mut Vec<LogEntry>) -> Option<String> 
         text.push('\n');
     }
     if n_left_out > 0 {
-        log.push(LogEntry {
-            what: format!("{path}: {n_left_out} of {} rows", rows.len()),
-            accepted: false,
-            reasons: vec![format!("`{VALID}` is false")],
-        });
+        log.push(LogEntry::rejected(
+            format!("{path}: {n_left_out} of {} rows", rows.len()),
+            format!("`{VALID}` is false"),
+        ));
     }
     Some(text)
 }

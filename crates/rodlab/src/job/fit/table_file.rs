@@ -2,7 +2,7 @@
 
 use labio::format::csv::{Columns, CsvOptions, TableColumn, read_columns};
 use labio::format::{self, Strictness};
-use labio::{ContentHash, LabioError, Ordinate, Place};
+use labio::{LabioError, Ordinate, Place};
 
 use super::result_table;
 use super::units::{self, UnitsSheet, Wanted};
@@ -69,24 +69,14 @@ impl TableFile {
                 Some(_) => beyond.push(defect.to_string()),
                 None => {}
             }
-            log.push(LogEntry {
-                what: path.clone(),
-                accepted: false,
-                reasons: vec![defect.to_string()],
-            });
+            log.push(LogEntry::rejected(path.clone(), defect));
         }
         // a cut-off number can only be in a row if the row is the last line of the file
         if beyond.is_empty() {
             warnings.extend(cut_short::warning(original, "csv", &path).map(|text| text + "."));
         }
         Ok(Self {
-            input: InputFile {
-                path: path.clone(),
-                format: "csv".to_owned(),
-                bytes: original.len() as u64,
-                sha256: ContentHash::of(original).to_string(),
-                pattern: None,
-            },
+            input: InputFile::of(&path, "csv", original),
             path,
             warnings,
             beyond: beyond.into_iter().next(),

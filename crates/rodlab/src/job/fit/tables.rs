@@ -93,11 +93,7 @@ pub(super) fn data(found: &Found<'_>) -> Table {
         "place",
         rows().map(|(_, row)| row.place.clone()).collect(),
     ));
-    Table {
-        name: "data".to_owned(),
-        title: "Moduli that were fitted".to_owned(),
-        columns,
-    }
+    Table::of("data", "Moduli that were fitted", columns)
 }
 
 /// Returns the tables of the master curve, its shifts, the laws of the shifts and the Prony series.

@@ -7,7 +7,7 @@ use rand_distr::StandardNormal;
 use super::impact_sheet::ContactSheet;
 use crate::RodlabError;
 use crate::bodies::replacement::Replacement;
-use crate::sheet::{Kind, Stated, Written};
+use crate::sheet::{Kind, Stated};
 
 /// Gaussian draws of stated quantities, each with its own standard uncertainty; exact quantities
 /// are kept.
@@ -24,42 +24,38 @@ impl<'r> Draws<'r> {
 
     pub(super) fn contact(&mut self, contact: &ContactSheet) -> Result<ContactSheet, RodlabError> {
         let field = "problem.contact";
-        Ok(match contact {
-            ContactSheet::Rigid => ContactSheet::Rigid,
-            ContactSheet::Linear(stiffness) => ContactSheet::Linear(self.stated(stiffness, field)?),
+        let mut drawn = contact.clone();
+        match &mut drawn {
+            ContactSheet::Rigid => {}
+            ContactSheet::Linear(stiffness) => self.replace(stiffness, field)?,
             ContactSheet::FlatPunch {
                 radius,
                 modulus,
                 poisson_ratio,
-            } => ContactSheet::FlatPunch {
-                radius: self.stated(radius, field)?,
-                modulus: self.stated(modulus, field)?,
-                poisson_ratio: self.stated(poisson_ratio, field)?,
-            },
+            } => {
+                self.replace(radius, field)?;
+                self.replace(modulus, field)?;
+                self.replace(poisson_ratio, field)?;
+            }
             ContactSheet::Sphere {
                 radius,
                 moduli,
                 poisson_ratios,
-            } => ContactSheet::Sphere {
-                radius: self.stated(radius, field)?,
-                moduli: (
-                    self.stated(&moduli.0, field)?,
-                    self.stated(&moduli.1, field)?,
-                ),
-                poisson_ratios: (
-                    self.stated(&poisson_ratios.0, field)?,
-                    self.stated(&poisson_ratios.1, field)?,
-                ),
-            },
-            ContactSheet::Table(points) => ContactSheet::Table(
-                points
-                    .iter()
-                    .map(|(approach, force)| {
-                        Ok((self.stated(approach, field)?, self.stated(force, field)?))
-                    })
-                    .collect::<Result<_, RodlabError>>()?,
-            ),
-        })
+            } => {
+                self.replace(radius, field)?;
+                self.replace(&mut moduli.0, field)?;
+                self.replace(&mut moduli.1, field)?;
+                self.replace(&mut poisson_ratios.0, field)?;
+                self.replace(&mut poisson_ratios.1, field)?;
+            }
+            ContactSheet::Table(points) => {
+                for (approach, force) in points {
+                    self.replace(approach, field)?;
+                    self.replace(force, field)?;
+                }
+            }
+        }
+        Ok(drawn)
     }
 }
 
@@ -69,26 +65,12 @@ impl Replacement for Draws<'_> {
         Ok(self.random.sample(StandardNormal))
     }
 
-    fn stated<K: Kind>(
-        &mut self,
-        stated: &Stated<K>,
-        field: &str,
-    ) -> Result<Stated<K>, RodlabError> {
-        let uncertainty = stated.with_uncertainty().uncertainty();
-        if uncertainty <= 0.0 {
-            return Ok(stated.clone());
+    fn replace<K: Kind>(&mut self, stated: &mut Stated<K>, field: &str) -> Result<(), RodlabError> {
+        if stated.with_uncertainty().uncertainty() > 0.0 {
+            self.n_drawn += 1;
+            let standard: f64 = self.random.sample(StandardNormal);
+            *stated = stated.moved(standard, field, "for which a draw is out of range")?;
         }
-        self.n_drawn += 1;
-        let standard: f64 = self.random.sample(StandardNormal);
-        let drawn = stated.nominal() + standard * uncertainty;
-        format!("{drawn:e} {}", K::DIMENSION)
-            .parse()
-            .map_err(|error: Written| {
-                RodlabError::request(
-                    field,
-                    format!("{stated}, for which a draw is out of range: {error}"),
-                    "an uncertainty that is small compared with the value",
-                )
-            })
+        Ok(())
     }
 }

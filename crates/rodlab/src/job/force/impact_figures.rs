@@ -90,10 +90,7 @@ fn force(march: &UncertainPrediction, on_lines: Option<&OnLines>) -> Result<Figu
     let upper = super::impact_march::khz(march.band.upper_hz());
     let name = format!("force up to {upper} kHz");
     marks.push(Mark::curve(name, Role::First, &time, newtons.to_vec()));
-    let panel = Panel {
-        greyed: apart(march),
-        ..Panel::new(("time", "ms"), ("force", "N"), marks)
-    };
+    let panel = Panel::new(("time", "ms"), ("force", "N"), marks).with_greyed(apart(march));
     Ok(Figure {
         caption: "Positive in compression. The faces are apart in the grey intervals. The band ends where its Gaussian low-pass is 3 dB down.".to_owned(),
         ..Figure::new("force", "Impact force", vec![panel])
@@ -104,9 +101,8 @@ fn faces(march: &UncertainPrediction) -> Figure {
     let time = milliseconds(&march.prediction.history);
     let prediction = &march.prediction;
     let [first, second] = &prediction.face_velocity;
-    let panel = |label: &str, unit: &str, marks| Panel {
-        greyed: apart(march),
-        ..Panel::new(("time", "ms"), (label, unit), marks)
+    let panel = |label: &str, unit: &str, marks| {
+        Panel::new(("time", "ms"), (label, unit), marks).with_greyed(apart(march))
     };
     let velocities = vec![
         Mark::curve("first body", Role::First, &time, first.clone()),
@@ -133,10 +129,8 @@ fn energies(march: &UncertainPrediction) -> Figure {
         .iter()
         .map(|middle| middle + half)
         .collect();
-    let panel = |y: (&str, &str), marks| Panel {
-        greyed: apart(march),
-        ..Panel::new(("time", "ms"), y, marks)
-    };
+    let panel =
+        |y: (&str, &str), marks| Panel::new(("time", "ms"), y, marks).with_greyed(apart(march));
     let mut marks = Vec::new();
     let roles = [[Role::First, Role::Second], [Role::Third, Role::Fourth]];
     let bodies = ["first", "second"].into_iter().zip(roles);
@@ -189,10 +183,7 @@ fn sources(march: &UncertainPrediction) -> Option<Figure> {
         ..Figure::new(
             "sources",
             "Contributions to the band of the force",
-            vec![Panel {
-                greyed: apart(march),
-                ..Panel::new(("time", "ms"), ("standard error", "N"), marks)
-            }],
+            vec![Panel::new(("time", "ms"), ("standard error", "N"), marks).with_greyed(apart(march))],
         )
     })
 }

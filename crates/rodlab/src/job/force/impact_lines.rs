@@ -515,11 +515,7 @@ impl OnLines {
             ));
             columns.extend(limits("band by draws", &bands.contact));
         }
-        Table {
-            name: "stick_force".to_owned(),
-            title: "Stick force on lines".to_owned(),
-            columns,
-        }
+        Table::of("stick_force", "Stick force on lines", columns)
     }
 }
 

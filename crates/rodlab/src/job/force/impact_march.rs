@@ -155,7 +155,7 @@ impl<'a> SheetDraws<'a> {
         let bodies_differ = of_bodies.n_drawn > 0;
         let mut of_rest = Draws::by(&mut random);
         of_rest.contact(&sheet.contact)?;
-        of_rest.stated(&sheet.velocity, "problem.velocity")?;
+        of_rest.replace(&mut sheet.velocity.clone(), "problem.velocity")?;
         let is_uncertain = bodies_differ || of_rest.n_drawn > 0;
         let n_draws = chosen.draws.unwrap_or(DRAWS);
         Ok(Self {
@@ -192,7 +192,8 @@ impl ImpactDraws for SheetDraws<'_> {
         let mut draws = Draws::by(&mut self.random);
         let law = draws.contact(&self.sheet.contact)?;
         let has_drawn_law = draws.n_drawn > 0;
-        let velocity = draws.stated(&self.sheet.velocity, "problem.velocity")?;
+        let mut velocity = self.sheet.velocity.clone();
+        draws.replace(&mut velocity, "problem.velocity")?;
         let bodies = if self.bodies_differ {
             drawn_bodies(self.sheet, self.materials, self.bodies, &mut draws)?
         } else {

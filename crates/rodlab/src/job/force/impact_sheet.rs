@@ -24,10 +24,8 @@ pub struct ImpactSheet {
     /// Upper end of the band of the reported force, such as `"10 kHz"`, at which a Gaussian
     /// low-pass is 3 dB down; by default 10 kHz (Ödeen 1993, paper E), or half of the highest
     /// frequency of a measured body.
-    #[serde(default)]
     pub band: Option<Exact<Frequency>>,
     /// Time step of the march; by default chosen for the band.
-    #[serde(default)]
     pub time_step: Option<Exact<Duration>>,
     /// Law of the contact.
     #[serde(default)]
@@ -35,10 +33,8 @@ pub struct ImpactSheet {
     /// Lines for the method of paper E, which computes the stick force by the Fourier transform, in
     /// addition to the march. By default all lines of a measured body, and none for computed
     /// bodies.
-    #[serde(default)]
     pub lines: Option<Line>,
     /// Settings for the propagation of the uncertainties stated with ± to the force.
-    #[serde(default)]
     pub uncertainty: Option<UncertaintySheet>,
 }
 
@@ -127,11 +123,9 @@ pub struct Line {
     /// Number of samples of the force per period before interpolation, such as 2048; half of it is
     /// the number of lines above 0 Hz. Must not be stated for a measured body, whose own lines are
     /// used.
-    #[serde(default)]
     pub samples: Option<usize>,
     /// Beginning of a raised cosine that reduces the spectrum to zero at the highest frequency; by
     /// default none.
-    #[serde(default)]
     pub roll_off_from: Option<Exact<Frequency>>,
 }
 

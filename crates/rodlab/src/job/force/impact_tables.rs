@@ -116,28 +116,20 @@ pub(super) fn quantities(march: &UncertainPrediction, outcome: &mut Outcome) {
             computed,
         );
     }
-    let mut plain = |name: &str, unit: &str, value: Option<f64>, verdict: &str| {
-        outcome.quantities.push(Quantity {
-            name: name.to_owned(),
-            unit: unit.to_owned(),
-            value,
-            standard_error: None,
-            valid: value.is_some(),
-            verdict: verdict.to_owned(),
-        });
-    };
-    plain(
-        "numerical error of the peak force in the band",
-        "N",
-        march.numerical_numbers.limited_peak,
-        "from half the step and, for measured bodies, from what their lines do not determine; part of its standard error",
-    );
-    plain(
-        "energy residual",
-        "",
-        Some(march.prediction.balance().energy_residual),
-        computed,
-    );
+    outcome.quantities.extend([
+        Quantity::of(
+            "numerical error of the peak force in the band",
+            "N",
+            march.numerical_numbers.limited_peak,
+            "from half the step and, for measured bodies, from what their lines do not determine; part of its standard error",
+        ),
+        Quantity::of(
+            "energy residual",
+            "",
+            march.prediction.balance().energy_residual,
+            computed,
+        ),
+    ]);
 }
 
 /// Returns the reason why a number has no error.

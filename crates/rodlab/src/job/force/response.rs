@@ -12,7 +12,7 @@ use crate::digits::short;
 use crate::hits::{FoundHits, windows_of_analyser};
 use crate::job::JobContext;
 use crate::outcome::Setting;
-use crate::records::expect_quantity;
+use crate::records::{expect_motion, expect_quantity};
 use crate::responses::{HitsSource, line_spacing_hz};
 use crate::{Outcome, RodlabError};
 
@@ -301,24 +301,6 @@ fn read_blow(
         ));
     }
     Ok(found)
-}
-
-/// Refuses a channel that is not an acceleration, a velocity or a displacement.
-fn expect_motion(record: &Record, name: &str, place: &str) -> Result<(), RodlabError> {
-    let known = record
-        .channels()
-        .iter()
-        .find(|channel| channel.name() == name);
-    match known.map(|channel| channel.quantity()) {
-        Some(Physical::Acceleration | Physical::Velocity | Physical::Displacement) => Ok(()),
-        Some(other) => Err(RodlabError::request(
-            place,
-            format!("`{name}`, a channel of {}", other.name()),
-            "a channel of acceleration, velocity or displacement",
-        )),
-        // returns an error that names the existing channels
-        None => expect_quantity(record, name, Physical::Acceleration, place),
-    }
 }
 
 /// Checks that path and record have the same line spacing (the path may end at a lower frequency),

@@ -101,10 +101,8 @@ fn path(problem: &Problem<'_>, solved: &ReconstructedForce) -> Figure {
         }
     }
     let response = Axis::logarithmic("response over force", format!("{}/N", problem.first.unit));
-    let panel = Panel {
-        greyed,
-        ..Panel::new(Axis::logarithmic("frequency", "kHz"), response, marks)
-    };
+    let panel =
+        Panel::new(Axis::logarithmic("frequency", "kHz"), response, marks).with_greyed(greyed);
     let title = "Frequency response from the force to the response";
     Figure {
         caption: "Where it is small, noise of the response is amplified in the force.".to_owned(),

@@ -19,7 +19,6 @@ pub struct ResponseSheet {
     /// The blow in the record and its criteria; the first accepted hit is used. By default the
     /// whole record is the blow. Objections of the checks of hits are then only warnings, because
     /// these checks are made for forces.
-    #[serde(default)]
     pub hit: Option<HitsSheet>,
     /// Channel of the response, such as `"face"`.
     pub response: String,
@@ -27,7 +26,6 @@ pub struct ResponseSheet {
     #[serde(default)]
     pub further: Vec<FurtherResponse>,
     /// Channel of a measured force for comparison, if there is one.
-    #[serde(default)]
     pub compare_with: Option<String>,
     /// Noise of the response; by default the noise of each line from the scatter between three or
     /// more calibration hits, or else noise estimated from the part of the response that the force
@@ -35,15 +33,12 @@ pub struct ResponseSheet {
     #[serde(default)]
     pub noise: NoiseSheet,
     /// Regularisation of force components that the response determines poorly; none by default.
-    #[serde(default)]
     pub regularisation: Option<RegularisationSheet>,
     /// Lines used; by default all.
-    #[serde(default)]
     pub band: Option<BandSheet>,
     /// Time in which the force acts, counted from the first sample. By default a time about the
     /// peak that is as long as the calibration hits; without such hits the force may act at any
     /// time.
-    #[serde(default)]
     pub acting: Option<IntervalSheet>,
     /// Excludes tension; needs `acting`.
     #[serde(default)]
@@ -61,10 +56,8 @@ pub struct FurtherResponse {
     pub response: String,
     /// File of the frequency response of this channel, if the frequency response of the first
     /// response is from a file.
-    #[serde(default)]
     pub path: Option<ResponseFile>,
     /// Channel of the response in the calibration hits; by default the channel of the same name.
-    #[serde(default)]
     pub of_hits: Option<String>,
     /// Noise of the response, stated in the same form as the noise of the first response.
     #[serde(default)]

@@ -42,11 +42,7 @@ pub(super) fn force(problem: &Problem<'_>, solved: &ReconstructedForce, bands: &
     if let Some(measured) = &problem.measured {
         columns.push(Column::numbers("measured force", "N", measured.clone()));
     }
-    Table {
-        name: "force".to_owned(),
-        title: "Force from the response".to_owned(),
-        columns,
-    }
+    Table::of("force", "Force from the response", columns)
 }
 
 /// Returns the table of the curve from which the parameter was chosen; `None` if it was not chosen.

@@ -10,7 +10,7 @@ use super::sheet::{DetrendSheet, FrfSheet, WindowSheet};
 use crate::RodlabError;
 use crate::hits::{expect_noise, level_at_rest};
 use crate::job::JobContext;
-use crate::responses::leakage_of;
+use crate::responses::{JudgedLine, in_words, judged_lines, leakage_of};
 
 /// A response with its errors and objections.
 #[derive(Debug)]
@@ -432,7 +432,7 @@ fn finish(sheet: &FrfSheet, estimated: Estimated) -> Result<Estimated, RodlabErr
     };
     for (objection, validity) in objections.iter_mut().zip(&response.validity) {
         if *validity != LineValidity::Valid {
-            *objection = Some(super::words::validity_in_words(*validity));
+            *objection = Some(in_words(*validity));
         }
     }
     let common = response.common_error.iter().flatten();
@@ -463,40 +463,22 @@ fn objections(
     coherences: &[Coherence],
     merged: Option<&MergedResponse>,
 ) -> Result<Vec<Option<&'static str>>, RodlabError> {
-    let levels = coherences
-        .iter()
-        .map(|coherence| coherence.chance_level(Coherence::CHANCE))
-        .collect::<Result<Vec<_>, _>>()
-        .map_err(|error| RodlabError::step("the level of chance", error))?;
-    let errors = response.random_error();
+    let objection = |(validity, line): (&LineValidity, &JudgedLine)| {
+        if *validity != LineValidity::Valid {
+            return Some(in_words(*validity));
+        }
+        match (line.is_coherent, merged) {
+            (true, _) => line.is_biased.then_some(BIASED),
+            (false, None) => Some("coherence no higher than by chance"),
+            (false, Some(_)) => Some("coherence no higher than by chance in both tests"),
+        }
+    };
+    let judged = judged_lines(response, coherences, merged)?;
     Ok(response
         .validity
         .iter()
-        .enumerate()
-        .map(|(line, validity)| {
-            if *validity != LineValidity::Valid {
-                return Some(super::words::validity_in_words(*validity));
-            }
-            let above = |(coherence, level): (&Coherence, &f64)| {
-                let value = coherence.values.get(line);
-                value.is_some_and(|value| value > level)
-            };
-            let coherent = match merged {
-                Some(merged) => merged.coherent.get(line).copied().unwrap_or(false),
-                None => coherences.is_empty() || coherences.iter().zip(&levels).any(above),
-            };
-            let bias = response.noise_bias.as_ref().and_then(|b| b.get(line));
-            let error = errors.as_ref().and_then(|errors| errors.get(line));
-            let biased = bias
-                .zip(error)
-                // the bias is NaN on a line that contains only noise
-                .is_some_and(|(bias, error)| bias.is_nan() || bias.abs() > error.magnitude);
-            match (coherent, merged) {
-                (true, _) => biased.then_some(BIASED),
-                (false, None) => Some("coherence no higher than by chance"),
-                (false, Some(_)) => Some("coherence no higher than by chance in both tests"),
-            }
-        })
+        .zip(&judged)
+        .map(objection)
         .collect())
 }
 

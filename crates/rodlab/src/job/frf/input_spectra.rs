@@ -56,10 +56,8 @@ pub(super) fn figure(
         format!("energy spectral density of {}", sheet.input),
         format!("({unit})^2 s/Hz"),
     );
-    let panel = Panel {
-        greyed: greyed.to_vec(),
-        ..Panel::new(Axis::logarithmic("frequency", "kHz"), density, marks)
-    };
+    let panel = Panel::new(Axis::logarithmic("frequency", "kHz"), density, marks)
+        .with_greyed(greyed.to_vec());
     Ok(Figure {
         caption: format!(
             "Energy spectral density of `{}`: {}. Where it falls off, so do the coherence and the accuracy of the response.",

@@ -66,10 +66,7 @@ impl Drawn {
     fn panel(&self, y: Axis, marks: Vec<Mark>, greyed: &[Greyed], band: Band) -> Panel {
         let band = [band.from_hz * KHZ, band.to_hz * KHZ];
         let x = Axis::logarithmic("frequency", "kHz").within(band);
-        Panel {
-            greyed: greyed.to_vec(),
-            ..Panel::new(x, y, marks)
-        }
+        Panel::new(x, y, marks).with_greyed(greyed.to_vec())
     }
 }
 

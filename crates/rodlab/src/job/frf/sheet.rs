@@ -29,7 +29,6 @@ pub struct FrfSheet {
     pub hits: HitsSheet,
     /// Averaging of long records with a stationary random excitation, over overlapping segments
     /// instead of hits.
-    #[serde(default)]
     pub segments: Option<SegmentsSheet>,
     /// Input channel, usually the force of the hammer, such as `"hammer"`.
     pub input: String,
@@ -38,47 +37,36 @@ pub struct FrfSheet {
     #[serde(default)]
     pub further_inputs: Vec<String>,
     /// Output channels; by default all others, such as `["end A"]`.
-    #[serde(default)]
     pub outputs: Option<Vec<String>>,
     /// Estimator: `H1` (default) for noise on the outputs, `H2` for noise on the input, `Hv` for
     /// equal relative noise on both, `Hs` for noise as measured on the channels in the silence
     /// before a blow.
-    #[serde(default)]
     pub estimator: Option<EstimatorSheet>,
     /// Window on the samples of all channels; by default `Rectangular` for hits, which must decay,
     /// and `Hann` for segments.
-    #[serde(default)]
     pub window: Option<WindowSheet>,
     /// Window that sets the input to 0 outside the contact of the hammer.
-    #[serde(default)]
     pub force_window: Option<ForceWindowSheet>,
     /// Exponential window on all channels, for bodies that ring longer than the record.
-    #[serde(default)]
     pub exponential_window: Option<ExponentialWindowSheet>,
     /// Trend removed from every hit before the windows: `Rest` (default for hits with 16 samples
     /// of rest before the blow), `Nothing`, `Mean` (default for segments) or `Line`.
-    #[serde(default)]
     pub detrend: Option<DetrendSheet>,
     /// Time before a blow in which the channels are at rest, such as `"20 ms"`. The noise for `Hs`,
     /// and the bias of the other estimators, are determined in it. By default the pre-trigger of
     /// hits that are cut by a trigger, less the rise of the blow, or else the rest found in the
     /// records. For segments, the time without excitation at the beginning of each record, after
     /// which the segments begin; by default none.
-    #[serde(default)]
     pub silent: Option<Exact<Duration>>,
     /// Frequency range of the result; by default all lines above 0 Hz.
-    #[serde(default)]
     pub band: Option<BandSheet>,
     /// `AsMeasured` (default), or one of the six responses between a force and a motion, such as
     /// `Mobility`.
-    #[serde(default)]
     pub kind: Option<KindSheet>,
     /// Repetition of the test with a second hammer; its response is merged with the first, line by
     /// line.
-    #[serde(default)]
     pub second_hammer: Option<SecondHammerSheet>,
     /// Weighed mass of a free body, which replaces the low-frequency lines.
-    #[serde(default)]
     pub weighed_mass: Option<WeighedMassSheet>,
 }
 
@@ -90,7 +78,6 @@ pub struct SegmentsSheet {
     /// inverse is the line spacing.
     pub length: Stretch,
     /// Overlap with the next segment; by default half a segment.
-    #[serde(default)]
     pub overlap: Option<Exact<Ratio>>,
 }
 
@@ -268,7 +255,6 @@ pub struct SecondHammerSheet {
     #[serde(default)]
     pub hits: HitsSheet,
     /// The method of merging; by default `InverseVariance`.
-    #[serde(default)]
     pub merge: Option<MergeSheet>,
 }
 

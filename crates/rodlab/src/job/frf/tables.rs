@@ -5,7 +5,7 @@ use super::scope::Band;
 use super::words::{capital, name_of, unit_of};
 use crate::digits::{hertz, short};
 use crate::outcome::{Column, Quantity, Table};
-use crate::responses::MOST_FREEDOM;
+use crate::responses::error_columns;
 use crate::universal::DECAY_RATE;
 
 const DEGREES: f64 = 180.0 / std::f64::consts::PI;
@@ -82,28 +82,7 @@ pub(super) fn table(
             each(&|line| DEGREES * errors[line].phase),
         ));
     }
-    if let Some(freedom) = &response.degrees_of_freedom {
-        columns.push(Column::numbers(
-            "degrees of freedom of the errors",
-            "",
-            each(&|line| freedom[line].clamp(0.0, MOST_FREEDOM)),
-        ));
-    }
-    for (name, list) in [
-        (
-            "bias of the magnitude by noise at rest",
-            &response.noise_bias,
-        ),
-        (
-            "possible bias of the magnitude by noise",
-            &response.possible_bias,
-        ),
-        ("error that lines share", &response.common_error),
-    ] {
-        if let Some(list) = list {
-            columns.push(Column::numbers(name, "%", each(&|line| 100.0 * list[line])));
-        }
-    }
+    columns.extend(error_columns(response, lines.iter().copied()));
     if let Some(leakage) = &estimated.leakage {
         columns.push(Column::numbers(
             format!("systematic error {}", estimated.cause),
@@ -222,14 +201,12 @@ pub(super) fn merit(estimated: &Estimated, output: &str, input: &str, band: Band
         let percent = |line: usize| 100.0 * errors[line].magnitude;
         let median = by_error.get(by_error.len() / 2).map(|line| percent(*line));
         let largest = by_error.last().copied();
-        quantities.push(Quantity {
-            name: format!("median random error, {label}"),
-            unit: "%".to_owned(),
-            value: median,
-            standard_error: None,
-            valid: median.is_some(),
-            verdict: "of the magnitude on the valid lines of the band".to_owned(),
-        });
+        quantities.push(Quantity::of(
+            format!("median random error, {label}"),
+            "%",
+            median,
+            "of the magnitude on the valid lines of the band",
+        ));
         quantities.push(Quantity {
             name: format!("largest random error, {label}"),
             unit: "%".to_owned(),
@@ -256,14 +233,12 @@ pub(super) fn merit(estimated: &Estimated, output: &str, input: &str, band: Band
         }
     }
     if let Some((leakage, _)) = estimated.median_leakage() {
-        quantities.push(Quantity {
-            name: format!("median error {}, {label}", estimated.cause),
-            unit: "%".to_owned(),
-            value: Some(100.0 * leakage),
-            standard_error: None,
-            valid: true,
-            verdict: "systematic, of the complex line, in addition to the random error".to_owned(),
-        });
+        quantities.push(Quantity::of(
+            format!("median error {}, {label}", estimated.cause),
+            "%",
+            100.0 * leakage,
+            "systematic, of the complex line, in addition to the random error",
+        ));
     }
     quantities.push(Quantity {
         name: format!("uncertainty of the calibration, {label}"),
@@ -324,14 +299,12 @@ fn of_two_hammers(estimated: &Estimated, output: &str, valid: &[usize]) -> Optio
         .collect();
     values.sort_by(f64::total_cmp);
     let median = values.get(values.len() / 2).copied();
-    Some(Quantity {
-        name: format!("median discrepancy of the hammers, {output}"),
-        unit: String::new(),
-        value: median,
-        standard_error: None,
-        valid: median.is_some(),
-        verdict: "0.7 if they differ by chance only".to_owned(),
-    })
+    Some(Quantity::of(
+        format!("median discrepancy of the hammers, {output}"),
+        "",
+        median,
+        "0.7 if they differ by chance only",
+    ))
 }
 
 fn of_the_mass(estimated: &Estimated, output: &str) -> Option<Quantity> {

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use labio::{FrequencyResponse, LineValidity, ResponseKind};
+use labio::{FrequencyResponse, ResponseKind};
 
 /// Returns the name of a response, such as `mobility` or `strain over force`.
 pub(super) fn name_of(response: &FrequencyResponse) -> String {
@@ -28,19 +28,6 @@ pub(super) fn unit_of(response: &FrequencyResponse) -> String {
         Ok(ResponseKind::DynamicMass) => "kg".to_owned(),
         Err(_) if output == input => String::new(),
         Err(_) => format!("{}/({})", output.unit(), input.unit()),
-    }
-}
-
-/// Returns the reason why a line contains no information.
-pub(super) fn validity_in_words(validity: LineValidity) -> &'static str {
-    match validity {
-        LineValidity::Valid => "valid",
-        LineValidity::NoInput => "no input",
-        LineValidity::NoOutput => "no output",
-        LineValidity::NoCorrelation => "no correlation",
-        LineValidity::NotDefined => "not defined",
-        LineValidity::DependentInputs => "dependent inputs",
-        _ => "not valid",
     }
 }
 

@@ -239,14 +239,12 @@ impl FittedLaw {
         for estimate in &self.estimates {
             outcome.quantities.push(self.quantity(estimate));
         }
-        outcome.quantities.push(Quantity {
-            name: format!("{}: difference of the responses", self.law.name()),
-            unit: "%".to_owned(),
-            value: Some(100.0 * self.relative_error),
-            standard_error: None,
-            valid: true,
-            verdict: "root mean square, relative to the impact velocity".to_owned(),
-        });
+        outcome.quantities.push(Quantity::of(
+            format!("{}: difference of the responses", self.law.name()),
+            "%",
+            100.0 * self.relative_error,
+            "root mean square, relative to the impact velocity",
+        ));
         let ended = format!(
             "{}; starts: {}; minima of another period rejected: {}",
             self.termination, self.starts, self.skips

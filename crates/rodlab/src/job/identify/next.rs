@@ -34,11 +34,9 @@ pub struct NextSheet {
     pub repeats: Vec<usize>,
     /// Rods; by default the rod of the first test, with its excitation scaled in proportion to the
     /// velocity.
-    #[serde(default)]
     pub rods: Option<NextRodsSheet>,
     /// Parameter whose error the test should reduce, such as `"exponent"`; this is then the aim
     /// even if several laws remain.
-    #[serde(default)]
     pub sharpen: Option<String>,
 }
 

@@ -25,7 +25,6 @@ pub struct TestSheet {
     pub name: String,
     /// The rod of this test, if the tests are made on several rods. Tests that state the same rod
     /// share the error of its length.
-    #[serde(default)]
     pub specimen: Option<SpecimenSheet>,
     /// Record of the test, one file with both histories.
     pub records: Records,
@@ -37,26 +36,20 @@ pub struct TestSheet {
     /// Impact velocity; errors are stated relative to it.
     pub impact_velocity: Exact<Velocity>,
     /// Beginning of the time span used; the rod must be at rest at this time.
-    #[serde(default)]
     pub from: Option<Exact<Time>>,
     /// End of the time span that is compared.
-    #[serde(default)]
     pub to: Option<Exact<Time>>,
     /// Noise of the histories; by default measured before the arrival of the wave.
     #[serde(default)]
     pub noise: NoiseSheet,
     /// Range of the displacement transducers; larger displacements are not recorded.
-    #[serde(default)]
     pub range: Option<Exact<Length>>,
     /// Cut-off frequency of the recorder's low-pass filter; by default assumed from the sampling
     /// rate.
-    #[serde(default)]
     pub cutoff: Option<Exact<Frequency>>,
     /// Temperature of the rod, such as `"40 degC"`; needed in every test if `arrhenius` is stated.
-    #[serde(default)]
     pub temperature: Option<NotFollowed<Temperature>>,
     /// Name of the solver that made a virtual test.
-    #[serde(default)]
     pub generator: Option<String>,
 }
 

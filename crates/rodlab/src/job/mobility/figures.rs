@@ -54,9 +54,8 @@ pub(super) fn bode(known: &Known, sheet: &MobilitySheet) -> Figure {
     }
     magnitude.push(line("mobility", Role::First, of(&|n| believed(n, norm(n)))));
     angle.push(line("", Role::First, of(&|n| believed(n, phase(n)))));
-    let panel = |y: Axis, marks: Vec<Mark>, greyed: Vec<Greyed>| Panel {
-        greyed,
-        ..Panel::new(Axis::logarithmic("frequency", "kHz"), y, marks)
+    let panel = |y: Axis, marks: Vec<Mark>, greyed: Vec<Greyed>| {
+        Panel::new(Axis::logarithmic("frequency", "kHz"), y, marks).with_greyed(greyed)
     };
     let completed = || {
         let until = response.frequency_hz.get(known.first_measured);

@@ -13,7 +13,7 @@ use super::source::Raw;
 use crate::bodies::face::ComputedBody;
 use crate::digits::hertz;
 use crate::outcome::{LogEntry, Quantity};
-use crate::responses::{cut, in_words, line_spacing_hz};
+use crate::responses::{cut, in_words, judged_lines, line_spacing_hz};
 use crate::{Outcome, RodlabError};
 
 /// Probability that chance alone marks at least one line of a passive body as giving out energy.
@@ -201,14 +201,12 @@ fn effect_of_head(bare: &FrequencyResponse, heavier: &FrequencyResponse) -> Quan
         .map(|(bare, heavier)| ((heavier - bare) / bare).norm())
         .filter(|change| change.is_finite())
         .fold(0.0, f64::max);
-    Quantity {
-        name: "largest change by the uncertainty of the head mass".to_owned(),
-        unit: "%".to_owned(),
-        value: Some(100.0 * largest),
-        standard_error: None,
-        valid: true,
-        verdict: "common to all lines and not included in their errors".to_owned(),
-    }
+    Quantity::of(
+        "largest change by the uncertainty of the head mass",
+        "%",
+        100.0 * largest,
+        "common to all lines and not included in their errors",
+    )
 }
 
 fn judge_coherence(
@@ -220,36 +218,15 @@ fn judge_coherence(
     if coherences.is_empty() {
         return Ok(());
     }
-    let levels = coherences
-        .iter()
-        .map(|coherence| coherence.chance_level(Coherence::CHANCE))
-        .collect::<Result<Vec<_>, _>>()
-        .map_err(|error| RodlabError::step("the level of chance", error))?;
-    let errors = response.random_error();
-    let lines = objections.iter_mut().zip(&response.validity);
-    for (line, (objection, validity)) in lines.enumerate() {
-        let mut tests = coherences.iter().zip(&levels);
-        let believed = match merged {
-            Some(merged) => merged.coherent.get(line).copied().unwrap_or(false),
-            None => tests.any(|(coherence, level)| {
-                coherence
-                    .values
-                    .get(line)
-                    .is_some_and(|value| value > level)
-            }),
-        };
-        let bias = response.noise_bias.as_ref().and_then(|b| b.get(line));
-        let error = errors.as_ref().and_then(|errors| errors.get(line));
+    let judged = judged_lines(response, coherences, merged)?;
+    let lines = objections.iter_mut().zip(&response.validity).zip(judged);
+    for ((objection, validity), line) in lines {
         if *validity != LineValidity::Valid {
             continue;
         }
-        if !believed {
+        if !line.is_coherent {
             *objection = Some("coherence no higher than by chance".to_owned());
-        } else if bias
-            .zip(error)
-            // the bias is NaN on a line that contains only noise
-            .is_some_and(|(bias, error)| bias.is_nan() || bias.abs() > error.magnitude)
-        {
+        } else if line.is_biased {
             *objection = Some("bias by noise at rest above the random error".to_owned());
         }
     }
@@ -290,18 +267,13 @@ fn log(mobility: &FrequencyResponse, objections: &[Option<String>], outcome: &mu
             _ => runs.push((line, line + 1, reason)),
         }
     }
-    let entry = |what: String, reason: &str| LogEntry {
-        what,
-        accepted: false,
-        reasons: vec![reason.to_owned()],
-    };
     if runs.len() <= LONGEST_LOG {
         outcome.log.extend(runs.iter().map(|(from, to, reason)| {
             let (first, last) = (frequency[*from], frequency[to - 1]);
             if to - from == 1 {
-                entry(format!("line at {}", hertz(first)), reason)
+                LogEntry::rejected(format!("line at {}", hertz(first)), reason)
             } else {
-                entry(
+                LogEntry::rejected(
                     format!(
                         "{} lines from {} to {}",
                         to - from,
@@ -323,7 +295,7 @@ fn log(mobility: &FrequencyResponse, objections: &[Option<String>], outcome: &mu
     outcome
         .log
         .extend(counts.iter().map(|(reason, (count, first, last))| {
-            entry(
+            LogEntry::rejected(
                 format!(
                     "{count} lines between {} and {}",
                     hertz(*first),

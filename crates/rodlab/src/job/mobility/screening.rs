@@ -162,14 +162,12 @@ fn impulse_response(
         // this level is a check. For a body that rings longer than the period, it is the level of
         // the part that wraps around
         let level = kernel.acausal() / weights.first().map_or(1.0, |w| w.abs());
-        outcome.quantities.push(Quantity {
-            name: "level of the impulse response ahead of the impulse".to_owned(),
-            unit: String::new(),
-            value: Some(level).filter(|level| level.is_finite()),
-            standard_error: None,
-            valid: level.is_finite(),
-            verdict: "root mean square, relative to the response in the first step".to_owned(),
-        });
+        outcome.quantities.push(Quantity::of(
+            "level of the impulse response ahead of the impulse",
+            "",
+            Some(level).filter(|level| level.is_finite()),
+            "root mean square, relative to the response in the first step",
+        ));
     }
     Some(ImpulseResponse {
         time: (1..weights.len())

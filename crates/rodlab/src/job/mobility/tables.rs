@@ -4,7 +4,7 @@ use num_complex::Complex64;
 
 use super::known::Known;
 use crate::outcome::{Column, Table};
-use crate::responses::MOST_FREEDOM;
+use crate::responses::error_columns;
 use crate::universal::DECAY_RATE;
 
 pub(super) fn mobility(known: &Known) -> Table {
@@ -35,29 +35,7 @@ pub(super) fn mobility(known: &Known) -> Table {
             phases,
         ));
     }
-    if let Some(freedom) = &response.degrees_of_freedom {
-        columns.push(Column::numbers(
-            "degrees of freedom of the errors",
-            "",
-            freedom.iter().map(|f| f.clamp(0.0, MOST_FREEDOM)).collect(),
-        ));
-    }
-    for (name, list) in [
-        (
-            "bias of the magnitude by noise at rest",
-            &response.noise_bias,
-        ),
-        (
-            "possible bias of the magnitude by noise",
-            &response.possible_bias,
-        ),
-        ("error that lines share", &response.common_error),
-    ] {
-        if let Some(list) = list {
-            let percent = list.iter().map(|value| 100.0 * value).collect();
-            columns.push(Column::numbers(name, "%", percent));
-        }
-    }
+    columns.extend(error_columns(response, 0..response.values.len()));
     if let Some(window) = response.added_damping {
         let rates = vec![window.decay_rate(); response.values.len()];
         columns.push(Column::numbers(DECAY_RATE, "1/s", rates));
@@ -95,9 +73,5 @@ pub(super) fn mobility(known: &Known) -> Table {
             })
             .collect(),
     ));
-    Table {
-        name: "mobility".to_owned(),
-        title: "Mobility of the face".to_owned(),
-        columns,
-    }
+    Table::of("mobility", "Mobility of the face", columns)
 }

@@ -25,11 +25,9 @@ pub struct TemperatureSheet {
     pub of_hits: Vec<Exact<Temperature>>,
     /// Temperature to which the modulus is referred, such as `"20 degC"`; by default the
     /// temperature of the test.
-    #[serde(default)]
     pub reference: Option<Exact<Temperature>>,
     /// Relative change of the modulus per kelvin, such as `"-0.004 1/K ± 0.001 1/K"`; by default
     /// the change determined from the hits.
-    #[serde(default)]
     pub slope: Option<Stated<PerKelvin>>,
 }
 

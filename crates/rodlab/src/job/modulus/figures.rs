@@ -117,10 +117,7 @@ fn budget(lines: &[&ModulusLine], greyed: &[Greyed]) -> Option<Figure> {
             .enumerate()
             .filter(|(_, (_, values))| values.iter().any(|share| *share > LEAST_SHARE))
             .map(|(index, (name, values))| Mark::curve(name, Role::of_series(index), &x, values));
-        Panel {
-            greyed: greyed.to_vec(),
-            ..Panel::new(KILOHERTZ, (label, "%"), marks.collect())
-        }
+        Panel::new(KILOHERTZ, (label, "%"), marks.collect()).with_greyed(greyed.to_vec())
     };
     let panels = vec![
         panel(BudgetedQuantity::StorageModulus, "share in E'"),
@@ -188,10 +185,7 @@ fn panel(lines: &[&ModulusLine], greyed: &[Greyed], drawn: &Drawn) -> Panel {
         Mark::band("two standard errors", Role::First, edges),
         Mark::line("valid", Role::First, values(true)),
     ];
-    Panel {
-        greyed: greyed.to_vec(),
-        ..Panel::new(KILOHERTZ, axis, marks)
-    }
+    Panel::new(KILOHERTZ, axis, marks).with_greyed(greyed.to_vec())
 }
 
 /// Returns the range of the valid lines with a margin; values of invalid lines may be far outside
@@ -297,10 +291,7 @@ fn waves(found: &Found<'_>, lines: &[&ModulusLine], greyed: &[Greyed]) -> Figure
         Role::First,
         picked(lines, true, half_waves),
     ));
-    let panel = Panel {
-        greyed: greyed.to_vec(),
-        ..Panel::new(KILOHERTZ, ("half waves", ""), marks)
-    };
+    let panel = Panel::new(KILOHERTZ, ("half waves", ""), marks).with_greyed(greyed.to_vec());
     Figure {
         caption: "The wave number times the distance over which waves are counted, divided by π. It starts at 0 and grows smoothly; a jump \
                   means a wave too many or too few."

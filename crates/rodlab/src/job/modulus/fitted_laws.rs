@@ -23,11 +23,7 @@ pub(super) fn fit(
     let data = match ModulusData::from_lines(points.iter().copied()) {
         Ok(data) => data,
         Err(error) => {
-            outcome.log.push(LogEntry {
-                what: "laws".to_owned(),
-                accepted: false,
-                reasons: vec![error.to_string()],
-            });
+            outcome.log.push(LogEntry::rejected("laws", error));
             return Ok(());
         }
     };

@@ -81,11 +81,7 @@ pub(super) fn table(found: &Found<'_>, reasons: &Reasons) -> Table {
         lines.iter().map(|line| line.validity.to_string()).collect(),
     );
     columns.push(validity.with_kinds(reasons.of_line.clone()));
-    Table {
-        name: "modulus".to_owned(),
-        title: "Complex modulus".to_owned(),
-        columns,
-    }
+    Table::of("modulus", "Complex modulus", columns)
 }
 
 /// Returns the sources of common errors that have a standard uncertainty on any line.
@@ -158,9 +154,5 @@ pub(super) fn budget(found: &Found<'_>) -> Result<Option<Table>, RodlabError> {
             budgets.iter().map(largest).collect(),
         ));
     }
-    Ok(Some(Table {
-        name: "budget".to_owned(),
-        title: "Budget of uncertainty".to_owned(),
-        columns,
-    }))
+    Ok(Some(Table::of("budget", "Budget of uncertainty", columns)))
 }

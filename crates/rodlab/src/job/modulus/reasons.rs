@@ -172,11 +172,10 @@ impl Reasons {
         }];
         for (reason, count) in &self.counts {
             let with = frequencies(&|reasons| reasons.contains(reason));
-            log.push(LogEntry {
-                what: format!("{}: {}", lines(*count), stretches(&with)),
-                accepted: false,
-                reasons: vec![(*reason).to_owned()],
-            });
+            log.push(LogEntry::rejected(
+                format!("{}: {}", lines(*count), stretches(&with)),
+                reason,
+            ));
         }
         let mut refused: BTreeMap<String, Vec<f64>> = BTreeMap::new();
         for line in estimate.refused() {

@@ -131,11 +131,11 @@ fn curves(found: &Found<'_>) -> Result<Table, CmodError> {
             error,
         ));
     }
-    Ok(Table {
-        name: "curves".to_owned(),
-        title: "Change of the loss factor by the model".to_owned(),
+    Ok(Table::of(
+        "curves",
+        "Change of the loss factor by the model",
         columns,
-    })
+    ))
 }
 
 /// Returns the table of the results of each test alone (equation 4), and the recovery time of the

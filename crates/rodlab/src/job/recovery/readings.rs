@@ -28,7 +28,6 @@ pub enum ReadingsSheet {
         /// Column of the readings, by name or by number from 1, not counting the column of times.
         readings: Selector,
         /// Column of the standard errors of the readings.
-        #[serde(default)]
         standard_errors: Option<Selector>,
     },
 }
@@ -42,7 +41,6 @@ pub struct Reading {
     /// The loss factor, or its change; a pure number.
     pub value: f64,
     /// Standard error of the reading, if it differs from that of the sheet.
-    #[serde(default)]
     pub standard_error: Option<f64>,
 }
 

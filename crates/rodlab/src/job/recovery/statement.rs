@@ -74,14 +74,12 @@ pub(super) fn state(outcome: &mut Outcome, found: &Found<'_>) {
         significant(fit.chi_squared, 3),
         fit.degrees_of_freedom,
     ));
-    outcome.quantities.push(Quantity {
-        name: "chi-square of the readings".to_owned(),
-        unit: String::new(),
-        value: Some(fit.chi_squared),
-        standard_error: None,
-        valid: true,
-        verdict: format!("{} degrees of freedom", fit.degrees_of_freedom),
-    });
+    outcome.quantities.push(Quantity::of(
+        "chi-square of the readings",
+        "",
+        fit.chi_squared,
+        format!("{} degrees of freedom", fit.degrees_of_freedom),
+    ));
     of_single_tests(
         outcome,
         &found.tests,
@@ -106,14 +104,12 @@ pub(super) fn state(outcome: &mut Outcome, found: &Found<'_>) {
                 paper.parameters.exponent,
             ),
         ] {
-            outcome.quantities.push(Quantity {
-                name: name.to_owned(),
-                unit: unit.to_owned(),
-                value: Some(value),
-                standard_error: None,
-                valid: true,
-                verdict: "without errors: compare with the joint fit".to_owned(),
-            });
+            outcome.quantities.push(Quantity::of(
+                name,
+                unit,
+                value,
+                "without errors: compare with the joint fit",
+            ));
         }
     }
     warn(outcome, found);
@@ -219,11 +215,9 @@ fn of_single_tests(
                     });
                 }
             }
-            Err(error) => outcome.log.push(LogEntry {
-                what: format!("{name} by itself"),
-                accepted: false,
-                reasons: vec![error.to_string()],
-            }),
+            Err(error) => outcome
+                .log
+                .push(LogEntry::rejected(format!("{name} by itself"), error)),
         }
     }
 }

@@ -89,14 +89,7 @@ pub(super) fn state(
         significant(result.amplification, 3),
     ));
     let mut say = |name: &str, unit: &str, value: f64, error: Option<f64>| {
-        outcome.quantities.push(Quantity {
-            name: name.to_owned(),
-            unit: unit.to_owned(),
-            value: value.is_finite().then_some(value),
-            standard_error: error.filter(|error| error.is_finite()),
-            valid: value.is_finite(),
-            verdict: "stated".to_owned(),
-        });
+        outcome.quantities.push(stated(name, unit, value, error));
     };
     say(
         "largest stress",
@@ -177,6 +170,14 @@ pub(super) fn state(
     Ok(())
 }
 
+/// Returns a quantity that is stated if it is finite, with its standard error if that is finite.
+pub(super) fn stated(name: &str, unit: &str, value: f64, error: Option<f64>) -> Quantity {
+    Quantity {
+        standard_error: error.filter(|error| error.is_finite()),
+        ..Quantity::of(name, unit, value.is_finite().then_some(value), "stated")
+    }
+}
+
 /// Returns `shot 2: ` if there are several shots.
 pub(super) fn shot(at: usize, of: usize) -> String {
     if of > 1 {
@@ -222,14 +223,10 @@ pub(super) fn monte_carlo(
     for (name, curve) in [("stress", Curve::Stress), ("strain", Curve::Strain)] {
         let ratio = at(drawn.of(curve)) / at(&result.standard_error(curve));
         let scatter = 1.0 / (2.0 * n_draws as f64).sqrt();
-        outcome.quantities.push(Quantity {
-            name: format!("{CHECK}{shot}standard error of the {name} by draws over the linear one"),
-            unit: String::new(),
-            value: ratio.is_finite().then_some(ratio),
-            standard_error: Some(ratio * scatter).filter(|error| error.is_finite()),
-            valid: ratio.is_finite(),
-            verdict: "stated".to_owned(),
-        });
+        let name =
+            format!("{CHECK}{shot}standard error of the {name} by draws over the linear one");
+        let error = Some(ratio * scatter);
+        outcome.quantities.push(stated(&name, "", ratio, error));
         if (ratio - 1.0).abs() > NONLINEAR + 3.0 * scatter {
             outcome.doubt(format!(
                 "{shot}the errors do not act linearly: in {n_draws} draws the {name} scatters by {} times its linear standard error, expected 0.8 to 1.2",

@@ -3,10 +3,11 @@
 use impulse::hopkinson::{Curve, HopkinsonResult, MeanCurve};
 use rodfigure::{Figure, Mark, Panel, Role};
 
+use super::answer::stated;
 use super::figures::around;
 use super::tables::{LEVEL, band_of_mean, peak, scaled};
 use crate::digits::{significant, with_unit};
-use crate::outcome::{Column, Quantity, Table};
+use crate::outcome::{Column, Table};
 use crate::{Outcome, RodlabError};
 
 /// Probability that equal specimens are wrongly reported as different.
@@ -49,14 +50,7 @@ pub(super) fn state(
         }
     ));
     let mut say = |name: &str, unit: &str, value: f64, error: Option<f64>| {
-        outcome.quantities.push(Quantity {
-            name: name.to_owned(),
-            unit: unit.to_owned(),
-            value: value.is_finite().then_some(value),
-            standard_error: error.filter(|error| error.is_finite()),
-            valid: value.is_finite(),
-            verdict: "stated".to_owned(),
-        });
+        outcome.quantities.push(stated(name, unit, value, error));
     };
     let error = value(&mean.standard_error()) * width / value(&band_of_mean(mean)?);
     say(

@@ -12,7 +12,7 @@ use crate::RodlabError;
 use crate::bodies::material::Material;
 use crate::bodies::material_sheet::{MaterialSheet, Materials, material_called};
 use crate::bodies::replacement::Replacement;
-use crate::sheet::{Kind, Length, Stated, Written, plausible};
+use crate::sheet::{Kind, Length, Stated, plausible};
 
 fn known<K>(stated: &Stated<K>) -> Known {
     let stated = stated.with_uncertainty();
@@ -259,31 +259,16 @@ impl Replacement for MovesOne {
         Ok(self.standard)
     }
 
-    fn stated<K: Kind>(
-        &mut self,
-        stated: &Stated<K>,
-        field: &str,
-    ) -> Result<Stated<K>, RodlabError> {
-        let value = stated.with_uncertainty();
-        if value.uncertainty() <= 0.0 {
-            return Ok(stated.clone());
+    fn replace<K: Kind>(&mut self, stated: &mut Stated<K>, field: &str) -> Result<(), RodlabError> {
+        if stated.with_uncertainty().uncertainty() <= 0.0 {
+            return Ok(());
         }
         self.met += 1;
-        if self.met != self.target + 1 {
-            return Ok(stated.clone());
+        if self.met == self.target + 1 {
+            self.moved = Some(format!("{field}, {stated}"));
+            let problem = "which is out of range one standard uncertainty away";
+            *stated = stated.moved(self.standard, field, problem)?;
         }
-        self.moved = Some(format!("{field}, {stated}"));
-        let moved = value.value + self.standard * value.uncertainty();
-        format!("{moved:e} {}", K::DIMENSION)
-            .parse()
-            .map_err(|error: Written| {
-                RodlabError::request(
-                    field,
-                    format!(
-                        "{stated}, which is out of range one standard uncertainty away: {error}"
-                    ),
-                    "an uncertainty that is small compared with the value",
-                )
-            })
+        Ok(())
     }
 }

@@ -44,7 +44,6 @@ pub struct ShpbSheet {
     /// lowest of three frequencies: a third of the sampling rate, the frequency at which the
     /// wavelength is two diameters, and the frequency above which the correction of attenuation
     /// amplifies a wave more than tenfold on its way back to the specimen.
-    #[serde(default)]
     pub band: Option<Exact<Frequency>>,
     /// Removes the lag between the arrivals at the two faces by a shift of the transmitted bar,
     /// instead of relying on positions and wave speeds.
@@ -52,7 +51,6 @@ pub struct ShpbSheet {
     pub align_arrivals: bool,
     /// Number of Monte Carlo draws, such as 1000, of the noise and all error sources together; they
     /// check the linear errors.
-    #[serde(default)]
     pub monte_carlo: Option<usize>,
 }
 
@@ -90,12 +88,10 @@ pub struct BarSheet {
     pub length: Stated<Length>,
     /// Poisson's ratio, such as `"0.29 ± 0.01"`, for lateral inertia by Pochhammer and Chree;
     /// without it, the waves are one-dimensional.
-    #[serde(default)]
     pub poisson_ratio: Option<Stated<PoissonRatio>>,
     /// One gauge, or two.
     pub gauges: Vec<ShpbGaugeSheet>,
     /// Separation of the waves: by default `Passages` for one gauge, `TwoGauges` for two.
-    #[serde(default)]
     pub separation: Option<WaveSeparationSheet>,
 }
 
@@ -163,7 +159,6 @@ pub struct ShpbSpecimenSheet {
     /// Diameter; for a tube the outer diameter.
     pub diameter: Stated<Length>,
     /// Thickness of the wall of a tube in torsion.
-    #[serde(default)]
     pub wall: Option<Stated<Length>>,
 }
 
@@ -174,7 +169,6 @@ pub struct FurtherShotSheet {
     /// Files and channels, with the same channel names as in the first shot.
     pub records: Vec<Records>,
     /// Specimen of this shot; by default the dimensions of the first specimen.
-    #[serde(default)]
     pub specimen: Option<ShpbSpecimenSheet>,
 }
 

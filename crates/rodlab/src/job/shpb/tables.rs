@@ -67,11 +67,11 @@ fn stress_strain(result: &HopkinsonResult) -> Result<Table, RodlabError> {
             band(result, curve, factor)?,
         ));
     }
-    Ok(Table {
-        name: "stress_strain".to_owned(),
-        title: "Stress and strain of the specimen".to_owned(),
+    Ok(Table::of(
+        "stress_strain",
+        "Stress and strain of the specimen",
         columns,
-    })
+    ))
 }
 
 fn faces(result: &HopkinsonResult) -> Result<Table, RodlabError> {
@@ -105,11 +105,11 @@ fn faces(result: &HopkinsonResult) -> Result<Table, RodlabError> {
         "",
         equilibrium.standard_error.clone(),
     ));
-    Ok(Table {
-        name: "faces".to_owned(),
-        title: "Forces and velocities of the faces of the specimen".to_owned(),
+    Ok(Table::of(
+        "faces",
+        "Forces and velocities of the faces of the specimen",
         columns,
-    })
+    ))
 }
 
 fn waves(result: &HopkinsonResult) -> Table {

@@ -6,6 +6,7 @@ use rand_chacha::ChaCha8Rng;
 use rodwave::experiment::end_accelerations::{HalfSine, Pulse, RaisedCosine};
 use serde::Deserialize;
 
+use super::Request;
 use super::files::Naming;
 use super::instrument::{History, InstrumentSheet};
 use crate::RodlabError;
@@ -38,7 +39,6 @@ pub struct BlowsSheet {
     pub shape: ShapeSheet,
     /// Largest relative deviation of the strength of a hit from `peak`; the deviations are
     /// distributed uniformly. By default `"5 %"`.
-    #[serde(default)]
     pub scatter: Option<Exact<Ratio>>,
 }
 
@@ -97,6 +97,44 @@ impl BlowsSheet {
             }
             ShapeSheet::HalfSine => Box::new(HalfSine::new(peak, duration).map_err(refused)?),
         })
+    }
+
+    /// Returns the records of all hits. `history` is the response to a blow of full strength. Each
+    /// hit has a separate random stream.
+    pub(super) fn record(
+        &self,
+        history: &History,
+        instrument: &InstrumentSheet,
+        request: &Request<'_>,
+        context: &JobContext<'_>,
+    ) -> Result<Recorded, RodlabError> {
+        let sampled = instrument.sampled(history)?;
+        let peaks = peaks(&sampled);
+        let mut recorded = Recorded::by(&history.generator);
+        recorded.warnings.extend(cut_off(&sampled, &peaks));
+        for hit in 1..=self.hits {
+            let mut random = ChaCha8Rng::seed_from_u64(request.seed);
+            random.set_stream(hit as u64);
+            let strength = 1.0 + self.scatter() * random.random_range(-1.0..=1.0);
+            let struck = Record::new(
+                &sampled.samples() * strength,
+                sampled.sampling_rate_hz(),
+                0.0,
+                sampled.channels().to_vec(),
+                sampled.provenance().clone(),
+            )
+            .map_err(|error| RodlabError::step("instrument", error))?;
+            let taken = instrument.recorded(&struck, &peaks, &mut random)?;
+            recorded.take(
+                taken,
+                &request.naming,
+                request.naming.file(hit, self.hits),
+                format!("a blow of {:.4} N", strength * self.peak.si()),
+            )?;
+            context.progress.one_more();
+            context.check_cancelled()?;
+        }
+        Ok(recorded)
     }
 
     pub(super) fn in_words(&self) -> String {
@@ -197,43 +235,4 @@ fn cut_off(record: &Record, peaks: &[f64]) -> Option<String> {
             100.0 * level
         )
     })
-}
-
-/// Returns the records of all hits. `history` is the response to a blow of full strength. Each hit
-/// has a separate random stream.
-pub(super) fn record(
-    blows: &BlowsSheet,
-    history: &History,
-    instrument: &InstrumentSheet,
-    naming: &Naming,
-    seed: u64,
-    context: &JobContext<'_>,
-) -> Result<Recorded, RodlabError> {
-    let sampled = instrument.sampled(history)?;
-    let peaks = peaks(&sampled);
-    let mut recorded = Recorded::by(&history.generator);
-    recorded.warnings.extend(cut_off(&sampled, &peaks));
-    for hit in 1..=blows.hits {
-        let mut random = ChaCha8Rng::seed_from_u64(seed);
-        random.set_stream(hit as u64);
-        let strength = 1.0 + blows.scatter() * random.random_range(-1.0..=1.0);
-        let struck = Record::new(
-            &sampled.samples() * strength,
-            sampled.sampling_rate_hz(),
-            0.0,
-            sampled.channels().to_vec(),
-            sampled.provenance().clone(),
-        )
-        .map_err(|error| RodlabError::step("instrument", error))?;
-        let taken = instrument.recorded(&struck, &peaks, &mut random)?;
-        recorded.take(
-            taken,
-            naming,
-            naming.file(hit, blows.hits),
-            format!("a blow of {:.4} N", strength * blows.peak.si()),
-        )?;
-        context.progress.one_more();
-        context.check_cancelled()?;
-    }
-    Ok(recorded)
 }

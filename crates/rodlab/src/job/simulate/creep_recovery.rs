@@ -174,11 +174,7 @@ impl CreepRecoverySheet {
                 test.exact.clone(),
             ));
         }
-        Table {
-            name: "readings".to_owned(),
-            title: "Loss factors after unloading".to_owned(),
-            columns,
-        }
+        Table::of("readings", "Loss factors after unloading", columns)
     }
 
     fn figure(&self, tests: &[Readings<'_>]) -> Figure {

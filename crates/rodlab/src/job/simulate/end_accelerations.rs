@@ -7,7 +7,7 @@ use rodwave::element::Circle;
 use rodwave::experiment::end_accelerations::{EndAccelerationTest, Specimen};
 use serde::Deserialize;
 
-use super::blows::{self, BlowsSheet};
+use super::blows::{BlowsSheet, Recorded};
 use super::instrument::{History, InstrumentSheet, Sensed};
 use super::truth::{self, Truth};
 use super::{Evaluation, Made, Request, StruckRod, analytic};
@@ -30,7 +30,6 @@ pub struct EndAccelerationsSheet {
     /// Diameter, such as `"15.8 mm"`.
     pub diameter: Exact<Length>,
     /// Mass of each accelerometer, such as `"2.9 gram"`; none by default.
-    #[serde(default)]
     pub accelerometer_mass: Option<Exact<AddedMass>>,
     /// The blows on the struck end.
     pub blows: BlowsSheet,
@@ -67,28 +66,16 @@ impl EndAccelerationsSheet {
 
         context.progress.begins("hits", self.blows.hits);
         let exact = test.record(pulse.as_ref(), &synthesis).map_err(refused)?;
-        let sensed = |name: &str, values: Vec<f64>| Sensed {
-            name: name.to_owned(),
-            quantity: Quantity::Acceleration,
-            values,
-        };
         let history = History {
             generator: exact.generator.to_owned(),
             begins: exact.start,
             step: exact.interval,
             channels: vec![
-                sensed(STRUCK, exact.impacted_end),
-                sensed(FREE, exact.free_end),
+                Sensed::new(STRUCK, Quantity::Acceleration, exact.impacted_end),
+                Sensed::new(FREE, Quantity::Acceleration, exact.free_end),
             ],
         };
-        let recorded = blows::record(
-            &self.blows,
-            &history,
-            instrument,
-            &request.naming,
-            request.seed,
-            context,
-        )?;
+        let recorded = self.blows.record(&history, instrument, request, context)?;
         let mut truth = Truth::default();
         truth.add("length", self.length.si(), "m");
         truth.add("diameter", self.diameter.si(), "m");
@@ -113,7 +100,7 @@ impl EndAccelerationsSheet {
     fn evaluation(
         &self,
         request: &Request<'_>,
-        recorded: &blows::Recorded,
+        recorded: &Recorded,
         instrument: &InstrumentSheet,
         density: f64,
     ) -> Evaluation {

@@ -82,9 +82,5 @@ pub(super) fn table(records: &[Record]) -> Option<Table> {
         let unit = channel.quantity().unit();
         columns.push(Column::numbers(channel.name(), unit, samples));
     }
-    Some(Table {
-        name: "first-record".to_owned(),
-        title: "First record".to_owned(),
-        columns,
-    })
+    Some(Table::of("first-record", "First record", columns))
 }

@@ -10,6 +10,7 @@ use labio::format::wav::Wav;
 use labio::{Abscissa, Contents, Ordinate, Record, Series, SeriesAxis, SeriesKind, Unit};
 
 use crate::RodlabError;
+use crate::convert::fitted;
 use crate::outcome::Attachment;
 
 /// Name and format of the files.
@@ -125,7 +126,6 @@ impl Naming {
     ) -> Result<Attachment, RodlabError> {
         let refused = |error| RodlabError::step(format!("writing {name}"), error);
         let mut contents = Contents::of_format("computed");
-        let bare = self.extension == Extension::Npy;
         // the generator is written if the format has a place for it
         match self.extension {
             Extension::Csv | Extension::Npz => contents
@@ -152,45 +152,25 @@ impl Naming {
                 unit: Some(Unit::parse(unit).map_err(refused)?),
             })
         };
-        let several = record.channels().len() > 1;
-        for (index, channel) in record.channels().iter().enumerate() {
+        for channel in record.channels() {
             let samples = record.channel(channel.name()).map_err(refused)?.to_vec();
             let quantity = channel.quantity();
-            contents.series.push(if bare {
-                // an `npy` file contains only numbers, with one row per channel
-                Series {
-                    name: if several {
-                        format!("[{index}, :]")
-                    } else {
-                        String::new()
-                    },
-                    kind: SeriesKind::General,
-                    abscissa: Abscissa::Even {
-                        start: 0.0,
-                        step: 1.0,
-                    },
-                    ordinate: Ordinate::Real(samples),
-                    abscissa_axis: SeriesAxis {
-                        label: "index".to_owned(),
-                        ..SeriesAxis::default()
-                    },
-                    ordinate_axis: SeriesAxis::default(),
-                    properties: Vec::new(),
-                }
-            } else {
-                Series {
-                    name: channel.name().to_owned(),
-                    kind: SeriesKind::TimeResponse,
-                    abscissa: Abscissa::Even {
-                        start: 0.0,
-                        step: 1.0 / record.sampling_rate_hz(),
-                    },
-                    ordinate: Ordinate::Real(samples),
-                    abscissa_axis: axis("time", "s")?,
-                    ordinate_axis: axis(quantity.name(), quantity.unit())?,
-                    properties: of_series.clone(),
-                }
+            contents.series.push(Series {
+                name: channel.name().to_owned(),
+                kind: SeriesKind::TimeResponse,
+                abscissa: Abscissa::Even {
+                    start: 0.0,
+                    step: 1.0 / record.sampling_rate_hz(),
+                },
+                ordinate: Ordinate::Real(samples),
+                abscissa_axis: axis("time", "s")?,
+                ordinate_axis: axis(quantity.name(), quantity.unit())?,
+                properties: of_series.clone(),
             });
+        }
+        if self.extension == Extension::Npy {
+            // an `npy` file contains only numbers, with one row per channel
+            contents = fitted(&contents, "npy");
         }
         let mut bytes = Vec::new();
         let writer: &dyn Writer = match self.extension {

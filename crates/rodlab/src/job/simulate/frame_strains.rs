@@ -6,7 +6,7 @@ use rodwave::element::Circle;
 use rodwave::experiment::strains_in_a_frame::{EndSupport, Excitation, FrameMember};
 use serde::Deserialize;
 
-use super::blows::{self, BlowsSheet};
+use super::blows::{BlowsSheet, Recorded};
 use super::instrument::{History, InstrumentSheet, Sensed};
 use super::truth::{self, Truth};
 use super::{Evaluation, Made, Request, StruckRod, analytic};
@@ -120,21 +120,10 @@ impl StrainsInFrameSheet {
                 .strains
                 .into_iter()
                 .enumerate()
-                .map(|(gauge, values)| Sensed {
-                    name: name(gauge),
-                    quantity: Quantity::Strain,
-                    values,
-                })
+                .map(|(gauge, values)| Sensed::new(name(gauge), Quantity::Strain, values))
                 .collect(),
         };
-        let recorded = blows::record(
-            &self.blows,
-            &history,
-            instrument,
-            &request.naming,
-            request.seed,
-            context,
-        )?;
+        let recorded = self.blows.record(&history, instrument, request, context)?;
         let mut truth = Truth::default();
         truth.add("length", length, "m");
         truth.add("diameter", self.diameter.si(), "m");
@@ -170,7 +159,7 @@ impl StrainsInFrameSheet {
     fn evaluation(
         &self,
         request: &Request<'_>,
-        recorded: &blows::Recorded,
+        recorded: &Recorded,
         instrument: &InstrumentSheet,
         density: f64,
     ) -> Evaluation {

@@ -5,7 +5,7 @@ use labio::Quantity;
 use num_complex::Complex64;
 use serde::Deserialize;
 
-use super::blows::{self, BlowsSheet};
+use super::blows::BlowsSheet;
 use super::instrument::{History, InstrumentSheet, Sensed};
 use super::truth::Truth;
 use super::{Evaluation, Made, Request};
@@ -66,26 +66,11 @@ impl HammerOnBodySheet {
             begins: force.start,
             step: force.interval,
             channels: vec![
-                Sensed {
-                    name: HAMMER.to_owned(),
-                    quantity: Quantity::Force,
-                    values: force.samples,
-                },
-                Sensed {
-                    name: FACE.to_owned(),
-                    quantity: Quantity::Acceleration,
-                    values: acceleration.samples,
-                },
+                Sensed::new(HAMMER, Quantity::Force, force.samples),
+                Sensed::new(FACE, Quantity::Acceleration, acceleration.samples),
             ],
         };
-        let recorded = blows::record(
-            &self.blows,
-            &history,
-            instrument,
-            &request.naming,
-            request.seed,
-            context,
-        )?;
+        let recorded = self.blows.record(&history, instrument, request, context)?;
         let mut truth = Truth::default();
         if let Some(mass) = body.free_mass() {
             truth.add("mass of the free body", mass, "kg");

@@ -83,7 +83,6 @@ pub struct VirtualSpecimenSheet {
     /// Law of the inelastic strain rate; a power law with a high exponent acts like a yield stress.
     pub law: InelasticLawSheet,
     /// Modulus of the parallel spring; none by default.
-    #[serde(default)]
     pub hardening: Option<Exact<Pressure>>,
 }
 
@@ -257,11 +256,7 @@ impl HopkinsonBarsSheet {
             begins: 0.0,
             step: history.grid.time_step,
             channels: sections
-                .map(|(name, section)| Sensed {
-                    name,
-                    quantity: Quantity::Strain,
-                    values: section.strain.clone(),
-                })
+                .map(|(name, section)| Sensed::new(name, Quantity::Strain, section.strain.clone()))
                 .collect(),
         }
     }

@@ -50,7 +50,6 @@ pub struct ImpactedRodSheet {
     pub law: InelasticLawSheet,
     /// Fraction of the modulus that belongs to a spring in parallel with the branch of the law,
     /// such as `"0.5"`, as in a standard solid. None by default.
-    #[serde(default)]
     pub spring: Option<Exact<Ratio>>,
     /// Distance of the section near the struck end from the free end, such as `"394 mm"`.
     pub section_distance: Exact<Length>,
@@ -63,7 +62,6 @@ pub struct ImpactedRodSheet {
     pub sensors: SensorsSheet,
     /// Longest cell of the chain, such as `"1 mm"`; by default a hundredth of the shortest
     /// wavelength that the recorder passes.
-    #[serde(default)]
     pub cell: Option<Exact<Length>>,
     /// Confirms a wave speed outside the range of solids.
     #[serde(default)]
@@ -318,11 +316,7 @@ impl ImpactedRodSheet {
             });
             steps.collect()
         };
-        let channel = |name: &str, velocity: &[f64]| Sensed {
-            name: name.to_owned(),
-            quantity,
-            values: felt(velocity),
-        };
+        let channel = |name: &str, velocity: &[f64]| Sensed::new(name, quantity, felt(velocity));
         History {
             generator: lumped::GENERATOR.to_owned(),
             begins,

@@ -13,6 +13,7 @@ use serde::Deserialize;
 use super::level::{Level, LevelText};
 use crate::RodlabError;
 use crate::outcome::Setting;
+use crate::records::channel_called;
 use crate::sheet::{Duration, Exact, Frequency};
 
 /// Ratio of the sampling rate of computed histories to that of the recorder.
@@ -39,19 +40,15 @@ pub struct InstrumentSheet {
     /// Length of a record, such as `"60 ms"`.
     pub length: Exact<Duration>,
     /// Time of a record before the blow; by default `"2 ms"`.
-    #[serde(default)]
     pub before: Option<Exact<Duration>>,
     /// Filter before sampling; by default a linear-phase filter with half amplitude at 0.3125 of
     /// the sampling rate.
-    #[serde(default)]
     pub anti_alias: Option<AntiAliasSheet>,
     /// Standard deviation of the white noise of a sample, as a fraction of the largest value of the
     /// channel, such as `"0.02 %"`, or in the unit of the channel, such as `"0.5 m/s2"`. None by
     /// default.
-    #[serde(default)]
     pub noise: Option<LevelText>,
     /// Converter; by default none, so that the numbers are not rounded.
-    #[serde(default)]
     pub converter: Option<ConverterSheet>,
     /// Noise levels of single channels, by their names.
     #[serde(default)]
@@ -104,7 +101,6 @@ pub struct ConverterSheet {
     pub bits: u32,
     /// Full scale, as a fraction of the largest value of each channel, by default `"125 %"`, or in
     /// the unit of the channels.
-    #[serde(default)]
     pub full_scale: Option<LevelText>,
 }
 
@@ -125,6 +121,16 @@ pub(super) struct Sensed {
     pub(super) quantity: Quantity,
     /// Values in SI units.
     pub(super) values: Vec<f64>,
+}
+
+impl Sensed {
+    pub(super) fn new(name: impl Into<String>, quantity: Quantity, values: Vec<f64>) -> Self {
+        Self {
+            name: name.into(),
+            quantity,
+            values,
+        }
+    }
 }
 
 impl InstrumentSheet {
@@ -305,18 +311,7 @@ impl InstrumentSheet {
     ) -> Result<Acquisition, RodlabError> {
         let refused = |error| RodlabError::step("instrument", error);
         for name in self.noise_of.keys() {
-            if !sampled.channels().iter().any(|c| c.name() == name) {
-                let names: Vec<String> = sampled
-                    .channels()
-                    .iter()
-                    .map(|channel| format!("`{}`", channel.name()))
-                    .collect();
-                return Err(RodlabError::request(
-                    "instrument.noise_of",
-                    format!("`{name}`"),
-                    format!("one of the channels {}", names.join(", ")),
-                ));
-            }
+            channel_called(sampled.channels(), name, "instrument.noise_of")?;
         }
         let mut instrument = Instrument::new();
         for (channel, peak) in sampled.channels().iter().zip(peaks) {

@@ -32,16 +32,11 @@ impl Truth {
                 Column::words("unit", rows().map(|row| row.2.clone()).collect()),
             ],
         });
-        outcome
-            .quantities
-            .extend(self.0.into_iter().map(|(name, value, unit)| Quantity {
-                name,
-                unit,
-                value: Some(value),
-                standard_error: None,
-                valid: true,
-                verdict: "stated in the sheet".to_owned(),
-            }));
+        outcome.quantities.extend(
+            self.0
+                .into_iter()
+                .map(|(name, value, unit)| Quantity::of(name, unit, value, "stated in the sheet")),
+        );
     }
 }
 

@@ -10,17 +10,20 @@ use super::super::tree::{Node, Value};
 use super::reading::Reading;
 
 /// Error of a reading. Its place is added by the enclosing values.
-#[derive(Debug)]
+#[derive(Debug, thiserror::Error)]
+#[error("{what}")]
 pub(super) struct Fault {
     what: What,
     place: Option<Place>,
     field: String,
 }
 
-#[derive(Debug)]
+#[derive(Debug, thiserror::Error)]
 enum What {
     /// A required field is missing.
+    #[error("the field `{0}` is missing")]
     Missing(&'static str),
+    #[error("{problem}")]
     Other {
         problem: String,
         advice: Option<String>,
@@ -117,17 +120,6 @@ fn end_of(reading: &Reading<'_>) -> Place {
         _ => place.clone(),
     }
 }
-
-impl fmt::Display for Fault {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match &self.what {
-            What::Missing(name) => write!(f, "the field `{name}` is missing"),
-            What::Other { problem, .. } => f.write_str(problem),
-        }
-    }
-}
-
-impl std::error::Error for Fault {}
 
 impl de::Error for Fault {
     fn custom<T: fmt::Display>(message: T) -> Self {

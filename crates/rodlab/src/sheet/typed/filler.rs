@@ -1,11 +1,11 @@
 //! Placeholders for faulty values, so that a sheet can be read to its end. A sheet with
 //! placeholders is discarded after its faults are listed.
 
-use serde::Deserializer;
 use serde::de::value::StrDeserializer;
 use serde::de::{
     DeserializeSeed, EnumAccess, Error as _, MapAccess, SeqAccess, VariantAccess, Visitor,
 };
+use serde::{Deserializer, forward_to_deserialize_any};
 
 use super::{Fault, QUANTITY};
 
@@ -32,9 +32,9 @@ impl Filler {
 }
 
 macro_rules! filled {
-    ($($method:ident => $visit:ident($value:expr);)*) => {$(
+    ($($method:ident => $visit:ident($($value:expr)?);)*) => {$(
         fn $method<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Fault> {
-            visitor.$visit($value)
+            visitor.$visit($($value)?)
         }
     )*};
 }
@@ -45,34 +45,17 @@ impl<'de> Deserializer<'de> for Filler {
     filled! {
         deserialize_any => visit_u64(1);
         deserialize_bool => visit_bool(false);
-        deserialize_i8 => visit_i8(1);
-        deserialize_i16 => visit_i16(1);
-        deserialize_i32 => visit_i32(1);
-        deserialize_i64 => visit_i64(1);
-        deserialize_u8 => visit_u8(1);
-        deserialize_u16 => visit_u16(1);
-        deserialize_u32 => visit_u32(1);
-        deserialize_u64 => visit_u64(1);
-        deserialize_f32 => visit_f32(1.0);
-        deserialize_f64 => visit_f64(1.0);
         deserialize_char => visit_char('1');
         deserialize_str => visit_str("1");
         deserialize_string => visit_str("1");
-        deserialize_bytes => visit_bytes(b"1");
-        deserialize_byte_buf => visit_bytes(b"1");
         deserialize_identifier => visit_str("1");
+        deserialize_option => visit_none();
+        deserialize_unit => visit_unit();
+        deserialize_ignored_any => visit_unit();
     }
 
-    fn deserialize_option<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Fault> {
-        visitor.visit_none()
-    }
-
-    fn deserialize_unit<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Fault> {
-        visitor.visit_unit()
-    }
-
-    fn deserialize_ignored_any<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Fault> {
-        visitor.visit_unit()
+    forward_to_deserialize_any! {
+        i8 i16 i32 i64 u8 u16 u32 u64 f32 f64 bytes byte_buf
     }
 
     fn deserialize_unit_struct<V: Visitor<'de>>(

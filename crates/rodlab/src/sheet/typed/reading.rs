@@ -2,8 +2,8 @@
 
 use std::fmt;
 
-use serde::Deserializer;
 use serde::de::{DeserializeSeed, Error as _, Unexpected, Visitor};
+use serde::{Deserializer, forward_to_deserialize_any};
 
 use super::super::language::Language;
 use super::super::mistake::{Place, did_you_mean, nearest, quoted};
@@ -306,13 +306,7 @@ impl<'de> Deserializer<'de> for Reading<'_> {
         }
     }
 
-    fn deserialize_bytes<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Fault> {
-        self.deserialize_any(visitor)
-    }
-
-    fn deserialize_byte_buf<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Fault> {
-        self.deserialize_any(visitor)
-    }
+    forward_to_deserialize_any! { bytes byte_buf }
 
     fn deserialize_option<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Fault> {
         match self.node.value {

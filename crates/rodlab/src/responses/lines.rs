@@ -1,0 +1,89 @@
+//! Judgement of the lines of a response, and columns of their errors.
+
+use labio::{Coherence, FrequencyResponse, MergedResponse};
+
+use super::MOST_FREEDOM;
+use crate::RodlabError;
+use crate::outcome::Column;
+
+/// Findings about a line.
+pub(crate) struct JudgedLine {
+    /// True if the coherence is higher than noise alone would reach, or if there is none.
+    pub(crate) is_coherent: bool,
+    /// True if the bias due to the noise at rest exceeds the random error.
+    pub(crate) is_biased: bool,
+}
+
+/// Judges every line of `response` by the `coherences` of its tests, and by the noise at rest.
+///
+/// # Errors
+///
+/// [`RodlabError::Step`] if a coherence has no level of chance.
+pub(crate) fn judged_lines(
+    response: &FrequencyResponse,
+    coherences: &[Coherence],
+    merged: Option<&MergedResponse>,
+) -> Result<Vec<JudgedLine>, RodlabError> {
+    let levels = coherences
+        .iter()
+        .map(|coherence| coherence.chance_level(Coherence::CHANCE))
+        .collect::<Result<Vec<_>, _>>()
+        .map_err(|error| RodlabError::step("the level of chance", error))?;
+    let errors = response.random_error();
+    let of_line = |line: usize| {
+        let above = |(coherence, level): (&Coherence, &f64)| {
+            let value = coherence.values.get(line);
+            value.is_some_and(|value| value > level)
+        };
+        let bias = response.noise_bias.as_ref().and_then(|b| b.get(line));
+        let error = errors.as_ref().and_then(|errors| errors.get(line));
+        JudgedLine {
+            is_coherent: match merged {
+                Some(merged) => merged.coherent.get(line).copied().unwrap_or(false),
+                None => coherences.is_empty() || coherences.iter().zip(&levels).any(above),
+            },
+            is_biased: bias
+                .zip(error)
+                // the bias is NaN on a line that contains only noise
+                .is_some_and(|(bias, error)| bias.is_nan() || bias.abs() > error.magnitude),
+        }
+    };
+    Ok((0..response.validity.len()).map(of_line).collect())
+}
+
+/// Returns the columns of the degrees of freedom, the biases and the common error of `lines`, as
+/// far as they are known.
+pub(crate) fn error_columns(
+    response: &FrequencyResponse,
+    lines: impl Iterator<Item = usize> + Clone,
+) -> Vec<Column> {
+    let of = |list: &[f64], value: fn(&f64) -> f64| -> Vec<f64> {
+        let values = lines.clone().filter_map(|line| list.get(line));
+        values.map(value).collect()
+    };
+    let mut columns = Vec::new();
+    if let Some(freedom) = &response.degrees_of_freedom {
+        let freedom = of(freedom, |freedom| freedom.clamp(0.0, MOST_FREEDOM));
+        columns.push(Column::numbers(
+            "degrees of freedom of the errors",
+            "",
+            freedom,
+        ));
+    }
+    for (name, list) in [
+        (
+            "bias of the magnitude by noise at rest",
+            &response.noise_bias,
+        ),
+        (
+            "possible bias of the magnitude by noise",
+            &response.possible_bias,
+        ),
+        ("error that lines share", &response.common_error),
+    ] {
+        if let Some(list) = list {
+            columns.push(Column::numbers(name, "%", of(list, |value| 100.0 * value)));
+        }
+    }
+    columns
+}
