@@ -21,10 +21,9 @@ use std::error::Error;
 use impulse::{
     Parameter, Penalty, Reconstruction, Regularisation, ResponseNoise, Sensor, TimeInterval,
 };
-use rand::SeedableRng;
-use rand_chacha::ChaCha8Rng;
 use rodfigure::{Figure, Mark, Panel, Role};
-use virtual_body::{Pulse, VirtualBody, noisy, noisy_lines};
+use testbed::noise::Noise;
+use virtual_body::{Pulse, VirtualBody, noisy_lines};
 
 /// Noise of the accelerometers at the struck and at the far face [m/s^2].
 const NOISE: [f64; 2] = [80.0, 160.0];
@@ -43,19 +42,19 @@ fn main() -> Result<(), Box<dyn Error>> {
         duration: 0.8e-3,
     };
     let faces = body.struck_by(pulse)?;
-    let mut random = ChaCha8Rng::seed_from_u64(7);
+    let mut noise = Noise::seeded(7);
     let variances = faces.frequency_responses.clone().map(|lines| -> Vec<f64> {
         lines
             .iter()
             .map(|h| (RESPONSE_ERROR * h.norm()).powi(2))
             .collect()
     });
-    let responses = [0, 1].map(|face| noisy(&faces.responses[face], NOISE[face], &mut random));
+    let responses = [0, 1].map(|face| noise.added_to(&faces.responses[face], NOISE[face]));
     let lines = [0, 1].map(|face| {
         noisy_lines(
             &faces.frequency_responses[face],
             &variances[face],
-            &mut random,
+            &mut noise,
         )
     });
     let sensors = (0..2)
@@ -81,7 +80,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let error = found.error.known().ok_or("the noise was stated")?;
     let window = 10..70;
     let band = error
-        .simultaneous(&found.history, 0.95, window.clone(), 2000, &mut random)?
+        .simultaneous(&found.history, 0.95, window.clone(), 2000, &mut noise.0)?
         .compressive();
 
     let truth: Vec<f64> = (0..body.n_samples)
