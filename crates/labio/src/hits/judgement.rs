@@ -180,7 +180,8 @@ impl Criteria {
     /// Checks runs of equal samples: at an extreme they are clipping, elsewhere a drop-out unless
     /// the signal is at rest.
     fn check_standstill(&self, signal: &Signal<'_>, holds: Holds, reasons: &mut Vec<Reason>) {
-        let Some(shortest) = self.clipped_run.into_iter().chain(self.drop_out_run).min() else {
+        let clipped_run = self.clipped_run.map(|n| (n.saturating_sub(1)).max(2));
+        let Some(shortest) = clipped_run.into_iter().chain(self.drop_out_run).min() else {
             return;
         };
         let step = smallest_step(signal.samples);
@@ -188,7 +189,12 @@ impl Criteria {
         // without noise, a plateau is as flat as clipping
         let limit_is_told = !holds.plateaus || noise > step;
         let (mut clipped, mut dropped) = (None, None);
-        for run in runs(signal.samples, shortest) {
+        let runs = runs(signal.samples, shortest);
+        // a steep front that is cut off leaves only two equal samples, which are evidence where
+        // noise makes equal neighbours rare
+        let shorter_is_told = equal_by_chance(noise / step) < RARE
+            && (runs.len() as f64) < RARE * signal.samples.len() as f64 + FEW_RUNS;
+        for run in runs {
             let from_rest = (run.value - signal.rest.level).abs();
             let is_extreme = same(run.value, signal.least) || same(run.value, signal.greatest);
             // For a parabola, the sample next to n equal samples at a round peak is at most
@@ -205,7 +211,9 @@ impl Criteria {
                     into || out
                 };
                 if limit_is_told
-                    && self.clipped_run.is_some_and(|n| run.length >= n)
+                    && self.clipped_run.is_some_and(|n| {
+                        run.length >= n || (shorter_is_told && run.length + 1 >= n)
+                    })
                     && from_rest > BEYOND_NOISE * noise
                     && (cut || is_improbable(run.length, noise / step))
                 {
@@ -448,10 +456,21 @@ const LEAP: f64 = 4.0;
 /// Probability below which equal samples in noise are not a coincidence.
 const BY_CHANCE: f64 = 1e-6;
 
+/// Probability below which equal neighbours are rare, and the number of pairs of them that is no
+/// evidence of an upsampled record, in which all neighbours are equal.
+const RARE: f64 = 0.01;
+const FEW_RUNS: f64 = 8.0;
+
+/// Returns the probability that noise of this standard deviation, in steps of the converter, leaves
+/// two samples equal: 1/(2√π σ).
+fn equal_by_chance(noise: f64) -> f64 {
+    0.5 / (std::f64::consts::PI.sqrt() * noise)
+}
+
 /// Returns true if noise of this standard deviation, in steps of the converter, is unlikely to
-/// leave `length` samples equal: two are equal with the probability 1/(2√π σ).
+/// leave `length` samples equal.
 fn is_improbable(length: usize, noise: f64) -> bool {
-    let equal = 0.5 / (std::f64::consts::PI.sqrt() * noise);
+    let equal = equal_by_chance(noise);
     noise.is_finite() && equal < 0.6 && equal.powf(length as f64 - 1.0) < BY_CHANCE
 }
 

@@ -196,6 +196,8 @@ struct Found {
     impact_velocities: Vec<f64>,
     /// True if the tests have distinct impact velocities.
     several_velocities: bool,
+    /// True if the sheet states the temperature of every test.
+    temperatures_are_stated: bool,
     laws: Vec<FittedLaw>,
     left: Left,
     comparison: Option<Comparison>,
@@ -469,6 +471,7 @@ pub(crate) fn run(sheet: &IdentifySheet, context: &JobContext<'_>) -> Result<Out
     let found = Found {
         tests,
         several_velocities,
+        temperatures_are_stated: sheet.tests.iter().all(|test| test.temperature.is_some()),
         impact_velocities: sheet.tests.iter().map(velocity).collect(),
         laws,
         left,

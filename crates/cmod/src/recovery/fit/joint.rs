@@ -270,6 +270,10 @@ impl Errors {
             Some(_) if standard_error < IDENTIFIED_BELOW => Verdict::Identified,
             Some(reason) => Verdict::NotIdentifiable(reason),
         };
+        // the error of m is smaller the smaller m is: without E2 or k, only values of m that are
+        // too small would count as identified
+        let others = self.parallel_modulus.max(self.rate);
+        let exponent = judged(self.exponent.max(others));
         let parameters = at.parameters();
         [
             Estimate {
@@ -306,7 +310,7 @@ impl Errors {
                 value: parameters.exponent,
                 standard_error: self.exponent,
                 scale: Scale::Difference,
-                verdict: judged(self.exponent),
+                verdict: exponent,
             },
             Estimate {
                 name: "rate at the reference stress",

@@ -315,6 +315,16 @@ fn residual_above(law: &FittedLaw) -> Option<f64> {
     })
 }
 
+/// Warning about a difference between tests that a nonlinear law absorbs.
+const UNSTATED_TEMPERATURES: &str = "The temperatures of the tests are not stated. If the tests at one velocity were a few kelvin warmer, the rate was higher in them, which the \
+     exponent of a nonlinear law absorbs: repeat the first velocity at the end, and state `temperature` of each test.";
+
+/// Returns the disagreement of a test with the others, if there is one.
+fn disagreement(law: &FittedLaw) -> Option<&FitFlag> {
+    let mut flags = law.flags.iter();
+    flags.find(|flag| matches!(flag, FitFlag::TestDisagrees { .. }))
+}
+
 fn tell_verdict(found: &Found, is_biased: bool, outcome: &mut Outcome) {
     let is_none = matches!(found.left, Left::None { .. });
     let has_damping = |law: &FittedLaw| law.has_identified_damping();
@@ -350,7 +360,9 @@ fn tell_verdict(found: &Found, is_biased: bool, outcome: &mut Outcome) {
             |law: &&FittedLaw| law.standing == Standing::Possible && law.is_unsettled();
         let mut unsettled = found.laws.iter().filter(is_unsettled);
         let reason = if is_none {
-            "none of the laws explains the data, so that none of their parameters is a property of the material".to_owned()
+            "none of the laws explains the data, so that none of their parameters is a property of the material: the specimen, the instruments or their errors are not as stated, \
+             or the waves are not one-dimensional (lateral inertia delays wavelengths below about ten diameters)"
+                .to_owned()
         } else if is_biased && is_left(true) {
             format!(
                 "the recorder biases the nonlinear laws, and no remaining linear law has a damping that these data determine ({})",
@@ -372,11 +384,11 @@ fn tell_verdict(found: &Found, is_biased: bool, outcome: &mut Outcome) {
         outcome.refuse(reason);
         return;
     }
+    let is_nonlinear = |law: &FittedLaw| stands(law) && !law.law.is_linear();
     if let Some(transducers) = &found.transducers {
         // the identification of a linear law depends only on the ratio of the two records, not on
         // the scale of the motion
-        let of_scale = |law: &FittedLaw| stands(law) && !law.law.is_linear();
-        if found.laws.iter().any(of_scale) {
+        if found.laws.iter().any(is_nonlinear) {
             outcome.doubt(transducers.in_words());
         } else {
             outcome.warnings.push(transducers.in_words());
@@ -394,6 +406,25 @@ fn tell_verdict(found: &Found, is_biased: bool, outcome: &mut Outcome) {
         outcome.doubt(format!(
             "no remaining law explains the records within their noise, and the best leaves a residual of {least:.2} times the noise: the specimen, the instruments or their \
              errors are not as stated"
+        ));
+    }
+    if found.several_velocities
+        && !found.temperatures_are_stated
+        && found.laws.iter().any(is_nonlinear)
+    {
+        outcome.warnings.push(UNSTATED_TEMPERATURES.to_owned());
+    }
+    // `None` if the tests agree on one of the laws
+    let disagreements: Option<Vec<&FitFlag>> = found
+        .laws
+        .iter()
+        .filter(|law| stands(law))
+        .map(disagreement)
+        .collect();
+    if let Some(disagreement) = disagreements.and_then(|flags| flags.first().copied()) {
+        outcome.doubt(format!(
+            "the tests contradict each other for every remaining law ({disagreement}): the specimens, their temperatures, the lengths or the transducers differ between the \
+             tests by more than their stated errors"
         ));
     }
     if is_biased && is_left(false) {

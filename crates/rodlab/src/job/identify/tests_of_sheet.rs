@@ -138,6 +138,10 @@ fn seen_through(recorder: &AntiAliasSheet, test: RodTest) -> Result<RodTest, Rod
         .map_err(|error| RodlabError::step("recorder", error))
 }
 
+/// Number of pairs of equal samples at the beginning of a history that show a noise below the step
+/// of its converter.
+const STILL: usize = 16;
+
 /// Temperature difference \[K\] up to which a law without activation gives no warning.
 const SAME_TEMPERATURE: f64 = 2.0;
 
@@ -221,14 +225,17 @@ fn one(
             .to_vec())
     };
     let specimen = sheet.specimen_of(test, field)?;
+    let histories = [samples(&test.excitation)?, samples(&test.response)?];
+    expect_one_direction(&histories, test, field)?;
+    let [excitation, response] = histories;
     let data = RodTestData {
         name: test.name.clone(),
         length: specimen.length.with_uncertainty().value,
         density: specimen.density.with_uncertainty().value,
         impact_velocity: test.impact_velocity.si(),
         sampling_rate_hz: record.sampling_rate_hz(),
-        excitation: samples(&test.excitation)?,
-        response: samples(&test.response)?,
+        excitation,
+        response,
         provenance: match &test.generator {
             Some(generator) => Provenance::Virtual {
                 generator: generator.clone(),
@@ -284,6 +291,31 @@ fn one(
     }
 }
 
+/// Refuses histories that begin in opposite directions: a free end moves as the wave that reaches
+/// it.
+fn expect_one_direction(
+    histories: &[Vec<f64>; 2],
+    test: &TestSheet,
+    field: &str,
+) -> Result<(), RodlabError> {
+    let directions = histories.each_ref().map(|history| {
+        let largest = history.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+        let first = history.iter().find(|x| x.abs() > 0.5 * largest);
+        first.map(|x| x.is_sign_positive())
+    });
+    match directions {
+        [Some(excitation), Some(response)] if excitation != response => Err(RodlabError::request(
+            format!("{field}.response"),
+            format!(
+                "`{}`, which begins in the direction opposite to `{}`",
+                test.response, test.excitation
+            ),
+            "histories in one direction, as a free end moves with the wave that reaches it: state `inverted` of the reversed channel as true",
+        )),
+        _ => Ok(()),
+    }
+}
+
 /// Refuses velocities that a blow of the stated impact velocity cannot cause: the struck face is at
 /// most as fast as the striker, and a free end moves twice as fast as the wave that reaches it.
 fn expect_possible(data: &RodTestData, test: &TestSheet, field: &str) -> Result<(), RodlabError> {
@@ -311,9 +343,27 @@ fn expect_possible(data: &RodTestData, test: &TestSheet, field: &str) -> Result<
 fn of_velocities(data: RodTestData, test: &TestSheet, field: &str) -> Result<RodTest, RodlabError> {
     let refused = |error| RodlabError::step(field, error);
     expect_possible(&data, test, field)?;
+    let is_still = |history: &[f64]| {
+        let mut pairs = history.iter().zip(history.iter().skip(1)).take(STILL);
+        pairs.all(|(a, b)| (a - b).abs() <= 0.0)
+    };
+    let still = if is_still(&data.excitation) {
+        Some(&test.excitation)
+    } else {
+        is_still(&data.response).then_some(&test.response)
+    };
     let rod_test = RodTest::new(data).map_err(refused)?;
     match &test.noise {
-        NoiseSheet::BeforeArrival => rod_test.with_noise_of_quiet_part(),
+        NoiseSheet::BeforeArrival => {
+            if let Some(name) = still {
+                return Err(RodlabError::request(
+                    format!("{field}.noise"),
+                    format!("absent, and `{name}` has one value before the wave arrives"),
+                    "`Velocities` with the noise of both histories: it is smaller than the step of the converter, and the error of rounding is 0.29 steps",
+                ));
+            }
+            rod_test.with_noise_of_quiet_part()
+        }
         NoiseSheet::Velocities {
             excitation,
             response,
