@@ -289,6 +289,11 @@ fn readings_that_come_too_late_or_end_too_early_are_told() {
         ),
         "{early}"
     );
+    // an error of m counts only together with those of E2 and k, however small it is
+    assert!(
+        matches!(early.estimates[3].verdict, Verdict::NotIdentifiable(_)),
+        "{early}"
+    );
     let late = joint(&noisy(first.map(|t| 1e4 + 1e3 * t)));
     assert!(
         matches!(

@@ -48,12 +48,21 @@ pub(crate) fn step_above_noise(samples: ArrayView1<'_, f64>, n_rest: usize) -> O
         return None;
     }
     let samples = samples.to_vec();
-    let (step, level) = (smallest_step(&samples), samples.first()?);
+    let step = smallest_step(&samples);
+    are_multiples(&samples, step).then_some(step)
+}
+
+/// Returns true if all `samples` are multiples of `step` from the first of them, and the step is not
+/// so fine that any numbers would be.
+pub(crate) fn are_multiples(samples: &[f64], step: f64) -> bool {
+    let Some(level) = samples.first() else {
+        return false;
+    };
     let excursion = samples.iter().map(|x| (x - level).abs());
     let finest = FINEST * excursion.fold(0.0, f64::max);
     let is_multiple = |x: &f64| {
         let steps = (x - level) / step;
         (steps - steps.round()).abs() < ROUNDING
     };
-    (step > finest && samples.iter().all(is_multiple)).then_some(step)
+    step > finest && samples.iter().all(is_multiple)
 }

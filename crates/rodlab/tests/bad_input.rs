@@ -4,18 +4,12 @@
 use std::fs;
 use std::path::Path;
 
-use crate::runs::{rodlab, text as text_of};
+use crate::runs::{copy_example, rodlab, text as text_of};
 
 /// Runs the example of polypropylene after `change` of its sheet.
 fn said_of(change: impl Fn(&str) -> String) -> String {
-    let example = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/polypropylene");
     let folder = tempfile::tempdir().unwrap();
-    for entry in fs::read_dir(example).unwrap() {
-        let path = entry.unwrap().path();
-        if path.is_file() {
-            fs::copy(&path, folder.path().join(path.file_name().unwrap())).unwrap();
-        }
-    }
+    copy_example("polypropylene", folder.path());
     let sheet = folder.path().join("modulus.ron");
     let text = fs::read_to_string(&sheet).unwrap();
     let changed = change(&text);

@@ -12,7 +12,7 @@ use rodlab::templates::JobName;
 use tempfile::TempDir;
 use testbed::long_bar::LongBar;
 
-use crate::runs::{column, outcome_of as run, words, write_columns};
+use crate::runs::{Words, column, outcome_of as run, words, write_columns};
 
 /// Gauges 900 and 500 mm before the free end, and a quiet recorder; a pulse of 2 ms overlaps with
 /// its reflections.
@@ -110,11 +110,7 @@ fn waves_of_a_bar_are_found_by_two_gauges_or_one() {
             assert_eq!(outcome.job, "bar");
             if seed == 0 {
                 assert_eq!(outcome.verdict, Verdict::Answered, "{:?}", outcome.summary);
-                assert!(
-                    outcome.summary[1].starts_with("Waves at "),
-                    "{:?}",
-                    outcome.summary
-                );
+                outcome.summary[1].must_begin("Waves at ");
                 // in terms of a bar, and each of them once
                 let speeds = outcome.settings.iter().filter(|s| s.name == "wave_speed");
                 let speeds: Vec<&str> = speeds.map(|s| s.value.as_str()).collect();

@@ -14,7 +14,7 @@ use std::time::Duration;
 
 use tempfile::TempDir;
 
-use crate::runs::{rodlab, text};
+use crate::runs::{Words, rodlab, text};
 
 /// A mass that strikes a long rod.
 fn sheet(velocity: &str, duration: &str) -> String {
@@ -107,21 +107,9 @@ fn one_bad_test_stops_no_other() {
         )
     );
     lines.sort_unstable();
-    assert!(
-        lines[0].starts_with("answered     fast/1: In the band up to 10 kHz the peak force is "),
-        "{}",
-        lines[0]
-    );
-    assert!(
-        lines[6].starts_with("wrong input  slow/wrong: campaign/slow/wrong.ron:1:"),
-        "{}",
-        lines[6]
-    );
-    assert!(
-        lines[5].starts_with("not allowed  fast/stiff: "),
-        "{}",
-        lines[5]
-    );
+    lines[0].must_begin("answered     fast/1: In the band up to 10 kHz the peak force is ");
+    lines[6].must_begin("wrong input  slow/wrong: campaign/slow/wrong.ron:1:");
+    lines[5].must_begin("not allowed  fast/stiff: ");
 
     let summary = fs::read_to_string(folder.path().join("results/summary.csv")).unwrap();
     let statuses: Vec<&str> = summary
@@ -130,20 +118,11 @@ fn one_bad_test_stops_no_other() {
         .collect();
     // in order of the names
     assert_eq!(
-        statuses,
-        [
-            "status",
-            "answered",
-            "answered",
-            "not allowed",
-            "answered",
-            "answered",
-            "answered",
-            "wrong input"
-        ]
+        statuses.join(", "),
+        "status, answered, answered, not allowed, answered, answered, answered, wrong input"
     );
     let page = fs::read_to_string(folder.path().join("results/index.html")).unwrap();
-    assert!(page.contains("href=\"slow/1/report.html\""));
+    page.must_say("href=\"slow/1/report.html\"");
     assert!(
         !page.contains("href=\"slow/wrong/"),
         "what failed has no report"
@@ -216,8 +195,5 @@ fn what_is_no_campaign_is_named() {
     status 2: error: cannot read nowhere: (the system's words)
     ");
     let shard = said(&["batch", "campaign", "--out", "results", "--shard", "4/3"]);
-    assert!(
-        shard.contains("expected one such as 3/8, between 1/8 and 8/8"),
-        "{shard}"
-    );
+    shard.must_say("expected one such as 3/8, between 1/8 and 8/8");
 }

@@ -6,7 +6,7 @@ use std::path::Path;
 use serde_json::Value;
 use tempfile::TempDir;
 
-use crate::runs::{rodlab, text};
+use crate::runs::{Words, copy_example, rodlab, text};
 
 /// Two velocities, two masses, three seeds.
 const PLAN: &str = r#"Sweep(template: "hit.template", grid: [(name: "velocity", values: ["1 m/s", "2 m/s"]),
@@ -42,9 +42,9 @@ fn a_plan_makes_a_sheet_for_each_combination() {
     let lines: Vec<&str> = list.lines().collect();
     assert_eq!(lines.len(), 13);
     assert_eq!(lines[0], "file,velocity,mass,seed,sha256");
-    assert!(lines[1].starts_with("hit-01.ron,1 m/s,0.5 kg,7,"));
-    assert!(lines[5].starts_with("hit-05.ron,1 m/s,1 kg,8,"));
-    assert!(lines[12].starts_with("hit-12.ron,2 m/s,1 kg,9,"));
+    lines[1].must_begin("hit-01.ron,1 m/s,0.5 kg,7,");
+    lines[5].must_begin("hit-05.ron,1 m/s,1 kg,8,");
+    lines[12].must_begin("hit-12.ron,2 m/s,1 kg,9,");
     let expected = TEMPLATE
         .replace("{{velocity}}", "2 m/s")
         .replace("{{mass}}", "1 kg")
@@ -66,11 +66,7 @@ fn a_plan_makes_a_sheet_for_each_combination() {
     fs::write(sheets.join("hit-02.ron"), "mine").unwrap();
     let again = rodlab(folder.path(), &["sweep", "plan.ron"]);
     assert_eq!(again.status.code(), Some(2));
-    assert!(
-        text(&again.stderr).contains("hit-02.ron: it exists already"),
-        "{}",
-        text(&again.stderr)
-    );
+    text(&again.stderr).must_say("hit-02.ron: it exists already");
     assert!(!sheets.join("hit-01.ron").exists());
     assert_eq!(
         fs::read_to_string(sheets.join("hit-02.ron")).unwrap(),
@@ -135,7 +131,7 @@ fn a_plan_that_does_not_fit_its_template_writes_nothing() {
         let done = rodlab(folder.path(), &["sweep", "plan.ron"]);
         let words = text(&done.stderr).replace("\n  │ ", " ");
         assert_eq!(done.status.code(), Some(2), "{words}");
-        assert!(words.contains(said), "{said} is not in\n{words}");
+        words.must_say(said);
         assert!(!folder.path().join("plan-sheets").exists(), "{said}");
     }
 }
@@ -143,11 +139,7 @@ fn a_plan_that_does_not_fit_its_template_writes_nothing() {
 #[test]
 fn the_key_of_a_listed_sheet_is_that_of_everything_it_reads() {
     let folder = TempDir::new().unwrap();
-    let example = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/polypropylene");
-    for entry in fs::read_dir(example).unwrap() {
-        let path = entry.unwrap().path();
-        fs::copy(&path, folder.path().join(path.file_name().unwrap())).unwrap();
-    }
+    copy_example("polypropylene", folder.path());
     let before = listed(folder.path(), "modulus.ron", 0);
     assert_eq!(before[0]["test"], "modulus");
     assert_eq!(before[0]["inputs"].as_array().unwrap().len(), 5);
@@ -193,9 +185,6 @@ fn the_key_of_a_listed_sheet_is_that_of_everything_it_reads() {
     );
     assert_eq!(all[2]["key"], Value::Null);
     let words = text(&rodlab(folder.path(), &["list", "*.ron"]).stdout);
-    assert!(
-        words.contains("wrong  wrong input: wrong.ron:1:14"),
-        "{words}"
-    );
-    assert!(words.contains("modulus  modulus      5 files  "), "{words}");
+    words.must_say("wrong  wrong input: wrong.ron:1:14");
+    words.must_say("modulus  modulus      5 files  ");
 }

@@ -9,7 +9,7 @@ use labio::format::workbook::Xlsx;
 use labio::format::{Reader, Strictness};
 use tempfile::TempDir;
 
-use crate::runs::{rodlab, text};
+use crate::runs::{Words, rodlab, text};
 
 /// Status and text of the standard error.
 fn refused(folder: &Path, arguments: &[&str]) -> String {
@@ -36,13 +36,13 @@ fn folder_with(files: &[(&str, &str)]) -> TempDir {
 fn a_misspelt_field_is_shown_with_the_nearest_name() {
     let folder = folder_with(&[("rod.ron", "// a rod\nModulus(\n    titel: \"a rod\",\n)\n")]);
     let said = refused(folder.path(), &["modulus", "rod.ron"]);
-    assert!(said.starts_with("status 2\n"), "{said}");
+    said.must_begin("status 2\n");
     for part in [
         "rod.ron:3:5: Modulus.titel: there is no field `titel`",
         "3 │     titel: \"a rod\",",
         "did you mean `title`?",
     ] {
-        assert!(said.contains(part), "{part} is not in\n{said}");
+        said.must_say(part);
     }
 }
 
@@ -62,10 +62,7 @@ fn a_sheet_of_another_job_names_its_command() {
 fn a_sheet_that_is_not_there_is_named() {
     let folder = folder_with(&[]);
     let said = refused(folder.path(), &["modulus", "rod.ron"]);
-    assert!(
-        said.starts_with("status 2\nerror: cannot read rod.ron: "),
-        "{said}"
-    );
+    said.must_begin("status 2\nerror: cannot read rod.ron: ");
 }
 
 #[test]
@@ -74,12 +71,9 @@ fn init_replaces_nothing() {
     let first = rodlab(folder.path(), &["init", "force"]);
     assert!(first.status.success());
     let written = fs::read_to_string(folder.path().join("force.toml")).unwrap();
-    assert!(written.starts_with("#"));
+    written.must_begin("#");
     let said = refused(folder.path(), &["init", "force"]);
-    assert!(
-        said.starts_with("status 2\nerror: cannot write force.toml: "),
-        "{said}"
-    );
+    said.must_begin("status 2\nerror: cannot write force.toml: ");
     assert_eq!(
         fs::read_to_string(folder.path().join("force.toml")).unwrap(),
         written
@@ -95,7 +89,7 @@ fn a_demonstration_shows_its_commands_and_finds_the_material_of_its_plan() {
         "> rodlab simulate",
         "> rodlab modulus",
     ] {
-        assert!(shown.contains(command), "{shown}");
+        shown.must_say(command);
     }
     let report = shown.lines().last().unwrap();
     let report = report.strip_prefix("The report: ").unwrap();
@@ -106,7 +100,7 @@ fn a_demonstration_shows_its_commands_and_finds_the_material_of_its_plan() {
     assert_eq!(result["job"], "modulus");
     assert_eq!(result["verdict"]["answer"], "answered");
     let sentence = result["summary"][0].as_str().unwrap();
-    assert!(sentence.contains("loss factor 0.0"), "{sentence}");
+    sentence.must_say("loss factor 0.0");
     // nothing is replaced
     assert!(refused(folder.path(), &["demo", "first"]).starts_with("status 2\n"));
 }
@@ -115,10 +109,10 @@ fn a_demonstration_shows_its_commands_and_finds_the_material_of_its_plan() {
 fn completions_and_manual_pages_know_every_command() {
     let folder = folder_with(&[]);
     let completions = rodlab(folder.path(), &["completions", "bash"]);
-    assert!(text(&completions.stdout).contains("identify"));
+    text(&completions.stdout).must_say("identify");
     assert!(rodlab(folder.path(), &["man", "pages"]).status.success());
     let page = fs::read_to_string(folder.path().join("pages/rodlab-batch.1")).unwrap();
-    assert!(page.contains("resume"), "{page}");
+    page.must_say("resume");
     let help = text(&rodlab(folder.path(), &["--help"]).stdout);
     for line in help
         .lines()
@@ -153,11 +147,7 @@ fn an_output_that_takes_nothing_is_said() {
         .output()
         .unwrap();
     assert_eq!(completions.status.code(), Some(2));
-    assert!(
-        text(&completions.stderr).starts_with("error: cannot write the standard output: "),
-        "{}",
-        text(&completions.stderr)
-    );
+    text(&completions.stderr).must_begin("error: cannot write the standard output: ");
 }
 
 /// A mass that strikes a long rod.
@@ -169,11 +159,7 @@ fn a_result_is_said_in_words_and_lies_beside_the_sheet() {
     let folder = folder_with(&[("hit.ron", FORCE)]);
     let run = rodlab(folder.path(), &["force", "hit.ron"]);
     assert_eq!(run.status.code(), Some(0), "{}", text(&run.stderr));
-    assert!(
-        text(&run.stdout).starts_with("In the band up to 10 kHz the peak force is (1.8"),
-        "{}",
-        text(&run.stdout)
-    );
+    text(&run.stdout).must_begin("In the band up to 10 kHz the peak force is (1.8");
     let result = folder.path().join("hit-result");
     let mut names: Vec<String> = fs::read_dir(&result)
         .unwrap()
@@ -181,23 +167,12 @@ fn a_result_is_said_in_words_and_lies_beside_the_sheet() {
         .filter(|name| name.ends_with(".csv") || name.ends_with(".json"))
         .collect();
     names.sort();
-    assert_eq!(
-        names,
-        [
-            "contacts.csv",
-            "force.csv",
-            "force_in_band.csv",
-            "result.json"
-        ]
-    );
+    let expected = "contacts.csv force.csv force_in_band.csv result.json";
+    assert_eq!(names.join(" "), expected);
     let table = fs::read_to_string(result.join("force.csv")).unwrap();
     let mut lines = table.lines();
-    assert!(
-        lines
-            .next()
-            .unwrap()
-            .starts_with("time_s,force_n,standard_error_force_n,")
-    );
+    let head = lines.next().unwrap();
+    head.must_begin("time_s,force_n,standard_error_force_n,");
     let first = lines.next().unwrap();
     assert!(
         first
@@ -210,7 +185,7 @@ fn a_result_is_said_in_words_and_lies_beside_the_sheet() {
     assert_eq!(run.status.code(), Some(0), "{}", text(&run.stderr));
     let with_units = fs::read_to_string(result.join("force.csv")).unwrap();
     let units = with_units.lines().nth(1).unwrap();
-    assert!(units.starts_with("s,N,N,m/s,m/s,m"), "{units}");
+    units.must_begin("s,N,N,m/s,m/s,m");
     assert_eq!(with_units.replacen(&format!("{units}\n"), "", 1), table);
 
     let run = rodlab(folder.path(), &["force", "hit.ron", "--workbook"]);
@@ -256,10 +231,7 @@ fn data_that_do_not_allow_the_result_end_with_status_1_and_a_reason() {
     let run = rodlab(folder.path(), &["force", "hit.ron"]);
     assert_eq!(run.status.code(), Some(1));
     let said = text(&run.stderr);
-    assert!(
-        said.starts_with("not allowed: the time step is too long for the contact"),
-        "{said}"
-    );
+    said.must_begin("not allowed: the time step is too long for the contact");
     // the partial results are there nevertheless
     assert!(folder.path().join("hit-result/result.json").exists());
 }
@@ -276,12 +248,10 @@ fn check_reads_everything_and_computes_nothing() {
         &["check", "good.ron", "bad.ron", "worse.ron"],
     );
     assert_eq!(run.status.code(), Some(2));
-    assert!(
-        text(&run.stdout).starts_with("good.ron: a sheet for `force`, its files can be read (")
-    );
+    text(&run.stdout).must_begin("good.ron: a sheet for `force`, its files can be read (");
     let said = text(&run.stderr);
-    assert!(said.contains("bad.ron:1:14: Force.title"), "{said}");
-    assert!(said.contains("worse.ron:1:"), "{said}");
+    said.must_say("bad.ron:1:14: Force.title");
+    said.must_say("worse.ron:1:");
     assert!(!folder.path().join("good-result").exists());
 }
 
@@ -291,10 +261,7 @@ fn a_folder_that_cannot_be_written_is_named() {
     // a file in place of the folder, which no permission of the caller changes
     let folder = folder_with(&[("hit.ron", FORCE), ("taken", "")]);
     let said = refused(folder.path(), &["force", "hit.ron", "--out", "taken"]);
-    assert!(
-        said.starts_with("status 2\nerror: cannot write taken: it is a file, expected a folder"),
-        "{said}"
-    );
+    said.must_begin("status 2\nerror: cannot write taken: it is a file, expected a folder");
     assert_eq!(fs::read_to_string(folder.path().join("taken")).unwrap(), "");
 }
 
@@ -325,11 +292,7 @@ fn a_full_disk_leaves_the_old_result_whole() {
         .output()
         .unwrap();
     assert_eq!(run.status.code(), Some(2), "{}", text(&run.stderr));
-    assert!(
-        text(&run.stderr).starts_with("error: cannot write hit-result/"),
-        "{}",
-        text(&run.stderr)
-    );
+    text(&run.stderr).must_begin("error: cannot write hit-result/");
     // the result of the first run is whole, and nothing lies about
     assert_eq!(fs::read(&result).unwrap(), before);
     for entry in fs::read_dir(folder.path().join("hit-result")).unwrap() {
@@ -347,7 +310,7 @@ fn a_recording_is_inspected_and_converted() {
     let run = rodlab(folder.path(), &["inspect", "hit.csv"]);
     assert_eq!(run.status.code(), Some(0), "{}", text(&run.stderr));
     let said = text(&run.stdout);
-    assert!(said.contains("force") && said.contains("1 kHz"), "{said}");
+    said.must_say_all(&["force", "1 kHz"]);
     let json = rodlab(folder.path(), &["inspect", "hit.csv", "--json"]);
     assert!(serde_json::from_slice::<serde_json::Value>(&json.stdout).is_ok());
 
@@ -357,18 +320,12 @@ fn a_recording_is_inspected_and_converted() {
     );
     assert_eq!(run.status.code(), Some(0), "{}", text(&run.stderr));
     let again = text(&rodlab(folder.path(), &["inspect", "hit.uff"]).stdout);
-    assert!(
-        again.contains("force") && again.contains("1 kHz"),
-        "{again}"
-    );
+    again.must_say_all(&["force", "1 kHz"]);
     let said = refused(folder.path(), &["convert", "hit.csv", "hit.xyz"]);
-    assert!(said.starts_with("status 2\nerror: "), "{said}");
+    said.must_begin("status 2\nerror: ");
     assert!(!folder.path().join("hit.xyz").exists());
     let said = refused(folder.path(), &["inspect", "nothing.csv"]);
-    assert!(
-        said.starts_with("status 2\nerror: cannot read nothing.csv"),
-        "{said}"
-    );
+    said.must_begin("status 2\nerror: cannot read nothing.csv");
 }
 
 /// The first channel has its unit from the file; the second has none.
@@ -392,7 +349,7 @@ fn a_refused_command_without_a_sheet_leaves_no_sheet_and_the_earlier_result() {
         "the result in results is an earlier one",
         "error: records.channels[1].unit is not stated",
     ] {
-        assert!(said.contains(part), "{part} is not in\n{said}");
+        said.must_say(part);
     }
     assert!(!folder.path().join("frf.toml").exists());
     assert_eq!(fs::read(&result).unwrap(), earlier);

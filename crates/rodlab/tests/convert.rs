@@ -9,27 +9,13 @@ use num_complex::Complex64;
 use proptest::prelude::*;
 use rodlab::convert::{Conversion, ConvertOptions, convert};
 
-fn axis(label: &str, unit: &str) -> SeriesAxis {
-    SeriesAxis {
-        label: label.to_owned(),
-        unit_text: unit.to_owned(),
-        unit: Unit::parse(unit).ok(),
-    }
-}
+use crate::records::series;
+use crate::runs::{Refused, Words};
 
 fn history(name: &str, unit: &str, values: Vec<f64>) -> Series {
-    Series {
-        name: name.to_owned(),
-        kind: SeriesKind::TimeResponse,
-        abscissa: Abscissa::Even {
-            start: 0.0,
-            step: 1.0 / 51_200.0,
-        },
-        ordinate: Ordinate::Real(values),
-        abscissa_axis: axis("Time", "s"),
-        ordinate_axis: axis("", unit),
-        properties: Vec::new(),
-    }
+    let mut one = series(name, unit, 1.0 / 51_200.0, &values);
+    one.abscissa_axis.label = "Time".to_owned();
+    one
 }
 
 fn two_channels(force: Vec<f64>, acceleration: Vec<f64>) -> Contents {
@@ -45,6 +31,13 @@ fn source(folder: &Path, contents: &Contents) -> std::path::PathBuf {
     let path = folder.join("source.npz");
     format::write(&path, contents, &Npz).unwrap();
     path
+}
+
+/// The same data sets; contents themselves are not cloned, for their defects are not.
+fn same_series(contents: &Contents) -> Contents {
+    let mut copy = Contents::of_format(contents.format);
+    copy.series.clone_from(&contents.series);
+    copy
 }
 
 const LOSSLESS: ConvertOptions = ConvertOptions {
@@ -175,7 +168,11 @@ fn a_response_is_converted_with_its_complex_values() {
         start: 0.0,
         step: 0.5,
     };
-    response.abscissa_axis = axis("Frequency", "Hz");
+    response.abscissa_axis = SeriesAxis {
+        label: "Frequency".to_owned(),
+        unit_text: "Hz".to_owned(),
+        unit: Unit::parse("Hz").ok(),
+    };
     response.ordinate = Ordinate::Complex(vec![
         Complex64::new(1.0, -0.1),
         Complex64::new(1.0 / 3.0, 1e-12),
@@ -203,16 +200,16 @@ fn what_cannot_be_held_is_refused_and_nothing_is_written() {
     let refused = |contents: &Contents, name: &str, options| {
         let path = source(folder.path(), contents);
         let target = folder.path().join(name);
-        let error = convert(&path, &target, options).unwrap_err().to_string();
+        let error = convert(&path, &target, options).refused();
         assert!(!target.exists());
         error.replace(&folder.path().display().to_string(), "FOLDER")
     };
-    let mut other_times = contents.clone_series();
+    let mut other_times = same_series(&contents);
     other_times.series[1].abscissa = Abscissa::Even {
         start: 0.0,
         step: 1e-3,
     };
-    let mut odd_rate = contents.clone_series();
+    let mut odd_rate = same_series(&contents);
     for series in &mut odd_rate.series {
         series.abscissa = Abscissa::Even {
             start: 0.0,
@@ -233,9 +230,7 @@ fn what_cannot_be_held_is_refused_and_nothing_is_written() {
     the extension of the output is `xlsx`, expected one of csv, mat, npy, npz, txt, uff, unv, uf, wav
     the extension of the output is ``, expected one of csv, mat, npy, npz, txt, uff, unv, uf, wav
     ");
-    let onto_itself = convert(&path, &path, ConvertOptions::default())
-        .unwrap_err()
-        .to_string();
+    let onto_itself = convert(&path, &path, ConvertOptions::default()).refused();
     assert!(
         onto_itself.ends_with("which is the input, expected another file"),
         "{onto_itself}"
@@ -245,7 +240,7 @@ fn what_cannot_be_held_is_refused_and_nothing_is_written() {
         &folder.path().join("x.csv"),
         ConvertOptions::default(),
     );
-    assert!(missing.unwrap_err().to_string().starts_with("cannot read "));
+    missing.refused().must_begin("cannot read ");
 }
 
 #[test]
@@ -256,9 +251,7 @@ fn r19_a_file_that_is_there_is_replaced_only_by_force_and_the_input_never() {
     let before = fs::read(&path).unwrap();
     let target = folder.path().join("recording.csv");
     fs::write(&target, "a recording of another day").unwrap();
-    let said = convert(&path, &target, ConvertOptions::default())
-        .unwrap_err()
-        .to_string();
+    let said = convert(&path, &target, ConvertOptions::default()).refused();
     assert!(
         said.ends_with("which exists already, expected a new file, or --force to replace it"),
         "{said}"
@@ -280,8 +273,8 @@ fn r19_a_file_that_is_there_is_replaced_only_by_force_and_the_input_never() {
         names.push(link);
     }
     for name in names {
-        let said = convert(&path, &name, force).unwrap_err().to_string();
-        assert!(said.contains("which is the input"), "{said}");
+        let said = convert(&path, &name, force).refused();
+        said.must_say("which is the input");
     }
     assert_eq!(fs::read(&path).unwrap(), before);
 }
@@ -301,17 +294,4 @@ fn a_damaged_file_is_converted_only_when_asked_to() {
     let conversion = convert(&path, &target, tolerant).unwrap();
     assert_eq!(conversion.not_read.len(), 1);
     assert_eq!(format::read(&target).unwrap().series[0].ordinate.len(), 4);
-}
-
-trait CloneSeries {
-    fn clone_series(&self) -> Contents;
-}
-
-impl CloneSeries for Contents {
-    /// The same data sets; contents themselves are not cloned, for their defects are not.
-    fn clone_series(&self) -> Contents {
-        let mut copy = Self::of_format(self.format);
-        copy.series.clone_from(&self.series);
-        copy
-    }
 }

@@ -5,6 +5,8 @@ use std::process::Command;
 
 use serde_json::Value;
 
+use crate::runs::Words;
+
 /// The result of a sheet of the examples, written to a folder of its own.
 fn result_of(example: &str, job: &str) -> Value {
     ended_with(0, example, job)
@@ -201,10 +203,8 @@ fn r02_nylon_through_a_recorder_has_no_identified_parameter() {
     let result = ended_with(1, "nylon", "identify");
     assert_eq!(result["verdict"]["answer"], "not allowed");
     let first = result["summary"][0].as_str().unwrap();
-    assert!(
-        first.starts_with("The data cannot tell") && first.contains("Maxwell-Norton"),
-        "{first}"
-    );
+    first.must_begin("The data cannot tell");
+    first.must_say("Maxwell-Norton");
     let quantities = result["quantities"].as_array().unwrap();
     let of_law = |q: &&Value| q["name"].as_str().unwrap().contains("Young's modulus");
     let moduli: Vec<&Value> = quantities.iter().filter(of_law).collect();

@@ -18,7 +18,10 @@ use rodlab::outcome::Verdict;
 use sweep::{Sweep, Temperatures};
 use tempfile::TempDir;
 
-use crate::runs::{column as numbers, outcome_of as run, quantity, words};
+use crate::runs::{
+    Words, attachments_of, column as numbers, doubts, figures_of, is_found, outcome_of as run,
+    quantity, tables_of, words,
+};
 
 /// The interval of a parameter of a law.
 fn interval_of(outcome: &Outcome, law: &str, parameter: &str) -> (f64, f64) {
@@ -35,10 +38,7 @@ fn interval(outcome: &Outcome, parameter: &str) -> (f64, f64) {
 }
 
 fn reasons(outcome: &Outcome) -> String {
-    match &outcome.verdict {
-        Verdict::InDoubt { reasons } => reasons.join("; "),
-        other => panic!("{other:?} {:?}", outcome.summary),
-    }
+    doubts(outcome).join("; ")
 }
 
 const LAWS: &str = "laws: (laws: [FractionalZener, GeneralisedMaxwell]),";
@@ -104,22 +104,12 @@ fn a_virtual_sweep_gives_its_material_shifts_and_card_within_the_errors() {
             "{t}: {log} ± {error}, true {truth}"
         );
     }
-    let rest = &outcome.summary;
-    assert!(
-        rest[0]
-            .starts_with("One curve at 60 °C from 13 of 13 temperatures (30 °C to 90 °C), over "),
-        "{rest:?}"
-    );
+    outcome.summary[0]
+        .must_begin("One curve at 60 °C from 13 of 13 temperatures (30 °C to 90 °C), over ");
 
     // their law
     for (name, truth) in [("WLF, C1", sweep::C1), ("WLF, C2", sweep::C2)] {
-        let found = quantity(&outcome, name);
-        let (value, error) = (found.value.unwrap(), found.standard_error.unwrap());
-        assert!(
-            found.valid && (value - truth).abs() < 4.0 * error,
-            "{name}: {value} ± {error}"
-        );
-        assert!(error < 0.1 * truth, "{name}: {error}");
+        assert!(is_found(&outcome, name, truth, [4.0, 0.1]).valid);
     }
     assert!(!quantity(&outcome, "Arrhenius, activation energy").valid);
 
@@ -162,12 +152,8 @@ fn a_virtual_sweep_gives_its_material_shifts_and_card_within_the_errors() {
     }
 
     // the cards
-    let names: Vec<&str> = outcome
-        .attachments
-        .iter()
-        .map(|a| a.name.as_str())
-        .collect();
-    assert_eq!(names, ["material.json", "EPOXY.inp", "EPOXY.k"]);
+    let names = attachments_of(&outcome);
+    assert_eq!(names, "material.json, EPOXY.inp, EPOXY.k");
     let card = String::from_utf8(outcome.attachments[1].bytes.clone()).unwrap();
     for said in [
         "** data: 169 lines, ",
@@ -176,32 +162,15 @@ fn a_virtual_sweep_gives_its_material_shifts_and_card_within_the_errors() {
         &format!("** SHA-256 {}", outcome.inputs[0].sha256),
         "*VISCOELASTIC, TIME=PRONY",
     ] {
-        assert!(card.contains(said), "{said} is not in\n{card}");
+        card.must_say(said);
     }
-    let figures: Vec<&str> = outcome.figures.iter().map(|f| f.name.as_str()).collect();
     assert_eq!(
-        figures,
-        [
-            "master_curve",
-            "nomogram",
-            "shifts",
-            "moduli",
-            "black_diagram",
-            "laws"
-        ]
+        figures_of(&outcome),
+        "master_curve, nomogram, shifts, moduli, black_diagram, laws"
     );
-    let tables: Vec<&str> = outcome.tables.iter().map(|t| t.name.as_str()).collect();
     assert_eq!(
-        tables,
-        [
-            "data",
-            "master_curve",
-            "shifts",
-            "shift_laws",
-            "series",
-            "laws",
-            "parameters"
-        ]
+        tables_of(&outcome),
+        "data, master_curve, shifts, shift_laws, series, laws, parameters"
     );
 }
 
@@ -368,18 +337,9 @@ fn shifts_of_arrhenius_are_told_from_those_of_wlf() {
     };
     sweep.write(&folder.path().join("sweep.csv"), 7);
     let outcome = run(folder.path(), &sweep.sheet("")).unwrap();
-    let energy = quantity(&outcome, "Arrhenius, activation energy");
-    let (value, error) = (energy.value.unwrap(), energy.standard_error.unwrap());
-    assert!(
-        energy.valid && (value - 250.0).abs() < 4.0 * error && error < 5.0,
-        "{value} ± {error}"
-    );
-    assert!(
-        outcome
-            .summary
-            .iter()
-            .any(|s| s.starts_with("The shifts follow Arrhenius: "))
-    );
+    let name = "Arrhenius, activation energy";
+    assert!(is_found(&outcome, name, 250.0, [4.0, 0.02]).valid);
+    outcome.summary.must_begin("The shifts follow Arrhenius: ");
 }
 
 /// Without errors in the sheet the result is the same, and its errors are those of the scatter: also
@@ -404,8 +364,8 @@ fn unstated_errors_are_those_of_the_scatter() {
         let (_, after) = after.split_once('\n').unwrap();
         let outcome = run(folder.path(), &format!("{before}{after}")).unwrap();
         let warning = &outcome.warnings[0];
-        assert!(warning.starts_with("No errors of the moduli are stated: "));
-        assert!(warning.contains(said), "{warning}");
+        warning.must_begin("No errors of the moduli are stated: ");
+        warning.must_say(said);
         let of = |outcome: &Outcome, name: &str| numbers(outcome, "shifts", name).to_vec();
         let (a, b) = (
             of(&stated, "log10 of the shift"),
@@ -511,11 +471,7 @@ fn one_temperature_gives_laws_alone() {
         .replace("reference_temperature: \"60 degC\",", "");
     let outcome = run(folder.path(), &text).unwrap();
     assert_eq!(outcome.verdict, Verdict::Answered);
-    assert!(
-        outcome.summary[0].starts_with("25 rows from 0.1 Hz to 100 Hz at 60 °C: E' = "),
-        "{:?}",
-        outcome.summary
-    );
+    outcome.summary[0].must_begin("25 rows from 0.1 Hz to 100 Hz at 60 °C: E' = ");
     let (low, high) = interval(&outcome, "exponent");
     assert!(
         low < sweep::EXPONENT && sweep::EXPONENT < high && high - low < 0.2,
@@ -534,10 +490,7 @@ fn temperatures_that_overlap_nowhere_are_named_and_joined_by_a_stated_law() {
     let text = sweep.sheet("").replace("\"60 degC\"", "\"80 degC\"");
     let outcome = run(folder.path(), &text).unwrap();
     let said = reasons(&outcome);
-    assert!(
-        said.contains("of 3 temperatures do not join the curve, because they do not overlap their neighbours within the errors: 40 °C"),
-        "{said}"
-    );
+    said.must_say("of 3 temperatures do not join the curve, because they do not overlap their neighbours within the errors: 40 °C");
     let known = format!(
         "stated_shifts: Wlf(c1: {}, c2: {}, at: \"60 degC\"),",
         sweep::C1,
@@ -573,10 +526,7 @@ fn shifts_that_rise_with_temperature_put_the_result_in_doubt() {
     fs::write(&path, exchanged.join("\n") + "\n").unwrap();
     let outcome = run(folder.path(), &sweep.sheet("")).unwrap();
     let said = reasons(&outcome);
-    assert!(
-        said.contains("the shifts do not fall with temperature from 55 °C to 60 °C"),
-        "{said}"
-    );
+    said.must_say("the shifts do not fall with temperature from 55 °C to 60 °C");
     assert!(!quantity(&outcome, "check: shifts that rise with temperature").valid);
 }
 
@@ -591,11 +541,8 @@ fn a_material_that_is_not_simple_is_in_doubt() {
     sweep.write(&folder.path().join("sweep.csv"), 17);
     let outcome = run(folder.path(), &sweep.sheet("")).unwrap();
     let said = reasons(&outcome);
-    assert!(
-        said.contains(
-            "the temperatures do not form a single curve within the stated errors: chi-square"
-        ),
-        "{said}"
+    said.must_say(
+        "the temperatures do not form a single curve within the stated errors: chi-square",
     );
 }
 
@@ -620,8 +567,5 @@ fn a_negative_loss_is_noise_or_a_doubt() {
     fs::write(&path, changed.join("\n") + "\n").unwrap();
     let outcome = run(folder.path(), &sweep.sheet("")).unwrap();
     let said = reasons(&outcome);
-    assert!(
-        said.contains("the loss modulus is negative in 1 row(s), first in sweep.csv, line 10 ("),
-        "{said}"
-    );
+    said.must_say("the loss modulus is negative in 1 row(s), first in sweep.csv, line 10 (");
 }

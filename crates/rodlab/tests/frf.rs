@@ -16,11 +16,11 @@ use std::f64::consts::{PI, TAU};
 use std::fs;
 use std::path::Path;
 
-use labio::format::{self, npy::Npy};
+use labio::format;
 use labio::instrument::{Converter, Instrument, NoiseSpectrum};
 use labio::{
-    Abscissa, Channel, Contents, Ordinate, Provenance, Quantity, Rating, Record, SensorChain,
-    Series, SeriesAxis, SeriesKind,
+    Abscissa, Channel, Ordinate, Provenance, Quantity, Rating, Record, SensorChain, Series,
+    SeriesKind,
 };
 use ndarray::Array2;
 use num_complex::Complex64;
@@ -31,7 +31,8 @@ use rodlab::Outcome;
 use rodlab::job;
 use rodlab::outcome::Verdict;
 
-use crate::runs::{self, json, words};
+use crate::runge_kutta::after_step;
+use crate::runs::{self, json, with_causes, words, write_npy};
 
 const RATE: f64 = 8192.0;
 const N: usize = 4096;
@@ -91,21 +92,7 @@ fn history_of(quantity: Quantity, n: usize, force: impl Fn(f64) -> f64) -> Recor
             _ => (force(start) - tension) / STRUCK,
         };
         for step in 0..STEPS {
-            let t = start + step as f64 * h;
-            let moved = |k: [f64; 3], by: f64| {
-                [
-                    state[0] + by * k[0],
-                    state[1] + by * k[1],
-                    state[2] + by * k[2],
-                ]
-            };
-            let k1 = rates(t, state);
-            let k2 = rates(t + h / 2.0, moved(k1, h / 2.0));
-            let k3 = rates(t + h / 2.0, moved(k2, h / 2.0));
-            let k4 = rates(t + h, moved(k3, h));
-            for i in 0..3 {
-                state[i] += h / 6.0 * (k1[i] + 2.0 * k2[i] + 2.0 * k3[i] + k4[i]);
-            }
+            state = after_step(state, start + step as f64 * h, h, rates);
         }
     }
     let channels = vec![
@@ -145,26 +132,14 @@ const NOISE: f64 = 1e-9;
 
 /// Bare volts, as a recorder exports them.
 fn write(path: &Path, volts: &Record) {
-    let mut contents = Contents::of_format("test");
-    for (index, row) in volts.samples().rows().into_iter().enumerate() {
-        contents.series.push(Series {
-            name: format!("[{index}, :]"),
-            kind: SeriesKind::General,
-            abscissa: Abscissa::Even {
-                start: 0.0,
-                step: 1.0,
-            },
-            ordinate: Ordinate::Real(row.to_vec()),
-            abscissa_axis: SeriesAxis {
-                label: "index".to_owned(),
-                ..SeriesAxis::default()
-            },
-            ordinate_axis: SeriesAxis::default(),
-            properties: Vec::new(),
-        });
-    }
     fs::create_dir_all(path.parent().unwrap()).unwrap();
-    format::write(path, &contents, &Npy).unwrap();
+    let rows: Vec<Vec<f64>> = volts
+        .samples()
+        .rows()
+        .into_iter()
+        .map(|row| row.to_vec())
+        .collect();
+    write_npy(path, &rows);
 }
 
 fn write_hits(folder: &Path, n_hits: u64, duration: f64, density: f64) {
@@ -201,18 +176,8 @@ fn sheet_of(files: &str, rest: &str) -> String {
 }
 
 fn run(folder: &Path, text: &str) -> Result<Outcome, String> {
-    let said = |error: rodlab::RodlabError| {
-        let mut text = error.to_string();
-        let mut source = std::error::Error::source(&error);
-        while let Some(cause) = source {
-            if !text.contains(&cause.to_string()) {
-                text += &format!(": {cause}");
-            }
-            source = cause.source();
-        }
-        text.replace(&folder.display().to_string(), "FOLDER")
-    };
-    runs::outcome_of(folder, text).map_err(said)
+    runs::outcome_of(folder, text)
+        .map_err(|error| with_causes(&error).replace(&folder.display().to_string(), "FOLDER"))
 }
 
 fn column(outcome: &Outcome, table: &str, column: &str) -> Vec<f64> {

@@ -6,6 +6,8 @@ use ndarray::Array2;
 use rodlab::hits::{FoundHits, HitKind, HitsSheet};
 use rodlab::records::NamedRecord;
 
+use crate::runs::Words;
+
 fn sheet(text: &str) -> Result<HitsSheet, String> {
     use ron::extensions::Extensions;
     ron::Options::default()
@@ -85,15 +87,9 @@ fn a_check_that_is_left_out_rejects_nothing() {
     assert_eq!(without.n_accepted(), 3);
     assert_eq!(without.in_words(), "all 3 hits are accepted");
     let said = settings(&without);
-    assert!(
-        said.contains("hits.criteria.level_shift = not checked"),
-        "{said}"
-    );
-    assert!(said.contains("hits.criteria.double_hit = 0.2"), "{said}");
-    assert!(
-        said.contains("hits.criteria.peak_over_noise = 10.0 (default)"),
-        "{said}"
-    );
+    said.must_say("hits.criteria.level_shift = not checked");
+    said.must_say("hits.criteria.double_hit = 0.2");
+    said.must_say("hits.criteria.peak_over_noise = 10.0 (default)");
 }
 
 #[test]
@@ -119,11 +115,7 @@ fn r17_every_reason_of_a_rejection_is_told_with_its_hits() {
         .unwrap()
         .find(records(), "hammer", "hits")
         .unwrap();
-    assert!(
-        found.in_words().contains("not triggered 6 (hits 1-6)"),
-        "{}",
-        found.in_words()
-    );
+    found.in_words().must_say("not triggered 6 (hits 1-6)");
 }
 
 #[test]
@@ -143,20 +135,17 @@ fn r17_the_kind_of_hits_sets_the_defaults_and_a_sheet_states_another() {
         "hits.criteria.double_hit = not checked (default)",
         "hits.criteria.level_shift = not checked (default)",
     ] {
-        assert!(said.contains(setting), "{said}");
+        said.must_say(setting);
     }
     let (n, said) = kind("(criteria: (kind: Hammer))", HitKind::BarPulses);
     assert_eq!(n, 0);
-    assert!(
-        said.contains("hits.criteria.remainder = 0.01 (default)"),
-        "{said}"
-    );
+    said.must_say("hits.criteria.remainder = 0.01 (default)");
     let (n, said) = kind(
         "(criteria: (kind: BarPulses, level_shift: 0.02))",
         HitKind::Hammer,
     );
     assert_eq!(n, 0);
-    assert!(said.contains("hits.criteria.level_shift = 0.02"), "{said}");
+    said.must_say("hits.criteria.level_shift = 0.02");
 }
 
 #[test]

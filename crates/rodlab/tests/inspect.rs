@@ -7,7 +7,7 @@ use std::fmt::Write;
 
 use rodlab::inspect::{inspect, inspect_bytes};
 
-use crate::runs::without_formats;
+use crate::runs::{Refused, Words, npy, without_formats};
 
 /// A hit of 2 ms in columns of a recorder: time, force that is cut at `range`, acceleration with an
 /// offset.
@@ -66,14 +66,10 @@ fn clipping_and_an_offset_are_suspicious() {
 
 #[test]
 fn what_a_file_does_not_tell_is_advised() {
-    let mut npy = b"\x93NUMPY\x01\x00\x76\x00".to_vec();
-    let header = "{'descr': '<f8', 'fortran_order': False, 'shape': (2, 16), }";
-    npy.extend(format!("{header:<117}\n").bytes());
-    for k in 0..32_u32 {
-        let value = if k == 20 { f64::NAN } else { f64::from(k % 7) };
-        npy.extend(value.to_le_bytes());
-    }
-    let inspection = inspect_bytes(&npy, "hits.npy").unwrap();
+    let mut values: Vec<f64> = (0..32_u32).map(|k| f64::from(k % 7)).collect();
+    values[20] = f64::NAN;
+    let (first, second) = values.split_at(16);
+    let inspection = inspect_bytes(&npy(&[first, second]), "hits.npy").unwrap();
     assert!(
         inspection
             .series
@@ -114,19 +110,15 @@ fn the_listing_of_many_channels_ends() {
     let inspection = inspect_bytes(text.as_bytes(), "wide.csv").unwrap();
     let hidden = inspection.series.len() - 20;
     let text = inspection.to_text();
-    assert!(text.contains(&format!("\nand {hidden} more\n")), "{text}");
+    text.must_say(&format!("\nand {hidden} more\n"));
     assert!(!text.contains("c29"), "{text}");
 }
 
 #[test]
 fn a_row_of_times_is_no_channel() {
-    let mut npy = b"\x93NUMPY\x01\x00\x76\x00".to_vec();
-    let header = "{'descr': '<f8', 'fortran_order': False, 'shape': (2, 100), }";
-    npy.extend(format!("{header:<117}\n").bytes());
-    let times = (0..100_u32).map(|k| f64::from(k) / 25_600.0);
-    let force = (0..100_u32).map(|k| f64::from(k * k % 17));
-    npy.extend(times.chain(force).flat_map(f64::to_le_bytes));
-    let inspection = inspect_bytes(&npy, "hit.npy").unwrap();
+    let times: Vec<f64> = (0..100_u32).map(|k| f64::from(k) / 25_600.0).collect();
+    let force = (0..100_u32).map(|k| f64::from(k * k % 17)).collect();
+    let inspection = inspect_bytes(&npy(&[times, force]), "hit.npy").unwrap();
     assert_eq!(inspection.records[0].channels.len(), 1);
     insta::assert_snapshot!(inspection.advice.join("\n"), @r"
     the file does not state the sampling rate of channels 1, 2: state `sampling_rate` in the sheet
@@ -148,13 +140,13 @@ fn a_column_without_a_head_is_recognised_as_times() {
     };
     let single = inspected(&|k| format!("{:?}", f64::from(k as f32 / 48_000.0)));
     let said = "column 1 increases evenly, like times, and channels are numbered from the next column: if it is in s, `sampling_rate` is 48000 Hz";
-    assert!(single.contains(said), "{single}");
+    single.must_say(said);
     let nine_digits = inspected(&|k| match k {
         0 => "0".to_owned(),
         _ => format!("{:.8e}", f64::from(k) / 65_536.0),
     });
     let said = "the times have no unit: if they are in s, `sampling_rate` is 65536 Hz";
-    assert!(nine_digits.contains(said), "{nine_digits}");
+    nine_digits.must_say(said);
 }
 
 #[test]
@@ -178,7 +170,7 @@ fn a_rate_from_rounded_times_is_stated_to_two_digits() {
     let inspection = inspect_bytes(text.as_bytes(), "hit.csv").unwrap();
     let advice = inspection.advice.join("\n");
     let said = "`sampling_rate` is about 48 kHz, from rounded times: state the recorder's rate";
-    assert!(advice.contains(said), "{advice}");
+    advice.must_say(said);
 }
 
 #[test]
@@ -190,7 +182,7 @@ fn a_damaged_file_is_read_as_far_as_it_goes() {
     assert!(inspection.series[0].samples > 1900);
     // the row that is cut, and the remark
     assert_eq!(inspection.defects.len(), 2, "{:?}", inspection.defects);
-    assert!(inspection.to_text().contains("not read:"));
+    inspection.to_text().must_say("not read:");
 }
 
 #[test]
@@ -207,13 +199,9 @@ fn the_inspection_is_the_same_as_json() {
 #[test]
 fn what_is_no_file_of_data_is_refused() {
     let folder = tempfile::tempdir().unwrap();
-    let missing = inspect(&folder.path().join("absent.npy"))
-        .unwrap_err()
-        .to_string();
-    assert!(
-        missing.starts_with("cannot read ") && missing.contains("absent.npy"),
-        "{missing}"
-    );
+    let missing = inspect(&folder.path().join("absent.npy")).refused();
+    missing.must_begin("cannot read ");
+    missing.must_say("absent.npy");
     let error = inspect_bytes(b"\x7fELF\x02\x01\x01\x00", "program").unwrap_err();
     insta::assert_snapshot!(without_formats(&error.to_string()), @r#"reading program: the 8 bytes that begin with "\u{7f}ELF\u{2}\u{1}\u{1}\u{0}" are not in a known format (FORMATS)"#);
 }

@@ -40,6 +40,7 @@ mod records;
 mod recovery;
 mod report_in_browser;
 mod rich;
+mod runge_kutta;
 mod runs;
 mod shpb;
 mod simulate;

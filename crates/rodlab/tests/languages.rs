@@ -11,7 +11,7 @@ use rodlab::sheet::{self, Language};
 use rodlab::templates::JobName;
 use tempfile::TempDir;
 
-use crate::runs::{rodlab, text};
+use crate::runs::{Words, rodlab, text};
 
 /// The sheets of the examples in RON.
 fn examples() -> Vec<PathBuf> {
@@ -297,7 +297,7 @@ fn the_terminal_shows_every_mistake_with_its_line() {
         "4 │ first = { rigid_mass = \"1 m\" }",
         "5 │ second = { impedance = \"1 kg\" }",
     ] {
-        assert!(said.contains(part), "{part} is not in\n{said}");
+        said.must_say(part);
     }
 }
 
@@ -333,9 +333,9 @@ fn campaigns_take_both_languages_and_leave_other_files_alone() {
         "answered     c",
         "wrong input  d",
     ] {
-        assert!(said.contains(test), "{said}");
+        said.must_say(test);
     }
-    assert!(said.contains("4 tests:"), "{said}");
+    said.must_say("4 tests:");
     let done = rodlab(folder.path(), &["list", "sheets/*.toml"]);
     assert!(
         text(&done.stdout).contains("pyproject"),
@@ -374,13 +374,9 @@ fn simulate_writes_sheets_in_the_language_of_its_own() {
     )
     .unwrap();
     let done = rodlab(folder.path(), &["simulate", "plan.toml"]);
-    assert!(
-        text(&done.stdout).contains("`rodlab modulus modulus.toml`"),
-        "{}",
-        text(&done.stdout)
-    );
+    text(&done.stdout).must_say("`rodlab modulus modulus.toml`");
     let written = fs::read_to_string(folder.path().join("plan-result/modulus.toml")).unwrap();
-    assert!(written.contains("# each record is a hit\n"), "{written}");
+    written.must_say("# each record is a hit\n");
     let of_ron = outcome(&example, &plan);
     let sheet = of_ron
         .attachments

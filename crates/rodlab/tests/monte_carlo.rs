@@ -2,19 +2,12 @@
 //! propagation.
 
 use std::fs;
-use std::path::Path;
 
 use rodlab::outcome::{Cells, Table};
 use rodlab::{Outcome, RodlabError};
 use tempfile::TempDir;
 
-use crate::runs::{column, outcome_of, table};
-
-fn example(name: &str) -> std::path::PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR"))
-        .join("examples")
-        .join(name)
-}
+use crate::runs::{Refused, Words, column, copy_example, outcome_of, table};
 
 /// The sheet of an example with `draws`, after `change`.
 fn drawn(
@@ -24,10 +17,7 @@ fn drawn(
     change: impl Fn(&str) -> String,
 ) -> Result<Outcome, RodlabError> {
     let folder = TempDir::new().unwrap();
-    for file in fs::read_dir(example(name)).unwrap() {
-        let file = file.unwrap();
-        fs::copy(file.path(), folder.path().join(file.file_name())).unwrap();
-    }
+    copy_example(name, folder.path());
     let text = change(&fs::read_to_string(folder.path().join(sheet)).unwrap());
     let (all, _) = text.trim_end().rsplit_once(')').unwrap();
     let separator = if all.trim_end().ends_with(',') {
@@ -79,12 +69,7 @@ fn errors_of_a_modulus_are_the_scatter_of_its_draws() {
     }
     let judged = verdicts(table(&outcome, "monte_carlo"));
     assert!(judged.len() >= 12 && judged.iter().all(|valid| *valid));
-    assert!(
-        outcome
-            .summary
-            .iter()
-            .any(|s| s.starts_with("By Monte Carlo, 200 draws"))
-    );
+    outcome.summary.must_begin("By Monte Carlo, 200 draws");
 }
 
 #[test]
@@ -127,14 +112,14 @@ fn errors_of_other_jobs_are_the_scatter_of_their_draws() {
 #[test]
 fn what_cannot_be_drawn_is_refused() {
     let refused = |name: &str, sheet: &str, draws, change: &dyn Fn(&str) -> String| {
-        drawn(name, sheet, draws, change).unwrap_err().to_string()
+        drawn(name, sheet, draws, change).refused()
     };
     let few = refused("cone", "force.ron", 5, &str::to_owned);
-    assert!(few.contains("at least 20 draws"), "{few}");
+    few.must_say("at least 20 draws");
     let unknown = refused("epoxy", "fit.ron", 100, &|text| {
         let (before, rest) = text.split_once("errors:").unwrap();
         let (_, after) = rest.split_once('\n').unwrap();
         format!("{before}\n{after}")
     });
-    assert!(unknown.contains("standard errors of the data"), "{unknown}");
+    unknown.must_say("standard errors of the data");
 }

@@ -4,11 +4,11 @@
 use std::fs;
 use std::path::Path;
 
-use labio::format::{self, npy::Npy, uff58::Uff58Writer};
+use labio::format::{self, uff58::Uff58Writer};
 use labio::{Abscissa, Contents, Ordinate, Quantity, Series, SeriesAxis, SeriesKind, Unit};
 use rodlab::records::{Loaded, Records};
 
-use crate::runs::without_formats;
+use crate::runs::{Words, without_formats, write_npy};
 
 fn records(text: &str) -> Records {
     use ron::extensions::Extensions;
@@ -37,7 +37,7 @@ fn refusals(folder: &Path, sheets: &[&str]) -> String {
     said.join("\n")
 }
 
-fn series(name: &str, unit: &str, step: f64, values: &[f64]) -> Series {
+pub(crate) fn series(name: &str, unit: &str, step: f64, values: &[f64]) -> Series {
     let axis = |unit: &str| SeriesAxis {
         label: String::new(),
         unit_text: unit.to_owned(),
@@ -52,23 +52,6 @@ fn series(name: &str, unit: &str, step: f64, values: &[f64]) -> Series {
         ordinate_axis: axis(unit),
         properties: Vec::new(),
     }
-}
-
-/// Bare numbers: rows of one array.
-fn write_npy(path: &Path, rows: &[&[f64]]) {
-    let mut contents = Contents::of_format("test");
-    for (index, row) in rows.iter().enumerate() {
-        let mut one = series("", "1", 1.0, row);
-        one.kind = SeriesKind::General;
-        one.abscissa_axis = SeriesAxis {
-            label: "index".to_owned(),
-            ..SeriesAxis::default()
-        };
-        one.ordinate_axis = SeriesAxis::default();
-        one.name = format!("[{index}, :]");
-        contents.series.push(one);
-    }
-    format::write(path, &contents, &Npy).unwrap();
 }
 
 #[test]
@@ -259,12 +242,7 @@ fn rounded_times_ask_for_the_sampling_rate() {
         format!(r#"(files: ["{file}"],{rate} channels: [(name: "f", from: 1, unit: "N")])"#)
     };
     let said = refusals(folder.path(), &[&sheet("hit.csv", "")]);
-    assert!(
-        said.starts_with(
-            "records.sampling_rate is not stated, expected the sampling rate, such as \"51.2 kHz\", that gives all times within half a step: those of hit.csv are rounded (repeated values; "
-        ),
-        "{said}"
-    );
+    said.must_begin("records.sampling_rate is not stated, expected the sampling rate, such as \"51.2 kHz\", that gives all times within half a step: those of hit.csv are rounded (repeated values; ");
     insta::assert_snapshot!(refusals(folder.path(), &[&sheet("unit.csv", "")]), @r#"records.sampling_rate is not stated, expected the sampling rate, such as "51.2 kHz": unit.csv has times in `sek`, which is not a known unit; in s they give 1000 Hz"#);
     let loaded = load(
         folder.path(),

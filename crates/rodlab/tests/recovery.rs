@@ -12,7 +12,9 @@ use rodlab::outcome::{Cells, Verdict};
 use rodlab::{Outcome, RodlabError};
 use tempfile::TempDir;
 
-use crate::runs::{json, outcome_of as run};
+use crate::runs::{
+    Refused, Words, doubts, figures_of, is_found, json, outcome_of as run, quantity, refusal,
+};
 
 /// Polyoximethylene of paper C.
 const SERIES_MODULUS: f64 = 3.1e9;
@@ -130,22 +132,12 @@ fn five_tests_of_the_paper_give_its_parameters_within_their_errors() {
         ("parallel modulus (E2)", PARALLEL_MODULUS),
         ("exponent (m)", EXPONENT),
     ] {
-        let found = quantity(name);
-        let (value, error) = (found.value.unwrap(), found.standard_error.unwrap());
-        assert!(found.valid, "{name}: {}", found.verdict);
-        assert!(
-            (value - truth).abs() < 3.0 * error && error < 0.1 * truth,
-            "{name} {value} ± {error}"
-        );
+        assert!(is_found(&outcome, name, truth, [3.0, 0.1]).valid);
     }
     // B is extrapolated over seven decades of stress: no standard error of the value
     let coefficient = quantity("coefficient (B)");
     assert!(coefficient.valid && coefficient.standard_error.is_none());
-    assert!(
-        coefficient.verdict.contains("known to a factor of"),
-        "{}",
-        coefficient.verdict
-    );
+    coefficient.verdict.must_say("known to a factor of");
     // 60 readings, three parameters: χ² has the mean 57 and the standard deviation 11
     let chi_square = quantity("chi-square of the readings").value.unwrap();
     assert!((chi_square - 57.0).abs() < 3.0 * 10.7, "{chi_square}");
@@ -162,8 +154,7 @@ fn five_tests_of_the_paper_give_its_parameters_within_their_errors() {
 
     assert_eq!(outcome.inputs.len(), 1);
     assert_eq!(outcome.inputs[0].path, "test_5.csv");
-    let figures: Vec<&str> = outcome.figures.iter().map(|f| f.name.as_str()).collect();
-    assert_eq!(figures, ["recovery", "one_curve", "predictions"]);
+    assert_eq!(figures_of(&outcome), "recovery, one_curve, predictions");
     let Cells::Numbers(residuals) = &outcome.tables[0].columns[6].cells else {
         panic!("residuals are numbers")
     };
@@ -180,18 +171,12 @@ fn one_load_does_not_tell_the_exponent_and_says_what_it_does_tell() {
     let tests = five_tests(folder.path(), 7);
     let first = tests.lines().next().unwrap();
     let outcome = sheet(folder.path(), first, "").unwrap();
-    let Verdict::NotAllowed { reason } = &outcome.verdict else {
-        panic!("{:?}", outcome.verdict)
-    };
+    let reason = refusal(&outcome);
     insta::assert_snapshot!(reason, @"parallel modulus is not identifiable: one load determines only two numbers, but the model has three parameters");
     let exponent = outcome.quantities.iter().find(|q| q.name == "exponent (m)");
     assert!(exponent.is_some_and(|m| m.value.is_none() && !m.valid));
     // but the recovery time of this load is a result
-    let alone = outcome
-        .quantities
-        .iter()
-        .find(|q| q.name == "recovery time, Test 1 alone")
-        .unwrap();
+    let alone = quantity(&outcome, "recovery time, Test 1 alone");
     // equation 5 for 45 MPa and half an hour
     let rate = PARALLEL_MODULUS * COEFFICIENT;
     let strain = march(0.0, |_| 45e6, 1800.0, 5000);
@@ -224,10 +209,8 @@ fn r11_errors_that_are_stated_too_small_put_a_model_in_doubt() {
         )
     };
     let stated = run(folder.path(), &text("")).unwrap();
-    let Verdict::InDoubt { reasons } = &stated.verdict else {
-        panic!("{:?}", stated.summary)
-    };
-    assert!(reasons[0].starts_with("the readings scatter more about the model"));
+    let reasons = doubts(&stated);
+    reasons[0].must_begin("the readings scatter more about the model");
     let by_scatter = run(folder.path(), &text("error_scale: FromResidual")).unwrap();
     assert_eq!(by_scatter.verdict, Verdict::Answered);
     let error = |outcome: &Outcome| {
@@ -255,6 +238,11 @@ fn what_is_wrong_is_said() {
     )
     .unwrap();
     let head = "Recovery(title: \"POM\", series_modulus: \"3.1 GPa\", frequency: \"10 kHz\", ";
+    let changes = |readings: &str| {
+        format!(
+            "{head} readings_are: Changes, standard_error: \"0.001\", tests: [(name: \"a\", {load}, readings: {readings})])"
+        )
+    };
     let sheets = [
         format!("{head} tests: [])"),
         format!(
@@ -263,18 +251,10 @@ fn what_is_wrong_is_said() {
         format!(
             "{head} virgin_loss_factor: \"0.025\", tests: [(name: \"a\", {load}, readings: Here([(at: \"1 min\", value: 0.03)]))])"
         ),
-        format!(
-            "{head} readings_are: Changes, standard_error: \"0.001\", tests: [(name: \"a\", {load}, readings: Here([(at: \"2 min\", value: 0.03), (at: \"1 min\", value: 0.02)]))])"
-        ),
-        format!(
-            "{head} readings_are: Changes, standard_error: \"0.001\", tests: [(name: \"a\", {load}, readings: File(path: \"none.csv\", readings: 1))])"
-        ),
-        format!(
-            "{head} readings_are: Changes, standard_error: \"0.001\", tests: [(name: \"a\", {load}, readings: File(path: \"bare.csv\", readings: 1))])"
-        ),
-        format!(
-            "{head} readings_are: Changes, standard_error: \"0.001\", tests: [(name: \"a\", {load}, readings: File(path: \"times.csv\", readings: \"tan d\"))])"
-        ),
+        changes(r#"Here([(at: "2 min", value: 0.03), (at: "1 min", value: 0.02)])"#),
+        changes(r#"File(path: "none.csv", readings: 1)"#),
+        changes(r#"File(path: "bare.csv", readings: 1)"#),
+        changes(r#"File(path: "times.csv", readings: "tan d")"#),
         format!(
             "{head} readings_are: Changes, standard_error: \"0.001\", tests: [(name: \"a\", {load}, readings: File(path: \"times.csv\", readings: 1))], paper_procedure: (reference: \"b\"))"
         ),
@@ -285,7 +265,7 @@ fn what_is_wrong_is_said() {
     let messages: Vec<String> = sheets
         .iter()
         .map(|text| {
-            let message = run(folder.path(), text).unwrap_err().to_string();
+            let message = run(folder.path(), text).refused();
             message.replace(&folder.path().display().to_string(), "FOLDER")
         })
         .collect();
@@ -346,8 +326,5 @@ fn loss_factors_in_per_cent_are_told() {
         tests: [(name: "a", load: [Constant(stress: "45 MPa", duration: "30 min")],
         readings: Here([(at: "1 min", value: 4.35), (at: "10 min", value: 3.13), (at: "60 min", value: 2.63)]))])"#;
     let said = run(folder.path(), text).unwrap().warnings.join("\n");
-    assert!(
-        said.contains("The largest loss factor of the sheet is 4.35"),
-        "{said}"
-    );
+    said.must_say("The largest loss factor of the sheet is 4.35");
 }

@@ -6,7 +6,7 @@ use std::process::{Command, Output};
 use std::sync::atomic::AtomicBool;
 
 use rodlab::job::{self, Sheet, Silent, parse};
-use rodlab::outcome::{Cells, Quantity, Table};
+use rodlab::outcome::{Cells, Quantity, Table, Verdict};
 use rodlab::output::{SheetIdentity, json_of};
 use rodlab::{Outcome, RodlabError};
 
@@ -72,6 +72,135 @@ pub(crate) fn quantity<'a>(outcome: &'a Outcome, name: &str) -> &'a Quantity {
     })
 }
 
+/// A quantity that is `truth` within so many standard errors of at most a share of it.
+#[track_caller]
+pub(crate) fn is_found<'a>(
+    outcome: &'a Outcome,
+    name: &str,
+    truth: f64,
+    [errors, share]: [f64; 2],
+) -> &'a Quantity {
+    let found = quantity(outcome, name);
+    let (value, error) = estimate(outcome, name);
+    let off = (value - truth).abs() / error;
+    assert!(
+        off < errors && error < share * truth,
+        "{found:?} {:#?}",
+        outcome.summary
+    );
+    found
+}
+
+/// Value and standard error of a quantity.
+pub(crate) fn estimate(outcome: &Outcome, name: &str) -> (f64, f64) {
+    let found = quantity(outcome, name);
+    (found.value.unwrap(), found.standard_error.unwrap())
+}
+
+/// Names of the figures, in their order.
+pub(crate) fn figures_of(outcome: &Outcome) -> String {
+    joined(outcome.figures.iter().map(|figure| figure.name.as_str()))
+}
+
+/// Names of the tables, in their order.
+pub(crate) fn tables_of(outcome: &Outcome) -> String {
+    joined(outcome.tables.iter().map(|table| table.name.as_str()))
+}
+
+/// Names of the attachments, in their order.
+pub(crate) fn attachments_of(outcome: &Outcome) -> String {
+    joined(outcome.attachments.iter().map(|file| file.name.as_str()))
+}
+
+fn joined<'a>(names: impl Iterator<Item = &'a str>) -> String {
+    names.collect::<Vec<_>>().join(", ")
+}
+
+/// Reasons of an outcome that is in doubt.
+#[track_caller]
+pub(crate) fn doubts(outcome: &Outcome) -> &[String] {
+    match &outcome.verdict {
+        Verdict::InDoubt { reasons } => reasons,
+        other => panic!("{other:?} {:?}", outcome.summary),
+    }
+}
+
+/// Reason of an outcome that is not allowed.
+#[track_caller]
+pub(crate) fn refusal(outcome: &Outcome) -> &str {
+    match &outcome.verdict {
+        Verdict::NotAllowed { reason } => reason,
+        other => panic!("{other:?} {:?}", outcome.summary),
+    }
+}
+
+/// Words of an error.
+pub(crate) trait Refused {
+    /// Returns the message. Fails if there is no error.
+    fn refused(self) -> String;
+}
+
+impl<T, E: std::fmt::Display> Refused for Result<T, E> {
+    #[track_caller]
+    fn refused(self) -> String {
+        match self {
+            Ok(_) => panic!("it is not refused"),
+            Err(error) => error.to_string(),
+        }
+    }
+}
+
+/// Assertions about what a program says. Of several texts, one has to say it.
+pub(crate) trait Words {
+    /// Fails unless `part` is contained.
+    fn must_say(&self, part: &str);
+    /// Fails unless a text starts with `part`.
+    fn must_begin(&self, part: &str);
+
+    fn must_say_all(&self, parts: &[&str]) {
+        parts.iter().for_each(|part| self.must_say(part));
+    }
+}
+
+impl Words for str {
+    #[track_caller]
+    fn must_say(&self, part: &str) {
+        assert!(self.contains(part), "{part} is not in\n{self}");
+    }
+
+    #[track_caller]
+    fn must_begin(&self, part: &str) {
+        assert!(self.starts_with(part), "{part} does not begin\n{self}");
+    }
+}
+
+impl Words for [String] {
+    #[track_caller]
+    fn must_say(&self, part: &str) {
+        let is_said = self.iter().any(|text| text.contains(part));
+        assert!(is_said, "{part} is in none of {self:#?}");
+    }
+
+    #[track_caller]
+    fn must_begin(&self, part: &str) {
+        let is_said = self.iter().any(|text| text.starts_with(part));
+        assert!(is_said, "{part} begins none of {self:#?}");
+    }
+}
+
+/// Copies the files of an example that are next to its sheet.
+pub(crate) fn copy_example(name: &str, folder: &Path) {
+    let example = Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("examples")
+        .join(name);
+    for entry in fs::read_dir(example).unwrap() {
+        let path = entry.unwrap().path();
+        if path.is_file() {
+            fs::copy(&path, folder.join(path.file_name().unwrap())).unwrap();
+        }
+    }
+}
+
 /// The program, run in `folder`.
 pub(crate) fn rodlab(folder: &Path, arguments: &[&str]) -> Output {
     Command::new(env!("CARGO_BIN_EXE_rodlab"))
@@ -84,6 +213,35 @@ pub(crate) fn rodlab(folder: &Path, arguments: &[&str]) -> Output {
 
 pub(crate) fn text(bytes: &[u8]) -> String {
     String::from_utf8(bytes.to_vec()).unwrap()
+}
+
+/// An array of two axes in the format of NumPy, by its rows.
+pub(crate) fn npy(rows: &[impl AsRef<[f64]>]) -> Vec<u8> {
+    let columns = rows[0].as_ref().len();
+    let shape = format!("({}, {columns})", rows.len());
+    let header = format!("{{'descr': '<f8', 'fortran_order': False, 'shape': {shape}, }}");
+    let mut bytes = b"\x93NUMPY\x01\x00\x76\x00".to_vec();
+    bytes.extend(format!("{header:<117}\n").bytes());
+    let values = rows.iter().flat_map(|row| row.as_ref());
+    bytes.extend(values.flat_map(|value| value.to_le_bytes()));
+    bytes
+}
+
+pub(crate) fn write_npy(path: &Path, rows: &[impl AsRef<[f64]>]) {
+    fs::write(path, npy(rows)).unwrap();
+}
+
+/// The words of an error and of its causes.
+pub(crate) fn with_causes(error: &RodlabError) -> String {
+    let mut said = error.to_string();
+    let mut source = std::error::Error::source(error);
+    while let Some(cause) = source {
+        if !said.contains(&cause.to_string()) {
+            said += &format!(": {cause}");
+        }
+        source = cause.source();
+    }
+    said
 }
 
 /// Writes a table of these columns without names.

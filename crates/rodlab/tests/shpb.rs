@@ -15,7 +15,9 @@ use rodwave::line::Segment;
 use tempfile::TempDir;
 use testbed::hopkinson::{HopkinsonRig, HopkinsonTruth, RecorderErrors};
 
-use crate::runs::{column, outcome_of as run, quantity, table, write_columns};
+use crate::runs::{
+    Refused, Words, column, estimate, outcome_of as run, quantity, table, write_columns,
+};
 
 const RATE: f64 = 1e6;
 
@@ -125,8 +127,8 @@ fn hopkinson_draws_stand_beside_linear_errors() {
         // 4 % of 300 draws, 7 % of the noise in the linear one: three of these
         assert!((found.value.unwrap() - 1.0).abs() < 0.24, "{found:?}");
     }
-    let refused = run(folder.path(), &with("3")).unwrap_err().to_string();
-    assert!(refused.contains("number of draws"), "{refused}");
+    let refused = run(folder.path(), &with("3")).refused();
+    refused.must_say("number of draws");
 }
 
 /// Three shots: the mean is the curve of the specimens, and a specimen of another material is seen.
@@ -210,10 +212,8 @@ fn hopkinson_mean_of_three_shots() {
         "{:?}",
         outcome.summary
     );
-    let missing = run(folder.path(), &with(["2", "5"], ""))
-        .unwrap_err()
-        .to_string();
-    assert!(missing.contains("`5.csv`"), "{missing}");
+    let missing = run(folder.path(), &with(["2", "5"], "")).refused();
+    missing.must_say("`5.csv`");
 }
 
 /// Gauges on opposite sides of a bar that bends, each with its bridge, amplifier and file, are one
@@ -464,8 +464,8 @@ fn hopkinson_virtual_shot_comes_back() {
         (plan.replace("[\"900 mm\"]", "[\"1900 mm\"]"), "less than the length of the bar"),
         (plan.replace("[\"900 mm\"]", "[]"), "0 gauges, expected one or two"),
     ] {
-        let said = run(folder.path(), &wrong).unwrap_err().to_string();
-        assert!(said.contains(words), "{said}");
+        let said = run(folder.path(), &wrong).refused();
+        said.must_say(words);
     }
 }
 
@@ -495,24 +495,17 @@ fn hopkinson_largest_stress_is_quoted_from_equilibrium() {
         .replace("at: \"400 mm\"", "at: \"400 mm ± 1 mm\"");
     let found = run(folder.path(), &sheet).unwrap();
     assert_eq!(found.verdict, Verdict::Answered, "{:?}", found.summary);
-    let of = |name: &str| {
-        let found = quantity(&found, name);
-        (found.value.unwrap(), found.standard_error.unwrap())
-    };
-    let (stress, error) = of("largest stress in equilibrium");
-    let (strain, _) = of("strain at the largest stress in equilibrium");
-    let (peak, peak_error) = of("largest stress");
+    let (stress, error) = estimate(&found, "largest stress in equilibrium");
+    let (strain, _) = estimate(&found, "strain at the largest stress in equilibrium");
+    let (peak, peak_error) = estimate(&found, "largest stress");
     assert!(error < 0.02 * stress, "{stress} {error}");
     assert!(peak_error > 0.1 * peak, "{peak} {peak_error}");
     let truth = |name: &str| column(&made, "true-stress-strain", name);
     let after = truth("strain").iter().position(|e| *e > strain).unwrap();
     let exact = truth("stress")[after];
     assert!((stress - exact).abs() < 2.0 * error, "{stress} {exact}");
-    assert!(
-        found.summary[0].starts_with("The largest stress in equilibrium is ("),
-        "{:?}",
-        found.summary
-    );
-    let named = |said: &String| said.contains("not known to be in equilibrium there");
-    assert!(found.summary.iter().any(named), "{:?}", found.summary);
+    found.summary[0].must_begin("The largest stress in equilibrium is (");
+    found
+        .summary
+        .must_say("not known to be in equilibrium there");
 }

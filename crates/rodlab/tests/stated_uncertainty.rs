@@ -21,6 +21,8 @@ use rodlab::templates::JobName;
 use tempfile::TempDir;
 use two_masses::{BODY, HAMMER, Hammer, attempt, strike};
 
+use crate::runs::{Refused, Words, write_columns};
+
 /// A text in quotes with the field that it belongs to.
 struct Quoted {
     field: String,
@@ -224,7 +226,7 @@ fn example(name: &str, sheet: &str) -> (PathBuf, String) {
 }
 
 fn replaced(text: &str, from: &str, to: &str) -> String {
-    assert!(text.contains(from), "{from} is not in\n{text}");
+    text.must_say(from);
     text.replacen(from, to, 1)
 }
 
@@ -257,10 +259,7 @@ fn moduli_of_hits() -> Vec<(PathBuf, String)> {
 /// A sheet for the modulus from one shot, by two gauges before a free end.
 fn modulus_of_a_shot(folder: &Path) -> [(PathBuf, String); 2] {
     let rows = testbed::long_bar::LongBar::glassy().shot(&[1.0, 1.0], 1);
-    let lines: Vec<String> = (0..rows[0].len())
-        .map(|n| format!("{:e},{:e}", rows[0][n], rows[1][n]))
-        .collect();
-    fs::write(folder.join("shot.csv"), lines.join("\n")).unwrap();
+    write_columns(&folder.join("shot.csv"), &rows);
     let text = r#"Modulus(title: "Bar", specimen: (diameter: "20 mm", density: "1190 kg/m3"),
         method: MultiPoint(gauges: [(channel: "g1", at: "1600 mm"), (channel: "g2", at: "2000 mm")], free_end_at: "2500 mm"),
         source: Hits(records: (files: ["shot.csv"], sampling_rate: "250 kHz", channels: [(name: "g1", from: 1, unit: "strain"),
@@ -522,7 +521,7 @@ fn r08_every_field_of_the_templates_and_plans_takes_its_uncertainty_or_refuses_i
 /// The place, the value, the reason and what is possible instead.
 #[test]
 fn r08_the_refusal_says_why_and_what_to_do() {
-    let refused = |text: &str| parse(Path::new("s.ron"), text).unwrap_err().to_string();
+    let refused = |text: &str| parse(Path::new("s.ron"), text).refused();
     let impact = |modulus: &str, duration: &str| {
         format!(
             r#"Force(title: "a", materials: {{"pp": (density: "912 kg/m3", law: Elastic(modulus: "{modulus}"))}},

@@ -14,6 +14,8 @@ use rodlab::view::View;
 use serde_json::{Value, json};
 use tempfile::TempDir;
 
+use crate::runs::{Words, copy_example};
+
 /// A sheet that is served from a thread.
 struct Served {
     folder: TempDir,
@@ -27,12 +29,8 @@ struct Served {
 impl Served {
     /// A copy of the polypropylene rod of the examples.
     fn of(sheet: &str) -> Self {
-        let example = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/polypropylene");
         let folder = tempfile::tempdir().unwrap();
-        for file in fs::read_dir(example).unwrap() {
-            let file = file.unwrap();
-            fs::copy(file.path(), folder.path().join(file.file_name())).unwrap();
-        }
+        copy_example("polypropylene", folder.path());
         let sheet = folder.path().join(sheet);
         let view = View::of(&sheet, 0).unwrap();
         let address = view.address();
@@ -117,7 +115,7 @@ impl Drop for Served {
 fn strangers_are_refused() {
     let served = Served::of("rod.toml");
     let (path, host) = (&served.path, &served.host);
-    assert!(host.starts_with("127.0.0.1:"), "{host}");
+    host.must_begin("127.0.0.1:");
     let status = |request: String| served.answer(request.as_bytes()).0;
     let get =
         |path: &str, host: &str| status(format!("GET {path} HTTP/1.1\r\nHost: {host}\r\n\r\n"));
@@ -220,7 +218,8 @@ fn the_page_shows_the_report_of_the_job() {
         .unwrap();
     let place = |key: &str| length[key].as_u64().unwrap() as usize;
     let there = String::from_utf16(&units[place("from")..place("to")]).unwrap();
-    assert!(there.starts_with("\"") && there.contains("mm"), "{there}");
+    there.must_begin("\"");
+    there.must_say("mm");
 }
 
 #[test]
@@ -342,7 +341,7 @@ fn the_command_serves_until_it_is_interrupted() {
     write!(stream, "GET /{path} HTTP/1.1\r\nHost: {host}\r\n\r\n").unwrap();
     let mut page = String::new();
     stream.read_to_string(&mut page).unwrap();
-    assert!(page.starts_with("HTTP/1.1 200"), "{page}");
+    page.must_begin("HTTP/1.1 200");
     let killed = Command::new("kill")
         .args(["-INT", &child.id().to_string()])
         .status()

@@ -55,10 +55,7 @@ pub(super) fn run(
 ) -> Result<Vec<Benchmark>, BenchError> {
     let home = home.join(&program.folder).join(&program.name);
     if home.exists() {
-        fs::remove_dir_all(&home).map_err(|source| BenchError::Io {
-            path: home.clone(),
-            source,
-        })?;
+        fs::remove_dir_all(&home).map_err(BenchError::at(&home))?;
     }
     let mut command = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
     command
@@ -165,10 +162,7 @@ fn shortest(sample: &Value) -> Option<f64> {
 }
 
 fn json(path: &Path) -> Result<Value, BenchError> {
-    let text = fs::read_to_string(path).map_err(|source| BenchError::Io {
-        path: path.to_path_buf(),
-        source,
-    })?;
+    let text = fs::read_to_string(path).map_err(BenchError::at(path))?;
     serde_json::from_str(&text).map_err(|error| BenchError::Json {
         path: path.to_path_buf(),
         reason: error.to_string(),
@@ -177,10 +171,7 @@ fn json(path: &Path) -> Result<Value, BenchError> {
 
 /// Returns the entries of a folder, in the order of their names.
 fn entries(folder: &Path) -> Result<Vec<PathBuf>, BenchError> {
-    let fail = |source| BenchError::Io {
-        path: folder.to_path_buf(),
-        source,
-    };
+    let fail = BenchError::at(folder);
     let mut paths = Vec::new();
     for entry in fs::read_dir(folder).map_err(fail)? {
         paths.push(entry.map_err(fail)?.path());

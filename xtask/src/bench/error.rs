@@ -1,7 +1,7 @@
 //! Errors of the page on performance.
 
 use std::io;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use testbed::ron_text::RonError;
 
@@ -41,4 +41,14 @@ pub(super) enum BenchError {
     NoValgrind,
     #[error("there is no kernel `{name}`, expected one of {expected}")]
     NoKernel { name: String, expected: String },
+}
+
+impl BenchError {
+    /// Returns the error of the file or folder at `path`.
+    pub(super) fn at(path: &Path) -> impl Fn(io::Error) -> Self + Copy {
+        move |source| Self::Io {
+            path: path.to_path_buf(),
+            source,
+        }
+    }
 }

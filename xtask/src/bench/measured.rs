@@ -104,10 +104,7 @@ pub(super) struct KernelCount {
 
 impl Measured {
     pub(super) fn read(path: &Path) -> Result<Self, BenchError> {
-        let text = fs::read_to_string(path).map_err(|source| BenchError::Io {
-            path: path.to_path_buf(),
-            source,
-        })?;
+        let text = fs::read_to_string(path).map_err(BenchError::at(path))?;
         Ok(parse_ron(path, &text)?)
     }
 

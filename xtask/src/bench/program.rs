@@ -59,10 +59,6 @@ const ALL_PAPERS: &str = "reproduce-all";
 impl Programs {
     /// Builds the programs in the profile of the benchmarks, and makes the sheets and records.
     pub(super) fn prepare(root: &Path, folder: &Path) -> Result<Self, BenchError> {
-        let io = |path: &Path, source| BenchError::Io {
-            path: path.to_path_buf(),
-            source,
-        };
         let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
         // the profile of the benchmarks is used, to avoid building twice
         let mut build = Command::new(cargo);
@@ -81,7 +77,7 @@ impl Programs {
             build.args(["--bench", &bench.name]);
         }
         run(&mut build)?;
-        let xtask = std::env::current_exe().map_err(|source| io(Path::new("xtask"), source))?;
+        let xtask = std::env::current_exe().map_err(BenchError::at(Path::new("xtask")))?;
         let built = xtask.parent().unwrap_or(Path::new(".")).to_path_buf();
         let programs = Self {
             folder: folder.to_path_buf(),
@@ -91,9 +87,9 @@ impl Programs {
             root: root.to_path_buf(),
         };
         if folder.exists() {
-            fs::remove_dir_all(folder).map_err(|source| io(folder, source))?;
+            fs::remove_dir_all(folder).map_err(BenchError::at(folder))?;
         }
-        fs::create_dir_all(folder).map_err(|source| io(folder, source))?;
+        fs::create_dir_all(folder).map_err(BenchError::at(folder))?;
         programs.ten_hits()?;
         programs.campaigns()?;
         run(&mut programs.streamed())?;
@@ -124,10 +120,7 @@ impl Programs {
             timed.push(timed_runs(name, runs, command)?);
             // up to a thousand reports are deleted; no run finds files of another run
             if results.exists() {
-                fs::remove_dir_all(&results).map_err(|source| BenchError::Io {
-                    path: results.clone(),
-                    source,
-                })?;
+                fs::remove_dir_all(&results).map_err(BenchError::at(&results))?;
             }
             Ok::<(), BenchError>(())
         };
@@ -229,13 +222,13 @@ impl Programs {
         write(&folder.join("modulus.ron"), &without_laws(&sheet))?;
         for name in ["hits-1.npy", "hits-2.npy"] {
             let path = example.join(name);
-            let bytes = fs::read(&path).map_err(|source| BenchError::Io { path, source })?;
+            let bytes = fs::read(&path).map_err(BenchError::at(&path))?;
             let long = continued(&bytes, LONG_HIT).ok_or_else(|| BenchError::Json {
                 path: example.join(name),
                 reason: "not two rows of doubles behind a header of 128 bytes".to_owned(),
             })?;
             let path = folder.join(name);
-            fs::write(&path, long).map_err(|source| BenchError::Io { path, source })?;
+            fs::write(&path, long).map_err(BenchError::at(&path))?;
         }
         Ok(())
     }
@@ -322,10 +315,7 @@ fn without_laws(sheet: &str) -> String {
 /// Returns the text of an example after the replacements that make it longer. If the example does
 /// not contain a text to be replaced, this is an error.
 fn changed(path: &Path, replacements: &[(&str, &str)]) -> Result<String, BenchError> {
-    let mut text = fs::read_to_string(path).map_err(|source| BenchError::Io {
-        path: path.to_path_buf(),
-        source,
-    })?;
+    let mut text = fs::read_to_string(path).map_err(BenchError::at(path))?;
     for (from, to) in replacements {
         if !text.contains(from) {
             return Err(BenchError::Json {
@@ -339,12 +329,8 @@ fn changed(path: &Path, replacements: &[(&str, &str)]) -> Result<String, BenchEr
 }
 
 fn write(path: &Path, text: &str) -> Result<(), BenchError> {
-    let io = |source| BenchError::Io {
-        path: path.to_path_buf(),
-        source,
-    };
-    fs::create_dir_all(path.parent().unwrap_or(Path::new("."))).map_err(io)?;
-    fs::write(path, text).map_err(io)
+    fs::create_dir_all(path.parent().unwrap_or(Path::new("."))).map_err(BenchError::at(path))?;
+    fs::write(path, text).map_err(BenchError::at(path))
 }
 
 /// Runs a program to its end. An exit status other than 0 is an error, which quotes the last

@@ -183,10 +183,7 @@ impl Target {
 impl Targets {
     /// Reads and checks the file at `path`.
     pub(super) fn read(path: &Path) -> Result<Self, BenchError> {
-        let text = fs::read_to_string(path).map_err(|source| BenchError::Io {
-            path: path.to_path_buf(),
-            source,
-        })?;
+        let text = fs::read_to_string(path).map_err(BenchError::at(path))?;
         Self::parse(path, &text)
     }
 

@@ -20,18 +20,3 @@ pub(crate) fn significant(value: f64, digits: usize) -> String {
         text
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::significant;
-
-    #[test]
-    fn significant_digits_are_those_asked_for() {
-        assert_eq!(significant(2.5798e9, 4), "2.580e9");
-        assert_eq!(significant(0.000_123_46, 2), "0.00012");
-        assert_eq!(significant(2.1083, 4), "2.108");
-        assert_eq!(significant(9.996, 3), "10.0");
-        assert_eq!(significant(1234.5, 2), "1200");
-        assert_eq!(significant(0.0, 3), "0");
-    }
-}

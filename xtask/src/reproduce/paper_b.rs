@@ -77,7 +77,7 @@ fn moduli(series: &[Series], every: usize) -> Table {
         headings.push(format!("E', {}", one.way));
         headings.push(format!("E'', {}", one.way));
     }
-    let mut table = Table::new(&headings.iter().map(String::as_str).collect::<Vec<_>>());
+    let mut table = Table::new(&headings);
     let Some(first) = series.first() else {
         return table;
     };

@@ -3,7 +3,7 @@
 use super::double_hit::second_contact;
 use super::rest::{BEYOND_NOISE, HIT_OVER_PEAK, LEAST_REST, PASSAGE_OVER_PEAK, Rest, onset_of};
 use super::{Criteria, Reason};
-use crate::quantization::smallest_step;
+use crate::quantization::{are_multiples, smallest_step};
 use crate::spectra::ending::{End, Ending};
 use crate::{LabioError, Quantity, Record};
 
@@ -192,7 +192,13 @@ impl Criteria {
         let runs = runs(signal.samples, shortest);
         // a steep front that is cut off leaves only two equal samples, which are evidence where
         // noise makes equal neighbours rare
-        let shorter_is_told = equal_by_chance(noise / step) < RARE
+        let noise_in_steps = if are_multiples(signal.samples, step) {
+            noise / step
+        } else {
+            WITHOUT_STEP
+        };
+        let shorter_is_told = noise > DUST * signal.peak
+            && equal_by_chance(noise_in_steps) < RARE
             && (runs.len() as f64) < RARE * signal.samples.len() as f64 + FEW_RUNS;
         for run in runs {
             let from_rest = (run.value - signal.rest.level).abs();
@@ -215,7 +221,10 @@ impl Criteria {
                         run.length >= n || (shorter_is_told && run.length + 1 >= n)
                     })
                     && from_rest > BEYOND_NOISE * noise
-                    && (cut || is_improbable(run.length, noise / step))
+                    && (cut
+                        || is_improbable(run.length, noise / step)
+                        || (shorter_is_told
+                            && is_improbable(run.length.max(LEAST_EVIDENT), noise_in_steps)))
                 {
                     clipped.get_or_insert(run);
                 }
@@ -455,6 +464,17 @@ const LEAP: f64 = 4.0;
 
 /// Probability below which equal samples in noise are not a coincidence.
 const BY_CHANCE: f64 = 1e-6;
+
+/// Noise relative to the peak below which a record was computed without noise; symmetric pulses
+/// then have equal samples.
+const DUST: f64 = 1e-9;
+
+/// Noise, in steps, of a record that has no step: no two samples are equal by chance.
+const WITHOUT_STEP: f64 = 1e12;
+
+/// Length of a run for which [`BY_CHANCE`] applies at least: two samples are judged by a probability
+/// of 1e-3, because they count only at the extreme.
+const LEAST_EVIDENT: usize = 3;
 
 /// Probability below which equal neighbours are rare, and the number of pairs of them that is no
 /// evidence of an upsampled record, in which all neighbours are equal.

@@ -125,6 +125,32 @@ fn r17_three_equal_samples_between_noise_are_no_limit() {
     }
 }
 
+/// A limit cuts two samples off a steep front, in noise without steps. In a record of which every
+/// sample is stored twice, two equal samples are no evidence.
+#[test]
+fn two_equal_samples_of_a_front_are_a_limit() {
+    let mut rng = Noise::seeded(6);
+    let front = |k: usize| (k > 1000).then(|| (-((k - 1001) as f64) / 40.0).exp());
+    let mut clipped = 0;
+    for _ in 0..40 {
+        let exact: Vec<f64> = (0..3000)
+            .map(|k| front(k).unwrap_or_default() + 5e-3 * rng.normal())
+            .collect();
+        let limit = exact[1002].min(exact[1001]).min(0.96);
+        let cut: Vec<f64> = exact.iter().map(|x| x.min(limit)).collect();
+        let repeated: Vec<f64> = exact.iter().flat_map(|x| [*x; 2]).collect();
+        let is_clipped = |samples: Vec<f64>| {
+            let record = gauge_record(samples, Quantity::Velocity);
+            let reasons = Criteria::bar().judge(&record, "gauge", None).unwrap();
+            let clipped = |reason: &Reason| matches!(reason, Reason::Clipped { .. });
+            reasons.iter().any(clipped)
+        };
+        assert!(!is_clipped(exact) && !is_clipped(repeated));
+        clipped += usize::from(is_clipped(cut));
+    }
+    assert_eq!(clipped, 40);
+}
+
 #[test]
 fn r17_an_onset_behind_the_record_is_refused() {
     let record = gauge_record(bar_gauge(1.0, 2, 1.05), Quantity::Strain);

@@ -1,6 +1,7 @@
 //! Runs in a folder with results of an earlier run, or with files of another origin.
 
 use super::*;
+use crate::runs::Words;
 
 #[test]
 fn what_is_done_is_not_done_again_unless_something_has_changed() {
@@ -170,11 +171,7 @@ fn r19_a_summary_replaces_no_file_of_somebody_else() {
     fs::write(&page, "a page of mine").unwrap();
     let run = rodlab(folder.path(), &["batch", "campaign", "--out", "results"]);
     assert_eq!(run.status.code(), Some(2));
-    assert!(
-        text(&run.stderr).contains("index.html"),
-        "{}",
-        text(&run.stderr)
-    );
+    text(&run.stderr).must_say("index.html");
     assert_eq!(fs::read_to_string(&page).unwrap(), "a page of mine");
     fs::remove_file(&page).unwrap();
     for _ in 0..2 {

@@ -3,6 +3,7 @@
 use std::time::Instant;
 
 use super::*;
+use crate::runs::Words;
 
 #[test]
 fn an_interruption_leaves_whole_files_and_the_rest_undone() {
@@ -63,7 +64,7 @@ fn time_to_end(folder: &Path, arguments: &[&str]) -> Duration {
     let ended = child.wait_with_output().unwrap();
     let took = told.elapsed();
     assert_eq!(ended.status.code(), Some(130));
-    assert!(text(&ended.stderr).contains("interrupted"));
+    text(&ended.stderr).must_say("interrupted");
     took
 }
 

@@ -1,6 +1,7 @@
 //! Folders of sheets, and those of their results.
 
 use super::*;
+use crate::runs::Words;
 
 /// Names and statuses of the tests in a summary.
 fn tests_in(folder: &Path) -> Vec<String> {
@@ -57,7 +58,7 @@ fn r19_results_stay_in_their_folder() {
     for (places, named) in refused {
         let run = rodlab(&here, &[&["batch", "--out", "out"], places].concat());
         assert_eq!(run.status.code(), Some(2));
-        assert!(text(&run.stderr).contains(named), "{}", text(&run.stderr));
+        text(&run.stderr).must_say(named);
         assert!(!here.join("out").exists());
     }
 }

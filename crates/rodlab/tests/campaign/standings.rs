@@ -1,6 +1,7 @@
 //! Tests in doubt and tests refused beside others that are answered.
 
 use super::*;
+use crate::runs::Words;
 
 /// The rod of the examples as it was measured, and with a sensor that is wired the other way round.
 fn right_and_inverted() -> TempDir {
@@ -15,7 +16,7 @@ fn right_and_inverted() -> TempDir {
         }
         let sheet = fs::read_to_string(example.join("modulus.ron")).unwrap();
         let wired = "(name: \"free end\", from: 2, unit: \"m/s2\"";
-        assert!(sheet.contains(wired));
+        sheet.must_say(wired);
         let sheet = match name {
             "inverted" => sheet.replace(wired, &format!("{wired}, inverted: true")),
             _ => sheet,
@@ -31,39 +32,16 @@ fn r11_an_inverted_sensor_is_in_doubt_in_one_word_everywhere() {
     let run = rodlab(folder.path(), &["batch", "campaign", "--out", "results"]);
     let said = text(&run.stdout);
     assert_eq!(run.status.code(), Some(3), "{said}{}", text(&run.stderr));
-    assert!(
-        said.contains("in doubt     inverted/modulus: the Kramers-Kronig check fails"),
-        "{said}"
-    );
-    assert!(
-        said.contains("answered     right/modulus: E' = 2.728"),
-        "{said}"
-    );
-    assert!(
-        said.contains(
-            "2 tests: 1 answered, 1 in doubt, 0 not allowed, 0 wrong input; 2 with warnings"
-        ),
-        "{said}"
-    );
+    said.must_say("in doubt     inverted/modulus: the Kramers-Kronig check fails");
+    said.must_say("answered     right/modulus: E' = 2.728");
+    said.must_say("2 tests: 1 answered, 1 in doubt, 0 not allowed, 0 wrong input; 2 with warnings");
     let read = |name: &str| fs::read_to_string(folder.path().join("results").join(name)).unwrap();
     let summary = read("summary.csv");
-    assert!(
-        summary.starts_with("test,job,title,status,warnings,result\n"),
-        "{summary}"
-    );
-    assert!(
-        summary.contains(",in doubt,") && summary.contains(",answered,"),
-        "{summary}"
-    );
+    summary.must_begin("test,job,title,status,warnings,result\n");
+    summary.must_say_all(&[",in doubt,", ",answered,"]);
     let page = read("index.html");
-    assert!(
-        page.contains("<td class=\"status in-doubt\">in doubt</td>"),
-        "{page}"
-    );
-    assert!(
-        page.contains("<td class=\"status answered\">answered</td>"),
-        "{page}"
-    );
+    page.must_say("<td class=\"status in-doubt\">in doubt</td>");
+    page.must_say("<td class=\"status answered\">answered</td>");
     let json: serde_json::Value = serde_json::from_str(&read("summary.json")).unwrap();
     assert_eq!(json["in_doubt"], 1);
     assert_eq!(json["with_warnings"], 2);
@@ -73,7 +51,7 @@ fn r11_an_inverted_sensor_is_in_doubt_in_one_word_everywhere() {
         serde_json::from_str(&read("inverted/modulus/result.json")).unwrap();
     assert_eq!(result["verdict"]["answer"], "in doubt");
     let report = read("inverted/modulus/report.html");
-    assert!(report.contains("<p class=\"standing in-doubt\">in doubt</p>"));
+    report.must_say("<p class=\"standing in-doubt\">in doubt</p>");
 
     // no number of it is valid, the law is fitted nevertheless
     let (mut of_inverted, mut of_law, mut valid_of_right) = (0, 0, 0);
@@ -104,19 +82,10 @@ fn r11_an_inverted_sensor_is_in_doubt_in_one_word_everywhere() {
         ],
     );
     assert_eq!(single.status.code(), Some(3));
-    assert!(
-        text(&single.stderr).starts_with("in doubt: the Kramers-Kronig check fails"),
-        "{}",
-        text(&single.stderr)
-    );
+    text(&single.stderr).must_begin("in doubt: the Kramers-Kronig check fails");
     let said = text(&single.stdout);
-    assert!(
-        said.starts_with(
-            "Do not use this result until the failed checks are explained: the Kramers-Kronig check fails"
-        ),
-        "{said}"
-    );
-    assert!(said.contains("\nin doubt; "), "{said}");
+    said.must_begin("Do not use this result until the failed checks are explained: the Kramers-Kronig check fails");
+    said.must_say("\nin doubt; ");
 
     // on a terminal, where both streams appear, the doubt is stated once
     #[cfg(target_os = "linux")]
@@ -162,10 +131,7 @@ fn r10_a_hit_that_is_there_twice_stops_its_test_and_no_other() {
     let run = rodlab(folder.path(), &["batch", "campaign", "--out", "results"]);
     let said = text(&run.stdout);
     assert_eq!(run.status.code(), Some(2), "{said}");
-    assert!(
-        said.contains("wrong input  inverted/modulus: hits-2.npy and hits-7.npy have the same content: they are one measurement"),
-        "{said}"
-    );
+    said.must_say("wrong input  inverted/modulus: hits-2.npy and hits-7.npy have the same content: they are one measurement");
     let check = rodlab(folder.path(), &["check", "campaign/inverted/modulus.ron"]);
     assert_eq!(
         check.status.code(),
@@ -189,8 +155,5 @@ fn r10_one_shot_under_two_names_is_no_second_test() {
     let run = rodlab(folder.path(), &["check", "identify.ron"]);
     assert_eq!(run.status.code(), Some(2));
     let said = text(&run.stderr);
-    assert!(
-        said.contains("shots-1.csv and shots-2.csv have the same content"),
-        "{said}"
-    );
+    said.must_say("shots-1.csv and shots-2.csv have the same content");
 }

@@ -8,10 +8,11 @@ use labio::format;
 use serde_json::Value;
 use tempfile::TempDir;
 
-use super::folder::{example, files_in};
+use super::folder::files_in;
 use super::program::{rodlab, run};
 use super::record_files::{RecordFile, all, at_end_of_line};
 use super::tally::{Came, Extent, Row};
+use crate::runs::copy_example;
 
 pub(crate) fn rows(extent: Extent) -> Vec<Row> {
     let mut rows = Vec::new();
@@ -143,7 +144,7 @@ fn begins_with(whole: &Value, shorter: &Value) -> bool {
 /// A modulus from five hits of which the first is cut at a hundred places.
 fn in_a_job(ending: &str, extent: Extent) -> Row {
     let folder = TempDir::new().unwrap();
-    example("frame", folder.path());
+    copy_example("frame", folder.path());
     let sheet = folder.path().join("modulus.ron");
     for number in 1..=5 {
         let [from, to] = ["npy", ending].map(|ending| format!("strains-{number}.{ending}"));

@@ -5,9 +5,9 @@ use std::path::Path;
 
 use tempfile::TempDir;
 
-use super::folder::example;
 use super::program::{rodlab, run};
 use super::tally::{Came, Extent, Row};
+use crate::runs::copy_example;
 
 pub(crate) fn rows(extent: Extent) -> Vec<Row> {
     let mut rows = Vec::new();
@@ -18,7 +18,7 @@ pub(crate) fn rows(extent: Extent) -> Vec<Row> {
         ("cone", &["force"]),
     ] {
         let folder = TempDir::new().unwrap();
-        example(name, folder.path());
+        copy_example(name, folder.path());
         for sheet in sheets {
             let text = fs::read(folder.path().join(format!("{sheet}.ron"))).unwrap();
             rows.push(row(

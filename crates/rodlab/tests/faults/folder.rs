@@ -34,19 +34,6 @@ pub(crate) fn put(folder: &Path, files: &Files) {
     }
 }
 
-/// A copy of the files of an example that are next to its sheet.
-pub(crate) fn example(name: &str, folder: &Path) {
-    let source = Path::new(env!("CARGO_MANIFEST_DIR"))
-        .join("examples")
-        .join(name);
-    for entry in fs::read_dir(source).unwrap() {
-        let path = entry.unwrap().path();
-        if path.is_file() {
-            fs::copy(&path, folder.join(path.file_name().unwrap())).unwrap();
-        }
-    }
-}
-
 /// Returns true for the name of a temporary file.
 fn is_temporary(name: &Path) -> bool {
     let name = name.file_name().unwrap().to_string_lossy();

@@ -7,10 +7,11 @@ use std::os::unix::fs::symlink;
 use std::path::Path;
 use std::process::{Command, Stdio};
 
-use super::folder::{difference, example, files_in};
+use super::folder::{difference, files_in};
 use super::program::{Ran, rodlab, run, shell};
 use super::struck_mass;
 use super::tally::{Came, Extent, Row};
+use crate::runs::copy_example;
 
 pub(crate) fn rows(extent: Extent) -> Vec<Row> {
     vec![
@@ -165,7 +166,7 @@ fn places() -> Row {
             let place = root.path().join(OsStr::from_bytes(name));
             let out = place.join("results \u{e5}");
             if fs::create_dir(&place).is_ok() {
-                example("frame", &place);
+                copy_example("frame", &place);
                 let mut command = rodlab(root.path(), &["modulus", "--quiet", "--out"]);
                 command.arg(&out).arg(place.join("modulus.ron"));
                 let ran = run(&mut command);

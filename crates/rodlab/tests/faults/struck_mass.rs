@@ -5,8 +5,9 @@ use std::path::Path;
 
 use tempfile::TempDir;
 
-use super::folder::{Files, example, files_in};
+use super::folder::{Files, files_in};
 use super::program::{rodlab, run};
+use crate::runs::copy_example;
 
 /// A mass that strikes a long rod.
 pub(crate) fn sheet(velocity: &str) -> String {
@@ -22,7 +23,7 @@ pub(crate) fn folder() -> TempDir {
     let folder = TempDir::new().unwrap();
     fs::write(folder.path().join("hit.ron"), sheet("2 m/s")).unwrap();
     fs::write(folder.path().join("harder.ron"), sheet("3 m/s")).unwrap();
-    example("frame", folder.path());
+    copy_example("frame", folder.path());
     folder
 }
 

@@ -5,6 +5,7 @@ use rodlab::outcome::Verdict;
 use tempfile::TempDir;
 
 use super::{numbers, quantity, run};
+use crate::runs::Words;
 
 /// The outcome of a sheet whose files are in the folder of measured data; `None` where they are not
 /// at hand.
@@ -70,10 +71,7 @@ fn a_measured_sweep_becomes_one_curve_and_a_card() {
     // one WLF does not hold from the glass to the rubber: with equal errors it is at least nearer
     // to the shifts
     let verdict = &quantity(&outcome, "WLF, C1").verdict;
-    assert!(
-        verdict.starts_with("the shifts differ from the law by more than their errors"),
-        "{verdict}"
-    );
+    verdict.must_begin("the shifts differ from the law by more than their errors");
     let farthest = |row: usize| {
         let of = |column: &str| numbers(&outcome, "shift_laws", column)[row];
         let (c1, c2, reference) = (of("C1"), of("C2"), temperatures[10]);
@@ -86,11 +84,8 @@ fn a_measured_sweep_becomes_one_curve_and_a_card() {
     let (own, equal) = (farthest(0), farthest(2));
     assert!(equal < 1.0 && own > equal, "{own} {equal}");
     let card = String::from_utf8(outcome.attachments[1].bytes.clone()).unwrap();
-    assert!(
-        card.contains("** temperature: master curve of 21 temperatures at 24.98 \u{b0}C"),
-        "{card}"
-    );
-    assert!(card.contains("*VISCOELASTIC, TIME=PRONY"));
+    card.must_say("** temperature: master curve of 21 temperatures at 24.98 \u{b0}C");
+    card.must_say("*VISCOELASTIC, TIME=PRONY");
 }
 
 /// 22 files in ISO-8859-1 with an index as first column and a last line that is none.
@@ -105,17 +100,10 @@ fn files_of_an_instrument_are_read_as_they_are() {
     };
     assert_eq!(outcome.inputs.len(), 22);
     let beyond = "The rows of 22 files, such as dma/glassy-polymer/T0.txt, are followed by text that is not a row of numbers";
-    assert!(
-        outcome.warnings.iter().any(|w| w.starts_with(beyond)),
-        "{:?}",
-        outcome.warnings
-    );
-    assert!(
-        outcome
-            .warnings
-            .iter()
-            .any(|w| w.starts_with("The temperatures of a step differ by up to 3.1"))
-    );
+    outcome.warnings.must_begin(beyond);
+    outcome
+        .warnings
+        .must_begin("The temperatures of a step differ by up to 3.1");
     let residual = quantity(&outcome, "residual of the master curve")
         .value
         .unwrap();

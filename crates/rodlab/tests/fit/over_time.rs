@@ -9,6 +9,7 @@ use tempfile::TempDir;
 use testbed::noise::Noise;
 
 use super::{interval_of, numbers, run};
+use crate::runs::{Words, attachments_of, figures_of};
 
 const RELAXED: f64 = 0.4e9;
 const INCREMENT: f64 = 1.6e9;
@@ -112,12 +113,7 @@ fn a_solid_is_found_from_relaxation_from_creep_and_from_both() {
                 .iter()
                 .any(|file| file.name == "material.json")
         );
-        let figures: Vec<&str> = outcome
-            .figures
-            .iter()
-            .map(|figure| figure.name.as_str())
-            .collect();
-        assert_eq!(figures, ["over_time", "laws_over_time"]);
+        assert_eq!(figures_of(&outcome), "over_time, laws_over_time");
     }
     // half as many rows of each: half of the information of each alone
     let information = |width: &f64| 0.5 / (width * width);
@@ -138,11 +134,11 @@ fn a_ramp_that_is_forgotten_is_seen() {
     let outcome = fitted(&folder, &RELAXATION.replace(r#"ramp: "12 s", "#, ""));
     let doubt = "no law explains the moduli within their stated errors";
     let said = super::reasons(&outcome);
-    assert!(said.contains(doubt), "{said}");
+    said.must_say(doubt);
     let mut files = outcome.attachments.iter();
     let material = files.find(|file| file.name == "material.json").unwrap();
     let material = String::from_utf8(material.bytes.clone()).unwrap();
-    assert!(material.contains(doubt), "{material}");
+    material.must_say(doubt);
 }
 
 #[test]
@@ -200,10 +196,7 @@ fn a_modulus_that_rises_with_time_is_in_doubt() {
     let text = rows("t (min),E (MPa)", 4, |t| 1000.0 * (1.0 + t).powf(0.02));
     fs::write(folder.path().join("relaxation.csv"), text).unwrap();
     let said = super::reasons(&fitted(&folder, RELAXATION));
-    assert!(
-        said.contains("the modulus rises with time in 1 test(s), first at 23 \u{b0}C"),
-        "{said}"
-    );
+    said.must_say("the modulus rises with time in 1 test(s), first at 23 \u{b0}C");
 }
 
 /// A ratio of 0.1 in the middle of a decade and a half of modulus, with a bulk that does not relax,
@@ -221,16 +214,8 @@ fn a_card_that_cannot_be_costs_no_other_result() {
     );
     let outcome = run(folder.path(), &sheet).unwrap();
     let said = outcome.warnings.join("\n");
-    assert!(
-        said.contains("No card is written: instantaneous Poisson ratio"),
-        "{said}"
-    );
-    let names: Vec<&str> = outcome
-        .attachments
-        .iter()
-        .map(|file| file.name.as_str())
-        .collect();
-    assert_eq!(names, ["material.json"]);
+    said.must_say("No card is written: instantaneous Poisson ratio");
+    assert_eq!(attachments_of(&outcome), "material.json");
 }
 
 /// Draws of the rows are fitted as the rows were: their scatter is the stated error.

@@ -5,6 +5,7 @@ use std::fs;
 use tempfile::TempDir;
 
 use super::run;
+use crate::runs::{Words, with_causes};
 
 /// Three frequencies at two temperatures.
 const TABLE: &str = "f,E',E'',T,Set\nHz,MPa,MPa,degC,-\n1,1000,100,20,0\n10,1100,110,20.1,0\n100,1200,120,20.2,0\n1,900,100,30,1\n10,1000,110,30,1\n100,1100,120,30,1\n";
@@ -18,15 +19,7 @@ fn said(table: &str, sheet: &str) -> String {
     let folder = TempDir::new().unwrap();
     fs::write(folder.path().join("t.csv"), table).unwrap();
     let error = run(folder.path(), sheet).expect_err(sheet);
-    let mut said = error.to_string();
-    let mut source = std::error::Error::source(&error);
-    while let Some(inner) = source {
-        if !said.contains(&inner.to_string()) {
-            said = format!("{said}: {inner}");
-        }
-        source = inner.source();
-    }
-    said.replace(&folder.path().display().to_string(), "FOLDER")
+    with_causes(&error).replace(&folder.path().display().to_string(), "FOLDER")
 }
 
 #[test]
@@ -67,56 +60,35 @@ fn wrong_sheets_are_refused_where_they_are_wrong() {
         assert!(SHEET.contains(from), "{from}");
         said(TABLE, &SHEET.replacen(from, to, 1))
     };
+    let with = |field: &str| of("Column(\"T\")", &format!("Column(\"T\"), {field}"));
+    let before = |field: &str| of("tables: [(", &format!("{field}, tables: [("));
     let all = [
         of("reference_temperature: \"20 degC\",", ""),
         of("\"E''\"", "\"G''\""),
         of("frequency: \"f\"", "frequency: 7"),
         of("frequency: \"f\"", "angular_frequency: \"f\""),
         of("frequency: \"f\",", ""),
-        of("temperature: Column(\"T\")", "temperature: Column(\"Set\")"),
-        of(
-            "temperature: Column(\"T\")",
-            "temperature: Column(\"T\"), units: (modulus: \"GPa\")",
-        ),
-        of(
-            "temperature: Column(\"T\")",
-            "temperature: Column(\"T\"), units: (modulus: \"mm\")",
-        ),
-        of(
-            "temperature: Column(\"T\")",
-            "temperature: Column(\"T\"), errors: MagnitudeAndPhase(magnitude: \"1 %\", phase: \"1 %\")",
-        ),
-        of(
-            "temperature: Column(\"T\")",
-            "temperature: Column(\"T\"), errors: Columns(Parts(storage: \"Set\", loss: \"E''\"))",
-        ),
-        of("tables: [(", "steps: Within(\"1 degC\"), tables: [("),
-        of("tables: [(", "steps: Within(\"0.05 K\"), tables: [("),
-        of("tables: [(", "steps: ByFile, tables: [("),
-        of(
-            "tables: [(",
-            "band: (from: \"1 kHz\", to: \"2 kHz\"), tables: [(",
-        ),
+        of("Column(\"T\")", "Column(\"Set\")"),
+        with(r#"units: (modulus: "GPa")"#),
+        with(r#"units: (modulus: "mm")"#),
+        with(r#"errors: MagnitudeAndPhase(magnitude: "1 %", phase: "1 %")"#),
+        with(r#"errors: Columns(Parts(storage: "Set", loss: "E''"))"#),
+        before(r#"steps: Within("1 degC")"#),
+        before(r#"steps: Within("0.05 K")"#),
+        before("steps: ByFile"),
+        before(r#"band: (from: "1 kHz", to: "2 kHz")"#),
         of("tables: [(", "tables: [], x: [("),
         of("t.csv", "absent.csv"),
-        of("tables: [(", "laws: (laws: []), tables: [("),
-        of("tables: [(", "laws: (laws: [PowerLaw]), tables: [("),
-        of(
-            "tables: [(",
-            "laws: (laws: [GeneralisedMaxwell], cards: (name: \"a\", poisson_ratio: \"0.3\", programs: [Abaqus])), tables: [(",
+        before("laws: (laws: [])"),
+        before("laws: (laws: [PowerLaw])"),
+        before(
+            r#"laws: (laws: [GeneralisedMaxwell], cards: (name: "a", poisson_ratio: "0.3", programs: [Abaqus]))"#,
         ),
-        of(
-            "tables: [(",
-            "kind: Shear, density: \"1200 kg/m3\", laws: (laws: [GeneralisedMaxwell], cards: (name: \"a\", poisson_ratio: \"0.3\", programs: [Abaqus])), tables: [(",
+        before(
+            r#"kind: Shear, density: "1200 kg/m3", laws: (laws: [GeneralisedMaxwell], cards: (name: "a", poisson_ratio: "0.3", programs: [Abaqus]))"#,
         ),
-        of(
-            "tables: [(",
-            "stated_shifts: Wlf(c1: 10, c2: 20, at: \"100 degC\"), tables: [(",
-        ),
-        of(
-            "tables: [(",
-            "stated_shifts: Table([(at: \"20 degC\", log10_shift: 0)]), tables: [(",
-        ),
+        before(r#"stated_shifts: Wlf(c1: 10, c2: 20, at: "100 degC")"#),
+        before(r#"stated_shifts: Table([(at: "20 degC", log10_shift: 0)])"#),
     ];
     insta::assert_snapshot!(all.join("\n"));
 }
@@ -224,9 +196,9 @@ fn repeated_readings_are_averaged_and_compared_with_their_errors() {
         fs::write(folder.path().join("t.csv"), table).unwrap();
         let outcome = run(folder.path(), &sheet).unwrap();
         let said = outcome.summary.join("\n");
-        assert!(said.contains("9 rows that repeat a frequency"), "{said}");
+        said.must_say("9 rows that repeat a frequency");
         let found = format!("{:?}", outcome.verdict);
-        assert!(found.starts_with(verdict), "{found}");
+        found.must_begin(verdict);
         let data = crate::runs::table(&outcome, "data");
         assert_eq!(data.columns[0].cells.len(), 3);
     }
@@ -241,11 +213,10 @@ fn rows_that_are_stored_twice_count_once() {
     fs::write(folder.path().join("t.csv"), table).unwrap();
     let outcome = run(folder.path(), SHEET).unwrap();
     let said = outcome.warnings.join("\n");
-    assert!(
-        said.contains("3 row(s) agree in every digit with another row")
-            && said.contains("first t.csv, line 6 with t.csv, line 3"),
-        "{said}"
-    );
+    said.must_say_all(&[
+        "3 row(s) agree in every digit with another row",
+        "first t.csv, line 6 with t.csv, line 3",
+    ]);
     assert!(!outcome.summary.join("\n").contains("were averaged"));
 }
 
@@ -256,10 +227,7 @@ fn a_modulus_above_that_of_diamond_is_refused_unless_the_sheet_confirms_it() {
         .replace(",1000,", ",2000,");
     let table = table.replace(",1200,", ",1300,").replace(",900,", ",950,");
     let message = said(&table, SHEET);
-    assert!(
-        message.contains("t.csv, line 3) is a modulus of 2000 GPa, expected at most 1500 GPa"),
-        "{message}"
-    );
+    message.must_say("t.csv, line 3) is a modulus of 2000 GPa, expected at most 1500 GPa");
     let folder = TempDir::new().unwrap();
     fs::write(folder.path().join("t.csv"), table).unwrap();
     let sheet = SHEET.replace(

@@ -1,6 +1,16 @@
 //! Hits that are judged, sheets that are refused, and measured hits.
 
 use super::*;
+use crate::runs::{Words, doubts, refusal};
+
+/// The log, a line for each hit.
+fn decisions(outcome: &Outcome) -> String {
+    let lines = outcome.log.iter().map(|entry| {
+        let reasons = entry.reasons.join("; ");
+        format!("{} {} {reasons}", entry.accepted, entry.what)
+    });
+    lines.collect::<Vec<_>>().join("\n")
+}
 
 #[test]
 fn a_double_hit_is_rejected_with_its_reason_and_a_hand_can_decide_otherwise() {
@@ -14,19 +24,7 @@ fn a_double_hit_is_rejected_with_its_reason_and_a_hand_can_decide_otherwise() {
         &recorded(&double, NOISE, 9),
     );
     let by_checks = run(folder.path(), &sheet_of("hit_*.npy", BAND)).unwrap();
-    let log: Vec<String> = by_checks
-        .log
-        .iter()
-        .map(|entry| {
-            format!(
-                "{} {} {}",
-                entry.accepted,
-                entry.what,
-                entry.reasons.join("; ")
-            )
-        })
-        .collect();
-    insta::assert_snapshot!(log.join("\n"), @r"
+    insta::assert_snapshot!(decisions(&by_checks), @r"
     true hit 1, hit_0.npy 
     true hit 2, hit_1.npy 
     true hit 3, hit_2.npy 
@@ -90,19 +88,7 @@ fn a_long_record_is_cut_by_a_trigger() {
         )
     };
     let outcome = run(folder.path(), &sheet_of("long.npy", &cut(""))).unwrap();
-    let said: Vec<String> = outcome
-        .log
-        .iter()
-        .map(|entry| {
-            format!(
-                "{} {} {}",
-                entry.accepted,
-                entry.what,
-                entry.reasons.join("; ")
-            )
-        })
-        .collect();
-    insta::assert_snapshot!(said.join("\n"), @r"
+    insta::assert_snapshot!(decisions(&outcome), @r"
     true hit 1, long.npy at 0.1002 s 
     true hit 2, long.npy at 0.7002 s 
     true hit 3, long.npy at 1.3002 s 
@@ -117,9 +103,7 @@ fn a_long_record_is_cut_by_a_trigger() {
         &sheet_of("long.npy", &cut("").replace("20 N", "2 kN")),
     )
     .unwrap();
-    let Verdict::NotAllowed { reason } = &silent.verdict else {
-        panic!("{:?}", silent.verdict);
-    };
+    let reason = refusal(&silent);
     insta::assert_snapshot!(reason, @r"no hit is found (hit 1, long.npy: not triggered: `hammer` never passes 2000; its values are between -0.376 and 189.7)");
     let wrong = run(
         folder.path(),
@@ -140,10 +124,7 @@ fn r10_a_hit_in_two_files_is_refused() {
     let copy = folder.path().join("hit_copy.npy");
     fs::copy(&files[1], &copy).unwrap();
     let error = run(folder.path(), &sheet_of("hit_*.npy", BAND)).unwrap_err();
-    assert!(
-        error.contains("hit_copy.npy have the same content"),
-        "{error}"
-    );
+    error.must_say("hit_copy.npy have the same content");
 }
 
 #[test]
@@ -151,9 +132,7 @@ fn r24_a_single_hit_has_no_valid_line_and_no_hit_has_no_response() {
     let folder = tempfile::tempdir().unwrap();
     write_hits(folder.path(), 1, 1e-3, NOISE);
     let single = run(folder.path(), &sheet_of("hit_*.npy", BAND)).unwrap();
-    let Verdict::InDoubt { reasons } = &single.verdict else {
-        panic!("{:?}", single.verdict)
-    };
+    let reasons = doubts(&single);
     insta::assert_snapshot!(reasons.join("\n"), @"only one hit is accepted: there is no coherence, and the error of its lines is not known");
     let validity = words(&single, "response_struck_end", "validity");
     assert!(
@@ -162,11 +141,7 @@ fn r24_a_single_hit_has_no_valid_line_and_no_hit_has_no_response() {
             .all(|word| word == "error not known from one hit"),
         "{validity:?}"
     );
-    let valid = single
-        .quantities
-        .iter()
-        .find(|q| q.name == "valid lines, struck end")
-        .unwrap();
+    let valid = runs::quantity(&single, "valid lines, struck end");
     assert!(!valid.valid && valid.value == Some(0.0), "{valid:?}");
     insta::assert_snapshot!([single.summary, single.warnings].concat().join("\n"), @r"
     Do not use this result until the failed checks are explained: only one hit is accepted: there is no coherence, and the error of its lines is not known.
@@ -188,9 +163,7 @@ fn r24_a_single_hit_has_no_valid_line_and_no_hit_has_no_response() {
         ),
     )
     .unwrap();
-    let Verdict::NotAllowed { reason } = &rejected.verdict else {
-        panic!("{:?}", rejected.verdict);
-    };
+    let reason = refusal(&rejected);
     insta::assert_snapshot!(reason, @r"the only hit is rejected (hit 1, hit_0.npy: rejected by hand: the rod was held)");
     // the partial results are there
     assert_eq!(rejected.log.len(), 1);
@@ -226,11 +199,9 @@ fn noise_alone_has_no_response() {
     let (valid, _) = quantity(&outcome, "valid lines, struck end");
     // chance passes one in twenty: 590 lines, standard error 0.9 %
     assert!((valid - 5.0).abs() < 3.6, "{valid}");
-    let Verdict::NotAllowed { reason } = &outcome.verdict else {
-        panic!("{:?}", outcome.verdict);
-    };
+    let reason = refusal(&outcome);
     insta::assert_snapshot!(reason, @r"no more lines between 20 Hz and 1.2 kHz are coherent with `hammer` than noise alone would give");
-    assert!(outcome.summary[0].contains(reason));
+    outcome.summary[0].must_say(reason);
 }
 
 #[test]
@@ -266,6 +237,7 @@ fn what_is_wrong_with_a_sheet_is_said_with_its_field() {
         of(r#"hits: (criteria: (full_scales: {"hammer": "10 N"})),"#),
         of("estimator: H3,"),
         of("window: Hanning,"),
+        of(r#"force_window: (start: "45 ms", end: "55 ms", taper: "2 ms"), window: Hann,"#),
         of(r#"weighed_mass: (mass: "2 kg", below: "20 Hz", fitted_to: "10 Hz"),"#),
         of("colour: 3,"),
     ];
@@ -296,6 +268,7 @@ fn what_is_wrong_with_a_sheet_is_said_with_its_field() {
     hits.criteria.full_scales.hammer is `10 N`, expected a level of `hammer`, which is voltage [V]
     FOLDER/test.ron:4:41: Frf.estimator: found `H3`, expected one of `H1`, `H2`, `Hv`, `Hs`
     FOLDER/test.ron:4:38: Frf.window: found `Hanning`, expected one of `Rectangular`, `Hann`, `Hamming`, `BlackmanHarris`, `FlatTop`, `Tukey`
+    force_window: a force window cannot be combined with HannPeriodic
     weighed_mass: end of the band of a nearly rigid body [Hz] is 10, expected a finite frequency above its start
     FOLDER/test.ron:4:30: Frf.colour: there is no field `colour`, only `title`, `about`, `records`, `hits`, `segments`, `input`, `further_inputs`, `outputs`, `estimator`, `window`, `force_window`, `exponential_window`, `detrend`, `silent`, `band`, `kind`, `second_hammer`, `weighed_mass`
     input is `force`, expected one of records.channels: `hammer`, `struck end`
@@ -413,13 +386,8 @@ fn a_window_of_the_analyser_is_found_by_the_noise() {
     let window = |n: usize| (-(n as f64) / RATE / 0.2).exp();
     write_changed(folder.path(), |_, _| {}, |n, x| x * window(n));
     let doubts = doubts_of(folder.path());
-    assert!(
-        doubts.iter().any(|said| {
-            said.starts_with("the noise of `struck end` falls from ")
-                && said.contains("the analyser has applied a window")
-        }),
-        "{doubts:?}"
-    );
+    doubts.must_begin("the noise of `struck end` falls from ");
+    doubts.must_say("the analyser has applied a window");
     // the noise of the blow is then not that before it, and no pair of hits is a copy
     assert!(!doubts.iter().any(|said| said.contains("stored twice")));
 }
@@ -435,13 +403,8 @@ fn a_force_that_saturates_and_another_body_are_found_over_the_hits() {
     };
     write_changed(folder.path(), saturates, |_, x| x);
     let doubts = doubts_of(folder.path());
-    assert!(
-        doubts.iter().any(|said| {
-            said.starts_with("the gain of `struck end` rises by ")
-                && said.contains("`hammer` saturates")
-        }),
-        "{doubts:?}"
-    );
+    doubts.must_begin("the gain of `struck end` rises by ");
+    doubts.must_say("`hammer` saturates");
     let lighter = |hit: u64, samples: &mut Array2<f64>| {
         if hit >= 4 {
             samples.row_mut(1).mapv_inplace(|x| 1.05 * x);
@@ -449,12 +412,5 @@ fn a_force_that_saturates_and_another_body_are_found_over_the_hits() {
     };
     write_changed(folder.path(), lighter, |_, x| x);
     let doubts = doubts_of(folder.path());
-    assert!(
-        doubts.iter().any(|said| {
-            said.starts_with(
-                "the response of `struck end` up to hit 4 differs from that of hit 5 on",
-            )
-        }),
-        "{doubts:?}"
-    );
+    doubts.must_begin("the response of `struck end` up to hit 4 differs from that of hit 5 on");
 }

@@ -1,6 +1,7 @@
 //! Long random records, inputs that act together, and records of unequal length.
 
 use super::*;
+use crate::runs::Words;
 
 /// Forces on both masses and the acceleration of the struck one, in volts of 2 mV/N and 100 mV/g
 /// with noise of 30 mV, of the forces a tenth of that; the forces rest in the first `silent`
@@ -63,15 +64,7 @@ fn shaken(path: &Path, n: usize, silent: usize, other: f64, seed: u64) {
             volts[[row, k]] = value + 3e-2 * if row == 2 { normal() } else { 0.1 * normal() };
         }
         for step in 0..STEPS {
-            let t = start + step as f64 * h;
-            let moved = |k: [f64; 2], by: f64| [state[0] + by * k[0], state[1] + by * k[1]];
-            let k1 = rates(t, state);
-            let k2 = rates(t + h / 2.0, moved(k1, h / 2.0));
-            let k3 = rates(t + h / 2.0, moved(k2, h / 2.0));
-            let k4 = rates(t + h, moved(k3, h));
-            for i in 0..2 {
-                state[i] += h / 6.0 * (k1[i] + 2.0 * k2[i] + 2.0 * k3[i] + k4[i]);
-            }
+            state = after_step(state, start + step as f64 * h, h, rates);
         }
     }
     let channels =
@@ -250,7 +243,7 @@ fn s14_inputs_that_act_together_have_a_response_each() {
         ),
     ] {
         let said = run(folder.path(), &shaken_sheet(rest)).unwrap_err();
-        assert!(said.contains(expected), "{said}");
+        said.must_say(expected);
     }
 }
 
@@ -282,11 +275,10 @@ fn s14_hits_of_unequal_length_are_continued_by_rest() {
     // pass, rest it is not
     cut(1100, "hit_9.npy", 19);
     let moving = run(folder.path(), &sheet_of("*.npy", BAND)).unwrap_err();
-    assert!(
-        moving.contains("hits: hit 6, hit_9.npy is 1100 samples, and `struck end` deviates")
-            && moving.contains("expected 4096 samples as in the longest hit, or a hit that ends at rest and can be continued at rest"),
-        "{moving}"
-    );
+    moving.must_say_all(&[
+            "hits: hit 6, hit_9.npy is 1100 samples, and `struck end` deviates",
+            "expected 4096 samples as in the longest hit, or a hit that ends at rest and can be continued at rest",
+        ]);
 }
 
 #[test]

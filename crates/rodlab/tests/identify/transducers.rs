@@ -3,6 +3,7 @@
 use rodlab::outcome::Quantity;
 
 use super::*;
+use crate::runs::Words;
 
 /// A rod of another length than 394 mm in each test, and a response that reads 2 % too much:
 /// refused unless stated, followed if stated.
@@ -57,7 +58,7 @@ fn rods_of_several_lengths_and_uncertain_transducers_are_followed() {
     let without =
         sheet(&[test_entry("slow.csv", "3 m/s", "")], maxwell).replace("specimen:", "// ");
     let refusal = refused(folder.path(), &without);
-    assert!(refusal.contains("tests[0].specimen"), "{refusal}");
+    refusal.must_say("tests[0].specimen");
 }
 
 #[test]
@@ -77,10 +78,7 @@ fn transducers_that_err_more_than_stated_are_found() {
 /// check that both are found.
 fn transducers_found(truth: &impl InelasticLaw) -> Outcome {
     let folder = TempDir::new().unwrap();
-    let tests = [("slow.csv", 3.0, 1), ("fast.csv", 24.0, 2)].map(|(file, velocity, seed)| {
-        let path = folder.path().join(file);
-        velocities(truth, velocity).write(&path, 5e-3 * velocity, seed, "mm/s", 1e3);
-        let entry = test_entry(file, &format!("{velocity} m/s"), r#"to: "2.5 ms","#);
+    let tests = slow_and_fast(&folder, truth).map(|entry| {
         let channel = r#"from: "free end""#;
         entry.replace(
             channel,
@@ -104,6 +102,6 @@ fn transducers_found(truth: &impl InelasticLaw) -> Outcome {
     );
     assert!((gain - 1.0 / 0.97).abs() < 0.012, "{found}");
     assert!((delay - 5.0).abs() < 0.5, "{found}");
-    assert!(found.contains("check the transducers"), "{found}");
+    found.must_say("check the transducers");
     outcome
 }

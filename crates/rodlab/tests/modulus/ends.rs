@@ -3,6 +3,7 @@
 use std::fmt::Write as _;
 
 use super::*;
+use crate::runs::{Refused, Words, attachments_of, doubts, estimate, figures_of, write_npy};
 
 #[test]
 fn ten_hits_on_polypropylene_give_its_modulus_within_the_stated_errors() {
@@ -23,18 +24,9 @@ fn ten_hits_on_polypropylene_give_its_modulus_within_the_stated_errors() {
     assert!(count > 700, "{count}");
 
     // the first sentence, with the number of the table
-    assert!(
-        outcome.summary[0].starts_with("E' = 2."),
-        "{}",
-        outcome.summary[0]
-    );
-    assert!(outcome.summary[0].contains("valid from"));
-    let at_5_khz = outcome
-        .quantities
-        .iter()
-        .find(|q| q.name == "storage modulus at 4.992 kHz")
-        .unwrap_or_else(|| panic!("{:?}", outcome.quantities));
-    let (value, error) = (at_5_khz.value.unwrap(), at_5_khz.standard_error.unwrap());
+    outcome.summary[0].must_begin("E' = 2.");
+    outcome.summary[0].must_say("valid from");
+    let (value, error) = estimate(&outcome, "storage modulus at 4.992 kHz");
     assert!((1e9 * value - rod(4992.0).re).abs() < 3e9 * error);
     let beyond = outcome
         .quantities
@@ -69,33 +61,14 @@ fn ten_hits_on_polypropylene_give_its_modulus_within_the_stated_errors() {
         let made = made.unwrap_or_else(|| panic!("{name}: {:?}", outcome.log));
         assert_eq!(made.verdict, "passed", "{}", made.name);
     }
-    let figures: Vec<&str> = outcome.figures.iter().map(|f| f.name.as_str()).collect();
     assert_eq!(
-        figures,
-        [
-            "modulus",
-            "dispersion",
-            "cole_cole",
-            "waves",
-            "budget",
-            "ratio",
-            "hits",
-            "laws"
-        ]
+        figures_of(&outcome),
+        "modulus, dispersion, cole_cole, waves, budget, ratio, hits, laws"
     );
-    let attachments: Vec<&str> = outcome
-        .attachments
-        .iter()
-        .map(|a| a.name.as_str())
-        .collect();
-    let (cards, draws) = attachments.split_at(5);
-    assert_eq!(
-        cards,
-        ["ratio.uff", "material.json", "PP.inp", "PP.mac", "PP.k"]
-    );
-    let of_draws = ["PP-0001.inp", "PP-0001.mac", "PP-0001.k"];
-    assert_eq!(draws.split_at(3).0, of_draws);
-    assert_eq!(draws.len(), 6);
+    let cards = "ratio.uff, material.json, PP.inp, PP.mac, PP.k";
+    let of_draws = "PP-0001.inp, PP-0001.mac, PP-0001.k";
+    attachments_of(&outcome).must_begin(&format!("{cards}, {of_draws}, "));
+    assert_eq!(outcome.attachments.len(), 11);
     let text_of = |index: usize| str::from_utf8(&outcome.attachments[index].bytes).unwrap();
     assert!(text_of(5).contains("** draw 1 of 2\n") && text_of(5) != text_of(8));
 
@@ -142,14 +115,9 @@ fn a_modulus_that_drifts_over_the_hits_is_named_and_referred_to_a_temperature() 
     let changes: Vec<f64> = (0..6).map(|hit| -0.0009 * f64::from(hit)).collect();
     virtual_rod::write_changing_hits(folder.path(), &changes, 7);
     let unsaid = run(folder.path(), &sheet(TWO_POINT, BAND)).unwrap();
-    let Verdict::InDoubt { reasons } = &unsaid.verdict else {
-        panic!("{:?}", unsaid.verdict)
-    };
+    let reasons = doubts(&unsaid);
     let said = "E' changes by -0.0";
-    assert!(
-        reasons.iter().any(|reason| reason.starts_with(said)),
-        "{reasons:?}"
-    );
+    reasons.must_begin(said);
 
     let at = |rest: &str| {
         let degrees: Vec<String> = (0..6)
@@ -199,8 +167,8 @@ fn a_modulus_that_drifts_over_the_hits_is_named_and_referred_to_a_temperature() 
         let two = format!("{BAND} temperature: (of_hits: [\"20 degC\", \"21 degC\"]),");
         run(folder.path(), &sheet(TWO_POINT, &two))
     });
-    let refused = refused.unwrap_err().to_string();
-    assert!(refused.contains("one for each of the 6 hits"), "{refused}");
+    let refused = refused.refused();
+    refused.must_say("one for each of the 6 hits");
 }
 
 /// A sensitivity wrong by 2 % and a stated but absent skew: within the stated errors the lines
@@ -214,46 +182,34 @@ fn errors_of_the_sensors_are_found_and_taken_out() {
     let with = |sensitivity: &str, skew: &str| {
         let channel = r#"from: 2, unit: "V", sensitivity: "0.5 mV/g""#;
         let text = sheet(TWO_POINT, BAND);
-        assert!(text.contains(channel));
+        text.must_say(channel);
         let changed =
             format!(r#"from: 2, unit: "V", sensitivity: "{sensitivity}", time_skew: "{skew}""#);
         run(folder.path(), &text.replace(channel, &changed)).unwrap()
     };
-    let found = |outcome: &Outcome, name: &str| {
-        let quantity = quantity(outcome, name);
-        (quantity.value.unwrap(), quantity.standard_error.unwrap())
-    };
     let right = with("0.51 mV/g ± 2 %", "4 us ± 3 us");
     assert_eq!(right.verdict, Verdict::Answered);
     check_lines(&right, &rod);
-    let (gain, error) = found(&right, "error of the ratio of the sensitivities, found");
+    let (gain, error) = estimate(&right, "error of the ratio of the sensitivities, found");
     // the denominator is read too small: four standard errors
     assert!(
         (gain - 100.0 * 1.02_f64.ln()).abs() < 4.0 * error && error < 0.1,
         "{gain} {error}"
     );
-    let (delay, error) = found(&right, "delay between the channels, found");
+    let (delay, error) = estimate(&right, "delay between the channels, found");
     assert!(
         (delay.abs() - 4.0).abs() < 4.0 * error && error < 0.1,
         "{delay} {error}"
     );
 
-    let doubts = |outcome: &Outcome| match &outcome.verdict {
-        Verdict::InDoubt { reasons } => reasons.join("; "),
-        verdict => panic!("{verdict:?}"),
-    };
-    let reasons = doubts(&with("0.6 mV/g ± 1 %", "0 us"));
-    assert!(
-        reasons.contains("more than its stated uncertainty explains"),
-        "{reasons}"
-    );
+    let reasons = doubts(&with("0.6 mV/g ± 1 %", "0 us")).join("; ");
+    reasons.must_say("more than its stated uncertainty explains");
     // samples that were not late are moved to later times
-    let reasons = doubts(&with("0.5 mV/g", "6 us ± 1 us"));
-    assert!(
-        reasons.contains("the lines indicate another delay between the channels, ")
-            && reasons.contains("; state it as `time_skew` of a channel, such as "),
-        "{reasons}"
-    );
+    let reasons = doubts(&with("0.5 mV/g", "6 us ± 1 us")).join("; ");
+    reasons.must_say_all(&[
+        "the lines indicate another delay between the channels, ",
+        "; state it as `time_skew` of a channel, such as ",
+    ]);
     let unstated = run(folder.path(), &sheet(TWO_POINT, BAND)).unwrap();
     let advice = "State it as the ± of the channels, such as `gain` \"1 ± 1 %\" and `time_skew` \"0 us ± 5 us\".";
     assert!(
@@ -269,12 +225,9 @@ fn errors_of_the_sensors_are_found_and_taken_out() {
         )
         .replace("2.9 gram ± 0.03 gram", "4 gram ± 0.04 gram");
     let heavier = run(folder.path(), &text).unwrap();
-    let reasons = doubts(&heavier);
-    assert!(
-        reasons.contains("another error of the mass on the free end"),
-        "{reasons}"
-    );
-    let (mass, error) = found(&heavier, "error of the mass on the free end, found");
+    let reasons = doubts(&heavier).join("; ");
+    reasons.must_say("another error of the mass on the free end");
+    let (mass, error) = estimate(&heavier, "error of the mass on the free end, found");
     // 1.1 gram by the lines alone, drawn towards the stated 0 ± 0.04 gram
     let expected = 1.1 * (1.0 - (error / 0.04).powi(2));
     assert!(
@@ -308,7 +261,7 @@ fn the_causal_modulus_is_that_of_the_rod() {
         .iter()
         .find(|s| s.starts_with("Causal estimate of"));
     let said = said.unwrap();
-    assert!(said.contains("delay between the channels"), "{said}");
+    said.must_say("delay between the channels");
     assert!(outcome.figures.iter().any(|figure| figure.name == "causal"));
 
     let resonances = r#"Resonances(impacted_end: "struck end", free_end: "free end")"#;
@@ -393,11 +346,8 @@ fn a_ratio_of_another_program_is_taken_with_its_coherence() {
     let correction = "    lateral_inertia: (poisson_ratio: \"0.40 ± 0.02\"),\n";
     let refused = run(folder.path(), &uncertain.replace(correction, "")).unwrap_err();
     let refused = refused.to_string();
-    assert!(
-        refused.starts_with("specimen.diameter is `10 mm ± 1 %`, expected the value without ±")
-            && refused.contains("nor a correction of lateral inertia"),
-        "{refused}"
-    );
+    refused.must_begin("specimen.diameter is `10 mm ± 1 %`, expected the value without ±");
+    refused.must_say("nor a correction of lateral inertia");
     assert_eq!(outcome.inputs[0].path, "psi.csv");
     let again = run(folder.path(), text).unwrap();
     assert_eq!(json(&again), json(&outcome));
@@ -423,7 +373,7 @@ fn the_rest_at_the_end_of_long_hits_is_left_out() {
             row
         });
         let rows: Vec<Vec<f64>> = rows.collect();
-        virtual_rod::write_npy(&folder.path().join(format!("long-{hit}.npy")), &rows);
+        write_npy(&folder.path().join(format!("long-{hit}.npy")), &rows);
     }
     let of_tail = |tail: &str| {
         let text = sheet(TWO_POINT, BAND)

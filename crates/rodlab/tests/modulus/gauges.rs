@@ -1,6 +1,7 @@
 //! The modulus by strain gauges along a rod.
 
 use super::*;
+use crate::runs::{Words, refusal};
 use crate::virtual_rod::{FAST_RATE_HZ, LongRod};
 
 /// Gauges on a rod that is free at both ends, each hit in a file of its own.
@@ -52,11 +53,7 @@ fn gauges_along_a_rod_give_its_modulus_and_see_its_free_end() {
     assert!((mean_square - 1.0).abs() < 0.35, "{mean_square}");
     let (count, z, _) = check_causal(&outcome, &rod);
     assert!(count > 400 && z < 1.8, "{count} {z}");
-    let null = outcome
-        .quantities
-        .iter()
-        .find(|q| q.name == "check: free-end null, p-value")
-        .unwrap_or_else(|| panic!("{:?}", outcome.log));
+    let null = quantity(&outcome, "check: free-end null, p-value");
     assert!(null.valid, "{null:?}");
 
     // a gauge 8 mm from its stated position
@@ -66,13 +63,8 @@ fn gauges_along_a_rod_give_its_modulus_and_see_its_free_end() {
         ", free_end_at: \"800 mm\"",
     );
     let outcome = run(folder.path(), &moved).unwrap();
-    let Verdict::NotAllowed { reason } = &outcome.verdict else {
-        panic!("{:?}", outcome.summary)
-    };
-    assert!(
-        reason.contains("two waves do not explain the gauges"),
-        "{reason}"
-    );
+    let reason = refusal(&outcome);
+    reason.must_say("two waves do not explain the gauges");
 
     let three = gauge_sheet("ThreePoint", &[five[0], five[2], five[4]], "");
     let outcome = run(folder.path(), &three).unwrap();

@@ -11,21 +11,13 @@ pub(crate) fn steps(count: u32, from: f64, to: f64) -> Vec<f64> {
 }
 
 fn line(name: &str, role: Role, x: &[f64], y: impl Fn(f64) -> f64) -> Mark {
-    Mark::Line {
-        name: name.into(),
-        role,
-        x: x.to_vec(),
-        y: x.iter().map(|&x| y(x)).collect(),
-    }
+    Mark::curve(name, role, x, x.iter().map(|&x| y(x)).collect())
 }
 
-fn panel(x: Axis, y: Axis, marks: Vec<Mark>) -> Panel {
-    Panel {
-        x,
-        y,
-        marks,
-        greyed: vec![],
-        equal_axes: false,
+fn figure(name: &str, title: &str, caption: &str, panels: Vec<Panel>) -> Figure {
+    Figure {
+        caption: caption.into(),
+        ..Figure::new(name, title, panels)
     }
 }
 
@@ -45,9 +37,13 @@ pub(crate) fn histories() -> Figure {
             (-since / 40.0).exp() * (since * 2.1).sin()
         }
     };
-    let near = panel(
-        Axis::linear("time", "ms"),
-        Axis::linear("acceleration", "m/s^2"),
+    let at = |name: &str, x: f64| Mark::At {
+        name: name.into(),
+        x,
+    };
+    let near = Panel::new(
+        ("time", "ms"),
+        ("acceleration", "m/s^2"),
         vec![
             line("impacted end", Role::First, &time, |t| {
                 900.0 * (hit(t, 200.0) + hit(t, 760.0)) + 8.0 * rough(t)
@@ -55,30 +51,18 @@ pub(crate) fn histories() -> Figure {
             line("free end", Role::Second, &time, |t| {
                 430.0 * (hit(t, 201.3) + hit(t, 761.3)) + 8.0 * rough(t + 0.3)
             }),
-            Mark::At {
-                name: "trigger of hit 1".into(),
-                x: 200.0,
-            },
-            Mark::At {
-                name: "window begins".into(),
-                x: 210.0,
-            },
-            Mark::At {
-                name: "trigger of hit 2".into(),
-                x: 760.0,
-            },
-            Mark::At {
-                name: "end of the record".into(),
-                x: 1280.0,
-            },
+            at("trigger of hit 1", 200.0),
+            at("window begins", 210.0),
+            at("trigger of hit 2", 760.0),
+            at("end of the record", 1280.0),
         ],
     );
-    Figure {
-        name: "histories".into(),
-        title: "Accelerations at both ends, two hits".into(),
-        caption: "Vertical lines: triggers and the window of the first hit.".into(),
-        panels: vec![near],
-    }
+    figure(
+        "histories",
+        "Accelerations at both ends, two hits",
+        "Vertical lines: triggers and the window of the first hit.",
+        vec![near],
+    )
 }
 
 /// Real and imaginary part of the response of two resonators.
@@ -106,26 +90,18 @@ pub(crate) fn response() -> Figure {
         .map(|e| 10_f64.powf(*e))
         .collect();
     let error = |f: f64| 0.03 + 0.4 * (f / 9000.0).powi(2);
-    let band = Mark::Band {
-        name: "one standard error".into(),
-        role: Role::First,
-        x: frequency.clone(),
-        lower: frequency
-            .iter()
-            .map(|&f| magnitude(f) * (1.0 - 2.6 * error(f)))
-            .collect(),
-        upper: frequency
-            .iter()
-            .map(|&f| magnitude(f) * (1.0 + 2.6 * error(f)))
-            .collect(),
-    };
+    let edges = frequency.iter().map(|&f| {
+        let edge = |sign: f64| magnitude(f) * (1.0 + sign * 2.6 * error(f));
+        (f, edge(-1.0), edge(1.0))
+    });
+    let band = Mark::band("one standard error", Role::First, edges);
     let axis = || Axis::logarithmic("frequency", "Hz");
-    Figure {
-        name: "response".into(),
-        title: "Frequency response of the face, ten hits".into(),
-        caption: "Magnitude, phase and coherence on one axis of frequency.".into(),
-        panels: vec![
-            panel(
+    figure(
+        "response",
+        "Frequency response of the face, ten hits",
+        "Magnitude, phase and coherence on one axis of frequency.",
+        vec![
+            Panel::new(
                 axis(),
                 Axis::logarithmic("magnitude", "m/s/N"),
                 vec![
@@ -136,7 +112,7 @@ pub(crate) fn response() -> Figure {
                     }),
                 ],
             ),
-            panel(
+            Panel::new(
                 axis(),
                 Axis::linear(
                     "phase of the velocity of the face relative to the force of the hammer",
@@ -148,7 +124,7 @@ pub(crate) fn response() -> Figure {
                     imaginary.atan2(real).to_degrees()
                 })],
             ),
-            panel(
+            Panel::new(
                 axis(),
                 Axis::linear("coherence", "").within([0.0, 1.05]),
                 vec![line("coherence", Role::Third, &frequency, |f| {
@@ -156,7 +132,7 @@ pub(crate) fn response() -> Figure {
                 })],
             ),
         ],
-    }
+    )
 }
 
 /// Moduli with errors, bands, greyed ranges and lines that do not hold.
@@ -168,46 +144,28 @@ pub(crate) fn moduli() -> Figure {
     let invalid = |f: f64| (3.9..4.6).contains(&f);
     let points =
         |name: &str, role, keep: &dyn Fn(f64) -> bool, scale: f64, y: &dyn Fn(f64) -> f64| {
-            let x: Vec<f64> = frequency.iter().copied().filter(|&f| keep(f)).collect();
-            Mark::Points {
-                name: name.into(),
-                role,
-                y: x.iter().map(|&f| y(f) + scale * sd(f) * rough(f)).collect(),
-                error: x.iter().map(|&f| scale * sd(f)).collect(),
-                x,
-            }
+            let kept = frequency.iter().copied().filter(|&f| keep(f));
+            let points = kept.map(|f| (f, y(f) + scale * sd(f) * rough(f), scale * sd(f)));
+            Mark::points_with_errors(name, role, points)
         };
+    let grey = |from: f64, to: f64, because: &str| Greyed {
+        from,
+        to,
+        because: because.into(),
+    };
     let greyed = || {
         vec![
-            Greyed {
-                from: f64::NEG_INFINITY,
-                to: 0.6,
-                because: "rod shorter than a tenth of a wave".into(),
-            },
-            Greyed {
-                from: 3.9,
-                to: 4.6,
-                because: "near a multiple of half a wave".into(),
-            },
+            grey(f64::NEG_INFINITY, 0.6, "rod shorter than a tenth of a wave"),
+            grey(3.9, 4.6, "near a multiple of half a wave"),
         ]
     };
-    let mut upper = panel(
-        Axis::linear("frequency", "kHz"),
-        Axis::linear("E'", "GPa"),
+    let edges = frequency.iter();
+    let edges = edges.map(|&f| (f, storage(f) - 2.0 * sd(f), storage(f) + 2.0 * sd(f)));
+    let upper = Panel::new(
+        ("frequency", "kHz"),
+        ("E'", "GPa"),
         vec![
-            Mark::Band {
-                name: "fit, two standard errors".into(),
-                role: Role::Second,
-                x: frequency.clone(),
-                lower: frequency
-                    .iter()
-                    .map(|&f| storage(f) - 2.0 * sd(f))
-                    .collect(),
-                upper: frequency
-                    .iter()
-                    .map(|&f| storage(f) + 2.0 * sd(f))
-                    .collect(),
-            },
+            Mark::band("fit, two standard errors", Role::Second, edges),
             line("fractional model", Role::Second, &frequency, |f| {
                 if invalid(f) { f64::NAN } else { storage(f) }
             }),
@@ -215,10 +173,9 @@ pub(crate) fn moduli() -> Figure {
             points("not valid", Role::Faint, &invalid, 9.0, &storage),
         ],
     );
-    upper.greyed = greyed();
-    let mut lower = panel(
-        Axis::linear("frequency", "kHz"),
-        Axis::linear("loss factor", ""),
+    let lower = Panel::new(
+        ("frequency", "kHz"),
+        ("loss factor", ""),
         vec![
             line("fractional model", Role::Second, &frequency, loss),
             points("two points", Role::First, &|f| !invalid(f), 0.2, &loss),
@@ -244,13 +201,12 @@ pub(crate) fn moduli() -> Figure {
             ),
         ],
     );
-    lower.greyed = greyed();
-    Figure {
-        name: "modulus".into(),
-        title: "Complex modulus of polypropylene at 23 °C".into(),
-        caption: "Points with standard errors; grey where the result does not hold.".into(),
-        panels: vec![upper, lower],
-    }
+    figure(
+        "modulus",
+        "Complex modulus of polypropylene at 23 °C",
+        "Points with standard errors; grey where the result does not hold.",
+        vec![upper.with_greyed(greyed()), lower.with_greyed(greyed())],
+    )
 }
 
 /// A curve that runs back and forth on equal axes.
@@ -262,40 +218,33 @@ pub(crate) fn nyquist() -> Figure {
             .map(|a| 2.6 + 0.4 * (a + offset).cos() + 0.004 * rough(*a))
             .collect()
     };
-    let mut figure = panel(
-        Axis::linear("E'", "GPa"),
-        Axis::linear("E''", "GPa"),
-        vec![
-            Mark::Line {
-                name: "measured".into(),
-                role: Role::First,
-                x: at(0.0),
-                y: at(-FRAC_PI_2).iter().map(|v| v - 2.0).collect(),
-            },
-            Mark::Line {
-                name: "model".into(),
-                role: Role::Fifth,
-                x: at(0.0).iter().map(|v| v + 0.05).collect(),
-                y: at(-FRAC_PI_2).iter().map(|v| v - 1.98).collect(),
-            },
-        ],
-    );
-    figure.equal_axes = true;
-    Figure {
-        name: "cole-cole".into(),
-        title: "Loss over storage modulus".into(),
-        caption: "A unit is as long on one axis as on the other.".into(),
-        panels: vec![figure],
-    }
+    let curve = |name: &str, role, right: f64, down: f64| {
+        let points = at(0.0).into_iter().zip(at(-FRAC_PI_2));
+        Mark::line(name, role, points.map(|(x, y)| (x + right, y - down)))
+    };
+    let marks = vec![
+        curve("measured", Role::First, 0.0, 2.0),
+        curve("model", Role::Fifth, 0.05, 1.98),
+    ];
+    let round = Panel {
+        equal_axes: true,
+        ..Panel::new(("E'", "GPa"), ("E''", "GPa"), marks)
+    };
+    figure(
+        "cole-cole",
+        "Loss over storage modulus",
+        "A unit is as long on one axis as on the other.",
+        vec![round],
+    )
 }
 
 /// Figure of everything that is hard to draw: nothing, nothing that can be shown, one point, a
 /// constant, bands to infinity, unequal lengths.
 pub(crate) fn hardly_anything() -> Figure {
     let nan = f64::NAN;
-    let mut shown = panel(
+    let shown = Panel::new(
         Axis::linear("strain", "µε").within([1.0, 1.0]),
-        Axis::linear("stress", "MPa"),
+        ("stress", "MPa"),
         vec![
             line("constant", Role::First, &[0.0, 1.0, 2.0], |_| 5.0),
             line("none", Role::Second, &[0.0, 1.0], |_| f64::NAN),
@@ -306,38 +255,32 @@ pub(crate) fn hardly_anything() -> Figure {
                 y: vec![5.1, 5.0, 3.0],
                 error: vec![f64::INFINITY],
             },
-            Mark::Band {
-                name: "without end".into(),
-                role: Role::Fourth,
-                x: vec![0.0, 1.0, 2.0],
-                lower: vec![4.9, f64::NEG_INFINITY, 4.9],
-                upper: vec![5.1, f64::INFINITY, 5.1],
-            },
+            Mark::band(
+                "without end",
+                Role::Fourth,
+                [
+                    (0.0, 4.9, 5.1),
+                    (1.0, f64::NEG_INFINITY, f64::INFINITY),
+                    (2.0, 4.9, 5.1),
+                ],
+            ),
             Mark::At {
                 name: "nowhere".into(),
                 x: nan,
             },
         ],
     );
-    shown.greyed = vec![Greyed {
+    let shown = shown.with_greyed(vec![Greyed {
         from: 5.0,
         to: f64::INFINITY,
         because: "beyond what is shown".into(),
-    }];
-    let negative = panel(
+    }]);
+    let negative = Panel::new(
         Axis::logarithmic("frequency", "Hz"),
         Axis::logarithmic("power", "m²/s⁴"),
         vec![line("not positive", Role::First, &[-1.0, 0.0], |x| x)],
     );
-    let empty = panel(
-        Axis::linear("time", "s"),
-        Axis::linear("force", "N"),
-        vec![],
-    );
-    Figure {
-        name: "hardly anything".into(),
-        title: "Hardly anything".into(),
-        caption: "".into(),
-        panels: vec![shown, negative, empty],
-    }
+    let empty = Panel::new(("time", "s"), ("force", "N"), vec![]);
+    let panels = vec![shown, negative, empty];
+    Figure::new("hardly anything", "Hardly anything", panels)
 }

@@ -50,18 +50,20 @@ pub(crate) fn outcome() -> Outcome {
             pattern: None,
         },
     ];
-    outcome.settings = vec![
-        Setting {
-            name: "specimen.length".into(),
-            value: "799 mm ± 0.3 mm".into(),
-            by_default: false,
-        },
-        Setting {
-            name: "processing.window".into(),
-            value: "exponential, time constant 40 ms".into(),
-            by_default: true,
-        },
-    ];
+    outcome.settings = [
+        ("specimen.length", "799 mm ± 0.3 mm", false),
+        (
+            "processing.window",
+            "exponential, time constant 40 ms",
+            true,
+        ),
+    ]
+    .map(|(name, value, by_default)| Setting {
+        name: name.into(),
+        value: value.into(),
+        by_default,
+    })
+    .into();
     outcome.log = (1..=10_u32)
         .map(|hit| LogEntry {
             what: format!("hits.npy, hit {hit} at {:.3} s", 0.8 * f64::from(hit)),
@@ -76,32 +78,22 @@ pub(crate) fn outcome() -> Outcome {
             },
         })
         .collect();
-    outcome.quantities = vec![
-        Quantity {
-            name: "storage modulus at 1 kHz".into(),
-            unit: "GPa".into(),
-            value: Some(2.61234),
-            standard_error: Some(0.01412),
-            valid: true,
-            verdict: "valid".into(),
-        },
-        Quantity {
-            name: "viscosity of the third branch".into(),
-            unit: "Pa s".into(),
-            value: Some(2.3e7),
-            standard_error: Some(4.1e8),
-            valid: false,
-            verdict: "not identifiable: no line below its relaxation frequency of 3 Hz".into(),
-        },
-        Quantity {
-            name: "creep recovery time".into(),
-            unit: "s".into(),
-            value: None,
-            standard_error: None,
-            valid: false,
-            verdict: "no load was removed".into(),
-        },
-    ];
+    let unknown = "not identifiable: no line below its relaxation frequency of 3 Hz";
+    let (modulus, viscosity) = (Some([2.61234, 0.01412]), Some([2.3e7, 4.1e8]));
+    outcome.quantities = [
+        ("storage modulus at 1 kHz", "GPa", modulus, "valid"),
+        ("viscosity of the third branch", "Pa s", viscosity, unknown),
+        ("creep recovery time", "s", None, "no load was removed"),
+    ]
+    .map(|(name, unit, found, verdict)| Quantity {
+        name: name.into(),
+        unit: unit.into(),
+        value: found.map(|[value, _]| value),
+        standard_error: found.map(|[_, error]| error),
+        valid: verdict == "valid",
+        verdict: verdict.into(),
+    })
+    .into();
     let frequency = steps(80, 250.0, 10_000.0);
     outcome.tables = vec![Table {
         name: "modulus".into(),

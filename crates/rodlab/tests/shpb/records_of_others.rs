@@ -7,7 +7,7 @@ use tempfile::TempDir;
 use testbed::measured;
 
 use super::{column, run};
-use crate::runs::without_formats;
+use crate::runs::{Words, without_formats};
 
 /// The outcome of a sheet in a folder with copies of measured files; `None`, and a word, where they
 /// are not there.
@@ -107,10 +107,7 @@ fn hopkinson_measured_steel_is_evaluated_and_its_wrong_position_named() {
     };
     let (status, words) = standing(&stated);
     assert_eq!(status, 3, "{words}");
-    assert!(
-        words.contains("before that of the incident face"),
-        "{words}"
-    );
+    words.must_say("before that of the incident face");
     // the intercepts of two fronts of 10 us, whose shapes differ by the specimen, lie within 3 us
     // of 390 us
     let speed = speed(&stated, 1.020, STEEL);
@@ -224,11 +221,8 @@ fn hopkinson_measured_pmma_is_evaluated() {
     let (status, words) = standing(&right);
     assert_eq!(status, 3, "{words}");
     // 12 um/m of 1330 are there before the reflection
-    assert!(words.contains("do not become equal"), "{words}");
-    assert!(
-        words.contains("the face of the incident bar pulls"),
-        "{words}"
-    );
+    words.must_say("do not become equal");
+    words.must_say("the face of the incident bar pulls");
     assert!(is_remarked(&right, "1.0 % of the peak"));
     // equal impulses within 2.2 % by gauges and positions; a toe before the reflected front turns
     // the forces by 8 %

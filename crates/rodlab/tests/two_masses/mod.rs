@@ -18,6 +18,7 @@ use rodlab::RodlabError;
 use rodlab::job::{self, Sheet, Silent, parse};
 use rodlab::outcome::Outcome;
 
+use crate::runge_kutta::after_step;
 pub(crate) use crate::runs::{column, json, quantity, words};
 
 pub(crate) const RATE: f64 = 51_200.0;
@@ -74,9 +75,6 @@ impl Body {
                 pull / self.behind,
             ]
         };
-        let add = |state: [f64; 4], rate: [f64; 4], step: f64| {
-            std::array::from_fn(|n| state[n] + step * rate[n])
-        };
         let mut state = [0.0; 4];
         let mut samples = Vec::with_capacity(SAMPLES);
         for sample in 0..SAMPLES {
@@ -84,14 +82,7 @@ impl Body {
             let pull = link(state);
             samples.push([(force(start) - pull) / self.struck, pull / self.behind]);
             for n in 0..STEPS {
-                let time = start + n as f64 * step;
-                let k1 = rate(time, state);
-                let k2 = rate(time + step / 2.0, add(state, k1, step / 2.0));
-                let k3 = rate(time + step / 2.0, add(state, k2, step / 2.0));
-                let k4 = rate(time + step, add(state, k3, step));
-                let mean =
-                    std::array::from_fn(|i| (k1[i] + 2.0 * k2[i] + 2.0 * k3[i] + k4[i]) / 6.0);
-                state = add(state, mean, step);
+                state = after_step(state, start + n as f64 * step, step, rate);
             }
         }
         samples

@@ -1,7 +1,6 @@
 //! Virtual records of the rod of paper A with instrument noise, written as files of a recorder.
 
 use std::f64::consts::TAU;
-use std::fs;
 use std::path::Path;
 
 use labio::instrument::{AntiAlias, Converter, Instrument, NoiseSpectrum};
@@ -17,6 +16,8 @@ use rodwave::experiment::strains_in_a_frame::{Excitation, FrameMember};
 use rodwave::medium::Medium;
 use rodwave::modulus::ConstantQ;
 use rodwave::synthesis::DampedSynthesis;
+
+use crate::runs::write_npy;
 
 pub(crate) const RATE_HZ: f64 = 65_536.0;
 /// Samples of a hit.
@@ -49,27 +50,42 @@ fn filtered(medium: &Medium<ConstantQ>, random: &mut ChaCha8Rng) -> Record {
         length: 0.799,
         accelerometer_mass: 2.9e-3,
     };
-    let interval = 1.0 / (RATE_HZ * OVERSAMPLING as f64);
-    let count = (SAMPLES + LEAD) * OVERSAMPLING;
-    let synthesis = DampedSynthesis::new(count as f64 * interval, interval)
-        .unwrap()
-        .smoothed(2.5 * interval)
-        .unwrap();
+    let synthesis = synthesis();
     let exact = EndAccelerationTest::analytic(medium, &rig)
         .unwrap()
         .record(&RaisedCosine::new(100.0, 8e-5).unwrap(), &synthesis)
         .unwrap();
     let ends = [exact.impacted_end, exact.free_end];
-    let lead = LEAD * OVERSAMPLING;
-    let samples = Array2::from_shape_fn((2, count), |(channel, sample)| {
-        let end: &Vec<f64> = &ends[channel];
-        sample.checked_sub(lead).map_or(0.0, |after| end[after])
+    let channels = ["struck end", "free end"].map(|name| (name, Quantity::Acceleration));
+    sampled(&channels, &ends, exact.generator, random)
+}
+
+fn synthesis() -> DampedSynthesis {
+    let interval = 1.0 / (RATE_HZ * OVERSAMPLING as f64);
+    let count = (SAMPLES + LEAD) * OVERSAMPLING;
+    DampedSynthesis::new(count as f64 * interval, interval)
+        .unwrap()
+        .smoothed(2.5 * interval)
+        .unwrap()
+}
+
+/// Histories of so many channels after the lead, filtered and sampled.
+fn sampled(
+    channels: &[(&str, Quantity)],
+    histories: &[Vec<f64>],
+    generator: &'static str,
+    random: &mut ChaCha8Rng,
+) -> Record {
+    let shape = (channels.len(), (SAMPLES + LEAD) * OVERSAMPLING);
+    let samples = Array2::from_shape_fn(shape, |(channel, sample)| {
+        let after = sample.checked_sub(LEAD * OVERSAMPLING);
+        after.map_or(0.0, |after| histories[channel][after])
     });
-    let channels = ["struck end", "free end"]
-        .map(|name| Channel::new(name, Quantity::Acceleration).unwrap())
-        .to_vec();
-    let provenance = Provenance::computed(exact.generator);
-    let history = Record::new(samples, 1.0 / interval, 0.0, channels, provenance).unwrap();
+    let channels = channels.iter();
+    let channels = channels.map(|(name, quantity)| Channel::new(*name, *quantity).unwrap());
+    let rate = RATE_HZ * OVERSAMPLING as f64;
+    let provenance = Provenance::computed(generator);
+    let history = Record::new(samples, rate, 0.0, channels.collect(), provenance).unwrap();
     Instrument::new()
         .anti_alias(AntiAlias::butterworth(8, 22e3).unwrap())
         .sample(RATE_HZ, 0.0)
@@ -118,12 +134,7 @@ pub(crate) fn write_changing_hits(folder: &Path, changes: &[f64], seed: u64) {
 /// Strains at `positions` \[m\] of the same rod, free at both ends, each hit in a file
 /// `gauges_N.npy` \[µε\] of its own.
 pub(crate) fn write_gauges(folder: &Path, positions: &[f64], count: usize, seed: u64) {
-    let interval = 1.0 / (RATE_HZ * OVERSAMPLING as f64);
-    let n_samples = (SAMPLES + LEAD) * OVERSAMPLING;
-    let synthesis = DampedSynthesis::new(n_samples as f64 * interval, interval)
-        .unwrap()
-        .smoothed(2.5 * interval)
-        .unwrap();
+    let synthesis = synthesis();
     let member = FrameMember::analytic(
         &medium(),
         Circle::of_diameter(0.0158).unwrap(),
@@ -136,28 +147,15 @@ pub(crate) fn write_gauges(folder: &Path, positions: &[f64], count: usize, seed:
     let exact = member
         .record(&Excitation::Force(&blow), &synthesis)
         .unwrap();
-    let lead = LEAD * OVERSAMPLING;
-    let samples = Array2::from_shape_fn((positions.len(), n_samples), |(gauge, sample)| {
-        let strain: &Vec<f64> = &exact.strains[gauge];
-        sample.checked_sub(lead).map_or(0.0, |after| strain[after])
-    });
     let names: Vec<String> = (1..=positions.len())
         .map(|n| format!("gauge {n}"))
         .collect();
-    let channels = names
+    let channels: Vec<_> = names
         .iter()
-        .map(|name| Channel::new(name, Quantity::Strain).unwrap())
+        .map(|name| (name.as_str(), Quantity::Strain))
         .collect();
-    let provenance = Provenance::computed(exact.generator);
-    let history = Record::new(samples, 1.0 / interval, 0.0, channels, provenance).unwrap();
     let mut random = ChaCha8Rng::seed_from_u64(seed);
-    let one = Instrument::new()
-        .anti_alias(AntiAlias::butterworth(8, 22e3).unwrap())
-        .sample(RATE_HZ, 0.0)
-        .unwrap()
-        .record(&history, &mut random)
-        .unwrap()
-        .record;
+    let one = sampled(&channels, &exact.strains, exact.generator, &mut random);
     let mut instrument = Instrument::new();
     for name in &names {
         // 0.01 microstrain over the band, of a peak of some 190
@@ -247,24 +245,4 @@ impl LongRod {
             write_npy(&folder.join(format!("pulses_{number:02}.npy")), &noisy);
         }
     }
-}
-
-/// An array of two axes, in the format of NumPy.
-pub(crate) fn write_npy(path: &Path, rows: &[Vec<f64>]) {
-    let mut header = format!(
-        "{{'descr': '<f8', 'fortran_order': False, 'shape': ({}, {}), }}",
-        rows.len(),
-        rows[0].len()
-    );
-    while (10 + header.len() + 1) % 64 != 0 {
-        header.push(' ');
-    }
-    header.push('\n');
-    let mut bytes = b"\x93NUMPY\x01\x00".to_vec();
-    bytes.extend(u16::try_from(header.len()).unwrap().to_le_bytes());
-    bytes.extend(header.into_bytes());
-    for value in rows.iter().flatten() {
-        bytes.extend(value.to_le_bytes());
-    }
-    fs::write(path, bytes).unwrap();
 }

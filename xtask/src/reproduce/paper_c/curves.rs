@@ -87,7 +87,7 @@ pub(crate) fn table(rows: &[Row]) -> Table {
     ];
     headings.extend(TIMES.iter().map(|t| format!("at {t} s, %")));
     headings.push("|E| at 60 s, %".into());
-    let mut table = Table::new(&headings.iter().map(String::as_str).collect::<Vec<_>>());
+    let mut table = Table::new(&headings);
     for row in rows {
         let mut cells = vec![
             row.test.clone(),

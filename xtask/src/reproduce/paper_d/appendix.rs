@@ -8,14 +8,13 @@
 use maxwellid::{Noise, Scale, Verdict};
 use serde::Serialize;
 
+use super::super::Error;
 use super::super::number::significant;
 use super::identify::{
     Outcome, Parameter, Settings, identify, influences, modulus_of, stated, value_of,
 };
 use super::virtual_test::{self, Conditions, NOISE_OF_TABLE_5, Rig, cell_for};
 use testbed::papers::paper_d::{AppendixRow, LawParameters, ModelKind, PaperD, UnitReading};
-
-type Error = Box<dyn std::error::Error + Send + Sync>;
 
 /// Longest cell of the inversion, in m.
 const CELL: f64 = 1e-3;

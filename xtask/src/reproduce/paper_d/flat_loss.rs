@@ -12,7 +12,7 @@ use serde::Serialize;
 
 use super::super::Error;
 use super::identify::{Parameter, Settings, modulus_of, one_by_one};
-use super::materials::{CELL, conditions};
+use super::materials::{CELL, conditions, identified_from};
 use super::verdict::{Verdict, verdict};
 use super::virtual_test::{self, FLAT_LOSS_BAND, FLAT_LOSS_BRANCHES, Rig};
 use testbed::papers::paper_d::{
@@ -71,22 +71,12 @@ pub(crate) fn jobs(paper: &PaperD) -> Vec<Job> {
             let (_, loss_factor) = LOSS_FACTORS
                 .iter()
                 .find(|(name, _)| *name == material.material)?;
+            let (tests, printed_errors) = identified_from(paper, &material.material);
             Some(Job {
                 material: material.clone(),
                 loss_factor: *loss_factor,
-                tests: paper
-                    .tests
-                    .iter()
-                    .filter(|test| test.material == material.material)
-                    .skip(1)
-                    .cloned()
-                    .collect(),
-                printed_errors: paper
-                    .errors
-                    .iter()
-                    .filter(|errors| errors.material == material.material)
-                    .flat_map(|errors| errors.by_number_of_tests.iter().map(|e| e.value))
-                    .collect(),
+                tests,
+                printed_errors,
             })
         })
         .collect()

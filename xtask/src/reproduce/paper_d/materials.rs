@@ -4,13 +4,12 @@ use maxwellid::recorder::{RecorderCheck, RecorderFilter};
 use maxwellid::{Noise, RodTest, Verdict};
 use serde::Serialize;
 
+use super::super::Error;
 use super::identify::{Parameter, Settings, identify, influences, one_by_one, stated, value_of};
 use super::virtual_test::{self, Conditions, NOISE, Rig, cell_for};
 use testbed::papers::paper_d::{
     IdentifiedMaterial, ModelKind, PaperD, RodTestConditions, UnitReading,
 };
-
-type Error = Box<dyn std::error::Error + Send + Sync>;
 
 /// Longest cell of the inversion, in m: the second-order error is 2e-4 of V0, a fortieth of the
 /// noise.
@@ -98,8 +97,24 @@ pub(crate) struct Job {
     seed: u64,
 }
 
-/// Returns the jobs. The identification uses the second to fifth test of each material; the first
-/// test is used for the choice of the model.
+/// Returns the tests from which a material is identified, and its errors of Table 5. These are the
+/// second to fifth test; the first test is used for the choice of the model.
+pub(crate) fn identified_from(
+    paper: &PaperD,
+    material: &str,
+) -> (Vec<RodTestConditions>, Vec<f64>) {
+    let tests = paper.tests.iter().filter(|test| test.material == material);
+    let errors = paper.errors.iter();
+    let errors = errors.filter(|errors| errors.material == material);
+    (
+        tests.skip(1).cloned().collect(),
+        errors
+            .flat_map(|errors| errors.by_number_of_tests.iter().map(|e| e.value))
+            .collect(),
+    )
+}
+
+/// Returns the jobs.
 pub(crate) fn jobs(paper: &PaperD) -> Vec<Job> {
     let mut jobs = Vec::new();
     for (reading, excitation) in [
@@ -109,23 +124,13 @@ pub(crate) fn jobs(paper: &PaperD) -> Vec<Job> {
         (UnitReading::Realistic, Excitation::ThroughRecorder),
     ] {
         for material in paper.identified(reading) {
+            let (tests, printed_errors) = identified_from(paper, &material.material);
             jobs.push(Job {
                 reading,
                 excitation,
                 material: material.clone(),
-                tests: paper
-                    .tests
-                    .iter()
-                    .filter(|test| test.material == material.material)
-                    .skip(1)
-                    .cloned()
-                    .collect(),
-                printed_errors: paper
-                    .errors
-                    .iter()
-                    .filter(|errors| errors.material == material.material)
-                    .flat_map(|errors| errors.by_number_of_tests.iter().map(|e| e.value))
-                    .collect(),
+                tests,
+                printed_errors,
                 seed: virtual_test::SEED,
             });
         }

@@ -489,15 +489,3 @@ fn name_of_model(symbol: &str) -> &'static str {
         _ => "Maxwell",
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn per_cents_read_well() {
-        assert_eq!(per_cent(0.013), "1.3 %");
-        assert_eq!(per_cent(-0.0006), "0.060 %");
-        assert_eq!(per_cent(1e-12), "< 1e-6 %");
-    }
-}

@@ -13,11 +13,10 @@ use rodwave::lumped;
 use rodwave::modulus::{ConstantQ, OmegaBand, PronyStandIn};
 use rodwave::{DirectProblem, InelasticRod, characteristics};
 
+use super::super::Error;
 use super::identify::{modulus_of, with_law};
 use testbed::papers::paper_d::{self, LawParameters};
 use testbed::struck_rod::{self, StruckRod};
-
-type Error = Box<dyn std::error::Error + Send + Sync>;
 
 /// Standard deviation of the noise added to each of the two histories, as a fraction of V0. A
 /// simulation from one noisy history, compared with the other, gives about the errors of Table 5.

@@ -196,7 +196,7 @@ fn difference(value: f64) -> String {
 pub(crate) fn slow_table(rows: &[Slow]) -> Table {
     let mut headings = vec!["face".to_owned(), "by".into()];
     headings.extend(SLOW.map(|f| format!("{f} Hz")));
-    let mut table = Table::new(&headings.iter().map(String::as_str).collect::<Vec<_>>());
+    let mut table = Table::new(&headings);
     for row in rows {
         for (way, values) in [
             ("chain", row.at_rounding),

@@ -61,7 +61,7 @@ impl Responses {
             headings.push(format!("{} measured, m/(N s^2)", face.name()));
             headings.push(format!("{} predicted, m/(N s^2)", face.name()));
         }
-        let mut table = Table::new(&headings.iter().map(String::as_str).collect::<Vec<_>>());
+        let mut table = Table::new(&headings);
         for (n, time) in self.time.iter().enumerate() {
             let mut cells = vec![format!("{time:.3}")];
             for pair in &self.of_faces {

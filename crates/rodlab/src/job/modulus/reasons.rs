@@ -79,6 +79,9 @@ fn in_few_words(violation: &Violation) -> &'static str {
 /// Returns the remedy for a reason of [`in_few_words`]; `None` if there is no general remedy.
 fn advice(reason: &str) -> Option<&'static str> {
     Some(match reason {
+        UNCOUNTED => {
+            "the wave speed, stated as `wave_speed` if the method has this field, or a band that begins above hum and offsets"
+        }
         "wavelength below five diameters" => "a thinner rod reaches higher frequencies",
         "wavelength above five lengths" => "a longer rod reaches lower frequencies",
         "error of E' above its limit" | "error of the loss factor above its limit" => {
