@@ -23,13 +23,13 @@ const RUSTDOC: &str = "XTASK_RUSTDOC";
 #[derive(Debug, thiserror::Error)]
 enum ApiError {
     #[error(
-        "{krate}: {source}. The JSON of rustdoc has a format for each version: `public-api` in Cargo.toml and rust-toolchain.toml are raised together"
+        "{krate}: {source}. Each toolchain has its own format of rustdoc JSON: update `public-api` in Cargo.toml together with rust-toolchain.toml"
     )]
     NotRead {
         krate: &'static str,
         source: public_api::Error,
     },
-    #[error("types in signatures that who depends on one crate alone cannot name:\n{0}")]
+    #[error("types in signatures that users of one crate alone cannot name:\n{0}")]
     NotNameable(String),
 }
 

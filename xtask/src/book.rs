@@ -39,7 +39,7 @@ enum BookError {
     NoMdbook,
     #[error("mdbook ended with {status}:\n{output}")]
     Mdbook { status: String, output: String },
-    #[error("mdbook warns, and a book is built without warnings:\n{0}")]
+    #[error("mdbook warns, but the book must be built without warnings:\n{0}")]
     Warnings(String),
 }
 

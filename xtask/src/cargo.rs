@@ -37,7 +37,7 @@ pub(crate) enum CargoError {
         call: String,
         source: std::io::Error,
     },
-    #[error("`{call}` wrote what is not the JSON that was expected: {source}")]
+    #[error("`{call}` did not write the expected JSON: {source}")]
     NotMetadata {
         call: String,
         source: serde_json::Error,

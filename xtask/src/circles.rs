@@ -296,7 +296,7 @@ fn modules_beside_each_other_form_no_circle() {
     assert!(found.is_empty(), "arrows on circles of modules:\n{found}");
     assert!(
         known.is_empty(),
-        "on no circle any more, so to be removed from the list: {known:?}"
+        "no longer on any circle, remove them from the list: {known:?}"
     );
 }
 

@@ -118,7 +118,7 @@ fn of_files(files: &[&str]) -> Vec<String> {
     let stray = files
         .iter()
         .filter(|file| !FILES.contains(file) && !belongs(file))
-        .map(|file| format!("{file} does not belong into a package: its folder or its ending is not one of those in xtask/src/package.rs"));
+        .map(|file| format!("{file} does not belong in a package: its folder or its ending is not one of those in xtask/src/package.rs"));
     missing.chain(stray).collect()
 }
 

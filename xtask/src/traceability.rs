@@ -129,12 +129,12 @@ mod tests {
         for roles in [&[] as &[Role], &[Proved], &[Reproduced, Proved]] {
             assert_eq!(
                 fault(Kind::Equation, roles).as_deref(),
-                Some("paper A, eq. 1: cited by no code that implements it")
+                Some("paper A, eq. 1: not cited by any code that implements it")
             );
         }
         assert_eq!(
             fault(Kind::Equation, &[Implemented, Reproduced]).as_deref(),
-            Some("paper A, eq. 1: cited by no test or claim that proves it")
+            Some("paper A, eq. 1: not cited by any test or claim that proves it")
         );
         assert_eq!(fault(Kind::Equation, &[Implemented, Proved]), None);
         assert_eq!(fault(Kind::Figure, &[Reproduced]), None);

@@ -82,7 +82,7 @@ use num_complex::Complex64;
 const HUGE: f64 = 1e100;
 
 /// Closed-form solution of cosh(γL) = Ψ, except for the integers s and n (paper A, eqs. 3-4; paper
-/// B, eqs. 8-9).
+/// B, eqs. 8-9); symbols as in the [module](self).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FreeEndRoot {
     damping_length: f64,

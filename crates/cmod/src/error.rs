@@ -212,7 +212,7 @@ pub enum CmodError {
     NoLoad,
     /// The integration of the response to a load needed too many or too small steps.
     #[error(
-        "response to load segment {segment} could not be integrated beyond {time} s into it, expected model rates that are low enough for its duration"
+        "response to load segment {segment} could not be integrated beyond {time} s after the start of the segment, expected model rates that are low enough for the duration of the segment"
     )]
     LoadNotIntegrated {
         /// Position of the segment, from 0.

@@ -334,7 +334,7 @@ pub enum Refusal {
     SpectrumNotFinite,
     /// The noise of some gauges is 0 and the noise of others is not. Gauges without noise would
     /// have infinite weight.
-    #[error("the noise of some gauges is 0, expected that of all gauges or of none")]
+    #[error("the noise is 0 for some gauges only, expected 0 for all gauges or for none")]
     NoiseOfSomeGauges,
     /// Any wave number explains the line: there is no signal, a node at the middle gauge, or gauges
     /// that cannot separate the two waves.
@@ -351,7 +351,7 @@ pub enum Refusal {
     NotContinued,
     /// The lines are too far apart to determine a resonance.
     #[error(
-        "{found} lines within 0.3 rad of the resonance, expected at least {expected}: a longer record has more lines"
+        "{found} lines within 0.3 rad of the resonance, expected at least {expected}; a longer record has more closely spaced lines"
     )]
     FewLinesAtResonance {
         /// Number of lines near the resonance.

@@ -193,7 +193,7 @@ pub enum Violation {
     /// Lateral inertia that the theory of the waves leaves in the modulus is above its limit, see
     /// [`AcceptanceLimits`].
     #[error(
-        "uncorrected lateral inertia may be {} of {quantity}, expected at most {}",
+        "uncorrected lateral inertia may change {quantity} by {}, expected at most {}",
         percent(*.error), percent(*.limit)
     )]
     LateralInertiaTooLarge {
@@ -420,7 +420,7 @@ mod tests {
              0.99 half waves between neighbouring sensors; \
              noise is 0.30 of the signal of the middle gauge, expected at most 0.1; \
              E' may be off by 2.3 %, expected at most 1.0 %; \
-             uncorrected lateral inertia may be 1.9 % of E', expected at most 1.0 %; \
+             uncorrected lateral inertia may change E' by 1.9 %, expected at most 1.0 %; \
              E' may be off by 2.0 % due to common errors, expected at most 1.0 %; largest contribution: density; \
              relative errors are amplified 23.4 times, expected at most 10; \
              coherence 0.9300, expected at least 0.9900; \

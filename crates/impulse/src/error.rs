@@ -140,8 +140,8 @@ pub enum ImpulseError {
     },
     /// Time marching needs the unknown behaviour of a measured body above its lines.
     #[error(
-        "a measured body has no front impedance, expected the impedance A sqrt(E rho) [kg/s] of its face for a force by time marching; \
-         without it the stick force on lines is available"
+        "a measured body has no front impedance, expected the impedance A sqrt(E rho) [kg/s] of its face, which time marching needs; \
+         the stick force on lines does not need it"
     )]
     NoFrontImpedance,
     /// A mobility has no finite value.
@@ -197,7 +197,7 @@ pub enum ImpulseError {
     /// Both faces have a mass, without compliance between them.
     #[error(
         "the mobility of the faces falls to {ratio} over a decade at the end of the band, as for two rigid masses, \
-         expected a contact law between them: the force of a rigid contact is infinite"
+         expected a contact law between them: without one, the impact force is infinite"
     )]
     RigidFaces {
         /// Mobility at ten times a frequency far above the band, divided by the mobility at this

@@ -104,8 +104,8 @@ impl SectionSpectra {
         })
     }
 
-    /// Degrees of freedom of the noise of one channel: they are equal for all channels, because the
-    /// silence has the same length.
+    /// Degrees of freedom of the noise of a channel. They are the same for all channels, because
+    /// the silence is equally long in each of them.
     #[must_use]
     pub fn noise_freedom(&self) -> DegreesOfFreedom {
         let (first, last) = (self.frequency_hz.first(), self.frequency_hz.last());

@@ -91,7 +91,7 @@ impl fmt::Display for FitFlag {
                 requested,
             } => write!(
                 f,
-                "a grid of half the cell changes the response by {:.3} % of V0, requested {:.3} %",
+                "halving the cells of the grid changes the response by {:.3} % of V0, requested at most {:.3} %",
                 100.0 * difference,
                 100.0 * requested
             ),

@@ -158,7 +158,9 @@ pub enum MaxwellidError {
         expected: usize,
     },
     /// The noise is stated for some tests and not for others.
-    #[error("test `{test}` has no stated noise, but others have: state it for all or for none")]
+    #[error(
+        "test `{test}` states no noise, but other tests do: state the noise for all tests or for none"
+    )]
     NoiseMissing {
         /// Name of the test without stated noise.
         test: String,
@@ -190,7 +192,7 @@ pub enum MaxwellidError {
     },
     /// The uncertainty of a calibration cannot be weighted without stated noise.
     #[error(
-        "the calibration of the {nuisance} needs tests with stated noise, which sets its weight"
+        "the calibration of the {nuisance} needs tests with stated noise, because the noise sets the weight of the calibration"
     )]
     CalibrationWithoutNoise {
         /// Name of the nuisance.

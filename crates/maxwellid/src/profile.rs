@@ -93,12 +93,12 @@ impl Profile {
             }
             (Some(lower), None) => {
                 format!(
-                    "values below {lower:.4} are excluded at 95 %, but none from there up to {high:.4}"
+                    "values below {lower:.4} are excluded at 95 %, but no value from there up to {high:.4} is"
                 )
             }
             (None, Some(upper)) => {
                 format!(
-                    "values above {upper:.4} are excluded at 95 %, but none from there down to {low:.4}"
+                    "values above {upper:.4} are excluded at 95 %, but no value from there down to {low:.4} is"
                 )
             }
             (None, None) => {

@@ -137,7 +137,7 @@ impl std::fmt::Display for RecorderCheck {
             write!(
                 f,
                 "test `{test}`: above {FROM} of the cut-off of its recorder the excitation itself, without its noise, has {:.1} times the power of the noise ({origin}). \
-                 The filter biases all parameters of nonlinear laws: state it, or use a softer blow or a faster recorder",
+                 The filter biases all parameters of nonlinear laws: state the filter, or use a softer blow or a faster recorder",
                 self.signal_to_noise
             )
         } else {

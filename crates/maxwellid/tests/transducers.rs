@@ -223,7 +223,7 @@ fn calibrations_that_mean_nothing_are_refused() {
     );
     assert_eq!(
         refused(Freedom::Within(1e-6)),
-        "the calibration of the delay [s] needs tests with stated noise, which sets its weight"
+        "the calibration of the delay [s] needs tests with stated noise, because the noise sets the weight of the calibration"
     );
 }
 
@@ -291,7 +291,7 @@ fn windows_and_noise_that_are_no_good_are_named() {
     let error = fit(&[test.clone().with_noise(0.1, 0.1).unwrap(), other]);
     assert_eq!(
         error.to_string(),
-        "test `virtual rod` has no stated noise, but others have: state it for all or for none"
+        "test `virtual rod` states no noise, but other tests do: state the noise for all tests or for none"
     );
     assert_eq!(
         test.clone().with_noise(0.1, 0.0).unwrap_err().to_string(),

@@ -71,7 +71,7 @@ pub enum RodwaveError {
     },
     /// A requested section is outside the body.
     #[error(
-        "{what} is {position} m from the end of a body of {length} m, expected a position inside"
+        "{what} is {position} m from the end of a body of {length} m, expected a position inside the body"
     )]
     OutsideBody {
         /// The object at the section, for example `a gauge`.

@@ -156,8 +156,8 @@ pub struct KramersKronig {
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct LossError {
-    /// Relative error κ: the given losses exceed those of a causal material by this fraction of the
-    /// losses of the nearest causal material.
+    /// Relative error κ of all losses: the given losses are those of some causal material plus κ
+    /// times those of the nearest causal material.
     pub factor: f64,
     /// Lower bound of twice the decrease of Σ |δE|²/σ² due to the factor, after subtraction of the
     /// error of the grid.

@@ -20,7 +20,7 @@ pub(super) enum BenchError {
         reason: String,
     },
     /// A row has no measurement: its claim would have no evidence.
-    #[error("{} rows have nothing that was measured: {}", rows.len(), rows.join("; "))]
+    #[error("{} rows have no measurement: {}", rows.len(), rows.join("; "))]
     NotMeasured { rows: Vec<String> },
     #[error(
         "benchmarks of the sources and of the measurements differ: not measured {not_measured:?}, not in the sources \
@@ -35,7 +35,7 @@ pub(super) enum BenchError {
     Command { command: String, reason: String },
     #[error("instructions of {} kernels rose by more than {limit:.0} %: {}", kernels.len(), kernels.join("; "))]
     MoreInstructions { limit: f64, kernels: Vec<String> },
-    #[error("this is a build without optimisation, which tells nothing: call `cargo xtask bench`")]
+    #[error("times of an unoptimised build are meaningless: call `cargo xtask bench`")]
     Unoptimised,
     #[error("valgrind is not installed: no instructions were counted")]
     NoValgrind,

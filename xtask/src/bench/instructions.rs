@@ -63,12 +63,12 @@ pub(super) fn not_comparable(reference: &Instructions) -> Option<String> {
     let compiler = machine::compiler();
     if machine_of(&here) != machine_of(&reference.counted_by) {
         Some(format!(
-            "the reference is of {}, this is {here}",
+            "the reference was counted by {}, expected {here}, as here",
             reference.counted_by
         ))
     } else if compiler != reference.compiler {
         Some(format!(
-            "the reference is of {}, this is {compiler}",
+            "the reference was compiled by {}, expected {compiler}, as here",
             reference.compiler
         ))
     } else {
@@ -228,14 +228,14 @@ mod tests {
         assert!(
             not_comparable(&other)
                 .unwrap()
-                .contains("the reference is of valgrind 3.19.0 on vax")
+                .contains("the reference was counted by valgrind 3.19.0 on vax")
         );
         let mut older = here;
         older.compiler = "rustc 1.0.0".into();
         assert!(
             not_comparable(&older)
                 .unwrap()
-                .contains("the reference is of rustc 1.0.0")
+                .contains("the reference was compiled by rustc 1.0.0")
         );
     }
 

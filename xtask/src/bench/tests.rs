@@ -130,7 +130,7 @@ fn a_row_without_a_measurement_is_refused_by_name() {
         .to_string();
     assert_eq!(
         error,
-        "3 rows have nothing that was measured: march (Rate(\"march/Maxwell\")); with derivatives (Multiple(\"march/Maxwell\", \
+        "3 rows have no measurement: march (Rate(\"march/Maxwell\")); with derivatives (Multiple(\"march/Maxwell\", \
          \"march/elastic\")); beside the machine (Time(\"march/Maxwell\"))"
     );
 }

@@ -43,10 +43,10 @@ pub(super) fn of(crates: &[&Package], workspace: &Metadata) -> (String, Vec<Stri
         }
     }
     let words = highest.map_or_else(
-        || "no dependency states a Rust".to_owned(),
+        || "no dependency states a Rust version".to_owned(),
         |((major, minor), package)| {
             format!(
-                "the newest Rust that a dependency states is {major}.{minor}, of {} {}; {silent} of {} state none",
+                "the newest Rust version that a dependency states is {major}.{minor}, by {} {}; {silent} of {} state none",
                 package.name,
                 package.version,
                 below.len()

@@ -9,7 +9,7 @@ use super::numbered::Numbered;
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum Fault {
     /// An item has no code or no proof.
-    #[error("{item}: cited by no {what}")]
+    #[error("{item}: not cited by any {what}")]
     NotCited { item: Numbered, what: &'static str },
     /// A citation refers to an item that does not exist in the thesis.
     #[error("{file}, line {line}: `{cited}` is cited, expected {expected}")]

@@ -25,8 +25,8 @@ use crate::validity::Violation;
 /// Relative difference up to which the distances count as equal: it covers the rounding of
 /// positions in metres.
 const EQUAL: f64 = 1e-9;
-/// Ratio of noise to signal of the middle gauge, as amplitudes, up to which Ψ is valid. At this
-/// ratio Ψ is biased by 1 %.
+/// Largest ratio of the noise amplitude to the signal amplitude, at the middle gauge, for which Ψ
+/// is valid. At this ratio Ψ is biased by 1 %.
 pub const MOST_NOISE_AT_THE_MIDDLE: f64 = 0.1;
 
 /// Three-point method for one rod (paper B).

@@ -96,9 +96,9 @@ pub struct MaterialCard<'a> {
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct CardDeviation {
-    /// Difference of the complex moduli relative to |E|.
+    /// Largest difference of the complex moduli, relative to |E|.
     pub relative: f64,
-    /// Frequency of this difference \[Hz\].
+    /// Frequency of the largest difference \[Hz\].
     pub frequency_hz: f64,
 }
 

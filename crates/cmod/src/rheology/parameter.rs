@@ -202,12 +202,14 @@ impl fmt::Display for Reason {
             Self::Correlated { with, correlation } => {
                 write!(f, "compensated by {with}, correlation {correlation:.3}")
             }
-            Self::NoInfluence => f.write_str("the law does not depend on it here"),
+            Self::NoInfluence => f.write_str("the law does not depend on this parameter here"),
             Self::Noise { standard_error } if *standard_error <= MOST_STATED => write!(
                 f,
                 "the errors of the data leave a standard error of {standard_error:.2}"
             ),
-            Self::Noise { .. } => f.write_str("the errors of the data leave it undetermined"),
+            Self::Noise { .. } => {
+                f.write_str("the errors of the data leave this parameter undetermined")
+            }
         }
     }
 }

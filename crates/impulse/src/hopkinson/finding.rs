@@ -185,7 +185,7 @@ impl fmt::Display for Finding {
             ),
             Self::Overlap { alone } => write!(
                 f,
-                "the incident pulse lasts longer than the {:.1} us until its reflection reaches the gauge, which cannot separate the two: expected a shorter pulse, a second gauge, or `Balanced` waves",
+                "the incident pulse lasts longer than the {:.1} us after which its reflection reaches the gauge, so that the gauge cannot separate the two waves: expected a shorter pulse, a second gauge, or `Balanced` waves",
                 1e6 * alone
             ),
             Self::Tail { part } => write!(
@@ -204,7 +204,7 @@ impl fmt::Display for Finding {
             ),
             Self::BeyondLaw { band_hz, known_to_hz } => write!(
                 f,
-                "the band ends at {band_hz:.0} Hz, but the law of a bar was measured only up to {known_to_hz:.0} Hz: above that its error is unknown"
+                "the band ends at {band_hz:.0} Hz, but the law of a bar was measured only up to {known_to_hz:.0} Hz: above this frequency, the error of the law is unknown"
             ),
             Self::TransmittedEarly { by } => write!(
                 f,

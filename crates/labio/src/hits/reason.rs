@@ -326,7 +326,7 @@ impl fmt::Display for Reason {
             } => {
                 write!(
                     f,
-                    "`{channel}` departs by a relative {} from the prediction by the other hits, the others by at most {}; it is {} times as large and {} ms later",
+                    "`{channel}` departs by a relative {} from the prediction by the other hits, which depart by at most {}; this hit is {} times as large and {} ms later",
                     Short(*departure),
                     Short(*others),
                     Short(*scale),
@@ -454,8 +454,8 @@ mod tests {
         static offset: `force` rests at 25.00, more than 0.100 times its peak of 100.0
         level shift: `force` rests at 0.000 before and at 1.235e5 after, a difference of more than 0.050 times its peak of 1000
         not decayed: `force` ends at 2.000 rms, more than 0.010 times its peak of 100.0
-        departs from the others: `force` departs by a relative 0.400 from the prediction by the other hits, the others by at most 0.020; it is 1.300 times as large and 1.000 ms later, and departs most at sample 77
-        departs from the others: `force` departs by a relative 0.400 from the prediction by the other hits, the others by at most 0.020; it is 1.300 times as large and -2.000 ms later
+        departs from the others: `force` departs by a relative 0.400 from the prediction by the other hits, which depart by at most 0.020; this hit is 1.300 times as large and 1.000 ms later, and departs most at sample 77
+        departs from the others: `force` departs by a relative 0.400 from the prediction by the other hits, which depart by at most 0.020; this hit is 1.300 times as large and -2.000 ms later
         ");
     }
 }

@@ -94,7 +94,7 @@ impl fmt::Display for Doubt {
                 f.write_str("the data do not exclude a special case of the most probable law")
             }
             Self::Unsettled { .. } => f.write_str(
-                "the misfit of one of them still changes when the excitation is estimated again",
+                "the misfit of one of these laws still changes when the excitation is estimated again",
             ),
             Self::NoFlatLossCompetitor => f.write_str(
                 "a nonlinear law is the most probable, but the data are from one impact velocity and no linear law of flat loss is among the candidates",

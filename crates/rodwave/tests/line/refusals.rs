@@ -66,9 +66,9 @@ fn impossible_lines_are_refused() {
     list of contacts has 0 entries, expected 1
     mass at an end [kg] is -1, expected a finite value above 0
     resistance at an end [N s/m] is 0, expected a finite value above 0
-    a gauge is 1.1 m from the end of a body of 1 m, expected a position inside
-    a gauge is -0.1 m from the end of a body of 1 m, expected a position inside
-    a gauge is NaN m from the end of a body of 1 m, expected a position inside
+    a gauge is 1.1 m from the end of a body of 1 m, expected a position inside the body
+    a gauge is -0.1 m from the end of a body of 1 m, expected a position inside the body
+    a gauge is NaN m from the end of a body of 1 m, expected a position inside the body
     list of bodies of a line has 1 entries, expected 2
     time step [s] is 0, expected a finite value above 0
     duration [s] is inf, expected a finite value above 0

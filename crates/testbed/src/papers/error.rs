@@ -54,7 +54,7 @@ pub enum FixtureError {
         command: &'static str,
     },
     /// No test reads a golden table.
-    #[error("{}: read by no test", path.display())]
+    #[error("no test reads {}", path.display())]
     NotRead { path: PathBuf },
     /// A folder of reference output cannot be reproduced, or no test compares it.
     #[error("{}: {reason}", folder.display())]

@@ -18,7 +18,8 @@ pub use self::readings::UnitReading;
 #[derive(Debug, Clone, PartialEq)]
 pub struct Printed {
     pub value: f64,
-    /// Half a unit of the last printed digit, or an allowance with its reason.
+    /// Tolerance of a comparison with this number: half a unit of its last printed digit, or the
+    /// allowance that the fixture states, with a reason, for this cell.
     pub tolerance: f64,
     /// Digits and unit as printed.
     pub printed: String,

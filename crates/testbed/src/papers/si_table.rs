@@ -42,7 +42,8 @@ pub struct SiValue {
     /// SI unit.
     pub unit: &'static str,
     pub value: Decimal,
-    /// Half a unit of the last printed digit, or an allowance.
+    /// Tolerance of a comparison with this value: half a unit of the last printed digit, or the
+    /// allowance that the fixture states for this cell.
     pub tolerance: Decimal,
 }
 

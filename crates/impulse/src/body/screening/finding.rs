@@ -342,10 +342,10 @@ impl fmt::Display for ScreeningFlag {
                 standard_error,
             } => write!(
                 formatter,
-                "the motion is {:.3} us {} the force, ± {:.2} us, according to the phase of the nearly rigid lines",
+                "the motion is {:.3} us ± {:.2} us {} the force, according to the phase of the nearly rigid lines",
                 1e6 * delay.abs(),
-                if *delay < 0.0 { "before" } else { "after" },
-                1e6 * standard_error
+                1e6 * standard_error,
+                if *delay < 0.0 { "before" } else { "after" }
             ),
             Self::MassContradicted {
                 apparent,
