@@ -38,7 +38,7 @@ pub enum RodlabError {
         job: &'static str,
     },
     /// A sheet is not encoded in UTF-8.
-    #[error("{}:{line}:{column}: found {found}, expected a text in UTF-8: save the sheet as UTF-8", path.display())]
+    #[error("{}:{line}:{column}: found {found}, expected UTF-8 text: save the sheet as UTF-8", path.display())]
     Encoding {
         /// The sheet.
         path: PathBuf,
@@ -123,7 +123,7 @@ pub enum RodlabError {
     /// Two files, hits or channels contain the same measurement. Counted twice, it would make the
     /// errors too small.
     #[error(
-        "{first} and {second} {how}: they are one measurement, expected independent ones: remove one of the two from the sheet"
+        "{first} and {second} {how}: they are one measurement, expected independent measurements: remove one of the two from the sheet"
     )]
     OneMeasurement {
         /// The first of them.
@@ -135,7 +135,7 @@ pub enum RodlabError {
     },
     /// The coherence of several hits is 1 within rounding, which no measurement reaches.
     #[error(
-        "{place}: the coherence of `{input}` and `{output}` is 1 to rounding over {hits} hits, expected hits with independent noise: these are copies of one hit, or computed without noise"
+        "{place}: the coherence of `{input}` and `{output}` is 1 within rounding over {hits} hits, expected hits with independent noise: the hits are copies of one hit, or were computed without noise"
     )]
     NoNoise {
         /// Part of the sheet, such as `source`.

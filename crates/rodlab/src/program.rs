@@ -336,7 +336,7 @@ fn retract(sheet: &Path, folder: &Path, error: &RodlabError, err: &mut dyn Write
         ),
         Err(error) => writeln!(
             err,
-            "warning: {place} has the files of an earlier run, and that could not be recorded there: {}",
+            "warning: {place} has the files of an earlier run, and the failure of this run could not be recorded there: {}",
             in_one_line(&error)
         ),
     };

@@ -84,7 +84,7 @@ pub fn expect_undamped(response: &FrequencyResponse, field: &str) -> Result<(), 
                 "a response under an exponential window of {} 1/s",
                 short(window.decay_rate())
             ),
-            "a response without one, from records in which the body comes to rest",
+            "a response without an exponential window, from records in which the body comes to rest",
         )),
     }
 }

@@ -211,13 +211,13 @@ fn r20_what_is_absurd_is_refused_with_its_numbers() {
         said_at_once("force", &of_duration("4 us")),
     ];
     insta::assert_snapshot!(said.concat(), @r"
-    error: materials: m is a material whose modulus and density give a wave speed of 1.054e-3 m/s, expected 20 to 20000 m/s, or `unusual` as true next to the density if it is intended
-    error: materials: m is a material whose modulus and density give a wave speed of 1.054e13 m/s, expected 20 to 20000 m/s, or `unusual` as true next to the density if it is intended
+    error: materials: m is a material whose modulus and density give a wave speed of 1.054e-3 m/s, expected 20 to 20000 m/s, or `unusual` as true next to the density if this wave speed is intended
+    error: materials: m is a material whose modulus and density give a wave speed of 1.054e13 m/s, expected 20 to 20000 m/s, or `unusual` as true next to the density if this wave speed is intended
     error: instrument.length is 719280000 samples of all hits, expected at most 50000000 samples of all hits
     error: instrument.length is 40000000 samples, expected 40 to 2097152
     error: experiment: ImpactedRod.velocities[1] is 1e9 m/s, expected less than the wave speed of the rod, 1414.2136 m/s
     error: experiment: ImpactedRod is 9390378054157 cells times steps of all velocities, expected at most 4000000000 cells times steps of all velocities
-    error: experiment: ImpactedRod is a material whose modulus and density give a wave speed of 1.414e-3 m/s, expected 20 to 20000 m/s, or `unusual` as true next to the density if it is intended
+    error: experiment: ImpactedRod is a material whose modulus and density give a wave speed of 1.414e-3 m/s, expected 20 to 20000 m/s, or `unusual` as true next to the density if this wave speed is intended
     error: problem.first.elements is 3000 elements, expected at most 200 elements
     error: problem.time_step is 4000000 steps, expected at most 1000000 steps
     error: problem.duration is `4 s`, expected at most 3.125 s with a band up to 10 kHz

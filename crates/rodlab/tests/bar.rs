@@ -230,13 +230,13 @@ fn mistakes_on_a_bar_are_named() {
             "record too short",
             &vec![one[0][..700].to_vec()],
             one_gauge(),
-            "one up to the end of the reflected pulse",
+            "a record up to the end of the reflected pulse",
         ),
         (
             "record cut in the reflection",
             &vec![one[0][..900].to_vec()],
             one_gauge(),
-            "one up to the end of the reflected pulse",
+            "a record up to the end of the reflected pulse",
         ),
         (
             "another channel",
@@ -248,7 +248,7 @@ fn mistakes_on_a_bar_are_named() {
             "nothing recorded",
             &vec![two[0].iter().map(|x| 1e-6 * x.signum()).collect()],
             one_gauge(),
-            "a pulse of 50 times its noise",
+            "a pulse of at least 50 times the noise in this silence",
         ),
         (
             "saturated",

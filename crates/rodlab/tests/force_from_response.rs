@@ -292,7 +292,7 @@ fn what_cannot_be_is_refused_where_it_stands() {
     insta::assert_snapshot!(refusals, @r"
     problem.path.file is wide.csv with 513 lines 50.000000 Hz apart, expected up to 1025 lines 25.000000 Hz apart, those of the record
     problem.path.imaginary is not stated, expected the column of the imaginary part: the data set is real
-    problem.path.kind is mobility, expected accelerance, as accelerance.csv is in 1/kg
+    problem.path.kind is mobility, expected accelerance, because accelerance.csv is in 1/kg
     problem: a force without tension needs a support, but none is given
     problem: the discrepancy principle needs the noise of the response, which is not known
     problem.noise.White is `2 N`, expected a level of `face`, which is acceleration [m/s^2]
@@ -371,7 +371,7 @@ fn f5_a_path_that_contradicts_the_blow_is_in_doubt() {
     let Verdict::InDoubt { reasons } = attempt(folder.path(), &text).unwrap().verdict else {
         unreachable!("a path that is 2 % off explains nothing")
     };
-    reasons[0].must_say("not the one of the frequency response");
+    reasons[0].must_say("the frequency response is that of another body");
 }
 
 /// Eight hits and a blow with 0.3 % of noise, answered in a band from 20 Hz: peak and impulse are

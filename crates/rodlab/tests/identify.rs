@@ -483,7 +483,7 @@ fn an_elastic_rod_has_no_damping_to_identify() {
     let reason = refusal(&outcome);
     assert_eq!(
         reason,
-        "no law has a damping that these data determine: within their noise the rod may be elastic"
+        "these data do not determine the damping of any law: within their noise, the rod may be elastic"
     );
     // the identifiable parameters are identified
     let name = "Maxwell: Young's modulus E";

@@ -263,7 +263,7 @@ fn a_sheet_of_no_language_is_told_what_one_is() {
         ("job = \"frf\"\ntitle = \"a\nx = \"", "2:"),
         (
             "job = \"frf\"\ntitle = \"C:\\Users\"",
-            "a backslash starts an escape, and here it starts none | write C:/Users/...",
+            "a backslash starts an escape sequence, and this sequence is not valid | write C:/Users/...",
         ),
         (
             "job = \"frf\"\n[records]\ntitle = \"a\"",

@@ -319,7 +319,7 @@ fn r10_one_hit_in_two_files_is_refused_in_one_hammer_and_in_two() {
     fs::write(folder.path().join("hit9.csv"), hit.clone() + "\n").unwrap();
     let one = sheet(&format!("Hits{}", hits("hit*.csv")), WEIGHED);
     let said = attempt(folder.path(), &one).refused();
-    insta::assert_snapshot!(said, @"hit 3, hit3.csv and hit 9, hit9.csv have the same samples: they are one measurement, expected independent ones: remove one of the two from the sheet");
+    insta::assert_snapshot!(said, @"hit 3, hit3.csv and hit 9, hit9.csv have the same samples: they are one measurement, expected independent measurements: remove one of the two from the sheet");
     fs::remove_file(folder.path().join("hit9.csv")).unwrap();
     fs::copy(
         folder.path().join("hit4.csv"),
@@ -336,7 +336,7 @@ fn r10_one_hit_in_two_files_is_refused_in_one_hammer_and_in_two() {
     // and where a file is named in both
     let two = two.replace("soft*.csv", "hit[12].csv");
     let said = attempt(folder.path(), &sheet(&two, WEIGHED)).refused();
-    insta::assert_snapshot!(said, @"hit 1, hit1.csv and hit 1, hit1.csv have the same samples: they are one measurement, expected independent ones: remove one of the two from the sheet");
+    insta::assert_snapshot!(said, @"hit 1, hit1.csv and hit 1, hit1.csv have the same samples: they are one measurement, expected independent measurements: remove one of the two from the sheet");
 }
 
 #[test]

@@ -242,7 +242,7 @@ fn rounded_times_ask_for_the_sampling_rate() {
         format!(r#"(files: ["{file}"],{rate} channels: [(name: "f", from: 1, unit: "N")])"#)
     };
     let said = refusals(folder.path(), &[&sheet("hit.csv", "")]);
-    said.must_begin("records.sampling_rate is not stated, expected the sampling rate, such as \"51.2 kHz\", that gives all times within half a step: those of hit.csv are rounded (repeated values; ");
+    said.must_begin("records.sampling_rate is not stated, expected the sampling rate, such as \"51.2 kHz\", that gives all times within half a step: the times of hit.csv are rounded (repeated values; ");
     insta::assert_snapshot!(refusals(folder.path(), &[&sheet("unit.csv", "")]), @r#"records.sampling_rate is not stated, expected the sampling rate, such as "51.2 kHz": unit.csv has times in `sek`, which is not a known unit; in s they give 1000 Hz"#);
     let loaded = load(
         folder.path(),
@@ -263,7 +263,7 @@ fn the_rate_in_a_variable_is_used_and_said() {
     };
     let loaded = load(folder.path(), &sheet("")).unwrap();
     assert!((loaded.records[0].record.sampling_rate_hz() - 51_200.0).abs() < 1e-6);
-    insta::assert_snapshot!(loaded.warnings.join("\n"), @"hit.mat states the sampling rate only as the variable `fs`, in Hz; `sampling_rate` in the sheet confirms it.");
+    insta::assert_snapshot!(loaded.warnings.join("\n"), @"hit.mat states the sampling rate only as the variable `fs`, in Hz; state `sampling_rate` in the sheet to confirm it.");
     let confirmed = load(folder.path(), &sheet(r#" sampling_rate: "51.2 kHz","#)).unwrap();
     assert!(confirmed.warnings.is_empty(), "{:?}", confirmed.warnings);
     let said = refusals(folder.path(), &[&sheet(r#" sampling_rate: "48 kHz","#)]);

@@ -272,7 +272,7 @@ fn what_is_wrong_is_said() {
     insta::assert_snapshot!(messages.join("\n"), @r#"
     tests is empty, expected at least one test
     virgin_loss_factor is missing, expected the loss factor before any load, or `readings_are` as `changes` (in RON `Changes`)
-    tests[0].readings[0] is without a standard error, expected one there, or `standard_error` of the sheet for all
+    tests[0].readings[0] is without a standard error, expected a standard error of these readings, or `standard_error` of the sheet for all readings
     tests[0]: recovery time [s] of reading 1 of a is 60, expected more than that of the previous reading
     no file matches `none.csv` in FOLDER (tests[0].readings.path)
     tests[0].readings.readings (bare.csv) is `a`, a column over `index`, without a unit, expected a column over times, with a unit

@@ -206,7 +206,7 @@ fn what_a_bar_cannot_have_is_said() {
     insta::assert_snapshot!(all.join("\n"), @"
     finding the modulus: position of the free end [m] is 1.8, expected one beyond the last gauge: positions increase towards the free end
     method.multi_point.gauges is 2 gauges, expected three or more, or two and the position of a free end in `free_end_at`
-    source.hits.exponential_window is 1 % on the last sample, expected none with FreeEnd: only MultiPoint corrects the modulus for it
+    source.hits.exponential_window is 1 % on the last sample, expected none with FreeEnd: only MultiPoint corrects the modulus for the window
     ");
 }
 
@@ -324,7 +324,7 @@ fn free_vibration_of_a_steel_bar_has_its_loss_factor() {
     let Verdict::InDoubt { reasons } = with("4 ms", "9000 m/s", "").unwrap().verdict else {
         panic!("modes were numbered wrongly")
     };
-    reasons.must_say("is not one of the modes");
+    reasons.must_say("belongs to none of the modes");
     let refused = with("1.0015 s", "5000 m/s", "").refused();
     refused.must_say("well before the end");
     let none = with("4 ms", "300 km/s", "").unwrap();

@@ -222,7 +222,7 @@ fn named(sheets: BTreeMap<PathBuf, PathBuf>) -> Result<Vec<Test>, RodlabError> {
             return Err(RodlabError::request(
                 "sheets",
                 format!("{} and {}", other.display(), shown.display()),
-                "names that differ in more than the extension: a result has the name of its sheet",
+                "names that differ in more than the extension: the folder of a result has the name of its sheet without extension",
             ));
         }
     }

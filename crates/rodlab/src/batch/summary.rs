@@ -109,7 +109,7 @@ impl Summary {
         let kept = self.tests.iter().filter(|row| row.kept).count();
         if kept > 0 {
             lines.push(format!(
-                "{kept} of {} kept: neither sheet, files nor software have changed",
+                "{kept} of {} kept: sheets, files and software have not changed",
                 of_tests(self.tests.len())
             ));
         }
@@ -323,7 +323,7 @@ mod tests {
             [
                 "warning (2 tests): two",
                 "warning (1 test): one",
-                "1 of 2 tests kept: neither sheet, files nor software have changed"
+                "1 of 2 tests kept: sheets, files and software have not changed"
             ]
         );
         let many = ["1", "2", "3", "4", "5", "6", "7"];

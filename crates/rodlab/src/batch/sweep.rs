@@ -270,7 +270,7 @@ fn parts_of<'a>(
         Some((_, axis)) => Err(RodlabError::request(
             path.display().to_string(),
             format!("a template without `{{{{{}}}}}`", axis.name),
-            "every placeholder of the plan: otherwise sheets would be equal",
+            "every placeholder of the plan: otherwise several sheets would be identical",
         )),
     }
 }

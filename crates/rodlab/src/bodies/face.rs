@@ -167,7 +167,7 @@ impl BodySheet {
             Self::Measured(_) => Err(RodlabError::request(
                 field,
                 "a measured body",
-                "one that is computed: a chain, a rigid mass, a long rod, an impedance or an assembly of them",
+                "a computed body: a chain, a rigid mass, a long rod, an impedance or an assembly of these",
             )),
             Self::Assembly(assembly) => {
                 let member = |at: usize| assembly.computed_member(at, materials, field);

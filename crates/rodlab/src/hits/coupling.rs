@@ -55,8 +55,7 @@ impl FoundHits {
         let is_alike = n > 2.0 && mean.norm() > ABOVE_CHANCE * error;
         Ok((is_alike && mean.norm() > TOLERATED).then(|| {
             format!(
-                "`{force}` does not return to zero after the blow, which changes its spectrum by {} % at {} and less above: its amplifier is AC-coupled, or its sensor \
-                 drifts; use higher frequencies only, or state a force window",
+                "`{force}` does not return to zero after the blow, which changes its spectrum by {} % at {} and by less at higher frequencies: its amplifier is AC-coupled, or its sensor drifts; use only the higher frequencies, or state a force window",
                 significant(100.0 * mean.norm(), 2),
                 hertz(from_hz)
             )

@@ -75,7 +75,7 @@ impl HitKind {
         match self {
             Self::Hammer => "one short contact",
             Self::Bar => "waves in a bar",
-            Self::RingingBar => "waves in a bar that may ring at the end",
+            Self::RingingBar => "waves in a bar that may ring at the end of the record",
             Self::BarPulses => "pulses cut out of waves in a bar",
         }
     }

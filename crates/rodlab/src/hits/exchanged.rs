@@ -38,7 +38,7 @@ impl FoundHits {
             let of_output = duration(output)?;
             if of_input > LONGER * of_output {
                 doubts.push(format!(
-                    "the input `{input}` lasts {} ms, the output `{output}` {} ms: a blow ends before the response to it; input and output may be \
+                    "the input `{input}` lasts {} ms, the output `{output}` {} ms: a blow ends before the response that it causes; input and output may be \
                      exchanged, or `{output}` has a spike",
                     significant(1e3 * of_input, 2),
                     significant(1e3 * of_output, 2)

@@ -239,7 +239,7 @@ impl FoundHits {
                     RodlabError::request(
                         format!("{field}: {name}"),
                         format!("{length} samples, and {error}"),
-                        format!("{longest} samples as in the longest hit, or a hit that ends at rest and can be continued at rest"),
+                        format!("{longest} samples as in the longest hit, or a hit that ends at rest, which can be continued at rest"),
                     )
                 })?;
                 padded.push(number);
@@ -271,7 +271,7 @@ impl FoundHits {
                 return Err(RodlabError::request(
                     format!("{field}: {}", found.name()),
                     sampling(record),
-                    format!("{} as in {}", sampling(expected), first.name()),
+                    format!("{}, as in {}", sampling(expected), first.name()),
                 ));
             }
         }

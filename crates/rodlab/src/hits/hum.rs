@@ -61,8 +61,7 @@ impl FoundHits {
             }
             if hum > LARGE_PART * whole {
                 doubts.push(format!(
-                    "`{force}` continues after the blow at {}, with {} % of its spectrum there: mains hum; remove it, leave these lines out, or state a force \
-                     window",
+                    "`{force}` continues at {} after the blow, and {} % of its spectrum there is mains hum: remove the hum, leave out the lines there, or state a force window",
                     hertz(frequency),
                     significant((100.0 * hum / whole).min(100.0), 2)
                 ));

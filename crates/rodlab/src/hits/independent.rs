@@ -60,7 +60,7 @@ pub fn expect_independent(
         .iter()
         .map(|pair| {
             format!(
-                "the difference between {} and {} has {} of the power of the noise before them, expected at least that of both: they may be one \
+                "the difference between {} and {} has {} times the power of the noise before them, expected at least 1: they may be one \
                  measurement that was stored twice",
                 name(pair.first),
                 name(pair.second),

@@ -39,7 +39,7 @@ pub(crate) fn silent_samples(
         settings.push(Setting::by_default(
             name,
             format!(
-                "{:.4} ms, the pre-trigger less the rise of the blow",
+                "{:.4} ms, the pre-trigger minus the rise of the blow",
                 1e3 * silent
             ),
         ));
@@ -90,7 +90,7 @@ pub(crate) fn expect_silence(
         };
         if n_silent >= hit.n_samples() {
             let all = 1e3 * hit.n_samples() as f64 / hit.sampling_rate_hz();
-            return Err(refused(format!("a record has {all:.4} ms in all")));
+            return Err(refused(format!("a record is only {all:.4} ms long")));
         }
         for channel in channels {
             let samples = hit
@@ -102,7 +102,9 @@ pub(crate) fn expect_silence(
             };
             let in_silence = greatest(&mut samples.iter().take(n_silent));
             if in_silence > MOST_IN_SILENCE * greatest(&mut samples.iter()) {
-                return Err(refused(format!("`{channel}` already moves within it")));
+                return Err(refused(format!(
+                    "`{channel}` already moves within this time"
+                )));
             }
         }
     }

@@ -32,7 +32,7 @@ impl FoundHits {
         self.settings.push(Setting::by_default(
             field,
             format!(
-                "left out: {n_samples} of {longest} samples of each hit are used, {milliseconds:.4} ms; the others have only noise"
+                "left out: {n_samples} of {longest} samples of each hit are used, {milliseconds:.4} ms; the remaining samples contain only noise"
             ),
         ));
         Ok(())

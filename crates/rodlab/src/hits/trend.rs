@@ -39,8 +39,7 @@ impl FoundHits {
                 n_first,
                 difference,
             } => format!(
-                "the response of `{channel}` up to hit {} differs from that of hit {} on by {} %, far more than the hits of either group among themselves: \
-                 they were measured on two bodies, or with two set-ups",
+                "the response of `{channel}` up to hit {} differs from that of hit {} and later hits by {} %, far more than the hits of each group differ from each other: the groups were measured on two bodies, or with two set-ups",
                 number(n_first.saturating_sub(1)),
                 number(*n_first),
                 significant(100.0 * difference, 2)

@@ -104,7 +104,7 @@ impl BarSheet {
             return Err(RodlabError::request(
                 "gauges",
                 "empty",
-                "one gauge or more between the struck and the free end",
+                "one or more gauges between the struck end and the free end",
             ));
         }
         let mut before = self.bar.length.si();

@@ -90,7 +90,7 @@ pub(crate) fn run(sheet: &ForceSheet, context: &JobContext<'_>) -> Result<Outcom
                 return Err(RodlabError::request(
                     "monte_carlo",
                     n_draws.to_string(),
-                    "none: the bands of a force from a response are from `problem.uncertainty.draws` draws",
+                    "none: the bands of a force from a response come from the draws stated in `problem.uncertainty.draws`",
                 ));
             }
             response::run(problem, context, &mut outcome)?;

@@ -423,7 +423,7 @@ fn warn(sheet: &FrfSheet, spectra: &[AveragedSpectra], estimated: &[Named], outc
     }
     if let Some(damping) = spectra.first().and_then(AveragedSpectra::added_damping) {
         outcome.warnings.push(format!(
-            "The exponential window adds a decay rate of {} 1/s: the responses are those on the line s = {0} 1/s + i omega, and every mode appears more strongly damped by this rate.",
+            "The exponential window adds a decay rate of {} 1/s: the responses are those on the line s = {0} 1/s + i omega, and the decay rate of every mode is larger by this amount.",
             short(damping.decay_rate())
         ));
     }
@@ -441,7 +441,7 @@ fn warn(sheet: &FrfSheet, spectra: &[AveragedSpectra], estimated: &[Named], outc
             let (leakage, random) = (short(100.0 * leakage), short(100.0 * random));
             outcome.warnings.push(match sheet.segments {
                 None => format!(
-                    "`{output}` still moves at the end of the records: the part cut off is {leakage} % of a line in the median, compared with a random error of {random} %. Record longer, or state an exponential window."
+                    "`{output}` still moves at the end of the records: the part cut off changes a line by {leakage} % in the median, compared with a random error of {random} %. Record longer, or state an exponential window."
                 ),
                 Some(_) => format!(
                     "The lines are too wide for `{output}`: their width changes a line by {leakage} % in the median, compared with a random error of {random} %. State longer segments."

@@ -390,7 +390,10 @@ pub(crate) fn run(sheet: &IdentifySheet, context: &JobContext<'_>) -> Result<Out
             .iter_mut()
             .find(|s| s.name == "cell" && s.by_default)
     {
-        cell.value = format!("{} mm, by the noise", significant(1e3 * comparison.cell, 3));
+        cell.value = format!(
+            "{} mm, chosen from the noise",
+            significant(1e3 * comparison.cell, 3)
+        );
     }
     context.progress.one_more();
     context.check_cancelled()?;
@@ -601,8 +604,7 @@ fn specimen_in_words(sheet: &IdentifySheet, found: &Found, outcome: &mut Outcome
     .collect();
     if !missing.is_empty() {
         outcome.warnings.push(format!(
-            "no uncertainty is stated for the {} of the specimen: the errors do not contain it; a relative error of the length is doubled in \
-             E, one of the density is the same in E",
+            "no uncertainty is stated for the {} of the specimen: the errors do not include it; a relative error of the length enters E doubled, a relative error of the density unchanged",
             missing.join(" and the ")
         ));
     }
@@ -623,7 +625,7 @@ fn specimen_in_words(sheet: &IdentifySheet, found: &Found, outcome: &mut Outcome
         };
         outcome.summary.push(format!(
             "{source} {:.2} % to the standard error of E, and to those of the other parameters as far as they \
-             depend on E; that part is the same for all tests, and more tests do not reduce it.",
+             depend on E; this contribution is the same for all tests, and more tests do not reduce it.",
             100.0 * modulus.specimen_error
         ));
     }

@@ -215,7 +215,7 @@ fn mean(
             return Err(RodlabError::request(
                 field,
                 format!("`{name}` twice"),
-                "different channels; a channel would be averaged with itself",
+                "different channels: otherwise a channel would be averaged with itself",
             ));
         }
         let has = |record: &&Record| {

@@ -352,7 +352,7 @@ fn tell(
     outcome.summary.push(format!("{}.", made.in_words));
     for evaluation in &made.evaluations {
         outcome.summary.push(format!(
-            "The sheet `{}` evaluates them: `rodlab {} {}` in the folder of this result.",
+            "The sheet `{}` evaluates the virtual test: `rodlab {} {}` in the folder of this result.",
             evaluation.file, evaluation.job, evaluation.file
         ));
     }

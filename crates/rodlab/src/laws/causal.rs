@@ -94,7 +94,7 @@ pub(crate) fn state(
     let p_value = estimate.p_value();
     if shown.level.is_some_and(|level| p_value < level) {
         outcome.doubt(format!(
-            "the lines contradict every relaxing material (p = {}), and the causal estimate is not that of the specimen",
+            "the lines contradict every relaxing material (p = {}), so the causal estimate is not that of the specimen",
             significant(p_value, 2)
         ));
     }

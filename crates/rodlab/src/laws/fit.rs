@@ -49,7 +49,7 @@ pub(crate) fn fit(
         return Ok(None);
     };
     outcome.summary.push(format!(
-        "Of {} the data prefer: {}, with chi-square {} and {} degrees of freedom, on {} lines.",
+        "Of {}, the data prefer {}, with chi-square {} and {} degrees of freedom, on {} lines.",
         if laws.len() == 1 {
             "1 law".to_owned()
         } else {
@@ -162,7 +162,7 @@ fn parameters(outcome: &mut Outcome, fit: &RheologicalFit) {
             standard_error: None,
             valid: false,
             verdict: format!(
-                "the series has none; up to {} is not excluded",
+                "the series has no equilibrium modulus; up to {} is not excluded",
                 significant(limit, 3)
             ),
         });

@@ -46,7 +46,7 @@ fn rate_needed(field: &str, file: &str, are: &str) -> RodlabError {
         format!("{field}.sampling_rate"),
         "not stated",
         format!(
-            "the sampling rate, such as \"51.2 kHz\", that gives all times within half a step: those of {file} are {are}"
+            "the sampling rate, such as \"51.2 kHz\", that gives all times within half a step: the times of {file} are {are}"
         ),
     )
 }
@@ -126,7 +126,7 @@ impl Records {
     ) -> Result<Vec<Vec<usize>>, RodlabError> {
         if let (None, Some(source)) = (&self.sampling_rate, rate_source(contents)) {
             let statement = format!(
-                "the sampling rate only as the {source}; `sampling_rate` in the sheet confirms it."
+                "the sampling rate only as the {source}; state `sampling_rate` in the sheet to confirm it."
             );
             FileStatement::note(statements, file, statement);
         }

@@ -366,7 +366,7 @@ impl ResponseFile {
                     (Some(found), Some(kind)) => Err(RodlabError::request(
                         place,
                         kind.to_string(),
-                        format!("{found}, as {} is in {}", self.file, unit.symbol()),
+                        format!("{found}, because {} is in {}", self.file, unit.symbol()),
                     )),
                     (None, _) => Err(RodlabError::request(
                         format!("{field}.file"),

@@ -136,7 +136,7 @@ pub fn disagreements(merged: &MergedResponse, second: &str, output: &str) -> Vec
     for agreement in merged.agreement.iter().flatten() {
         if !agreement.explains_gain() {
             said.push(format!(
-                "`{output}`: {second} gives {:.4} times the response of the other, ± {} %, on {} common lines: the sensors explain ± {} %, and half of the power of the difference is included in the error that all lines share",
+                "`{output}`: {second} gives {:.4} times the response of the other hammer, ± {} %, on {} common lines: the sensors explain ± {} %, and half of the power of the difference is included in the error that all lines share",
                 agreement.gain,
                 short(100.0 * agreement.relative_error),
                 agreement.n_lines,
@@ -145,7 +145,7 @@ pub fn disagreements(merged: &MergedResponse, second: &str, output: &str) -> Vec
         }
         if !agreement.explains_delay() {
             said.push(format!(
-                "`{output}`: the response of {second} is {} us {} than that of the other, ± {} us",
+                "`{output}`: the response of {second} is {} us {} than that of the other hammer, ± {} us",
                 short(1e6 * agreement.delay.abs()),
                 if agreement.delay > 0.0 {
                     "later"

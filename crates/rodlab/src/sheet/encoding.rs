@@ -59,10 +59,12 @@ fn no_sheet(path: &Path, format: &str) -> RodlabError {
 /// byte-order mark or by a zero byte next to the first letter.
 fn wide(bytes: &[u8]) -> Option<&'static str> {
     match bytes {
-        [0xff, 0xfe, 0, 0, ..] | [0, 0, 0xfe, 0xff, ..] => Some("UTF-32, from its byte-order mark"),
-        [0xff, 0xfe, ..] | [0xfe, 0xff, ..] => Some("UTF-16, from its byte-order mark"),
+        [0xff, 0xfe, 0, 0, ..] | [0, 0, 0xfe, 0xff, ..] => {
+            Some("UTF-32, judging by its byte-order mark")
+        }
+        [0xff, 0xfe, ..] | [0xfe, 0xff, ..] => Some("UTF-16, judging by its byte-order mark"),
         [letter, 0, ..] | [0, letter, ..] if letter.is_ascii_graphic() => {
-            Some("UTF-16, from a zero next to the first letter")
+            Some("UTF-16, judging by a zero byte next to the first letter")
         }
         _ => None,
     }
@@ -82,7 +84,7 @@ fn not_utf8(path: &Path, bytes: &[u8], at: usize) -> RodlabError {
                 char::from(byte)
             )
         } else {
-            ", not a character in UTF-8".to_owned()
+            ", not a UTF-8 character".to_owned()
         };
         format!("the byte {byte:#04x}{meant}")
     });
@@ -133,9 +135,9 @@ mod tests {
             said("text.ron", b"Dear all"),
         ];
         insta::assert_snapshot!(all.join("\n"), @r#"
-        latin.ron:2:15: found the byte 0xe5, `å` in Latin-1 (ISO 8859-1, Windows-1252), expected a text in UTF-8: save the sheet as UTF-8
-        marked.ron:1:1: found UTF-16, from its byte-order mark, expected a text in UTF-8: save the sheet as UTF-8
-        unmarked.ron:1:1: found UTF-16, from a zero next to the first letter, expected a text in UTF-8: save the sheet as UTF-8
+        latin.ron:2:15: found the byte 0xe5, `å` in Latin-1 (ISO 8859-1, Windows-1252), expected UTF-8 text: save the sheet as UTF-8
+        marked.ron:1:1: found UTF-16, judging by its byte-order mark, expected UTF-8 text: save the sheet as UTF-8
+        unmarked.ron:1:1: found UTF-16, judging by a zero byte next to the first letter, expected UTF-8 text: save the sheet as UTF-8
         hits.npy is a recording (NPY), expected a test sheet; `rodlab init JOB` writes one
         hits.csv is a recording (CSV), expected a test sheet; `rodlab init JOB` writes one
         empty.ron:1:1: not the beginning of a test sheet, which in TOML is a line such as `job = "modulus"`, in RON a name such as `Modulus(`

@@ -30,7 +30,7 @@ pub enum ByDefinition {}
 
 impl Reason for ByDefinition {
     const PROBLEM: &'static str =
-        "has an uncertainty, and this field is exact by definition: it is chosen, not measured";
+        "has an uncertainty, but this field is exact by definition: it is chosen, not measured";
     const ADVICE: &'static str = "";
 }
 

@@ -25,7 +25,7 @@ pub(crate) fn wave_speed(speed: f64, unusual: bool, field: &str) -> Result<(), R
         field,
         format!("a material whose modulus and density give a wave speed of {speed:.3e} m/s"),
         format!(
-            "{least} to {most} m/s, or `unusual` as true next to the density if it is intended"
+            "{least} to {most} m/s, or `unusual` as true next to the density if this wave speed is intended"
         ),
     ))
 }
@@ -75,7 +75,7 @@ pub(crate) fn storage_modulus(
         field(),
         format!("a modulus of {} GPa", significant(1e-9 * modulus, 4)),
         format!(
-            "at most {} GPa, because diamond has 1200 GPa: is the unit MPa or kPa? State `unusual` as true in the sheet if it is intended",
+            "at most {} GPa, because diamond has 1200 GPa: is the unit MPa or kPa? State `unusual` as true in the sheet if this modulus is intended",
             1e-9 * STIFFEST
         ),
     ))
@@ -235,7 +235,7 @@ mod tests {
         assert!(storage_modulus(2400e9, true, row).is_ok());
         assert_eq!(
             said(storage_modulus(2400e9, false, row)),
-            "modulus.storage is a modulus of 2400 GPa, expected at most 1500 GPa, because diamond has 1200 GPa: is the unit MPa or kPa? State `unusual` as true in the sheet if it is intended"
+            "modulus.storage is a modulus of 2400 GPa, expected at most 1500 GPa, because diamond has 1200 GPa: is the unit MPa or kPa? State `unusual` as true in the sheet if this modulus is intended"
         );
         let mass: Stated<AddedMass> = "0.8 kg".parse().unwrap();
         assert!(end_mass(&mass, 0.8, 0.9, "mass").is_ok());

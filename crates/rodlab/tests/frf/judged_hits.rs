@@ -272,7 +272,7 @@ fn what_is_wrong_with_a_sheet_is_said_with_its_field() {
     weighed_mass: end of the band of a nearly rigid body [Hz] is 10, expected a finite frequency above its start
     FOLDER/test.ron:4:30: Frf.colour: there is no field `colour`, only `title`, `about`, `records`, `hits`, `segments`, `input`, `further_inputs`, `outputs`, `estimator`, `window`, `force_window`, `exponential_window`, `detrend`, `silent`, `band`, `kind`, `second_hammer`, `weighed_mass`
     input is `force`, expected one of records.channels: `hammer`, `struck end`
-    kind is mobility, expected a response between a force and a motion, which `struck end` [Pa] over `hammer` [N] is not
+    kind is mobility, expected a force and a motion as input and output, not `struck end` [Pa] over `hammer` [N]
     ");
 }
 

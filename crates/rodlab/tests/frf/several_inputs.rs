@@ -277,7 +277,7 @@ fn s14_hits_of_unequal_length_are_continued_by_rest() {
     let moving = run(folder.path(), &sheet_of("*.npy", BAND)).unwrap_err();
     moving.must_say_all(&[
             "hits: hit 6, hit_9.npy is 1100 samples, and `struck end` deviates",
-            "expected 4096 samples as in the longest hit, or a hit that ends at rest and can be continued at rest",
+            "expected 4096 samples as in the longest hit, or a hit that ends at rest, which can be continued at rest",
         ]);
 }
 

@@ -15,7 +15,7 @@ fn one_hit_without_a_known_silence_is_not_allowed() {
     let uncut = format!("{}cut: EachRecord,{}", &whole[..cut], &whole[end..]);
     let outcome = run(folder.path(), &uncut).unwrap();
     let reason = refusal(&outcome);
-    insta::assert_snapshot!(reason, @"1 hit is accepted of 1 found, expected at least 2: the coherence of a single hit is always 1. If the file contains several hits, cut it by `source.hits.hits.cut`. Or state in `source.hits.silent` how long the record is silent before the blow; the errors of one hit are then determined there");
+    insta::assert_snapshot!(reason, @"1 hit is accepted of 1 found, expected at least 2: the coherence of a single hit is always 1. If the file contains several hits, cut it by `source.hits.hits.cut`. Or state in `source.hits.silent` how long the record is silent before the blow; the errors of one hit are then determined from this silence");
     assert_eq!(outcome.figures.len(), 1);
 
     // the record begins 2 ms before the hit
@@ -121,13 +121,13 @@ fn r10_hits_that_are_one_measurement_are_refused_or_in_doubt() {
         sheet(TWO_POINT, BAND).replace("[\"hits.npy\"]", "[\"hits.npy\", \"more.npy\"]");
     let said = || run(folder.path(), &two_files).refused();
     again(folder.path(), "more.npy", |volts| volts);
-    insta::assert_snapshot!(said(), @"hits.npy and more.npy have the same content: they are one measurement, expected independent ones: remove one of the two from the sheet");
+    insta::assert_snapshot!(said(), @"hits.npy and more.npy have the same content: they are one measurement, expected independent measurements: remove one of the two from the sheet");
     again(folder.path(), "more.npy", |volts| {
         f64::from(1.3_f32 * volts as f32)
     });
-    insta::assert_snapshot!(said(), @"hit 1, hits.npy at 0.0020 s and hit 3, more.npy at 0.0020 s have the same samples: they are one measurement, expected independent ones: remove one of the two from the sheet");
+    insta::assert_snapshot!(said(), @"hit 1, hits.npy at 0.0020 s and hit 3, more.npy at 0.0020 s have the same samples: they are one measurement, expected independent measurements: remove one of the two from the sheet");
     let one_channel = sheet(TWO_POINT, BAND).replace("from: 2", "from: 1");
-    insta::assert_snapshot!(run(folder.path(), &one_channel).unwrap_err(), @"channel `struck end` and channel `free end` of hit 1, hits.npy at 0.0020 s have the same samples: they are one measurement, expected independent ones: remove one of the two from the sheet");
+    insta::assert_snapshot!(run(folder.path(), &one_channel).unwrap_err(), @"channel `struck end` and channel `free end` of hit 1, hits.npy at 0.0020 s have the same samples: they are one measurement, expected independent measurements: remove one of the two from the sheet");
 
     // the same hits, stored with a fifth of the bits of noise less
     let step = 2e-7;
@@ -179,7 +179,7 @@ fn r10_hits_without_any_noise_are_refused() {
     let text = sheet(TWO_POINT, BAND)
         .replace("[\"hits.npy\"]", "[\"hits.npy\", \"more.npy\"]")
         .replace("cut: Trigger(level: \"2000 m/s2\", length: \"4096 samples\", pre_trigger: \"1 ms\"),", "criteria: (double_hit: None, remainder: None, static_offset: None, level_shift: None),");
-    insta::assert_snapshot!(run(folder.path(), &text).unwrap_err(), @"source: the coherence of `free end` and `struck end` is 1 to rounding over 2 hits, expected hits with independent noise: these are copies of one hit, or computed without noise");
+    insta::assert_snapshot!(run(folder.path(), &text).unwrap_err(), @"source: the coherence of `free end` and `struck end` is 1 within rounding over 2 hits, expected hits with independent noise: the hits are copies of one hit, or were computed without noise");
 }
 
 #[test]
@@ -301,7 +301,7 @@ fn what_is_wrong_is_said() {
     source.ratio.errors.coherence.column (psi.csv) is `gamma`, expected one of the columns `real`, `imaginary`
     FOLDER/test.ron:1:253: Modulus.source.Ratio.errors.Relative.of_value: `1 mm` has the dimension of a length (m), expected a pure number, such as "0.094" or "9.4 %"
     source.ratio.values.complex (psi.csv) is `real`, a column of real numbers, expected complex numbers, or `real` and `imaginary` separately
-    method.free_end.first.quantity is missing, expected `strain`, `displacement`, `velocity` or `acceleration` (in RON with a capital letter): a ratio in a file does not state it
+    method.free_end.first.quantity is missing, expected `strain`, `displacement`, `velocity` or `acceleration` (in RON with a capital letter): a file with a ratio does not state the quantity
     source.ratio.errors.standard_error.column, line 2 is -0.1, expected a standard error of 0 or more
     method.multi_point.gauges is empty, expected at least three gauges
     laws.most_lines is 0, expected at least 1

@@ -168,7 +168,7 @@ fn a_modulus_that_drifts_over_the_hits_is_named_and_referred_to_a_temperature() 
         run(folder.path(), &sheet(TWO_POINT, &two))
     });
     let refused = refused.refused();
-    refused.must_say("one for each of the 6 hits");
+    refused.must_say("one temperature for each of the 6 hits");
 }
 
 /// A sensitivity wrong by 2 % and a stated but absent skew: within the stated errors the lines
@@ -207,7 +207,7 @@ fn errors_of_the_sensors_are_found_and_taken_out() {
     // samples that were not late are moved to later times
     let reasons = doubts(&with("0.5 mV/g", "6 us ± 1 us")).join("; ");
     reasons.must_say_all(&[
-        "the lines indicate another delay between the channels, ",
+        "according to the lines, the delay between the channels is ",
         "; state it as `time_skew` of a channel, such as ",
     ]);
     let unstated = run(folder.path(), &sheet(TWO_POINT, BAND)).unwrap();

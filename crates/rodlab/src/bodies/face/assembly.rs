@@ -95,9 +95,11 @@ impl BothDirections {
         let count = found.contradicting_lines;
         let holds = count as f64 <= Self::FEW * self.n_lines as f64;
         let verdict = match found.worst {
-            None => "the lines have no standard errors, so this cannot be tested".to_owned(),
+            None => {
+                "the lines have no standard errors, so the difference cannot be tested".to_owned()
+            }
             Some((line, errors)) => format!(
-                "{count} of {} lines differ by more than four standard errors, the largest difference, at {} Hz, is {errors:.1}",
+                "{count} of {} lines differ by more than four standard errors; the largest difference, at {} Hz, is {errors:.1} standard errors",
                 self.n_lines,
                 line as f64 * self.frequency_step_hz
             ),
@@ -311,7 +313,7 @@ impl AssemblySheet {
                 RodlabError::request(
                     format!("{field}.joints"),
                     format!("no joint that leads from \"{}\" to \"{name}\"", self.face),
-                    "every member joined to the struck one, directly or through others",
+                    "every member joined to the struck member, directly or through other members",
                 )
             }
             error => RodlabError::step(field, error),
@@ -331,7 +333,7 @@ impl AssemblySheet {
             None => Err(RodlabError::request(
                 place,
                 "a measured member",
-                "one that is computed",
+                "a computed member",
             )),
         }
     }

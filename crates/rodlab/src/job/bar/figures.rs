@@ -35,7 +35,7 @@ pub(super) fn propagation(lines: &[Line]) -> Result<Figure, RodlabError> {
         panel(speed, "phase velocity", "m/s"),
     ];
     Ok(Figure {
-        caption: "Valid lines with their 95 % bands; they include the lateral inertia for which the modulus is corrected.".to_owned(),
+        caption: "Valid lines with their 95 % bands. The curves include the effect of lateral inertia, for which the modulus is corrected.".to_owned(),
         ..Figure::new("propagation", "Propagation of waves in the bar", panels)
     })
 }
@@ -80,8 +80,7 @@ pub(super) fn waves(waves: &Waves, passages: &Passages) -> Vec<Figure> {
         panels.push(panel("record minus its level at rest", marks));
     }
     let passed = Figure {
-        caption: "The first shot. The passages of the pulse past a gauge are numbered: its front, then its returns from the free and from the struck end at the wave speed in the middle \
-                  of the band; with one gauge, the windows are marked.".to_owned(),
+        caption: "The first shot. The passages of the pulse past a gauge are numbered: first its front, then its returns from the free end and from the struck end, as expected for the wave speed in the middle of the band. With one gauge, the windows are marked.".to_owned(),
         ..Figure::new("passages", "Passages of the pulse", panels)
     };
     let separated = waves.at.iter().map(|(place, along, against)| {
@@ -116,7 +115,7 @@ pub(super) fn waves(waves: &Waves, passages: &Passages) -> Vec<Figure> {
     ];
     let model = Figure {
         caption: format!(
-            "The history at {} as predicted by the waves of the first gauge, and as recorded, in the band of the valid lines; below, the residual.",
+            "The history at {} in the band of the valid lines: as recorded, and as predicted from the waves at the first gauge. Below: the residual.",
             waves.gauge
         ),
         ..Figure::new("model", "Model and record", panels)

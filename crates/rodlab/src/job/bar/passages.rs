@@ -134,7 +134,7 @@ impl Passages {
                     gauge.from_free_end
                 ),
                 format!(
-                    "a pulse that has passed before it returns from the end after about {:.3} ms: add a second gauge to separate overlapping waves, \
+                    "a pulse that has passed the gauge before its reflection returns from the free end after about {:.3} ms: add a second gauge to separate overlapping waves, \
                      or use a shorter striker or a gauge farther from the end",
                     1e3 * way
                 ),
@@ -144,7 +144,7 @@ impl Passages {
             RodlabError::request(
                 "records",
                 format!("a record of {:.3} ms", ms(history.len())),
-                format!("one up to the end of the reflected pulse, {needed} ms"),
+                format!("a record up to the end of the reflected pulse, {needed} ms"),
             )
         };
         let Some(front) = front else {
@@ -176,7 +176,7 @@ impl Passages {
         let (from, back) = (first.saturating_sub(margin), front.saturating_sub(margin));
         if end + margin >= from + length {
             return Err(overlap(format!(
-                "at which the wave from the struck end arrives {:.3} ms after the reflected front, within a pulse of {:.3} ms",
+                "at which the wave from the struck end arrives {:.3} ms after the reflected front, before the reflected pulse of {:.3} ms has passed",
                 1e3 * until_next / self.rate_hz,
                 ms(end - first)
             )));
@@ -267,16 +267,16 @@ fn at_rest(
                 sheet.silent,
                 1e3 * first as f64 / rate_hz
             ),
-            "a silence that ends before the pulse: noise and level at rest are determined there; if there is none, record with a longer pre-trigger",
+            "a silence that ends before the pulse, because noise and level at rest are determined in it; if there is no silence, record with a longer pre-trigger",
         )),
         _ => Err(RodlabError::request(
             "silent",
             format!(
-                "`{}`, in which gauges[{at}] varies by {:.2} of its largest sample",
+                "`{}`, in which gauges[{at}] varies by {:.2} times its largest sample",
                 sheet.silent,
                 noise / peak
             ),
-            "a silence before the pulse, and a pulse of 50 times its noise: record with a longer pre-trigger, or with more gain",
+            "a silence before the pulse, and a pulse of at least 50 times the noise in this silence: record with a longer pre-trigger, or with more gain",
         )),
     }
 }

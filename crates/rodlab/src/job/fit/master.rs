@@ -198,7 +198,7 @@ impl StatedShiftsSheet {
                     return Err(RodlabError::request(
                         "stated_shifts.Wlf",
                         format!("without a value at {}", celsius(kelvin)),
-                        "constants whose pole, C2 below their temperature, is below all steps",
+                        "constants whose pole, at the temperature `at` minus C2, is below all steps",
                     ));
                 }
                 Ok(-LN_10 * c1 * d / pole)

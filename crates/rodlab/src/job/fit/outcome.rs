@@ -34,7 +34,7 @@ pub(super) fn errors_in_words(outcome: &mut Outcome, shifted: &Shifted) {
             )
         };
         outcome.warnings.push(format!(
-            "No errors of the moduli are stated: all rows are weighted by |E|{unequal}, temperatures are joined where they agree within {} of it, and \
+            "No errors of the moduli are stated: all rows are weighted by |E|{unequal}, temperatures are joined where they agree within {} of |E|, and \
              the errors of the results are from the scatter about the fit. State `errors` of the tables if they are known: without them \
              chi-square cannot test a law or the single curve.",
             percent(assumed)
@@ -306,7 +306,7 @@ fn one_curve(outcome: &mut Outcome, found: &Found<'_>, curve: &MasterCurve) {
         .count();
     if scaled > 0 {
         outcome.warnings.push(format!(
-            "Without factors of the modulus the temperatures do not form a single curve: {scaled} were estimated in addition to the shifts."
+            "Without factors of the modulus the temperatures do not form a single curve: {scaled} factors were estimated in addition to the shifts."
         ));
     }
     let stated = found.sheet.scale_uncertainty.as_ref();

@@ -386,7 +386,7 @@ pub(super) fn thinned(steps: Vec<Step>, most: usize, outcome: &mut Outcome) -> V
         "evenly chosen at each temperature"
     };
     outcome.summary.push(format!(
-        "Of {all} rows {used} were fitted, {evenly} (`laws.most_lines`)."
+        "{used} of {all} rows were fitted, {evenly} (`laws.most_lines`)."
     ));
     steps
 }

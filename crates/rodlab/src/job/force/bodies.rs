@@ -440,12 +440,14 @@ fn tell_change(change: &LineChange, onto: Projection, field: &str, outcome: &mut
     };
     let holds = by_end || change.in_errors.is_none_or(|moved| moved <= MOVED);
     let mut verdict = match change.largest {
-        None => format!("{lines}; the lines have no standard errors, so this cannot be tested"),
+        None => {
+            format!("{lines}; the lines have no standard errors, so the change cannot be tested")
+        }
         Some((_, most)) => format!("{lines}; one line by as much as {most:.1} standard errors"),
     };
     if by_end {
         verdict.push_str(
-            ", including the part that the end of the lines spreads ahead of the impulse",
+            ", including the part that appears ahead of the impulse because the lines end",
         );
     }
     if !holds {

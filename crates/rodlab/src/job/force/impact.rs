@@ -58,7 +58,7 @@ pub(super) fn run(
             let (last, peak) = (last.with_uncertainty().value, march.prediction.peak().force);
             if peak > last {
                 outcome.doubt(format!(
-                    "the force reaches {} N, but the table of the contact ends at {} N: beyond it its last piece was extended; measure the contact up to this force",
+                    "the force reaches {} N, but the table of the contact ends at {} N: its last piece was extended; measure the contact up to the larger force",
                     significant(peak, 3),
                     significant(last, 3)
                 ));
@@ -77,7 +77,7 @@ pub(super) fn run(
             outcome.tables.push(lines.until_the_faces_part());
             outcome.summary.extend(lines.answer(sheet));
             outcome.warnings.push(
-                "No `front_impedance` is stated for a measured body, and its lines do not show its behaviour above them: there is no force by marching in time, no \
+                "No `front_impedance` is stated for a measured body, and its lines do not show its behaviour at higher frequencies: there is no force by marching in time, no \
                  force without a band limit, and nothing after the first contact. The front impedance is the area of the face times the square root of \
                  modulus times density at high frequency; state it with its ±."
                     .to_owned(),
@@ -174,8 +174,7 @@ fn slenderness(
         let shortest = body.shortest_wave(materials, upper_hz, field)?;
         if shortest < SLENDER {
             outcome.warnings.push(format!(
-                "{field}: at the end of the band, {} kHz, a wave is {} diameters of a rod long: the force neglects lateral inertia, which takes about one per cent of the \
-                 wave speed at {SLENDER} diameters and more below; state a `band` that ends lower",
+                "{field}: at the end of the band, {} kHz, a wave is {} diameters of a rod long: the force neglects lateral inertia, which lowers the wave speed by about one per cent at {SLENDER} diameters and by more for shorter waves; state a `band` that ends lower",
                 impact_march::khz(upper_hz),
                 significant(shortest, 2),
             ));

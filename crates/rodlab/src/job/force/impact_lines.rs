@@ -429,7 +429,7 @@ impl OnLines {
                 standard_error: self.impulse_error(),
                 valid: settled && self.impulse.is_some(),
                 verdict: in_words(
-                    "of the first contact, from the force on lines, extrapolated from half the band and the whole band to one without a limit",
+                    "of the first contact, from the force on lines, extrapolated from half the band and the whole band to a band without a limit",
                 ),
             });
         }

@@ -36,7 +36,7 @@ pub(super) fn run(
             return Err(RodlabError::request(
                 "problem.path.silent",
                 silent.to_string(),
-                "no statement: a path is formed without the noise at rest",
+                "no statement: the path is computed without the noise at rest",
             ));
         }
     }
@@ -54,7 +54,7 @@ pub(super) fn run(
             (None, PathSheet::Hits(_)) => None,
             (named, _) => {
                 let found = named.as_ref().map_or("not stated", |named| &named.file);
-                let expected = "a file, if `problem.path` is one, and none for hits";
+                let expected = "a file if `problem.path` is a file, and no file if it is hits";
                 return Err(RodlabError::request(place, found, expected));
             }
         });

@@ -179,7 +179,7 @@ pub(super) fn tell(
         && lost * peak.force > error.unwrap_or(0.0)
     {
         outcome.doubt(format!(
-            "the force has no part outside the band, in which the peaks of the calibration hits are {:.0} % lower: state `acting`, or a wider band",
+            "the force has no part outside the band; in this band the peaks of the calibration hits are {:.0} % too low, and the peak of the force may be as well: state `acting`, or a wider band",
             100.0 * lost
         ));
     }
@@ -275,7 +275,7 @@ fn warnings(problem: &Problem<'_>, solved: &ReconstructedForce, outcome: &mut Ou
         && chi_square > CHI_SQUARE
     {
         outcome.doubt(format!(
-            "the mean square residual of the response is {chi_square:.2} times that of the noise: the noise is underestimated, or the body is not the one of the frequency response"
+            "the mean square residual of the response is {chi_square:.2} times that of the noise: the noise is underestimated, or the frequency response is that of another body"
         ));
     }
     if let RandomErrorOfForce::Estimated {
@@ -286,7 +286,7 @@ fn warnings(problem: &Problem<'_>, solved: &ReconstructedForce, outcome: &mut Ou
         && solved.relative_residual > LEAST_RESIDUAL
     {
         outcome.doubt(format!(
-            "the force leaves a residual of {:.2e} {}, although the response scatters by {rest:.2e} {} before it acts: the body is not the one of the frequency response",
+            "the force leaves a residual of {:.2e} {}, although the response scatters by only {rest:.2e} {} before the force acts: the frequency response is that of another body",
             standard_deviation, problem.first.unit, problem.first.unit
         ));
     }
@@ -345,7 +345,7 @@ fn quantities(
     };
     add("peak force", "N", Some(peak.force), peak_error, of_error);
     if let Some(interval) = solved.peak_interval {
-        let verdict = "without tension, from the profile at 95 %";
+        let verdict = "95 % profile interval, without tension";
         let [low, high] = interval.wide;
         add("peak force, lower end", "N", Some(low), None, verdict);
         add("peak force, upper end", "N", Some(high), None, verdict);

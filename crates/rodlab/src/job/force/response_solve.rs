@@ -413,13 +413,13 @@ pub(super) fn acting_like_hits(
     }
     if let Some((_, acting)) = &longest {
         outcome.doubt(format!(
-            "the force seems to act for longer than the {} ms that are the most for a calibration by these hits: state `acting`",
+            "the force seems to act for longer than {} ms, the longest time that can be assumed with these calibration hits: state `acting`",
             short(1e3 * (acting.to - acting.from))
         ));
         return Ok(longest);
     }
     outcome.doubt(format!(
-        "the force by division reaches {:.0} % of its peak outside the duration of a calibration hit; the time in which it acts is therefore not limited, and the force has no \
+        "the force found by division reaches {:.0} % of its peak outside the duration of a calibration hit; the time in which it acts is therefore not limited, and the force has no \
          part on lines that the hits do not determine: state `acting`",
         100.0 * at_first
     ));
@@ -443,7 +443,7 @@ pub(super) fn scatter(
     let accepted = found.accepted();
     if accepted.len() < FEWEST_HITS {
         outcome.warnings.push(format!(
-            "{} calibration hits cannot be reconstructed from each other, which requires {FEWEST_HITS}: the errors do not include differences from blow to blow.",
+            "{} calibration hits cannot be reconstructed from each other, which requires at least {FEWEST_HITS} hits: the errors do not include differences from blow to blow.",
             accepted.len()
         ));
         return Ok(None);

@@ -41,7 +41,7 @@ pub(super) struct Estimated {
 const ONE_HIT: &str = "error not known from one hit";
 
 /// Objection to a line whose bias due to noise of the channels exceeds its random error.
-const BIASED: &str = "bias by noise at rest above the random error";
+const BIASED: &str = "bias by noise at rest larger than the random error";
 
 /// Objection to a line whose relative error due to the end of the record exceeds one half.
 const RINGS_ON: &str = "rings beyond the end of the record";
@@ -498,8 +498,7 @@ pub(super) fn check_kind(
     if ResponseKind::between(from, to).is_some() {
         return Ok(());
     }
-    let expected =
-        format!("a response between a force and a motion, which {output} over {input} is not");
+    let expected = format!("a force and a motion as input and output, not {output} over {input}");
     match (sheet.kind.unwrap_or_default().kind(), &sheet.weighed_mass) {
         (Some(kind), _) => Err(RodlabError::request("kind", kind.to_string(), expected)),
         (None, Some(_)) => Err(RodlabError::request("weighed_mass", "stated", expected)),

@@ -135,7 +135,7 @@ pub(super) fn bode(
     let (name, of) = (format!("response_{file}"), capital(&name_of(response)));
     Figure {
         caption: format!(
-            "Magnitude, phase and coherence; the band is one random standard error of a line, without that of the calibration. {of_coherence} If there are many lines, their extremes are drawn."
+            "Magnitude, phase and coherence; the band is one random standard error of a line and does not include the calibration. {of_coherence} If there are many lines, their extremes are drawn."
         ),
         ..Figure::new(name, format!("{of} of {output} over {input}"), panels)
     }

@@ -64,8 +64,7 @@ impl SuspectTransducers {
             ));
         }
         format!(
-            "With the transducers as stated, no law explains the data (the smallest misfit would have a probability of {}); with {} \
-             the law {} does: check the transducers, and state their uncertainty as the ± of the channels",
+            "With the transducers as stated, no law explains the data (the smallest misfit would have a probability of {}); with {}, the law {} does: check the transducers, and state their uncertainty as the ± of the channels",
             probability(self.misfit),
             found.join(" and "),
             self.law.name()
@@ -244,7 +243,7 @@ fn tell_comparison(found: &Found, is_biased: bool, outcome: &mut Outcome) {
     match &found.left {
         Left::One { law, .. } if found.is_without_damping(*law) => {
             outcome.summary.push(format!(
-                "The data cannot tell the laws elastic, {} apart: they determine no damping of the latter.",
+                "The data cannot tell the laws elastic and {} apart: they do not determine the damping of the latter.",
                 name(*law)
             ));
         }
@@ -274,7 +273,7 @@ fn tell_comparison(found: &Found, is_biased: bool, outcome: &mut Outcome) {
             ));
         }
         Left::None { best, adequacy } => outcome.summary.push(format!(
-            "None of the laws explains the data; for the best by its misfit, {}, such a misfit would have a probability of {}.",
+            "None of the laws explains the data; the smallest misfit is that of {}, and such a misfit would have a probability of {}.",
             name(*best),
             probability(*adequacy),
         )),
@@ -316,8 +315,7 @@ fn residual_above(law: &FittedLaw) -> Option<f64> {
 }
 
 /// Warning about a difference between tests that a nonlinear law absorbs.
-const UNSTATED_TEMPERATURES: &str = "The temperatures of the tests are not stated. If the tests at one velocity were a few kelvin warmer, the rate was higher in them, which the \
-     exponent of a nonlinear law absorbs: repeat the first velocity at the end, and state `temperature` of each test.";
+const UNSTATED_TEMPERATURES: &str = "The temperatures of the tests are not stated. If the tests at one velocity were a few kelvin warmer, their strain rate was higher, and the exponent of a nonlinear law absorbs this difference: repeat the first velocity at the end, and state `temperature` of each test.";
 
 /// Returns the disagreement of a test with the others, if there is one.
 fn disagreement(law: &FittedLaw) -> Option<&FitFlag> {
@@ -346,12 +344,12 @@ fn tell_verdict(found: &Found, is_biased: bool, outcome: &mut Outcome) {
     };
     if !found.laws.iter().any(has_damping) {
         let of_rod = if found.may_be_elastic() {
-            "within their noise the rod may be elastic"
+            "within their noise, the rod may be elastic"
         } else {
-            "an elastic rod does not explain them, but many dampings fit them"
+            "an elastic rod does not explain them, but many values of the damping fit them"
         };
         outcome.refuse(format!(
-            "no law has a damping that these data determine: {of_rod}"
+            "these data do not determine the damping of any law: {of_rod}"
         ));
         return;
     }
@@ -365,7 +363,7 @@ fn tell_verdict(found: &Found, is_biased: bool, outcome: &mut Outcome) {
                 .to_owned()
         } else if is_biased && is_left(true) {
             format!(
-                "the recorder biases the nonlinear laws, and no remaining linear law has a damping that these data determine ({})",
+                "the recorder biases the nonlinear laws, and these data do not determine the damping of any remaining linear law ({})",
                 found.why_biased()
             )
         } else if is_biased {
@@ -379,7 +377,7 @@ fn tell_verdict(found: &Found, is_biased: bool, outcome: &mut Outcome) {
                 law.law.name()
             )
         } else {
-            "no remaining law has a damping that the data determine".to_owned()
+            "the data do not determine the damping of any remaining law".to_owned()
         };
         outcome.refuse(reason);
         return;
@@ -404,7 +402,7 @@ fn tell_verdict(found: &Found, is_biased: bool, outcome: &mut Outcome) {
     let least = above.map(|above| above.into_iter().fold(f64::INFINITY, f64::min));
     if let Some(least) = least.filter(|least| *least > EXPLAINED) {
         outcome.doubt(format!(
-            "no remaining law explains the records within their noise, and the best leaves a residual of {least:.2} times the noise: the specimen, the instruments or their \
+            "no remaining law explains the records within their noise, and the best one leaves a residual of {least:.2} times the noise: the specimen, the instruments or their \
              errors are not as stated"
         ));
     }

@@ -68,7 +68,7 @@ fn responses(found: &Found) -> Figure {
         .collect();
     Figure {
         caption:
-            "Measured, and simulated from the measured excitation with the law that the data support, or otherwise with the one that differs least."
+            "The measured response, and the response simulated from the measured excitation with the law that the data support or, if there is none, with the law whose response differs least."
                 .to_owned(),
         ..Figure::new("responses", "Velocity of the free end", panels)
     }

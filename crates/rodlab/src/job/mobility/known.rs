@@ -227,7 +227,7 @@ fn judge_coherence(
         if !line.is_coherent {
             *objection = Some("coherence no higher than by chance".to_owned());
         } else if line.is_biased {
-            *objection = Some("bias by noise at rest above the random error".to_owned());
+            *objection = Some("bias by noise at rest larger than the random error".to_owned());
         }
     }
     Ok(())

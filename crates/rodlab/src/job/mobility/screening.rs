@@ -124,7 +124,7 @@ fn with_signal(
     outcome.by_default(
         "lines that are screened",
         format!(
-            "up to {}: with a coherence above that of chance, and no higher than half the Nyquist frequency; state `up_to` for another limit",
+            "up to {}, the last line with a coherence above that of chance, but at most half the Nyquist frequency; state `up_to` for another limit",
             hertz(highest)
         ),
     );
@@ -276,11 +276,11 @@ pub(crate) fn tell(screening: &Screening, outcome: &mut Outcome) -> Vec<String> 
                 microseconds(late)
             ),
             [Some(early), None] => format!(
-                "a motion {} too early would have been seen, one too late would not",
+                "a motion {} too early would have been seen, but not a motion too late",
                 microseconds(early)
             ),
             [None, Some(late)] => format!(
-                "a motion {} too late would have been seen, one too early would not",
+                "a motion {} too late would have been seen, but not a motion too early",
                 microseconds(late)
             ),
         };

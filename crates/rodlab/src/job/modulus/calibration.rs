@@ -52,7 +52,7 @@ pub(super) fn state(
 ) {
     if found.mean_square() > UNEXPLAINED {
         outcome.warnings.push(format!(
-            "The part that neither a smooth modulus nor the stated errors explain is {} times as large as the noise: the lines determine the errors of the sensors less accurately by this factor.",
+            "The part of the lines that neither a smooth modulus nor the stated errors explain is {} times as large as the noise: the lines determine the errors of the sensors less accurately by this factor.",
             significant(found.mean_square().sqrt(), 2)
         ));
     }
@@ -97,7 +97,7 @@ pub(super) fn state(
                 _ => "",
             };
             outcome.doubt(format!(
-                "the lines indicate another {name}, {numbers}: more than its stated uncertainty explains{advice}"
+                "according to the lines, the {name} is {numbers}: more than its stated uncertainty explains{advice}"
             ));
         } else if source.standard_error < 0.5 {
             outcome.summary.push(format!(

@@ -60,7 +60,7 @@ fn temperatures(
         several => Err(RodlabError::request(
             "temperature.of_hits",
             format!("{} temperatures", several.len()),
-            format!("one for each of the {found} hits that are found, or one for all"),
+            format!("one temperature for each of the {found} hits found, or one for all hits"),
         )),
     }
 }
@@ -163,7 +163,7 @@ pub(super) fn state(
     }
     let whole = slope * trend.range;
     let said = format!(
-        "E' changes by {of_slope} from hit to hit, {} % from the first to the last: a temperature that changes, or a mounting that works loose",
+        "E' changes by {of_slope} from hit to hit, {} % from the first to the last: the temperature changes, or a mounting works loose",
         percent(whole)
     );
     let errors = found.estimate.valid().map(|line| {

@@ -262,7 +262,7 @@ fn cole_cole(lines: &[&ModulusLine], (giga, unit): (f64, &'static str)) -> Figur
     let marks = vec![Mark::points("valid lines", Role::First, points)];
     let panel = Panel::new(("E'", unit), ("E''", unit), marks);
     Figure {
-        caption: "The Cole-Cole plot of the valid lines: one relaxation time gives a semicircle, many give a flatter arc or part of one.".to_owned(),
+        caption: "The Cole-Cole plot of the valid lines: a single relaxation time gives a semicircle, a distribution of relaxation times a flatter arc; a narrow band shows only a part of the curve.".to_owned(),
         ..Figure::new("cole_cole", "Loss modulus over storage modulus", vec![panel])
     }
 }

@@ -227,7 +227,7 @@ fn damping(
             "source.hits.exponential_window",
             window.to_string(),
             format!(
-                "none with {}: only MultiPoint corrects the modulus for it",
+                "none with {}: only MultiPoint corrects the modulus for the window",
                 sheet.method.name()
             ),
         )),

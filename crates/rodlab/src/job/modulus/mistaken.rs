@@ -51,7 +51,7 @@ const HIGHEST_FIRST: f64 = 10.0;
 const MOST_ERROR: f64 = 0.2;
 /// Factors between units that are easily mistaken, in words.
 const FACTORS: [(f64, &str); 2] = [
-    (9.80665, "9.81, as of g for m/s2, or a gain of 10"),
+    (9.80665, "9.81 (g instead of m/s2) or 10 (a gain)"),
     (1000.0, "1000"),
 ];
 

@@ -86,8 +86,7 @@ fn few_counted(n_valid: usize, n_uncounted: usize) -> Option<String> {
     are_few.then(|| {
         let are = if n_valid == 1 { "is" } else { "are" };
         format!(
-            "the number of waves is in doubt on {}, and only {} {are} valid: a disturbance of the low lines, such as mains hum or a shift of zero, may \
-             lead to a wrong number; begin `band` above the disturbed lines",
+            "the number of waves is in doubt on {}, and only {} {are} valid: a disturbance of the low lines, such as mains hum or a zero shift, may lead to a wrong number of waves; begin `band` above the disturbed lines",
             lines(n_uncounted),
             lines(n_valid)
         )
@@ -363,7 +362,7 @@ fn warn(outcome: &mut Outcome, found: &Found<'_>, valid: &[&ModulusLine]) {
         .is_none()
     {
         outcome.warnings.push(
-            "The density is stated without an uncertainty: its relative error is in every modulus, but not in the errors."
+            "The density is stated without an uncertainty: its relative error is in every modulus, but the errors do not include it."
                 .to_owned(),
         );
     }
@@ -377,7 +376,7 @@ fn warn(outcome: &mut Outcome, found: &Found<'_>, valid: &[&ModulusLine]) {
         let effect = if error < 0.3 {
             format!("is {} too small", percent(error))
         } else {
-            "is a fraction of the right one".to_owned()
+            "is only a fraction of the true value".to_owned()
         };
         outcome.warnings.push(format!(
             "No `accelerometer_mass` is stated, and none is taken into account: with a sensor of 1 g on the free end E' {effect}. \
@@ -420,8 +419,7 @@ fn warn(outcome: &mut Outcome, found: &Found<'_>, valid: &[&ModulusLine]) {
             if ratio.with_uncertainty().standard_uncertainty.is_none() {
                 // the correction is proportional to the square of Poisson's ratio
                 outcome.warnings.push(format!(
-                    "Poisson's ratio is stated without an uncertainty: if it is wrong by 0.01, E' is wrong by {} at {}, which is not in \
-                     the errors.",
+                    "Poisson's ratio is stated without an uncertainty: if it is wrong by 0.01, E' is wrong by {} at {}, which the errors do not include.",
                     percent(most * 0.02 / ratio.with_uncertainty().value),
                     hertz(f)
                 ));
@@ -462,7 +460,7 @@ mod tests {
     fn a_line_beside_many_that_are_not_counted_is_in_doubt() {
         assert_eq!(
             few_counted(1, 1243).unwrap(),
-            "the number of waves is in doubt on 1243 lines, and only 1 line is valid: a disturbance of the low lines, such as mains hum or a shift of zero, may lead to a wrong number; begin `band` above the disturbed lines"
+            "the number of waves is in doubt on 1243 lines, and only 1 line is valid: a disturbance of the low lines, such as mains hum or a zero shift, may lead to a wrong number of waves; begin `band` above the disturbed lines"
         );
         for right in [(1, 0), (1, 19), (3, 59), (4, 4000)] {
             assert_eq!(few_counted(right.0, right.1), None, "{right:?}");

@@ -124,7 +124,7 @@ fn columns(
         RodlabError::request(
             place,
             "without a standard error",
-            "one there, or `standard_error` of the sheet for all",
+            "a standard error of these readings, or `standard_error` of the sheet for all readings",
         )
     };
     match &test.readings {

@@ -231,8 +231,7 @@ fn objections(found: &Found<'_>) -> Vec<String> {
     if has_stated_errors(found.sheet) && freedom > 0.0 && fit.chi_squared > most {
         objections.push(format!(
             "the readings scatter more about the model than their stated errors allow: chi-square {} with {} degrees of freedom, \
-             expected below {}; either the errors are larger than stated, or the model does not hold, and the errors of the result \
-             are too small",
+             expected below {}; either the errors are larger than stated, or the model does not hold; in both cases the errors of the result are too small",
             significant(fit.chi_squared, 3),
             fit.degrees_of_freedom,
             significant(most, 3)

@@ -76,7 +76,7 @@ impl BlowsSheet {
             return Err(RodlabError::request(
                 format!("{field}.scatter"),
                 self.scatter().to_string(),
-                "below 1: a blow cannot pull",
+                "below 100 %: otherwise a blow could pull",
             ));
         }
         let of_channel = instrument.samples_of_record()? as f64;

@@ -42,7 +42,7 @@ fn mistake(text: &str, place: Place, problem: &str) -> Mistake {
         advice: Some("write C:/Users/... or use single quotes".to_owned()),
         ..Mistake::new(
             place,
-            "in double quotes a backslash starts an escape, and here it starts none",
+            "in double quotes a backslash starts an escape sequence, and this sequence is not valid",
         )
     }
 }

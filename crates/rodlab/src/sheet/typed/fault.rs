@@ -170,7 +170,7 @@ fn in_words(expected: &str) -> String {
         "usize" | "u8" | "u16" | "u32" | "u64" => "a whole number of 0 or more",
         "isize" | "i8" | "i16" | "i32" | "i64" => "a whole number",
         "f32" | "f64" => "a number",
-        "a string" => "a text in quotes",
+        "a string" => "text in quotes",
         "a boolean" => "`true` or `false`",
         other => other,
     }

@@ -252,7 +252,7 @@ macro_rules! texts {
         fn $method<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Fault> {
             match &self.node.value {
                 Value::Text(text) => self.text(text, visitor).map_err(|fault: Fault| fault.at(&self)),
-                _ => Err(self.refused("a text in quotes")),
+                _ => Err(self.refused("text in quotes")),
             }
         }
     )*};

@@ -121,11 +121,11 @@ pub(super) fn of_hits(
         let why = if all_have(|reason| matches!(reason, Reason::NotDecayed { .. })) {
             ": the hits end while the rod is still ringing. Record longer, until it is at rest"
         } else if all_have(|reason| matches!(reason, Reason::CutAtStart { .. })) {
-            ": the records begin too late before the hits. Record with a pre-trigger of about a tenth of the record, or accept a complete hit by hand \
+            ": the records begin too short a time before the hits. Record with a pre-trigger of about a tenth of the record, or accept a complete hit by hand \
              in `source.hits.hits.accept`"
         } else if fewest == FEWEST_HITS {
             ": the coherence of a single hit is always 1. If the file contains several hits, cut it by `source.hits.hits.cut`. Or state in \
-             `source.hits.silent` how long the record is silent before the blow; the errors of one hit are then determined there"
+             `source.hits.silent` how long the record is silent before the blow; the errors of one hit are then determined from this silence"
         } else {
             ""
         };
@@ -192,7 +192,7 @@ pub(super) fn of_hits(
         let least = freedom.fold(f64::INFINITY, f64::min);
         if least < FEW_DEGREES_OF_FREEDOM {
             measured.warnings.push(format!(
-                "The errors of the only hit are from a silence with only {} degrees of freedom per line, so that few lines or none are valid. Record more hits or a longer \
+                "The errors of the only hit come from a silence with only {} degrees of freedom per line, so that few lines or none are valid. Record more hits or a longer \
                  pre-trigger.",
                 significant(least, 2)
             ));

@@ -95,14 +95,14 @@ pub(super) fn modes(
     }
     if let Some(strongest) = poles.strongest_elsewhere {
         measured.doubts.push(format!(
-            "the strongest vibration, at {} Hz, is not one of the modes that were found: it is another motion, or the wave speed is off by more than a fifth",
+            "a strong vibration, at {} Hz, belongs to none of the modes that were found: it is another motion, such as bending, or the stated wave speed is off by more than a fifth",
             significant(strongest, 5)
         ));
     }
     if let Some(mode) = poles.changing.first() {
         measured.doubts.push(format!(
             "the decay of mode {} is not exponential: {} 1/s at first, {} 1/s after its amplitude has fallen to 1/e; the damping depends on the \
-             amplitude, a support takes part in it, or two modes are close together",
+             amplitude, a support takes part in the vibration, or two modes are close together",
             mode.order,
             significant(mode.decay_rate, 3),
             significant(mode.later, 3)

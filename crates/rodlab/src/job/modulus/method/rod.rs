@@ -41,7 +41,7 @@ pub(in crate::job::modulus) fn check(sheet: &ModulusSheet) -> Result<(), RodlabE
         "specimen.diameter",
         format!("`{diameter}`"),
         format!(
-            "a rod: a diameter below the {} m of its length or between its sections",
+            "a rod: a diameter below {} m, its length or the distance between its sections",
             significant(extent, 4)
         ),
     ))
@@ -158,7 +158,7 @@ pub(super) fn section(
             RodlabError::request(
                 format!("{field}.quantity"),
                 "missing",
-                "`strain`, `displacement`, `velocity` or `acceleration` (in RON with a capital letter): a ratio in a file does not state it",
+                "`strain`, `displacement`, `velocity` or `acceleration` (in RON with a capital letter): a file with a ratio does not state the quantity",
             )
         })?,
     })
