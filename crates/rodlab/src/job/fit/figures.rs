@@ -172,8 +172,8 @@ fn black_diagram(found: &Found<'_>) -> Figure {
     ];
     Figure {
         caption: format!(
-            "Loss angle over |{symbol}| (Black), loss factor over {symbol}' (wicket) and {symbol}'' over {symbol}' (Cole and Cole): a shift in \
-             frequency does not move a point here. Temperatures whose points do not fall on one line do not form a single curve by shifts in frequency alone."
+            "Loss angle against |{symbol}| (Black), loss factor against {symbol}' (wicket) and {symbol}'' against {symbol}' (Cole and Cole). A shift in \
+             frequency does not move a point in these plots: if the points of all temperatures do not fall on one curve, shifts in frequency alone cannot join them."
         ),
         ..Figure::new(
             "black_diagram",

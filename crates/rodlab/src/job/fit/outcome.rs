@@ -165,8 +165,8 @@ fn of_sweep(outcome: &mut Outcome, found: &Found<'_>, sweep: &Sweep) {
             ) && kelvin.is_finite()
             {
                 outcome.warnings.push(format!(
-                    "The shifts differ from WLF as they would if the temperatures were wrong by {} K, more than the errors of the moduli explain. If the \
-                     readings can be that wrong, state `temperature_uncertainty`: the errors of the shifts, and of the master curve at the reference, do not include it.",
+                    "The shifts differ from WLF by more than the errors of the moduli explain, as they would if the temperatures were wrong by {} K. If the \
+                     readings can be that wrong, state `temperature_uncertainty`: the stated errors of the shifts, and of the master curve at the reference, do not include errors of temperature.",
                     significant(kelvin, 2)
                 ));
             }
@@ -294,8 +294,8 @@ fn one_curve(outcome: &mut Outcome, found: &Found<'_>, curve: &MasterCurve) {
     }
     if !white {
         outcome.warnings.push(format!(
-            "The residual of the master curve is not noise ({}): the curves of the temperatures differ in shape, or the instrument has an \
-             error that depends on frequency. The errors of shifts and parameters are then too small.",
+            "The residual of the master curve is not noise ({}): the curves at the different temperatures differ in shape, or the instrument \
+             has an error that depends on frequency. In both cases the stated errors of shifts and parameters are too small.",
             fit.whiteness
         ));
     }

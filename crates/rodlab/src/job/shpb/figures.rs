@@ -211,7 +211,7 @@ fn waves(result: &HopkinsonResult, record: &HopkinsonRecord) -> Figure {
         panels.push(Panel::new(("time", "us"), strain, marks));
     }
     Figure {
-        caption: "As recorded, positive in tension, with the windows of the pulses.".to_owned(),
+        caption: "As recorded, positive in tension. On a bar with one gauge, the windows of the pulses are marked.".to_owned(),
         ..Figure::new("waves", "Strains of the bars", panels)
     }
 }
