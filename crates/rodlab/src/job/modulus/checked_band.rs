@@ -75,17 +75,16 @@ pub(super) fn lines(
     );
     let beyond = found.estimate.valid().count() - looked_at.valid().count();
     if beyond > 0 {
-        let (why, remedy) = if has_band {
-            ("", "")
+        let (the_checks, remedy) = if has_band {
+            ("The checks", "")
         } else {
             (
-                "No `band` is stated: ",
+                "No `band` is stated: the checks",
                 "; state a band, or `checks.alias_free_to` if the filter of the recorder suppresses aliases further up",
             )
         };
-        let the = if has_band { "The" } else { "the" };
         outcome.warnings.push(format!(
-            "{why}{the} checks use the lines from {ends}, where {}. {beyond} valid lines are outside and are not checked{remedy}.",
+            "{the_checks} use the lines from {ends}, where {}. {beyond} valid lines are outside and are not checked{remedy}.",
             because.join(" and ")
         ));
     }

@@ -159,11 +159,9 @@ fn free_end_null(outcome: &mut Outcome, found: &Found<'_>, level: f64) {
     }
     // the propagation coefficient at real frequencies does not apply to damped spectra
     if spectra.added_damping.is_some() {
-        outcome.log.push(LogEntry {
-            what: format!("{CHECK}{}", Check::FreeEndNull),
-            accepted: false,
-            reasons: vec!["not made: the spectra are those of damped records".to_owned()],
-        });
+        let name = format!("{CHECK}{}", Check::FreeEndNull);
+        let reason = "not made: the spectra are those of damped records";
+        outcome.log.push(LogEntry::rejected(name, reason));
         return;
     }
     let distances = gauges
@@ -267,11 +265,10 @@ fn say(
                 outcome.doubt(in_words(&made, found));
             }
         }
-        Err(error) => outcome.log.push(LogEntry {
-            what: name,
-            accepted: false,
-            reasons: vec![format!("not made: {error}")],
-        }),
+        Err(error) => {
+            let reason = format!("not made: {error}");
+            outcome.log.push(LogEntry::rejected(name, reason));
+        }
     }
 }
 
