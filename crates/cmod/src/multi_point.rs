@@ -224,8 +224,9 @@ impl MultiPoint {
     /// Returns the complex modulus, and the waves of every test.
     ///
     /// On each line V(γ) = Σ|P_perp b|² over the tests is minimised by Gauss-Newton steps from the
-    /// value expected from the previous lines. The variance is the Cramér-Rao bound of circular
-    /// Gaussian noise,
+    /// value expected from the previous lines. Here b are the values of the gauges, A(γ) =
+    /// \[e^{-γx}, e^{γx}\] the two waves at the gauges, c = A⁺b the amplitudes that fit best, and
+    /// P_perp = I - A A⁺. The variance is the Cramér-Rao bound of circular Gaussian noise,
     ///
     /// ```text
     /// E|δγ|² = 1/Σ|d|² ,    d = P_perp (dA/dγ) c ,

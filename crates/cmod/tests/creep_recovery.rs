@@ -152,7 +152,7 @@ fn without_noise_the_procedure_of_the_paper_finds_the_parameters() {
     let mut claims = Claims::default();
     claims.by("tests of another solver without noise");
     // the finite difference for η has an error of 1e-6, and ln B changes 17 times as much as m
-    let of_generator = Within(3e-6, "the viscosity of the generator has 1e-6");
+    let of_generator = Within(3e-6, "the viscosity in the generator has an error of 1e-6");
     let worst = |found: &ThreeElementParameters| {
         largest([
             found.parallel_modulus / TRUTH.parallel_modulus - 1.0,
@@ -163,7 +163,7 @@ fn without_noise_the_procedure_of_the_paper_finds_the_parameters() {
     let fit = joint(&tests);
     assert_eq!(fit.ending, Ending::Converged);
     claims.deviation(
-        "five tests together: parts of E_2 and B, and error of m, worst",
+        "five tests together: relative errors of E_2 and B, and error of m, worst",
         of_generator,
         Ok(worst(&fit.model.parameters())),
     );
@@ -190,7 +190,7 @@ fn without_noise_the_procedure_of_the_paper_finds_the_parameters() {
         "procedure of the paper: m",
         "1",
         TRUTH.exponent,
-        Within(5e-5, "the scan of m"),
+        Within(5e-5, "the steps of the scan of m"),
         Ok(fit.parameters.exponent),
     );
     // if the range excludes the right exponent, the result reports an exponent at the end of the

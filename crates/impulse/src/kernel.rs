@@ -17,7 +17,7 @@ const MOST_STEPS: usize = 1 << 24;
 /// decade higher.
 const BEYOND: f64 = 1e3;
 
-/// Least growth of the mobility in proportion to s over the band, as a fraction of the mobility,
+/// Smallest growth of the mobility in proportion to s over the band, as a fraction of the mobility,
 /// that shows a massless spring at the face.
 const SPRING: f64 = 1e-4;
 

@@ -72,12 +72,12 @@ fn claims_hold() {
     };
     let found = found();
     claims.deviation(
-        "Zener rod, and light head before a heavy tail, on a steel rod: force away from jumps, by the peak",
+        "Zener rod, and light head before a heavy tail, on a steel rod: force away from jumps, relative to the peak",
         Within(5e-3, "kinks of the kernel, smeared over two steps"),
         of(&found, |found| largest(found.iter().map(away_from_jumps))),
     );
     claims.deviation(
-        "Zener rod, and light head before a heavy tail, on a steel rod: impulse over that by the line, less one",
+        "Zener rod, and light head before a heavy tail, on a steel rod: impulse over that by the line, minus 1",
         Within(2e-6, "half a sample of the lowest force at each parting"),
         of(&found, |found| {
             let by_line = |both: &Both| both.by_line.iter().sum::<f64>() * both.step;

@@ -85,7 +85,10 @@ fn mass_on_an_endless_rod(claims: &mut Claims) {
     );
     claims.deviation(
         "rigid mass on an endless rod, force by convolution quadrature, BDF2",
-        Within(5e-3, "the first step is of first order, hZ/M = 4e-3"),
+        Within(
+            5e-3,
+            "the error of the first step is of first order, hZ/M = 4e-3",
+        ),
         error(4096.0, Quadrature::Bdf2),
     );
     let energies = || -> Ours {
@@ -136,7 +139,7 @@ fn mass_on_an_endless_rod(claims: &mut Claims) {
         kilograms * VELOCITY,
         Within(
             1e-6 * kilograms * VELOCITY,
-            "a contact below a millionth of the peak counts as none",
+            "a force below a millionth of the peak does not count as contact",
         ),
         long(),
     );
@@ -168,7 +171,7 @@ fn rods_of_different_lengths(claims: &mut Claims) {
             3.0,
             Within(
                 2e-3,
-                "an echo is smeared over the step that holds it and one beside",
+                "an echo is smeared over the step that contains it and a neighbouring step",
             ),
         ),
         (
@@ -188,14 +191,14 @@ fn rods_of_different_lengths(claims: &mut Claims) {
         );
     }
     claims.deviation(
-        "rods of different lengths, either first: impulse by the momentum of the shorter, less one",
+        "rods of different lengths, either first: impulse by the momentum of the shorter, minus 1",
         Within(1e-3, "half a step at the end of a pulse of 478 steps"),
         of(&found, |found| {
             largest(found.iter().map(|p| p.balance().impulse / momentum - 1.0))
         }),
     );
     claims.deviation(
-        "rods of different lengths, either first: coefficient of restitution less L_1/L_2",
+        "rods of different lengths, either first: coefficient of restitution minus L_1/L_2",
         Within(1.5e-3, "half a step at the end of the pulse"),
         of(&found, |found| {
             let restitution = |p: &Prediction| p.balance().restitution.unwrap_or(f64::NAN);
@@ -257,7 +260,7 @@ fn rods_of_equal_length(claims: &mut Claims) {
         of(&found, |p| deviation(p, &[trip], 40.0, exact) / plateau),
     );
     claims.deviation(
-        "two equal rods: restitution, also as seen, kinetic energy of the struck one, each less its own, and energy of vibration",
+        "two equal rods: restitution, restitution from the velocities of the faces and kinetic energy of the struck rod, each minus its exact value, and energy of vibration",
         Within(1e-3, "half a step at the end of a pulse of 796 steps"),
         of(&found, |p| {
             let balance = p.balance();

@@ -109,7 +109,7 @@ fn a_mass_moves_with_its_momentum(claims: &mut Claims) {
         "rigid mass, formula in the right half plane and on the frequency axis only: kernel",
         Within(
             1e-4,
-            "the part of 1/Z that is taken off where there is none, and the next period",
+            "a part 1/Z is subtracted that the mass does not have; and the effect of the next period",
         ),
         error(),
     );

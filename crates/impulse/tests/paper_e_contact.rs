@@ -186,7 +186,7 @@ fn peaks_and_ends_of_contact(claims: &mut Claims, paper: &Ours<PaperE>) {
             "N",
             Within(
                 1.5,
-                "half of the last digit, and a newton for the level of the loss factor",
+                "half of the last digit, and one newton because the loss factor of the two computations may differ in level",
             ),
         ),
         (
@@ -195,7 +195,7 @@ fn peaks_and_ends_of_contact(claims: &mut Claims, paper: &Ours<PaperE>) {
             "s",
             Within(
                 6e-6,
-                "half of the last digit, and a microsecond of the step",
+                "half of the last digit, and one time step of a microsecond",
             ),
         ),
         (
@@ -204,14 +204,17 @@ fn peaks_and_ends_of_contact(claims: &mut Claims, paper: &Ours<PaperE>) {
             "s",
             Within(
                 1e-5,
-                "half of the last digit, and as much for the level of the loss factor",
+                "half of the last digit, and as much for a difference in the level of the loss factor",
             ),
         ),
         (
             3,
             "peak of the force by marching, relative",
             "1",
-            Within(2e-3, "steps of 1 us, the peak searched in steps of 5 us"),
+            Within(
+                2e-3,
+                "the force is computed in steps of 1 us, and its peak was sought in steps of 5 us",
+            ),
         ),
     ] {
         claims.claim(
@@ -234,14 +237,14 @@ fn first_jumps(claims: &mut Claims, paper: &Ours<PaperE>) {
         Ok(prediction?.history.force()[0] / (impedance * velocity(paper, "CCB")?))
     };
     claims.claim(
-        "CCB: force of the first instant, over that jump",
+        "CCB: force of the first instant, relative to that jump",
         "1",
         1.0,
         Within(1e-8, "the step of 0.1 us, in which no echo has returned"),
         over_exact(predicted(paper, "CCB", 1e-4, 1e-7)),
     );
     claims.claim(
-        "CCB by eq. 7 as printed: force of the first instant, over that jump",
+        "CCB by eq. 7 as printed: force of the first instant, relative to that jump",
         "1",
         1.0,
         Within(
@@ -285,7 +288,7 @@ fn momentum_and_energy(claims: &mut Claims, paper: &Ours<PaperE>) {
         .map(|case| predicted(paper, case.0, 60e-3, 5e-6))
         .collect();
     claims.deviation(
-        "TCA, TCB, CCA and CCB: impulse less change of momentum, and restitution less that seen, by the face long after",
+        "TCA, TCB, CCA and CCB: impulse minus change of momentum, and restitution minus that of the face long after",
         Within(1e-3, "the mean velocity of a face that still vibrates, at 60 ms"),
         of(&found, |found| {
             largest(found.iter().flat_map(|prediction| {
@@ -299,7 +302,7 @@ fn momentum_and_energy(claims: &mut Claims, paper: &Ours<PaperE>) {
         }),
     );
     claims.deviation(
-        "TCA, TCB, CCA and CCB: energy before less energy after, heat and vibration",
+        "TCA, TCB, CCA and CCB: energy before minus energy after, heat and vibration",
         Within(2e-15, "rounding of the sums of work"),
         of(&found, |found| {
             largest(found.iter().map(|prediction| {
@@ -346,7 +349,10 @@ fn three_ways_agree(claims: &mut Claims, paper: &Ours<PaperE>) {
         (
             "means over steps",
             Quadrature::CellAverages,
-            Within(4e-4, "the step over the rounding, squared, by 24, at jumps"),
+            Within(
+                4e-4,
+                "at jumps, 1/24 of the squared ratio of the step to the width of the Gaussian",
+            ),
         ),
         (
             "convolution quadrature",
@@ -388,13 +394,13 @@ fn the_law_as_printed(claims: &mut Claims, paper: &Ours<PaperE>) {
         Ok(number(&by_printed_law(paper, name, 4e-3, 2e-6)?) / number(&causal) - 1.0)
     };
     claims.deviation(
-        "TCA, TCB, CCA and CCB: peak by the printed power laws over that by a constant loss factor, less one",
-        Within(0.01, "the moduli differ by as much between 1 and 10 kHz"),
+        "TCA, TCB, CCA and CCB: peak by the printed power laws over that by a constant loss factor, minus 1",
+        Within(0.01, "the moduli of the two laws differ by this much between 1 and 10 kHz"),
         worst(|name| over(name, |prediction| prediction.peak().force)),
     );
     claims.deviation(
-        "TCA, TCB, CCA and CCB: impulse by the printed power laws over that by a constant loss factor, less one, over 1, 2, 1 and 0.5 %",
-        Within(1.0, "the moduli, and the contacts that they end"),
+        "TCA, TCB, CCA and CCB: impulse by the printed power laws over that by a constant loss factor, minus 1, in units of 1, 2, 1 and 0.5 %",
+        Within(1.0, "the difference of the moduli, which also changes the ends of the contacts"),
         worst(|name| {
             let allowed = match name {
                 "TCB" => 0.02,

@@ -60,7 +60,7 @@ pub enum LabioError {
     },
     /// A channel still moves at the end of a hit after which rest is assumed.
     #[error(
-        "`{channel}` deviates from its rest level by {remainder:.3e} rms in the last tenth of the record, with a peak of {peak:.3e}; the limit is a thousandth of the peak, or the noise"
+        "`{channel}` deviates from its rest level by {remainder:.3e} rms in the last tenth of the record, expected no more than noise and a thousandth of its peak of {peak:.3e}"
     )]
     NotAtRest {
         /// The channel.

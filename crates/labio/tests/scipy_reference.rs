@@ -71,7 +71,7 @@ fn windows(report: &mut Claims) {
     ];
     report.check(
         Claim::new("weights of ten windows, 16 and 15 samples", SCIPY)
-            .within(2e-15, "some roundings of five cosines at most"),
+            .within(2e-15, "some rounding errors of at most five cosines"),
         || {
             worst(windows, |(case, window)| {
                 worst([16, 15], |n| {

@@ -79,7 +79,7 @@ impl fmt::Display for FitFlag {
                 )
             }
             Self::Unsettled => f.write_str(
-                "the minimum has not settled: the parameters and the excitation still change each other",
+                "the fit has not settled: each new estimate of the excitation still changes the parameters",
             ),
             Self::Curved { parameter } => write!(
                 f,

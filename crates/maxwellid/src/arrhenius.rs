@@ -264,6 +264,7 @@ mod tests {
             times: &times,
             cell: 4e-3,
             temperature,
+            lateral_inertia: 0.0,
         });
     }
 

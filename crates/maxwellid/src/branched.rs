@@ -4,6 +4,7 @@ use rodwave::InelasticRod;
 use rodwave::band_limited::SamplePulses;
 use rodwave::characteristics::{BranchedProblem, Direction};
 
+use crate::lateral_inertia::{self, SecantModulus};
 use crate::law::{IdentifiableLaw, StatedParameter};
 use crate::model::{
     DrivenRod, LOG_MODULUS_STEP, LinearisedResponse, MODULUS_BOUNDS, RodModel, cells_of,
@@ -109,6 +110,20 @@ impl<L: IdentifiableLaw> BranchedRod<L> {
         let composition = self.neighbours.at(of_neighbours)?;
         let law = self.law.with_parameters(of_law).ok()?;
         Some((ln_modulus.exp(), composition, law))
+    }
+
+    /// Returns a function of θ, the secant modulus of a rod of this material.
+    fn secant(&self, rod: &DrivenRod<'_>) -> impl Fn(&[f64]) -> Option<SecantModulus> {
+        move |parameters| {
+            let (modulus, composition, law) = self.material(parameters)?;
+            let secant = SecantModulus::behind_front(rod, modulus)
+                .with_branch(composition.spring, 0.0)
+                .with_law(composition.of_law, &law);
+            let linear = composition.linear.iter();
+            Some(linear.fold(secant, |secant, branch| {
+                secant.with_branch(branch.share, branch.time.recip())
+            }))
+        }
     }
 
     /// The direct problem at θ, with the directions of all parameters.
@@ -253,7 +268,8 @@ impl<L: IdentifiableLaw> RodModel for BranchedRod<L> {
 
     fn response(&self, rod: &DrivenRod<'_>, parameters: &[f64]) -> Option<Vec<f64>> {
         let (problem, _) = self.problem(rod, parameters)?;
-        problem.free_end_velocity(rod.excitation, rod.times).ok()
+        let velocity = problem.free_end_velocity(rod.excitation, rod.times).ok()?;
+        lateral_inertia::of_response(rod, parameters, self.secant(rod), velocity)
     }
 
     fn linearised_response(
@@ -265,10 +281,11 @@ impl<L: IdentifiableLaw> RodModel for BranchedRod<L> {
         let (velocity, by_parameter) = problem
             .free_end_velocity_with_sensitivities(rod.excitation, rod.times, &directions)
             .ok()?;
-        Some(LinearisedResponse {
+        let linearised = LinearisedResponse {
             velocity,
             by_parameter,
-        })
+        };
+        lateral_inertia::of_linearised(rod, parameters, self.secant(rod), linearised)
     }
 
     fn by_samples(
@@ -280,9 +297,10 @@ impl<L: IdentifiableLaw> RodModel for BranchedRod<L> {
     ) -> Option<Vec<Vec<f64>>> {
         let pulses = SamplePulses::new(samples, rod.sampling_rate_hz).ok()?;
         let (problem, _) = self.problem(rod, parameters)?;
-        problem
+        let columns = problem
             .free_end_velocity_by_samples(rod.excitation, &pulses, rod.times, change)
-            .ok()
+            .ok()?;
+        lateral_inertia::of_columns(rod, parameters, self.secant(rod), columns)
     }
 
     /// A standard solid contains the linear one, Maxwell's law and the elastic rod; a rod of flat

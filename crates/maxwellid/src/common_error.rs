@@ -1,6 +1,6 @@
 //! Errors of rods and transducers that are the same for many samples, and often for several tests.
 //!
-//! A length, a sensitivity or a delay with a stated standard uncertainty u moves the whole
+//! A length, a lateral inertia, a sensitivity or a delay with a stated standard uncertainty u moves the whole
 //! simulated response by u ∂S/∂q. With one such column a for each independent error, in units of
 //! the noise, the white residual has the covariance I + A Aᵀ instead of I. Its inverse square root
 //! is a product of one factor per column,
@@ -48,6 +48,8 @@ use crate::whitening::Weighting;
 pub enum ErrorOf {
     /// Length L of a rod, relative.
     Length,
+    /// Lateral inertia ν²k_p² of a rod, relative: twice that of Poisson's ratio and of the diameter.
+    LateralInertia,
     /// Gain of the transducer of the excitation, relative.
     ExcitationGain,
     /// Gain of the transducer of the response, relative.
@@ -56,10 +58,19 @@ pub enum ErrorOf {
     Delay,
 }
 
+impl ErrorOf {
+    /// Returns true for an error of a transducer, not of a rod.
+    #[must_use]
+    pub fn is_of_transducer(self) -> bool {
+        !matches!(self, Self::Length | Self::LateralInertia)
+    }
+}
+
 impl fmt::Display for ErrorOf {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
             Self::Length => "length",
+            Self::LateralInertia => "lateral inertia",
             Self::ExcitationGain => "gain of the excitation",
             Self::ResponseGain => "gain of the response",
             Self::Delay => "delay of the response",
@@ -159,8 +170,8 @@ pub const UNSTATED_DELAY: f64 = 1.0;
 #[must_use]
 pub fn with_unstated_transducers(tests: &[RodTest]) -> Option<Vec<RodTest>> {
     let allowed = |test: &RodTest| {
-        let of_transducers = |error: &CommonError| error.of != ErrorOf::Length;
-        if test.common_errors.iter().any(of_transducers) {
+        let of_transducer = |error: &CommonError| error.of.is_of_transducer();
+        if test.common_errors.iter().any(of_transducer) {
             return None;
         }
         let error = |of, standard_uncertainty| CommonError {
@@ -486,6 +497,9 @@ impl Direction {
 /// with respect to the gain of the excitation.
 const GAIN_DIFFERENCE: f64 = 1e-3;
 
+/// Relative change of the lateral inertia, to either side, for its numerical derivative.
+const INERTIA_DIFFERENCE: f64 = 1e-2;
+
 /// Shift in time, in samples, to either side, for the numerical derivative with respect to a delay.
 const TIME_DIFFERENCE: f64 = 0.1;
 
@@ -511,6 +525,20 @@ fn derivative<M: RodModel + ?Sized>(
                 }
             }
             Some(sum)
+        }
+        ErrorOf::LateralInertia => {
+            let scaled = |factor: f64| {
+                let rod = DrivenRod {
+                    lateral_inertia: factor * rod.lateral_inertia,
+                    ..*rod
+                };
+                response_of(model, &rod, parameters)
+            };
+            let (less, more) = (
+                scaled(1.0 - INERTIA_DIFFERENCE)?,
+                scaled(1.0 + INERTIA_DIFFERENCE)?,
+            );
+            Some(difference(&more, &less, 2.0 * INERTIA_DIFFERENCE))
         }
         ErrorOf::ExcitationGain => {
             // the motion is the record divided by the gain

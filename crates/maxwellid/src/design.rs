@@ -122,7 +122,7 @@ impl PlannedTest {
         Ok(Self { test })
     }
 
-    /// Adopts the temperature and the instruments of an existing `test`: the noise, the errors of
+    /// Adopts the section, the temperature and the instruments of an existing `test`: the noise, the errors of
     /// the transducers, the recorder, and the error of the length, which is the same error only for
     /// a rod of the same length.
     ///
@@ -132,6 +132,7 @@ impl PlannedTest {
         self.test.noise.clone_from(&test.noise);
         self.test.common_errors.clone_from(&test.common_errors);
         self.test.temperature = test.temperature;
+        self.test.lateral_inertia = test.lateral_inertia;
         if (self.test.length - test.length).abs() > 0.0 {
             for error in &mut self.test.common_errors {
                 if error.of == ErrorOf::Length {

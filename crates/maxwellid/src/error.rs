@@ -107,7 +107,7 @@ pub enum MaxwellidError {
         end: f64,
         /// Half height of the first rise of the response, from the first sample.
         arrival: f64,
-        /// Least time needed after the arrival.
+        /// Shortest time needed after the arrival.
         needed: f64,
     },
     /// A displacement is clipped too early.
@@ -154,7 +154,7 @@ pub enum MaxwellidError {
         history: &'static str,
         /// Number of quiet samples.
         found: usize,
-        /// Least number.
+        /// Minimum number.
         expected: usize,
     },
     /// The noise is stated for some tests and not for others.

@@ -183,8 +183,8 @@ impl<M: RodModel> Fit<M> {
         self
     }
 
-    /// Starts the fit where another fit of the same tests ended: at its parameters alone, with its
-    /// most likely excitations and its cell.
+    /// Starts the fit where another fit of the same tests ended: only at its parameters, with its
+    /// most likely excitations and with its cell, but with a cell of at most 4 mm, the default.
     #[must_use]
     pub fn continuing(self, found: &Identification<M>) -> Self {
         Self {

@@ -11,7 +11,7 @@
 //! For a linear law the direct problem of (Ödeen 1993, paper D, section 2.1) has the solution
 //!
 //! ```text
-//! v̂_r = v̂_e / cosh(γL) ,    γ² = ρs²/E(s) ,    Re γL >= 0 ,
+//! v̂_r = v̂_e / cosh(γL) ,    γ² = ρs²/(E(s) + ρr²s²) ,    Re γL >= 0 ,
 //! ```
 //!
 //! which [`LinearModel`] evaluates along a line Re s = a of the Laplace plane by fast Fourier
@@ -39,7 +39,6 @@
 //! Theory: `docs/theory/model-identification.md#linear-competitors`.
 
 mod constant_q;
-mod laplace_line;
 mod maxwell_branches;
 mod model;
 mod scaled_modulus;

@@ -3,11 +3,10 @@
 use std::fmt::Debug;
 use std::sync::Arc;
 
-use rodwave::band_limited::{SamplePulses, SampledHistory};
-use rodwave::{DirectProblem, InelasticRod};
+use rodwave::band_limited::SampledHistory;
 
 use crate::error::MaxwellidError;
-use crate::law::{IdentifiableLaw, Role, Scale, StatedParameter};
+use crate::law::{Role, Scale, StatedParameter};
 use crate::parallel::map_in_order;
 use crate::special_case::{PronySeries, SpecialCase};
 use crate::specimen::SpecimenSensitivity;
@@ -38,6 +37,10 @@ pub struct DrivenRod<'a> {
     /// Temperature of the rod \[K\], if it is stated; ignored by a model that does not
     /// [need](RodModel::needs_temperature) it.
     pub temperature: Option<f64>,
+    /// Lateral inertia r² = ν²k_p² \[m²\], with Poisson's ratio ν and the polar radius of gyration
+    /// k_p of the section: ν²D²/8 for a round rod, 0 for a thin one. If it is above 0, `times` must
+    /// be equally spaced, except for leading times of 0.
+    pub lateral_inertia: f64,
 }
 
 /// Velocity of the free end and its derivatives with respect to the parameters of a model.
@@ -49,7 +52,7 @@ pub struct LinearisedResponse {
     pub by_parameter: Vec<Vec<f64>>,
 }
 
-/// A model of a rod that can be fitted to tests. Every [`IdentifiableLaw`] is one, with θ = (ln E,
+/// A model of a rod that can be fitted to tests. Every [`IdentifiableLaw`](crate::IdentifiableLaw) is one, with θ = (ln E,
 /// parameters of the law) and the solver [`rodwave::characteristics`]; a linear material solved in
 /// the frequency domain is another.
 ///
@@ -299,170 +302,6 @@ pub fn stated_modulus(parameters: &[f64]) -> StatedParameter {
 pub(crate) fn cells_of(rod: &DrivenRod<'_>) -> Result<f64, MaxwellidError> {
     check_cell(rod.cell, rod.length)?;
     Ok((rod.length / rod.cell).ceil().max(FEWEST_CELLS))
-}
-
-/// The direct problem of `law` at θ.
-#[expect(
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "lengths and cells are positive; the ratio is a cell count"
-)]
-fn direct_problem<L: IdentifiableLaw>(
-    law: &L,
-    rod: &DrivenRod<'_>,
-    parameters: &[f64],
-) -> Option<DirectProblem<L>> {
-    let (log_modulus, of_law) = parameters.split_first()?;
-    let law = law.with_parameters(of_law).ok()?;
-    let cells = cells_of(rod).ok()? as usize;
-    let rod = InelasticRod::new(rod.length, rod.density, log_modulus.exp(), law).ok()?;
-    DirectProblem::new(rod, cells).ok()
-}
-
-impl<L: IdentifiableLaw> RodModel for L {
-    fn name(&self) -> &str {
-        L::NAME
-    }
-
-    fn is_linear(&self) -> bool {
-        L::LINEAR
-    }
-
-    fn parameter_names(&self) -> Vec<&str> {
-        std::iter::once("ln_modulus")
-            .chain(L::PARAMETERS.iter().copied())
-            .collect()
-    }
-
-    fn step_limits(&self) -> Vec<f64> {
-        std::iter::once(LOG_MODULUS_STEP)
-            .chain(L::STEP_LIMITS.iter().copied())
-            .collect()
-    }
-
-    fn bounds(&self) -> Vec<(f64, f64)> {
-        std::iter::once((MODULUS_BOUNDS.0.ln(), MODULUS_BOUNDS.1.ln()))
-            .chain(self.parameter_bounds())
-            .collect()
-    }
-
-    fn damping_parameter(&self) -> Option<usize> {
-        // the last parameter of a law is its rate
-        (!L::PARAMETERS.is_empty()).then_some(L::PARAMETERS.len())
-    }
-
-    fn thermal_orders(&self) -> Vec<(usize, f64)> {
-        let rate = self.damping_parameter();
-        rate.map(|rate| (rate, 1.0)).into_iter().collect()
-    }
-
-    fn parameters(&self, modulus: f64) -> Vec<f64> {
-        std::iter::once(modulus.ln())
-            .chain(rodwave::inelastic::InelasticLaw::parameters(self))
-            .collect()
-    }
-
-    /// Returns rates of the law in steps of half a decade, from a relaxation time of a hundredth of
-    /// the record, with complete decay, to one of ten thousand records, without visible decay.
-    fn starts(&self, modulus: f64, duration: f64) -> Vec<Vec<f64>> {
-        let mut starts: Vec<Vec<f64>> = (-4_i32..=8)
-            .filter_map(|half_decades| {
-                let relaxation_time = duration * 10.0_f64.powf(0.5 * f64::from(half_decades));
-                self.at_rate(self.reference_stress() / (modulus * relaxation_time))
-            })
-            .map(|law| RodModel::parameters(&law, modulus))
-            .collect();
-        if starts.is_empty() {
-            starts.push(RodModel::parameters(self, modulus));
-        }
-        starts
-    }
-
-    fn stated(&self, parameters: &[f64]) -> Vec<StatedParameter> {
-        let law = parameters
-            .get(1..)
-            .and_then(|of_law| self.with_parameters(of_law).ok());
-        let of_law = law.map(|law| IdentifiableLaw::stated(&law));
-        std::iter::once(stated_modulus(parameters))
-            .chain(of_law.unwrap_or_default().into_iter().map(|mut stated| {
-                // the parameters of a law do not depend on E
-                stated.gradient.insert(0, 0.0);
-                stated
-            }))
-            .collect()
-    }
-
-    fn specimen_sensitivities(&self, parameters: &[f64]) -> Vec<SpecimenSensitivity> {
-        let law = parameters
-            .get(1..)
-            .and_then(|of_law| self.with_parameters(of_law).ok());
-        let of_law = law.map(|law| IdentifiableLaw::specimen_sensitivities(&law));
-        std::iter::once(SpecimenSensitivity::OF_MODULUS)
-            .chain(of_law.unwrap_or_default())
-            .collect()
-    }
-
-    fn response(&self, rod: &DrivenRod<'_>, parameters: &[f64]) -> Option<Vec<f64>> {
-        direct_problem(self, rod, parameters)?
-            .free_end_velocity(rod.excitation, rod.times)
-            .ok()
-            .filter(|velocity| velocity.iter().all(|v| v.is_finite()))
-    }
-
-    fn linearised_response(
-        &self,
-        rod: &DrivenRod<'_>,
-        parameters: &[f64],
-    ) -> Option<LinearisedResponse> {
-        let response = direct_problem(self, rod, parameters)?
-            .free_end_velocity_with_sensitivities(rod.excitation, rod.times)
-            .ok()?;
-        Some(LinearisedResponse {
-            velocity: response.velocity,
-            by_parameter: std::iter::once(response.by_log_modulus)
-                .chain(response.by_parameter)
-                .collect(),
-        })
-    }
-
-    fn by_samples(
-        &self,
-        rod: &DrivenRod<'_>,
-        parameters: &[f64],
-        samples: &[usize],
-        change: f64,
-    ) -> Option<Vec<Vec<f64>>> {
-        let pulses = SamplePulses::new(samples, rod.sampling_rate_hz).ok()?;
-        direct_problem(self, rod, parameters)?
-            .free_end_velocity_by_samples(rod.excitation, &pulses, rod.times, change)
-            .ok()
-    }
-
-    fn prony(&self, parameters: &[f64]) -> Option<PronySeries> {
-        let (log_modulus, of_law) = parameters.split_first()?;
-        let law = self.with_parameters(of_law).ok()?;
-        let modulus = log_modulus.exp();
-        let rate = law.linear_rate()?;
-        Some(if rate > 0.0 {
-            PronySeries::maxwell(modulus, law.reference_stress() / (modulus * rate))
-        } else {
-            PronySeries::elastic(modulus)
-        })
-    }
-
-    fn special_case(&self, series: &PronySeries) -> Option<SpecialCase> {
-        let rate = self.reference_stress() / (series.modulus * series.single_time()?);
-        let (law, limit) = self.at_linear_limit(rate)?;
-        let limit = if series.branches.is_empty() {
-            "without damping"
-        } else {
-            limit
-        };
-        Some(SpecialCase {
-            parameters: RodModel::parameters(&law, series.modulus),
-            limit: limit.to_owned(),
-        })
-    }
 }
 
 /// Implements [`RodModel`] for a type by forwarding to the model that it contains.

@@ -104,7 +104,7 @@ where
 /// Smallest lag of the arrival, in samples, that counts as another minimum.
 const SMALLEST_LAG: usize = 2;
 
-/// Least improvement of the correlation that a lag must give.
+/// Smallest improvement of the correlation that a lag must give.
 const BETTER: f64 = 0.1;
 
 /// Returns the delay \[s\], in addition to the one found, for which the simulated response agrees

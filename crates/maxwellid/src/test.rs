@@ -70,6 +70,8 @@ pub struct RodTest {
     pub(crate) common_errors: Vec<CommonError>,
     /// Temperature of the rod \[K\], if it is stated.
     pub(crate) temperature: Option<f64>,
+    /// Lateral inertia ν²k_p² \[m²\] of the rod.
+    pub(crate) lateral_inertia: f64,
     /// Excitation before the filter of the recorder; `None` if the filter is not stated.
     pub(crate) unfiltered: Option<Arc<UnfilteredExcitation>>,
 }
@@ -211,6 +213,7 @@ impl RodTest {
             flags: Vec::new(),
             common_errors: Vec::new(),
             temperature: None,
+            lateral_inertia: 0.0,
             unfiltered: None,
         })
     }
@@ -259,6 +262,25 @@ impl RodTest {
         }
         Ok(Self {
             temperature: Some(temperature),
+            ..self
+        })
+    }
+
+    /// Sets the lateral inertia r² = ν²k_p² \[m²\] of the rod, with Poisson's ratio ν and the polar
+    /// radius of gyration k_p of its section: ν²D²/8 for a round rod. Without it, a rod is thin.
+    ///
+    /// # Errors
+    /// [`MaxwellidError::Setting`] unless it is finite and not below 0.
+    pub fn with_lateral_inertia(self, lateral_inertia: f64) -> Result<Self, MaxwellidError> {
+        if !(lateral_inertia.is_finite() && lateral_inertia >= 0.0) {
+            return Err(MaxwellidError::Setting {
+                setting: "lateral inertia of a rod [m^2]",
+                value: lateral_inertia,
+                expected: "a finite value, 0 or above",
+            });
+        }
+        Ok(Self {
+            lateral_inertia,
             ..self
         })
     }
@@ -342,6 +364,7 @@ impl RodTest {
             times,
             cell,
             temperature: self.temperature,
+            lateral_inertia: self.lateral_inertia,
         }
     }
 

@@ -75,7 +75,7 @@ fn transfer_cell(test: &RodTest, parameters: &[f64], rate_hz: f64) -> Option<f64
 /// response need not be renewed.
 pub(crate) const TRANSFER_HOLDS: f64 = 0.5;
 
-/// Least change of the excitation for which a nonlinear rod is linearised, as a share of V0.
+/// Smallest change of the excitation for which a nonlinear rod is linearised, as a share of V0.
 const LEAST_CHANGE: f64 = 1e-4;
 
 /// Distance in samples between the columns that are computed for a nonlinear rod whose recorder is

@@ -20,6 +20,7 @@ mod coverage;
 mod criterion;
 mod hard_to_break;
 mod identification;
+mod lateral_inertia;
 mod one_answer;
 mod search;
 mod selection;

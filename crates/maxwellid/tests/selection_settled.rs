@@ -145,7 +145,7 @@ fn r01_no_law_is_worse_than_its_special_case() {
     let two = law(&comparisons[1], Law::TwoMaxwellBranches);
     assert_eq!(
         two.with_limit(),
-        "two Maxwell branches, of which one has an unbounded relaxation time: Zener"
+        "two Maxwell branches, of which one has an unbounded relaxation time, which is the law Zener"
     );
     // for data of a Norton rod, the spring beside it is not needed
     let solid = law(&comparisons[2], Law::ZenerNorton);

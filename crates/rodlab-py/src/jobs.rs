@@ -16,8 +16,8 @@ use crate::background::done;
 use crate::errors::{raised, raised_of_arguments, wrong};
 use crate::outcome::Outcome;
 
-/// Does the job of the sheet at `path`. With `write`, its files go to `out`, or to the default
-/// folder of the command if `out` is not given.
+/// Runs the sheet at `path`. With `write`, its files are written to `out`, or to the default folder
+/// of the command if `out` is not given.
 #[pyfunction]
 #[pyo3(signature = (path, *, job=None, out=None, write=true, progress=None))]
 pub(crate) fn run_sheet(
@@ -58,8 +58,8 @@ pub(crate) fn run_sheet(
     done(py, progress, work)
 }
 
-/// Does the job of the sheet with the given `text`; its relative paths start from `folder`. Files
-/// are written only if `out` is given.
+/// Runs the sheet with the given `text`, whose relative paths refer to `folder`. Files are written
+/// only if `out` is given.
 #[pyfunction]
 #[pyo3(signature = (text, folder, *, out=None, progress=None))]
 pub(crate) fn run_text(

@@ -45,7 +45,7 @@ pub struct Arguments {
 /// The commands.
 #[derive(Debug, Subcommand)]
 pub enum Command {
-    /// Contents of a recording: channels, units, rates, and anything that looks wrong.
+    /// Show the contents of a recording: channels, units, rates, and anything that looks wrong.
     #[command(after_help = "Example:\n  rodlab inspect hits.uff")]
     Inspect {
         /// A file in any supported format, which is recognised from the content.
@@ -88,7 +88,7 @@ pub enum Command {
     /// Run a virtual test, from its plan to the report of its modulus, and show the commands used.
     #[command(after_help = "Example:\n  rodlab demo")]
     Demo {
-        /// The new folder; by default `rodlab-demo`.
+        /// The new folder.
         #[arg(default_value = "rodlab-demo")]
         folder: PathBuf,
     },

@@ -241,7 +241,7 @@ impl Recordings {
         }
         let [sheet] = files else {
             let found = format!("{} files", files.len());
-            return Err(RodlabError::request("the sheet", found, expected));
+            return Err(RodlabError::request("the input", found, expected));
         };
         Ok(self.command(sheet.clone()))
     }

@@ -92,7 +92,7 @@ fn outside(outcome: &Outcome, bar: &LongBar) -> [usize; 3] {
 /// Residual of the model at a gauge [%].
 fn misfit(outcome: &Outcome) -> f64 {
     let mut quantities = outcome.quantities.iter();
-    let found = quantities.find(|q| q.name.contains("what the model leaves"));
+    let found = quantities.find(|q| q.name.contains("that the model does not explain"));
     found.unwrap().value.unwrap()
 }
 

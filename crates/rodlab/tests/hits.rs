@@ -179,5 +179,5 @@ fn what_is_no_level_or_stretch_says_why() {
     let error = short
         .find(vec![record("a.npy", 0.0)], "hammer", "hits")
         .unwrap_err();
-    insta::assert_snapshot!(error, @r"hits, judging hits, a.npy: the hit that the trigger takes has 100 samples, expected at least 201");
+    insta::assert_snapshot!(error, @r"hits, judging hits, a.npy: the hit cut by the trigger has 100 samples, expected at least 201");
 }

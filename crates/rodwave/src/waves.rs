@@ -301,7 +301,7 @@ const SMALL: f64 = 1e-280;
 /// The two waves at each section for one γ: e^{-γ(x - x₁)} and e^{-γ(x_n - x)}, both at most 1.
 struct Columns<'a> {
     positions: &'a [f64],
-    /// Least and largest position, x₁ and x_n.
+    /// Smallest and largest position, x₁ and x_n.
     first: f64,
     last: f64,
     rows: Vec<[Complex64; 2]>,

@@ -136,7 +136,7 @@ mod claims {
             "mobilities of faces TCA, TCB, CCA, CCB, 50 Hz to 10 kHz",
             Within(
                 2e-14,
-                "rounding of γL, 1e-15, times the sharpness of a resonance",
+                "rounding of γL by 1e-15, amplified at a sharp resonance",
             ),
             Ok(chains),
         );
@@ -144,7 +144,7 @@ mod claims {
             "mobility of the long rod; propagation coefficient and specific impedance of Nylon-6, 50 Hz to 10 kHz",
             Within(
                 4e-15,
-                "powers of a number of order 1e4, whose logarithm costs a digit",
+                "powers of a number of order 1e4, which lose a digit because the logarithm of the number is about 10",
             ),
             Ok(medium),
         );
@@ -156,7 +156,7 @@ mod claims {
         );
         report.by("Mittag-Leffler function by mpmath, 50 digits");
         report.deviation(
-            "fractional Zener: relaxation and creep over twelve decades, orders 0.1 to 1, by E₁ and 1/E₀",
+            "fractional Zener: relaxation and creep over twelve decades, orders 0.1 to 1, relative to E₁ and 1/E₀",
             Within(5e-15, "a few roundings of E₁ - E₀"),
             Ok(super::error_of_fractional_relaxation()),
         );
@@ -165,7 +165,7 @@ mod claims {
             "Norton, Gurevich and Rabinovich: relaxed stress, steps of 1e-7 to 30 relaxation times",
             Within(
                 2e-14,
-                "powers and exponentials of arguments of order 30, thirty roundings",
+                "powers and exponentials with arguments of up to 30, each with about thirty rounding errors",
             ),
             Ok(super::error_of_flows()),
         );

@@ -40,23 +40,27 @@ fn head(measured: &Measured) -> String {
         ""
     };
     let load = match machine.load_before {
-        Some(load) => format!("; {load:.1} processes wanted a processor in the minute before"),
+        Some(load) => format!(
+            "; in the minute before, {load:.1} processes were running or waiting for a processor"
+        ),
         None => String::new(),
     };
     format!(
         "<!-- Made by `{COMMAND}` from {TARGETS} and {MEASURED}: do not edit by hand. -->\n\n\
          # Performance\n\n\
-         Every target that was set, what the software takes, the least that the machine takes for the same, and what other software takes. \
-         `{COMMAND}` runs the benchmarks and programs and writes this page; `{COMMAND} --quick` does so in a few minutes and writes it to \
-         target/bench; `{COMMAND} --check`, in the gate, compares the page with the numbers beside it and the benchmarks with the sources, and \
-         runs nothing. A target whose benchmark is gone is an error, and so is a missed target without a reason.\n\n\
-         Measured on {}, {} processors, {}, {}{quick}{load}. Times are medians of criterion's samples or of whole processes, wall clock; after ± stands \
-         the median absolute deviation of a benchmark, and half the range of a program that ran more than once. A *bound* is measured in the \
-         same run, beside its row: the transforms, a copy or the bare recurrence alone. *Of the bound* is ours over it, or it over ours where \
-         more is better. *Others* is another benchmark of the same run, or the time of another program as it was recorded on two processors \
-         of an AMD EPYC (`xtask/baselines.py` takes those of Python packages again), and how many times better ours is. *Moved* is the \
-         change since the last run, where it exceeds a tenth and three spreads. Times of a shared machine say less than ratios; instructions, \
-         [below](#instructions-of-the-hottest-kernels), are the same on any day.\n",
+         For every target that was set, this page shows the time of this software, the shortest time in which the machine can do the essential \
+         part of the task, and the time of other software. `{COMMAND}` runs the benchmarks and programs and writes this page; \
+         `{COMMAND} --quick` does so in a few minutes and writes it to target/bench; `{COMMAND} --check`, which is part of the gate, runs no \
+         benchmark: it compares the page with the files of targets and measurements, and the names of the benchmarks with the sources. A target \
+         without a benchmark is an error, and so is a missed target without a reason.\n\n\
+         Measured on {}, {} processors, {}, {}{quick}{load}. Times are medians of criterion's samples or of whole processes, wall clock. The \
+         value after ± is the median absolute deviation of a benchmark, or half the range of a program that ran more than once. A *bound* is the \
+         essential part alone, such as the transforms, a copy or the bare recurrence, measured in the same run. *Of the bound* is our time \
+         divided by the bound; for rates, it is the bound divided by our rate. *Others* is another benchmark of the same run, or the time of \
+         another program as it was recorded on two processors of an AMD EPYC (`xtask/baselines.py` measures those of Python packages again), \
+         followed by the factor by which ours is better. *Moved* is the change since the last run, if it exceeds a tenth and three times the \
+         spread. On a shared machine, ratios are more reliable than times; the instruction counts \
+         [below](#instructions-of-the-hottest-kernels) do not depend on the load.\n",
         machine.processor, machine.processors, machine.system, machine.compiler,
     )
 }
@@ -101,7 +105,7 @@ fn missed_by(row: &Row, result: &RowResult) -> String {
         why => why,
     };
     format!(
-        "{}, {} wanted, {} times off. {why}",
+        "{}, target {}, missed by a factor of {}. {why}",
         of_unit(result.ours, row.unit),
         target(row),
         significant(result.used, 3)
@@ -118,7 +122,7 @@ fn target(row: &Row) -> String {
     match row.target {
         Target::AtMost(limit) => format!("≤ {limit} {unit}"),
         Target::AtLeast(limit) => format!("≥ {limit} {unit}"),
-        Target::OfBound(limit) => format!("≤ {limit} bounds"),
+        Target::OfBound(limit) => format!("≤ {limit} × the bound"),
     }
 }
 
@@ -201,7 +205,7 @@ fn grown(growth: &[Growth], results: &[GrowthResult]) -> String {
         ]);
     }
     format!(
-        "\n## Growth\n\nTime or memory at two sizes of the task, and the exponent between them: 1 where the work is linear.\n\n{}",
+        "\n## Growth\n\nTime or memory at two sizes of the task, and the exponent of the growth between them: 1 if the time or memory is proportional to the size.\n\n{}",
         table.markdown()
     )
 }
@@ -240,7 +244,7 @@ fn programs(measured: &Measured) -> String {
     }
     format!(
         "\n## Time and memory of the programs\n\n\
-         Peak memory is the high-water mark of the resident set, read every millisecond where the system tells it; `reproduce-all` is the sum of the \
+         Peak memory is the high-water mark of the resident set, read every millisecond on systems that report it; `reproduce-all` is the sum of the \
          five papers.\n\n{}",
         table.markdown()
     )
@@ -274,10 +278,10 @@ fn instructions(measured: &Measured) -> String {
     format!(
         "\n## Instructions of the hottest kernels\n\n\
          Counted by {} (callgrind) over one call, compiled with {}. `{COMMAND} --instructions --check` counts again and fails if a kernel \
-         needs 2 % more; `{COMMAND} --instructions` takes new reference counts. The gate counts its own profile where valgrind is installed. \
-         The kernels are the loops in which the jobs spend most of their time: the order of a Prony series, histories between samples, time \
-         marching, chains. Valgrind has no AVX-512: code that selects its instructions at run time is counted with AVX2. The mathematics of the \
-         system library is counted too. The spread is that of two counts.\n\n{}",
+         needs 2 % more; `{COMMAND} --instructions` writes new reference counts. If valgrind is installed, the gate counts in its own build \
+         profile. The kernels are the loops in which the jobs spend most of their time: the order of a Prony series, histories between samples, time \
+         marching, chains. Valgrind does not support AVX-512: code that selects its instructions at run time is counted with AVX2. The \
+         mathematical functions of the system library are counted too. The spread is the difference of two counts.\n\n{}",
         counted.counted_by,
         counted.compiler,
         table.markdown()
@@ -332,7 +336,7 @@ fn without_target(targets: &Targets, measured: &Measured) -> String {
     }
     format!(
         "\n## Without a target\n\n\
-         Benchmarks that compare: of laws, sizes and ways with each other. The last column is elements a second, where a benchmark counts them.\n\n{}",
+         Benchmarks that compare laws, sizes or methods with each other. The last column is the number of elements per second, in millions, if a benchmark counts elements.\n\n{}",
         table.markdown()
     )
 }

@@ -48,7 +48,7 @@ pub(super) struct Row {
     pub(super) missed: String,
 }
 
-/// Least time that the machine needs for the task, measured in the same run.
+/// Shortest time that the machine needs for the task, measured in the same run.
 #[derive(Debug, Clone, PartialEq, Eq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Bound {

@@ -39,7 +39,7 @@ pub(super) struct Scene<'a, M: ?Sized> {
     pub(super) elsewhere: Elsewhere,
 }
 
-/// Least penalty in χ² for a loss. Together with the threshold it amounts to four standard
+/// Smallest penalty in χ² for a loss. Together with the threshold it amounts to four standard
 /// deviations, which noise reaches at one place in 30 000.
 const LEAST_PRICE: f64 = 12.0;
 /// Largest number of minima that are judged in succession, each lower than the previous one.

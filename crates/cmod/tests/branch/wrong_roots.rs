@@ -95,7 +95,10 @@ fn newton_as_printed_runs_to_wrong_roots_and_continuation_does_not() {
             0.0,
             1..=1,
             294.0,
-            Within(5.0, "lines at the border of a basin fall either way"),
+            Within(
+                5.0,
+                "lines at the border of two basins of attraction can converge to either root",
+            ),
             0,
         ),
         (

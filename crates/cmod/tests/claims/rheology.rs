@@ -30,12 +30,12 @@ fn shifts(claims: &mut Claims) {
     let exact = |temperature: f64| wlf(8.0, 180.0, temperature);
     let by_wlf = curve(&exact);
     claims.claim(
-        "master curve: root mean square of errors of shifts by their standard errors",
+        "master curve: root mean square of the errors of the shifts, in their standard errors",
         "1",
         1.0,
         Within(
             0.7,
-            "12 shifts whose errors are correlated: worth some five",
+            "12 shifts with correlated errors count as some five independent ones",
         ),
         of(&by_wlf, |(curve, _)| {
             let errors = curve
@@ -52,7 +52,10 @@ fn shifts(claims: &mut Claims) {
         "master curve: largest error of the logarithm of an identified shift",
         "1",
         0.0,
-        Within(0.3, "some standard errors of shifts of up to 6"),
+        Within(
+            0.3,
+            "some standard errors of shifts whose logarithm is up to 6",
+        ),
         of(&by_wlf, |(curve, _)| {
             largest(
                 curve
@@ -64,7 +67,7 @@ fn shifts(claims: &mut Claims) {
         }),
     );
     claims.claim(
-        "master curve: C_1 less its value, in standard errors",
+        "master curve: C_1 minus its true value, in standard errors",
         "1",
         0.0,
         Within(3.0, "three standard errors"),
@@ -73,7 +76,7 @@ fn shifts(claims: &mut Claims) {
         }),
     );
     claims.claim(
-        "master curve: C_2 less its value, in standard errors",
+        "master curve: C_2 minus its true value, in standard errors",
         "1",
         0.0,
         Within(3.0, "three standard errors"),
@@ -91,7 +94,7 @@ fn shifts(claims: &mut Claims) {
     claims.by("Arrhenius with 120 kJ/mol; 13 temperatures, noise of 1 %");
     let by_arrhenius = curve(&|temperature| arrhenius(120e3, temperature));
     claims.claim(
-        "master curve: activation energy less its value, in standard errors",
+        "master curve: activation energy minus its true value, in standard errors",
         "1",
         0.0,
         Within(3.0, "three standard errors"),

@@ -58,7 +58,7 @@ fn what_unequal_distances_and_more_gauges_gain(claims: &mut Claims) {
     claims.by("errors of sets of positions over 0.2 m, computed separately for 1 % of noise (its material and reflection are not stated)");
     claims.deviation(
         "three equal, three unequal and five equal distances: median error of the propagation coefficient, worst part",
-        Within(0.25, "another reflected wave moves it by a quarter"),
+        Within(0.25, "another reflected wave changes the result by a quarter"),
         Ok(largest([
             equal.0 / 6.3e-3 - 1.0,
             unequal.0 / 5.0e-3 - 1.0,
@@ -66,13 +66,13 @@ fn what_unequal_distances_and_more_gauges_gain(claims: &mut Claims) {
         ])),
     );
     claims.deviation(
-        "three equal, three unequal and five equal distances: part of the band with errors below 1 %, worst",
-        Within(0.04, "another reflected wave moves it by four points"),
+        "three equal, three unequal and five equal distances: fraction of the band with errors below 1 %, worst",
+        Within(0.04, "another reflected wave changes the result by four percentage points"),
         Ok(largest([equal.1 - 0.68, unequal.1 - 0.83, five.1 - 0.85])),
     );
     claims.deviation(
         "three equal and three unequal distances: error at ka = 0.987 pi, worst part",
-        Within(0.5, "another reflected wave moves it by half"),
+        Within(0.5, "another reflected wave changes the result by half"),
         Ok(largest([equal.2 / 2.8e-2 - 1.0, unequal.2 / 2.8e-3 - 1.0])),
     );
     // five gauges on a grid of half the spacing are not singular at this frequency, and neither are

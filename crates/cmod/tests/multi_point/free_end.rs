@@ -151,7 +151,10 @@ fn exact_lines(claims: &mut Claims) {
             what,
             "1",
             0.0,
-            Within(within, "rounding, 1e3 times by the weight of the end"),
+            Within(
+                within,
+                "rounding, amplified a thousandfold by the weight of the condition at the end",
+            ),
             Ok(largest_error(estimate.modulus(), 100)),
         );
     }

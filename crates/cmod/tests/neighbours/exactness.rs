@@ -130,7 +130,7 @@ fn every_method_finds_the_modulus_of_a_rod_without_noise() {
     {
         claims.by(source);
         claims.deviation(
-            format!("{name}, three materials and end masses: modulus, 25 Hz to 15 kHz, by the amplification"),
+            format!("{name}, three materials and end masses: modulus, 25 Hz to 15 kHz, relative to the amplification"),
             // each of two quantities is rounded by a few 1e-15 of the larger of its two waves, which may be ten times as large as the sum
             Within(1e-12, "rounding of the chain: differences of waves"),
             Ok(largest(found.map(|worst| worst[method]))),

@@ -256,7 +256,7 @@ fn modulus_is_that_of_the_numbers_on_the_card() {
         "LS-DYNA: worst modulus over ten decades",
         Within(
             3e-7,
-            "seven digits in ten columns, half of the last of terms of one sign",
+            "rounding of terms of one sign to seven digits, which fit in ten columns",
         ),
         Ok(ten_columns),
     );

@@ -98,7 +98,7 @@ fn exact_data_return_their_law() {
     claims.deviation(
         "Kelvin and Voigt, Zener, fractional Zener, Havriliak and Negami, power laws, two branches: worst parameter of a fit to exact data",
         // the last steps of the iteration are Newton steps
-        Within(1e-6, "1e-4 of the error that the stated 1 % leaves"),
+        Within(1e-6, "1e-4 of the standard error for a stated noise of 1 %"),
         Ok(worst),
     );
     hold!(claims);

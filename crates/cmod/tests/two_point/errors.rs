@@ -245,7 +245,7 @@ fn of_noise(claims: &mut Claims) {
     claims.by("dE/E = -2 dPsi/(x f'), f' = sinh x + mu (sinh x + x cosh x), x = gamma L");
     claims.deviation(
         "Test 2: standard error of E' from noise of Psi",
-        Within(4e-11, "the root is followed to 1e-12, and amplified"),
+        Within(4e-11, "the root is accurate to 1e-12 before amplification"),
         Ok(largest(estimate.lines().iter().map(error))),
     );
 }

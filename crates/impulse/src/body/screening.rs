@@ -50,8 +50,8 @@ const RIGID: f64 = 0.5;
 /// Fewest resonance spacings from which the scatter of their means is found.
 const FEWEST_SPACINGS: usize = 3;
 
-/// Least rise and fall of a curve about an extremum that counts as a resonance: as a factor, and as
-/// a fraction of the mean of the curve ([`LEAST_SWING`]). Without the latter, the noise of low
+/// Smallest rise and fall of a curve about an extremum that counts as a resonance: as a factor, and
+/// as a fraction of the mean of the curve ([`LEAST_SWING`]). Without the latter, the noise of low
 /// lines about zero would cause many spurious extrema.
 const SWING: f64 = 1.5;
 const LEAST_SWING: f64 = 0.3;

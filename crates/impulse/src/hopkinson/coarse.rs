@@ -17,7 +17,7 @@ pub(super) struct Coarse {
     pub(super) plan: Plan,
     pub(super) record: HopkinsonRecord,
     by: usize,
-    /// First sample of the result in the fine record, and its number of samples.
+    /// Samples of the fine record that the result covers.
     fine: std::ops::Range<usize>,
 }
 

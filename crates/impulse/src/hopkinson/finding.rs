@@ -190,7 +190,7 @@ impl fmt::Display for Finding {
             ),
             Self::Tail { part } => write!(
                 f,
-                "the gauge of the incident bar is still at {:.1} % of the peak when the reflected wave arrives: the band of forces and strain includes it as a tail of the incident wave or as a level; a second gauge or a shorter pulse would show which",
+                "the gauge of the incident bar is still at {:.1} % of the peak when the reflected wave arrives. It may be a tail of the incident wave or a shift of the level: the bands of forces and strain include both possibilities; a second gauge or a shorter pulse would show which applies",
                 100.0 * part
             ),
             Self::RecordEnds { part } => write!(

@@ -18,9 +18,9 @@ use super::source::{MaterialVariation, Setup, Source};
 use super::specimen::{Loading, TestSpecimen};
 use crate::ImpulseError;
 
-/// Least peak of the reflected wave with the sign opposite to that of the incident wave, relative
-/// to its largest value of either sign, for this peak to count as that of the loading. A specimen
-/// that springs back reflects a greater wave when it is unloaded.
+/// Smallest peak of the reflected wave with the sign opposite to that of the incident wave,
+/// relative to its largest value of either sign, for this peak to count as that of the loading. A
+/// specimen that springs back reflects a greater wave when it is unloaded.
 const LOADS: f64 = 0.25;
 
 /// Number of draws of the noise: the standard deviation is then known to 7 %.
@@ -82,7 +82,7 @@ impl HopkinsonTest {
             };
             if bar.gauges.len() != expected {
                 return Err(ImpulseError::LengthMismatch {
-                    what: "list of gauges of a bar for its separation of waves",
+                    what: "list of gauges of a bar, given its separation of the waves,",
                     found: bar.gauges.len(),
                     expected,
                 });

@@ -29,13 +29,14 @@ const ABOVE: usize = 15;
 /// lines of the window are several lines apart, so that the window spans a third of all.
 const HIGHEST_ORDER: usize = 48;
 
-/// Least number of lines of a window.
+/// Minimum number of lines of a window.
 const FEWEST: usize = 2;
 
-/// Least ratio of the power of an echo to the noise, which is the median power of all directions.
+/// Smallest ratio of the power of an echo to the noise, which is the median power of all
+/// directions.
 const ABOVE_NOISE: f64 = 10.0;
 
-/// Least ratio of the power of an echo to that of the strongest echo.
+/// Smallest ratio of the power of an echo to that of the strongest echo.
 const ROUNDING: f64 = 1e-10;
 
 /// A measured body with lines above the last measured one.

@@ -60,7 +60,7 @@ pub(super) fn of(
     (fourier::to_spectrum(&mean), differences)
 }
 
-/// Size, place of the largest value, and stretch, with which a blow is most like another.
+/// Factor, place of the largest value, and stretch that make a blow most similar to another.
 struct Alignment {
     size: f64,
     peak: f64,

@@ -181,7 +181,7 @@ const DURATIONS: f64 = 0.3;
 /// Number of durations on either side.
 const N_DURATIONS: i32 = 10;
 
-/// Least ratio of the assumed power to its largest value: a thousandth of the amplitude is not
+/// Smallest ratio of the assumed power to its largest value: a thousandth of the amplitude is not
 /// known for any force.
 const LEAST_SHARE: f64 = 1e-6;
 

@@ -106,7 +106,7 @@ fn mass_on_a_spring(claims: &mut Claims) {
         "mass on a spring, as a body and as a contact law: half a sine",
         Within(
             1e-6,
-            "means over a step, (omega h)^2/24 = 1e-7, and as much for the period",
+            "means over a step, with an error of (omega h)^2/24 = 1e-7, and as much for the error of the period",
         ),
         of(&both, |both| {
             let jump = [PI / omega];
@@ -128,7 +128,7 @@ fn mass_on_a_spring(claims: &mut Claims) {
         }),
     );
     claims.deviation(
-        "mass on a spring, as a body and as a contact law: restitution, also as seen, less one, and remaining momentum",
+        "mass on a spring, as a body and as a contact law: restitution minus 1, also from the velocities of the faces, and remaining momentum",
         Within(1e-6, "the part of the last step in which the contact is open"),
         of(&both, |both| {
             largest(both.iter().flat_map(|p| {
@@ -213,7 +213,10 @@ fn sphere_on_the_ground(claims: &mut Claims) {
         "sphere on a plane: deepest approach",
         "m",
         deepest,
-        Within(1e-6 * deepest, "the turning point within a step of 1/1700"),
+        Within(
+            1e-6 * deepest,
+            "the place of the turning point within a step of 1/1700 of the contact",
+        ),
         of(&found, |p| p.approach.iter().copied().fold(0.0, f64::max)),
     );
 }
@@ -269,15 +272,15 @@ fn sphere_on_an_endless_rod(claims: &mut Claims) {
         peak,
         Within(
             1e-3 * peak,
-            "means over steps of 1 us at the turn of the force",
+            "means over steps of 1 us at the maximum of the force",
         ),
         of(&found, |[_, fine]| fine.peak().force),
     );
     // in the first step the mean of t^{3/2} is 0.4 and its value in the middle 0.354, times (V
     // h)^{3/2} K; the errors of the other steps fall with the square of h
     claims.deviation(
-        "sphere on an endless rod: force in steps of 1 us, over what the mean of the first step is from its middle",
-        Within(1.1, "the first step is the worst"),
+        "sphere on an endless rod: force in steps of 1 us: largest error, relative to the difference between mean and middle of the first step",
+        Within(1.1, "the first step has the largest error, and sets this scale"),
         of(&found, |[_, fine]| {
             worst(fine, 20) / (0.046 * coefficient * (VELOCITY * 1e-6).powf(1.5) / peak)
         }),

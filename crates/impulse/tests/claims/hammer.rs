@@ -140,7 +140,10 @@ fn report(data: Option<&Path>) -> Claims {
         "forces of five hits: error of the peak over the half width of its band of 95 %",
         (TARGET, "1"),
         0.0,
-        (1.0, "the band itself, Student's by four hits"),
+        (
+            1.0,
+            "the width of the band, from Student's distribution for four hits",
+        ),
         |m| largest(m.predictions.each_ref().map(|p| p.peak_over_band)),
     );
     check(
@@ -151,10 +154,10 @@ fn report(data: Option<&Path>) -> Claims {
         |m| largest(m.predictions.each_ref().map(|p| p.on_support.rms)),
     );
     check(
-        "forces of five hits: samples in the band of each",
+        "forces of five hits: samples inside the band of their hit",
         (TARGET, "%"),
         100.0,
-        (100.0 * (1.0 - BAND_LEVEL), "the level of the band"),
+        (100.0 * (1.0 - BAND_LEVEL), "the probability of the band"),
         |m| 100.0 - largest(m.predictions.each_ref().map(|p| 100.0 - p.covered_percent)),
     );
     Claims {

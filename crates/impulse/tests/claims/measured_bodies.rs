@@ -15,7 +15,7 @@ fn claims_hold() {
     let mut claims = Claims::default();
     claims.by("a free body at low frequency: G = 1/(i omega M)");
     claims.deviation(
-        "rod of nylon, five times 2 % of noise: mass by its lines over its own, less one",
+        "rod of nylon, five times 2 % of noise: mass by its lines over its own, minus 1",
         Within(0.02, "2 % of noise on some dozen lines"),
         apparent_mass(),
     );
@@ -33,7 +33,7 @@ fn claims_hold() {
         "rod of nylon: lines below 100 Hz from the weighed mass",
         Within(
             1e-3,
-            "the fourth order, and the loss, which a mass does not have",
+            "terms of fourth order, and the loss, which the model of a mass does not have",
         ),
         completed_lines(),
     );

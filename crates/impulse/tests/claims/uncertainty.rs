@@ -105,12 +105,12 @@ fn by_draws(claims: &mut Claims, bodies: &Bodies) {
     };
     let found = found();
     claims.deviation(
-        "bodies weighed, and quiet before the contact: scatter of the stick force over its standard error, less one, at the worst time",
+        "bodies weighed, and quiet before the contact: scatter of the stick force over its standard error, minus 1, at the worst time",
         Within(0.08, "1/sqrt(3000) = 1.8 %, times four, and the second order of 5 %"),
         of(&found, |found| found[0]),
     );
     claims.deviation(
-        "bodies weighed, and quiet before the contact: scatter of the end of the contact over its standard error, less one",
+        "bodies weighed, and quiet before the contact: scatter of the end of the contact over its standard error, minus 1",
         Within(0.14, "four times 1.8 %, and as much for interpolation and curvature"),
         of(&found, |found| found[1]),
     );
@@ -209,7 +209,7 @@ fn constant_of_the_zero_line(claims: &mut Claims) {
         VELOCITY * MASS,
         Within(
             1e-8 * VELOCITY * MASS,
-            "remaining force after 20 ms, and smearing by the band limit",
+            "the force that remains after 20 ms, and smearing by the band limit",
         ),
         of(&quiet, |stick| stick.history.impulse()),
     );
@@ -219,7 +219,7 @@ fn constant_of_the_zero_line(claims: &mut Claims) {
         VELOCITY * MASS * step_hz,
         Within(
             1e-8 * VELOCITY * MASS * step_hz,
-            "remaining force after 20 ms, and smearing by the band limit",
+            "the force that remains after 20 ms, and smearing by the band limit",
         ),
         of(&quiet, |stick| stick.added_constant),
     );

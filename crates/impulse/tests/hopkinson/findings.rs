@@ -447,7 +447,7 @@ fn hopkinson_sheets_and_records_that_cannot_be_are_refused() {
         ),
         (
             |test, _| test.separation[0] = WaveSeparation::TwoGauges,
-            "for its separation of waves",
+            "given its separation of the waves",
         ),
         (
             |test, _| test.separation[0] = WaveSeparation::FreeEnd,

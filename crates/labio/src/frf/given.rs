@@ -178,7 +178,7 @@ impl FrequencyResponse {
         self.check_lines("lines of the variance", known.len())?;
         let Some(random) = self.variance.clone() else {
             return Err(LabioError::TooFewAverages {
-                estimate: "a variance to which another is added",
+                estimate: "the addition of a known variance",
                 found: self.n_averages,
                 expected: 2,
             });

@@ -71,7 +71,7 @@ struct Odd {
 ///   the others.
 ///
 /// A departure below half a per cent is ignored. A departure whose energy grows with the square of
-/// the impact does not count against the harder hit. Hits that were found are left out of the
+/// the impact does not count against the harder hit. A hit that was found is excluded from the
 /// search for the next one.
 ///
 /// # Validity

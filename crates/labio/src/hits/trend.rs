@@ -11,19 +11,19 @@ use crate::{LabioError, Record};
 const FEWEST_HITS: usize = 5;
 /// Fewest hits for a change between halves.
 const FEWEST_OF_HALVES: usize = 4;
-/// Least ratio of the largest to the smallest blow.
+/// Smallest ratio of the largest to the smallest blow.
 const LEAST_RANGE: f64 = 1.2;
 /// Probability of a change with the strength of the blow by chance.
 const LEVEL: f64 = 1e-4;
 /// Probability of a change between halves by chance.
 const LEVEL_OF_HALVES: f64 = 1e-3;
-/// Least change relative to the response.
+/// Smallest change relative to the response.
 const LEAST_CHANGE: f64 = 0.005;
-/// Least ratio, divided by the number of hits, of the variance between halves to that within them:
-/// three times the greatest ratio by a uniform drift.
+/// Smallest ratio, divided by the number of hits, of the variance between halves to that within
+/// them: three times the greatest ratio by a uniform drift.
 const STEP_OVER_DRIFT: f64 = 9.0;
 
-/// A change of the response to `input` over the hits.
+/// A systematic difference between hits in the response to `input`.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Trend {
     /// The gain of an output changes with the peak of the input.

@@ -159,7 +159,7 @@ impl Trigger {
         let before = self.pre_trigger.samples(sampling_rate_hz)?;
         if length < 2 || length <= before {
             return Err(LabioError::TooFewSamples {
-                what: "the hit that the trigger takes",
+                what: "the hit cut by the trigger",
                 found: length,
                 expected: before.saturating_add(1).max(2),
             });
@@ -337,7 +337,7 @@ mod tests {
         let short = trigger(Slope::Rising, 0.0).with_pre_trigger(Extent::Seconds(0.004));
         assert_eq!(
             short.at(1000.0).unwrap_err().to_string(),
-            "the hit that the trigger takes has 4 samples, expected at least 5"
+            "the hit cut by the trigger has 4 samples, expected at least 5"
         );
         let endless = short.with_pre_trigger(Extent::Samples(usize::MAX));
         assert!(matches!(

@@ -19,9 +19,9 @@ const LAGS: usize = 16;
 /// Number of equal last samples that were not recorded: a hit continued at its level, or a force
 /// set to 0 after the blow.
 const STILL: usize = 4;
-/// Least noise in steps of the converter, whose rounding is then independent of the level.
+/// Smallest noise in steps of the converter, whose rounding is then independent of the level.
 const LEAST_STEPS: f64 = 0.5;
-/// Least noise relative to the largest sample, above the rounding of single precision.
+/// Smallest noise relative to the largest sample, above the rounding of single precision.
 const FINEST: f64 = 2e-7;
 /// Largest ratio of the variances at which the noise counts as falling.
 const LARGEST_RATIO: f64 = 0.8;

@@ -47,7 +47,7 @@ fn known_bodies(report: &mut Claims) {
             "H1, H2, Hv and coherence of a filter of five taps and of a delay, without noise",
             "transform of the taps by direct sum",
         )
-        .within(2e-14, "rounding, amplified by the weakest of 49 lines"),
+        .within(2e-14, "rounding, amplified at the weakest of 49 lines"),
         || {
             worst(FILTERS, |filter| {
                 let mut rng = Noise::seeded(11);
@@ -210,7 +210,7 @@ fn random_errors(report: &mut Claims) {
         .expects((2.0 * g2 / f64::from(HITS)).sqrt() * (1.0 - g2), "1")
         .within_part(
             0.13,
-            "first order: (1 - γ²)/n of the next, and four standard errors",
+            "first-order formula: the next order is (1 - γ²)/n of it; and four standard errors",
         ),
         || {
             let values = spectra()?.coherence("x", "y")?.values;

@@ -64,7 +64,7 @@ fn integrals(report: &mut Claims) {
             "closed form: trapezoids (T/N)A cot(π/2N)",
         )
         .expects(50.0 / 1000.0 / (PI / 80.0).tan(), "m/s")
-        .within(2e-14, "400 additions"),
+        .within(2e-14, "rounding of 400 additions"),
         || {
             let pulse = |i: i32| {
                 let phase = f64::from(i - 100) / 40.0;
@@ -119,7 +119,7 @@ fn impulse_responses(report: &mut Claims) {
             "frequency response of two decaying modes, 600 and 601 samples",
             "geometric series",
         )
-        .within(4e-16, "600 roundings of order 1e-3"),
+        .within(4e-16, "600 rounding errors of terms of order 1e-3"),
         || {
             worst([(600, 600), (601, 601)], |(n, power)| {
                 let response = response(n, None)?;
@@ -139,7 +139,7 @@ fn impulse_responses(report: &mut Claims) {
     );
     report.check(
         Claim::new(
-            "impulse response of two decaying modes, and with an exponential window taken off by the growth of noise",
+            "impulse response of two decaying modes, also with an exponential window, whose removal amplifies the noise",
             "closed form",
         )
         .within(5e-15, "two transforms"),
@@ -276,7 +276,7 @@ fn rigid_bodies(report: &mut Claims) {
     );
     report.check(
         Claim::new(
-            "apparent mass over 400 tests: squared error by the stated one",
+            "apparent mass over 400 tests: squared error relative to the stated one",
             "definition of a standard error",
         )
         .expects(1.0, "1")
@@ -343,7 +343,7 @@ fn driving_points(report: &mut Claims) {
         "damper, velocity one sample late: lines that no passive body can have",
         "closed form: cos(2πf/256 Hz) < 0 above 64 Hz",
         64.0,
-        (1.0, "the line at 64 Hz itself"),
+        (1.0, "the line at 64 Hz, at the limit itself"),
         (2.0, 1, 1e-6, 0.02),
     );
     check(

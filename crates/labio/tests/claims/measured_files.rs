@@ -95,14 +95,14 @@ fn report(data: Option<&Path>) -> Claims {
         };
         let why = "half the last printed digit";
         check(
-            &format!("{what}, least"),
+            &format!("{what}, smallest value"),
             unit,
             least,
             (last_digit[0] / 2.0, why),
             found(f64::min),
         );
         check(
-            &format!("{what}, greatest"),
+            &format!("{what}, largest value"),
             unit,
             greatest,
             (last_digit[1] / 2.0, why),

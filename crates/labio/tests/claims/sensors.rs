@@ -137,7 +137,10 @@ fn recorders(report: &mut Claims) {
             "pulse delayed by 0.37 ms, 42.1 ms and -13.13 ms between samples of 1 kHz",
             "the pulse at an earlier time",
         )
-        .within(1e-13, "its spectrum at half the rate, 1e-14"),
+        .within(
+            1e-13,
+            "spectrum of the pulse at half the sampling rate, 1e-14 of its maximum",
+        ),
         || {
             let pulse = |t: f64| (-((t - 0.5) / 0.004).powi(2)).exp() * (TAU * 50.0 * t).sin();
             let history = history(1000.0, 1000, pulse)?;
@@ -184,7 +187,7 @@ fn recorders(report: &mut Claims) {
             "closed forms q²/12 and q²/4",
         )
         .expects(0.0, "standard errors of 100000 squares")
-        .within(5.0, "five of them"),
+        .within(5.0, "five standard errors"),
         || {
             let busy = |t: f64| 0.9 * (TAU * 17.3 * t).sin() * (TAU * 0.71 * t + 0.3).cos();
             let history = history(10_000.0, 100_000, busy)?;

@@ -105,7 +105,7 @@ fn several_inputs(report: &mut Claims) {
     );
     report.check(
         Claim::new(
-            "three dependent inputs, ten hits: scatter of the gains over lines by the stated variance",
+            "three dependent inputs, ten hits: scatter of the gains over lines relative to the stated variance",
             "definition of a variance",
         )
         .expects(1.0, "1")
@@ -127,7 +127,7 @@ fn several_inputs(report: &mut Claims) {
 fn merging(report: &mut Claims) {
     report.check(
         Claim::new(
-            "two tests merged by inverse variance: squared error by that of the better test",
+            "two tests merged by inverse variance: squared error relative to that of the better test",
             "closed form: noise powers of 1 and 10 give 10/11",
         )
         .expects(10.0 / 11.0, "1")

@@ -27,7 +27,7 @@ fn closed_forms(report: &mut Claims) {
             "energy of 200 and 201 random samples by their lines, relative",
             "Parseval's theorem",
         )
-        .within(5e-15, "200 terms of one sign"),
+        .within(5e-15, "rounding of 200 terms of one sign"),
         || {
             worst([200, 201], |n| {
                 let rate = 1234.0;
@@ -66,7 +66,7 @@ fn closed_forms(report: &mut Claims) {
             "exponential window: spectrum on the line σ + iω, relative to its largest",
             "direct sum of the damped transform",
         )
-        .within(1e-14, "forty terms"),
+        .within(1e-14, "rounding of forty terms"),
         || {
             let (n, rate, sigma) = (40, 10.0, 1.5);
             let mut rng = Noise::seeded(22);
@@ -141,7 +141,7 @@ fn scatter(report: &mut Claims) {
     };
     report.check(
         Claim::new(
-            "white noise, ten hits: mean of the spectrum by its density",
+            "white noise, ten hits: mean of the spectrum relative to its density",
             "χ² with 20 degrees of freedom",
         )
         .expects(1.0, "1")

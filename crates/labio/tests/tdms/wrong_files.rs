@@ -78,13 +78,13 @@ fn what_is_wrong_is_named_with_its_byte() {
     tdms, byte 20: offset of the raw data is cut after 0 bytes, expected 8 bytes
     tdms, byte 0: tag of the lead-in is "TDSx", expected "TDSm"
     tdms, byte 8: version is 4720, expected 4712 or 4713
-    tdms, byte 12: offset of the next segment is 255, expected at most 61, the bytes to the end of the file
-    tdms, byte 20: offset of the raw data is 255, expected at most 61, the bytes of the segment
+    tdms, byte 12: offset of the next segment is 255, expected at most 61, the number of bytes to the end of the file
+    tdms, byte 20: offset of the raw data is 255, expected at most 61, the number of bytes in the segment
     tdms, byte 85: path of an object is cut after 0 bytes, expected 4 bytes
     tdms, byte 85: path of an object is cut after 0 bytes, expected 4 bytes
     tdms, byte 36: path of an object is cut after 49 bytes, expected 4294967295 bytes
     tdms, byte 32: path of an object is `/'g'x'a'`, expected `/`, `/'group'` or `/'group'/'channel'`
-    tdms, byte 12: offset of the next segment is 61, expected at most 60, the bytes to the end of the file
+    tdms, byte 12: offset of the next segment is 61, expected at most 60, the number of bytes to the end of the file
     tdms, byte 89: tag of the lead-in is "\x00\x00\x00\x00", expected "TDSm"
     tdms, byte 44: data type of raw data is extended precision, expected numbers of at most 64 bits
     tdms, byte 44: data type of raw data is 0x4f, expected a type whose size is known

@@ -44,6 +44,7 @@ fn driven<T>(cell: f64, take: impl FnOnce(&DrivenRod<'_>) -> T) -> T {
         times: &times,
         cell,
         temperature: None,
+        lateral_inertia: 0.0,
     })
 }
 
@@ -290,6 +291,7 @@ fn driven_rod_of_nothing() -> DrivenRod<'static> {
         times: &[],
         cell: 2e-3,
         temperature: None,
+        lateral_inertia: 0.0,
     }
 }
 

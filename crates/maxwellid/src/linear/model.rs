@@ -4,11 +4,15 @@ use num_complex::Complex64;
 use rodwave::band_limited::{SampledHistory, VelocityHistory};
 
 use super::LinearLaw;
-use super::laplace_line::{FINER, LaplaceLine};
+use crate::laplace_line::{LaplaceLine, propagation, secant_and_tangent};
 use crate::law::StatedParameter;
 use crate::model::{DrivenRod, LinearisedResponse, RodModel, stated_modulus};
 use crate::special_case::{PronySeries, SpecialCase};
 use crate::specimen::SpecimenSensitivity;
+
+/// Points per sample. The interpolation between samples passes nothing above 0.62 of the sampling
+/// rate, so that two suffice.
+const FINER: usize = 2;
 
 /// A rod with a linear law as a [`RodModel`], solved in the Laplace domain; parameters θ = (ln E,
 /// p).
@@ -106,14 +110,15 @@ impl<L: LinearLaw> RodModel for LinearModel<L> {
     fn response(&self, rod: &DrivenRod<'_>, parameters: &[f64]) -> Option<Vec<f64>> {
         let (ln_modulus, of_law) = parameters.split_first()?;
         let known = rod.samples.len();
-        let mut line = LaplaceLine::new(known, rod.sampling_rate_hz);
-        let mut lines = line.transform(rod.excitation, known);
+        let (mut line, mut lines) = excitation_of(rod);
         let times = Times::of(rod, known, &line)?;
         let arguments: Vec<Complex64> = line.arguments().collect();
         let shapes = self.law.shapes(&arguments, of_law)?;
         let slowness = slowness(rod, *ln_modulus);
+        let inertia = rod.lateral_inertia * slowness * slowness;
         for (value, (s, shape)) in lines.iter_mut().zip(arguments.iter().zip(shapes)) {
-            *value *= secant_and_tangent(propagation(slowness * rod.length, *s, shape)).0;
+            let apparent = shape + inertia * s * s;
+            *value *= secant_and_tangent(propagation(slowness * rod.length, *s, apparent)).0;
         }
         times.read(&mut line, &mut lines)
     }
@@ -129,23 +134,24 @@ impl<L: LinearLaw> RodModel for LinearModel<L> {
     ) -> Option<LinearisedResponse> {
         let (ln_modulus, of_law) = parameters.split_first()?;
         let known = rod.samples.len();
-        let mut line = LaplaceLine::new(known, rod.sampling_rate_hz);
-        let mut lines = line.transform(rod.excitation, known);
+        let (mut line, mut lines) = excitation_of(rod);
         let times = Times::of(rod, known, &line)?;
         let mut derivatives = vec![vec![Complex64::ZERO; lines.len()]; parameters.len()];
         let mut by_law = vec![Complex64::ZERO; of_law.len()];
         let slowness = slowness(rod, *ln_modulus);
+        let inertia = rod.lateral_inertia * slowness * slowness;
         for (k, (value, s)) in lines.iter_mut().zip(line.arguments()).enumerate() {
             let shape = self.law.shape_with_derivatives(s, of_law, &mut by_law)?;
-            let gamma_length = propagation(slowness * rod.length, s, shape);
+            let apparent = shape + inertia * s * s;
+            let gamma_length = propagation(slowness * rod.length, s, apparent);
             let (secant, tangent) = secant_and_tangent(gamma_length);
             *value *= secant;
-            // ∂(γL)/∂p = -½ γL ∂ln E/∂p
-            let by_ln_modulus = 0.5 * *value * tangent * gamma_length;
+            // ∂(γL)/∂p = -½ γL ∂ln(E + ρr²s²)/∂p
+            let by_shape = 0.5 * *value * tangent * gamma_length / apparent;
             let (first, rest) = derivatives.split_first_mut()?;
-            first[k] = by_ln_modulus;
+            first[k] = by_shape * shape;
             for (column, by_parameter) in rest.iter_mut().zip(&by_law) {
-                column[k] = by_ln_modulus * by_parameter / shape;
+                column[k] = by_shape * by_parameter;
             }
         }
         Some(LinearisedResponse {
@@ -158,39 +164,19 @@ impl<L: LinearLaw> RodModel for LinearModel<L> {
     }
 }
 
+/// The Laplace line of the excitation of a rod, with its transform there.
+fn excitation_of(rod: &DrivenRod<'_>) -> (LaplaceLine, Vec<Complex64>) {
+    let rate = FINER as f64 * rod.sampling_rate_hz;
+    let points = FINER * rod.samples.len();
+    let mut line = LaplaceLine::new(points, rate);
+    let known = points.saturating_sub(FINER) + 1;
+    let lines = line.transform(known, |n| rod.excitation.at(n as f64 / rate));
+    (line, lines)
+}
+
 /// (ρ/E)^½ [s/m]
 fn slowness(rod: &DrivenRod<'_>, ln_modulus: f64) -> f64 {
     (rod.density * (-ln_modulus).exp()).sqrt()
-}
-
-/// γL = s `transit`/(E(s)/E)^½ with Re γL >= 0, for the transit time \[s\] of the front.
-fn propagation(transit: f64, s: Complex64, shape: Complex64) -> Complex64 {
-    let gamma_length = s * transit / square_root(shape);
-    if gamma_length.re < 0.0 {
-        -gamma_length
-    } else {
-        gamma_length
-    }
-}
-
-/// The principal square root of a number whose square is within the range of `f64`, without the
-/// trigonometric functions of [`Complex64::sqrt`].
-fn square_root(z: Complex64) -> Complex64 {
-    let root = (0.5 * (z.norm_sqr().sqrt() + z.re.abs())).sqrt();
-    let other = 0.5 * z.im / root;
-    if z.re >= 0.0 {
-        Complex64::new(root, other)
-    } else {
-        Complex64::new(other.abs(), root.copysign(z.im))
-    }
-}
-
-/// 1/cosh z and tanh z for Re z >= 0, without overflow.
-fn secant_and_tangent(z: Complex64) -> (Complex64, Complex64) {
-    let once = (-z).exp();
-    let twice = once * once;
-    let denominator = (1.0 + twice).inv();
-    (2.0 * once * denominator, (1.0 - twice) * denominator)
 }
 
 /// Times at which a history is evaluated.

@@ -5,8 +5,9 @@ use num_complex::Complex64;
 use std::f64::consts::TAU;
 
 use super::{ConstantQ, FreeParameter, LinearLaw, LinearModel, MaxwellBranches, ScaledModulus};
+use crate::laplace_line::LaplaceLine;
 use crate::model::{DrivenRod, RodModel};
-use rodwave::band_limited::SampledHistory;
+use rodwave::band_limited::{SampledHistory, VelocityHistory};
 use rodwave::modulus::{self, GeneralisedMaxwell, LaplaceModulus, MaxwellBranch, Zener};
 
 const RATE: f64 = 51_200.0;
@@ -46,6 +47,7 @@ fn response(
         times: &times,
         cell: 4e-3,
         temperature: None,
+        lateral_inertia: 0.0,
     };
     let linearised = model.linearised_response(&rod, parameters).unwrap();
     let plain = model.response(&rod, parameters).unwrap();
@@ -240,8 +242,9 @@ fn wrap_around_is_below_its_level() {
     )
     .0;
     // the rod rings forever, and the excitation ends at the same time
-    let mut long = super::laplace_line::LaplaceLine::new(4 * SAMPLES, RATE);
-    let mut lines = long.transform(&history, SAMPLES);
+    let mut long = LaplaceLine::new(8 * SAMPLES, 2.0 * RATE);
+    let at = |n: usize| history.at(n as f64 / (2.0 * RATE));
+    let mut lines = long.transform(2 * SAMPLES - 1, at);
     for (value, s) in lines.iter_mut().zip(long.arguments()) {
         let z = s * LENGTH * (DENSITY / 2.6e9).sqrt();
         *value /= z.cosh();
@@ -270,6 +273,7 @@ fn times_between_samples_are_answered_either_way() {
             times,
             cell: 4e-3,
             temperature: None,
+            lateral_inertia: 0.0,
         };
         model.response(&rod, &parameters)
     };
@@ -343,6 +347,7 @@ fn a_rod_that_contradicts_itself_has_no_response() {
             times: &times,
             cell: 4e-3,
             temperature: None,
+            lateral_inertia: 0.0,
         };
         let model = LinearModel::new(ConstantQ::default());
         model.response(&rod, &[2.6e9_f64.ln(), 0.05_f64.ln()])

@@ -7,6 +7,7 @@ use crate::samples::{Pattern, StandardSamples};
 use crate::selection::{Candidate, Selection};
 use crate::test::{Provenance, RodTest, RodTestData};
 use crate::{Fit, profile};
+use rodwave::InelasticRod;
 use rodwave::inelastic::Maxwell;
 use rodwave::lumped::LumpedRod;
 

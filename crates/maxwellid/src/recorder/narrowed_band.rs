@@ -39,7 +39,7 @@ pub const KEPT: f64 = 0.7;
 /// Probability of a false alarm over all parameters of all compared laws.
 pub const LEVEL: f64 = 0.01;
 
-/// Least standard error of a difference, in standard errors of the estimate.
+/// Smallest standard error of a difference, in standard errors of the estimate.
 pub const LEAST_SHARE: f64 = 1.0;
 
 /// Edge of the stop band of the filter divided by its cut-off, where its gain is a half.
@@ -118,8 +118,8 @@ impl std::fmt::Display for NarrowedBand {
         };
         write!(
             f,
-            "{}: with both histories low-passed at {:.1} kHz, {KEPT} of the cut-off of the recorder, {} changes by {:.1} of its standard errors, which is {:.1} standard errors of \
-             such a difference (probability {:.1e} for the largest of all)",
+            "{}: if both histories are low-passed at {:.1} kHz, which is {KEPT} of the cut-off of the recorder, {} changes by {:.1} of its standard errors. This is {:.1} times \
+             the standard error of such a change (probability of a change as large by chance in any parameter: {:.1e})",
             self.model,
             1e-3 * self.cutoff_hz,
             worst.parameter,

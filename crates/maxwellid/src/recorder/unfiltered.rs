@@ -269,8 +269,8 @@ impl fmt::Display for UnfilteredExcitation {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(
             f,
-            "the recorder is part of the model: {}. Of the excitation, {:.1} % (root mean square) is above its cut-off; the model of the contact supplies \
-             this part, from {:.3} ms on",
+            "the recorder is part of the model: {}. {:.1} % of the excitation (root mean square) is above its cut-off. This part follows from the \
+             model of the contact, which begins at {:.3} ms",
             self.filter.name(),
             100.0 * self.share_above_cutoff(),
             1e3 * self.begin()

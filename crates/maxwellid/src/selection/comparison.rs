@@ -130,7 +130,8 @@ pub struct ComparedLaw {
     pub determined: f64,
     /// Reason for the end of the fit.
     pub termination: Termination,
-    /// True if a renewed excitation does not change χ² any more. Unsettled laws are not compared.
+    /// True if χ² no longer changes when the excitation is estimated again. Laws for which it still
+    /// changes are not compared.
     pub is_settled: bool,
     /// Limits of this law that the data do not exclude at 95 %, the simplest first.
     pub limits: Vec<Limit>,
@@ -139,12 +140,14 @@ pub struct ComparedLaw {
 
 impl ComparedLaw {
     /// Name of the law, with its simplest non-excluded limit, such as `two Maxwell branches, of
-    /// which one has an unbounded relaxation time: Zener`.
+    /// which one has an unbounded relaxation time, which is the law Zener`.
     #[must_use]
     pub fn with_limit(&self) -> String {
         match self.limits.first() {
             None => self.name.clone(),
-            Some(Limit { special, limit }) => format!("{}, {limit}: {special}", self.name),
+            Some(Limit { special, limit }) => {
+                format!("{}, {limit}, which is the law {special}", self.name)
+            }
         }
     }
 }

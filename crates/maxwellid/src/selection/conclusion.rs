@@ -12,7 +12,7 @@ use super::{
 use crate::error::MaxwellidError;
 use crate::test::RodTest;
 
-/// Least and largest error of ln Z that suffices.
+/// Smallest and largest error of ln Z that suffices.
 const SUFFICIENT: (f64, f64) = (0.1, 0.5);
 
 /// Relative change of level and correlation of the noise up to which the values found before are

@@ -50,7 +50,7 @@ const RIDGE_STEP: f64 = 3.0;
 const RIDGE_DROP: f64 = 3.0;
 const MOST_RIDGE_STEPS: usize = 6;
 
-/// Least and largest scale, in standard deviations of the normal.
+/// Smallest and largest scale, in standard deviations of the normal.
 const SCALES: (f64, f64) = (0.2, 8.0);
 
 /// The logarithm of likelihood times prior about the most probable parameters, in coordinates of

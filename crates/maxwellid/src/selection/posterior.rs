@@ -125,7 +125,7 @@ pub(crate) struct Posterior {
     pub(crate) determined: f64,
     /// The excitations and delays about which the tests are linearised.
     pub(crate) inputs: Inputs,
-    /// True if a renewed excitation no longer changes χ².
+    /// True if χ² no longer changes when the excitation is estimated again.
     pub(crate) is_settled: bool,
 }
 
@@ -215,7 +215,7 @@ const BACK: [f64; 3] = [1.0, 2.0, 3.0];
 pub(crate) struct Limiting<'a> {
     /// Parameters at which the candidate is the law.
     pub(crate) parameters: Vec<f64>,
-    /// Least χ² of the law.
+    /// Smallest χ² of the law.
     pub(crate) chi_square: f64,
     /// The most probable fit of the law, if it has the excitation of the candidate: a linear rod is
     /// driven by the excitation after the filter of the recorder, a nonlinear one by that before

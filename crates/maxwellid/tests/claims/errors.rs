@@ -47,7 +47,7 @@ fn claims_hold() {
         ("Gurevich-Rabinovich", rabinovich()),
     ] {
         claims.deviation(
-            format!("{name}: coverage of the 95 % intervals less 95 %, worst parameter"),
+            format!("{name}: coverage of the 95 % intervals minus 95 %, worst parameter"),
             Within(0.045, "100 draws: 2.2 %, times two"),
             of(&found, |found| found.inside),
         );

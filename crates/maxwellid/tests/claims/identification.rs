@@ -45,7 +45,7 @@ fn parameters(claims: &mut Claims) {
     claims.by("parameters of a virtual rod of the lumped chain, without noise");
     let of_modulus = Within(
         5e-4,
-        "the grids of both solvers, 1e-4 of the impact velocity",
+        "the errors of the grids of both solvers, 1e-4 of the impact velocity",
     );
     let maxwell = || -> Ours<_> { fitted(3.056e9, &Maxwell::new(11.12e6)?, Maxwell::new(1e6)?) };
     let maxwell = maxwell();
@@ -76,7 +76,7 @@ fn parameters(claims: &mut Claims) {
         1.0,
         Within(
             0.013,
-            "1e-4 of the impact velocity, of which the damping takes some per cent",
+            "an error of 1e-4 of the impact velocity, for an effect of the damping of some per cent",
         ),
         of(&maxwell, |fit| value(fit, "eta") / 11.12e6),
     );
@@ -93,7 +93,7 @@ fn parameters(claims: &mut Claims) {
         2.108,
         Within(
             0.05,
-            "1e-4 of the impact velocity, over the effect of the exponent",
+            "an error of 1e-4 of the impact velocity, divided by the effect of the exponent",
         ),
         of(&norton, |fit| value(fit, "kappa")),
     );
@@ -103,7 +103,7 @@ fn parameters(claims: &mut Claims) {
         1.0,
         Within(
             0.02,
-            "1e-4 of the impact velocity, over the effect of the rate",
+            "an error of 1e-4 of the impact velocity, divided by the effect of the rate",
         ),
         of(&norton, |fit| {
             let truth = MaxwellNorton::new(2.108, 7e13);
@@ -123,7 +123,10 @@ fn parameters(claims: &mut Claims) {
         "Gurevich-Rabinovich: m over that of the rod",
         "1",
         1.0,
-        Within(0.03, "1e-4 of the impact velocity, over the effect of m"),
+        Within(
+            0.03,
+            "an error of 1e-4 of the impact velocity, divided by the effect of m",
+        ),
         of(&rabinovich, |fit| value(fit, "m") / 7.08e6),
     );
     claims.claim(
@@ -132,7 +135,7 @@ fn parameters(claims: &mut Claims) {
         1.0,
         Within(
             0.03,
-            "1e-4 of the impact velocity, over the effect of the viscosity",
+            "an error of 1e-4 of the impact velocity, divided by the effect of the viscosity",
         ),
         of(&rabinovich, |fit| value(fit, "eta") / 3.5e6),
     );
@@ -150,7 +153,10 @@ fn ways(claims: &mut Claims) {
         "modulus by the time of flight over that of the rod",
         "1",
         1.0,
-        Within(0.16, "a sample of 20 us of a flight of 240 us, twice"),
+        Within(
+            0.16,
+            "one sample of 20 us in a time of flight of 240 us, which enters E squared",
+        ),
         test.as_ref()
             .map_err(Clone::clone)
             .and_then(|test| Ok(test.modulus_from_time_of_flight()? / 3e9)),
@@ -166,7 +172,7 @@ fn ways(claims: &mut Claims) {
             format!("start at {factor} times the modulus: E over that of the rod"),
             "1",
             1.0,
-            Within(1e-3, "1e-4 of the impact velocity"),
+            Within(1e-3, "an error of 1e-4 of the impact velocity"),
             modulus(),
         );
     }
@@ -197,14 +203,14 @@ fn ways(claims: &mut Claims) {
         "historical search over damped least squares: E",
         "1",
         1.0,
-        Within(1e-5, "where both stop"),
+        Within(1e-5, "the criteria at which the two searches stop"),
         ratio(Identification::modulus),
     );
     claims.claim(
         "historical search over damped least squares: viscosity",
         "1",
         1.0,
-        Within(1e-4, "where both stop"),
+        Within(1e-4, "the criteria at which the two searches stop"),
         ratio(|fit| fit.law().viscosity()),
     );
 }

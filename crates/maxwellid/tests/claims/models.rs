@@ -54,6 +54,7 @@ fn driven<T>(cell: f64, with: impl FnOnce(&DrivenRod<'_>) -> Ours<T>) -> Ours<T>
         times: &times,
         cell,
         temperature: None,
+        lateral_inertia: 0.0,
     })
 }
 
@@ -160,7 +161,10 @@ fn solvers(claims: &mut Claims) {
     };
     claims.deviation(
         "elastic rod by characteristics",
-        Within(1e-5, "the quintic between steps of 2.4 us, up to 25 kHz"),
+        Within(
+            1e-5,
+            "quintic interpolation between steps of 2.4 us, up to 25 kHz",
+        ),
         driven(4e-3, |rod| {
             let found = response(&Elastic, rod, &[modulus.ln()])?;
             Ok(between(&found, &elastic(rod)))
@@ -195,7 +199,7 @@ fn solvers(claims: &mut Claims) {
         "Maxwell rod: lumped chain, two grids extrapolated, against the Laplace domain",
         Within(
             2e-4,
-            "the fourth order of cells of 1 mm, and the interpolation",
+            "the fourth-order error of cells of 1 mm, and the interpolation",
         ),
         driven(4e-3, |rod| {
             let lumped =

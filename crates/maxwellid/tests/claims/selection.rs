@@ -86,7 +86,7 @@ fn nonlinear(claims: &mut Claims) {
         "two velocities: draws in which the Norton law is named",
         "1",
         5.0,
-        Within(1.5, "19 of 20 are required"),
+        Within(1.5, "the law has to be named in 19 of 20 draws"),
         of(&found, |found| {
             found.iter().filter(names_norton).count() as f64
         }),
@@ -109,7 +109,7 @@ fn nonlinear(claims: &mut Claims) {
     );
     claims.by("probabilities of exclusive laws");
     claims.deviation(
-        "two velocities: sum of the probabilities of all laws, less 1",
+        "two velocities: sum of the probabilities of all laws, minus 1",
         Within(1e-12, "rounding of nine terms"),
         of(&found, |found| {
             largest(found.iter().map(|comparison| {
@@ -267,7 +267,7 @@ fn planned(claims: &mut Claims) {
         2.0,
         Within(
             0.02,
-            "the prior is not repeated: its part of the information, below 1 %",
+            "the repetition does not repeat the prior, whose share of the information is below 1 %",
         ),
         ratios(),
     );
@@ -336,7 +336,7 @@ fn conformal(claims: &mut Claims) {
         42.0 / 82.0,
         Within(
             0.035,
-            "four times 0.29/sqrt(2000), and one neighbour fewer for a sample",
+            "four times 0.29/sqrt(2000), and the effect of one neighbour fewer for a sample",
         ),
         of(&found, |found| found[0]),
     );

@@ -44,7 +44,7 @@ fn claims_hold() {
                 expected,
                 Within(
                     parameter.relative_error.value * expected,
-                    "the error that the paper prints for its own",
+                    "the error that the paper prints for its own result",
                 ),
                 of(&found, |found| {
                     let same = found.iter().find(|(name, _)| *name == symbol);

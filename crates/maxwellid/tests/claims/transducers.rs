@@ -144,14 +144,17 @@ fn nuisances(claims: &mut Claims) {
             1.03,
             Within(
                 2e-3,
-                "1e-4 of the impact velocity, over the effect of the damping",
+                "an error of 1e-4 of the impact velocity, divided by the effect of the damping",
             ),
         ),
         (
             "offset",
             "m/s",
             0.05,
-            Within(5e-3, "1e-4 of the impact velocity, some samples"),
+            Within(
+                5e-3,
+                "an error of 1e-4 of the impact velocity in some samples",
+            ),
         ),
         (
             "delay",
@@ -174,7 +177,7 @@ fn nuisances(claims: &mut Claims) {
             2.0,
             Within(
                 0.06,
-                "1e-4 of the impact velocity, over the effect of the exponent",
+                "an error of 1e-4 of the impact velocity, divided by the effect of the exponent",
             ),
         ),
     ]

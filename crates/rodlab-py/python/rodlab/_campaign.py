@@ -49,7 +49,7 @@ def campaign(
     retries: int = 2,
     progress: Progress | None = None,
 ) -> Campaign:
-    """Does the jobs of many sheets in parallel and writes one summary. The files are those of ``rodlab batch``, byte for byte.
+    """Runs many sheets in parallel and writes one summary. The files are those of ``rodlab batch``, byte for byte.
 
     Parameters
     ----------
@@ -59,8 +59,8 @@ def campaign(
         Folder that receives a folder for each test, and the summary. Workers on other machines must see sheets, records and this folder
         under the same paths.
     client : distributed.Client, optional
-        Cluster that does the tests, one task per sheet; the key of a task is the hash of its sheet. A test whose worker dies is repeated.
-        Without a client, the tests are done in this process.
+        Cluster that runs the tests, one task per sheet; the key of a task is the hash of its sheet. A test whose worker dies is repeated.
+        Without a client, the tests run in this process.
     resume : bool
         True to leave out the tests that already have a complete result from the same sheet, files and software.
     jobs : int, optional
@@ -110,7 +110,7 @@ def map(function: Callable[[int], T], seeds: Iterable[int], client: Client | Non
 def _on_cluster(
     client: Client, places: list[str], out: Path, resume: bool, retries: int, progress: Progress | None
 ) -> None:
-    """Does every test on the workers of `client`."""
+    """Runs every test on the workers of `client`."""
     from hashlib import sha256
 
     from distributed import as_completed
@@ -142,5 +142,5 @@ def _on_cluster(
 
 
 def _one(name: str, sheet: str, out: str, resume: bool) -> str:
-    """Does one test, as a task of the cluster."""
+    """Runs one test, as a task of the cluster."""
     return _rodlab.one_test(name, sheet, out, resume)

@@ -9,11 +9,11 @@ if TYPE_CHECKING:
 
 
 class Error(ValueError):
-    """Request that cannot be met. The message states what was found, where, and what was expected."""
+    """Raised if a request cannot be met. The message states what was found, where, and what was expected."""
 
 
 class SheetError(Error):
-    """Mistakes in a test sheet, or in arguments that replace a sheet. The attributes describe the first mistake.
+    """Raised for mistakes in a test sheet, or in arguments that replace a sheet. The attributes describe the first mistake.
 
     Attributes
     ----------
@@ -50,15 +50,15 @@ class SheetError(Error):
 
 
 class ReadError(OSError):
-    """File that is missing, cannot be read or is not a recording."""
+    """Raised if a file is missing, cannot be read or is not a recording."""
 
 
 class WriteError(OSError):
-    """File or folder that cannot be written, or that would replace something other than an earlier result."""
+    """Raised if a file or folder cannot be written, or would replace something other than an earlier result."""
 
 
 class NotAllowed(Error):
-    """Data that do not allow the result.
+    """Raised if the data do not allow the result.
 
     Attributes
     ----------

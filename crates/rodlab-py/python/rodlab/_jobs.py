@@ -29,7 +29,7 @@ def run(
     folder: str | os.PathLike[str] = ".",
     progress: Progress | None = None,
 ) -> Result:
-    """Does the job of a test sheet, as the command with the name of the job does.
+    """Runs a test sheet, as the command that has the name of its job does.
 
     Parameters
     ----------
@@ -43,7 +43,7 @@ def run(
     write : bool
         True to write the files of the result, if the sheet is a file.
     folder : path
-        Start of the relative paths of a sheet written in Python.
+        Folder to which the relative paths of a sheet written in Python refer.
     progress : callable, optional
         ``progress(step, done, of)``. An exception that it raises ends the job.
 
@@ -75,7 +75,7 @@ def run_part(
     progress: Progress | None = None,
     kept: TemporaryDirectory[str] | None = None,
 ) -> R:
-    """Returns the result of a sheet written in Python, as the class `of`; `kept` is a temporary folder that must exist as long as the result."""
+    """Returns the result of a sheet written in Python, as an object of the class `of`. `kept` is a temporary folder that must exist as long as the result."""
     outcome = _rodlab.run_text(text_of(sheet), folder, out=out, progress=progress)
     return of._of(outcome, sheet, folder, kept)
 
@@ -118,9 +118,9 @@ def convert(
     Parameters
     ----------
     tolerant : bool
-        True to convert the readable part of a damaged file and to list the rest.
+        True to convert the readable part of a damaged file and to list the unreadable parts.
     lossless : bool
-        True to reject a conversion that would lose anything.
+        True to reject a conversion that would lose information.
     binary : bool
         True to write a universal file with IEEE numbers (58b), which preserves every bit.
     force : bool

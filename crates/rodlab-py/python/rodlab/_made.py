@@ -46,14 +46,14 @@ def identify(
     cell : float or str, optional
         Longest cell of the rod in m; 4 mm by default.
     folder : path
-        Start of relative paths.
+        Folder to which relative paths refer.
 
     Raises
     ------
     SheetError, ReadError
         An argument or a file is wrong.
     NotAllowed
-        The data allow no law.
+        The data do not allow a law to be identified.
     """
     specimen = {
         name: quantity(value, unit, name)
@@ -113,14 +113,14 @@ def recovery(
     paper_procedure : mapping, optional
         Settings of the procedure of the paper, such as ``{"reference": "45 MPa"}``, to apply it in addition to the joint fit.
     folder : path
-        Start of relative paths.
+        Folder to which relative paths refer.
 
     Raises
     ------
     SheetError, ReadError
         An argument or a file is wrong.
     NotAllowed
-        The readings allow no model.
+        The readings do not allow a model.
     """
     fields: dict[str, Any] = {
         "title": title,

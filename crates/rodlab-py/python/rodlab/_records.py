@@ -152,7 +152,7 @@ def read(
     trigger_channel : str, optional
         Channel that determines the start of a hit; by default the first.
     folder : path
-        Start of relative paths.
+        Folder to which relative paths refer.
 
     Returns
     -------

@@ -154,7 +154,7 @@ class Result:
     def _of(
         cls, outcome: Outcome, sheet: Part | None = None, folder: Path | None = None, kept: TemporaryDirectory[str] | None = None
     ) -> Self:
-        """Returns the result of an `outcome`. If the sheet was made of arguments, `sheet` is this sheet and `folder` the start of its paths;
+        """Returns the result of an `outcome`. If the sheet was made of arguments, `sheet` is this sheet and `folder` the folder to which its paths refer;
         `kept` is this folder if it must be deleted together with the result."""
         told = json.loads(outcome.json)
         verdict = told["verdict"]

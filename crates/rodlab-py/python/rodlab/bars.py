@@ -212,7 +212,7 @@ def propagation(
     SheetError, ReadError
         An argument or a file is wrong.
     NotAllowed
-        The shots allow no result.
+        The shots do not allow a result.
     """
     fields: dict[str, Any] = {
         "title": title,
@@ -285,7 +285,7 @@ def stress_strain(
     monte_carlo : int, optional
         Number of draws in which noise and all other sources vary together, as a check of the linear errors.
     folder : path, optional
-        Start of the relative paths of materials; the folder of the shots by default.
+        Folder to which the relative paths of materials refer; by default that of the shots.
     out : path, optional
         Folder that receives the files of the command.
 
@@ -294,7 +294,7 @@ def stress_strain(
     SheetError, ReadError
         An argument or a file is wrong.
     NotAllowed
-        The shots allow no curve.
+        The shots do not allow a curve.
     """
     all_shots = [shots] if isinstance(shots, Hits) else list(shots)
     if not all_shots:
@@ -330,7 +330,7 @@ def _gauge(channel: str, at: Number, place: str, averaged_with: Sequence[str] | 
 
 
 def _records_from(shot: Hits, start: Path) -> dict[str, Any]:
-    """Returns the records of `shot`, with paths that start at `start`."""
+    """Returns the records of `shot`, with paths relative to `start`."""
     if shot._folder == start:
         return shot._records
     return shot._records | {"files": [os.fspath(shot._folder.resolve() / file) for file in shot._records["files"]]}

@@ -92,7 +92,7 @@ def predict(
     contact : Part, optional
         Law of the contact, such as ``sheet.Linear("20 MN/m")``; rigid faces by default.
     folder : path
-        Start of the relative paths of measured bodies.
+        Folder to which the relative paths of measured bodies refer.
     **fields
         Any other field of ``Impact`` in a sheet.
 
@@ -101,7 +101,7 @@ def predict(
     SheetError, ReadError
         An argument or a file is wrong.
     NotAllowed
-        The bodies allow no force.
+        The bodies do not allow a force.
     """
     stated: dict[str, Any] = {
         "first": first,

@@ -156,7 +156,7 @@ def of_hits(
     SheetError, ReadError
         An argument or a file is wrong.
     NotAllowed
-        The hits allow no response.
+        The hits do not allow a response.
     """
     stated: dict[str, Any] = {
         "title": title,

@@ -123,7 +123,7 @@ def of_hits(
     SheetError, ReadError
         An argument or a file is wrong.
     NotAllowed
-        The hits allow no mobility.
+        The hits do not allow a mobility.
     """
     fields = _hits(hits, force, response, estimator, silent, source)
     return _mobility(Part("Hits", (), fields), hits._folder, options)
@@ -187,7 +187,7 @@ def of_file(
     source : mapping, optional
         Other fields of ``File`` in a sheet, such as ``{"coherence": 3, "averages": 8}``.
     folder : path
-        Start of a relative path.
+        Folder to which a relative path refers.
     **options
         See :class:`Options`.
 

@@ -41,17 +41,17 @@ class Options(TypedDict, total=False):
     silent: Number
     """Time in s for which each record is silent before the blow: the noise is estimated from this part."""
     tail: str
-    """``"Keep"`` to keep the rest at the end of long hits, which contains only noise; ``"LeaveOut"`` by default."""
+    """``"Keep"`` to keep the end of long hits, which contains only noise; by default ``"LeaveOut"``."""
     limits: Mapping[str, str]
     """Requirements on a valid line, such as ``{"storage_modulus": "2 %"}``."""
     checks: Mapping[str, Any]
     """Checks that need no true value, such as ``{"level": "1 %"}``."""
     causal: bool
-    """True to find also the relaxing material nearest to all lines together: :attr:`Modulus.causal`."""
+    """True to determine also the relaxing material nearest to all lines together: :attr:`Modulus.causal`."""
     report_at: Sequence[str]
     """Frequencies at which the results are also given as quantities, such as ``["1 kHz"]``."""
     folder: str | os.PathLike[str]
-    """Start of the relative paths of a source that is a part; the folder of hits is known."""
+    """Folder to which the relative paths of a ``source`` of type ``Part`` refer; not needed for hits."""
     progress: Progress
 
 
@@ -167,7 +167,7 @@ def two_point(
     SheetError, ReadError
         An argument or a file is wrong.
     NotAllowed
-        The data allow no modulus.
+        The data do not allow a modulus.
     """
     first, second = _channels(source, 2)
     method = Part(

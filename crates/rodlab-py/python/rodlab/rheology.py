@@ -240,7 +240,7 @@ def fit(
     SheetError
         There is no such law.
     NotAllowed
-        The data allow no modulus.
+        The data do not allow a modulus.
     """
     return _with_laws(modulus, _stated_laws(laws, criterion, confidence, most_branches, most_lines), progress, Fit)
 
@@ -270,7 +270,7 @@ class SweepOptions(TypedDict, total=False):
     vertical_shifts: Part
     """``AsNeeded`` (default), ``Unity`` or ``RubberElasticity(...)``."""
     causal: bool
-    """True to find also the relaxing material nearest to all rows together: :attr:`Sweep.causal`."""
+    """True to determine also the relaxing material nearest to all rows together: :attr:`Sweep.causal`."""
     criterion: str
     confidence: Number
     most_branches: int
@@ -290,7 +290,7 @@ def sweep(
         such as ``sheet.Column("T")``, ``units``, ``errors``. For moduli over time: ``time`` and ``ramp`` instead of ``frequency``, ``modulus`` such as
         ``sheet.Relaxation(modulus="E")``, ``sheet.Creep(compliance="J")`` or ``sheet.CreepModulus(modulus="E")``.
     folder : path
-        Start of relative paths.
+        Folder to which relative paths refer.
     **options
         See :class:`SweepOptions`.
 
@@ -299,7 +299,7 @@ def sweep(
     SheetError, ReadError
         An argument or a file is wrong.
     NotAllowed
-        The tables allow no result.
+        The tables do not allow a result.
     """
     return _sweep(tables, Path(folder), None, options)
 
@@ -332,7 +332,7 @@ def of_arrays(
     SheetError
         An array has another length or no finite numbers, or an argument is wrong.
     NotAllowed
-        The moduli allow no result.
+        The moduli do not allow a result.
     """
     found = _array("modulus", modulus, np.complex128)
     columns = {"frequency (Hz)": _array("frequency_hz", frequency_hz, np.float64), "storage (Pa)": found.real, "loss (Pa)": found.imag}
@@ -379,7 +379,7 @@ def over_time(
     SheetError
         An array has another length or no finite numbers, or an argument is wrong.
     NotAllowed
-        The moduli allow no result.
+        The moduli do not allow a result.
     """
     tests = {"relaxation": "Relaxation", "creep": "CreepModulus"}
     if test not in tests:
@@ -469,7 +469,7 @@ def _stated_laws(
 
 
 def _with_laws(of: Result, more: Mapping[str, Any], progress: Progress | None, kind: type[L]) -> L:
-    """Does the job of the sheet of `of` again, with the fields `more` added to its laws."""
+    """Runs the sheet of `of` again, with the fields `more` added to its laws."""
     if of._sheet is None:
         raise Error("the modulus is the result of a sheet in a file, expected one of this package: add `laws` to the sheet instead")
     fields = dict(of._sheet.fields)

@@ -12,12 +12,12 @@ use crate::digits::{hertz, significant};
 
 /// Fraction of the peak force above which a sample belongs to the blow.
 const OF_BLOW: f64 = 0.05;
-/// Least number of samples at rest before a blow.
+/// Minimum number of samples at rest before a blow.
 const FEWEST_AT_REST: usize = 16;
 /// Largest tolerated relative error of a line.
 const TOLERATED: f64 = 0.02;
-/// Least ratio of the mean error over the hits to its standard error at which the error counts as
-/// alike in all hits.
+/// Smallest ratio of the mean error over the hits to its standard error at which the error counts
+/// as alike in all hits.
 const ABOVE_CHANCE: f64 = 4.0;
 /// Lowest line that is used if no band is stated, as a multiple of the line spacing.
 const LOWEST_LINE: f64 = 4.0;

@@ -12,12 +12,12 @@ use crate::digits::{hertz, significant};
 const MAINS: [f64; 2] = [50.0, 60.0];
 /// Highest harmonic that is tested.
 const HARMONICS: u32 = 6;
-/// Least sampling rate \[Hz\] after decimation. At this rate the block means change the amplitude
-/// of the highest harmonic by 1 %.
+/// Smallest sampling rate \[Hz\] after decimation. At this rate the block means change the
+/// amplitude of the highest harmonic by 1 %.
 const SLOW_HZ: f64 = 4000.0;
-/// Least duration of the record after the blow, in periods of the hum.
+/// Shortest duration of the record after the blow, in periods of the hum.
 const PERIODS: f64 = 4.0;
-/// Least amplitude of a hum, relative to the standard error of an amplitude from noise alone.
+/// Smallest amplitude of a hum, relative to the standard error of an amplitude from noise alone.
 const ABOVE_NOISE: f64 = 6.0;
 /// Largest change of a hum between the two halves of the time after the blow, relative to the hum.
 /// The return of a sensor to zero changes by more.

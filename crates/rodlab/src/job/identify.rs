@@ -18,7 +18,7 @@ use maxwellid::recorder::{NarrowedBand, RecorderCheck};
 use maxwellid::selection::{
     ADEQUACY_LEVEL, Candidate, ComparedLaw, Comparison, DISTINCT_VELOCITIES, Decision, Selection,
 };
-use maxwellid::{CommonError, DEFAULT_CELL, ErrorOf, Law, RodModel, RodTest, SpecimenUncertainty};
+use maxwellid::{CommonError, DEFAULT_CELL, Law, RodModel, RodTest, SpecimenUncertainty};
 use serde::Deserialize;
 
 use super::simulate::AntiAliasSheet;
@@ -26,7 +26,9 @@ use super::{About, JobContext};
 use crate::digits::significant;
 use crate::draw::Draw;
 use crate::outcome::{Column, LogEntry, Setting, Table};
-use crate::sheet::{Density, Exact, Length, Stated, Temperature, ValueWithUncertainty, plausible};
+use crate::sheet::{
+    Density, Exact, Length, PoissonRatio, Stated, Temperature, ValueWithUncertainty, plausible,
+};
 use crate::{Outcome, RodlabError};
 use answer::Left;
 use laws::{FittedLaw, Identified, LawFit, Standing};
@@ -116,11 +118,20 @@ impl IdentifySheet {
             )
         })?;
         let place = match test.specimen {
-            Some(_) => format!("{field}.specimen.density"),
-            None => "specimen.density".to_owned(),
+            Some(_) => format!("{field}.specimen"),
+            None => "specimen".to_owned(),
         };
-        plausible::density(&specimen.density, place)?;
-        Ok(specimen)
+        plausible::density(&specimen.density, format!("{place}.density"))?;
+        let [absent, stated] = match (&specimen.diameter, &specimen.poisson_ratio) {
+            (Some(_), None) => ["poisson_ratio", "diameter"],
+            (None, Some(_)) => ["diameter", "poisson_ratio"],
+            _ => return Ok(specimen),
+        };
+        Err(RodlabError::request(
+            format!("{place}.{absent}"),
+            format!("absent, and `{stated}` is stated"),
+            "both or neither: lateral inertia depends on both",
+        ))
     }
 
     /// Returns the rods of the tests.
@@ -172,12 +183,22 @@ pub struct SpecimenSheet {
     /// Density, such as `"1140 kg/m3 ± 0.2 %"`. Its relative error contributes the same amount to
     /// the relative error of E.
     pub density: Stated<Density>,
+    /// Diameter of a round rod, such as `"16 mm ± 0.05 mm"`. If diameter and Poisson's ratio are
+    /// stated, lateral inertia is part of the model, with their errors.
+    pub diameter: Option<Stated<Length>>,
+    /// Poisson's ratio, such as `"0.40 ± 0.02"`.
+    pub poisson_ratio: Option<Stated<PoissonRatio>>,
 }
 
 impl SpecimenSheet {
     fn is_stated_as(&self, other: &Self) -> bool {
-        self.length.to_string() == other.length.to_string()
-            && self.density.to_string() == other.density.to_string()
+        let shown = |specimen: &Self| {
+            let diameter = specimen.diameter.as_ref().map(ToString::to_string);
+            let ratio = specimen.poisson_ratio.as_ref().map(ToString::to_string);
+            let rod = [specimen.length.to_string(), specimen.density.to_string()];
+            (rod, diameter, ratio)
+        };
+        shown(self) == shown(other)
     }
 }
 
@@ -608,7 +629,7 @@ fn specimen_in_words(sheet: &IdentifySheet, found: &Found, outcome: &mut Outcome
             missing.join(" and the ")
         ));
     }
-    let of_transducers = |error: &CommonError| error.of != ErrorOf::Length;
+    let of_transducers = |error: &CommonError| error.of.is_of_transducer();
     let mut errors = found.tests.iter().flat_map(RodTest::common_errors);
     if !errors.any(of_transducers) {
         outcome.warnings.push(
@@ -618,6 +639,7 @@ fn specimen_in_words(sheet: &IdentifySheet, found: &Found, outcome: &mut Outcome
         );
     }
     let modulus = found.laws.iter().find_map(|law| law.estimates.first());
+    lateral_inertia_in_words(sheet, found, modulus.map(|modulus| modulus.value), outcome);
     if let Some(modulus) = modulus.filter(|modulus| modulus.specimen_error > 0.0) {
         let source = match sheet.single_specimen() {
             Some(_) => "Length and density of the specimen contribute",
@@ -629,6 +651,44 @@ fn specimen_in_words(sheet: &IdentifySheet, found: &Found, outcome: &mut Outcome
             100.0 * modulus.specimen_error
         ));
     }
+}
+
+/// Poisson's ratio in the warning about lateral inertia.
+const USUAL_POISSON_RATIO: f64 = 0.4;
+
+/// Warns if measured tests are evaluated without lateral inertia, and states the diameter from
+/// which on it matters, for Young's modulus `modulus` \[Pa\].
+fn lateral_inertia_in_words(
+    sheet: &IdentifySheet,
+    found: &Found,
+    modulus: Option<f64>,
+    outcome: &mut Outcome,
+) {
+    let is_thin = |test: &TestSheet| {
+        let specimen = test.specimen.as_ref().or(sheet.specimen.as_ref());
+        test.generator.is_none() && specimen.is_some_and(|specimen| specimen.diameter.is_none())
+    };
+    let mut tests = found.tests.iter().zip(&sheet.tests);
+    let (Some((test, of_sheet)), Some(modulus)) = (tests.find(|(_, t)| is_thin(t)), modulus) else {
+        return;
+    };
+    let filter = test.unfiltered_excitation().map(|u| u.filter().cutoff_hz());
+    let of_check = found
+        .recorders
+        .iter()
+        .find(|check| check.test == of_sheet.name);
+    let Some(cutoff) = filter.or(of_check.map(|check| check.cutoff_hz)) else {
+        return;
+    };
+    // Love's theory slows waves down by ν²k²D²/16
+    let wave_number = std::f64::consts::TAU * cutoff * (test.density() / modulus).sqrt();
+    let diameter = 0.001_f64.sqrt() * 4.0 / (USUAL_POISSON_RATIO * wave_number);
+    outcome.warnings.push(format!(
+        "lateral inertia is not part of the model. It slows waves of {} kHz by 0.1 % in a rod of {} mm diameter with Poisson's ratio {USUAL_POISSON_RATIO}, \
+         and by more in a thicker one: state `diameter` and `poisson_ratio` of the specimen",
+        significant(1e-3 * cutoff, 3),
+        significant(1e3 * diameter, 2),
+    ));
 }
 
 fn table_of(comparison: &Comparison) -> Table {

@@ -368,7 +368,7 @@ fn tell(
         outcome.summary.push(if recorded.generator.contains("::") {
             format!("{records}.")
         } else {
-            format!("{records}, made by: {}.", recorded.generator)
+            format!("{records}, made by the generator `{}`.", recorded.generator)
         });
         outcome.log.extend(recorded.log);
         outcome.warnings.extend(recorded.warnings);

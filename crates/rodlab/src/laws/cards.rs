@@ -15,7 +15,7 @@ use crate::outcome::Attachment;
 use crate::sheet::{Exact, ValueWithUncertainty};
 use crate::{Outcome, RodlabError};
 
-/// Least deviation of a card from the fitted series, relative to |E|, that is reported.
+/// Smallest deviation of a card from the fitted series, relative to |E|, that is reported.
 const NOTABLE: f64 = 5e-3;
 
 /// Adds the cards of the Prony series.

@@ -12,8 +12,8 @@ pub trait Kind {
     const DIMENSION: Dimension;
     /// True if zero and negative values are refused.
     const POSITIVE: bool;
-    /// Least and greatest value in SI units, and the words for a value outside of them, as in "`40`
-    /// is outside -1 to 0.5"; by default any value is allowed.
+    /// Smallest and largest value in SI units, and the words for a value outside of them, as in
+    /// "`40` is outside -1 to 0.5"; by default any value is allowed.
     const RANGE: Option<([f64; 2], &'static str)> = None;
 }
 

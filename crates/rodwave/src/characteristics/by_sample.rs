@@ -119,7 +119,7 @@ struct RelaxWithSlopes<'a, F> {
     slopes: &'a mut [[f64; LANES]],
     flow: &'a F,
     impedance: f64,
-    /// Least stress \[Pa\] at which a slope is evaluated.
+    /// Smallest stress \[Pa\] at which a slope is evaluated.
     least: f64,
 }
 

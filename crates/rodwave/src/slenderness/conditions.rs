@@ -4,11 +4,11 @@
 use crate::RodwaveError;
 use crate::error::check_positive;
 
-/// Least wavelength in diameters by condition (i). The error of one-dimensional theory in E' is
+/// Shortest wavelength in diameters by condition (i). The error of one-dimensional theory in E' is
 /// then less than 5 per cent (Ödeen 1993, paper A, section 4, after Pritz).
 pub const LEAST_WAVELENGTH_IN_DIAMETERS: f64 = 5.0;
 
-/// Greatest wavelength in lengths of the specimen by condition (ii). Longer waves move both ends
+/// Longest wavelength in lengths of the specimen by condition (ii). Longer waves move both ends
 /// almost equally, and only the small difference contains information (paper A, section 4).
 pub const GREATEST_WAVELENGTH_IN_LENGTHS: f64 = 5.0;
 

@@ -78,7 +78,7 @@ fn claims_hold() {
     report
         .by("d'Alembert: 2[v(t - T) - v(t - 3T) + ...]")
         .deviation(
-            "elastic rod: free end against the sum of its reflections, by the peak",
+            "elastic rod: free end against the sum of its reflections, relative to the peak",
             Within(
                 1e-9,
                 "interpolation in time at 200 cells; the shift is exact",
@@ -89,30 +89,33 @@ fn claims_hold() {
     report
         .by("Laplace transform on a line, inverted numerically")
         .deviation(
-            "Maxwell rod: free end against v/cosh γL, by the peak",
+            "Maxwell rod: free end against v/cosh γL, relative to the peak",
             Within(1e-6, "second order at 800 cells"),
             Ok(frequency_domain()),
         );
     report
         .by("lumped chain, extrapolated from two grids")
         .deviation(
-            "free end by the lumped chain, elastic and the three laws, by the peak",
-            Within(3e-5, "1e-5 of either scheme at this resolution"),
+            "free end by the lumped chain, elastic and the three laws, relative to the peak",
+            Within(
+                3e-5,
+                "each of the two schemes has an error of 1e-5 at this resolution",
+            ),
             Ok(largest(of_each_law(&LumpedChain))),
         );
     report.by("Strang splitting is of second order").deviation(
-        "order of convergence from 100 to 400 cells less 2, three laws",
-        Within(0.02, "the next term at 100 cells"),
+        "order of convergence from 100 to 400 cells minus 2, three laws",
+        Within(0.02, "the next term of the error at 100 cells"),
         Ok(largest(of_each_law(&Order))),
     );
     report.by("central differences of the solver").deviation(
         "sensitivity of the free end to ln E, elastic and the three laws",
-        Within(2e-5, "H²/6 of the third derivative, (ωt/2)³"),
+        Within(2e-5, "H²/6 times the third derivative, (ωt/2)³"),
         Ok(largest(of_each_law(&Sensitivity::ToModulus))),
     );
     report.deviation(
         "sensitivity of the free end to the parameters of the three laws",
-        Within(1e-8, "H²/6 of the third derivative"),
+        Within(1e-8, "H²/6 times the third derivative"),
         Ok(largest(of_each_law(&Sensitivity::ToParameters))),
     );
     hold!(report);

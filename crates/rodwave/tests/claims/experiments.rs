@@ -69,7 +69,7 @@ where
 fn end_accelerations(report: &mut Claims) {
     report.by("paper A, eq. 1").deviation(
         "ratio of the end accelerations, polypropylene, Nylon-6, steel and a Zener material, 0.1 to 20 kHz",
-        Within(2e-14, "sums of a few terms of size Ψ, whose phase carries 60 roundings"),
+        Within(2e-14, "rounding of a few terms of size Ψ, whose phase has some 60 rounding errors"),
         Ok(largest([
             ratio_error(&polypropylene()),
             ratio_error(&nylon()),
@@ -81,7 +81,7 @@ fn end_accelerations(report: &mut Claims) {
         "ratio from the transforms of the histories, 0.2 to 10 kHz, relative",
         Within(
             2e-7,
-            "alias e^(-16) and rounding, where the spectrum has fallen to a few per cent",
+            "aliasing of e^(-16) and rounding, relative to a spectrum that has fallen to a few per cent",
         ),
         Ok(ratio_of_the_histories()),
     );
@@ -91,8 +91,8 @@ fn end_accelerations(report: &mut Claims) {
     let record = test.record(&blow(), &damped(60e-3, 1e-6)).unwrap();
     let ends = [&record.impacted_end, &record.free_end];
     report.by("conservation of momentum").deviation(
-        "momentum of the struck rod, at either end, by the impulse",
-        Within(1e-5, "alias e^(-16) over the whole record, and creep"),
+        "momentum of the struck rod, at either end, relative to the impulse",
+        Within(1e-5, "aliasing of e^(-16) over the whole record, and creep"),
         Ok(largest(ends.map(|end| {
             1e-6 * end.iter().sum::<f64>() * mass / impulse - 1.0
         }))),
@@ -106,16 +106,16 @@ fn end_accelerations(report: &mut Claims) {
         (&one.free_end, &other.free_end),
     ];
     report.by("two lines of the Laplace plane").deviation(
-        "histories by the damped and by the periodic transform, by the peak",
-        Within(1e-5, "remaining vibration after 50 ms"),
+        "histories by the damped and by the periodic transform, relative to the peak",
+        Within(1e-5, "vibration that remains after 50 ms"),
         Ok(largest(ends.map(|(a, b)| {
             let n = a.len().min(b.len());
             largest_difference(&a[..n], &b[..n]) / largest(a.iter().copied())
         }))),
     );
     report.by("closed form (d'Alembert)").deviation(
-        "elastic rod: accelerations of both ends with their echoes for 2 ms, by the peak",
-        Within(1e-3, "a kink under a band limit: 2Δt/(πd)"),
+        "elastic rod: accelerations of both ends with their echoes for 2 ms, relative to the peak",
+        Within(1e-3, "error of a kink in a limited band, 2Δt/(πd)"),
         Ok(elastic_ends()),
     );
 }
@@ -201,8 +201,8 @@ fn strains(report: &mut Claims) {
         (10..=60).map(error).collect::<Vec<_>>()
     });
     report.by("paper B, eqs. 6 and 7").deviation(
-        "ε₁ + ε₂ = 2ε₀ cosh γa in a frame, beams on both ends with and without a lumped mass of 0.5 kg, 0.5 to 3 kHz, by its terms",
-        Within(1e-14, "cancelling terms of sizes up to e^(αL) of each other"),
+        "ε₁ + ε₂ = 2ε₀ cosh γa in a frame, beams on both ends with and without a lumped mass of 0.5 kg, 0.5 to 3 kHz, relative to its terms",
+        Within(1e-14, "cancellation of terms that differ by factors of up to e^(αL)"),
         Ok(largest(errors)),
     );
     let euler = 1.875_104_068_711_961_f64.powi(2) / TAU * 0.001 / 12.0_f64.sqrt()
@@ -223,8 +223,8 @@ fn strains(report: &mut Claims) {
     report
         .by("closed form: -F/(AE) or -v/c, delayed, and the echo of a wall")
         .deviation(
-            "strains at three sections of an elastic rod under a force or a velocity, a long rod or a wall behind, by the peak",
-            Within(2e-6, "the curvature of the pulse jumps: (Δt/d)²"),
+            "strains at three sections of an elastic rod under a force or a velocity, a long rod or a wall behind, relative to the peak",
+            Within(2e-6, "error of (Δt/d)² due to the jumps of the curvature of the pulse"),
             Ok(largest([
                 elastic_strains(true, 0.0),
                 elastic_strains(true, 1.0),
@@ -283,13 +283,13 @@ fn sampled(report: &mut Claims) {
     });
     report.by("the sinusoid itself");
     report.deviation(
-        "sinusoids between their samples, to 0.38 of the rate, by the amplitude",
-        Within(2e-5, "stated error of the window"),
+        "sinusoids between their samples, to 0.38 of the rate, relative to the amplitude",
+        Within(2e-5, "error that the window is stated to have"),
         Ok(largest(errors.map(|[value, _]| value))),
     );
     report.deviation(
-        "slopes of sinusoids between their samples, to 0.38 of the rate, by the largest",
-        Within(2e-4, "the cubic through the fine points loses one order"),
+        "slopes of sinusoids between their samples, to 0.38 of the rate, relative to the largest",
+        Within(2e-4, "the slope of the cubic through the fine points is one order less accurate than its values"),
         Ok(largest(errors.map(|[_, slope]| slope))),
     );
 }

@@ -36,7 +36,7 @@ fn claims_hold() {
     report.by("paper D, Tables 2 and 4, computed elsewhere to the printed digits");
     let striker = Striker::PAPER_D;
     report.deviation(
-        "projectile of paper D: mass less 15.88 g, impedance less 2676 kg/s, by half a digit",
+        "projectile of paper D: mass minus 15.88 g, impedance minus 2676 kg/s, in units of half a digit",
         why,
         Ok(largest([
             (striker.mass() - 15.88e-3) / 5e-6,
@@ -44,29 +44,29 @@ fn claims_hold() {
         ])),
     );
     report.deviation(
-        "rods of paper D, five materials: wave speeds of 458 to 1684 m/s, by half a digit",
+        "rods of paper D, five materials: wave speeds of 458 to 1684 m/s, in units of half a digit",
         why,
         worst(&|level, row| (level.wave_speed - row.2) / 0.5),
     );
     report.deviation(
-        "rods of paper D: velocities of the struck face, 8.66 to 9.74 m/s, by the march of two bodies, by half a digit",
+        "rods of paper D: velocities of the struck face, 8.66 to 9.74 m/s, by the march of two bodies, in units of half a digit",
         why,
         worst(&|level, row| (level.velocity - row.3[0]) / 0.005),
     );
     report.deviation(
-        "rods of paper D: stresses of the front, 5.9 to 17.7 MPa, by the march of two bodies, by half a digit",
+        "rods of paper D: stresses of the front, 5.9 to 17.7 MPa, by the march of two bodies, in units of half a digit",
         why,
         worst(&|level, row| (1e-6 * level.stress - row.3[1]) / 0.05),
     );
     report.deviation(
-        "rods of paper D: mass of the projectile by the impedance of the rod, 38 to 225 µs, by half a digit",
+        "rods of paper D: mass of the projectile by the impedance of the rod, 38 to 225 µs, in units of half a digit",
         why,
         worst(&|level, row| (1e6 * level.decay_time - row.4) / 0.5),
     );
     report
         .by("paper D, Tables 2 and 4 read literally, an erratum: computed elsewhere")
         .deviation(
-            "rods of paper D: relaxation times at that stress by the printed laws, 12.7 to 1219 s, by half a digit",
+            "rods of paper D: relaxation times at that stress by the printed laws, 12.7 to 1219 s, in units of half a digit",
             why,
             worst(&|level, row| {
                 let (time, half_digit) = row.5;

@@ -20,34 +20,37 @@ fn claims_hold() {
     report
         .by("closed form (Donnell): (z₂ - z₁)/(z₂ + z₁), 2z₂/(z₁ + z₂)")
         .deviation(
-            "pulse reflected at and transmitted through a step of the impedance: forces, by the incident peak",
+            "pulse reflected at and transmitted through a step of the impedance: forces, relative to the incident peak",
             Within(
                 5e-6,
-                "wave speeds moved by less than 2e-6 for whole cells; the cubic in space",
+                "wave speeds changed by less than 2e-6 so that the segments have whole numbers of cells; cubic interpolation in space",
             ),
             Ok(impedance_step()),
         );
     let (coarse, fine) = (mass_at_an_end(200.0), mass_at_an_end(400.0));
     report.by("closed form 2(1 - e^(-zt/m))").deviation(
-        "mass at the end of a rod under a step: velocity by that of the wave",
-        Within(3e-4, "means over a step: (z dt/m)²/8 of twice the velocity"),
+        "mass at the end of a rod under a step: velocity relative to that of the wave",
+        Within(
+            3e-4,
+            "the velocity is a mean over a step: (z dt/m)²/8 of twice the velocity of the wave",
+        ),
         Ok(fine),
     );
     report.claim(
-        "mass at the end of a rod under a step: error of a grid by that of one twice as fine",
+        "mass at the end of a rod under a step: error of a grid divided by that of a grid twice as fine",
         "1",
         4.0,
-        Within(0.5, "the next order"),
+        Within(0.5, "the next order of the error"),
         Ok(coarse / fine),
     );
     impacts(&mut report);
     report
         .by("its transition matrices on a line of the Laplace plane")
         .deviation(
-            "stack of viscoelastic and elastic parts in the time domain: struck face, by the peak",
+            "stack of viscoelastic and elastic parts in the time domain: struck face, relative to the peak",
             Within(
                 1e-4,
-                "second order of the grid, 0.2 µs against a pulse of 10 µs",
+                "second-order error of a grid of 0.2 µs for a pulse of 10 µs",
             ),
             Ok(prony_stack()),
         );
@@ -88,8 +91,8 @@ fn travelling_pulse(report: &mut Claims) {
     let stress = at_steps(&history, &seen.stress, 0.0)
         .map(|(t, stress)| stress * AREA / 1000.0 + right(t) - left(t));
     report.by("closed form (d'Alembert)").deviation(
-        "pulse in an elastic rod with two echoes: velocity and stress, by the peak",
-        Within(5e-14, "a thousand additions"),
+        "pulse in an elastic rod with two echoes: velocity and stress, relative to the peak",
+        Within(5e-14, "rounding of a thousand additions"),
         Ok(largest(velocity.chain(stress))),
     );
     let impulse = std::f64::consts::PI.sqrt() * 1e-2;
@@ -99,7 +102,10 @@ fn travelling_pulse(report: &mut Claims) {
             "momentum that a blow leaves in a free rod",
             "N s",
             impulse,
-            Within(1e-9 * impulse, "e^(-25) of the pulse is before time 0"),
+            Within(
+                1e-9 * impulse,
+                "the part of the pulse before time 0, e^(-25)",
+            ),
             Ok(history.ledger.momentum),
         );
 }
@@ -177,8 +183,8 @@ fn impacts(report: &mut Claims) {
     let force = at_steps(&history, &history.contacts[0].force, 0.5);
     let ledger = history.ledger;
     report.by(SAINT_VENANT).deviation(
-        "rod against a rod twice as long: force zV/2 for 2L/c, then none, by zV/2; momentum kept; no energy lost in the contact",
-        Within(5e-14, "sums of hundreds of steps"),
+        "rod against a rod twice as long: force zV/2 for 2L/c, then none, relative to zV/2; momentum kept; no energy lost in the contact",
+        Within(5e-14, "rounding of sums over hundreds of steps"),
         Ok(largest(
             force
                 .map(|(t, force)| force / (2.0 * z) - f64::from(u8::from(t < 2.0 * transit)))
@@ -192,7 +198,7 @@ fn impacts(report: &mut Claims) {
     let force = at_steps(&history, &history.contacts[0].force, 0.5);
     let r: f64 = 1.0 / 3.0;
     report.by(SAINT_VENANT).deviation(
-        "striker of three times the impedance pushes in steps of (1 - r)/(1 + r): ten trips, by zV",
+        "striker of three times the impedance pushes in steps of (1 - r)/(1 + r): ten trips, relative to zV",
         Within(1e-14, "rounding"),
         Ok(largest(force.map(|(t, force)| {
             let trips = (t / (2.0 * transit)).floor();

@@ -149,7 +149,7 @@ fn rigid_bodies(report: &mut Claims) {
     errors.push(relative(fixed.mobility(omega).unwrap(), compliance));
     report.by("series of x coth x; iωL/(AE)").deviation(
         "rod at low frequency, free with its first corrections from 1 nHz to 1 Hz, fixed as a spring",
-        Within(5e-15, "a dozen roundings; the next term is 1e-18"),
+        Within(5e-15, "a dozen rounding errors; the next term is 1e-18"),
         Ok(largest(errors)),
     );
 }

@@ -41,7 +41,7 @@ fn claims_hold() {
         });
     report.by("Kjartansson's definition").deviation(
         "constant Q, tan δ from 1e-12 to 1e6: one loss factor over nine decades, by 1 or tan δ, and |E| at the reference frequency",
-        Within(4e-15, "rounding of the exponent, whose angle counts tan δ-fold"),
+        Within(4e-15, "rounding of the exponent, whose angle is amplified by tan δ"),
         Ok(largest(errors)),
     );
     let loss_factor = |frequency_hz: f64| {
@@ -51,7 +51,7 @@ fn claims_hold() {
     report
         .by("paper E, eq. 7, computed elsewhere to three digits")
         .deviation(
-            "Nylon-6: loss factor less 0.107 at 500 Hz, less 0.085 at 10 kHz",
+            "Nylon-6: loss factor minus 0.107 at 500 Hz, and minus 0.085 at 10 kHz",
             Within(5e-4, "half the last printed digit"),
             Ok(largest([
                 loss_factor(500.0) - 0.107,

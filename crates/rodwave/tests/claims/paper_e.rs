@@ -55,7 +55,7 @@ fn claims_hold() {
     let mut report = Claims::default();
     let why = Within(
         5e-14,
-        "a few dozen roundings, some digits lost to the differences of the printed form at 200 Hz",
+        "a few dozen rounding errors, and cancellation in the printed form at 200 Hz",
     );
     let mut check = |what: &str, source, deviation: &dyn Fn(f64, f64) -> f64| {
         let cases = DASHPOTS.iter().flat_map(|q| {

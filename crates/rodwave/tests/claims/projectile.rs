@@ -32,7 +32,10 @@ fn claims_hold() {
     });
     report.by("closed form (de Saint-Venant)").deviation(
         "projectile of paper D, lumped chains: eight plateaus of the force, each relative",
-        Within(0.003, "ringing of the grid over the middle third"),
+        Within(
+            0.003,
+            "ringing of the grid in the middle third of a plateau",
+        ),
         Ok(largest(plateaus)),
     );
     let history = test(0.2).run(0.2e-3, 0.6e-3).unwrap();
@@ -41,7 +44,10 @@ fn claims_hold() {
         "projectile of paper D on a rod of 0.2 m: end of contact",
         "s",
         0.4 / (2.58e9_f64 / 910.0).sqrt(),
-        Within(5e-6, "ringing holds the face for the time of some cells"),
+        Within(
+            5e-6,
+            "because of ringing, the contact ends later by the travel time over some cells",
+        ),
         Ok(last.map_or(f64::NAN, |k| k as f64 * history.step)),
     );
     hold!(report);

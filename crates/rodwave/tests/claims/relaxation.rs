@@ -60,14 +60,14 @@ fn claims_hold() {
     );
     report.by("equivalence of the two chains").deviation(
         "Prony series, fluid to nearly elastic: its chain of Kelvin-Voigt elements has the compliance 1/E(s)",
-        Within(1e-13, "zeros found to a rounding of the distance to the next pole"),
+        Within(1e-13, "the zeros are found to the rounding of their distance to the next pole"),
         Ok(largest([0.0, 1.0, 0.4e9, 1e15].map(retardation_error))),
     );
     report.by("the law itself, at lines between those of the fit").claim(
-        "fractional Zener by 4 Maxwell branches per decade, 100 Hz to 20 kHz: error in its own estimate of it",
+        "fractional Zener by 4 Maxwell branches per decade, 100 Hz to 20 kHz: error relative to its own estimate of the error",
         "1",
         1.0,
-        Within(0.02, "both seek the peaks of the error on lines of their own"),
+        Within(0.02, "the two maxima of the error are sought on different lines"),
         Ok(stand_in_error()),
     );
     hold!(report);

@@ -66,7 +66,7 @@ fn claims_hold() {
         .by("roots of the printed frequency equation by mpmath, 30 digits")
         .deviation(
             "first branch of a lossy cylinder, tan δ up to 1, from both sides",
-            Within(1e-13, "rounding, some hundred"),
+            Within(1e-13, "some hundred rounding errors"),
             Ok(largest(errors)),
         );
     limits(&mut report);
@@ -74,7 +74,7 @@ fn claims_hold() {
         "∂E/∂ν at λ = 4.4 D by three theories, ν = 0.15, 0.4, 0.49",
         Within(
             2e-9,
-            "truncation 1e-10 of E, of which the slope is a hundredth or more",
+            "truncation of 1e-10 of E, for slopes of a hundredth of E or more",
         ),
         Ok(largest(
             [0.15, 0.4, 0.49].into_iter().flat_map(slope_errors),
@@ -112,7 +112,7 @@ fn table_of_errors(report: &mut Claims) {
             (apparent_error_percent(theories[index].as_ref(), ratio) - expected) / half_digit
         });
         report.deviation(
-            format!("apparent E' at λ = 3, 5, 10 D, ν = 0.35, 0.4, 0.499, by half of the last digit: {name}"),
+            format!("apparent E' at λ = 3, 5, 10 D, ν = 0.35, 0.4, 0.499, in units of half the last digit: {name}"),
             Within(1.0, "half the last printed digit"),
             Ok(largest(errors)),
         );
@@ -145,7 +145,7 @@ fn viscoelastic_rod(report: &mut Claims) {
     report
         .by("roots of the printed frequency equation by mpmath, 25 digits")
         .deviation(
-            "ν = 0.4, tan δ = 0.08, λ = 5 and 3 D: E' and loss factor of one-dimensional theory and after Love's correction, by the true ones",
+            "ν = 0.4, tan δ = 0.08, λ = 5 and 3 D: E' and loss factor of one-dimensional theory and after Love's correction, relative to the true ones",
             Within(5e-6, "half the last printed digit"),
             Ok(largest(errors)),
         );
@@ -218,7 +218,7 @@ fn limits(report: &mut Claims) {
     );
     let ends = love(0.4).propagation_coefficient(MODULUS.into(), omega_of_bar_number(2.5 / 0.16));
     report.by("closed form ν²B/2").claim(
-        "Love's theory ends at B = 2/ν²: lateral inertia at 1.25 of it",
+        "Love's theory ends at B = 2/ν²: lateral inertia at 1.25 times this limit",
         "1",
         1.25,
         Within(5e-15, "rounding"),

@@ -65,7 +65,7 @@ fn square_wave(report: &mut Claims) {
         }
     });
     report.by("closed form (de Saint-Venant)").deviation(
-        "two equal free rods held together: no force before, square wave for 2 ms, by zV/2",
+        "two equal free rods held together: no force before, square wave for 2 ms, relative to zV/2",
         Within(1e-6, WRAP),
         Ok(largest(errors)),
     );
@@ -86,7 +86,7 @@ fn known_pairs(report: &mut Claims) {
         "1/s³ is t²/2, with the known part of the next period",
         Within(
             1e-11,
-            "rounding, which the damping magnifies by e^8, from sums of 10000 lines",
+            "rounding of sums of 10000 lines, amplified e^8-fold by the damping",
         ),
         Ok(error(&of(&synthesis, |s| 1.0 / (s * s * s)), &|t| {
             0.5 * t * t
@@ -95,7 +95,7 @@ fn known_pairs(report: &mut Claims) {
     let oscillation = of(&synthesis, |s| 50.0 / (s * s + 2500.0));
     report.deviation(
         "50/(s² + 2500) is sin 50t, with the known part of the next period",
-        Within(1e-7, "cut at ω = 3e4: 50/ω²"),
+        Within(1e-7, "the part above ω = 3e4, 50/ω²"),
         Ok(error(&oscillation, &|t| (50.0 * t).sin())),
     );
     let (sigma, arrival) = (4e-4, 0.25);
@@ -131,7 +131,7 @@ fn decaying(report: &mut Claims) {
     report
         .by("Fourier pair, smoothed: e^(σ²/2τ²); its line at 0 Hz is the integral")
         .deviation(
-            "1/(1 + iωτ) is e^(-t/τ)/τ by the plain transform, by 1/τ, and its integral 1",
+            "1/(1 + iωτ) is e^(-t/τ)/τ by the plain transform, relative to 1/τ, and its integral 1",
             Within(2e-13, "rounding of 40000 lines"),
             Ok(largest(
                 [100, 1000, 5000, 20_000]

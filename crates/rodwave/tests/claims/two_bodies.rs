@@ -20,7 +20,7 @@ fn claims_hold() {
     let step = |t: f64| if t > 0.0 && t < trip { 1.0 } else { 0.0 };
     let jumps = [0.0, trip];
     report.by("closed form (de Saint-Venant)").deviation(
-        "free rod on a long one of its kind: force ZV/2 for one round trip, then none, by ZV/2",
+        "free rod on a long one of its kind: force ZV/2 for one round trip, then none, relative to ZV/2",
         Within(
             1e-9,
             "rounding; 6.4 standard deviations of the Gaussian from the jumps",
@@ -39,8 +39,8 @@ fn claims_hold() {
     let later = record.transmitted_force(0, 0.1).unwrap();
     let travelled = |t: f64| plateau * step(t - delay);
     report.deviation(
-        "free rod on a long one of its kind: velocities of both faces by V, force after 0.1 m by ZV/2",
-        Within(1e-6, "alias e^(-16) of the velocity of a free body"),
+        "free rod on a long one of its kind: velocities of both faces relative to V, force after 0.1 m relative to ZV/2",
+        Within(1e-6, "aliasing of e^(-16) in the velocity of a free body"),
         Ok(largest([
             deviation(&record, &record.first_velocity, &jumps, face) / VELOCITY,
             deviation(&record, &record.second_velocity, &jumps, |t| {
@@ -54,7 +54,7 @@ fn claims_hold() {
         .by("conservation of momentum: the striker stops")
         .deviation(
             "free rod on a long one of its kind: impulse, relative",
-            Within(5e-8, "alias e^(-16) over the record"),
+            Within(5e-8, "aliasing of e^(-16) over the record"),
             Ok(record.impulse() / (mass * VELOCITY) - 1.0),
         );
     // the square of a rounded jump is smaller than that of the jump by Pσ/√π at each side
@@ -63,7 +63,7 @@ fn claims_hold() {
         .by("conservation of energy, less the part removed by the Gaussian")
         .deviation(
             "free rod on a long one of its kind: work on the long rod, relative",
-            Within(5e-7, "next order of the rounding"),
+            Within(5e-7, "next order of the smoothing"),
             Ok(record.work_on_second() / (0.5 * mass * VELOCITY * VELOCITY) - 1.0 + shortfall),
         );
     let (short, long) = (rod(10.0, 0.3), rod(10.0, 0.7));

@@ -58,9 +58,9 @@ pub struct Passivity {
     /// The most negative line: its index, and the distance of its real part from zero in standard
     /// errors or, without variances, relative to its magnitude.
     pub worst: Option<(usize, f64)>,
-    /// Smallest advance and smallest delay \[s\] of the motion relative to the force at which an
-    /// inactive line would become active; `None` if none below half the period of the highest line
-    /// is detectable.
+    /// Smallest advance and smallest delay \[s\] of the motion relative to the force with which a
+    /// line that generates no energy would be found to generate energy; `None` if none below half
+    /// the period of the highest line is detectable.
     pub seen_delays: [Option<f64>; 2],
 }
 

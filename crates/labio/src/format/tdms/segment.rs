@@ -98,7 +98,10 @@ impl<'a> Segment<'a> {
                 length_place,
                 "offset of the next segment",
                 stated.to_string(),
-                format!("at most {}, the bytes to the end of the file", body.len()),
+                format!(
+                    "at most {}, the number of bytes to the end of the file",
+                    body.len()
+                ),
             )
         });
         let body = within.unwrap_or(body);
@@ -110,7 +113,7 @@ impl<'a> Segment<'a> {
                 raw_place,
                 "offset of the raw data",
                 raw_offset.to_string(),
-                format!("at most {}, the bytes of the segment", body.len()),
+                format!("at most {}, the number of bytes in the segment", body.len()),
             ));
         };
         let start = offset + LEAD_IN;

@@ -15,7 +15,7 @@ const OF_PULSE: f64 = 0.02;
 const OF_REFLECTED: f64 = 0.05;
 /// Number of standard deviations of the noise above which a sample does not count as noise.
 const NO_NOISE: f64 = 8.0;
-/// Least rest of the gauge between incident and reflected pulse, as a fraction of the time from
+/// Shortest rest of the gauge between incident and reflected pulse, as a fraction of the time from
 /// front to front.
 const QUIET: f64 = 0.03;
 /// Largest relative error of the guess of the wave speed.

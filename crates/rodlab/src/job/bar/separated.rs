@@ -42,7 +42,10 @@ impl Waves {
         let left: f64 = pairs.map(|(a, b)| (a - b).powi(2)).sum();
         let all: f64 = self.measured.iter().map(|x| x * x).sum();
         Quantity {
-            name: format!("{CHECK}what the model leaves of {}", self.gauge),
+            name: format!(
+                "{CHECK}part of {} that the model does not explain",
+                self.gauge
+            ),
             unit: "%".to_owned(),
             value: Some(100.0 * (left / all).sqrt()).filter(|value| value.is_finite()),
             standard_error: None,

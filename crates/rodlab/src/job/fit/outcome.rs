@@ -260,9 +260,9 @@ fn quantities(outcome: &mut Outcome, found: &Found<'_>, sweep: &Sweep) {
     }
 }
 
-/// Least number of temperatures for which the scatter of the factors is computed.
+/// Minimum number of temperatures for which the scatter of the factors is computed.
 const FEWEST_FACTORS: usize = 5;
-/// Least scatter of the factors of the modulus that is reported: relative to their errors, and
+/// Smallest scatter of the factors of the modulus that is reported: relative to their errors, and
 /// absolute.
 const BEYOND_ERRORS: f64 = 2.0;
 const LEAST_SCATTER: f64 = 2e-3;

@@ -447,7 +447,7 @@ fn tell_change(change: &LineChange, onto: Projection, field: &str, outcome: &mut
     };
     if by_end {
         verdict.push_str(
-            ", including the part that appears ahead of the impulse because the lines end",
+            "; the change includes the response ahead of the impulse that arises because the lines end",
         );
     }
     if !holds {

@@ -18,7 +18,7 @@ use crate::job::JobContext;
 use crate::responses::{HitsSource, completed};
 use crate::{Outcome, RodlabError};
 
-/// Minimum number of calibration hits for the reconstruction of each from the others.
+/// Minimum number of calibration hits, so that each can be reconstructed from the others.
 const FEWEST_HITS: usize = 3;
 
 /// Maximum number of samples of the default time in which the force acts. It is limited because the

@@ -120,9 +120,9 @@ pub(super) fn attachment(estimated: &[Named], title: &str) -> Result<Attachment,
                         "id4",
                         &match one.multiple {
                             None => {
-                                format!("coherence of {output} over {input}, test {}", number + 1)
+                                format!("coherence of {output} and {input}, test {}", number + 1)
                             }
-                            Some(_) => format!("partial coherence of {output} over {input}"),
+                            Some(_) => format!("partial coherence of {output} and {input}"),
                         },
                     ),
                 ],

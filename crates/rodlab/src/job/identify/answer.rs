@@ -64,7 +64,7 @@ impl SuspectTransducers {
             ));
         }
         format!(
-            "With the transducers as stated, no law explains the data (the smallest misfit would have a probability of {}); with {}, the law {} does: check the transducers, and state their uncertainty as the ± of the channels",
+            "With the transducers as stated, no law explains the data (if the law with the smallest misfit were true, such a misfit would have a probability of {}); with {}, the law {} does: check the transducers, and state their uncertainty as the ± of the channels",
             probability(self.misfit),
             found.join(" and "),
             self.law.name()
@@ -215,8 +215,8 @@ pub(super) fn tell(found: &Found, outcome: &mut Outcome) {
         .any(|test| test.unfiltered_excitation().is_some());
     if through_recorder && found.laws.iter().any(is_left) {
         outcome.warnings.push(
-            "the recorder is part of the model: where a front rises faster than the recorder shows, E of a nonlinear law may be off by 0.1 % in addition to its error \
-             (virtual tests with a rigid contact)"
+            "the recorder is part of the model: if a front rises faster than the recorder can follow, E of a nonlinear law may be wrong by another 0.1 %, which its error does not include \
+             (found in virtual tests with a rigid contact)"
                 .to_owned(),
         );
     }
@@ -273,7 +273,7 @@ fn tell_comparison(found: &Found, is_biased: bool, outcome: &mut Outcome) {
             ));
         }
         Left::None { best, adequacy } => outcome.summary.push(format!(
-            "None of the laws explains the data; the smallest misfit is that of {}, and such a misfit would have a probability of {}.",
+            "None of the laws explains the data. The smallest misfit is that of {}; if this law were true, a misfit as large would have a probability of {}.",
             name(*best),
             probability(*adequacy),
         )),
@@ -283,7 +283,7 @@ fn tell_comparison(found: &Found, is_biased: bool, outcome: &mut Outcome) {
         let law = &comparison.laws[*index];
         if !law.limits.is_empty() {
             outcome.summary.push(format!(
-                "{}; the data do not exclude this limit.",
+                "The data do not exclude this limit: {}.",
                 law.with_limit()
             ));
         }
@@ -359,7 +359,7 @@ fn tell_verdict(found: &Found, is_biased: bool, outcome: &mut Outcome) {
         let mut unsettled = found.laws.iter().filter(is_unsettled);
         let reason = if is_none {
             "none of the laws explains the data, so that none of their parameters is a property of the material: the specimen, the instruments or their errors are not as stated, \
-             or the waves are not one-dimensional (lateral inertia delays wavelengths below about ten diameters)"
+             or lateral inertia slows the short waves (state `diameter` and `poisson_ratio` of the specimen)"
                 .to_owned()
         } else if is_biased && is_left(true) {
             format!(

@@ -14,7 +14,9 @@ use crate::job::JobContext;
 use crate::job::simulate::AntiAliasSheet;
 use crate::outcome::{LogEntry, Setting};
 use crate::records::{Records, clipped, expect_different_files, expect_quantity};
-use crate::sheet::{Exact, Frequency, Length, NotFollowed, Temperature, Time, Velocity};
+use crate::sheet::{
+    Exact, Frequency, Length, NotFollowed, Temperature, Time, ValueWithUncertainty, Velocity,
+};
 use crate::{Outcome, RodlabError};
 
 /// One test.
@@ -279,6 +281,15 @@ fn one(
     let rod_test = rod_test
         .with_common_errors(common_errors(&record, test, sheet, field)?)
         .map_err(refused)?;
+    let rod_test = match (&specimen.diameter, &specimen.poisson_ratio) {
+        (Some(diameter), Some(ratio)) => {
+            let of_rod = diameter.with_uncertainty().value * ratio.with_uncertainty().value;
+            rod_test
+                .with_lateral_inertia(of_rod * of_rod / 8.0)
+                .map_err(refused)?
+        }
+        _ => rod_test,
+    };
     let rod_test = match &test.temperature {
         Some(temperature) => rod_test.at_temperature(temperature.si()).map_err(refused)?,
         None => rod_test,
@@ -379,8 +390,8 @@ fn of_velocities(data: RodTestData, test: &TestSheet, field: &str) -> Result<Rod
     .map_err(refused)
 }
 
-/// Returns the common errors of a test: those of its transducers and, if the tests are made on
-/// several rods, that of the length of its rod.
+/// Returns the common errors of a test: those of its transducers, those of lateral inertia and, if
+/// the tests are made on several rods, that of the length of its rod.
 fn common_errors(
     record: &Record,
     test: &TestSheet,
@@ -408,8 +419,27 @@ fn common_errors(
         shared_by: format!("`{}` after `{}`", test.response, test.excitation),
         standard_uncertainty: both.delay,
     });
+    let specimen = sheet.specimen_of(test, field)?;
+    if let (Some(diameter), Some(ratio)) = (&specimen.diameter, &specimen.poisson_ratio) {
+        let mut inertia = |shared_by: String, of: ValueWithUncertainty| {
+            // without lateral contraction there is no lateral inertia
+            let relative = if of.value == 0.0 { 0.0 } else { of.relative() };
+            errors.push(CommonError {
+                of: ErrorOf::LateralInertia,
+                shared_by,
+                standard_uncertainty: 2.0 * relative,
+            });
+        };
+        inertia(
+            format!("rods of diameter {diameter}"),
+            diameter.with_uncertainty(),
+        );
+        inertia(
+            format!("rods with Poisson's ratio {ratio}"),
+            ratio.with_uncertainty(),
+        );
+    }
     if sheet.single_specimen().is_none() {
-        let specimen = sheet.specimen_of(test, field)?;
         errors.push(CommonError {
             of: ErrorOf::Length,
             shared_by: format!("the rod of {}, {}", specimen.length, specimen.density),

@@ -10,10 +10,10 @@ use super::reasons::{known, lines, n_suitable};
 use super::{MethodSheet, ModulusSheet, estimate};
 use crate::digits::significant;
 
-/// Least factor by which the correction of a mistake must raise the number of known lines for the
-/// mistake to be reported.
+/// Smallest factor by which the correction of a mistake must raise the number of known lines for
+/// the mistake to be reported.
 const MORE: usize = 3;
-/// Least number of known lines after the correction of a mistake.
+/// Minimum number of known lines after the correction of a mistake.
 const FEWEST: usize = 10;
 
 /// A mistake, with its remedy and the correction of a measured ratio r.

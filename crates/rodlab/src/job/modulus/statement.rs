@@ -57,7 +57,7 @@ pub(super) fn state(outcome: &mut Outcome, found: &Found<'_>, reasons: &Reasons)
     outcome.summary.insert(
         1,
         format!(
-            "Found by {}. Errors are one standard error: random ones are due to noise and independent from line to line, common ones are shared by all lines, {}.",
+            "Found by {}. Errors are one standard error. Random errors are due to noise and independent from line to line. Common errors are shared by all lines{}.",
             found.sheet.method.words(),
             best.map_or_else(String::new, by_sources),
         ),
@@ -200,8 +200,8 @@ fn answer(
     )
 }
 
-/// Returns the common errors of E' on one line, the largest first, such as
-/// `here due to density (1.0 %), length (0.12 %)`.
+/// Returns the common errors of E' on one line, the largest first, such as `; they are due to
+/// density (1.0 %), length (0.12 %)`.
 fn by_sources(line: &ModulusLine) -> String {
     let mut sources: Vec<(String, f64)> = line
         .uncertainty
@@ -216,13 +216,13 @@ fn by_sources(line: &ModulusLine) -> String {
         .collect();
     sources.sort_by(|a, b| b.1.total_cmp(&a.1));
     if sources.is_empty() {
-        return "but no source of these errors is stated".to_owned();
+        return ", but no source of such errors is stated".to_owned();
     }
     let words: Vec<String> = sources
         .iter()
         .map(|(source, part)| format!("{source} ({})", percent(*part)))
         .collect();
-    format!("here due to {}", words.join(", "))
+    format!("; they are due to {}", words.join(", "))
 }
 
 /// Returns the value in GPa or MPa, and the unit.

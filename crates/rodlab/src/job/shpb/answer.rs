@@ -148,7 +148,7 @@ pub(super) fn state(
     }
     if sheet.align_arrivals {
         say(
-            "lag taken off the transmitted bar",
+            "delay removed from the transmitted bar",
             "us",
             1e6 * result.lag_taken,
             None,
@@ -156,13 +156,13 @@ pub(super) fn state(
     }
     let equilibrium = &result.equilibrium;
     say(
-        &format!("{CHECK}force of the incident over that of the transmitted face"),
+        &format!("{CHECK}force on the incident face divided by force on the transmitted face"),
         "",
         equilibrium.force_ratio,
         Some(equilibrium.force_ratio_error),
     );
     say(
-        &format!("{CHECK}work that is neither transmitted nor of deformation"),
+        &format!("{CHECK}work neither transmitted nor spent on deformation"),
         "J",
         energies.residual(),
         None,

@@ -66,7 +66,7 @@ pub(super) fn state(
         None,
     );
     say(
-        "variance between shots over the explained",
+        "variance between shots divided by the explained variance",
         "",
         mean.scatter_ratio(),
         None,

@@ -9,8 +9,8 @@ use rand_chacha::ChaCha8Rng;
 use super::tables::{band, band_of_mean, microseconds, scaled};
 use crate::RodlabError;
 
-/// Least amplification of a wave on its way to a face for which the curve with elastic bars is also
-/// drawn.
+/// Smallest amplification of a wave on its way to a face for which the curve with elastic bars is
+/// also drawn.
 const VISIBLE_AMPLIFICATION: f64 = 1.01;
 
 pub(super) fn all(
