@@ -127,18 +127,13 @@ impl<L: IdentifiableLaw> BranchedRod<L> {
     }
 
     /// The direct problem at θ, with the directions of all parameters.
-    #[expect(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "a cell count of at most a million"
-    )]
     fn problem(
         &self,
         rod: &DrivenRod<'_>,
         parameters: &[f64],
     ) -> Option<(BranchedProblem<L>, Vec<Direction>)> {
         let (modulus, composition, law) = self.material(parameters)?;
-        let cells = cells_of(rod).ok()? as usize;
+        let cells = cells_of(rod).ok()?;
         let mut of_branches = InelasticRod::new(rod.length, rod.density, modulus, law).ok()?;
         if composition.spring > 0.0 {
             of_branches = of_branches.with_spring(composition.spring).ok()?;
@@ -268,8 +263,13 @@ impl<L: IdentifiableLaw> RodModel for BranchedRod<L> {
 
     fn response(&self, rod: &DrivenRod<'_>, parameters: &[f64]) -> Option<Vec<f64>> {
         let (problem, _) = self.problem(rod, parameters)?;
-        let velocity = problem.free_end_velocity(rod.excitation, rod.times).ok()?;
-        lateral_inertia::of_response(rod, parameters, self.secant(rod), velocity)
+        if rod.lateral_inertia > 0.0 {
+            let (inertia, excitation) = (rod.lateral_inertia, rod.excitation);
+            let thick =
+                problem.free_end_velocity_with_lateral_inertia(inertia, excitation, rod.times);
+            return thick.ok();
+        }
+        problem.free_end_velocity(rod.excitation, rod.times).ok()
     }
 
     fn linearised_response(
@@ -277,15 +277,18 @@ impl<L: IdentifiableLaw> RodModel for BranchedRod<L> {
         rod: &DrivenRod<'_>,
         parameters: &[f64],
     ) -> Option<LinearisedResponse> {
+        if rod.lateral_inertia > 0.0 {
+            let at = |parameters: &[f64]| self.response(rod, parameters);
+            return lateral_inertia::by_differences(parameters, at);
+        }
         let (problem, directions) = self.problem(rod, parameters)?;
         let (velocity, by_parameter) = problem
             .free_end_velocity_with_sensitivities(rod.excitation, rod.times, &directions)
             .ok()?;
-        let linearised = LinearisedResponse {
+        Some(LinearisedResponse {
             velocity,
             by_parameter,
-        };
-        lateral_inertia::of_linearised(rod, parameters, self.secant(rod), linearised)
+        })
     }
 
     fn by_samples(

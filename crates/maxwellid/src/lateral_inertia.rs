@@ -11,19 +11,22 @@
 //! and a rod with a free end has the velocity v̂_r = v̂_e / cosh(γL) there, as without lateral
 //! inertia. A [linear](crate::linear) rod is solved with this γ.
 //!
-//! # Nonlinear laws
-//! A nonlinear rod is marched without lateral inertia. On a line Re s = a of the Laplace plane, its
-//! response is then multiplied by
+//! # Laws of the time domain
+//! A nonlinear rod is marched with lateral inertia
+//! ([`BranchedProblem::free_end_velocity_with_lateral_inertia`]); its derivatives are differences of
+//! such marches. A linear rod is marched without it, and its response is multiplied by
 //!
 //! ```text
-//! cosh(γ₀L)/cosh(γL) ,    γ₀² = ρs²/E_s(s) ,    γ² = ρs²/(E_s(s) + ρr²s²) .
+//! cosh(γ₀L)/cosh(γL) ,    γ₀² = ρs²/E(s)
 //! ```
 //!
-//! E_s is the secant modulus: that of linear branches with the rates F(σ)/σ of the law at the stress
-//! σ = ρc max|v_e| behind a front of the largest velocity. If the law is linear, this is exact.
-//! For Norton rods with exponents up to 3, in which lateral inertia changes the response by 1.1 to
-//! 2.1 % of the impact velocity, an error of 0.04 to 0.2 % remains, the largest for a rod of 25 mm
-//! struck at 27 m/s. The elastic modulus in the place of E_s leaves two to five times as much.
+//! on a line Re s = a of the Laplace plane. So are the derivatives of a nonlinear rod with respect
+//! to samples of its excitation, with the secant modulus in the place of E: that of linear branches
+//! with the rates F(σ)/σ of the law at 0.7 of the stress ρc max|v_e| behind a front of the largest
+//! velocity. They enter only the covariance of the noise and small changes of the excitation.
+//!
+//! [`BranchedProblem::free_end_velocity_with_lateral_inertia`]:
+//!     rodwave::characteristics::BranchedProblem::free_end_velocity_with_lateral_inertia
 //!
 //! # Validity
 //! Love's theory holds for wavelengths above about three diameters. The sensitivities to length and
@@ -36,9 +39,14 @@ use rodwave::inelastic::InelasticLaw;
 
 use crate::laplace_line::{LaplaceLine, propagation};
 use crate::model::{DrivenRod, LinearisedResponse};
+use crate::parallel::map_in_order;
 
-/// Change of a parameter, to either side, for the numerical derivative of the factor.
+/// Change of a parameter, to either side, for numerical derivatives.
 const DIFFERENCE: f64 = 1e-4;
+
+/// Stress at which a law is replaced by its secant, relative to the stress behind a front of the
+/// largest velocity: the stress falls along the rod.
+const OF_FRONT: f64 = 0.7;
 
 /// Modulus of the linear material that relaxes as fast as a rod behind the front of a wave.
 pub(crate) struct SecantModulus {
@@ -56,7 +64,7 @@ impl SecantModulus {
         let fastest = rod.samples.iter().fold(0.0_f64, |top, v| top.max(v.abs()));
         Self {
             modulus,
-            stress: (rod.density * modulus).sqrt() * fastest,
+            stress: OF_FRONT * (rod.density * modulus).sqrt() * fastest,
             branches: Vec::new(),
         }
     }
@@ -100,20 +108,8 @@ impl SecantModulus {
     }
 }
 
-/// Adds lateral inertia to the `velocity` of a rod without it at θ; `secant` is the secant modulus
-/// at some θ. `None` unless the times are equally spaced and the velocity remains finite.
-pub(crate) fn of_response(
-    rod: &DrivenRod<'_>,
-    parameters: &[f64],
-    secant: impl Fn(&[f64]) -> Option<SecantModulus>,
-    velocity: Vec<f64>,
-) -> Option<Vec<f64>> {
-    let columns = of_columns(rod, parameters, secant, vec![velocity])?;
-    columns.into_iter().next()
-}
-
-/// Adds lateral inertia to histories of a rod that are linear in small changes of its response, as
-/// [`of_response`] does.
+/// Adds lateral inertia to histories of the free end of a rod at θ; `secant` is the secant modulus
+/// at some θ. `None` unless the times are equally spaced and the histories remain finite.
 pub(crate) fn of_columns(
     rod: &DrivenRod<'_>,
     parameters: &[f64],
@@ -135,7 +131,34 @@ pub(crate) fn of_columns(
         .collect()
 }
 
-/// Adds lateral inertia to a response with its derivatives, as [`of_response`] does.
+/// Response `at` θ with its derivatives from central differences; the first θ is `parameters`.
+pub(crate) fn by_differences(
+    parameters: &[f64],
+    at: impl Fn(&[f64]) -> Option<Vec<f64>> + Sync,
+) -> Option<LinearisedResponse> {
+    let moved = (0..parameters.len()).flat_map(|index| [(index, DIFFERENCE), (index, -DIFFERENCE)]);
+    let changes: Vec<(usize, f64)> = std::iter::once((0, 0.0)).chain(moved).collect();
+    let responses = map_in_order(&changes, |(index, change)| {
+        let mut moved = parameters.to_vec();
+        *moved.get_mut(*index)? += change;
+        at(&moved)
+    });
+    let mut responses = responses.into_iter();
+    let velocity = responses.next()??;
+    let mut by_parameter = Vec::with_capacity(parameters.len());
+    while let Some(more) = responses.next() {
+        let (more, less) = (more?, responses.next()??);
+        let pairs = more.iter().zip(&less);
+        by_parameter.push(pairs.map(|(m, l)| (m - l) / (2.0 * DIFFERENCE)).collect());
+    }
+    Some(LinearisedResponse {
+        velocity,
+        by_parameter,
+    })
+}
+
+/// Adds lateral inertia to the response of a linear rod with its derivatives, as [`of_columns`]
+/// does.
 pub(crate) fn of_linearised(
     rod: &DrivenRod<'_>,
     parameters: &[f64],

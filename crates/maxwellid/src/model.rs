@@ -299,9 +299,14 @@ pub fn stated_modulus(parameters: &[f64]) -> StatedParameter {
 }
 
 /// Number of cells of the grid of a rod.
-pub(crate) fn cells_of(rod: &DrivenRod<'_>) -> Result<f64, MaxwellidError> {
+#[expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "lengths and cells are positive, and there are at most a million cells"
+)]
+pub(crate) fn cells_of(rod: &DrivenRod<'_>) -> Result<usize, MaxwellidError> {
     check_cell(rod.cell, rod.length)?;
-    Ok((rod.length / rod.cell).ceil().max(FEWEST_CELLS))
+    Ok((rod.length / rod.cell).ceil().max(FEWEST_CELLS) as usize)
 }
 
 /// Implements [`RodModel`] for a type by forwarding to the model that it contains.

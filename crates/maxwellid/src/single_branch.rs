@@ -1,6 +1,7 @@
 //! A rod whose material is a spring in series with one inelastic law, as a [`RodModel`].
 
 use rodwave::band_limited::SamplePulses;
+use rodwave::characteristics::BranchedProblem;
 use rodwave::{DirectProblem, InelasticRod};
 
 use crate::lateral_inertia::{self, SecantModulus};
@@ -12,22 +13,39 @@ use crate::model::{
 use crate::special_case::{PronySeries, SpecialCase};
 use crate::specimen::SpecimenSensitivity;
 
+/// The rod of `law` at θ.
+fn rod_of<L: IdentifiableLaw>(
+    law: &L,
+    rod: &DrivenRod<'_>,
+    parameters: &[f64],
+) -> Option<InelasticRod<L>> {
+    let (log_modulus, of_law) = parameters.split_first()?;
+    let law = law.with_parameters(of_law).ok()?;
+    InelasticRod::new(rod.length, rod.density, log_modulus.exp(), law).ok()
+}
+
 /// The direct problem of `law` at θ.
-#[expect(
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "lengths and cells are positive; the ratio is a cell count"
-)]
 fn direct_problem<L: IdentifiableLaw>(
     law: &L,
     rod: &DrivenRod<'_>,
     parameters: &[f64],
 ) -> Option<DirectProblem<L>> {
-    let (log_modulus, of_law) = parameters.split_first()?;
-    let law = law.with_parameters(of_law).ok()?;
-    let cells = cells_of(rod).ok()? as usize;
-    let rod = InelasticRod::new(rod.length, rod.density, log_modulus.exp(), law).ok()?;
-    DirectProblem::new(rod, cells).ok()
+    let cells = cells_of(rod).ok()?;
+    DirectProblem::new(rod_of(law, rod, parameters)?, cells).ok()
+}
+
+/// v_r of a rod of a nonlinear `law` with lateral inertia.
+fn thick<L: IdentifiableLaw>(law: &L, rod: &DrivenRod<'_>, parameters: &[f64]) -> Option<Vec<f64>> {
+    let cells = cells_of(rod).ok()?;
+    BranchedProblem::new(rod_of(law, rod, parameters)?, Vec::new(), cells)
+        .and_then(|problem| {
+            problem.free_end_velocity_with_lateral_inertia(
+                rod.lateral_inertia,
+                rod.excitation,
+                rod.times,
+            )
+        })
+        .ok()
 }
 
 /// Returns a function of θ, the secant modulus of a rod of this law.
@@ -126,11 +144,16 @@ impl<L: IdentifiableLaw> RodModel for L {
     }
 
     fn response(&self, rod: &DrivenRod<'_>, parameters: &[f64]) -> Option<Vec<f64>> {
+        if rod.lateral_inertia > 0.0 && !L::LINEAR {
+            return thick(self, rod, parameters);
+        }
         let velocity = direct_problem(self, rod, parameters)?
             .free_end_velocity(rod.excitation, rod.times)
             .ok()
             .filter(|velocity| velocity.iter().all(|v| v.is_finite()))?;
-        lateral_inertia::of_response(rod, parameters, secant_of(self, rod), velocity)
+        let secant = secant_of(self, rod);
+        let columns = lateral_inertia::of_columns(rod, parameters, secant, vec![velocity]);
+        columns?.into_iter().next()
     }
 
     fn linearised_response(
@@ -138,6 +161,10 @@ impl<L: IdentifiableLaw> RodModel for L {
         rod: &DrivenRod<'_>,
         parameters: &[f64],
     ) -> Option<LinearisedResponse> {
+        if rod.lateral_inertia > 0.0 && !L::LINEAR {
+            let at = |parameters: &[f64]| thick(self, rod, parameters);
+            return lateral_inertia::by_differences(parameters, at);
+        }
         let response = direct_problem(self, rod, parameters)?
             .free_end_velocity_with_sensitivities(rod.excitation, rod.times)
             .ok()?;

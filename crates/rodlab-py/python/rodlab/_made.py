@@ -17,6 +17,8 @@ def identify(
     *,
     length: float | str | None = None,
     density: float | str | None = None,
+    diameter: float | str | None = None,
+    poisson_ratio: float | str | None = None,
     recorder: Part | None = None,
     laws: Sequence[str] | None = None,
     compare: bool = True,
@@ -37,14 +39,16 @@ def identify(
         Distance from the section of the excitation to the free end, in m, for all tests without a ``specimen``.
     density : float or str, optional
         Density in kg/m³, together with ``length``.
+    diameter, poisson_ratio : float or str, optional
+        Diameter in m and Poisson's ratio of a round rod, together with ``length``, for lateral inertia; without them, the rod must be thin.
     recorder : Part, optional
         Filter of the recorder of all tests, such as ``sheet.Butterworth(order=8, cutoff="17.9 kHz")``; nonlinear laws are then identified through it.
     laws : list of str, optional
-        Laws to be fitted: ``Maxwell``, ``Norton``, ``GurevichRabinovich``; by default all.
+        Laws to be fitted, by their names in a sheet; by default those of paper D: ``Maxwell``, ``Norton``, ``GurevichRabinovich``.
     compare, profiles : bool
         True to compare the laws with each other and with linear competitors, and to compute profile likelihoods.
     cell : float or str, optional
-        Longest cell of the rod in m; 4 mm by default.
+        Length of the cells of the computed rod in m; by default as short as the accuracy requires.
     folder : path
         Folder to which relative paths refer.
 
@@ -57,7 +61,12 @@ def identify(
     """
     specimen = {
         name: quantity(value, unit, name)
-        for name, value, unit in (("length", length, "m"), ("density", density, "kg/m3"))
+        for name, value, unit in (
+            ("length", length, "m"),
+            ("density", density, "kg/m3"),
+            ("diameter", diameter, "m"),
+            ("poisson_ratio", poisson_ratio, ""),
+        )
         if value is not None
     }
     fields: dict[str, Any] = {

@@ -9,6 +9,8 @@
 //! a branch at a node. Each branch relaxes by its own exact flow, and Σ pᵢ = 0. A spring does not
 //! relax, and its excess is not stored.
 
+mod lateral_inertia;
+
 use super::by_sample::{Motion, by_samples, slopes_of};
 use super::time_levels::TimeLevels;
 use super::{FEWEST_CELLS, WavePair};
