@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 use std::ops::Range;
 
-use labio::Record;
+use labio::{Quantity, Record};
 use num_complex::Complex64;
 
 use super::FoundHits;
@@ -26,7 +26,8 @@ impl FoundHits {
     /// Returns a reason for doubt if the `force` after the blow changes the spectrum of the force
     /// by more than 2 % at `from_hz`, the lowest frequency of the band, and does so alike in all
     /// hits. The true force is zero after the blow; the cause is the undershoot of an AC coupling,
-    /// or a drift of the sensor.
+    /// or a drift of the sensor. An input that is a motion gives no doubt: the body continues to
+    /// move.
     ///
     /// # Errors
     ///
@@ -37,6 +38,11 @@ impl FoundHits {
         from_hz: Option<f64>,
     ) -> Result<Option<String>, RodlabError> {
         let hits = self.accepted();
+        let channels = hits.iter().flat_map(|hit| hit.channels());
+        let mut inputs = channels.filter(|channel| channel.name() == force);
+        if inputs.any(|channel| !may_be_a_force(channel.quantity())) {
+            return Ok(None);
+        }
         let from_hz = from_hz.filter(|f| *f > 0.0).or_else(|| {
             let longest = hits.iter().map(|hit| hit.duration());
             longest.reduce(f64::max).map(|span| LOWEST_LINE / span)
@@ -61,6 +67,14 @@ impl FoundHits {
             )
         }))
     }
+}
+
+/// Returns true for a force, and for the signal of a sensor without calibration.
+fn may_be_a_force(quantity: Quantity) -> bool {
+    matches!(
+        quantity,
+        Quantity::Force | Quantity::Voltage | Quantity::Charge
+    )
 }
 
 /// Returns the spectrum of the force after the blow divided by that of the blow, at `frequency_hz`;
@@ -110,6 +124,13 @@ fn extent(samples: &[f64]) -> Option<(usize, usize)> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn only_a_force_must_return_to_zero() {
+        let tested = Quantity::ALL.into_iter().filter(|of| may_be_a_force(*of));
+        let expected = [Quantity::Force, Quantity::Voltage, Quantity::Charge];
+        assert_eq!(tested.collect::<Vec<_>>(), expected);
+    }
 
     /// The high-pass 1/(1 + ω_c/(iω)) of an AC coupling at 5 Hz removes a fraction of the force. To
     /// first order, this fraction is ω_c/(iω), with magnitude 0.25 at 20 Hz.
