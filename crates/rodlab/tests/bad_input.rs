@@ -35,7 +35,21 @@ fn said_of(change: impl Fn(&str) -> String) -> String {
 fn a_missing_file() {
     insta::assert_snapshot!(said_of(|sheet| sheet.replace("hits-*.npy", "hit-*.npy")), @r"
     status 2
-    error: no file matches `hit-*.npy` in the folder of the sheet, FOLDER (source.hits.records.files)
+    error: no file matches `hit-*.npy` in the folder of the sheet, FOLDER (source.hits.records.files): the folder has hits-1.npy and 4 more
+    ");
+}
+
+/// The records last 31.25 ms at 65.536 kHz and begin with 1.6 ms of silence.
+#[test]
+fn a_sampling_rate_in_a_wrong_unit() {
+    let with = |rate: &str| said_of(|sheet| sheet.replace("65.536 kHz", rate));
+    insta::assert_snapshot!(with("65.536 Hz"), @r"
+    status 2
+    error: band.to is `15 kHz`, expected at most 32.77 Hz, half the sampling rate of 65.536 Hz: did you mean 65.536 kHz?
+    ");
+    insta::assert_snapshot!(with("65.536 MHz"), @r"
+    status 2
+    error: source.hits.silent is `1.6 ms`, expected the time from the beginning of a record to its blow; a record is only 0.0312 ms long; is the sampling rate of 65.536 MHz right?
     ");
 }
 

@@ -4,6 +4,7 @@ use labio::Record;
 use labio::hits::{Extent, Hit, samples_at_rest};
 
 use crate::RodlabError;
+use crate::digits::{prefix_for, rate};
 use crate::hits::FoundHits;
 use crate::outcome::Setting;
 use crate::sheet::{Duration, Exact};
@@ -73,7 +74,8 @@ const FOR_LEVEL: usize = 8;
 ///
 /// # Errors
 ///
-/// [`RodlabError::Request`] if the silence is longer than a hit, or a channel moves within it.
+/// [`RodlabError::Request`] if the silence is longer than a hit, or a channel moves within it; it
+/// states duration and sampling rate of the hit, because the cause may be a wrong sampling rate.
 pub(crate) fn expect_silence(
     hits: &[&Record],
     channels: &[&str],
@@ -81,16 +83,21 @@ pub(crate) fn expect_silence(
     (name, stated): (&str, &Exact<Duration>),
 ) -> Result<(), RodlabError> {
     for hit in hits {
+        let rate_hz = hit.sampling_rate_hz();
+        let all = format!("{:.4} ms long", 1e3 * hit.n_samples() as f64 / rate_hz);
+        let (size, prefix) = prefix_for(rate_hz, "Hz");
+        let rate = rate(rate_hz / size);
         let refused = |why: String| {
             RodlabError::request(
                 name,
                 format!("`{stated}`"),
-                format!("the time from the beginning of a record to its blow; {why}"),
+                format!(
+                    "the time from the beginning of a record to its blow; {why}; is the sampling rate of {rate} {prefix}Hz right?"
+                ),
             )
         };
         if n_silent >= hit.n_samples() {
-            let all = 1e3 * hit.n_samples() as f64 / hit.sampling_rate_hz();
-            return Err(refused(format!("a record is only {all:.4} ms long")));
+            return Err(refused(format!("a record is only {all}")));
         }
         for channel in channels {
             let samples = hit
@@ -103,7 +110,7 @@ pub(crate) fn expect_silence(
             let in_silence = greatest(&mut samples.iter().take(n_silent));
             if in_silence > MOST_IN_SILENCE * greatest(&mut samples.iter()) {
                 return Err(refused(format!(
-                    "`{channel}` already moves within this time"
+                    "`{channel}` already moves within this time, and a record is {all}"
                 )));
             }
         }

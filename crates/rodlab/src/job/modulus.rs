@@ -256,9 +256,6 @@ pub(super) fn run_with(
     outcome.settings = sheet.defaults();
     context.progress.begins("reading", 0);
     let mut measured = measured::of(sheet, context, &mut outcome.settings)?;
-    if let (Some(band), Some(rate_hz)) = (&sheet.band, measured.sampling_rate_hz) {
-        plausible::below_nyquist(&band.to, rate_hz, "band.to")?;
-    }
     outcome.inputs = std::mem::take(&mut measured.inputs);
     outcome.log = std::mem::take(&mut measured.log);
     outcome.figures = std::mem::take(&mut measured.figures);

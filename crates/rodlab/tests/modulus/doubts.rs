@@ -237,6 +237,7 @@ fn what_is_wrong_is_said() {
     );
     let sheets = [
         sheet(TWO_POINT, "band: (from: \"40 kHz\", to: \"50 kHz\"),"),
+        sheet(TWO_POINT, "band: (from: \"1 Hz\", to: \"2 Hz\"),"),
         sheet(TWO_POINT, BAND).replace("free_end: \"free end\"", "free_end: \"end B\""),
         sheet(TWO_POINT, BAND).replace("length: \"799 mm ± 0.29 mm\", ", ""),
         sheet(gauges, BAND)
@@ -290,7 +291,8 @@ fn what_is_wrong_is_said() {
         })
         .collect();
     insta::assert_snapshot!(messages.join("\n"), @r#"
-    band is 40 kHz to 50 kHz, expected a band with lines, which are between 0 and 32768 Hz
+    band.to is `50 kHz`, expected at most 32.77 kHz, half the sampling rate
+    band is 1 Hz to 2 Hz, expected a band with lines, which are between 0 and 32768 Hz
     method.two_point.free_end is `end B`, expected one of the channels `struck end`, `free end`
     specimen.length is missing, expected the length, which TwoPoint needs
     source.hits.silent is missing, expected how long each hit's record is silent before the blow: the weights of the gauges are determined from their noise there

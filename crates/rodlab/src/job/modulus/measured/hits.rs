@@ -16,7 +16,7 @@ use crate::job::modulus::method::{self, FromHits, MethodSheet, Taken};
 use crate::job::modulus::{ModulusSheet, gauges, histories};
 use crate::outcome::Setting;
 use crate::records::Records;
-use crate::sheet::{Duration, Exact};
+use crate::sheet::{Duration, Exact, plausible};
 
 /// Minimum number of hits for a coherence. The errors of a single hit, and the errors of gauges,
 /// are determined from the silence before the hit.
@@ -40,6 +40,10 @@ pub(super) fn of_hits(
     let loaded = records.load(context.folder, "source.hits.records")?;
     if let Some(first) = loaded.records.first() {
         check_channels(&sheet.method, &first.record)?;
+        // a wrong rate has many consequences, so it is refused before them
+        if let Some(band) = &sheet.band {
+            plausible::below_nyquist(&band.to, first.record.sampling_rate_hz(), "band.to")?;
+        }
     }
     let channels = sheet.method.channels();
     let Some(reference) = channels.first().map(|taken| taken.channel) else {
