@@ -42,15 +42,20 @@ impl JobContext<'_> {
     }
 
     /// Ends a job that only reads. Each job calls this when it has read all its files, the
-    /// `inputs`, and checked its sheet, and before it computes.
+    /// `inputs`, and checked its sheet, and before it computes. `warnings` are those found so far.
     ///
     /// # Errors
     ///
     /// [`RodlabError::ReadOnly`] if nothing is to be computed.
-    pub fn has_read_all(&self, inputs: &[InputFile]) -> Result<(), RodlabError> {
+    pub fn has_read_all(
+        &self,
+        inputs: &[InputFile],
+        warnings: &[String],
+    ) -> Result<(), RodlabError> {
         if self.only_reads {
             Err(RodlabError::ReadOnly {
                 inputs: inputs.to_vec(),
+                warnings: warnings.to_vec(),
             })
         } else {
             self.check_cancelled()

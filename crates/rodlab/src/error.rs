@@ -155,6 +155,8 @@ pub enum RodlabError {
     ReadOnly {
         /// The files.
         inputs: Vec<InputFile>,
+        /// Warnings about the sheet and its files.
+        warnings: Vec<String>,
     },
     /// A library crate returned an error in the step `what`.
     #[error("{what}: {source}")]

@@ -46,7 +46,16 @@ pub fn run(
     )
 }
 
-/// Reads the files of `sheet`, computes nothing, and returns the files.
+/// The files of a sheet, which can be read.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Checked {
+    /// The files.
+    pub inputs: Vec<InputFile>,
+    /// Warnings about the sheet and its files, such as a unit that contradicts that of a file.
+    pub warnings: Vec<String>,
+}
+
+/// Reads the files of `sheet`, computes nothing, and returns the files with warnings about them.
 ///
 /// # Errors
 ///
@@ -55,7 +64,7 @@ pub fn check(
     sheet: &Sheet,
     progress: &dyn Progress,
     interrupted: &AtomicBool,
-) -> Result<Vec<InputFile>, RodlabError> {
+) -> Result<Checked, RodlabError> {
     let context = JobContext {
         folder: sheet.folder(),
         language: sheet.language(),
@@ -65,8 +74,10 @@ pub fn check(
         draw: None,
     };
     match run_in(sheet, &context) {
-        Ok(outcome) => Ok(outcome.inputs),
-        Err(RodlabError::ReadOnly { inputs }) => Ok(inputs),
+        Ok(Outcome {
+            inputs, warnings, ..
+        })
+        | Err(RodlabError::ReadOnly { inputs, warnings }) => Ok(Checked { inputs, warnings }),
         Err(error) => Err(error),
     }
 }

@@ -368,10 +368,10 @@ fn check(
     }
     for path in &sheets {
         match Sheet::read(path).and_then(|sheet| {
-            job::check(&sheet, &Silent, interrupted)?;
-            Ok(sheet)
+            let checked = job::check(&sheet, &Silent, interrupted)?;
+            Ok((sheet, checked.warnings))
         }) {
-            Ok(sheet) => {
+            Ok((sheet, warnings)) => {
                 if !quiet {
                     let hash = finished::identity_of(&sheet).sha256;
                     let job = sheet.job.name();
@@ -383,6 +383,9 @@ fn check(
                             &hash[..12]
                         ),
                     )?;
+                    for warning in &warnings {
+                        say(out, &format!("warning: {warning}"))?;
+                    }
                 }
             }
             Err(RodlabError::Interrupted) => return Err(RodlabError::Interrupted),

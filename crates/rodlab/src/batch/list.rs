@@ -58,7 +58,7 @@ fn one(test: &Test, interrupted: &AtomicBool) -> Result<Listed, RodlabError> {
     };
     let read = Sheet::read(&test.sheet).and_then(|sheet| {
         listed.sha256 = Some(finished::identity_of(&sheet).sha256);
-        listed.inputs = job::check(&sheet, &Silent, interrupted)?;
+        listed.inputs = job::check(&sheet, &Silent, interrupted)?.inputs;
         Ok(sheet.job.name())
     });
     match read {

@@ -206,7 +206,7 @@ pub(crate) fn run(sheet: &FitSheet, context: &JobContext<'_>) -> Result<Outcome,
             ),
         ));
     }
-    context.has_read_all(&outcome.inputs)?;
+    context.has_read_all(&outcome.inputs, &outcome.warnings)?;
 
     let most = sheet.laws.as_ref().and_then(|laws| laws.most_lines);
     let mut steps = steps::thinned(all, most.unwrap_or(MOST_LINES), &mut outcome);

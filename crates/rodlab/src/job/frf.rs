@@ -105,7 +105,7 @@ pub(crate) fn run(sheet: &FrfSheet, context: &JobContext<'_>) -> Result<Outcome,
     for output in &outputs {
         estimate::check_kind(sheet, hit, (&sheet.input, output))?;
     }
-    context.has_read_all(&outcome.inputs)?;
+    context.has_read_all(&outcome.inputs, &outcome.warnings)?;
     let mut spectra = Vec::with_capacity(sets.len());
     for ((hits, found), place) in accepted.iter().zip(&sets).zip(["", "second_hammer."]) {
         let field = format!("{place}silent");

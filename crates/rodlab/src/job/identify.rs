@@ -365,7 +365,7 @@ pub(crate) fn run(sheet: &IdentifySheet, context: &JobContext<'_>) -> Result<Out
             ));
         }
     }
-    context.has_read_all(&outcome.inputs)?;
+    context.has_read_all(&outcome.inputs, &outcome.warnings)?;
 
     if let Some(draw) = &context.draw {
         return drawn(sheet, &tests, draw, outcome);

@@ -54,7 +54,7 @@ pub(crate) fn run(sheet: &MobilitySheet, context: &JobContext<'_>) -> Result<Out
     let mut outcome = Outcome::of("mobility", sheet.title.as_str());
     let read = source::read(sheet, context, &mut outcome)?;
     outcome.settings.extend(defaults());
-    context.has_read_all(&outcome.inputs)?;
+    context.has_read_all(&outcome.inputs, &outcome.warnings)?;
 
     context.progress.begins("mobility", 0);
     let Some(raw) = source::raw(&read, sheet, context, &mut outcome)? else {

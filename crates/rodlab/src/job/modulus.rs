@@ -265,7 +265,7 @@ pub(super) fn run_with(
     for doubt in &measured.doubts {
         outcome.doubt(doubt.as_str());
     }
-    context.has_read_all(&outcome.inputs)?;
+    context.has_read_all(&outcome.inputs, &outcome.warnings)?;
     let Some(spectra) = &measured.spectra else {
         let reason = measured.missing.clone();
         outcome

@@ -181,7 +181,7 @@ pub(crate) fn run(sheet: &RecoverySheet, context: &JobContext<'_>) -> Result<Out
     outcome
         .inputs
         .dedup_by(|a: &mut InputFile, b| a.path == b.path);
-    context.has_read_all(&outcome.inputs)?;
+    context.has_read_all(&outcome.inputs, &outcome.warnings)?;
 
     let stated = sheet.series_modulus.with_uncertainty();
     let series_modulus = SeriesModulus {

@@ -43,7 +43,7 @@ pub(crate) fn run(sheet: &ShpbSheet, context: &JobContext<'_>) -> Result<Outcome
         test.specimen = bars::specimen_of(specimen);
         shots.push((test, record));
     }
-    context.has_read_all(&outcome.inputs)?;
+    context.has_read_all(&outcome.inputs, &outcome.warnings)?;
 
     let mut results = Vec::new();
     for (at, (test, record)) in shots.iter().enumerate() {

@@ -37,7 +37,7 @@ pub(super) fn run(
         ));
     }
     defaults(sheet, bodies, marched, outcome)?;
-    context.has_read_all(&outcome.inputs)?;
+    context.has_read_all(&outcome.inputs, &outcome.warnings)?;
 
     context.progress.begins("force", 0);
     let found = Found {

@@ -86,7 +86,7 @@ pub(super) fn run(
         None => found.hits().find_map(|found| found.hit.record()),
     };
     let Some(record) = blow.cloned() else {
-        context.has_read_all(&outcome.inputs)?;
+        context.has_read_all(&outcome.inputs, &outcome.warnings)?;
         refuse(
             outcome,
             format!(
@@ -109,7 +109,7 @@ pub(super) fn run(
         (file.as_ref(), &files),
         calibration.as_ref(),
     )?;
-    context.has_read_all(&outcome.inputs)?;
+    context.has_read_all(&outcome.inputs, &outcome.warnings)?;
 
     context.progress.begins("path from force to response", 0);
     let mut paths: Vec<FrequencyResponse> = file

@@ -53,7 +53,7 @@ pub(super) fn run(
             estimate::check_kind(sheet, first, (input, output))?;
         }
     }
-    context.has_read_all(&outcome.inputs)?;
+    context.has_read_all(&outcome.inputs, &outcome.warnings)?;
     let rate = first.sampling_rate_hz();
     let silent = match &sheet.silent {
         None => 0,

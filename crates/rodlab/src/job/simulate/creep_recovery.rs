@@ -91,7 +91,7 @@ impl CreepRecoverySheet {
             exponent: self.exponent.si(),
         })
         .map_err(refused)?;
-        context.has_read_all(&[])?;
+        context.has_read_all(&[], &[])?;
 
         let omega = TAU * self.frequency.si();
         let mut truth = Truth::default();

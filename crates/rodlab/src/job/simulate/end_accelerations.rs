@@ -62,7 +62,7 @@ impl EndAccelerationsSheet {
         let pulse = self.blows.pulse(&format!("{FIELD}.blows"))?;
         let synthesis = instrument.synthesis(FIELD)?;
         let test = EndAccelerationTest::analytic(&medium, &specimen).map_err(refused)?;
-        context.has_read_all(&[])?;
+        context.has_read_all(&[], &[])?;
 
         context.progress.begins("hits", self.blows.hits);
         let exact = test.record(pulse.as_ref(), &synthesis).map_err(refused)?;

@@ -106,7 +106,7 @@ impl StrainsInFrameSheet {
         }
         let pulse = self.blows.pulse(&format!("{FIELD}.blows"))?;
         let synthesis = instrument.synthesis(FIELD)?;
-        context.has_read_all(&[])?;
+        context.has_read_all(&[], &[])?;
 
         context.progress.begins("hits", self.blows.hits);
         let exact = member

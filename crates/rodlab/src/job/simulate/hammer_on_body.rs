@@ -49,7 +49,7 @@ impl HammerOnBodySheet {
         let body = self.body.body(request.materials, &place)?;
         let pulse = self.blows.pulse(&format!("{FIELD}.blows"))?;
         let synthesis = instrument.synthesis(FIELD)?;
-        context.has_read_all(&[])?;
+        context.has_read_all(&[], &[])?;
 
         context.progress.begins("hits", self.blows.hits);
         let mut force = Vec::new();

@@ -179,7 +179,7 @@ impl HopkinsonBarsSheet {
         let transits: f64 = line.segments().map(Segment::transit_time).sum();
         let extent = transits / step * (duration / step);
         plausible::at_most(extent, MOST_CELL_STEPS, "cells times steps", FIELD)?;
-        context.has_read_all(&[])?;
+        context.has_read_all(&[], &[])?;
 
         context.progress.begins("shot", 1);
         let history = line.run(step, duration, &self.gauges()).map_err(refused)?;

@@ -209,7 +209,7 @@ impl ImpactedRodSheet {
             duration: instrument.duration(),
         };
         self.check_extent(&struck, wave_speed)?;
-        context.has_read_all(&[])?;
+        context.has_read_all(&[], &[])?;
 
         let steps = self.velocities.len() + sections::COUNT;
         context.progress.begins("impacts", steps);
