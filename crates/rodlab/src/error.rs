@@ -28,7 +28,7 @@ pub enum RodlabError {
         expected: &'static str,
     },
     /// A recording was given instead of a sheet.
-    #[error("{} is a recording ({format}), expected a test sheet; `rodlab init {job}` writes one", path.display())]
+    #[error("{} is a recording ({format}), expected a test sheet{}; `rodlab init {job}` writes a sheet", path.display(), or_options(job))]
     NoSheet {
         /// The file.
         path: PathBuf,
@@ -50,7 +50,7 @@ pub enum RodlabError {
         found: String,
     },
     /// A name or pattern in the sheet matches no file.
-    #[error("no file matches `{pattern}` in {}", searched(folder, field))]
+    #[error("no file matches `{pattern}` in {}{}", searched(folder, field), has(similar.as_deref()))]
     NoFile {
         /// The name or pattern in the sheet.
         pattern: String,
@@ -58,6 +58,8 @@ pub enum RodlabError {
         folder: PathBuf,
         /// Place of the pattern in the sheet; empty for a pattern of the command line.
         field: String,
+        /// Files of the folder with similar names, such as `hits-1.npy and 4 more`.
+        similar: Option<String>,
     },
     /// A file could not be read.
     #[error("cannot read {}: {source}", path.display())]
@@ -179,6 +181,20 @@ fn searched(folder: &Path, field: &str) -> String {
         },
         (false, "") => folder.display().to_string(),
         (false, field) => format!("{} ({field})", folder.display()),
+    }
+}
+
+/// Returns the words about `similar` files, which follow the folder.
+fn has(similar: Option<&str>) -> String {
+    similar.map_or_else(String::new, |similar| format!(": the folder has {similar}"))
+}
+
+/// Returns the options with which the command of `job` takes recordings instead of a sheet.
+fn or_options(job: &str) -> &'static str {
+    match job {
+        "frf" => ", or `--input` and `--output` with the channels",
+        "modulus" => ", or `--impacted` and `--free` with the channels of both ends of a rod",
+        _ => "",
     }
 }
 

@@ -30,6 +30,7 @@ impl NumberFile {
                 pattern: path.to_owned(),
                 folder: folder.to_path_buf(),
                 field: field.to_owned(),
+                similar: None,
             });
         }
         let bytes = input::read(&full)?;

@@ -90,6 +90,7 @@ pub fn verify_all(folder: &Path, sheets: Option<&Path>) -> Result<Vec<Verified>,
             pattern: RESULT.to_owned(),
             folder: folder.to_path_buf(),
             field: String::new(),
+            similar: None,
         });
     }
     results.sort();

@@ -53,6 +53,7 @@ fn no_sheet(place: &str) -> RodlabError {
         pattern: place.to_owned(),
         folder: PathBuf::from("."),
         field: String::new(),
+        similar: None,
     }
 }
 

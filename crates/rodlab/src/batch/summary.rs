@@ -273,6 +273,7 @@ pub fn collect(folders: &[PathBuf]) -> Result<Summary, RodlabError> {
                 pattern: "result.json or failure.json".to_owned(),
                 folder: folder.clone(),
                 field: String::new(),
+                similar: None,
             });
         }
     }

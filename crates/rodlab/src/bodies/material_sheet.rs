@@ -402,6 +402,7 @@ fn of_file(
             pattern: path.to_owned(),
             folder: folder.to_path_buf(),
             field: field.to_owned(),
+            similar: None,
         });
     }
     let bytes = input::read(&full)?;

@@ -36,7 +36,7 @@ const BEGINNING: usize = 3;
 /// Returns the only name of `expected` that begins with `found`, or otherwise the nearest name.
 /// Returns `None` if more than a third of the letters of `found` are wrong, because it is then
 /// probably a different word.
-pub(super) fn nearest<'a, N: AsRef<str>>(found: &str, expected: &'a [N]) -> Option<&'a N> {
+pub(crate) fn nearest<'a, N: AsRef<str>>(found: &str, expected: &'a [N]) -> Option<&'a N> {
     let letters = found.chars().count();
     let mut begun = expected
         .iter()
