@@ -99,6 +99,7 @@ fn a_demonstration_shows_its_commands_and_finds_the_material_of_its_plan() {
     let result: serde_json::Value = serde_json::from_slice(&json).unwrap();
     assert_eq!(result["job"], "modulus");
     assert_eq!(result["verdict"]["answer"], "answered");
+    assert_eq!(result["warnings"], serde_json::json!([]));
     let sentence = result["summary"][0].as_str().unwrap();
     sentence.must_say("loss factor 0.0");
     // nothing is replaced

@@ -17,7 +17,7 @@ mod truth;
 
 pub use blows::{BlowsSheet, ShapeSheet};
 pub use creep_recovery::{CreepLoadSheet, CreepRecoverySheet};
-pub use end_accelerations::EndAccelerationsSheet;
+pub use end_accelerations::{EndAccelerationsSheet, StatedErrorsSheet};
 pub use frame_strains::{StrainsInFrameSheet, SupportSheet};
 pub use hammer_on_body::HammerOnBodySheet;
 pub use hopkinson_bars::{HopkinsonBarsSheet, VirtualBarSheet, VirtualSpecimenSheet};
@@ -125,10 +125,19 @@ impl Request<'_> {
     /// Returns the fields `files`, `sampling_rate` and `channels` of a sheet that evaluates the
     /// records.
     fn records_of_sheet(&self, recorded: &Recorded, indent: &str) -> String {
+        self.records_with(recorded, "", indent)
+    }
+
+    /// Returns the fields of [`Self::records_of_sheet`], each channel with the further fields
+    /// `more`.
+    fn records_with(&self, recorded: &Recorded, more: &str, indent: &str) -> String {
         let pattern = self.naming.pattern();
         let first = recorded.records.first();
         first
-            .map(|first| self.naming.records_of_sheet(&pattern, first, indent))
+            .map(|first| {
+                self.naming
+                    .records_of_sheet((&pattern, first), more, indent)
+            })
             .unwrap_or_default()
     }
 }
@@ -138,8 +147,12 @@ struct StruckRod<'a> {
     length: &'a Exact<Length>,
     diameter: &'a Exact<Length>,
     density: f64,
+    /// Standard uncertainty of the density as the end of its text; empty if none is stated.
+    density_error: String,
     /// Further fields of the specimen.
     more: &'a str,
+    /// Further fields of each channel.
+    of_channel: String,
     method: &'a str,
     /// Comment on the silence before a hit.
     silence: &'a str,
@@ -158,7 +171,7 @@ impl StruckRod<'_> {
     specimen: (
         length: "{length}",
         diameter: "{diameter}",
-        density: "{density} kg/m3",{more}
+        density: "{density} kg/m3{density_error}",{more}
     ),
     method: {method},
     // each record is a hit
@@ -177,9 +190,10 @@ impl StruckRod<'_> {
             length = self.length,
             diameter = self.diameter,
             density = self.density,
+            density_error = self.density_error,
             more = self.more,
             method = self.method,
-            records = request.records_of_sheet(recorded, "        "),
+            records = request.records_with(recorded, &self.of_channel, "        "),
             silence = self.silence,
             silent = 1e3 * request.silent(instrument),
             highest = 1e-3 * instrument.passes_up_to_hz(),

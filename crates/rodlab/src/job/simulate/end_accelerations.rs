@@ -12,8 +12,9 @@ use super::instrument::{History, InstrumentSheet, Sensed};
 use super::truth::{self, Truth};
 use super::{Evaluation, Made, Request, StruckRod, analytic};
 use crate::RodlabError;
+use crate::digits::short;
 use crate::job::JobContext;
-use crate::sheet::{AddedMass, Exact, Length, plausible};
+use crate::sheet::{AddedMass, Duration, Exact, Length, Ratio, plausible};
 
 const STRUCK: &str = "struck end";
 const FREE: &str = "free end";
@@ -33,6 +34,44 @@ pub struct EndAccelerationsSheet {
     pub accelerometer_mass: Option<Exact<AddedMass>>,
     /// The blows on the struck end.
     pub blows: BlowsSheet,
+    /// Standard uncertainties that the evaluating sheet states; none by default. The virtual rod and
+    /// its sensors have no such errors.
+    #[serde(default)]
+    pub stated_errors: StatedErrorsSheet,
+}
+
+/// Standard uncertainties in the sheet that evaluates a virtual test.
+#[derive(Debug, Clone, Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct StatedErrorsSheet {
+    /// Relative standard uncertainty of the density, such as `"0.1 %"`.
+    pub density: Option<Exact<Ratio>>,
+    /// Relative standard uncertainty of the gain of each channel.
+    pub gain: Option<Exact<Ratio>>,
+    /// Standard uncertainty of the delay of each channel, such as `"1 us"`.
+    pub time_skew: Option<Exact<Duration>>,
+}
+
+impl StatedErrorsSheet {
+    fn of_density(&self) -> String {
+        let error = self.density.as_ref();
+        error.map_or_else(String::new, |error| format!(" ± {} %", percent(error)))
+    }
+
+    fn of_channel(&self) -> String {
+        let mut fields = String::new();
+        if let Some(error) = &self.gain {
+            fields += &format!(", gain: \"1 ± {} %\"", percent(error));
+        }
+        if let Some(error) = &self.time_skew {
+            fields += &format!(", time_skew: \"0 us ± {error}\"");
+        }
+        fields
+    }
+}
+
+fn percent(error: &Exact<Ratio>) -> String {
+    short(100.0 * error.si())
 }
 
 impl EndAccelerationsSheet {
@@ -113,7 +152,9 @@ impl EndAccelerationsSheet {
             length: &self.length,
             diameter: &self.diameter,
             density,
+            density_error: self.stated_errors.of_density(),
             more: &mass,
+            of_channel: self.stated_errors.of_channel(),
             method: &format!(r#"TwoPoint(impacted_end: "{STRUCK}", free_end: "{FREE}")"#),
             silence: "the filter reaches ahead of the blow",
         };

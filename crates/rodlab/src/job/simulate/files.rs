@@ -86,8 +86,13 @@ impl Naming {
     }
 
     /// Returns the field `records` of a sheet that reads `files` of records like `record`, indented
-    /// by `indent`.
-    pub(super) fn records_of_sheet(&self, files: &str, record: &Record, indent: &str) -> String {
+    /// by `indent`; every channel gets the further fields `more`.
+    pub(super) fn records_of_sheet(
+        &self,
+        (files, record): (&str, &Record),
+        more: &str,
+        indent: &str,
+    ) -> String {
         let bare = self.extension == Extension::Npy;
         let rate = if bare {
             format!(
@@ -109,7 +114,7 @@ impl Naming {
                 } else {
                     format!("from: {name:?}")
                 };
-                format!("\n{indent}        (name: {name:?}, {from}),")
+                format!("\n{indent}        (name: {name:?}, {from}{more}),")
             })
             .collect();
         format!(

@@ -178,7 +178,9 @@ impl StrainsInFrameSheet {
             length: &self.length,
             diameter: &self.diameter,
             density,
+            density_error: String::new(),
             more: "",
+            of_channel: String::new(),
             method: &format!("{method}(gauges: [{gauges}\n    ])"),
             silence: "the noise of the gauges is determined here; the filter reaches ahead of the blow",
         };

@@ -74,7 +74,7 @@ fn one(
 ) -> String {
     let records = request
         .naming
-        .records_of_sheet(file, record, "            ");
+        .records_of_sheet((file, record), "", "            ");
     let (kind, unit, range) = match &sheet.sensors {
         SensorsSheet::Velocity => ("Velocities", "m/s", String::new()),
         SensorsSheet::Displacement { range } => (
