@@ -10,6 +10,7 @@ use rodlab::convert::ConvertOptions;
 use rodlab::finished::{finish, identity_of};
 use rodlab::job::{self, Progress, Sheet};
 use rodlab::output::{self, TableFiles};
+use rodlab::sheet::{Exact, Frequency};
 use rodlab::templates::{self, JobName, Rig};
 
 use crate::background::done;
@@ -109,7 +110,8 @@ pub(crate) fn inspect(py: Python<'_>, path: PathBuf) -> PyResult<String> {
 /// Writes the recording at `input` to `output` in another format. Returns a description of the
 /// conversion as JSON.
 #[pyfunction]
-#[pyo3(signature = (input, output, *, tolerant=false, lossless=false, binary=false, force=false))]
+#[pyo3(signature = (input, output, *, tolerant=false, lossless=false, binary=false, force=false, sampling_rate=None))]
+#[allow(clippy::too_many_arguments, reason = "they are keywords in Python")]
 pub(crate) fn convert(
     py: Python<'_>,
     input: PathBuf,
@@ -118,12 +120,18 @@ pub(crate) fn convert(
     lossless: bool,
     binary: bool,
     force: bool,
+    sampling_rate: Option<&str>,
 ) -> PyResult<String> {
+    let rate = sampling_rate.map(str::parse::<Exact<Frequency>>);
+    let rate = rate
+        .transpose()
+        .map_err(|error| wrong(py, format!("sampling_rate: {error}")))?;
     let options = ConvertOptions {
         tolerant,
         lossless,
         binary,
         force,
+        rate_hz: rate.as_ref().map(Exact::si),
     };
     done(py, None, move |_, _| {
         json(&rodlab::convert::convert(&input, &output, options)?)

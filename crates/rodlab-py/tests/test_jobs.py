@@ -110,6 +110,11 @@ def test_check_inspect_convert_and_init(polypropylene: Path) -> None:
     assert found["series"][0]["levels"]["greatest"] == samples[0].max()
     done = rodlab.convert(polypropylene / "hits-1.npy", polypropylene / "hits-1.csv")
     assert (done["from"], done["to"]) == ("npy", "csv")
+    timed = polypropylene / "hits-1.wav"
+    with pytest.raises(rodlab.Error, match="expected `--rate`"):
+        rodlab.convert(polypropylene / "hits-1.npy", timed)
+    done = rodlab.convert(polypropylene / "hits-1.npy", timed, sampling_rate_hz=65_536)
+    assert (done["to"], rodlab.inspect(timed)["series"][0]["sampling_rate_hz"]) == ("wav", 65536.0)
     path = rodlab.init("frf", polypropylene / "new.ron")
     assert path.read_text().startswith("// Frequency responses of hits")
     path = rodlab.init("modulus", polypropylene / "member.toml", rig="three-gauges")

@@ -9,6 +9,7 @@ use crate::RodlabError;
 use crate::batch::Shard;
 use crate::convert::ConvertOptions;
 use crate::output::TableFiles;
+use crate::sheet::{Exact, Frequency};
 use crate::sheet_command::{FrfCommand, ModulusCommand, SheetCommand};
 use crate::templates::{JobName, Rig};
 
@@ -54,7 +55,8 @@ pub enum Command {
     /// Convert a recording to another format, given by the extension of the new file.
     #[command(after_help = "Examples:
   rodlab convert hits.tdms hits.csv
-  rodlab convert hits.tdms hits.csv --force     replaces an existing file")]
+  rodlab convert hits.tdms hits.csv --force     replaces an existing file
+  rodlab convert hits.npy hits.wav --rate 51.2kHz")]
     Convert {
         /// The file to read.
         input: PathBuf,
@@ -209,6 +211,9 @@ pub struct ConvertArguments {
     /// Replace the new file if it exists; the file that is read is never replaced.
     #[arg(long)]
     pub force: bool,
+    /// Sampling rate, such as 51.2kHz, if the file does not state it, or states it rounded.
+    #[arg(long, value_name = "RATE")]
+    pub rate: Option<Exact<Frequency>>,
 }
 
 impl ConvertArguments {
@@ -220,6 +225,7 @@ impl ConvertArguments {
             lossless: self.lossless,
             binary: self.binary,
             force: self.force,
+            rate_hz: self.rate.as_ref().map(Exact::si),
         }
     }
 }

@@ -11,6 +11,7 @@ pub(crate) use fit::fitted;
 
 use std::path::Path;
 
+use labio::Contents;
 use labio::format::mat5::Mat5;
 use labio::format::npy::Npy;
 use labio::format::npz::Npz;
@@ -19,10 +20,12 @@ use labio::format::wav::{WavEncoding, WavWriter};
 use labio::format::{self, Strictness, Writer, csv::Csv};
 use serde::Serialize;
 
+use crate::digits::rate;
+use crate::records::state_rate;
 use crate::{RodlabError, cut_short, input, output};
 
 /// Options of a conversion.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct ConvertOptions {
     /// True to convert the readable part of a damaged file, and to list the unreadable parts.
     pub tolerant: bool,
@@ -33,6 +36,9 @@ pub struct ConvertOptions {
     pub binary: bool,
     /// True to replace an existing output.
     pub force: bool,
+    /// Sampling rate \[Hz\] of the time histories, if the file does not state it, or states it
+    /// rounded (by less than 0.1 %).
+    pub rate_hz: Option<f64>,
 }
 
 /// A converted file.
@@ -111,7 +117,8 @@ const ENDINGS: [(&str, &str); 9] = [
 /// [`RodlabError::Read`] or [`RodlabError::Write`] for a file that cannot be opened or written;
 /// [`RodlabError::Step`] if the content of the source cannot be read, or the new format cannot hold
 /// its values; [`RodlabError::Request`] for an existing output, an unknown extension, an unwanted
-/// loss, or `output` equal to `input`.
+/// loss, `output` equal to `input`, or a sampling rate that contradicts that of the file or that a
+/// WAV file needs and nothing states.
 pub fn convert(
     input: &Path,
     output: &Path,
@@ -131,13 +138,15 @@ pub fn convert(
         return Err(is_there(output));
     }
     let bytes = input::read(input)?;
-    let strictness = if options.tolerant {
-        Strictness::Tolerant
-    } else {
-        Strictness::Strict
-    };
-    let reading = |error| RodlabError::step(format!("reading {}", input.display()), error);
-    let contents = format::read_bytes_with(&bytes, strictness).map_err(reading)?;
+    let contents = contents_of(&bytes, input, options)?;
+    let mut series = contents.series.iter();
+    if format == "wav" && series.any(|series| series.abscissa_axis.unit.is_none()) {
+        return Err(RodlabError::request(
+            format!("the sampling rate of {}", input.display()),
+            "not stated in the file",
+            "`--rate` with the rate, such as `--rate 51.2kHz`: a WAV file states it",
+        ));
+    }
     let fitted = fitted(&contents, format);
     let writing = |error| RodlabError::step(format!("converting to {format}"), error);
     let mut written = Vec::new();
@@ -172,6 +181,32 @@ pub fn convert(
         not_read: contents.defects.iter().map(ToString::to_string).collect(),
         lost,
     })
+}
+
+/// Returns the contents of the file `input`, with the sampling rate of the options.
+fn contents_of(
+    bytes: &[u8],
+    input: &Path,
+    options: ConvertOptions,
+) -> Result<Contents, RodlabError> {
+    let mut contents = match (options.rate_hz, options.tolerant) {
+        (_, true) => format::read_bytes_with(bytes, Strictness::Tolerant),
+        (Some(rate_hz), false) => format::read_bytes_at(bytes, rate_hz),
+        (None, false) => format::read_bytes(bytes),
+    }
+    .map_err(|error| RodlabError::step(format!("reading {}", input.display()), error))?;
+    if let Some(rate_hz) = options.rate_hz {
+        let file = input.display().to_string();
+        for series in &mut contents.series {
+            let text = format!("{} Hz", rate(rate_hz));
+            state_rate(series, (rate_hz, &text), "`--rate`", (&file, "no `--rate`"))?;
+            let axis = &mut series.abscissa_axis;
+            if axis.label == "index" && axis.unit.is_some() {
+                "Time".clone_into(&mut axis.label);
+            }
+        }
+    }
+    Ok(contents)
 }
 
 /// Returns the error for an output that exists and must not be replaced.

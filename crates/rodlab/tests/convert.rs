@@ -45,6 +45,7 @@ const LOSSLESS: ConvertOptions = ConvertOptions {
     lossless: true,
     binary: true,
     force: false,
+    rate_hz: None,
 };
 
 /// A MATLAB file holds numbers, intervals and units to the bit; labels, kinds and names with blanks
@@ -241,6 +242,42 @@ fn what_cannot_be_held_is_refused_and_nothing_is_written() {
         ConvertOptions::default(),
     );
     missing.refused().must_begin("cannot read ");
+}
+
+#[test]
+fn a_sampling_rate_is_stated_if_the_file_does_not_state_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let contents = two_channels(vec![0.0, 1.0, 2.0], vec![1.0, 2.0, 3.0]);
+    let timed = source(folder.path(), &contents);
+    let bare = folder.path().join("bare.npy");
+    convert(&timed, &bare, ConvertOptions::default()).unwrap();
+    let wav = folder.path().join("hits.wav");
+    let said = convert(&bare, &wav, ConvertOptions::default()).refused();
+    said.must_say("is not stated in the file, expected `--rate`");
+    let at = |rate_hz| ConvertOptions {
+        rate_hz: Some(rate_hz),
+        force: true,
+        ..ConvertOptions::default()
+    };
+    // 51.2 kHz is the rate of `two_channels`
+    for name in ["hits.wav", "hits.csv"] {
+        let path = folder.path().join(name);
+        convert(&bare, &path, at(51_200.0)).unwrap();
+        let back = format::read(&path).unwrap();
+        assert_eq!(
+            back.series[1].abscissa, contents.series[1].abscissa,
+            "{name}"
+        );
+        assert_eq!(back.series[1].abscissa_axis.unit_text, "s", "{name}");
+        assert_eq!(
+            back.series[1].ordinate, contents.series[1].ordinate,
+            "{name}"
+        );
+    }
+    convert(&timed, &wav, at(51_200.0)).unwrap();
+    let said = convert(&timed, &wav, at(48_000.0)).refused();
+    said.must_begin("`--rate` is 48000 Hz, expected 51200 Hz, as stated in ");
+    said.must_say("or no `--rate`");
 }
 
 #[test]

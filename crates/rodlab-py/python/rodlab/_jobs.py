@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 from . import _rodlab
 from ._result import Result
-from ._sheet import Part, text_of
+from ._sheet import Part, quantity, text_of
 
 if TYPE_CHECKING:
     from tempfile import TemporaryDirectory
@@ -112,6 +112,7 @@ def convert(
     lossless: bool = False,
     binary: bool = False,
     force: bool = False,
+    sampling_rate_hz: float | str | None = None,
 ) -> dict[str, Any]:
     """Writes a recording in another format, given by the extension of `output`: csv, mat, npy, npz, uff, wav.
 
@@ -125,6 +126,8 @@ def convert(
         True to write a universal file with IEEE numbers (58b), which preserves every bit.
     force : bool
         True to replace `output` if it exists.
+    sampling_rate_hz : float or str, optional
+        Sampling rate in Hz, or a text such as ``"51.2 kHz"``, if the file does not state it, or states it rounded (by less than 0.1 %).
 
     Returns
     -------
@@ -135,7 +138,8 @@ def convert(
     ------
     ReadError, WriteError, SheetError
     """
-    done = _rodlab.convert(input, output, tolerant=tolerant, lossless=lossless, binary=binary, force=force)
+    rate = None if sampling_rate_hz is None else quantity(sampling_rate_hz, "Hz", "sampling_rate_hz")
+    done = _rodlab.convert(input, output, tolerant=tolerant, lossless=lossless, binary=binary, force=force, sampling_rate=rate)
     return dict(json.loads(done))
 
 

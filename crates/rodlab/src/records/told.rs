@@ -226,51 +226,15 @@ impl Records {
                 Ok(())
             };
         };
-        let start = match (told, &series.abscissa) {
-            (Some(unit), Abscissa::Even { start, step }) if unit.dimension() == Dimension::TIME => {
-                let told = 1.0 / unit.to_si(*step);
-                if ((rate.si() - told) / told).abs() > ROUNDED_RATE {
-                    return Err(RodlabError::request(
-                        format!("{field}.sampling_rate"),
-                        rate.to_string(),
-                        format!(
-                            "{} Hz, as stated in {file}{by}, or the field left out{remedy}",
-                            digits::rate(told)
-                        ),
-                    ));
-                }
-                unit.to_si(*start)
-            }
-            (None, _) => {
-                let in_seconds = step_without_unit(series).map(|step| step * rate.si());
-                let is_time = |periods: f64| {
-                    SECONDS
-                        .iter()
-                        .any(|unit| (periods * unit - 1.0).abs() < STRANGE_RATE)
-                };
-                if let Some(periods) = in_seconds.filter(|periods| !is_time(*periods)) {
-                    return Err(RodlabError::request(
-                        format!("{field}.sampling_rate"),
-                        rate.to_string(),
-                        format!(
-                            "{} Hz, which the times of {file} give if they are in s",
-                            digits::rate(rate.si() / periods)
-                        ),
-                    ));
-                }
-                0.0
-            }
-            // a missing or uneven time axis is reported later, when records are made
-            _ => return Ok(()),
-        };
-        let second =
-            Unit::parse("s").map_err(|error| RodlabError::step("the unit of time", error))?;
-        series.abscissa_axis.unit = Some(second);
-        series.abscissa = Abscissa::Even {
-            start,
-            step: 1.0 / rate.si(),
-        };
-        Ok(())
+        let field = format!("{field}.sampling_rate");
+        let or = format!("the field left out{remedy}");
+        let source = format!("{file}{by}");
+        state_rate(
+            series,
+            (rate.si(), &rate.to_string()),
+            &field,
+            (&source, &or),
+        )
     }
 
     #[allow(
@@ -337,6 +301,60 @@ impl Records {
         };
         Ok(())
     }
+}
+
+/// States the sampling rate \[Hz\] of `series`, which was read from `file`, or refuses a rate that
+/// contradicts its times. `stated` is the rate as it is written at `field`; `or` is the alternative
+/// to the rate of the file.
+pub(crate) fn state_rate(
+    series: &mut Series,
+    (rate_hz, stated): (f64, &str),
+    field: &str,
+    (file, or): (&str, &str),
+) -> Result<(), RodlabError> {
+    let told = series.abscissa_axis.unit.as_ref();
+    let start = match (told, &series.abscissa) {
+        (Some(unit), Abscissa::Even { start, step }) if unit.dimension() == Dimension::TIME => {
+            let told = 1.0 / unit.to_si(*step);
+            if ((rate_hz - told) / told).abs() > ROUNDED_RATE {
+                return Err(RodlabError::request(
+                    field,
+                    stated,
+                    format!("{} Hz, as stated in {file}, or {or}", digits::rate(told)),
+                ));
+            }
+            unit.to_si(*start)
+        }
+        (None, _) => {
+            let in_seconds = step_without_unit(series).map(|step| step * rate_hz);
+            let is_time = |periods: f64| {
+                SECONDS
+                    .iter()
+                    .any(|unit| (periods * unit - 1.0).abs() < STRANGE_RATE)
+            };
+            if let Some(periods) = in_seconds.filter(|periods| !is_time(*periods)) {
+                return Err(RodlabError::request(
+                    field,
+                    stated,
+                    format!(
+                        "{} Hz, which the times of {file} give if they are in s",
+                        digits::rate(rate_hz / periods)
+                    ),
+                ));
+            }
+            0.0
+        }
+        // a missing or uneven time axis is reported later, when records are made
+        _ => return Ok(()),
+    };
+    let second = Unit::parse("s").map_err(|error| RodlabError::step("the unit of time", error))?;
+    series.abscissa_axis.unit = Some(second);
+    "s".clone_into(&mut series.abscissa_axis.unit_text);
+    series.abscissa = Abscissa::Even {
+        start,
+        step: 1.0 / rate_hz,
+    };
+    Ok(())
 }
 
 /// Returns another series of the file that has the `name` of a channel, if none of the selected
