@@ -75,7 +75,7 @@ pub enum Command {
   rodlab init modulus member.toml --rig three-gauges")]
     Init {
         /// The job.
-        job: JobName,
+        job: Option<JobName>,
         /// The new sheet; by default the name of the job with the extension toml. A file with the
         /// extension ron is written in RON.
         path: Option<PathBuf>,

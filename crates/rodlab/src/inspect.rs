@@ -21,7 +21,7 @@ use serde::Serialize;
 
 use crate::digits::{prefix_for, rate, significant};
 use crate::records::{is_rounded_step, step_without_unit};
-use crate::sheet::snake_case;
+use crate::sheet::{Language, snake_case};
 use crate::{RodlabError, cut_short, input};
 
 /// Contents of a file.
@@ -103,10 +103,28 @@ pub struct InspectedRecord {
 /// # Errors
 ///
 /// [`RodlabError::Read`] if the file cannot be opened, [`RodlabError::Step`] if its format is
-/// unknown or no part of it can be read.
+/// unknown or no part of it can be read, [`RodlabError::Request`] for a test sheet.
 pub fn inspect(path: &Path) -> Result<Inspection, RodlabError> {
     let bytes = input::read(path)?;
-    inspect_bytes(&bytes, &path.display().to_string())
+    let name = path.display().to_string();
+    inspect_bytes(&bytes, &name).map_err(|error| {
+        if is_sheet(path, &bytes) {
+            let expected = format!("a recording: `rodlab check {name}` reads a sheet");
+            RodlabError::request(name.as_str(), "a test sheet", expected)
+        } else {
+            error
+        }
+    })
+}
+
+/// Returns true for a text that begins like a sheet and has the extension of its language.
+fn is_sheet(path: &Path, bytes: &[u8]) -> bool {
+    let language = std::str::from_utf8(bytes).ok().and_then(Language::of);
+    let of_language = |language: Language| {
+        let extension = path.extension();
+        extension.is_some_and(|extension| extension == language.extension())
+    };
+    language.is_some_and(of_language)
 }
 
 /// Describes the contents of `bytes`; `path` is used only as a name.

@@ -122,6 +122,14 @@ fn dispatch(
             rig,
             ron,
         } => {
+            let job = job.ok_or_else(|| {
+                let jobs = JobName::ALL.map(JobName::name).join("`, `");
+                RodlabError::request(
+                    "the job of the new sheet",
+                    "not stated",
+                    format!("one of `{jobs}`: `rodlab init JOB`"),
+                )
+            })?;
             let extension = if *ron { Language::Ron } else { Language::Toml }.extension();
             let path = path
                 .clone()
@@ -133,7 +141,7 @@ fn dispatch(
                     "a file name that ends in `.ron`",
                 ));
             }
-            templates::init(*job, *rig, &path)?;
+            templates::init(job, *rig, &path)?;
             if !arguments.quiet {
                 let path = path.display();
                 say(
@@ -530,7 +538,14 @@ fn demo(
         true => Ok(()),
         false => say(out, &line),
     };
-    templates::init(JobName::Simulate, None, &plan)?;
+    templates::init(JobName::Simulate, None, &plan).map_err(|error| match error {
+        RodlabError::Exists { .. } => RodlabError::request(
+            "the folder of the demo",
+            format!("{}, which has a plan already", folder.display()),
+            format!("a new folder, such as `rodlab demo {}-2`", folder.display()),
+        ),
+        error => error,
+    })?;
     tell(out, format!("> rodlab init simulate {}", plan.display()))?;
     for (job, sheet) in [(JobName::Simulate, plan), (JobName::Modulus, sheet)] {
         tell(

@@ -103,7 +103,9 @@ fn a_demonstration_shows_its_commands_and_finds_the_material_of_its_plan() {
     let sentence = result["summary"][0].as_str().unwrap();
     sentence.must_say("loss factor 0.0");
     // nothing is replaced
-    assert!(refused(folder.path(), &["demo", "first"]).starts_with("status 2\n"));
+    let said = refused(folder.path(), &["demo", "first"]);
+    said.must_begin("status 2\nerror: the folder of the demo is first, ");
+    said.must_say("`rodlab demo first-2`");
 }
 
 #[test]
@@ -327,6 +329,13 @@ fn a_recording_is_inspected_and_converted() {
     assert!(!folder.path().join("hit.xyz").exists());
     let said = refused(folder.path(), &["inspect", "nothing.csv"]);
     said.must_begin("status 2\nerror: cannot read nothing.csv");
+    fs::write(folder.path().join("hit.ron"), FORCE).unwrap();
+    let said = refused(folder.path(), &["inspect", "hit.ron"]);
+    said.must_begin(
+        "status 2\nerror: hit.ron is a test sheet, expected a recording: `rodlab check hit.ron`",
+    );
+    let said = refused(folder.path(), &["init"]);
+    said.must_begin("status 2\nerror: the job of the new sheet is not stated, expected one of `frf`, `modulus`, ");
 }
 
 /// The first channel has its unit from the file; the second has none.
