@@ -268,11 +268,16 @@ fn one_sheet(
         interrupted,
     );
     drop(bar);
-    let done = done.inspect_err(|error| {
+    let done = done.map_err(|error| {
         if command.is_own {
             withdraw(&command.sheet, &folder, err);
         }
-        retract(&command.sheet, &folder, error, err);
+        retract(&command.sheet, &folder, &error, err);
+        if command.is_own {
+            command.in_options(error)
+        } else {
+            error
+        }
     })?;
     let standing = done.outcome.verdict.standing();
     if json {
@@ -283,6 +288,13 @@ fn one_sheet(
         }
         for warning in &done.outcome.warnings {
             say(out, &format!("warning: {warning}"))?;
+        }
+        if !command.options.is_empty() {
+            let (job, sheet) = (job.name(), command.sheet.display());
+            say(
+                out,
+                &format!("The sheet is {sheet}: edit it and run `rodlab {job} {sheet}`"),
+            )?;
         }
         let count = done.files.len();
         let folder = folder.display();
@@ -557,6 +569,7 @@ fn demo(
             out: None,
             tables: TableFiles::default(),
             is_own: false,
+            options: Vec::new(),
         };
         let is_last = job == JobName::Modulus;
         let quiet = arguments.quiet || (arguments.json && !is_last);

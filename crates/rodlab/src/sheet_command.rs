@@ -3,6 +3,8 @@
 //! If the options describe recordings, this description is first written as a sheet, and the sheet
 //! is run. The result refers to the sheet, and the sheet can be edited for a second test.
 
+mod options;
+
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
@@ -12,6 +14,7 @@ use clap::Args;
 use crate::output::{self, TableFiles};
 use crate::sheet::value_and_uncertainty;
 use crate::{RodlabError, input};
+use options::{OF_ROD, options_of};
 
 /// A sheet, and the folder for its results.
 #[derive(Debug, Clone, Args)]
@@ -28,6 +31,10 @@ pub struct SheetCommand {
     /// again if there is no result.
     #[arg(skip)]
     pub is_own: bool,
+    /// Fields of a sheet that was written from options, each with the words for its option; empty
+    /// for another sheet.
+    #[arg(skip)]
+    pub options: Vec<(String, String)>,
 }
 
 /// A channel of recordings, such as `1`, `1:N` or `hammer:V:2.25 mV/N ± 1 %`.
@@ -178,7 +185,12 @@ impl FrfCommand {
         text.push_str("input = \"input\"\n");
         self.recordings
             .write_records(&mut text, "records", &self.files, channels);
-        self.recordings.saved("frf", &text)
+        let outputs = self.output.iter().map(|channel| ("--output", channel));
+        let channels = std::iter::once(("--input", input)).chain(outputs);
+        let mut options = options_of("records", channels);
+        options.push(("input".to_owned(), "`--input`".to_owned()));
+        options.push(("outputs".to_owned(), "`--output`".to_owned()));
+        self.recordings.saved("frf", &text, options)
     }
 }
 
@@ -220,7 +232,10 @@ impl ModulusCommand {
         ];
         self.recordings
             .write_records(&mut text, "source.hits.records", &self.files, channels);
-        self.recordings.saved("modulus", &text)
+        let channels = [("--impacted", impacted), ("--free", free)];
+        let mut options = options_of("source.hits.records", channels);
+        options.extend(OF_ROD.map(|(field, option)| (field.to_owned(), option.to_owned())));
+        self.recordings.saved("modulus", &text, options)
     }
 }
 
@@ -252,6 +267,7 @@ impl Recordings {
             out: self.out.clone(),
             tables: self.tables,
             is_own: false,
+            options: Vec::new(),
         }
     }
 
@@ -316,7 +332,12 @@ impl Recordings {
     /// Writes the sheet of `job` under the stated name, or else under the first of the names
     /// `job.toml`, `job-2.toml`, … that no other sheet has. A file that already contains the same
     /// text is used.
-    fn saved(&self, job: &str, text: &str) -> Result<SheetCommand, RodlabError> {
+    fn saved(
+        &self,
+        job: &str,
+        text: &str,
+        options: Vec<(String, String)>,
+    ) -> Result<SheetCommand, RodlabError> {
         let written = |path: PathBuf| -> Result<SheetCommand, RodlabError> {
             let is_there = path.exists() && input::read(&path)? == text.as_bytes();
             if !is_there {
@@ -324,6 +345,7 @@ impl Recordings {
             }
             Ok(SheetCommand {
                 is_own: !is_there && self.save.is_none(),
+                options: options.clone(),
                 ..self.command(path)
             })
         };

@@ -357,7 +357,7 @@ fn a_refused_command_without_a_sheet_leaves_no_sheet_and_the_earlier_result() {
     for part in [
         "frf.toml, the sheet of this command, was removed",
         "the result in results is an earlier one",
-        "error: records.channels[1].unit is not stated",
+        "error: the unit in `--output 2:UNIT` is not stated",
     ] {
         said.must_say(part);
     }
@@ -369,6 +369,32 @@ fn a_refused_command_without_a_sheet_leaves_no_sheet_and_the_earlier_result() {
         &[&call[..], &["--save", "frf.toml"]].concat(),
     );
     refused(folder.path(), &call);
+    assert!(folder.path().join("frf.toml").is_file());
+}
+
+/// One blow and one response, each of one sample.
+#[test]
+fn a_unit_against_that_of_the_file_is_found_by_check_and_a_written_sheet_is_named() {
+    let samples = (0..64).map(|n| {
+        let force = if n == 20 { 5 } else { 0 };
+        let motion = if n == 21 { 3 } else { 0 };
+        format!("0.{n:03};{force};{motion}\n")
+    });
+    let record = format!(
+        "Time (s);force (N);b (m/s^2)\n{}",
+        samples.collect::<String>()
+    );
+    let sheet = r#"Frf(title: "a", input: "hammer", records: (files: ["hit.csv"], channels: [
+        (name: "hammer", from: 1, unit: "V", sensitivity: "2 mV/N"), (name: "b", from: 2)]))"#;
+    let folder = folder_with(&[("hit.csv", &record), ("frf.ron", sheet)]);
+    let run = rodlab(folder.path(), &["check", "frf.ron"]);
+    assert_eq!(run.status.code(), Some(0), "{}", text(&run.stderr));
+    text(&run.stdout).must_say(
+        "warning: hit.csv states channel 1 in N; the unit of the sheet is used instead, V.",
+    );
+    let call = ["frf", "hit.csv", "--input", "1", "--output", "2"];
+    let run = rodlab(folder.path(), &call);
+    text(&run.stdout).must_say("The sheet is frf.toml: edit it and run `rodlab frf frf.toml`");
     assert!(folder.path().join("frf.toml").is_file());
 }
 
