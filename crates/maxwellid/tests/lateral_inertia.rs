@@ -167,7 +167,8 @@ fn linear_rods_are_those_of_loves_equation() {
     }
 }
 
-/// Nonlinear rods: cells of 0.5 mm, a fiftieth of the shortest wave, leave 1 % of the effect.
+/// Nonlinear rods: with cells of 0.5 mm, a hundredth of the shortest wave, less than 3 % of the
+/// effect of lateral inertia remains.
 #[test]
 fn nonlinear_rods_are_those_of_loves_equation() {
     let single = RodModel::parameters(&norton(), MODULUS);
@@ -181,7 +182,7 @@ fn nonlinear_rods_are_those_of_loves_equation() {
         let thick = integrated(&Material { spring, law: &law });
         let effect = apart(&modelled(model, parameters, 0.0), &thick);
         let left = apart(&modelled(model, parameters, INERTIA), &thick);
-        assert!(effect > 0.01 && left < 0.08 * effect, "{effect} {left}");
+        assert!(effect > 0.01 && left < 0.03 * effect, "{effect} {left}");
     }
 }
 

@@ -656,39 +656,53 @@ fn specimen_in_words(sheet: &IdentifySheet, found: &Found, outcome: &mut Outcome
 /// Poisson's ratio in the warning about lateral inertia.
 const USUAL_POISSON_RATIO: f64 = 0.4;
 
-/// Warns if measured tests are evaluated without lateral inertia, and states the diameter from
-/// which on it matters, for Young's modulus `modulus` \[Pa\].
+/// Shortest wavelength, in diameters, for which the theory of lateral inertia holds.
+const SHORTEST_WAVE: f64 = 3.0;
+
+/// Warns of a measured test that is evaluated without lateral inertia, with the diameter from which
+/// on it matters, and of waves that are too short for its theory. `modulus` is Young's modulus
+/// \[Pa\].
 fn lateral_inertia_in_words(
     sheet: &IdentifySheet,
     found: &Found,
     modulus: Option<f64>,
     outcome: &mut Outcome,
 ) {
-    let is_thin = |test: &TestSheet| {
-        let specimen = test.specimen.as_ref().or(sheet.specimen.as_ref());
-        test.generator.is_none() && specimen.is_some_and(|specimen| specimen.diameter.is_none())
-    };
-    let mut tests = found.tests.iter().zip(&sheet.tests);
-    let (Some((test, of_sheet)), Some(modulus)) = (tests.find(|(_, t)| is_thin(t)), modulus) else {
+    let Some(modulus) = modulus else { return };
+    for (test, of_sheet) in found.tests.iter().zip(&sheet.tests) {
+        let filter = test.unfiltered_excitation().map(|u| u.filter().cutoff_hz());
+        let mut checks = found.recorders.iter();
+        let of_check = checks.find(|check| check.test == of_sheet.name);
+        let specimen = of_sheet.specimen.as_ref().or(sheet.specimen.as_ref());
+        let Some((cutoff, specimen)) = filter.or(of_check.map(|c| c.cutoff_hz)).zip(specimen)
+        else {
+            continue;
+        };
+        let wavelength = (modulus / test.density()).sqrt() / cutoff;
+        let kilohertz = significant(1e-3 * cutoff, 3);
+        let warning = match &specimen.diameter {
+            None if of_sheet.generator.is_none() => {
+                // Love's theory slows waves down by ν²k²D²/16
+                let wave_number = std::f64::consts::TAU / wavelength;
+                let diameter = 0.001_f64.sqrt() * 4.0 / (USUAL_POISSON_RATIO * wave_number);
+                format!(
+                    "lateral inertia is not part of the model. It slows waves of {kilohertz} kHz by 0.1 % in a rod of {} mm diameter with Poisson's ratio {USUAL_POISSON_RATIO}, \
+                     and by more in a thicker one: state `diameter` and `poisson_ratio` of the specimen",
+                    significant(1e3 * diameter, 2),
+                )
+            }
+            Some(diameter) if wavelength < SHORTEST_WAVE * diameter.with_uncertainty().value => {
+                format!(
+                    "waves of {kilohertz} kHz, the cut-off of the recorder, are {} mm long. The theory of lateral inertia holds from {SHORTEST_WAVE} diameters on: \
+                     use a thinner rod or a softer blow",
+                    significant(1e3 * wavelength, 2),
+                )
+            }
+            _ => continue,
+        };
+        outcome.warnings.push(warning);
         return;
-    };
-    let filter = test.unfiltered_excitation().map(|u| u.filter().cutoff_hz());
-    let of_check = found
-        .recorders
-        .iter()
-        .find(|check| check.test == of_sheet.name);
-    let Some(cutoff) = filter.or(of_check.map(|check| check.cutoff_hz)) else {
-        return;
-    };
-    // Love's theory slows waves down by ν²k²D²/16
-    let wave_number = std::f64::consts::TAU * cutoff * (test.density() / modulus).sqrt();
-    let diameter = 0.001_f64.sqrt() * 4.0 / (USUAL_POISSON_RATIO * wave_number);
-    outcome.warnings.push(format!(
-        "lateral inertia is not part of the model. It slows waves of {} kHz by 0.1 % in a rod of {} mm diameter with Poisson's ratio {USUAL_POISSON_RATIO}, \
-         and by more in a thicker one: state `diameter` and `poisson_ratio` of the specimen",
-        significant(1e-3 * cutoff, 3),
-        significant(1e3 * diameter, 2),
-    ));
+    }
 }
 
 fn table_of(comparison: &Comparison) -> Table {

@@ -226,7 +226,7 @@ fn hopkinson_measured_pmma_is_evaluated() {
     assert!(is_remarked(&right, "1.0 % of the peak"));
     // equal impulses within 2.2 % by gauges and positions; a toe before the reflected front turns
     // the forces by 8 %
-    let ratio = quantity(&right, "over that of the transmitted face");
+    let ratio = quantity(&right, "divided by force on the transmitted face");
     let [_, difference] = balance(&right, 103.5, 111.0);
     println!("{ratio} {difference}");
     assert!(
