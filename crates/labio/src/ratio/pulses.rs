@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 use std::ops::Range;
 
-use ndarray::Array2;
+use ndarray::{Array2, ArrayView1};
 
 use super::one_shot::{self, ChannelAtRest};
 use super::{ResponseRatio, check_count};
@@ -78,9 +78,16 @@ pub fn noise_of_cut_pulse(
 }
 
 impl ResponseRatio {
-    /// Returns the ratio of a `later` pulse to an `earlier` one. The error caused by cutting off
-    /// the rest of the pulses is not random, but its size is added to the variance, which is found
-    /// from the coherence of several hits or from the first `n_silent` samples of a single hit.
+    /// Returns the ratio of a `later` pulse to an `earlier` one. The level of a channel at rest,
+    /// which is its mean over the first `n_silent` samples of a hit, is subtracted before the
+    /// pulses are cut out. The error caused by cutting off the rest of the pulses is not random,
+    /// but its size is added to the variance, which is found from the coherence of several hits or
+    /// from the first `n_silent` samples of a single hit.
+    ///
+    /// # Validity
+    ///
+    /// Without `n_silent` the channels must be at 0 before the blow: an offset would count as the
+    /// cut end of a pulse.
     ///
     /// # Errors
     ///
@@ -95,19 +102,21 @@ impl ResponseRatio {
         let count = hits.len() as f64;
         let mut pulses = Vec::with_capacity(hits.len());
         let mut edges = [[0.0; 2]; 2];
+        let mut level_errors = [0.0; 2];
         let mut delay = 0.0;
         let mut repeated: f64 = 1.0;
         let shortest = later.samples.len().min(earlier.samples.len());
         for hit in hits {
-            let (record, [of_earlier, of_later]) = pulses_of(hit, [earlier, later])?;
+            let (record, [of_earlier, of_later]) = pulses_of(hit, n_silent, [earlier, later])?;
             delay += (of_later.centre - of_earlier.centre) / count;
             // noise over the length of the shorter window, in an otherwise silent record
             repeated = repeated.max(hit.n_samples() as f64 / shortest as f64);
-            for (sums, of_hit) in edges.iter_mut().zip([of_earlier.edges, of_later.edges]) {
-                for (sum, edge) in sums.iter_mut().zip(of_hit) {
+            for (sums, pulse) in edges.iter_mut().zip([&of_earlier, &of_later]) {
+                for (sum, edge) in sums.iter_mut().zip(pulse.edges) {
                     *sum += edge / count;
                 }
             }
+            level_errors = [of_earlier.level_error, of_later.level_error];
             pulses.push(record);
         }
         let spectra = AveragedSpectra::of(&pulses, Window::Rectangular)?;
@@ -125,6 +134,11 @@ impl ResponseRatio {
                     at_rest(LATER, &of_later, later),
                     at_rest(EARLIER, &of_earlier, earlier),
                 )?;
+                // several hits show the error of the level in their coherence, a single one does
+                // not
+                for (edges, error) in edges.iter_mut().zip(level_errors) {
+                    *edges = edges.map(|edge: f64| edge.hypot(error));
+                }
                 Self {
                     lines_per_independent_line: repeated,
                     ..ratio
@@ -161,10 +175,26 @@ impl ResponseRatio {
 
 /// A pulse of a hit.
 struct Pulse {
-    /// Values at the edges of the window.
+    /// Values at the edges of the window, relative to the level at rest.
     edges: [f64; 2],
+    /// Standard error of the level at rest.
+    level_error: f64,
     /// Time of the centre of its energy \[s\].
     centre: f64,
+}
+
+/// Returns the level of a channel at rest and its standard error, from the first `n_silent` samples;
+/// both are 0 if their number is not known.
+fn level_at_rest(history: ArrayView1<'_, f64>, n_silent: Option<usize>) -> (f64, f64) {
+    let n_silent = n_silent.unwrap_or(0).min(history.len());
+    if n_silent == 0 {
+        return (0.0, 0.0);
+    }
+    let count = n_silent as f64;
+    let rest = || history.iter().take(n_silent);
+    let level = rest().sum::<f64>() / count;
+    let square = rest().map(|x| (x - level).powi(2)).sum::<f64>() / count;
+    (level, (square / count).sqrt())
 }
 
 /// Returns both pulses of a hit in an otherwise silent record, the earlier pulse first.
@@ -172,7 +202,11 @@ struct Pulse {
     clippy::indexing_slicing,
     reason = "the window is of three samples or more and ends within the hit; the rows are those of the two pulses"
 )]
-fn pulses_of(hit: &Record, windows: [&PulseWindow; 2]) -> Result<(Record, [Pulse; 2]), LabioError> {
+fn pulses_of(
+    hit: &Record,
+    n_silent: Option<usize>,
+    windows: [&PulseWindow; 2],
+) -> Result<(Record, [Pulse; 2]), LabioError> {
     let mut samples = Array2::zeros((2, hit.n_samples()));
     let mut channels = Vec::with_capacity(2);
     let mut pulse = |row: usize, name: &str| {
@@ -193,17 +227,20 @@ fn pulses_of(hit: &Record, windows: [&PulseWindow; 2]) -> Result<(Record, [Pulse
                 expected: range.end + 1,
             });
         }
-        let edges = [history[range.start], history[range.end - 1]];
+        let (level, level_error) = level_at_rest(history, n_silent);
+        let edges = [range.start, range.end - 1].map(|index| history[index] - level);
         let (mut energy, mut moment) = (0.0, 0.0);
         for index in range {
-            samples[[row, index]] = history[index];
-            energy += history[index].powi(2);
-            moment += index as f64 * history[index].powi(2);
+            let value = history[index] - level;
+            samples[[row, index]] = value;
+            energy += value.powi(2);
+            moment += index as f64 * value.powi(2);
         }
         let (_, channel) = crate::channel::find(hit.channels(), &window.channel)?;
         channels.push(Channel::new(name, channel.quantity())?);
         Ok(Pulse {
             edges,
+            level_error,
             centre: moment / energy / hit.sampling_rate_hz(),
         })
     };

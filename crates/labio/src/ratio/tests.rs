@@ -189,6 +189,49 @@ fn a_pulse_without_its_tail_errs_as_it_states() {
     assert_eq!(text(&window(395..1000)), beyond);
 }
 
+/// A bridge with an offset of half the peak: with the level at rest subtracted, ratio and variance
+/// are those without offset, up to rounding; without it, the offset counts as a cut pulse.
+#[test]
+fn an_offset_does_not_change_the_ratio_of_pulses() {
+    let hits = |offset: f64| {
+        [6, 7, 8].map(|seed| {
+            let noise = Noise::seeded(seed).added_to(&[0.0; 1000], 1.0);
+            let samples = Array2::from_shape_fn((1, 1000), |(_, n)| {
+                let bump = |at: f64| (-((n as f64 - at) / 8.0).powi(2)).exp();
+                offset + bump(200.0) - 0.5 * bump(500.0) + 1e-4 * noise[n]
+            });
+            Record::of_test(samples, RATE, &[("gauge", Quantity::Strain)])
+        })
+    };
+    let window = |samples| PulseWindow {
+        channel: "gauge".to_owned(),
+        samples,
+    };
+    let (earlier, later) = (window(150..350), window(350..650));
+    let (right, lifted) = (hits(0.0), hits(0.5));
+    let ratio = |hits: &[Record], n_silent| {
+        let hits: Vec<&Record> = hits.iter().collect();
+        ResponseRatio::of_pulses(&hits, n_silent, &later, &earlier).unwrap()
+    };
+    for count in [1, 3] {
+        let expected = ratio(&right[..count], Some(100));
+        let found = ratio(&lifted[..count], Some(100));
+        for line in [20, 50] {
+            let off = (found.values[line] - expected.values[line]).norm();
+            let relative = found.variance[line] / expected.variance[line];
+            // rounding of samples of 1 at lines of a hundredth of the largest
+            assert!(
+                off < 1e-11 && (relative - 1.0).abs() < 1e-8,
+                "{off} {relative}"
+            );
+        }
+    }
+    // edges of 0.5 are hundreds of times those of noise
+    let raw = ratio(&lifted, None).variance[20];
+    let level = ratio(&lifted, Some(100)).variance[20];
+    assert!(raw > 1e4 * level, "{raw} {level}");
+}
+
 #[test]
 fn ratios_of_other_programs_are_checked() {
     let values = vec![Complex64::new(0.0, 2.0); 3];

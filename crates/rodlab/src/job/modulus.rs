@@ -316,7 +316,7 @@ pub(super) fn run_with(
     if let Some(trend) = &trend {
         drift::state(&mut outcome, &found, trend)?;
     }
-    let reasons = reasons::of(found.estimate);
+    let reasons = reasons::of(found.estimate, &measured.cut_pulses);
     statement::state(&mut outcome, &found, &reasons);
     if context.draw.is_none() {
         let mistake = mistaken::sensors(sheet, &measured, spectra, found.estimate);

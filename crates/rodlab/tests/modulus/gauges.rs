@@ -127,4 +127,11 @@ fn pulses_in_a_long_rod_give_the_modulus_by_two_sections_and_by_one() {
         }
         assert!(count >= fewest, "{count}");
     }
+    // the reflected pulse at the second section, after the incident one
+    let later = two.replace(
+        r#"from: "2.0 ms", to: "3.0 ms""#,
+        r#"from: "3.0 ms", to: "4.2 ms""#,
+    );
+    let said = json(&run(folder.path(), &sheet(&later)).unwrap());
+    said.must_say("between the windows `first` and `second` lies another pulse");
 }

@@ -155,6 +155,8 @@ pub(super) struct Measured {
     pub(super) doubts: Vec<String>,
     /// Spectra of each accepted hit alone; empty if the method uses all hits together.
     pub(super) each: Vec<Spectra>,
+    /// Clauses about windows that cut off a part of a pulse.
+    pub(super) cut_pulses: Vec<String>,
     /// Numbers of the accepted hits, counted from 0 over all hits that were found.
     pub(super) accepted: Vec<usize>,
     /// Number of hits that were found.

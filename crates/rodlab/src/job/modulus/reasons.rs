@@ -15,14 +15,20 @@ const STRETCHES_NAMED: usize = 4;
 /// Reason for a line on which the number of waves is in doubt.
 const UNCOUNTED: &str = "number of waves in doubt";
 
+/// Reasons for a line with a large random error.
+const OF_MODULUS: &str = "error of E' above its limit";
+const OF_LOSS_FACTOR: &str = "error of the loss factor above its limit";
+
 /// The reasons of all lines.
 pub(super) struct Reasons {
     /// Short reasons for each line of the estimate; empty for a valid line.
     pub(super) of_line: Vec<Vec<&'static str>>,
     counts: Vec<(&'static str, usize)>,
+    /// Clauses about windows that cut off a part of a pulse.
+    cut_pulses: Vec<String>,
 }
 
-pub(super) fn of(estimate: &ModulusEstimate) -> Reasons {
+pub(super) fn of(estimate: &ModulusEstimate, cut_pulses: &[String]) -> Reasons {
     let mut of_line = Vec::with_capacity(estimate.lines().len());
     let mut counts: BTreeMap<&'static str, usize> = BTreeMap::new();
     for line in estimate.lines() {
@@ -41,7 +47,11 @@ pub(super) fn of(estimate: &ModulusEstimate) -> Reasons {
     }
     let mut counts: Vec<(&'static str, usize)> = counts.into_iter().collect();
     counts.sort_by(|a, b| b.1.cmp(&a.1).then(a.0.cmp(b.0)));
-    Reasons { of_line, counts }
+    Reasons {
+        of_line,
+        counts,
+        cut_pulses: cut_pulses.to_vec(),
+    }
 }
 
 /// Returns a violation in words, without its numbers.
@@ -56,10 +66,8 @@ fn in_few_words(violation: &Violation) -> &'static str {
         Violation::RootNotFollowed { .. } => "root lost where two roots meet",
         Violation::SeriesTruncated { .. } => "series in the mass ratio not accurate enough",
         Violation::NearSingular { .. } => "too near a singular frequency for this noise",
-        Violation::ErrorTooLarge { quantity: "E'", .. } => "error of E' above its limit",
-        Violation::ErrorTooLarge { .. } | Violation::LossWithinNoise { .. } => {
-            "error of the loss factor above its limit"
-        }
+        Violation::ErrorTooLarge { quantity: "E'", .. } => OF_MODULUS,
+        Violation::ErrorTooLarge { .. } | Violation::LossWithinNoise { .. } => OF_LOSS_FACTOR,
         Violation::LateralInertiaTooLarge { quantity: "E'", .. } => {
             "lateral inertia not corrected: error of E' above its limit"
         }
@@ -84,7 +92,7 @@ fn advice(reason: &str) -> Option<&'static str> {
         }
         "wavelength below five diameters" => "a thinner rod reaches higher frequencies",
         "wavelength above five lengths" => "a longer rod reaches lower frequencies",
-        "error of E' above its limit" | "error of the loss factor above its limit" => {
+        OF_MODULUS | OF_LOSS_FACTOR => {
             "more hits, sensors with less noise, or a longer rod for the low frequencies"
         }
         "too near a singular frequency for this noise" | "errors amplified above the limit" => {
@@ -146,9 +154,16 @@ impl Reasons {
     }
 
     /// Returns a sentence with the remedy for the most frequent reason; `None` if there is no
-    /// general remedy.
+    /// general remedy. If a window cuts off a part of a pulse, the error of the cut exceeds that of
+    /// the noise, which more hits would reduce.
     pub(super) fn advice_in_words(&self) -> Option<String> {
         let (reason, _) = self.counts.first()?;
+        if matches!(*reason, OF_MODULUS | OF_LOSS_FACTOR) && !self.cut_pulses.is_empty() {
+            return Some(format!(
+                "For more valid lines: windows that contain the whole pulses, or pulses further apart (a gauge elsewhere, a shorter blow); {}, and what is cut off is part of the errors.",
+                self.cut_pulses.join(", and ")
+            ));
+        }
         Some(format!("For more valid lines: {}.", advice(reason)?))
     }
 

@@ -96,6 +96,7 @@ pub(super) fn of_file(
         sampling_rate_hz: None,
         doubts: Vec::new(),
         each: Vec::new(),
+        cut_pulses: Vec::new(),
         accepted: Vec::new(),
         n_found: 0,
     })

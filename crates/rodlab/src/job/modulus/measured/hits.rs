@@ -103,6 +103,7 @@ pub(super) fn of_hits(
         sampling_rate_hz: accepted.first().map(|hit| hit.sampling_rate_hz()),
         doubts,
         each: Vec::new(),
+        cut_pulses: Vec::new(),
         accepted: found
             .hits()
             .enumerate()
@@ -150,9 +151,15 @@ pub(super) fn of_hits(
             Spectra::Ratio(ratio.map_err(ratio_refused)?)
         }
         FromHits::Pulses { earlier, later } => {
+            let names = [earlier.field.as_str(), later.field.as_str()];
             let earlier = pulses::window(&earlier, &accepted)?;
             let later = pulses::window(&later, &accepted)?;
-            let ratio = ResponseRatio::of_pulses(&accepted, silent, &later, &earlier);
+            let windows = [&earlier, &later];
+            let n_rest = pulses::samples_for_level(&accepted, windows, silent)?;
+            let other = pulses::between(&accepted, windows, names, n_rest)?;
+            measured.doubts.extend(other);
+            measured.cut_pulses = pulses::cut(&accepted, windows, names, n_rest)?;
+            let ratio = ResponseRatio::of_pulses(&accepted, n_rest, &later, &earlier);
             Spectra::Ratio(ratio.map_err(ratio_refused)?)
         }
         FromHits::Gauges { gauges, .. } => {
