@@ -11,6 +11,7 @@
 mod coupling;
 mod criteria;
 mod cut;
+mod cut_force;
 mod exchanged;
 mod found;
 mod hum;

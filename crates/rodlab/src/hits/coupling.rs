@@ -70,7 +70,7 @@ impl FoundHits {
 }
 
 /// Returns true for a force, and for the signal of a sensor without calibration.
-fn may_be_a_force(quantity: Quantity) -> bool {
+pub(super) fn may_be_a_force(quantity: Quantity) -> bool {
     matches!(
         quantity,
         Quantity::Force | Quantity::Voltage | Quantity::Charge

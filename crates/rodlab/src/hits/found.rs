@@ -281,7 +281,7 @@ impl FoundHits {
 
 /// Returns increasing numbers as text, with three or more consecutive numbers as a range:
 /// `1, 2, 4-7`.
-fn ranges(numbers: &[usize]) -> String {
+pub(super) fn ranges(numbers: &[usize]) -> String {
     let runs = numbers.chunk_by(|a, b| a + 1 == *b);
     let words: Vec<String> = runs
         .map(|run| match run {

@@ -187,6 +187,9 @@ fn find(
         outcome.doubt(doubt);
     }
     outcome.warnings.extend(found.reversed(&sheet.input)?);
+    if let Some(doubt) = found.cut_force(&sheet.input)? {
+        outcome.doubt(doubt);
+    }
     if sheet.force_window.is_none() {
         let from_hz = sheet.band.as_ref().map(|band| band.from.si());
         let coupling = found.coupling(&sheet.input, from_hz)?;

@@ -255,6 +255,9 @@ impl HitsSource {
             outcome.doubt(doubt);
         }
         outcome.warnings.extend(found.reversed(&self.force)?);
+        if let Some(doubt) = found.cut_force(&self.force)? {
+            outcome.doubt(doubt);
+        }
         if self.force_window.is_none() {
             let coupling = found.coupling(&self.force, None)?;
             for doubt in found.hum(&self.force)?.into_iter().chain(coupling) {
