@@ -1,7 +1,9 @@
 //! The checks of one hit.
 
 use super::double_hit::second_contact;
-use super::rest::{BEYOND_NOISE, HIT_OVER_PEAK, LEAST_REST, PASSAGE_OVER_PEAK, Rest, onset_of};
+use super::rest::{
+    BEYOND_NOISE, HIT_OVER_PEAK, LEAST_REST, PASSAGE_OVER_PEAK, Rest, mean_of_blocks, onset_of,
+};
 use super::{Criteria, Reason};
 use crate::quantization::{are_multiples, smallest_step};
 use crate::spectra::ending::{End, Ending};
@@ -273,15 +275,25 @@ impl Criteria {
         true
     }
 
+    /// Checks the level at the end. The median of a motion that still rings differs from its level
+    /// if its swings to both sides have different shapes, such as the passages of a pulse in a bar;
+    /// its samples are not independent either. The mean of the last part, with the error shown by
+    /// its blocks, must therefore be shifted as well.
     fn check_shift(&self, signal: &Signal<'_>, reasons: &mut Vec<Reason>) {
         let (rest, peak) = (signal.rest, signal.peak);
-        let Some(end) = Rest::of(signal.end_of(TAIL)) else {
+        let tail = signal.end_of(TAIL);
+        let Some(end) = Rest::of(tail) else {
             return;
         };
         if let Some(limit) = self.level_shift {
-            let shift = (end.level - rest.level).abs();
-            let error = rest.level_error().hypot(end.level_error());
-            if shift > limit * peak && shift > LEVELS_APART * error {
+            let is_shift = |level: f64, error: f64| {
+                let shift = (level - rest.level).abs();
+                let error = rest.level_error().hypot(error);
+                shift > limit * peak && shift > LEVELS_APART * error
+            };
+            let mean_is_shifted =
+                mean_of_blocks(tail).is_none_or(|(mean, error)| is_shift(mean, error));
+            if is_shift(end.level, end.level_error()) && mean_is_shifted {
                 reasons.push(Reason::LevelShift {
                     channel: signal.channel.to_owned(),
                     before: rest.level,

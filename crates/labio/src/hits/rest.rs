@@ -119,6 +119,27 @@ impl Rest {
     }
 }
 
+/// Number of equal blocks whose means show the error of the mean of a signal.
+const BLOCKS: usize = 8;
+
+/// Returns the mean of `samples` and its standard error from the scatter of the means of eight
+/// equal blocks, which is also right for a signal that rings with periods shorter than a block;
+/// `None` for fewer than eight samples. Up to seven samples at the beginning are left out.
+pub(super) fn mean_of_blocks(samples: &[f64]) -> Option<(f64, f64)> {
+    let length = samples.len() / BLOCKS;
+    if length == 0 {
+        return None;
+    }
+    let blocks = samples.rchunks_exact(length).take(BLOCKS);
+    let means: Vec<f64> = blocks
+        .map(|block| block.iter().sum::<f64>() / length as f64)
+        .collect();
+    let count = BLOCKS as f64;
+    let mean = means.iter().sum::<f64>() / count;
+    let square: f64 = means.iter().map(|x| (x - mean).powi(2)).sum();
+    Some((mean, (square / (count * (count - 1.0))).sqrt()))
+}
+
 fn median(values: &mut [f64]) -> Option<f64> {
     let n = values.len();
     if n == 0 {

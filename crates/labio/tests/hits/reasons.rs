@@ -138,6 +138,32 @@ fn levels_before_and_after_must_agree() {
     );
 }
 
+/// A short pulse in every tenth sample, with a mean of 0 and a median 2.5 % of the peak below the
+/// level: the body still moves, but its level has not shifted.
+#[test]
+fn the_median_of_a_motion_that_goes_on_is_no_level_shift() {
+    let record = hit(|k, _, _, a| {
+        if k >= ONSET {
+            *a += if k.is_multiple_of(10) { 90.0 } else { -10.0 };
+        }
+    });
+    assert!(matches!(only(&record), Reason::NotDecayed { .. }));
+    // the remainder of 30 is 0.1 % of that under such a window, 0.03 of 400
+    let weighed = Criteria::default().with_end_weight(1e-3).unwrap();
+    assert_eq!(weighed.judge(&record, FORCE, None).unwrap(), []);
+    // the same motion about a level that shifts by 12, 3 % of the peak
+    let shifted = hit(|k, _, _, a| {
+        if k >= ONSET {
+            *a += if k.is_multiple_of(10) { 78.0 } else { -22.0 };
+        }
+    });
+    let found = weighed.judge(&shifted, FORCE, None).unwrap();
+    assert!(
+        matches!(found[..], [Reason::LevelShift { .. }]),
+        "{found:?}"
+    );
+}
+
 #[test]
 fn a_channel_that_rests_far_from_zero_is_refused() {
     // like the documented failure of a shock test: an amplifier that recovers from 140 000
