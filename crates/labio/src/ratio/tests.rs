@@ -219,9 +219,9 @@ fn an_offset_does_not_change_the_ratio_of_pulses() {
         for line in [20, 50] {
             let off = (found.values[line] - expected.values[line]).norm();
             let relative = found.variance[line] / expected.variance[line];
-            // rounding of samples of 1 at lines of a hundredth of the largest
+            // rounding of 1e-16, compared with samples of 1 and with a 1 - γ² of 1e-8
             assert!(
-                off < 1e-11 && (relative - 1.0).abs() < 1e-8,
+                off < 1e-11 && (relative - 1.0).abs() < 1e-7,
                 "{off} {relative}"
             );
         }
