@@ -18,7 +18,7 @@ mod files;
 mod told;
 
 pub use channel::{BridgeSheet, ChannelSheet, Selector, Sensitivity};
-pub(crate) use clipped::clipped;
+pub(crate) use clipped::{clipped, is_lost};
 pub(crate) use expect::{channel_called, expect_motion};
 pub use expect::{expect_different_files, expect_quantity};
 pub(crate) use told::{is_rounded_step, state_rate, step_without_unit};

@@ -425,6 +425,50 @@ fn f3_hits_in_a_band_tell_peak_and_impulse_with_their_errors() {
     );
 }
 
+/// The recorder of the blow is at full scale at 60 % of the peak.
+#[test]
+fn a_clipped_blow_is_in_doubt() {
+    let folder = TempDir::new().unwrap();
+    strike(folder.path(), "hit", BODY, HAMMER);
+    strike(folder.path(), "blow", BODY, BLOW);
+    let path = folder.path().join("blow1.csv");
+    let text = fs::read_to_string(&path).unwrap();
+    let acceleration = |line: &str| line.split(',').nth(2).and_then(|x| x.parse::<f64>().ok());
+    let peak = text.lines().filter_map(acceleration).fold(0.0, f64::max);
+    let clipped: Vec<String> = text
+        .lines()
+        .map(|line| match acceleration(line) {
+            Some(value) => {
+                let mut cells: Vec<String> = line.split(',').map(str::to_owned).collect();
+                cells[2] = value.min(0.6 * peak).to_string();
+                cells.join(",")
+            }
+            None => line.to_owned(),
+        })
+        .collect();
+    fs::write(&path, clipped.join("\n")).unwrap();
+    let outcome = attempt(folder.path(), &sheet(HITS, ACTING)).unwrap();
+    let reasons = doubts(&outcome).join("; ");
+    reasons.must_say("the blow: clipped: `face`");
+}
+
+/// The spectrum of a raised cosine of 0.3 ms has its first zero at 6.7 kHz.
+#[test]
+fn a_band_that_ends_below_the_content_of_the_blow_is_named() {
+    let folder = TempDir::new().unwrap();
+    let noise = 0.9;
+    strike(folder.path(), "hit", BODY, Hammer { noise, ..HAMMER });
+    strike(folder.path(), "blow", BODY, Hammer { noise, ..BLOW });
+    for (to, is_told) in [("5 kHz", true), ("7 kHz", false)] {
+        let text = sheet(HITS, &format!(r#"band: (from: "20 Hz", to: "{to}")"#));
+        let outcome = attempt(folder.path(), &text).unwrap();
+        let told = |w: &String| w.contains("at the end of the band");
+        assert_eq!(outcome.warnings.iter().any(told), is_told, "{to}");
+        let peak = quantity(&outcome, "peak force");
+        peak.verdict.must_say("peak of the force in the band");
+    }
+}
+
 const TWO: &str = r#"record: (files: ["blow1.csv"], channels: [(name: "face", from: "acceleration"), (name: "tail", from: "behind"), (name: "hammer", from: "force")]),
     response: "face", compare_with: "hammer""#;
 

@@ -11,6 +11,7 @@ mod impact_sheet;
 mod impact_tables;
 mod response;
 mod response_answer;
+mod response_band;
 mod response_figures;
 mod response_problem;
 mod response_sheet;

@@ -17,12 +17,16 @@ pub(crate) fn clipped(
     };
     let reasons = Criteria::bar().judge(record, reference, None);
     let reasons = reasons.map_err(|error| RodlabError::step(field, error))?;
-    let is_fault = |reason: &Reason| match reason {
+    let faults = reasons.iter().filter(|reason| is_lost(reason, channels));
+    Ok(faults.map(|reason| format!("{field}: {reason}")).collect())
+}
+
+/// Returns true for a reason that states that one of `channels` is clipped or has a drop-out.
+pub(crate) fn is_lost(reason: &Reason, channels: &[&str]) -> bool {
+    match reason {
         Reason::Clipped { channel, .. } | Reason::DropOut { channel, .. } => {
             channels.contains(&channel.as_str())
         }
         _ => false,
-    };
-    let faults = reasons.into_iter().filter(is_fault);
-    Ok(faults.map(|reason| format!("{field}: {reason}")).collect())
+    }
 }

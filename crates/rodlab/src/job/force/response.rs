@@ -12,7 +12,7 @@ use crate::digits::short;
 use crate::hits::{FoundHits, windows_of_analyser};
 use crate::job::JobContext;
 use crate::outcome::Setting;
-use crate::records::{expect_motion, expect_quantity};
+use crate::records::{expect_motion, expect_quantity, is_lost};
 use crate::responses::{HitsSource, line_spacing_hz};
 use crate::{Outcome, RodlabError};
 
@@ -96,11 +96,7 @@ pub(super) fn run(
         );
         return Ok(());
     };
-    let channels: Vec<&str> = std::iter::once(&sheet.response)
-        .chain(sheet.further.iter().map(|further| &further.response))
-        .map(String::as_str)
-        .collect();
-    for doubt in windows_of_analyser(&[&record], &channels)? {
+    for doubt in windows_of_analyser(&[&record], &responses_of(sheet))? {
         outcome.doubt(doubt);
     }
     check_lines(
@@ -241,6 +237,13 @@ fn refuse(outcome: &mut Outcome, reason: String) {
     outcome.refuse(reason);
 }
 
+/// Channels of the responses.
+fn responses_of(sheet: &ResponseSheet) -> Vec<&str> {
+    let further = sheet.further.iter().map(|further| &further.response);
+    let all = std::iter::once(&sheet.response).chain(further);
+    all.map(String::as_str).collect()
+}
+
 fn read_blow(
     sheet: &ResponseSheet,
     context: &JobContext<'_>,
@@ -279,16 +282,24 @@ fn read_blow(
     if sheet.hit.is_some() {
         outcome.log.extend(found.log());
     } else {
+        let doubted = doubted(&responses_of(sheet), &found);
         for mut entry in found.log() {
             entry.what = format!("the blow: {}", entry.what);
             if !entry.accepted {
-                outcome.warnings.push(format!(
-                    "The blow is used as it is, although it fails checks of hits: {}.",
-                    entry.reasons.join("; ")
-                ));
+                let reasons = entry.reasons.iter().filter(|one| !doubted.contains(one));
+                let reasons: Vec<&str> = reasons.map(String::as_str).collect();
+                if !reasons.is_empty() {
+                    outcome.warnings.push(format!(
+                        "The blow is used as it is, although it fails checks of hits: {}.",
+                        reasons.join("; ")
+                    ));
+                }
                 entry.accepted = true;
             }
             outcome.log.push(entry);
+        }
+        for doubt in doubted {
+            outcome.doubt(format!("the blow: {doubt}"));
         }
     }
     let n_taken = match &sheet.hit {
@@ -301,6 +312,15 @@ fn read_blow(
         ));
     }
     Ok(found)
+}
+
+/// Returns the reasons for which a response to the evaluated blow is clipped or has a drop-out: a
+/// part of it was not recorded, and neither peak nor impulse of the force follows from the rest.
+fn doubted(channels: &[&str], found: &FoundHits) -> Vec<String> {
+    let blow = found.hits().find(|found| found.hit.record().is_some());
+    let reasons = blow.iter().flat_map(|blow| blow.hit.reasons());
+    let lost = reasons.filter(|reason| is_lost(reason, channels));
+    lost.map(ToString::to_string).collect()
 }
 
 /// Checks that path and record have the same line spacing (the path may end at a lower frequency),

@@ -7,6 +7,7 @@ use impulse::{
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
+use super::response_band;
 use super::response_problem::{Noise, Problem};
 use super::response_solve::window;
 use crate::digits::{significant, with_unit};
@@ -203,6 +204,7 @@ pub(super) fn tell(
         compared(difference, solved, bands.level, outcome);
     }
     warnings(problem, solved, outcome);
+    response_band::warn_of_end(problem, solved, outcome);
     quantities(
         problem,
         solved,
@@ -343,7 +345,8 @@ fn quantities(
         (RandomErrorOfForce::Estimated { .. }, None) => "error from the residual",
         _ => "the error is not known: the force reproduces the response to the last digit",
     };
-    add("peak force", "N", Some(peak.force), peak_error, of_error);
+    let of_peak = response_band::named(problem, of_error);
+    add("peak force", "N", Some(peak.force), peak_error, &of_peak);
     if let Some(interval) = solved.peak_interval {
         let verdict = "95 % profile interval, without tension";
         let [low, high] = interval.wide;
