@@ -98,6 +98,22 @@ fn a_delay_between_the_channels_is_acausal_and_active() {
     );
 }
 
+/// Lines that are 10 % too large leave a step of a twentieth of 1/M before the impulse.
+#[test]
+fn a_stated_error_of_the_scale_is_not_energy_before_the_impulse() {
+    let scaled: Vec<Complex64> = exact().iter().map(|line| line * 1.1).collect();
+    let is_acausal = |body: MeasuredBody| {
+        let flags = body.screen().flags();
+        flags
+            .iter()
+            .any(|flag| matches!(flag, ScreeningFlag::Acausal { .. }))
+    };
+    assert!(is_acausal(measured(&scaled)));
+    assert!(!is_acausal(
+        measured(&scaled).with_scale_error(0.05).unwrap()
+    ));
+}
+
 #[test]
 fn a_reversed_sensor_is_active_at_every_line() {
     let reversed: Vec<Complex64> = exact().iter().map(|line| -line).collect();

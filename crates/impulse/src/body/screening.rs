@@ -7,6 +7,7 @@ pub use finding::{
 };
 
 use std::f64::consts::PI;
+use std::ops::Range;
 
 use super::{LowFrequency, MeasuredBody};
 use crate::fourier;
@@ -16,6 +17,10 @@ use num_complex::Complex64;
 /// Number of standard uncertainties of the delay; a line that a delay within this range would make
 /// passive does not count as active.
 const DELAYS: f64 = 3.0;
+
+/// Number of standard uncertainties of scale and weighed mass within which the mass of the
+/// rigid-body motion is chosen so that least energy is before the impulse.
+const SCALES: f64 = 3.0;
 
 /// Numbers of neighbouring lines whose mean real part is tested.
 const WIDTHS: [usize; 3] = [1, 8, 64];
@@ -79,30 +84,27 @@ impl MeasuredBody {
 
     fn causality(&self, conductance: f64) -> Causality {
         let remainder = self.remainder(conductance);
-        let last = (remainder.len() - 1) as f64;
-        let roll_off = |line: usize| 0.5 + 0.5 * (PI * line as f64 / last).cos();
-        let rolled: Vec<Complex64> = remainder
-            .iter()
-            .enumerate()
-            .map(|(line, value)| value * roll_off(line))
-            .collect();
-        let n_samples = 2 * (rolled.len() - 1);
-        let mut samples = fourier::to_samples(&rolled, n_samples);
+        let n_samples = 2 * (remainder.len() - 1);
+        let near = NEAR_IMPULSE.min(n_samples / 8);
+        let ahead_of_impulse = n_samples / 2..n_samples - near;
+        let mut samples = rolled_off(&remainder);
+        self.take_rigid(&mut samples, ahead_of_impulse.clone());
         // relative to the largest sample, so that no square overflows or underflows
         let largest = samples.iter().fold(0.0_f64, |top, g| top.max(g.abs()));
         if largest > 0.0 {
             samples.iter_mut().for_each(|g| *g /= largest);
         }
         let energy = |samples: &[f64]| samples.iter().map(|g| g * g).sum::<f64>();
-        let near = NEAR_IMPULSE.min(n_samples / 8);
-        let ahead = samples.get(n_samples / 2..n_samples - near);
+        let ahead = samples.get(ahead_of_impulse);
         let ahead = energy(ahead.unwrap_or_default());
         let all = energy(samples.get(near..n_samples - near).unwrap_or_default());
         let share = |part: f64| if all > 0.0 { part / all } else { 0.0 };
         let expected_from_noise = self.variance().map(|variances| {
             let lines = variances.iter().enumerate();
             let noise: f64 = lines
-                .map(|(line, variance)| 2.0 * variance / largest / largest * roll_off(line).powi(2))
+                .map(|(line, variance)| {
+                    2.0 * variance / largest / largest * roll_off(line, remainder.len()).powi(2)
+                })
                 .sum();
             // the noise is distributed evenly over the period; the samples are unscaled sums over
             // both sides of the spectrum
@@ -111,6 +113,42 @@ impl MeasuredBody {
         Causality {
             acausal_part: share(ahead),
             expected_from_noise,
+        }
+    }
+
+    /// Removes from `samples` the part of the rigid-body motion that an error of the scale or of the
+    /// weighed mass leaves in them.
+    ///
+    /// Lines with the relative error e of their scale and a mass with the relative error d leave
+    /// $`(e + d)/(i\omega M)`$ after the rigid-body motion is removed: a step of half
+    /// $`(e + d)/M`$ on either side of the impulse, which decreases linearly over half a period.
+    /// $`e + d`$ is found from the samples `ahead` of the impulse, within the stated uncertainties.
+    fn take_rigid(&self, samples: &mut [f64], ahead: Range<usize>) {
+        let LowFrequency::Free(weighed) = self.low_frequency() else {
+            return;
+        };
+        let most = SCALES
+            * self
+                .scale_error()
+                .hypot(weighed.standard_error / weighed.mass);
+        if most <= 0.0 {
+            return;
+        }
+        let lines = 0..self.mobility().len();
+        let rigid = rolled_off(&lines.map(|line| self.rigid(line)).collect::<Vec<_>>());
+        // relative to the largest sample, so that no square overflows or underflows
+        let largest = rigid.iter().fold(0.0_f64, |top, g| top.max(g.abs()));
+        let (mut product, mut square) = (0.0, 0.0);
+        for (sample, rigid) in samples.iter().zip(&rigid).take(ahead.end).skip(ahead.start) {
+            let rigid = rigid / largest;
+            product += sample / largest * rigid;
+            square += rigid * rigid;
+        }
+        let error = (product / square).clamp(-most, most);
+        if error.is_finite() {
+            for (sample, rigid) in samples.iter_mut().zip(&rigid) {
+                *sample -= error * rigid;
+            }
         }
     }
 
@@ -367,6 +405,21 @@ fn of_sum(weights: &[f64], variances: &[(f64, f64)]) -> (f64, f64) {
         by_freedom += part * part / freedom;
     }
     (sum.sqrt(), sum * sum / by_freedom)
+}
+
+/// Returns the factor of a line by which the lines are rolled off towards the last of `n_lines`.
+fn roll_off(line: usize, n_lines: usize) -> f64 {
+    0.5 + 0.5 * (PI * line as f64 / (n_lines - 1) as f64).cos()
+}
+
+/// Returns the impulse response of rolled-off `lines`, summed over both sides of the spectrum.
+fn rolled_off(lines: &[Complex64]) -> Vec<f64> {
+    let rolled: Vec<Complex64> = lines
+        .iter()
+        .enumerate()
+        .map(|(line, value)| value * roll_off(line, lines.len()))
+        .collect();
+    fourier::to_samples(&rolled, 2 * (rolled.len() - 1))
 }
 
 /// Least squares with three terms.

@@ -41,7 +41,9 @@ const FRONT_TOLERANCE: f64 = 0.1;
 #[non_exhaustive]
 pub struct Causality {
     /// $`\sum_{t<0}g^2/\sum g^2`$ of the impulse response without rigid-body motion and
-    /// instantaneous response, with lines rolled off.
+    /// instantaneous response, with lines rolled off. The mass of the rigid-body motion is chosen,
+    /// within three stated uncertainties of scale and mass, so that least energy is before the
+    /// impulse: an error of the scale otherwise leaves a step there.
     pub acausal_part: f64,
     /// The part expected from the variances; `None` without variances.
     pub expected_from_noise: Option<f64>,
