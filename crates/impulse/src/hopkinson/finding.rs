@@ -121,6 +121,11 @@ pub enum Finding {
     NoEquilibrium {
         /// Median magnitude of the index while the specimen is loaded.
         index: f64,
+        /// Share of the loaded samples whose forces differ by more than 0.05 of their mean plus the
+        /// errors.
+        outside: f64,
+        /// Share of these samples that lie after the largest strain.
+        unloading: f64,
     },
     /// Equilibrium was assumed and cannot be checked.
     EquilibriumSupposed,
@@ -227,9 +232,15 @@ impl fmt::Display for Finding {
                 f,
                 "the force of the incident bar is {ratio:.3} ± {standard_error:.3} times that of the transmitted bar throughout: check gauge factors, diameters and moduli of the bars"
             ),
-            Self::NoEquilibrium { index } => write!(
+            Self::NoEquilibrium {
+                index,
+                outside,
+                unloading,
+            } => write!(
                 f,
-                "the forces of the two faces do not become equal and stay so: their difference is {index:.2} of their mean in the median, expected at most 0.05 up to the end of the loading"
+                "the forces of the two faces do not become equal and stay so: at {:.0} % of the loaded samples they differ by more than 0.05 of their mean plus the errors, expected at most 5 % from some time on; {:.0} % of these samples are after the largest strain; in the median the difference is {index:.3} of the mean",
+                100.0 * outside,
+                100.0 * unloading
             ),
             Self::EquilibriumSupposed => f.write_str(
                 "the force of the incident face was taken from the transmitted bar: equilibrium is assumed, not verified",
@@ -432,8 +443,11 @@ fn balance(result: &HopkinsonResult, test: &HopkinsonTest, findings: &mut Vec<Fi
         let loaded = equilibrium.index.iter().filter(|index| index.is_finite());
         let mut sizes: Vec<f64> = loaded.map(|index| index.abs()).collect();
         sizes.sort_by(f64::total_cmp);
+        let [loading, unloading] = equilibrium.outside.map(|count| count as f64);
         findings.push(Finding::NoEquilibrium {
             index: sizes.get(sizes.len() / 2).copied().unwrap_or(f64::NAN),
+            outside: (loading + unloading) / (sizes.len() as f64).max(1.0),
+            unloading: unloading / (loading + unloading).max(1.0),
         });
     }
 }

@@ -96,8 +96,10 @@ pub struct Equilibrium {
     /// Standard error of the index; `(n_samples)`.
     pub standard_error: Vec<f64>,
     /// Time from which on 95 % of the loaded samples have an index of at most 0.05 plus two
-    /// standard errors \[s\].
+    /// standard errors, three after the largest strain \[s\].
     pub from: Option<f64>,
+    /// Numbers of loaded samples with a larger index: up to the largest strain, and after it.
+    pub outside: [usize; 2],
     /// Ratio of the force of the incident face to that of the transmitted face, from their
     /// impulses.
     pub force_ratio: f64,
@@ -204,6 +206,7 @@ impl HopkinsonResult {
                 index: Vec::new(),
                 standard_error: Vec::new(),
                 from: None,
+                outside: [0; 2],
                 force_ratio: f64::NAN,
                 force_ratio_error: f64::NAN,
             },
@@ -309,6 +312,14 @@ impl HopkinsonResult {
             .map(|(at, _)| at)
     }
 
+    /// Index of the first sample after the largest strain of the loaded samples.
+    fn unloading(&self) -> usize {
+        let strain = self.curves.of(Curve::Strain).iter().enumerate();
+        let loaded = strain.take(self.loaded.end).skip(self.loaded.start);
+        let largest = loaded.max_by(|(_, a), (_, b)| a.total_cmp(b));
+        largest.map_or(self.loaded.end, |(at, _)| at + 1)
+    }
+
     fn judged(&self, separation: WaveSeparation) -> Equilibrium {
         let (f1, f2) = (self.curves.of(Curve::Force1), self.curves.of(Curve::Force2));
         let difference = self.curves.of(Curve::ForceDifference);
@@ -316,17 +327,26 @@ impl HopkinsonResult {
         let mut index = vec![f64::NAN; f1.len()];
         let mut standard_error = vec![f64::NAN; f1.len()];
         let mut held = vec![false; f1.len()];
+        let mut outside = [0; 2];
+        let unloading = self.unloading();
         let samples = f1.iter().zip(f2).zip(difference.iter().zip(&errors));
         let outputs = index.iter_mut().zip(&mut standard_error).zip(&mut held);
-        for (((f1, f2), (difference, error)), ((index, own), held)) in samples
+        for (at, (((f1, f2), (difference, error)), ((index, own), held))) in samples
             .zip(outputs)
+            .enumerate()
             .take(self.loaded.end)
             .skip(self.loaded.start)
         {
             let mean = 0.5 * (f1 + f2);
             *index = difference / mean;
             *own = (error / mean).abs();
-            *held = index.abs() <= INDEX_LIMIT + 2.0 * *own;
+            // while the specimen is unloaded, the error of the difference is that of its time, common
+            // to all samples: with two standard errors, one correct shot in twenty would fail
+            let (part, errors) = if at < unloading { (0, 2.0) } else { (1, 3.0) };
+            *held = index.abs() <= INDEX_LIMIT + errors * *own;
+            if !*held && let Some(count) = outside.get_mut(part) {
+                *count += 1;
+            }
         }
         let (mut holding, mut all, mut start) = (0.0, 0.0, None);
         for (at, held) in held
@@ -362,6 +382,7 @@ impl HopkinsonResult {
             index,
             standard_error,
             from: start.filter(enough).map(|at| self.time_at(at)),
+            outside,
             force_ratio: sum_1 / sum_2,
             force_ratio_error: (by_sources.sqrt().hypot(by_noise) / sum_2).abs(),
         }

@@ -222,6 +222,7 @@ fn hopkinson_measured_pmma_is_evaluated() {
     assert_eq!(status, 3, "{words}");
     // 12 um/m of 1330 are there before the reflection
     words.must_say("do not become equal");
+    words.must_say("of these samples are after the largest strain");
     words.must_say("the face of the incident bar pulls");
     assert!(is_remarked(&right, "1.0 % of the peak"));
     // equal impulses within 2.2 % by gauges and positions; a toe before the reflected front turns
