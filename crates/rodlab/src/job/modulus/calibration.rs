@@ -130,7 +130,10 @@ pub(super) fn state(
 /// Returns the median of the random errors of the valid lines, relative to the modulus; 0 without
 /// valid lines.
 fn noise(estimate: &ModulusEstimate) -> f64 {
-    let valid = estimate.lines().iter().filter(|line| line.validity.is_valid());
+    let valid = estimate
+        .lines()
+        .iter()
+        .filter(|line| line.validity.is_valid());
     let mut errors: Vec<f64> = valid
         .map(|line| line.uncertainty.random.modulus.mean_square().sqrt() / line.modulus.norm())
         .collect();
