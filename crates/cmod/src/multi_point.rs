@@ -24,6 +24,7 @@ pub mod advice;
 mod calibration;
 mod follow;
 mod line;
+mod other_root;
 mod projection;
 mod spectra;
 mod start;
@@ -37,26 +38,35 @@ pub use three_point::{MOST_NOISE_AT_THE_MIDDLE, ThreePoint};
 pub use uncertainty::GaugeUncertainty;
 pub use waves::{Quantity, WavesAtSection};
 
-use std::f64::consts::TAU;
+use std::f64::consts::{FRAC_PI_4, TAU};
 use std::iter;
 
+use num_complex::Complex64;
 use statrs::distribution::{ContinuousCDF, FisherSnedecor};
 
 use crate::branch::BranchDoubt;
 use crate::complex_frequency::ComplexFrequency;
 use crate::error::{CmodError, check_not_negative};
-use crate::estimate::{Acceptance, Method, ModulusEstimate, ModulusLine, Refusal, VarianceFreedom};
+use crate::estimate::{
+    Acceptance, Method, ModulusEstimate, ModulusLine, Refusal, Termination, VarianceFreedom,
+};
 use crate::self_calibration::continuation;
 use crate::validity::{AcceptanceLimits, Violation};
 use follow::Expectation;
 use line::SolvedLine;
-use projection::{Projection, TestWaves};
+use other_root::{LineOnCourse, Root, decide};
+use projection::{Details, Objective, Projection, TestWaves};
 use spectra::WhiteLine;
 use waves::LineOfWaves;
 
 /// Maximum ratio of noise to signal of a valid line, as root mean squares over all gauges, that is,
 /// a signal of 10.5 dB above the noise.
 pub const MOST_NOISE: f64 = 0.3;
+
+/// Maximum distance of two roots of a line from the expected root, in radians over the distance
+/// over which waves are counted. Farther roots are excluded by the tracking of the wave number
+/// alone.
+const NEAR: f64 = FRAC_PI_4;
 
 /// Method for three or more gauges at any positions, by least squares.
 ///
@@ -234,6 +244,9 @@ impl MultiPoint {
     ///
     /// where all rows are divided by the noise of their gauge.
     ///
+    /// Where the gauges leave two roots near each other, the lines before and after the line decide
+    /// between them; if they do not, the line is [doubtful](BranchDoubt::OtherRoot).
+    ///
     /// # Errors
     /// Errors of the `spectra` as a whole: [`CmodError::NoLines`], [`CmodError::NoTests`],
     /// [`CmodError::Frequency`], [`CmodError::FrequencyOrder`], [`CmodError::SpectraOfTest`],
@@ -315,7 +328,10 @@ impl MultiPoint {
             self.settings.wave_speed,
             self.added_damping,
         );
+        let distance = aperture / (n_rows - 1) as f64;
         let mut expectation = None;
+        let mut solved: Vec<SolvedRoot> = Vec::with_capacity(usable.len());
+        let mut courses: Vec<LineOnCourse> = Vec::with_capacity(usable.len());
         for &index in &usable {
             let Some(&frequency_hz) = spectra.frequency_hz.get(index) else {
                 continue;
@@ -324,10 +340,8 @@ impl MultiPoint {
                 modulus.add(index, frequency_hz, Err(Refusal::Undetermined));
                 continue;
             };
-            let omega = TAU * frequency_hz;
             let expectation = expectation.get_or_insert_with(|| {
-                let distance = aperture / (n_rows - 1) as f64;
-                Expectation::new(start.slowness, distance, omega)
+                Expectation::new(start.slowness, distance, TAU * frequency_hz)
             });
             if let Err(reason) = white.load(spectra, index) {
                 modulus.add(index, frequency_hz, Err(reason));
@@ -341,20 +355,65 @@ impl MultiPoint {
                 (start.doubt, most_misfit),
                 &mut amplitudes,
             );
-            let judged = match line {
-                Ok((line, fit, freedom)) => {
-                    let acceptance = Acceptance::of_line(self.settings.limits, freedom)?;
-                    let rod = (&self.rod, self.end_mass);
-                    let judged = line.into_modulus(rod, &self.uncertainty, &acceptance);
-                    judged.inspect(|_| fits.push(fit))
+            match line {
+                Ok((line, course)) => {
+                    solved.push(line);
+                    courses.push(course);
                 }
-                Err(reason) => Err(reason),
+                Err(reason) => {
+                    amplitudes.truncate(kept);
+                    modulus.add(index, frequency_hz, Err(reason));
+                }
+            }
+        }
+        for decision in decide(&mut courses, distance) {
+            let place = decision.place;
+            let (Some(line), Some(course)) = (solved.get_mut(place), courses.get(place)) else {
+                continue;
             };
-            if judged.is_err() {
-                amplitudes.truncate(kept);
+            if decision.is_other && white.load(spectra, line.line.index).is_ok() {
+                let mut waves = Vec::with_capacity(n_tests);
+                let root = FoundRoot {
+                    gamma: course.root.gamma,
+                    evaluated_at: None,
+                    termination: line.other.unwrap_or(line.line.termination),
+                };
+                let doubt = start.as_ref().and_then(|start| start.doubt);
+                let frequency = (line.line.index, line.line.frequency);
+                let doubts = (doubt, most_misfit);
+                let other =
+                    self.at_root(frequency, &white, &mut projection, root, doubts, &mut waves);
+                if let Ok((other, _)) = other {
+                    *line = other;
+                    let old = amplitudes.iter_mut().skip(place * n_tests);
+                    old.zip(waves).for_each(|(old, new)| *old = new);
+                }
+            }
+            let violations = &mut line.line.violations;
+            let is_doubted = violations
+                .iter()
+                .any(|of| matches!(of, Violation::BranchAmbiguous(_)));
+            if let Some(doubt) = decision.doubt.filter(|_| !is_doubted) {
+                violations.insert(0, Violation::BranchAmbiguous(doubt));
+            }
+        }
+        let mut kept = Vec::with_capacity(solved.len());
+        for SolvedRoot {
+            line, fit, freedom, ..
+        } in solved
+        {
+            let (index, frequency_hz) = (line.index, line.frequency.hz());
+            let acceptance = Acceptance::of_line(self.settings.limits, freedom)?;
+            let rod = (&self.rod, self.end_mass);
+            let judged = line.into_modulus(rod, &self.uncertainty, &acceptance);
+            kept.push(judged.is_ok());
+            if judged.is_ok() {
+                fits.push(fit);
             }
             modulus.add(index, frequency_hz, judged);
         }
+        let mut of_waves = kept.iter().flat_map(|kept| iter::repeat_n(*kept, n_tests));
+        amplitudes.retain(|_| of_waves.next() == Some(true));
         Ok(MultiPointEstimate {
             modulus,
             fits,
@@ -384,6 +443,8 @@ impl MultiPoint {
         Ok(n * law.inverse_cdf(0.999))
     }
 
+    /// Solves one line from the value expected from the previous lines, and looks for another root
+    /// near the root found.
     fn solve(
         &self,
         (index, frequency_hz): (usize, f64),
@@ -391,11 +452,12 @@ impl MultiPoint {
         (projection, expectation): (&mut Projection, &mut Expectation),
         (start, most_misfit): (Option<BranchDoubt>, f64),
         amplitudes: &mut Vec<TestWaves>,
-    ) -> Result<(SolvedLine, LineFit, Option<VarianceFreedom>), Refusal> {
+    ) -> Result<(SolvedRoot, LineOnCourse), Refusal> {
         let frequency = ComplexFrequency::new(frequency_hz, self.added_damping);
         let omega = frequency.omega();
+        let expected = expectation.gamma(omega);
         let minimum = projection
-            .minimise(expectation.gamma(omega), white)
+            .minimise(expected, white)
             .ok_or(Refusal::Undetermined)?;
         // γ and -γ describe the same pair of waves.
         let (gamma, evaluated_at) = if minimum.gamma.im < 0.0 {
@@ -403,19 +465,88 @@ impl MultiPoint {
         } else {
             (minimum.gamma, minimum.evaluated_at)
         };
+        let root = FoundRoot {
+            gamma,
+            evaluated_at,
+            termination: minimum.termination,
+        };
         let doubt = expectation.doubt(omega, gamma);
+        let (mut solved, details) = self.at_root(
+            (index, frequency),
+            white,
+            projection,
+            root,
+            (start.or(doubt), most_misfit),
+            amplitudes,
+        )?;
+        let is_reliable =
+            minimum.termination.was_successful() && !doubt.is_some_and(|d| d.is_ambiguous());
+        let mut course = LineOnCourse {
+            omega,
+            root: Root {
+                gamma,
+                misfit: details.objective.misfit,
+                information: details.objective.information,
+            },
+            other: None,
+            is_reliable,
+            variance: white.variance,
+            power: white.power,
+            degrees_of_freedom: solved.fit.degrees_of_freedom,
+        };
+        if is_reliable {
+            let mirrored = details.mirrored(gamma);
+            let is_near = |gamma: Complex64| {
+                (gamma - expected).norm() * expectation.distance() < NEAR && gamma.im > 0.0
+            };
+            // the iteration may also return to the first root
+            let is_distinct =
+                |found: Complex64| (found - gamma).norm() > 0.25 * (mirrored - gamma).norm();
+            let other = is_near(mirrored)
+                .then(|| projection.minimise(mirrored, white))
+                .flatten()
+                .filter(|other| other.termination.was_successful())
+                .filter(|other| is_near(other.gamma) && is_distinct(other.gamma));
+            if let Some((other, objective)) = other.and_then(|other| {
+                let objective = projection.evaluate(other.gamma, white)?;
+                Some((other, objective))
+            }) {
+                solved.other = Some(other.termination);
+                course.other = Some(Root {
+                    gamma: other.gamma,
+                    misfit: objective.misfit,
+                    information: objective.information,
+                });
+            }
+            // A line that two waves do not explain must not affect the following lines.
+            let excess = solved.fit.chi_square.map_or(1.0, |chi| {
+                (chi / solved.fit.degrees_of_freedom as f64).max(1.0)
+            });
+            expectation.update(omega, gamma, details.objective.information / excess);
+        }
+        Ok((solved, course))
+    }
+
+    /// Returns the line with its errors at a root, and appends its waves to `amplitudes`.
+    fn at_root(
+        &self,
+        (index, frequency): (usize, ComplexFrequency),
+        white: &WhiteLine,
+        projection: &mut Projection,
+        FoundRoot {
+            gamma,
+            evaluated_at,
+            termination,
+        }: FoundRoot,
+        (doubt, most_misfit): (Option<BranchDoubt>, f64),
+        amplitudes: &mut Vec<TestWaves>,
+    ) -> Result<(SolvedRoot, Details), Refusal> {
         let details = projection
             .details(gamma, evaluated_at, white, amplitudes)
             .ok_or(Refusal::Undetermined)?;
         let degrees_of_freedom = 2 * (white.n_tests() * (white.weights.len() - 2) - 1);
         let chi_square = (white.variance > 0.0 && degrees_of_freedom > 0)
             .then_some(2.0 * details.objective.misfit);
-        if minimum.termination.was_successful() && !doubt.is_some_and(|d| d.is_ambiguous()) {
-            // A line that two waves do not explain must not affect the following lines.
-            let excess = chi_square.map_or(1.0, |chi| (chi / degrees_of_freedom as f64).max(1.0));
-            expectation.update(omega, gamma, details.objective.information / excess);
-        }
-
         let influence = if self.uncertainty.is_of_gauges() || self.end_mass > 0.0 {
             projection
                 .influence(gamma, white)
@@ -429,7 +560,7 @@ impl MultiPoint {
             shares.map_or(freedom, |shares| freedom.of_sum(shares.into_iter()))
         });
         let mut violations = Vec::new();
-        violations.extend(start.or(doubt).map(Violation::BranchAmbiguous));
+        violations.extend(doubt.map(Violation::BranchAmbiguous));
         if let Some(chi_square) = chi_square
             && chi_square > most_misfit
         {
@@ -455,7 +586,7 @@ impl MultiPoint {
             curvature: details.curvature,
             amplification: (white.mean_power() / details.objective.information).sqrt(),
             closed_form: None,
-            termination: minimum.termination,
+            termination,
             violations,
         };
         let (forward, backward, shared) = details.waves_covariance;
@@ -475,8 +606,33 @@ impl MultiPoint {
                 ),
             },
         };
-        Ok((line, fit, freedom))
+        let solved = SolvedRoot {
+            line,
+            fit,
+            freedom,
+            other: None,
+        };
+        Ok((solved, details))
     }
+}
+
+/// Root of one line.
+#[derive(Debug, Clone, Copy)]
+struct FoundRoot {
+    gamma: Complex64,
+    /// Objective at γ, or at a negligible distance from it; `None` if another γ was evaluated
+    /// later.
+    evaluated_at: Option<Objective>,
+    termination: Termination,
+}
+
+/// Line at its root.
+struct SolvedRoot {
+    line: SolvedLine,
+    fit: LineFit,
+    freedom: Option<VarianceFreedom>,
+    /// Termination of the iteration to another root near the root found.
+    other: Option<Termination>,
 }
 
 /// Returns the value of chi-square that noise alone exceeds on one line in a thousand, by the

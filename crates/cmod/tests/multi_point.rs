@@ -7,3 +7,4 @@ mod exact;
 mod frame;
 mod free_end;
 mod refusals;
+mod two_roots;

@@ -37,6 +37,11 @@ impl Expectation {
         Complex64::new(self.slowness.re.max(0.0), self.slowness.im) * omega
     }
 
+    /// Returns the distance over which waves are counted \[m\].
+    pub(super) fn distance(&self) -> f64 {
+        self.distance
+    }
+
     /// Returns the expected advance of the phase over the distance since the last line.
     fn advance(&self, omega: f64) -> f64 {
         self.slowness.im * (omega - self.last_omega) * self.distance

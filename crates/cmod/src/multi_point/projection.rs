@@ -53,6 +53,18 @@ pub(super) struct Details {
     pub(super) waves_covariance: (f64, f64, Complex64),
     /// Second-order error of γ divided by |δγ|² [m].
     pub(super) curvature: f64,
+    /// Second-order part q of the residual along its tangent, d^H q, where the residual is P b - δγ
+    /// d - δγ² q.
+    pub(super) along: Complex64,
+}
+
+impl Details {
+    /// Returns the point at which the residual vanishes again to second order, γ - d^H d/d^H q. For
+    /// a line with as many unknowns as values this is γ - 2g'/g'' for the ratio g(γ) that it
+    /// solves.
+    pub(super) fn mirrored(&self, gamma: Complex64) -> Complex64 {
+        gamma - self.objective.information / self.along
+    }
 }
 
 /// Minimum of the misfit V.
@@ -102,6 +114,8 @@ pub(super) struct Projection {
     basis: [Vec<Complex64>; 2],
     /// Product A'c of one test.
     slope: Vec<Complex64>,
+    /// Tangent d of one test.
+    tangent: Vec<Complex64>,
     /// Elements r₁₁, r₁₂, r₂₂ of the upper triangular matrix R in A = [q₁, q₂] R.
     r: (f64, Complex64, f64),
 }
@@ -144,6 +158,7 @@ impl Projection {
             slope_columns: [column(), column()],
             basis: [column(), column()],
             slope: column(),
+            tangent: column(),
             r: (1.0, Complex64::ZERO, 1.0),
         }
     }
@@ -493,10 +508,16 @@ impl Projection {
             None => self.evaluate(gamma, line)?,
         };
         let mut bend = 0.0;
+        let mut along = Complex64::ZERO;
         for values in line.values.chunks_exact(self.n_gauges()) {
             let c = self.amplitudes(self.coefficients(values.iter().copied()));
             let w = self.set_slope(c);
             let drift = self.amplitudes(w);
+            let [q1, q2] = &self.basis;
+            let slopes = self.slope.iter().zip(q1.iter().zip(q2));
+            for (d, (slope, (q1, q2))) in self.tangent.iter_mut().zip(slopes) {
+                *d = slope - w[0] * q1 - w[1] * q2;
+            }
             // P(A''c/2 - A'A⁺A'c): second-order change of the residual, beyond the tangent d, for a
             // change of γ by 1
             let [first, second] = &self.slope_columns;
@@ -521,8 +542,11 @@ impl Projection {
             }
             let z = self.coefficients(self.slope.iter().copied());
             let [q1, q2] = &self.basis;
-            for (s, (q1, q2)) in self.slope.iter().zip(q1.iter().zip(q2)) {
-                bend += (s - z[0] * q1 - z[1] * q2).norm_sqr();
+            let slopes = self.slope.iter().zip(&self.tangent);
+            for ((s, d), (q1, q2)) in slopes.zip(q1.iter().zip(q2)) {
+                let q = s - z[0] * q1 - z[1] * q2;
+                bend += q.norm_sqr();
+                along += d.conj() * q;
             }
             waves.push(TestWaves {
                 amplitudes: c,
@@ -537,6 +561,7 @@ impl Projection {
             objective,
             waves_covariance: (forward, backward, shared),
             curvature: (bend / objective.information).sqrt(),
+            along,
         })
     }
 }
@@ -638,6 +663,35 @@ mod tests {
         // dominates.
         let coth = (gamma * 0.1).cosh() / (gamma * 0.1).sinh();
         assert!((details.curvature / (0.05 * coth.norm()) - 1.0).abs() < 0.2);
+    }
+
+    /// Three equidistant gauges solve cosh γa = Ψ, whose roots near ka = π are γ and 2πi/a - γ. The
+    /// mirrored point is near the other root, and both minima are exact.
+    #[test]
+    fn the_mirrored_point_leads_to_the_other_root() {
+        let mut projection = Projection::new(&[0.0, 0.1, 0.2]);
+        let gamma = Complex64::new(0.3, 30.9);
+        let values: Vec<Complex64> = [0.0, 0.1, 0.2]
+            .iter()
+            .map(|x| (-gamma * x).exp() + 0.4 * (gamma * x).exp())
+            .collect();
+        let line = WhiteLine {
+            power: values.iter().map(Complex64::norm_sqr).sum(),
+            values,
+            weights: vec![1.0; 3],
+            variance: 1.0,
+            has_free_end: false,
+        };
+        let details = projection
+            .details(gamma, None, &line, &mut Vec::new())
+            .unwrap();
+        let other = Complex64::new(0.0, std::f64::consts::TAU / 0.1) - gamma;
+        let mirrored = details.mirrored(gamma);
+        // cosh is nearly a parabola there: its next order is (|other - γ| a/2)²/3 = 0.0012; P adds
+        // a term of the same size
+        assert!((mirrored - other).norm() < 0.01 * (other - gamma).norm());
+        let found = projection.minimise(mirrored, &line).unwrap();
+        assert!((found.gamma - other).norm() < 1e-9 * other.norm());
     }
 
     #[test]
