@@ -133,5 +133,5 @@ fn pulses_in_a_long_rod_give_the_modulus_by_two_sections_and_by_one() {
         r#"from: "3.0 ms", to: "4.2 ms""#,
     );
     let said = json(&run(folder.path(), &sheet(&later)).unwrap());
-    said.must_say("between the windows `first` and `second` lies another pulse");
+    said.must_say("the windows `first` and `second` lies another pulse");
 }

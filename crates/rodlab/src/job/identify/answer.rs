@@ -342,7 +342,19 @@ fn tell_verdict(found: &Found, is_biased: bool, outcome: &mut Outcome) {
             .filter_map(|index| comparison.laws.get(*index))
             .any(|law| law.is_linear == linear),
     };
+    let is_unsettled = |law: &&FittedLaw| law.standing == Standing::Possible && law.is_unsettled();
+    let unsettled = found.laws.iter().find(is_unsettled);
+    let not_settled = |law: &FittedLaw| {
+        format!(
+            "the fit of {} does not converge, so that none of its parameters is stated",
+            law.law.name()
+        )
+    };
     if !found.laws.iter().any(has_damping) {
+        if let Some(law) = unsettled {
+            outcome.refuse(not_settled(law));
+            return;
+        }
         let of_rod = if found.may_be_elastic() {
             "within their noise, the rod may be elastic"
         } else {
@@ -354,9 +366,6 @@ fn tell_verdict(found: &Found, is_biased: bool, outcome: &mut Outcome) {
         return;
     }
     if !found.laws.iter().any(stands) {
-        let is_unsettled =
-            |law: &&FittedLaw| law.standing == Standing::Possible && law.is_unsettled();
-        let mut unsettled = found.laws.iter().filter(is_unsettled);
         let reason = if is_none {
             "none of the laws explains the data, so that none of their parameters is a property of the material: the specimen, the instruments or their errors are not as stated, \
              or lateral inertia slows the short waves (state `diameter` and `poisson_ratio` of the specimen)"
@@ -371,11 +380,8 @@ fn tell_verdict(found: &Found, is_biased: bool, outcome: &mut Outcome) {
                 "the recorder biases the nonlinear laws, and no other law remains: none of their parameters is identified ({})",
                 found.why_biased()
             )
-        } else if let Some(law) = unsettled.next() {
-            format!(
-                "the fit of {} does not converge, so that none of its parameters is stated",
-                law.law.name()
-            )
+        } else if let Some(law) = unsettled {
+            not_settled(law)
         } else {
             "the data do not determine the damping of any remaining law".to_owned()
         };
