@@ -1,4 +1,4 @@
-//! What the end of a band takes from a force.
+//! Effect of the end of a band on a force from a response.
 
 use impulse::ReconstructedForce;
 use rodwave::fourier::RealFourier;
