@@ -51,8 +51,8 @@ pub struct LumpedRod<L> {
     stress: Vec<f64>,
     /// F at the last mid-step, the predictor of the next one
     inelastic_rate: Vec<f64>,
-    /// with a spring in parallel: share of the branch of the law in the modulus, and the stress in
-    /// it
+    /// Share of the branch of the law in the modulus, and the stress in it; `None` without a spring
+    /// in parallel.
     branch: Option<(f64, Vec<f64>)>,
     dissipated: f64,
 }

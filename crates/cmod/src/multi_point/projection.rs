@@ -638,23 +638,28 @@ mod tests {
         assert!((found.gamma - GAMMA).norm() < 1e-13 * GAMMA.norm());
     }
 
+    /// Two waves at three equidistant gauges.
+    fn three_gauges(gamma: Complex64) -> WhiteLine {
+        let values: Vec<Complex64> = [0.0, 0.1, 0.2]
+            .iter()
+            .map(|x| (-gamma * x).exp() + 0.4 * (gamma * x).exp())
+            .collect();
+        WhiteLine {
+            power: values.iter().map(Complex64::norm_sqr).sum(),
+            values,
+            weights: vec![1.0; 3],
+            variance: 1.0,
+            has_free_end: false,
+        }
+    }
+
     /// Compares the curvature, |q|/|d| in |P(γ+δ)b| = |δ d + δ² q + ...|, with the curvature of the
     /// closed form for three equidistant gauges.
     #[test]
     fn the_curvature_is_the_second_order_of_the_residual() {
         let mut projection = Projection::new(&[0.0, 0.1, 0.2]);
         let gamma = Complex64::new(0.9, 28.0);
-        let values: Vec<Complex64> = [0.0, 0.1, 0.2]
-            .iter()
-            .map(|x| (-gamma * x).exp() + 0.4 * (gamma * x).exp())
-            .collect();
-        let line = WhiteLine {
-            power: values.iter().map(Complex64::norm_sqr).sum(),
-            values,
-            weights: vec![1.0; 3],
-            variance: 1.0,
-            has_free_end: false,
-        };
+        let line = three_gauges(gamma);
         let details = projection
             .details(gamma, None, &line, &mut Vec::new())
             .unwrap();
@@ -671,17 +676,7 @@ mod tests {
     fn the_mirrored_point_leads_to_the_other_root() {
         let mut projection = Projection::new(&[0.0, 0.1, 0.2]);
         let gamma = Complex64::new(0.3, 30.9);
-        let values: Vec<Complex64> = [0.0, 0.1, 0.2]
-            .iter()
-            .map(|x| (-gamma * x).exp() + 0.4 * (gamma * x).exp())
-            .collect();
-        let line = WhiteLine {
-            power: values.iter().map(Complex64::norm_sqr).sum(),
-            values,
-            weights: vec![1.0; 3],
-            variance: 1.0,
-            has_free_end: false,
-        };
+        let line = three_gauges(gamma);
         let details = projection
             .details(gamma, None, &line, &mut Vec::new())
             .unwrap();

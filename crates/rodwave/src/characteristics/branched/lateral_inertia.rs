@@ -223,7 +223,7 @@ mod tests {
     use crate::band_limited::SampledHistory;
     use crate::inelastic::MaxwellNorton;
 
-    /// Without lateral inertia, the leapfrog and the characteristics solve the same equations.
+    /// Compares the leapfrog without lateral inertia with the characteristics.
     #[test]
     fn a_thin_rod_is_that_of_the_characteristics() {
         let rate = 102_400.0;
