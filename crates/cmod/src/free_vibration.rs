@@ -141,8 +141,8 @@ impl FreeVibration {
         phase
     }
 
-    /// Returns γ at the frequency of the vibration for which -ρω²/γ² is the modulus that is
-    /// continued from the pole to iω.
+    /// Returns γ at the frequency ω of the vibration, such that -ρω²/γ² is the modulus at iω,
+    /// extrapolated from the pole.
     fn gamma(&self, pole: &Pole) -> Complex64 {
         let gamma = Complex64::new(0.0, self.phase(pole.order) / self.length);
         // E = ρs²/γ²: at iω the same modulus belongs to γ iω/s

@@ -114,8 +114,8 @@ impl Resonances {
         ))
     }
 
-    /// Returns the method for the ratio of the accelerations of the two ends. Only the distance of
-    /// the driven end is uncertain.
+    /// Returns the method for the ratio of the accelerations of the two ends. The distance of the
+    /// free end, 0, has no uncertainty.
     fn equation(&self, rod: RodWithFreeEnd) -> Result<FreeEnd, CmodError> {
         let [first, second] = [self.length, 0.0].map(|distance| EndSection {
             distance,

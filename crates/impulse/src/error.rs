@@ -113,7 +113,7 @@ pub enum ImpulseError {
     /// Truncation may not be used for a force without tension: it removes components that such a
     /// force requires.
     #[error(
-        "a force without tension cannot be regularised by truncation, expected no or Tikhonov regularisation"
+        "a force without tension cannot be regularised by truncation, expected Tikhonov regularisation or none"
     )]
     TruncatedWithoutTension,
     /// The eigenvalue iteration did not converge.

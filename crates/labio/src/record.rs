@@ -100,8 +100,8 @@ impl Record {
     /// - [`LabioError::UnknownChannel`]: no channel has that name.
     /// - [`LabioError::UnitMismatch`]: the chain does not fit the unit in which the channel was
     ///   recorded.
-    /// - [`LabioError::NonFiniteSample`]: a recorded number has no physical value, for example a
-    ///   voltage that no strain produces.
+    /// - [`LabioError::NonFiniteSample`]: the chain gives no finite value for a recorded sample,
+    ///   for example for a voltage that no strain produces.
     ///
     /// # Examples
     ///
@@ -298,8 +298,8 @@ impl Record {
     ///
     /// # Errors
     ///
-    /// [`LabioError::NonFiniteSample`] if an interpolated number has no physical value,
-    /// [`LabioError::NonPhysical`] for a skew longer than the record.
+    /// [`LabioError::NonFiniteSample`] if the sensor chain gives no finite value for an
+    /// interpolated sample, [`LabioError::NonPhysical`] for a skew longer than the record.
     pub fn aligned(self) -> Result<Self, LabioError> {
         let Some(recorded) = &self.recorded else {
             return Ok(self);

@@ -140,7 +140,7 @@ const SHORTEST_SHARE: f64 = 0.25;
 /// law explain the data.
 const REFUTED: f64 = 1e-3;
 
-/// Shortest cell chosen for the noise \[m\].
+/// Shortest cell of a grid refined because of [`GRID_ERROR`] \[m\].
 const SHORTEST_CELL: f64 = 0.5e-3;
 
 impl Selection {

@@ -251,7 +251,7 @@ impl Segment {
     /// # Errors
     /// [`RodwaveError::NonPhysical`] if the frequency is not finite, if the matrix would overflow
     /// (as for αL > 700; the chain has no such limit), or for a fluid, E(0) = 0, at ω = 0;
-    /// [`RodwaveError::NoPropagation`] if the law has no value.
+    /// [`RodwaveError::NoPropagation`] if the law has no finite propagation coefficient.
     pub fn transition_matrix<L: PropagationLaw>(
         &self,
         medium: &Medium<L>,

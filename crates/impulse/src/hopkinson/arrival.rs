@@ -23,8 +23,9 @@ impl Arrival {
     ///
     /// `None` if the largest sample does not exceed ten times the noise.
     ///
-    /// The time error of a level that is crossed with slope $`s`$ is $`u/s`$; the time error of the
-    /// intercept $`t_0 = t_{10} - \tfrac14(t_{50} - t_{10})`$ is $`u/s\,\sqrt{(5/4)^2 + (1/4)^2}`$.
+    /// With the noise $`u`$ and the slope $`s`$ of the front, the time at which a level is crossed
+    /// has the error $`u/s`$, and the intercept $`t_0 = t_{10} - \tfrac14(t_{50} - t_{10})`$ has
+    /// the error $`u/s\,\sqrt{(5/4)^2 + (1/4)^2}`$.
     #[must_use]
     pub fn of(samples: &[f64], start: f64, step: f64, noise: f64) -> Option<Self> {
         let peak = samples

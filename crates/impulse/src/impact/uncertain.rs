@@ -86,8 +86,8 @@ pub struct UncertainPrediction {
     /// step, combined with its changes when parts of the lines of measured bodies are left out
     /// (root mean square over a period of the last line).
     pub numerical: Vec<f64>,
-    /// Numerical errors of the scalar results; the error of the end of the contact is no less than
-    /// that of a time known to one step.
+    /// Numerical errors of the scalar results; the error of the time at which the contact ends is
+    /// at least the error due to the finite time step.
     pub numerical_numbers: ImpactNumbers,
     /// Standard deviations over the draws; `None` without draws.
     pub spread: Option<Spread>,

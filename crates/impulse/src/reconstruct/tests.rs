@@ -553,7 +553,7 @@ fn impossible_requests_are_refused() {
         refusals.map(|error| error.to_string()),
         [
             "a force without tension needs a support, but none is given",
-            "a force without tension cannot be regularised by truncation, expected no or Tikhonov regularisation",
+            "a force without tension cannot be regularised by truncation, expected Tikhonov regularisation or none",
             "the discrepancy principle needs the noise of the response, which is not known",
             "the support of the force contains 5000 samples, expected at most 2048",
             "the noise is known for only one of sensor 1 and sensor 0, expected both or neither",

@@ -10,24 +10,24 @@ use crate::residual::TestResidual;
 use crate::selection::DISTINCT_VELOCITIES;
 use crate::test::RodTest;
 
-/// Noise of the excitation relative to the impact velocity above which other shapes are tried next
-/// to a minimum. At 0.01 the mean square of the ratio of error to standard error of 200 fits is at
-/// most 1.3, which excludes minima that are off by ten standard errors.
+/// Noise of the excitation relative to the impact velocity above which χ² is also evaluated for
+/// other shape parameters. At 0.01 the mean square of the ratio of error to standard error of 200
+/// fits is at most 1.3, which excludes minima that are off by ten standard errors.
 const NOISY: f64 = 0.015;
 
-/// Offsets of the other shapes that are tried, in step limits.
+/// Changes of a shape parameter, in units of its step limit, at which χ² is evaluated again.
 const RIVALS: [f64; 4] = [4.0, 2.0, -2.0, -4.0];
 
-/// Rise of χ² beyond which a shape is excluded: five standard errors.
+/// Rise of χ² beyond which a value of a shape parameter is excluded: five standard errors.
 const OUT_OF_QUESTION: f64 = 25.0;
 
 impl<M: RodModel> Fit<M> {
-    /// Flags, one per parameter of a nonlinear law, of errors that do not represent χ² at the ends
-    /// of their intervals when weights and excitation are renewed there. With one impact velocity
-    /// the excitation may compensate an exponent. Unidentified parameters are not tested. With much
-    /// noise the excitation fitted to a wrong exponent causes a minimum with misleading errors.
-    /// Then χ² must also rise at other exponents, by at least a quarter of the rise that the error
-    /// implies.
+    /// Returns one flag per parameter of a nonlinear law. It is set if the error does not represent
+    /// χ² at the ends of its interval, with weights and excitation renewed there. With one impact
+    /// velocity the excitation may compensate an exponent. Unidentified parameters are not tested.
+    /// With much noise the excitation fitted to a wrong exponent causes a minimum with misleading
+    /// errors. Therefore χ² must then also rise at other values of the shape parameters, by at
+    /// least a quarter of the rise that the error implies.
     pub(super) fn bent(
         &self,
         lowest: &Lowest<'_, M>,

@@ -294,7 +294,7 @@ pub(super) fn merge(
         panel(share, &shares),
         panel(Axis::logarithmic("discrepancy", ""), &merged.discrepancy),
     ];
-    let title = format!("Two hammers in the response of {output}");
+    let title = format!("Response of {output} merged from two hammers");
     Some(Figure {
         caption: "Share of the first hammer in every line, and the difference of the two in units of their random errors: 1 on average if they differ by chance only.".to_owned(),
         ..Figure::new(format!("merge_{file}"), title, panels)

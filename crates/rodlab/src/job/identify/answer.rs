@@ -27,7 +27,7 @@ pub(super) enum Left {
     /// Several laws that the data cannot distinguish, the most probable first.
     Several { laws: Vec<usize>, reason: String },
     /// The laws that remain after the comparison, followed by all other nonlinear laws. The recorder
-    /// biases nonlinear laws, so that none of them can be named or excluded.
+    /// biases nonlinear laws, so none of them can be named or excluded.
     Biased { laws: Vec<usize> },
     /// No law; `best` is the best of the excluded laws.
     None { best: usize, adequacy: f64 },
@@ -268,7 +268,7 @@ fn tell_comparison(found: &Found, is_biased: bool, outcome: &mut Outcome) {
                 ", and nonlinear laws with an equilibrium"
             };
             outcome.summary.push(format!(
-                "The data cannot tell the laws {}{others} apart: the recorder biases nonlinear laws, so that none of them can be named or excluded.",
+                "The data cannot tell the laws {}{others} apart: the recorder biases nonlinear laws, so none of them can be named or excluded.",
                 names(laws)
             ));
         }
@@ -346,7 +346,7 @@ fn tell_verdict(found: &Found, is_biased: bool, outcome: &mut Outcome) {
     let unsettled = found.laws.iter().find(is_unsettled);
     let not_settled = |law: &FittedLaw| {
         format!(
-            "the fit of {} does not converge, so that none of its parameters is stated",
+            "the fit of {} does not converge, so none of its parameters is stated",
             law.law.name()
         )
     };
@@ -367,7 +367,7 @@ fn tell_verdict(found: &Found, is_biased: bool, outcome: &mut Outcome) {
     }
     if !found.laws.iter().any(stands) {
         let reason = if is_none {
-            "none of the laws explains the data, so that none of their parameters is a property of the material: the specimen, the instruments or their errors are not as stated, \
+            "none of the laws explains the data, so none of their parameters is a property of the material: the specimen, the instruments or their errors are not as stated, \
              or lateral inertia slows the short waves (state `diameter` and `poisson_ratio` of the specimen)"
                 .to_owned()
         } else if is_biased && is_left(true) {

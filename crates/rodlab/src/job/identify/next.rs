@@ -157,7 +157,7 @@ pub(super) fn tell(
     let laws = left(found);
     let Some(leading) = laws.first() else {
         outcome.warnings.push(
-            "no law remains, so that no test can be planned: `next` needs a law that explains the data"
+            "no law remains, so no test can be planned: `next` needs a law that explains the data"
                 .to_owned(),
         );
         return Ok(());
