@@ -327,7 +327,7 @@ fn standard_errors(linearisation: &Linearisation, deviations: &[f64]) -> Vec<f64
         .collect()
 }
 
-/// A problem with one parameter held: both of its bounds are its value.
+/// A least-squares problem in which one parameter is held: both of its bounds are the held value.
 pub(crate) struct Held<'a> {
     pub(crate) problem: &'a dyn LeastSquares,
     pub(crate) index: usize,

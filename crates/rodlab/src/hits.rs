@@ -228,7 +228,7 @@ impl HitsSheet {
                     return Err(RodlabError::request(
                         format!("{place}.because"),
                         "empty",
-                        "the reason of the decision, in a few words",
+                        "the reason for the decision, in a few words",
                     ));
                 }
                 if let Some((_, before)) = ruled.iter().find(|(hit, _)| *hit == ruling.hit) {

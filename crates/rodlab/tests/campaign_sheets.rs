@@ -111,7 +111,7 @@ fn a_plan_that_does_not_fit_its_template_writes_nothing() {
         plan(
             "first: 7",
             "first: 4294967295",
-            "expected at least one, all below 4294967295",
+            "expected at least one seed, all below 4294967295",
         ),
         plan("seeds", "seed", "there is no field `seed`"),
         plan("hit.template", "absent", "cannot read absent"),

@@ -231,7 +231,7 @@ fn what_cannot_be_is_refused_where_it_stands() {
     .join("\n");
     insta::assert_snapshot!(refusals, @r"
     problem.first: line 0 of the measured mobility is not finite, expected the line at 0 Hz, a weighed mass or a fixed body
-    problem.lines.samples is 512, expected no statement: the lines are those of the measured body
+    problem.lines.samples is 512, expected no value: the lines are those of the measured body
     problem.first.kind is accelerance, expected mobility, because body.uff is in (m/s)/N
     problem.first.up_to is 100 Hz, with 5 lines up to it, expected a frequency with at least 8 lines below it
     problem.first.complete is stated, expected a free body, whose weighed mass replaces the low-frequency lines

@@ -207,7 +207,7 @@ fn the_next_test_is_the_one_that_tells_the_laws_apart() {
         "{separations:?}"
     );
     let said = outcome.summary.last().unwrap();
-    said.must_begin("Of the 2 planned tests, that of 30 m/s is the most informative: ");
+    said.must_begin("Of the 2 planned tests, the test `30 m/s` is the most informative: ");
     let wrong = planned("").refused();
     wrong.must_begin("next is no planned test");
     let rods = r#"rods: (lengths: ["20 cm", "8 mm"], gaps: ["8 mm"], diameter: "16 mm", strikers: [(length: "30 mm",

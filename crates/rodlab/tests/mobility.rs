@@ -468,6 +468,6 @@ fn what_cannot_be_is_refused_where_it_stands() {
     source.file is odd.csv, whose data set is in m/s, expected a response between a force and a motion, such as one in m/s/N
     source.data_set is data set 3, expected one of the data sets 1 `response`, 2 `other` (odd.csv)
     source.lines is 2, expected a number from 8 to 4194304
-    head_mass is stated, expected no statement: a computed body has no impedance head
+    head_mass is stated, expected no value: a computed body has no impedance head
     "#);
 }

@@ -365,7 +365,7 @@ fn a_planned_test_tells_as_much_as_was_foretold() {
     );
     planned
         .summary
-        .must_begin(&format!("Of the 4 planned tests, that of {best} "));
+        .must_begin(&format!("Of the 4 planned tests, the test `{best}` "));
 
     let plan = planned.attachments.iter().find(|a| a.name == "next.ron");
     let plan = String::from_utf8(plan.unwrap().bytes.clone()).unwrap();

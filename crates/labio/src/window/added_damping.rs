@@ -52,7 +52,7 @@ impl AddedDamping {
         Ok(Self { decay_rate })
     }
 
-    /// Creates the window that falls to `end_weight` after `duration` \[s\], $`\sigma =
+    /// Creates the window that falls to `end_weight` after the `duration` T \[s\], $`\sigma =
     /// -\ln(\mathrm{end\ weight})/T`$.
     ///
     /// # Errors

@@ -191,7 +191,7 @@ fn axes_of(plan: Plan) -> Result<Vec<Axis>, RodlabError> {
             return Err(RodlabError::request(
                 "seeds",
                 format!("{} seeds from {}", seeds.count, seeds.first),
-                format!("at least one, all below {}", u32::MAX),
+                format!("at least one seed, all below {}", u32::MAX),
             ));
         };
         plausible::at_most(

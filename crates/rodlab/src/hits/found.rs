@@ -239,7 +239,7 @@ impl FoundHits {
                     RodlabError::request(
                         format!("{field}: {name}"),
                         format!("{length} samples, and {error}"),
-                        format!("{longest} samples as in the longest hit, or a hit that ends at rest, which can be continued at rest"),
+                        format!("{longest} samples, the length of the longest hit, or a hit that ends at rest, so that it can be extended"),
                     )
                 })?;
                 padded.push(number);
@@ -247,7 +247,7 @@ impl FoundHits {
         }
         if !padded.is_empty() {
             self.settings.push(Setting::by_default(
-                format!("{field}: hits continued at rest to {longest} samples"),
+                format!("{field}: hits extended at rest to {longest} samples"),
                 ranges(&padded),
             ));
         }

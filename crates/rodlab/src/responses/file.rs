@@ -404,7 +404,7 @@ impl ResponseFile {
             (Ordinate::Complex(_), Some(selector)) => Err(RodlabError::request(
                 format!("{field}.imaginary"),
                 selector.to_string(),
-                "no statement: the data set is complex",
+                "no value: the data set is complex",
             )),
             (Ordinate::Real(real), Some(selector)) => {
                 let place = format!("{field}.imaginary");

@@ -261,7 +261,7 @@ fn what_is_wrong_with_a_sheet_is_said_with_its_field() {
     band is from 20.5 Hz to 21.5 Hz, which contains no line, expected a band of lines between 2 Hz and 4.096 kHz, 2 Hz apart
     exponential_window: end weight of the exponential window [-] is 1.2, expected a weight between 0 and 1
     hits.reject[0].hit is 7, expected the number of one of the 2 hits found, from 1
-    hits.reject[0].because is empty, expected the reason of the decision, in a few words
+    hits.reject[0].because is empty, expected the reason for the decision, in a few words
     hits.accept[0].hit is 1, already decided by hits.reject[0], expected one decision per hit
     hits.channel is `hamer`, expected one of the channels `hammer`, `struck end`
     hits.criteria: ratio of two contacts is -1, expected a finite value above 0

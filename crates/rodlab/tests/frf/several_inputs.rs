@@ -261,12 +261,12 @@ fn s14_hits_of_unequal_length_are_continued_by_rest() {
     let said: Vec<_> = outcome
         .settings
         .iter()
-        .filter(|s| s.name.contains("continued at rest"))
+        .filter(|s| s.name.contains("extended at rest"))
         .collect();
     assert_eq!(said.len(), 1);
     assert_eq!(
         (said[0].name.as_str(), said[0].value.as_str()),
-        ("hits: hits continued at rest to 4096 samples", "5")
+        ("hits: hits extended at rest to 4096 samples", "5")
     );
     let (mean, _) = spread(&outcome, "accelerance", |f| accelerance(on_axis(f)));
     // five hits: F(2, 8), mean 4/3
@@ -277,7 +277,7 @@ fn s14_hits_of_unequal_length_are_continued_by_rest() {
     let moving = run(folder.path(), &sheet_of("*.npy", BAND)).unwrap_err();
     moving.must_say_all(&[
             "hits: hit 6, hit_9.npy is 1100 samples, and `struck end` deviates",
-            "expected 4096 samples as in the longest hit, or a hit that ends at rest, which can be continued at rest",
+            "expected 4096 samples, the length of the longest hit, or a hit that ends at rest, so that it can be extended",
         ]);
 }
 

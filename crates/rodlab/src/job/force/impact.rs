@@ -33,7 +33,7 @@ pub(super) fn run(
         return Err(RodlabError::request(
             "problem.time_step",
             step.to_string(),
-            "no statement, or the `front_impedance` of the measured bodies: without it there is no march in time",
+            "no value, or the `front_impedance` of the measured bodies: without it there is no march in time",
         ));
     }
     defaults(sheet, bodies, marched, outcome)?;

@@ -235,7 +235,7 @@ fn grid(sheet: &ImpactSheet, bodies: [&FaceBody; 2]) -> Result<Option<(f64, usiz
         return Err(RodlabError::request(
             field,
             samples.to_string(),
-            "no statement: the lines are those of the measured body",
+            "no value: the lines are those of the measured body",
         ));
     }
     let step_hz = first.frequency_step_hz();

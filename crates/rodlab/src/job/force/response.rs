@@ -36,7 +36,7 @@ pub(super) fn run(
             return Err(RodlabError::request(
                 "problem.path.silent",
                 silent.to_string(),
-                "no statement: the path is computed without the noise at rest",
+                "no value: the path is computed without the noise at rest",
             ));
         }
     }

@@ -256,12 +256,12 @@ fn compared(
         )
     });
     outcome.summary.push(format!(
-        "While it acts, the force differs from the measured one by {by} N (root mean square){of_band}."
+        "The force differs from the measured force by {by} N while it acts (root mean square){of_band}."
     ));
     let is_large = difference.root_mean_square > CONTRADICTS * solved.history.peak().force.abs();
     if is_large && inside.is_none_or(|inside| inside < 100.0 * INSIDE) {
         outcome.doubt(format!(
-            "the force differs from the measured one by {by} N (root mean square): one of the sensors, the path or the synchronisation is wrong"
+            "the force differs from the measured force by {by} N (root mean square): one of the sensors, the path or the synchronisation is wrong"
         ));
     }
 }

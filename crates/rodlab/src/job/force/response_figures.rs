@@ -105,7 +105,7 @@ fn path(problem: &Problem<'_>, solved: &ReconstructedForce) -> Figure {
         Panel::new(Axis::logarithmic("frequency", "kHz"), response, marks).with_greyed(greyed);
     let title = "Frequency response from the force to the response";
     Figure {
-        caption: "Where it is small, noise of the response is amplified in the force.".to_owned(),
+        caption: "Where the frequency response is small, noise of the response is amplified in the force.".to_owned(),
         ..Figure::new("path", title, vec![panel])
     }
 }

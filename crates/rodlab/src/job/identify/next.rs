@@ -390,7 +390,7 @@ fn state(
     };
     let decides = best.number_that_decides(aim) < usize::MAX;
     outcome.summary.push(format!(
-        "Of the {} planned tests, that of {} {}: {told}.",
+        "Of the {} planned tests, the test `{}` {}: {told}.",
         planned.len(),
         best.name,
         if decides && planned.iter().any(|one| one.merit(aim) > best.merit(aim)) {

@@ -110,7 +110,7 @@ pub(super) fn read<'a>(
                 return Err(RodlabError::request(
                     "head_mass",
                     "stated",
-                    "no statement: a computed body has no impedance head",
+                    "no value: a computed body has no impedance head",
                 ));
             }
             let mut without = WithoutUncertainty {

@@ -112,7 +112,8 @@ pub enum RatioErrors {
         /// Number of hits, or effective number of averages.
         averages: f64,
     },
-    /// A column of the standard error of the complex value, real and imaginary part together.
+    /// A column of the standard error of the complex value: the root of the sum of the variances of
+    /// its two parts.
     StandardError {
         /// The column.
         column: Selector,
