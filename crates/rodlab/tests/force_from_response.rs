@@ -371,7 +371,7 @@ fn f5_a_path_that_contradicts_the_blow_is_in_doubt() {
     let Verdict::InDoubt { reasons } = attempt(folder.path(), &text).unwrap().verdict else {
         unreachable!("a path that is 2 % off explains nothing")
     };
-    reasons[0].must_say("the frequency response is that of another body");
+    reasons[0].must_say("the frequency response belongs to another body");
 }
 
 /// Eight hits and a blow with 0.3 % of noise, answered in a band from 20 Hz: peak and impulse are

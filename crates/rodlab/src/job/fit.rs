@@ -364,7 +364,7 @@ fn check(sheet: &FitSheet) -> Result<(), RodlabError> {
             return Err(RodlabError::request(
                 "monte_carlo",
                 "requested together with `temperature_uncertainty`",
-                "only one of them: errors of the temperatures are not drawn",
+                "only one of the two: errors of the temperatures are not drawn",
             ));
         }
     }

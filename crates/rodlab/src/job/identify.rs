@@ -346,7 +346,7 @@ pub(crate) fn run(sheet: &IdentifySheet, context: &JobContext<'_>) -> Result<Out
             return Err(RodlabError::request(
                 "next",
                 "requested together with `arrhenius`",
-                "only one of them: tests are planned at one temperature",
+                "only one of the two: tests are planned at one temperature",
             ));
         }
         next.check()?;

@@ -57,7 +57,7 @@ pub(super) fn attach(
         && deviation.relative > NOTABLE
     {
         outcome.warnings.push(format!(
-            "The cards deviate from the fitted series by up to {} of |E|, at {}: a card has only relaxation times within the band. Choose a band that is wider than that of the application.",
+            "The cards deviate from the fitted series by up to {} of |E|, at {}: a card has only relaxation times within the band. Choose a band that is wider than the band of the application.",
             percent(deviation.relative),
             hertz(deviation.frequency_hz)
         ));

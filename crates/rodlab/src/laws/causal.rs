@@ -94,13 +94,13 @@ pub(crate) fn state(
     let p_value = estimate.p_value();
     if shown.level.is_some_and(|level| p_value < level) {
         outcome.doubt(format!(
-            "the lines contradict every relaxing material (p = {}), so the causal estimate is not that of the specimen",
+            "the lines contradict every relaxing material (p = {}), so the causal estimate does not describe the specimen",
             significant(p_value, 2)
         ));
     }
     if !estimate.is_at_rest() {
         outcome.warnings.push(format!(
-            "The causal estimate had not converged after {} iterations; its errors are not those of a minimum.",
+            "The causal estimate had not converged after {} iterations; its errors are not valid.",
             estimate.rounds()
         ));
     }

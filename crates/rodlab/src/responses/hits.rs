@@ -145,7 +145,7 @@ pub fn disagreements(merged: &MergedResponse, second: &str, output: &str) -> Vec
         }
         if !agreement.explains_delay() {
             said.push(format!(
-                "`{output}`: the response of {second} is {} us {} than that of the other hammer, ± {} us",
+                "`{output}`: the response to {second} is {} us {} than the response to the other hammer, ± {} us",
                 short(1e6 * agreement.delay.abs()),
                 if agreement.delay > 0.0 {
                     "later"

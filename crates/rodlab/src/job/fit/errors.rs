@@ -165,7 +165,7 @@ fn of_columns(
             Some(row) => Err(RodlabError::request(
                 file.place_of(&field, row),
                 "a standard error that is not above 0",
-                "one above 0: the fit weights by it",
+                "a standard error above 0, because the fit weights the rows by it",
             )),
         }
     };

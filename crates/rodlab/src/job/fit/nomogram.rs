@@ -77,7 +77,7 @@ pub(super) fn nomogram(
             if is_one {
                 ""
             } else {
-                " The modulus is that at the reference temperature: at another one, multiply it by the factor of that temperature."
+                " The modulus applies at the reference temperature; for another temperature, multiply it by the factor of that temperature."
             }
         ),
         ..Figure::new(

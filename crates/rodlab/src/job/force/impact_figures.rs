@@ -179,7 +179,7 @@ fn sources(march: &UncertainPrediction) -> Option<Figure> {
     let all = march.limited_errors()?;
     marks.push(Mark::curve("all", Role::Reference, &time, all));
     Some(Figure {
-        caption: "Standard errors of the force in the band by each source alone; their squares add up. The numerical error includes that of the step and, for measured bodies, that of what their lines do not determine.".to_owned(),
+        caption: "Standard errors of the force in the band by each source alone; their squares add up. The numerical error is the change with half the time step, combined with the change when parts of the lines of measured bodies are left out.".to_owned(),
         ..Figure::new(
             "sources",
             "Contributions to the band of the force",

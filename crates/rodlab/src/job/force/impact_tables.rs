@@ -121,7 +121,7 @@ pub(super) fn quantities(march: &UncertainPrediction, outcome: &mut Outcome) {
             "numerical error of the peak force in the band",
             "N",
             march.numerical_numbers.limited_peak,
-            "from half the step and, for measured bodies, from what their lines do not determine; part of its standard error",
+            "from the change with half the time step and, for measured bodies, from the change when parts of their lines are left out; part of its standard error",
         ),
         Quantity::of(
             "energy residual",

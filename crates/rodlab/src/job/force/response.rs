@@ -308,7 +308,7 @@ fn read_blow(
     };
     if n_taken > 1 {
         outcome.warnings.push(format!(
-            "There are {n_taken} blows in the record: the force is that of the first."
+            "There are {n_taken} blows in the record: only the force of the first is computed."
         ));
     }
     Ok(found)

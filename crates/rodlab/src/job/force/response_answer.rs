@@ -277,7 +277,7 @@ fn warnings(problem: &Problem<'_>, solved: &ReconstructedForce, outcome: &mut Ou
         && chi_square > CHI_SQUARE
     {
         outcome.doubt(format!(
-            "the mean square residual of the response is {chi_square:.2} times that of the noise: the noise is underestimated, or the frequency response is that of another body"
+            "the mean square residual of the response is {chi_square:.2} times the mean square of the noise: the noise is underestimated, or the frequency response belongs to another body"
         ));
     }
     if let RandomErrorOfForce::Estimated {
@@ -288,7 +288,7 @@ fn warnings(problem: &Problem<'_>, solved: &ReconstructedForce, outcome: &mut Ou
         && solved.relative_residual > LEAST_RESIDUAL
     {
         outcome.doubt(format!(
-            "the force leaves a residual of {:.2e} {}, although the response scatters by only {rest:.2e} {} before the force acts: the frequency response is that of another body",
+            "the force leaves a residual of {:.2e} {}, although the response scatters by only {rest:.2e} {} before the force acts: the frequency response belongs to another body",
             standard_deviation, problem.first.unit, problem.first.unit
         ));
     }

@@ -275,7 +275,7 @@ fn one(
         return Err(RodlabError::request(
             format!("{field}.cutoff"),
             "stated together with `recorder`",
-            "only one of them: `recorder` states the cut-off of its filter",
+            "only one of the two: `recorder` states the cut-off of its filter",
         ));
     }
     let rod_test = rod_test

@@ -39,7 +39,7 @@ pub(super) fn state(
     let left = left.fold(0.0, f64::max);
     if is_found && left > 0.0 {
         outcome.warnings.push(format!(
-            "The causal estimate is that of a rod without lateral inertia: its E' is too small by at most {}, which its errors do not include.",
+            "The causal estimate neglects lateral inertia: its E' is too small by at most {}, which its errors do not include.",
             percent(left)
         ));
     }

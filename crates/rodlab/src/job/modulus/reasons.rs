@@ -105,7 +105,7 @@ fn advice(reason: &str) -> Option<&'static str> {
             "state Poisson's ratio in `lateral_inertia`, so that lateral inertia is corrected"
         }
         _ if reason.starts_with("common error of E'") => {
-            "measure again what contributes most to the common error"
+            "measure again the quantity that contributes most to the common error"
         }
         _ => return None,
     })
@@ -114,20 +114,20 @@ fn advice(reason: &str) -> Option<&'static str> {
 /// Returns the reason for a common error above its limit, with the source that contributes most.
 fn by_source(largest: ErrorSource) -> &'static str {
     match largest {
-        ErrorSource::Length => "common error of E' above its limit, most of it by the length",
-        ErrorSource::Diameter => "common error of E' above its limit, most of it by the diameter",
-        ErrorSource::Density => "common error of E' above its limit, most of it by the density",
+        ErrorSource::Length => "common error of E' above its limit, mostly due to the length",
+        ErrorSource::Diameter => "common error of E' above its limit, mostly due to the diameter",
+        ErrorSource::Density => "common error of E' above its limit, mostly due to the density",
         ErrorSource::AccelerometerMass => {
-            "common error of E' above its limit, most of it by the mass of the accelerometer"
+            "common error of E' above its limit, mostly due to the mass of the accelerometer"
         }
         ErrorSource::Section(_) => {
-            "common error of E' above its limit, most of it by the distance of a section"
+            "common error of E' above its limit, mostly due to the distance of a section"
         }
         ErrorSource::PoissonRatio => {
-            "common error of E' above its limit, most of it by Poisson's ratio"
+            "common error of E' above its limit, mostly due to Poisson's ratio"
         }
         ErrorSource::LateralInertia => {
-            "common error of E' above its limit, most of it by lateral inertia not corrected"
+            "common error of E' above its limit, mostly due to uncorrected lateral inertia"
         }
         _ => "common error of E' above its limit",
     }

@@ -270,7 +270,7 @@ fn dominating(result: &HopkinsonResult, peak: usize) -> String {
         sources.into_iter().next().map_or_else(String::new, |s| s.1)
     };
     format!(
-        "The largest error of the stress there is due to {}, that of the strain to {}.",
+        "At the largest stress, the error of the stress is mainly due to {}, and the error of the strain to {}.",
         largest(Curve::Stress),
         largest(Curve::Strain)
     )
