@@ -3,7 +3,7 @@
 #![allow(
     clippy::unwrap_used,
     missing_docs,
-    reason = "a bench has no user but the one who runs it"
+    reason = "a benchmark may panic, and the macros of criterion define undocumented functions"
 )]
 
 use std::f64::consts::TAU;

@@ -9,7 +9,7 @@
 //! `target/examples/creep_recovery_of_pom.svg`.
 #![allow(
     clippy::print_stdout,
-    reason = "an example talks to the one who runs it"
+    reason = "an example prints its results to the standard output"
 )]
 
 use std::error::Error;

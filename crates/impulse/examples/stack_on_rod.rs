@@ -8,7 +8,7 @@
 //! writes `target/examples/stack_on_rod.svg`.
 #![allow(
     clippy::print_stdout,
-    reason = "an example talks to the one who runs it"
+    reason = "an example prints its results to the standard output"
 )]
 
 use std::error::Error;

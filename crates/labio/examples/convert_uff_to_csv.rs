@@ -10,7 +10,7 @@
 //! the missing parts.
 #![allow(
     clippy::print_stdout,
-    reason = "an example talks to the one who runs it"
+    reason = "an example prints its results to the standard output"
 )]
 
 use std::error::Error;

@@ -10,7 +10,7 @@
 #![allow(
     clippy::print_stdout,
     clippy::indexing_slicing,
-    reason = "an example talks to the one who runs it, who sees an index that fails at once"
+    reason = "an example prints its results, and may panic on a wrong index"
 )]
 
 mod free_body;

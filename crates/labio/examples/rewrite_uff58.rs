@@ -5,7 +5,7 @@
 //! writes.
 #![allow(
     clippy::print_stderr,
-    reason = "a command-line program talks to its user"
+    reason = "a command-line program writes to the terminal"
 )]
 
 use std::process::ExitCode;

@@ -76,7 +76,7 @@ impl MultiInputResponse {
     ///
     /// # Errors
     ///
-    /// [`LabioError::UnknownChannel`] if it is not one of the inputs.
+    /// [`LabioError::UnknownChannel`] if `input` is not one of the inputs.
     #[allow(
         clippy::indexing_slicing,
         reason = "`number` finds the input among those of the rows"
@@ -114,7 +114,7 @@ impl MultiInputResponse {
     ///
     /// # Errors
     ///
-    /// [`LabioError::UnknownChannel`] if it is not one of the inputs.
+    /// [`LabioError::UnknownChannel`] if `input` is not one of the inputs.
     pub fn coherence_with(&self, input: &str) -> Result<Coherence, LabioError> {
         let number = self.number(input)?;
         Ok(Coherence {

@@ -147,7 +147,7 @@ impl AveragedSpectra {
     /// [`LabioError::UnknownChannel`].
     #[allow(
         clippy::indexing_slicing,
-        reason = "the place that `find` tells of a channel is that of its duration and its energy"
+        reason = "the index that `find` returns for a channel is also the index of its duration and its energy"
     )]
     pub fn with_rest_noise(mut self, channel: &str, noise: &RestNoise) -> Result<Self, LabioError> {
         let (index, _) = channel::find(&self.channels, channel)?;
@@ -161,7 +161,7 @@ impl AveragedSpectra {
     /// Energy \[unit² s/Hz\] of the noise at rest in every line, if known.
     #[allow(
         clippy::indexing_slicing,
-        reason = "the place that `find` tells of a channel is that of its energy"
+        reason = "the index that `find` returns for a channel is also the index of its energy"
     )]
     pub(crate) fn rest_energy(&self, channel: &str) -> Result<Option<&[f64]>, LabioError> {
         let (index, _) = channel::find(&self.channels, channel)?;
@@ -265,7 +265,7 @@ impl AveragedSpectra {
     /// [`LabioError::UnknownChannel`].
     #[allow(
         clippy::indexing_slicing,
-        reason = "the places that `find` tells are those of channels, and every pair of them has its lines"
+        reason = "the indices that `find` returns are indices of channels, and every pair of channels has its lines"
     )]
     pub fn leakage(&self, input: &str, output: &str) -> Result<Option<Vec<f64>>, LabioError> {
         let (x, _) = channel::find(&self.channels, input)?;
@@ -313,7 +313,7 @@ impl AveragedSpectra {
 
     #[allow(
         clippy::indexing_slicing,
-        reason = "the place that `find` tells of a channel is that of its lines"
+        reason = "the index that `find` returns for a channel is also the index of its lines"
     )]
     pub(crate) fn auto_lines(&self, channel: &str) -> Result<&[f64], LabioError> {
         let (index, _) = channel::find(&self.channels, channel)?;

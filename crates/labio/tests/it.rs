@@ -7,7 +7,7 @@
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,
     clippy::float_cmp,
-    reason = "a failing test should say so at once, one that is skipped says so, and numbers of a text are exact"
+    reason = "a failing test may panic, a skipped test prints a note, and numbers read from a text are exact"
 )]
 
 mod claims;

@@ -236,7 +236,7 @@ impl TryFrom<Told> for Verdict {
                 reason: told.reasons.join("; "),
             }),
             Standing::WrongInput => Err(format!(
-                "the verdict is `{}`, expected that of a result",
+                "the verdict is `{}`, expected the verdict of a result",
                 told.answer
             )),
         }

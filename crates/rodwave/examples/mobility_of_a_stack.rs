@@ -8,7 +8,7 @@
 //! writes `target/examples/mobility_of_a_stack.svg`.
 #![allow(
     clippy::print_stdout,
-    reason = "an example talks to the one who runs it"
+    reason = "an example prints its results to the standard output"
 )]
 
 use std::error::Error;

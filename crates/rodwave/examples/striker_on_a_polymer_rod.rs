@@ -12,7 +12,7 @@
     clippy::print_stdout,
     clippy::cast_precision_loss,
     clippy::indexing_slicing,
-    reason = "an example talks to the one who runs it; step counts are small; there is one contact and one gauge"
+    reason = "an example prints its results; step counts are small; there is one contact and one gauge"
 )]
 
 use std::error::Error;

@@ -127,7 +127,7 @@ pub trait IntoCrossSection {
     /// Returns the cross-section.
     ///
     /// # Errors
-    /// The error of its creation.
+    /// The error of the construction of the cross-section.
     fn into_cross_section(self) -> Result<CrossSection, RodwaveError>;
 }
 

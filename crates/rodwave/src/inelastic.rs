@@ -30,7 +30,7 @@ macro_rules! lanes {
         let mut lanes = [0.0_f64; $crate::inelastic::LANES];
         #[allow(
             clippy::indexing_slicing,
-            reason = "the counter stays below `LANES`, and a lane of nothing but arrays of that length is asked for"
+            reason = "the counter stays below `LANES`, and lanes are taken only from arrays of that length"
         )]
         for $i in 0..$crate::inelastic::LANES {
             lanes[$i] = $value;

@@ -9,10 +9,7 @@ use std::path::{Path, PathBuf};
 /// # Panics
 ///
 /// If `RODLAB_DATA` does not name a folder.
-#[allow(
-    clippy::print_stderr,
-    reason = "a test that is skipped is seen to be skipped"
-)]
+#[allow(clippy::print_stderr, reason = "a skipped test prints a note")]
 pub fn folder() -> Option<PathBuf> {
     if let Some(named) = std::env::var_os("RODLAB_DATA") {
         let named = PathBuf::from(named);

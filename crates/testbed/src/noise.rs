@@ -9,7 +9,7 @@ use rand_distr::{Distribution, StandardNormal};
 /// `SEEDS`.
 #[allow(
     clippy::expect_used,
-    reason = "a test that was asked for another number of draws should not run with the usual one"
+    reason = "a test with a requested number of draws must not run with the default number"
 )]
 pub fn draws(usual: u64) -> u64 {
     std::env::var("SEEDS").map_or(usual, |text| {

@@ -83,7 +83,7 @@ impl Contents {
     /// ```
     #[allow(
         clippy::indexing_slicing,
-        reason = "a candidate knows the place of its series, every series has a place for the name of its channel, and `groups_of_clock` has places of `groups`"
+        reason = "a candidate holds the index of its series, `channel_names` has an entry for every series, and `groups_of_clock` holds indices of `groups`"
     )]
     pub fn records(&self, provenance: &Provenance) -> SampledTogether {
         let mut left_out = Vec::new();

@@ -208,7 +208,7 @@ impl SpectrumAverager {
     /// added.
     #[allow(
         clippy::indexing_slicing,
-        reason = "the place that `find` tells of a channel is that of its weights"
+        reason = "the index that `find` returns for a channel is also the index of its weights"
     )]
     pub fn with_force_window(
         mut self,

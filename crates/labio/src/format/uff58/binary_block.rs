@@ -207,7 +207,7 @@ impl<'a> BlockWriter<'a> {
         }
         #[expect(
             clippy::cast_possible_truncation,
-            reason = "single precision is what was asked for"
+            reason = "single precision was requested"
         )]
         let single = value as f32;
         if single.is_infinite() && value.is_finite() {

@@ -527,7 +527,7 @@ fn of_shift_laws(outcome: &mut Outcome, own: &ShiftLaws, by_scatter: Option<&Shi
              probability of Arrhenius relative to WLF is {}.",
             with_error(Some(wlf.c1), Some(wlf.c1_standard_error)),
             with_unit(wlf.c2, Some(wlf.c2_standard_error), "K"),
-            if is_wlf { "" } else { ", with equal errors of all shifts, not within their own errors" },
+            if is_wlf { "" } else { ", fitted with equal errors of all shifts because their own errors do not explain the deviations" },
             short(slope),
             significant(laws.arrhenius_p_value, 2),
         )
