@@ -86,7 +86,7 @@ pub enum LabioError {
     /// An estimate needs more averages than exist.
     #[error("{estimate} needs at least {expected} averages, found {found}")]
     TooFewAverages {
-        /// The estimate asked for.
+        /// The requested estimate.
         estimate: &'static str,
         /// Number of averages found.
         found: usize,
@@ -112,7 +112,7 @@ pub enum LabioError {
     /// Two windows would both weight the same samples.
     #[error("{asked} cannot be combined with {present}")]
     WindowConflict {
-        /// The window asked for.
+        /// The requested window.
         asked: &'static str,
         /// The window already in use.
         present: String,

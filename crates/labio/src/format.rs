@@ -322,7 +322,7 @@ pub fn write(
         .map_err(|source| in_file(path, source))
 }
 
-/// Opens the file at `path` and returns what `with` makes of it; an error names the file.
+/// Opens the file at `path` and returns the result of `with`; an error names the file.
 fn opened<T>(
     path: &Path,
     with: impl FnOnce(fs::File) -> Result<T, LabioError>,

@@ -12,8 +12,8 @@
 //! Such moduli form a convex cone, and every one of them is causal and passive. [`KramersKronig`]
 //! finds the modulus in this cone that is nearest to the given values over the band, with H on a
 //! grid of [`GRID_PER_DECADE`] relaxation times per decade, from two decades faster to four decades
-//! slower than the band. The residual is the least change of the values that makes them those of a
-//! causal material.
+//! slower than the band. The residual is the least change after which the values belong to a causal
+//! material.
 //!
 //! # Threshold
 //! A branch between two points of the grid, h apart in ln τ, is replaced by a mean of its two

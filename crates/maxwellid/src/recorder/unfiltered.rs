@@ -264,7 +264,7 @@ impl UnfilteredExcitation {
     }
 }
 
-/// Formats what was assumed, and what the prior supplied, in one sentence.
+/// Formats the assumptions and the contribution of the prior in one sentence.
 impl fmt::Display for UnfilteredExcitation {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(

@@ -41,8 +41,7 @@ impl FoundHits {
     /// Compares each accepted hit like [`Self::compare`], but without the tests for an exchanged
     /// input and for changes over the hits. It is used if `input` and `outputs` are all responses,
     /// of which none causes another. With a single output only the ratio of two channels is
-    /// compared, which does not tell in which of the two the fault is: a reason for doubt then
-    /// names both.
+    /// compared, which does not show which channel is faulty: a reason for doubt then names both.
     ///
     /// # Errors
     ///

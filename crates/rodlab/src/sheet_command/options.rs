@@ -1,6 +1,7 @@
 //! Options of a command without a sheet, in place of the fields of the sheet that it writes.
 //!
-//! If the input is wrong, the sheet is removed, and a message about its fields would say little.
+//! If the input is wrong, the sheet is removed; messages therefore name the options and not the
+//! fields of the sheet.
 
 use super::{ChannelArgument, SheetCommand};
 use crate::RodlabError;

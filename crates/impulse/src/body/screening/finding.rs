@@ -295,7 +295,7 @@ pub enum ScreeningFlag {
     /// The lowest lines move more than the weighed mass alone, while a free body moves less up to
     /// its first resonance: a support has its resonance below these lines, for example.
     NotFree {
-        /// Mass of which the motion would be that of the lowest lines \[kg\].
+        /// Mass of a rigid body that would move as the lowest lines do \[kg\].
         at_most: f64,
         /// Standard error of that mass \[kg\].
         standard_error: f64,

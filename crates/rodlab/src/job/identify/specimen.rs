@@ -1,4 +1,4 @@
-//! Words about the rods: what their errors contribute, and what is missing in their description.
+//! Messages about the rods: contributions of their errors, and missing data in their description.
 
 use maxwellid::{CommonError, RodTest};
 

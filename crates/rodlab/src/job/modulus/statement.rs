@@ -79,8 +79,8 @@ pub(super) fn state(outcome: &mut Outcome, found: &Found<'_>, reasons: &Reasons)
     warn(outcome, found, &valid);
 }
 
-/// Returns the doubt about `n_valid` lines if they are very few beside those on which the number of
-/// waves is in doubt.
+/// Returns the doubt about `n_valid` lines if they are very few compared with the lines on which
+/// the number of waves is in doubt.
 fn few_counted(n_valid: usize, n_uncounted: usize) -> Option<String> {
     let are_few = n_valid <= FEW && n_uncounted >= UNCOUNTED * n_valid;
     are_few.then(|| {
