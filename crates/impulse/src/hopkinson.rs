@@ -28,6 +28,7 @@
 //! | `curves.rs` | forces, velocities, stress and strain from the waves |
 //! | `source.rs` | named sources of common errors |
 //! | `shot.rs`, `result.rs` | evaluation of a shot, with bands and error budget |
+//! | `pair.rs` | lag and ratio of two gauges before a wave returns |
 //! | `finding.rs` | objections to the result |
 //! | `average.rs` | stress against strain, of one shot or as the mean of several |
 //!
@@ -40,6 +41,7 @@ mod coarse;
 mod curves;
 mod finding;
 mod noise;
+mod pair;
 mod plan;
 mod record;
 mod result;

@@ -469,6 +469,65 @@ fn hopkinson_virtual_shot_comes_back() {
     }
 }
 
+/// A record in which a column of the samples is `by` samples late.
+fn delayed(text: &str, column: usize, by: usize) -> String {
+    let is_row = |line: &&str| line.starts_with(|c: char| c.is_ascii_digit());
+    let (rows, head): (Vec<&str>, Vec<&str>) = text.lines().partition(is_row);
+    let cells: Vec<Vec<&str>> = rows.iter().map(|row| row.split(',').collect()).collect();
+    let mut lines: Vec<String> = head.into_iter().map(str::to_owned).collect();
+    for (at, row) in cells.iter().enumerate() {
+        let mut row = row.clone();
+        row[column] = cells[at.saturating_sub(by)][column];
+        lines.push(row.join(","));
+    }
+    lines.join("\n")
+}
+
+/// Two gauges on each bar, at positions known to 1 mm. One channel of the recorder is late, which
+/// the sheet does not state: before any wave returns, its gauge contradicts the other one.
+#[test]
+fn hopkinson_late_channel_contradicts_the_other_gauge_of_its_bar() {
+    let folder = TempDir::new().unwrap();
+    let plan = r#"Simulate(
+    title: "Polymer between nylon bars with two gauges each",
+    materials: {"nylon": (density: "1150 kg/m3", law: Prony(equilibrium: "2.6 GPa", branches: [
+        (modulus: "0.2 GPa", relaxation_time: "8 us"), (modulus: "0.2 GPa", relaxation_time: "60 us")]))},
+    experiment: HopkinsonBars(
+        striker: (length: "200 mm", diameter: "20 mm", density: "1150 kg/m3", modulus: "2.9 GPa"), velocity: "12 m/s",
+        incident: (material: "nylon", diameter: "20 mm", length: "1800 mm", gauges: ["1100 mm", "500 mm"]),
+        transmitted: (material: "nylon", diameter: "20 mm", length: "1600 mm", gauges: ["300 mm", "800 mm"]),
+        specimen: (length: "6 mm", diameter: "14 mm", density: "1100 kg/m3", modulus: "1.2 GPa",
+            law: Norton(exponent: "4", rate_at_10_mpa: "8 1/s"), hardening: "50 MPa")),
+    instrument: (sampling_rate: "500 kHz", length: "2.6 ms", before: "0.3 ms", noise: "0.1 %", converter: (bits: 12)),
+    output: "shot.csv")"#;
+    let made = run(folder.path(), plan).unwrap();
+    for file in &made.attachments {
+        fs::write(folder.path().join(&file.name), &file.bytes).unwrap();
+    }
+    let mut sheet = fs::read_to_string(folder.path().join("shpb.ron")).unwrap();
+    for at in [1100, 500, 300, 800] {
+        let [exact, known] = ["", " ± 1 mm"].map(|error| format!("at: \"{at} mm{error}\""));
+        assert!(sheet.contains(&exact), "{sheet}");
+        sheet = sheet.replace(&exact, &known);
+    }
+    let right = run(folder.path(), &sheet).unwrap();
+    assert_eq!(right.verdict, Verdict::Answered, "{:?}", right.summary);
+    let shot = folder.path().join("shot-1.csv");
+    let record = fs::read_to_string(&shot).unwrap();
+    for (side, column, by) in [("incident", 2, 4), ("transmitted", 4, 3)] {
+        fs::write(&shot, delayed(&record, column, by)).unwrap();
+        let found = run(folder.path(), &sheet).unwrap();
+        let said = found.verdict.headline(&found.summary);
+        assert_eq!(found.verdict.standing().exit_status(), 3, "{side}: {said}");
+        let words = format!("gauge 2 of the {side} bar records the waves ");
+        let (_, after) = said.split_once(&words).unwrap_or_else(|| panic!("{said}"));
+        let lag: f64 = after.split(' ').next().unwrap().parse().unwrap();
+        // samples of 2 us; the fit is linear in the lag, which costs 2 % of 8 us
+        assert!((lag - 2.0 * by as f64).abs() < 0.4, "{said}");
+        assert!(after.contains("later than gauge 1 predicts"), "{said}");
+    }
+}
+
 /// A polymer that hardens between steel bars: its stress is largest where the unloading begins, and
 /// there the forces are uncertain by a position known to 1 mm.
 #[test]

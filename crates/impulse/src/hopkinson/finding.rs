@@ -1,9 +1,12 @@
 //! Problems of a result, with the values found.
 
+mod gauges;
+
 use std::fmt;
 
 use super::bar::HopkinsonBar;
 use super::curves::Curve;
+use super::pair::GaugePairs;
 use super::plan::{MOST_AMPLIFICATION, Plan, WaveSeparation};
 use super::record::HopkinsonRecord;
 use super::result::HopkinsonResult;
@@ -92,6 +95,32 @@ pub enum Finding {
         stated: f64,
         /// Wave speed found between the passages [m/s].
         found: f64,
+    },
+    /// A gauge records the waves later or earlier than the other gauge of its bar predicts, before
+    /// any wave returns.
+    GaugeLag {
+        /// The bar.
+        side: Side,
+        /// The gauge that the waves reach last, counted from 0.
+        gauge: usize,
+        /// Lag of its record \[s\].
+        lag: f64,
+        /// Standard error of the lag \[s\].
+        standard_error: f64,
+        /// Distance that the waves travel in this time \[m\].
+        distance: f64,
+    },
+    /// A gauge records a larger or smaller strain than the other gauge of its bar predicts, before
+    /// any wave returns.
+    GaugeRatio {
+        /// The bar.
+        side: Side,
+        /// The gauge that the waves reach last, counted from 0.
+        gauge: usize,
+        /// Ratio of the recorded to the predicted strain.
+        ratio: f64,
+        /// Standard error of the ratio.
+        standard_error: f64,
     },
     /// The force of the transmitted face begins before that of the incident one, which is
     /// impossible.
@@ -211,6 +240,33 @@ impl fmt::Display for Finding {
                 f,
                 "the band ends at {band_hz:.0} Hz, but the law of a bar was measured only up to {known_to_hz:.0} Hz: above this frequency, the error of the law is unknown"
             ),
+            Self::GaugeLag {
+                side,
+                gauge,
+                lag,
+                standard_error,
+                distance,
+            } => write!(
+                f,
+                "before any wave returns, gauge {} of the {side} records the waves {:.2} us ± {:.2} us {} than gauge {} predicts ({:.1} mm of the bar), expected no difference beyond three standard errors: state or correct the delays (`time_skew`) or the positions of the two gauges of this bar, or its wave speed",
+                gauge + 1,
+                1e6 * lag.abs(),
+                1e6 * standard_error,
+                if *lag > 0.0 { "later" } else { "earlier" },
+                2 - gauge,
+                1e3 * distance.abs(),
+            ),
+            Self::GaugeRatio {
+                side,
+                gauge,
+                ratio,
+                standard_error,
+            } => write!(
+                f,
+                "before any wave returns, gauge {} of the {side} records {ratio:.3} ± {standard_error:.3} times the strain that gauge {} predicts, expected 1 within three standard errors: check gauge factors and gains of the two gauges of this bar, and whether it bends",
+                gauge + 1,
+                2 - gauge,
+            ),
             Self::TransmittedEarly { by } => write!(
                 f,
                 "the force of the transmitted face begins {:.1} us before that of the incident face: check positions, wave speeds and delays of channels",
@@ -264,6 +320,7 @@ pub(super) fn of(
     test: &HopkinsonTest,
     record: &HopkinsonRecord,
     plan: &Plan,
+    pairs: &GaugePairs,
 ) -> Vec<Finding> {
     let mut findings = Vec::new();
     let [incident, reflected, _] = result.arrivals;
@@ -314,6 +371,7 @@ pub(super) fn of(
             findings.push(Finding::RecordEnds { part });
         }
     }
+    findings.extend(gauges::of(pairs, &test.bars, result.band_hz));
     passages(result, test, &mut findings, [incident, reflected]);
     balance(result, test, &mut findings);
     if test.loading == Loading::Compression {

@@ -56,6 +56,9 @@ pub(super) struct Plan {
     pub(super) amplification: f64,
     /// Samples of incident, reflected and transmitted pulse, where windows separate them.
     pub(super) windows: [Range<usize>; 3],
+    /// Samples of each bar in which waves pass its gauges along x only, before an echo returns from
+    /// the specimen or from the far end.
+    pub(super) one_way: [Range<usize>; 2],
     /// Samples of the result.
     pub(super) result: Range<usize>,
     /// Terms of the series of passages of each bar.
@@ -215,6 +218,18 @@ impl Plan {
                     transmitted_start + duration + guard + edge,
                 ),
             ],
+            one_way: [
+                range(
+                    start,
+                    (at_face + samples(near[0] / speeds[0]) - 0.5 * edge).min(end - edge),
+                ),
+                range(
+                    transmitted_start,
+                    (at_face + samples((2.0 * second_bar.length.value - far[1]) / speeds[1])
+                        - 0.5 * edge)
+                        .min(end - edge),
+                ),
+            ],
             result,
             terms: [
                 terms(
@@ -264,6 +279,7 @@ impl Plan {
             n_transform,
             weight: weights(self.band_hz, rate_hz / n_transform as f64, n_transform),
             windows: self.windows.each_ref().map(part),
+            one_way: self.one_way.each_ref().map(part),
             result: part(&self.result),
             ..self.clone()
         }

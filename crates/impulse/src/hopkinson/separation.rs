@@ -244,23 +244,44 @@ impl Spectra<'_> {
         }
     }
 
+    /// Returns the two gauges of a bar in the order along x, each with its x from the face; `None`
+    /// for another number of gauges.
+    fn along_x(&self, bar: usize) -> Option<[(usize, f64); 2]> {
+        let distances = self.distances(bar);
+        let [one, other] = distances.as_slice() else {
+            return None;
+        };
+        let sign = if bar == 0 { -1.0 } else { 1.0 };
+        let (one, other) = ((0, sign * one), (1, sign * other));
+        Some(if one.1 < other.1 {
+            [one, other]
+        } else {
+            [other, one]
+        })
+    }
+
+    /// Returns the strain at the second of two gauges along x, as expected from the first gauge for
+    /// waves along x alone, and the recorded strain minus the expected one, which is
+    /// $`N_b(1 - e^{-2\gamma d})`$.
+    pub(super) fn one_way(&mut self, bar: usize, lines: &BarLines) -> Option<[Vec<Complex64>; 2]> {
+        let [(a, x_a), (b, x_b)] = self.along_x(bar)?;
+        let (first, second) = (self.whole(bar, a), self.whole(bar, b));
+        let carried = first.iter().enumerate();
+        let expected: Vec<Complex64> = carried
+            .map(|(line, first)| first * lines.carried(line, x_b - x_a))
+            .collect();
+        let rest = second.iter().zip(&expected).map(|(b, e)| b - e).collect();
+        Some([expected, rest])
+    }
+
     /// Computes the waves from two gauges. With the strain $`\varepsilon_a`$ of the first gauge
     /// along x and $`\varepsilon_b`$ at a distance $`d`$ after it,
     /// $`P_a(1 - e^{-2\gamma d}) = \varepsilon_a - \varepsilon_b e^{-\gamma d}`$ and
     /// $`N_b(1 - e^{-2\gamma d}) = \varepsilon_b - \varepsilon_a e^{-\gamma d}`$.
     fn two_gauges(&mut self, bar: usize, lines: &BarLines) -> FaceWaves {
-        let distances = self.distances(bar);
-        let [one, other] = distances.as_slice() else {
+        let Some([(a, x_a), (b, x_b)]) = self.along_x(bar) else {
             return FaceWaves::default();
         };
-        // x of the gauges from the face
-        let sign = if bar == 0 { -1.0 } else { 1.0 };
-        let order = if sign * one < sign * other {
-            [(0, sign * one), (1, sign * other)]
-        } else {
-            [(1, sign * other), (0, sign * one)]
-        };
-        let [(a, x_a), (b, x_b)] = order;
         let apart = x_b - x_a;
         let terms = self.plan.terms.get(bar).copied().unwrap_or(0);
         let (first, second) = (self.whole(bar, a), self.whole(bar, b));

@@ -10,6 +10,7 @@ use super::coarse::Coarse;
 use super::curves::{self, Curve, Curves, Recipe};
 use super::finding;
 use super::noise::QuietNoise;
+use super::pair::{self, GaugePairs};
 use super::plan::{Given, Plan, StressFrom, WaveSeparation};
 use super::record::HopkinsonRecord;
 use super::result::{HopkinsonResult, Parts, SourceEffect};
@@ -192,25 +193,26 @@ impl HopkinsonTest {
             arrived = arrivals(&nominal, &random);
         }
         let mut common = Vec::new();
+        let mut pairs = GaugePairs::new(quiet.differences(&setup)?);
         for source in setup.sources(&self.variations) {
-            let at = |standard: f64| -> Result<Curves, ImpulseError> {
+            let at = |standard: f64| -> Result<(Curves, pair::Differences), ImpulseError> {
                 let moved = setup.moved(&source, standard, &self.variations);
                 let lines = curves::lines_of(&moved, &coarse.plan, self.loading)?;
-                Ok(curves::evaluate(
-                    &moved,
-                    &lines,
-                    &coarse.record,
-                    &coarse.plan,
-                    recipe,
+                let Coarse { plan, record, .. } = &coarse;
+                Ok((
+                    curves::evaluate(&moved, &lines, record, plan, recipe),
+                    pair::differences(&moved, &lines, record, plan),
                 ))
             };
-            let (above, below) = (at(1.0)?, at(-1.0)?);
+            let ((above, pairs_above), (below, pairs_below)) = (at(1.0)?, at(-1.0)?);
+            pairs.add(&pairs_above, &pairs_below, 0.25);
             common.push(SourceEffect::half_difference(source, &above, &below));
         }
         let monte_carlo = self
             .monte_carlo
             .map(|n| quiet.scatter(&setup, n, Some((&common, &self.variations)), random_numbers))
             .transpose()?;
+        quiet.scatter_pairs(&setup, &mut pairs, random_numbers)?;
         for source in &mut common {
             source.refine(&coarse);
         }
@@ -245,7 +247,7 @@ impl HopkinsonTest {
             volume_per: self.specimen,
             loading: self.loading,
         });
-        result.findings = finding::of(&result, self, record, &plan);
+        result.findings = finding::of(&result, self, record, &plan, &pairs);
         Ok(result)
     }
 
@@ -352,13 +354,7 @@ impl Quiet<'_> {
         let mut squares: Vec<Vec<f64>> = nominal.0.iter().map(zeros).collect();
         let mut drawn = record.clone();
         for _ in 0..n_draws {
-            let bars = drawn.gauges.iter_mut().zip(&record.gauges);
-            for ((drawn, measured), noises) in bars.zip(&self.noises) {
-                for ((drawn, measured), noise) in drawn.iter_mut().zip(measured).zip(noises) {
-                    drawn.copy_from_slice(measured);
-                    noise.add_draw(drawn, &mut transform, random);
-                }
-            }
+            self.draw(&mut drawn, &mut transform, random);
             let one = match sources {
                 None => curves::evaluate(setup, &lines, &drawn, plan, self.recipe),
                 Some((sources, variations)) => {
@@ -390,5 +386,51 @@ impl Quiet<'_> {
             *square = square.sqrt();
         }
         Ok(self.coarse.refined(&Curves(squares)))
+    }
+
+    /// Replaces the samples of `drawn` by those of the record with a draw of its noise.
+    fn draw(
+        &self,
+        drawn: &mut HopkinsonRecord,
+        transform: &mut RealFourier,
+        random: &mut impl Rng,
+    ) {
+        let bars = drawn.gauges.iter_mut().zip(&self.coarse.record.gauges);
+        for ((drawn, measured), noises) in bars.zip(&self.noises) {
+            for ((drawn, measured), noise) in drawn.iter_mut().zip(measured).zip(noises) {
+                drawn.copy_from_slice(measured);
+                noise.add_draw(drawn, transform, random);
+            }
+        }
+    }
+
+    /// Returns the differences between the two gauges of each bar.
+    fn differences(&self, setup: &Setup) -> Result<pair::Differences, ImpulseError> {
+        let Coarse { plan, record, .. } = self.coarse;
+        let lines = curves::lines_of(setup, plan, self.loading)?;
+        Ok(pair::differences(setup, &lines, record, plan))
+    }
+
+    /// Adds the variances of the differences between gauges over draws of the noise.
+    fn scatter_pairs(
+        &self,
+        setup: &Setup,
+        pairs: &mut GaugePairs,
+        random: &mut impl Rng,
+    ) -> Result<(), ImpulseError> {
+        let found = pairs.found;
+        if found.iter().all(Option::is_none) {
+            return Ok(());
+        }
+        let Coarse { plan, record, .. } = self.coarse;
+        let lines = curves::lines_of(setup, plan, self.loading)?;
+        let mut transform = RealFourier::new(plan.n_transform);
+        let mut drawn = record.clone();
+        for _ in 0..DRAWS {
+            self.draw(&mut drawn, &mut transform, random);
+            let one = pair::differences(setup, &lines, &drawn, plan);
+            pairs.add(&one, &found, 1.0 / DRAWS as f64);
+        }
+        Ok(())
     }
 }

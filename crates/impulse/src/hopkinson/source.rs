@@ -18,7 +18,7 @@ impl Side {
     /// Both bars, in the order of the arrays.
     pub const BOTH: [Self; 2] = [Self::Incident, Self::Transmitted];
 
-    fn index(self) -> usize {
+    pub(super) fn index(self) -> usize {
         match self {
             Self::Incident => 0,
             Self::Transmitted => 1,
