@@ -68,13 +68,8 @@ pub fn predict<L: PropagationLaw>(
         }
     }
     let mut projection = Projection::new(positions);
-    let mut line = WhiteLine {
-        values: vec![Complex64::ZERO; positions.len()],
-        weights: vec![1.0; positions.len()],
-        variance: 1.0,
-        power: 0.0,
-        has_free_end: false,
-    };
+    let n = positions.len();
+    let mut line = WhiteLine::of_values(vec![Complex64::ZERO; n], vec![1.0; n]);
     let prediction = |&frequency_hz: &f64| {
         let gamma = medium.propagation_coefficient(TAU * frequency_hz);
         for (value, x) in line.values.iter_mut().zip(positions) {

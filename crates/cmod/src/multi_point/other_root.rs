@@ -14,6 +14,7 @@ use std::f64::consts::FRAC_PI_2;
 
 use num_complex::Complex64;
 
+use super::projection::Objective;
 use crate::branch::{BranchDoubt, LEAST_CONFIDENCE};
 
 /// Standard deviation of the course of γ relative to γ, beyond the scatter of the lines about it:
@@ -35,6 +36,16 @@ pub(super) struct Root {
     pub(super) misfit: f64,
     /// Inverse d^H d of the variance of γ.
     pub(super) information: f64,
+}
+
+impl Root {
+    pub(super) fn at(gamma: Complex64, objective: &Objective) -> Self {
+        Self {
+            gamma,
+            misfit: objective.misfit,
+            information: objective.information,
+        }
+    }
 }
 
 /// Line whose root was found, for the choice of its root.

@@ -12,10 +12,15 @@
 //! grows. This multiplies the columns by constants and leaves P, d and the step unchanged. For
 //! several tests, V, d^H P b and d^H d are sums over the tests.
 
+mod details;
+mod linearised;
+
+pub(super) use details::{Details, TestWaves};
+
 use num_complex::Complex64;
 
 use super::spectra::WhiteLine;
-use super::uncertainty::{GaugeError, GaugeInfluence};
+use super::uncertainty::GaugeInfluence;
 use crate::estimate::Termination;
 
 /// Maximum number of Gauss-Newton steps on one line; a line that needs more has no minimum near its
@@ -35,38 +40,6 @@ pub(super) struct Objective {
     gradient: Complex64,
 }
 
-/// Waves of one test and their derivative with respect to γ.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct TestWaves {
-    /// Amplitude of the wave along +x at the first gauge, and of the wave along -x at the last
-    /// gauge.
-    pub(super) amplitudes: [Complex64; 2],
-    /// Product A⁺A'c, which is -dc/dγ.
-    pub(super) drift: [Complex64; 2],
-}
-
-/// Details of a line at its solution.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Details {
-    pub(super) objective: Objective,
-    /// Matrix (A^H A)⁻¹: its two diagonal elements and its element (1, 2).
-    pub(super) waves_covariance: (f64, f64, Complex64),
-    /// Second-order error of γ divided by |δγ|² [m].
-    pub(super) curvature: f64,
-    /// Second-order part q of the residual along its tangent, d^H q, where the residual is P b - δγ
-    /// d - δγ² q.
-    pub(super) along: Complex64,
-}
-
-impl Details {
-    /// Returns the point at which the residual vanishes again to second order, γ - d^H d/d^H q. For
-    /// a line with as many unknowns as values this is γ - 2g'/g'' for the ratio g(γ) that it
-    /// solves.
-    pub(super) fn mirrored(&self, gamma: Complex64) -> Complex64 {
-        gamma - self.objective.information / self.along
-    }
-}
-
 /// Minimum of the misfit V.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Minimum {
@@ -75,23 +48,6 @@ pub(super) struct Minimum {
     /// later.
     pub(super) evaluated_at: Option<Objective>,
     pub(super) termination: Termination,
-}
-
-/// Linearisation of a line about a given γ, in units of its noise.
-#[derive(Debug, Clone)]
-pub(super) struct About {
-    /// Step from the given γ to the γ of the line [1/m].
-    pub(super) step: Complex64,
-    /// Inverse of the variance of γ.
-    pub(super) information: f64,
-    /// Change of γ due to each error [1/m].
-    pub(super) moves: Vec<Complex64>,
-    /// Scalar products of the contributions of the errors to the residual, with each other (by
-    /// rows). They are doubled because each part of a complex value has half the variance; so are
-    /// `gradient`, the products with the residual, and `square`, the square of the residual.
-    pub(super) normal: Vec<f64>,
-    pub(super) gradient: Vec<f64>,
-    pub(super) square: f64,
 }
 
 /// Orthonormal columns at one γ, with working memory for a row of gauges.
@@ -253,6 +209,11 @@ impl Projection {
         y
     }
 
+    /// Returns the amplitudes c = A⁺b of the waves of one test.
+    fn waves_of(&self, values: &[Complex64]) -> [Complex64; 2] {
+        self.amplitudes(self.coefficients(values.iter().copied()))
+    }
+
     /// Returns R⁻¹ y.
     fn amplitudes(&self, y: [Complex64; 2]) -> [Complex64; 2] {
         let (r11, r12, r22) = self.r;
@@ -267,6 +228,17 @@ impl Projection {
             *s = f * c[0] + b * c[1];
         }
         self.coefficients(self.slope.iter().copied())
+    }
+
+    /// Sets `slope` to A'c and `tangent` to d = P A'c, and returns the coefficients of A'c.
+    fn set_tangent(&mut self, c: [Complex64; 2]) -> [Complex64; 2] {
+        let w = self.set_slope(c);
+        let [q1, q2] = &self.basis;
+        let slopes = self.slope.iter().zip(q1.iter().zip(q2));
+        for (d, (slope, (q1, q2))) in self.tangent.iter_mut().zip(slopes) {
+            *d = slope - w[0] * q1 - w[1] * q2;
+        }
+        w
     }
 
     /// Returns the misfit V without its derivatives.
@@ -369,13 +341,9 @@ impl Projection {
         self.set_slopes();
         let mut shares = vec![0.0; self.n_gauges()];
         for values in line.values.chunks_exact(self.n_gauges()) {
-            let y = self.coefficients(values.iter().copied());
-            let w = self.set_slope(self.amplitudes(y));
-            let [q1, q2] = &self.basis;
-            for ((share, slope), (q1, q2)) in
-                shares.iter_mut().zip(&self.slope).zip(q1.iter().zip(q2))
-            {
-                *share += (slope - w[0] * q1 - w[1] * q2).norm_sqr();
+            self.set_tangent(self.waves_of(values));
+            for (share, d) in shares.iter_mut().zip(&self.tangent) {
+                *share += d.norm_sqr();
             }
         }
         Some(shares)
@@ -393,18 +361,15 @@ impl Projection {
         let information = self.evaluate(gamma, line)?.information;
         let mut influence = vec![GaugeInfluence::default(); self.n_gauges()];
         for values in line.values.chunks_exact(self.n_gauges()) {
-            let c = self.amplitudes(self.coefficients(values.iter().copied()));
-            let w = self.set_slope(c);
-            let [q1, q2] = &self.basis;
-            for (((((of_gauge, slope), (q1, q2)), forward), backward), length) in influence
+            let c = self.waves_of(values);
+            self.set_tangent(c);
+            for ((((of_gauge, d), forward), backward), length) in influence
                 .iter_mut()
-                .zip(&self.slope)
-                .zip(q1.iter().zip(q2))
+                .zip(&self.tangent)
                 .zip(&self.forward)
                 .zip(&self.backward)
                 .zip(&self.end_lengths)
             {
-                let d = slope - w[0] * q1 - w[1] * q2;
                 let part = d.conj() / information;
                 of_gauge.position += part * gamma * (backward * c[1] - forward * c[0]);
                 of_gauge.scale += part * (backward * c[1] + forward * c[0]);
@@ -413,156 +378,6 @@ impl Projection {
             }
         }
         Some(influence)
-    }
-
-    /// Linearises the line about a rod with the propagation coefficient `gamma`: returns the
-    /// Gauss-Newton step to the γ of the measured values, the inverse of the variance of this γ,
-    /// and the products of the residual with the errors of the gauges. Each of `errors` gives a
-    /// gauge, the factor on its values q and the factor on their slope q'.
-    pub(super) fn about(
-        &mut self,
-        gamma: Complex64,
-        line: &WhiteLine,
-        errors: &[GaugeError],
-    ) -> Option<About> {
-        let objective = self.evaluate(gamma, line)?;
-        let step = objective.gradient / objective.information;
-        let n = self.n_gauges();
-        let count = line.values.len();
-        let (mut residuals, mut tangents) = (Vec::with_capacity(count), Vec::with_capacity(count));
-        // for each error, its contribution to the values, projected by P
-        let mut added = vec![Vec::with_capacity(count); errors.len()];
-        for values in line.values.chunks_exact(n) {
-            let y = self.coefficients(values.iter().copied());
-            let c = self.amplitudes(y);
-            let w = self.set_slope(c);
-            let [q1, q2] = &self.basis;
-            for ((value, slope), (q1, q2)) in values.iter().zip(&self.slope).zip(q1.iter().zip(q2))
-            {
-                residuals.push(value - y[0] * q1 - y[1] * q2);
-                tangents.push(slope - w[0] * q1 - w[1] * q2);
-            }
-            for (error, added) in errors.iter().zip(&mut added) {
-                let at =
-                    |column: &[Complex64]| column.get(error.gauge).copied().unwrap_or_default();
-                let (forward, backward) = (at(&self.forward) * c[0], at(&self.backward) * c[1]);
-                let value = error.by_value * (forward + backward)
-                    + error.by_slope * gamma * (backward - forward);
-                let (first, second) = (at(q1), at(q2));
-                added.extend((0..n).zip(q1.iter().zip(q2)).map(|(gauge, (q1, q2))| {
-                    let own = if gauge == error.gauge {
-                        value
-                    } else {
-                        Complex64::ZERO
-                    };
-                    own - (first.conj() * q1 + second.conj() * q2) * value
-                }));
-            }
-        }
-        let information = objective.information;
-        let along = |values: &[Complex64]| -> Complex64 {
-            let products = tangents
-                .iter()
-                .zip(values)
-                .map(|(d, value)| d.conj() * value);
-            products.sum::<Complex64>() / information
-        };
-        let moves: Vec<Complex64> = added.iter().map(|added| along(added)).collect();
-        // subtract the part that is explained by a change of γ
-        for (added, moves) in added.iter_mut().zip(&moves) {
-            for (value, d) in added.iter_mut().zip(&tangents) {
-                *value -= moves * d;
-            }
-        }
-        for (residual, d) in residuals.iter_mut().zip(&tangents) {
-            *residual -= step * d;
-        }
-        let product = |a: &[Complex64], b: &[Complex64]| -> f64 {
-            2.0 * a.iter().zip(b).map(|(a, b)| (a.conj() * b).re).sum::<f64>()
-        };
-        Some(About {
-            step,
-            information,
-            moves,
-            normal: added
-                .iter()
-                .flat_map(|a| added.iter().map(move |b| product(a, b)))
-                .collect(),
-            gradient: added.iter().map(|a| product(a, &residuals)).collect(),
-            square: product(&residuals, &residuals),
-        })
-    }
-
-    /// Returns the details at the solution `gamma`; the waves of every test are appended to
-    /// `waves`. `at` is the objective if it was last evaluated at `gamma` or sufficiently near; if
-    /// `at` is `None`, the objective is evaluated here.
-    pub(super) fn details(
-        &mut self,
-        gamma: Complex64,
-        at: Option<Objective>,
-        line: &WhiteLine,
-        waves: &mut Vec<TestWaves>,
-    ) -> Option<Details> {
-        let objective = match at {
-            Some(objective) => objective,
-            None => self.evaluate(gamma, line)?,
-        };
-        let mut bend = 0.0;
-        let mut along = Complex64::ZERO;
-        for values in line.values.chunks_exact(self.n_gauges()) {
-            let c = self.amplitudes(self.coefficients(values.iter().copied()));
-            let w = self.set_slope(c);
-            let drift = self.amplitudes(w);
-            let [q1, q2] = &self.basis;
-            let slopes = self.slope.iter().zip(q1.iter().zip(q2));
-            for (d, (slope, (q1, q2))) in self.tangent.iter_mut().zip(slopes) {
-                *d = slope - w[0] * q1 - w[1] * q2;
-            }
-            // P(A''c/2 - A'A⁺A'c): second-order change of the residual, beyond the tangent d, for a
-            // change of γ by 1
-            let [first, second] = &self.slope_columns;
-            let columns = first.iter().zip(second);
-            for (((s, (f, b)), x), y) in self
-                .slope
-                .iter_mut()
-                .zip(columns)
-                .zip(&self.from_first)
-                .zip(&self.to_last)
-            {
-                *s = f * (-0.5 * x * c[0] - drift[0]) + b * (-0.5 * y * c[1] - drift[1]);
-            }
-            // additional second derivative of the row of a mass, which is at x_n, compared with the
-            // second derivative of a gauge row
-            let rows = self.slope.iter_mut().zip(&self.forward);
-            for ((s, f), (x, length)) in rows.zip(self.from_first.iter().zip(&self.end_lengths)) {
-                if *length > 0.0 {
-                    let [of_f, _] = by_end_length(*length, gamma);
-                    *s -= f * of_f * (0.5 * x * length / gamma) * c[0];
-                }
-            }
-            let z = self.coefficients(self.slope.iter().copied());
-            let [q1, q2] = &self.basis;
-            let slopes = self.slope.iter().zip(&self.tangent);
-            for ((s, d), (q1, q2)) in slopes.zip(q1.iter().zip(q2)) {
-                let q = s - z[0] * q1 - z[1] * q2;
-                bend += q.norm_sqr();
-                along += d.conj() * q;
-            }
-            waves.push(TestWaves {
-                amplitudes: c,
-                drift,
-            });
-        }
-        let (r11, r12, r22) = self.r;
-        let backward = (r22 * r22).recip();
-        let shared = -r12 * backward / r11;
-        let forward = (1.0 + r12.norm_sqr() * backward) / (r11 * r11);
-        Some(Details {
-            objective,
-            waves_covariance: (forward, backward, shared),
-            curvature: (bend / objective.information).sqrt(),
-            along,
-        })
     }
 }
 
@@ -603,13 +418,7 @@ mod tests {
                 values.push((p * (-GAMMA * x).exp() + n * (GAMMA * x).exp()) * w);
             }
         }
-        WhiteLine {
-            power: values.iter().map(Complex64::norm_sqr).sum(),
-            values,
-            weights,
-            variance: 1.0,
-            has_free_end: false,
-        }
+        WhiteLine::of_values(values, weights)
     }
 
     #[test]
@@ -638,67 +447,10 @@ mod tests {
         assert!((found.gamma - GAMMA).norm() < 1e-13 * GAMMA.norm());
     }
 
-    /// Two waves at three equidistant gauges.
-    fn three_gauges(gamma: Complex64) -> WhiteLine {
-        let values: Vec<Complex64> = [0.0, 0.1, 0.2]
-            .iter()
-            .map(|x| (-gamma * x).exp() + 0.4 * (gamma * x).exp())
-            .collect();
-        WhiteLine {
-            power: values.iter().map(Complex64::norm_sqr).sum(),
-            values,
-            weights: vec![1.0; 3],
-            variance: 1.0,
-            has_free_end: false,
-        }
-    }
-
-    /// Compares the curvature, |q|/|d| in |P(γ+δ)b| = |δ d + δ² q + ...|, with the curvature of the
-    /// closed form for three equidistant gauges.
-    #[test]
-    fn the_curvature_is_the_second_order_of_the_residual() {
-        let mut projection = Projection::new(&[0.0, 0.1, 0.2]);
-        let gamma = Complex64::new(0.9, 28.0);
-        let line = three_gauges(gamma);
-        let details = projection
-            .details(gamma, None, &line, &mut Vec::new())
-            .unwrap();
-        // Three equidistant gauges solve cosh γa = Ψ: δΨ = a sinh γa δγ + a² cosh γa δγ²/2. The
-        // rotation of P adds a term of the order of the aperture to q: near ka = π the first term
-        // dominates.
-        let coth = (gamma * 0.1).cosh() / (gamma * 0.1).sinh();
-        assert!((details.curvature / (0.05 * coth.norm()) - 1.0).abs() < 0.2);
-    }
-
-    /// Three equidistant gauges solve cosh γa = Ψ, whose roots near ka = π are γ and 2πi/a - γ. The
-    /// mirrored point is near the other root, and both minima are exact.
-    #[test]
-    fn the_mirrored_point_leads_to_the_other_root() {
-        let mut projection = Projection::new(&[0.0, 0.1, 0.2]);
-        let gamma = Complex64::new(0.3, 30.9);
-        let line = three_gauges(gamma);
-        let details = projection
-            .details(gamma, None, &line, &mut Vec::new())
-            .unwrap();
-        let other = Complex64::new(0.0, std::f64::consts::TAU / 0.1) - gamma;
-        let mirrored = details.mirrored(gamma);
-        // cosh is nearly a parabola there: its next order is (|other - γ| a/2)²/3 = 0.0012; P adds
-        // a term of the same size
-        assert!((mirrored - other).norm() < 0.01 * (other - gamma).norm());
-        let found = projection.minimise(mirrored, &line).unwrap();
-        assert!((found.gamma - other).norm() < 1e-9 * other.norm());
-    }
-
     #[test]
     fn what_cannot_be_told_apart_is_refused() {
         let mut projection = Projection::new(&[0.0, 0.1, 0.2]);
-        let line = WhiteLine {
-            values: vec![Complex64::ONE; 3],
-            weights: vec![1.0; 3],
-            variance: 1.0,
-            power: 3.0,
-            has_free_end: false,
-        };
+        let line = WhiteLine::of_values(vec![Complex64::ONE; 3], vec![1.0; 3]);
         assert!(projection.evaluate(Complex64::ZERO, &line).is_none());
         let half_waves = Complex64::new(0.0, std::f64::consts::PI / 0.1);
         assert!(projection.evaluate(half_waves, &line).is_none());

@@ -171,6 +171,17 @@ pub(super) struct WhiteLine {
 }
 
 impl WhiteLine {
+    /// Creates the line of known `values`, already multiplied by the `weights` of the gauges.
+    pub(super) fn of_values(values: Vec<Complex64>, weights: Vec<f64>) -> Self {
+        Self {
+            power: values.iter().map(Complex64::norm_sqr).sum(),
+            values,
+            weights,
+            variance: 1.0,
+            has_free_end: false,
+        }
+    }
+
     /// Creates a line for `n_rows` rows: one row per gauge, and one more row if the last row is a
     /// free end.
     pub(super) fn for_spectra(spectra: &GaugeSpectra<'_>, n_rows: usize) -> Self {
