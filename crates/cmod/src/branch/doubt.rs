@@ -1,5 +1,7 @@
 //! Reasons to doubt a branch.
 
+use std::f64::consts::{FRAC_PI_2, PI};
+
 /// Reason why the branch of a line may be wrong.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 #[non_exhaustive]
@@ -91,6 +93,18 @@ pub enum BranchDoubt {
 }
 
 impl BranchDoubt {
+    /// Returns the doubt about a phase that was `found` where another phase was `expected`, after an
+    /// expected `advance` from the previous line; all in rad.
+    pub(crate) fn of_phase(advance: f64, expected: f64, found: f64) -> Option<Self> {
+        if advance > PI {
+            Some(Self::Gap { advance })
+        } else if (found - expected).abs() > FRAC_PI_2 {
+            Some(Self::Leap { expected, found })
+        } else {
+            None
+        }
+    }
+
     /// Returns true if the branch itself is doubtful, false if only the line is noisy.
     #[must_use]
     pub fn is_ambiguous(&self) -> bool {

@@ -4,7 +4,7 @@
 //! the mean of the previous lines, each weighted by its information on γ/ω. A singular line has
 //! almost no weight and cannot affect the others.
 
-use std::f64::consts::{FRAC_PI_2, PI};
+use std::f64::consts::FRAC_PI_2;
 
 use num_complex::Complex64;
 
@@ -49,16 +49,9 @@ impl Expectation {
 
     /// Returns the doubt about the branch of `gamma`, found at `omega`.
     pub(super) fn doubt(&self, omega: Complex64, gamma: Complex64) -> Option<BranchDoubt> {
-        let advance = self.advance(omega.re);
         let expected = self.gamma(omega).im * self.distance;
         let found = gamma.im * self.distance;
-        if advance > PI {
-            Some(BranchDoubt::Gap { advance })
-        } else if (found - expected).abs() > FRAC_PI_2 {
-            Some(BranchDoubt::Leap { expected, found })
-        } else {
-            None
-        }
+        BranchDoubt::of_phase(self.advance(omega.re), expected, found)
     }
 
     /// Adds a line with the `information` 1/var γ. The weight of a line decreases to 1/e over a

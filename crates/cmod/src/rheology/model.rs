@@ -2,6 +2,7 @@
 //! with respect to the coordinates.
 
 use num_complex::Complex64;
+use rodwave::RodwaveError;
 use rodwave::modulus::{
     ConstantQ, DifferentiableModulus, Elastic, FractionalMaxwell, FractionalZener, HavriliakNegami,
     KelvinVoigt, Maxwell, SpringPot, Zener,
@@ -260,8 +261,18 @@ impl<L: DifferentiableModulus> Model for Linked<L> {
 }
 
 impl<L: DifferentiableModulus> Linked<L> {
+    /// Creates a model of this type of law; only the type is used, not the parameters.
+    fn new(
+        law: Result<L, RodwaveError>,
+        kinds: Vec<ParameterKind>,
+        link: Link,
+    ) -> Result<Self, RodwaveError> {
+        let law = law?;
+        Ok(Self { law, kinds, link })
+    }
+
     /// Returns the law at the coordinates `at`.
-    pub(super) fn law_at(&self, at: &[f64]) -> Result<L, rodwave::RodwaveError> {
+    pub(super) fn law_at(&self, at: &[f64]) -> Result<L, RodwaveError> {
         let mut parameters = Vec::with_capacity(at.len());
         self.link.parameters(at, &mut parameters);
         self.law.with_parameters(&parameters)
@@ -273,50 +284,49 @@ impl<L: DifferentiableModulus> Linked<L> {
     }
 }
 
-/// Returns the model. Only the type of the law in it is used, not its values.
-pub(super) fn kelvin_voigt() -> Result<Linked<KelvinVoigt>, rodwave::RodwaveError> {
-    Ok(Linked {
-        law: KelvinVoigt::new(1.0, 1.0)?,
-        kinds: vec![
+pub(super) fn kelvin_voigt() -> Result<Linked<KelvinVoigt>, RodwaveError> {
+    Linked::new(
+        KelvinVoigt::new(1.0, 1.0),
+        vec![
             ParameterKind::new("modulus", "Pa", Scale::Ratio),
             ParameterKind::new("viscosity", "Pa s", Scale::Ratio).of_loss(1),
         ],
-        link: Link::Identity,
-    })
+        Link::Identity,
+    )
 }
 
-pub(super) fn elastic() -> Result<Linked<Elastic>, rodwave::RodwaveError> {
-    Ok(Linked {
-        law: Elastic::new(1.0)?,
-        kinds: vec![ParameterKind::new("modulus", "Pa", Scale::Ratio)],
-        link: Link::Identity,
-    })
+pub(super) fn elastic() -> Result<Linked<Elastic>, RodwaveError> {
+    Linked::new(
+        Elastic::new(1.0),
+        vec![ParameterKind::new("modulus", "Pa", Scale::Ratio)],
+        Link::Identity,
+    )
 }
 
 /// Returns the model of constant Q with |E| at the angular frequency `reference` and the loss
 /// factor.
-pub(super) fn constant_q(reference: f64) -> Result<Linked<ConstantQ>, rodwave::RodwaveError> {
-    Ok(Linked {
-        law: ConstantQ::new(1.0, 0.1, reference)?,
-        kinds: vec![
+pub(super) fn constant_q(reference: f64) -> Result<Linked<ConstantQ>, RodwaveError> {
+    Linked::new(
+        ConstantQ::new(1.0, 0.1, reference),
+        vec![
             ParameterKind::new("modulus in the middle of the band", "Pa", Scale::Ratio),
             ParameterKind::new("loss factor", "1", Scale::Ratio).of_loss(1),
         ],
-        link: Link::Identity,
-    })
+        Link::Identity,
+    )
 }
 
 /// Returns the model of the spring-pot with |E| at the angular frequency `reference` and the
 /// exponent.
-pub(super) fn spring_pot(reference: f64) -> Result<Linked<SpringPot>, rodwave::RodwaveError> {
-    Ok(Linked {
-        law: SpringPot::new(1.0, 0.5, reference)?,
-        kinds: vec![
+pub(super) fn spring_pot(reference: f64) -> Result<Linked<SpringPot>, RodwaveError> {
+    Linked::new(
+        SpringPot::new(1.0, 0.5, reference),
+        vec![
             ParameterKind::new("modulus in the middle of the band", "Pa", Scale::Ratio),
             ParameterKind::new("exponent", "1", Scale::LogOdds).of_loss(1),
         ],
-        link: Link::Exponent,
-    })
+        Link::Exponent,
+    )
 }
 
 fn fluid_kinds() -> Vec<ParameterKind> {
@@ -328,22 +338,14 @@ fn fluid_kinds() -> Vec<ParameterKind> {
     ]
 }
 
-pub(super) fn maxwell() -> Result<Linked<Maxwell>, rodwave::RodwaveError> {
-    Ok(Linked {
-        law: Maxwell::new(1.0, 1.0)?,
-        kinds: fluid_kinds(),
-        link: Link::Identity,
-    })
+pub(super) fn maxwell() -> Result<Linked<Maxwell>, RodwaveError> {
+    Linked::new(Maxwell::new(1.0, 1.0), fluid_kinds(), Link::Identity)
 }
 
-pub(super) fn fractional_maxwell() -> Result<Linked<FractionalMaxwell>, rodwave::RodwaveError> {
+pub(super) fn fractional_maxwell() -> Result<Linked<FractionalMaxwell>, RodwaveError> {
     let mut kinds = fluid_kinds();
     kinds.push(ParameterKind::new("exponent", "1", Scale::LogOdds).of_loss_towards(1, 1.0));
-    Ok(Linked {
-        law: FractionalMaxwell::new(1.0, 1.0, 0.5)?,
-        kinds,
-        link: Link::Exponent,
-    })
+    Linked::new(FractionalMaxwell::new(1.0, 1.0, 0.5), kinds, Link::Exponent)
 }
 
 fn step_kinds() -> Vec<ParameterKind> {
@@ -358,34 +360,30 @@ fn step_kinds() -> Vec<ParameterKind> {
     ]
 }
 
-pub(super) fn zener() -> Result<Linked<Zener>, rodwave::RodwaveError> {
-    Ok(Linked {
-        law: Zener::new(1.0, 2.0, 1.0)?,
-        kinds: step_kinds(),
-        link: Link::Identity,
-    })
+pub(super) fn zener() -> Result<Linked<Zener>, RodwaveError> {
+    Linked::new(Zener::new(1.0, 2.0, 1.0), step_kinds(), Link::Identity)
 }
 
-pub(super) fn fractional_zener() -> Result<Linked<FractionalZener>, rodwave::RodwaveError> {
+pub(super) fn fractional_zener() -> Result<Linked<FractionalZener>, RodwaveError> {
     let mut kinds = step_kinds();
     kinds.push(ParameterKind::new("exponent", "1", Scale::LogOdds).of_loss(1));
-    Ok(Linked {
-        law: FractionalZener::new(1.0, 2.0, 1.0, 0.5)?,
+    Linked::new(
+        FractionalZener::new(1.0, 2.0, 1.0, 0.5),
         kinds,
-        link: Link::Exponent,
-    })
+        Link::Exponent,
+    )
 }
 
-pub(super) fn havriliak_negami() -> Result<Linked<HavriliakNegami>, rodwave::RodwaveError> {
+pub(super) fn havriliak_negami() -> Result<Linked<HavriliakNegami>, RodwaveError> {
     let mut kinds = step_kinds();
     for name in ["low-frequency exponent", "high-frequency exponent"] {
         kinds.push(ParameterKind::new(name, "1", Scale::LogOdds).of_loss(1));
     }
-    Ok(Linked {
-        law: HavriliakNegami::new(1.0, 2.0, 1.0, 0.5, 0.5)?,
+    Linked::new(
+        HavriliakNegami::new(1.0, 2.0, 1.0, 0.5, 0.5),
         kinds,
-        link: Link::TwoExponents,
-    })
+        Link::TwoExponents,
+    )
 }
 
 #[cfg(test)]

@@ -1,6 +1,6 @@
 //! Expectation of the next line from the lines processed so far.
 
-use std::f64::consts::{FRAC_PI_2, PI};
+use std::f64::consts::PI;
 
 use num_complex::Complex64;
 
@@ -77,16 +77,9 @@ impl Expectation {
 
     /// Returns the doubt about `gamma`, found at `omega`.
     pub(super) fn doubt(&self, omega: f64, gamma: Complex64) -> Option<BranchDoubt> {
-        let advance = self.unknown_advance(omega);
         let expected = self.gamma(omega).im * self.distance;
         let found = gamma.im * self.distance;
-        if advance > PI {
-            Some(BranchDoubt::Gap { advance })
-        } else if (found - expected).abs() > FRAC_PI_2 {
-            Some(BranchDoubt::Leap { expected, found })
-        } else {
-            None
-        }
+        BranchDoubt::of_phase(self.unknown_advance(omega), expected, found)
     }
 
     /// Adds a line, with the `information` 1/var γ.
