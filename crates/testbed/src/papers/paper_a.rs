@@ -81,22 +81,14 @@ impl Test {
 
 pub fn load() -> Result<PaperA, FixtureError> {
     let constants = transcribed_table("paper_a_constants.ron")?;
-    let constant = |name| {
-        constants
-            .value(name, "value")
-            .map(|value| value.value.to_f64())
-    };
+    let constant = |name| constants.number(name, "value");
     let table_1 = transcribed_table("paper_a_table_1_branches.ron")?;
     let table_2 = transcribed_table("paper_a_table_2.ron")?;
     let branches = table_1
         .rows
         .iter()
         .map(|row| {
-            let value = |column| {
-                table_1
-                    .value(&row.label, column)
-                    .map(|value| value.value.to_f64())
-            };
+            let value = |column| table_1.number(&row.label, column);
             let text = |name: &str| row.text.get(name).cloned().unwrap_or_default();
             Ok(Turn {
                 interval: row.label.clone(),
@@ -112,11 +104,7 @@ pub fn load() -> Result<PaperA, FixtureError> {
         .rows
         .iter()
         .map(|row| {
-            let value = |column| {
-                table_2
-                    .value(&row.label, column)
-                    .map(|value| value.value.to_f64())
-            };
+            let value = |column| table_2.number(&row.label, column);
             Ok(Test {
                 name: row.label.clone(),
                 material: row.text.get("material").cloned().unwrap_or_default(),

@@ -20,11 +20,7 @@ pub struct PaperB {
 
 pub fn load() -> Result<PaperB, FixtureError> {
     let constants = transcribed_table("paper_b_constants.ron")?;
-    let constant = |name| {
-        constants
-            .value(name, "value")
-            .map(|value| value.value.to_f64())
-    };
+    let constant = |name| constants.number(name, "value");
     Ok(PaperB {
         length: constant("bar_length")?,
         diameter: constant("bar_diameter")?,

@@ -80,21 +80,13 @@ impl PaperC {
 
 pub fn load() -> Result<PaperC, FixtureError> {
     let constants = transcribed_table("paper_c_constants.ron")?;
-    let constant = |name| {
-        constants
-            .value(name, "value")
-            .map(|value| value.value.to_f64())
-    };
+    let constant = |name| constants.number(name, "value");
     let table = transcribed_table("paper_c_table_1.ron")?;
     let tests = table
         .rows
         .iter()
         .map(|row| {
-            let value = |column| {
-                table
-                    .value(&row.label, column)
-                    .map(|value| value.value.to_f64())
-            };
+            let value = |column| table.number(&row.label, column);
             Ok(Load {
                 test: row.label.clone(),
                 mean_stress: value("mean_stress")?,

@@ -160,8 +160,7 @@ impl PaperD {
 pub fn load() -> Result<PaperD, FixtureError> {
     let constants = transcribed_table("paper_d_constants.ron")?;
     let paper_e = transcribed_table("paper_e_constants.ron")?;
-    let constant =
-        |table: &SiTable, name: &str| table.value(name, "value").map(|value| value.value.to_f64());
+    let constant = |table: &SiTable, name: &str| table.number(name, "value");
     let readings = Readings::load(&workspace_root().join(PAPERS).join(READINGS))?;
     let table_4 = transcribed_table("paper_d_table_4.ron")?;
     let table_a1 = transcribed_table("paper_d_table_a1.ron")?;

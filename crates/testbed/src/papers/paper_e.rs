@@ -82,21 +82,13 @@ pub struct Case {
 
 pub fn load() -> Result<PaperE, FixtureError> {
     let constants = transcribed_table("paper_e_constants.ron")?;
-    let constant = |name| {
-        constants
-            .value(name, "value")
-            .map(|value| value.value.to_f64())
-    };
+    let constant = |name| constants.number(name, "value");
     let table = transcribed_table("paper_e_cases.ron")?;
     let cases = table
         .rows
         .iter()
         .map(|row| {
-            let value = |column| {
-                table
-                    .value(&row.label, column)
-                    .map(|value| value.value.to_f64())
-            };
+            let value = |column| table.number(&row.label, column);
             Ok(Case {
                 name: row.label.clone(),
                 impact_velocity: value("impact_velocity")?,

@@ -68,6 +68,11 @@ impl SiTable {
             .ok_or_else(|| self.missing(row, column))
     }
 
+    /// Returns the number in `row` and `column`, in SI.
+    pub fn number(&self, row: &str, column: &str) -> Result<f64, FixtureError> {
+        Ok(self.value(row, column)?.value.to_f64())
+    }
+
     /// Returns the text in `row` and `column`.
     pub fn text(&self, row: &str, column: &str) -> Result<&str, FixtureError> {
         self.rows

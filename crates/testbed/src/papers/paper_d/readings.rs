@@ -130,33 +130,23 @@ impl Readings {
         parameter: &str,
         printed: &SiValue,
     ) -> Result<Decimal, FixtureError> {
-        match reading {
-            UnitReading::Literal => self.with_time_factor(&self.file.literal, parameter, printed),
-            UnitReading::Milliseconds => {
-                self.with_time_factor(&self.file.milliseconds, parameter, printed)
+        self.read(reading, parameter, printed, || {
+            let mut values = self.file.realistic.values.iter();
+            let ours = values
+                .find(|ours| ours.material == material && ours.parameter == parameter)
+                .ok_or_else(|| self.missing(material, parameter))?;
+            let value = read_value(&self.path, material, parameter, &ours.value, None)?;
+            if value.unit == printed.unit {
+                Ok(value.value)
+            } else {
+                Err(self.cell(
+                    material,
+                    parameter,
+                    &ours.value,
+                    "the kind of unit that is printed",
+                ))
             }
-            UnitReading::Realistic if is_elastic_or_exponent(parameter) => Ok(printed.value),
-            UnitReading::Realistic => {
-                let ours = self
-                    .file
-                    .realistic
-                    .values
-                    .iter()
-                    .find(|ours| ours.material == material && ours.parameter == parameter)
-                    .ok_or_else(|| self.missing(material, parameter))?;
-                let value = read_value(&self.path, material, parameter, &ours.value, None)?;
-                if value.unit == printed.unit {
-                    Ok(value.value)
-                } else {
-                    Err(self.cell(
-                        material,
-                        parameter,
-                        &ours.value,
-                        "the kind of unit that is printed",
-                    ))
-                }
-            }
-        }
+        })
     }
 
     /// Returns a value of Table A1 in SI.
@@ -167,22 +157,30 @@ impl Readings {
         parameter: &str,
         printed: &SiValue,
     ) -> Result<Decimal, FixtureError> {
+        self.read(reading, parameter, printed, || {
+            let mut factors = self.file.realistic.appendix.iter();
+            let ours = factors
+                .find(|ours| ours.model == model && ours.parameter == parameter)
+                .ok_or_else(|| self.missing(model, parameter))?;
+            self.product(printed, &ours.factor, model, parameter)
+        })
+    }
+
+    /// Returns a printed value in SI; `ours` is its realistic value.
+    fn read(
+        &self,
+        reading: UnitReading,
+        parameter: &str,
+        printed: &SiValue,
+        ours: impl FnOnce() -> Result<Decimal, FixtureError>,
+    ) -> Result<Decimal, FixtureError> {
         match reading {
             UnitReading::Literal => self.with_time_factor(&self.file.literal, parameter, printed),
             UnitReading::Milliseconds => {
                 self.with_time_factor(&self.file.milliseconds, parameter, printed)
             }
             UnitReading::Realistic if is_elastic_or_exponent(parameter) => Ok(printed.value),
-            UnitReading::Realistic => {
-                let ours = self
-                    .file
-                    .realistic
-                    .appendix
-                    .iter()
-                    .find(|ours| ours.model == model && ours.parameter == parameter)
-                    .ok_or_else(|| self.missing(model, parameter))?;
-                self.product(printed, &ours.factor, model, parameter)
-            }
+            UnitReading::Realistic => ours(),
         }
     }
 
