@@ -66,6 +66,7 @@ mod sequence;
 mod tracked;
 mod tracker;
 mod verdict;
+pub(crate) mod wave_speed;
 
 pub use doubt::BranchDoubt;
 pub use observation::{EndMass, FreeEnd, PhaseObservation, Travel};

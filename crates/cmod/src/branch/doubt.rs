@@ -93,8 +93,8 @@ pub enum BranchDoubt {
 }
 
 impl BranchDoubt {
-    /// Returns the doubt about a phase that was `found` where another phase was `expected`, after an
-    /// expected `advance` from the previous line; all in rad.
+    /// Returns the doubt about a phase that was `found` where the `expected` phase was another,
+    /// after an expected `advance` from the previous line; all in rad.
     pub(crate) fn of_phase(advance: f64, expected: f64, found: f64) -> Option<Self> {
         if advance > PI {
             Some(Self::Gap { advance })

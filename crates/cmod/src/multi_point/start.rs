@@ -1,50 +1,35 @@
 //! Starting value of the wave number: one wave speed for all first lines together.
 //!
 //! On a single line V(γ) has many minima. However, only one wave speed, which is nearly constant
-//! over the first wavelengths, explains many lines at once. From a series of speeds, the search
-//! chooses the speed that minimises the misfit, averaged over the first lines, over which the
-//! number of wavelengths between the outermost gauges grows by one. The logarithm of the misfit is averaged without the worst third of
-//! the lines, to exclude outliers. The best speeds are compared again on more lines.
+//! over the first wavelengths, explains many lines at once. The speeds are compared over the first
+//! lines, over which the number of wavelengths between the outermost gauges grows by one. The best
+//! speeds are compared again on more lines.
 
 use num_complex::Complex64;
 
 use super::MOST_NOISE;
 use super::projection::Projection;
 use super::spectra::{GaugeSpectra, WhiteLine};
-use crate::branch::BranchDoubt;
+use crate::branch::wave_speed::{
+    Start, TOO_CLOSE, Tried, about, few_lines, mean_of_better, minima, try_speeds,
+};
+use crate::branch::{BranchDoubt, FASTEST_WAVE, SLOWEST_WAVE};
 use crate::complex_frequency::ComplexFrequency;
 
-/// Speeds tried without a guess [m/s], from soft rubber to beyond any solid in a rod.
-const SLOWEST: f64 = 20.0;
-const FASTEST: f64 = 20e3;
-/// Factor from a guess to either end of the searched range.
-const GUESS_FACTOR: f64 = 1.5;
 /// Ratio of neighbouring speeds: at one wavelength between the outermost gauges the phase then
 /// differs by a third of a radian.
 const SPEED_RATIO: f64 = 1.055;
-/// Values of α/k tried: loss factors of about 0, 0.12 and 0.4.
-const DAMPING: [f64; 3] = [0.0, 0.06, 0.2];
 /// Number of lines compared at each speed, first at all speeds (`LINES`), then at the best speeds
 /// (`MORE_LINES`).
 const LINES: usize = 16;
 const MORE_LINES: usize = 64;
 /// Number of minima over the speed that are compared on [`MORE_LINES`].
 const FINALISTS: usize = 8;
-/// Minimum number of lines for distinguishing speeds without a guess.
-const FEWEST_LINES: usize = 8;
 /// Misfit allowed because one speed and one damping are used for all lines, relative to the root
 /// mean square of the gauges.
 const MODEL_ERROR: f64 = 0.02;
 /// Logarithm of the ratio above which two speeds are distinct.
 const DISTINCT: f64 = 0.3;
-/// Difference of mean log misfits below which the data do not distinguish two speeds.
-const TOO_CLOSE: f64 = 0.1;
-
-/// Slowness γ/ω of the first lines [s/m], and the doubt about it.
-pub(super) struct Start {
-    pub(super) slowness: Complex64,
-    pub(super) doubt: Option<BranchDoubt>,
-}
 
 /// Finds the wave speed by comparing speeds over the lines with the indices `usable`; `None` if
 /// there is no line.
@@ -56,9 +41,6 @@ pub(super) fn wave_speed(
     guess: Option<f64>,
     added_damping: f64,
 ) -> Option<Start> {
-    let (slowest, fastest) = guess.map_or((SLOWEST, FASTEST), |speed| {
-        (speed / GUESS_FACTOR, speed * GUESS_FACTOR)
-    });
     let mut search = Search {
         line: WhiteLine::for_spectra(spectra, projection.n_gauges()),
         added_damping,
@@ -68,67 +50,32 @@ pub(super) fn wave_speed(
         aperture,
         misfits: Vec::with_capacity(MORE_LINES),
     };
-    let mut speed = slowest;
-    let mut tried = Vec::new();
-    while speed <= fastest {
-        let mut best = (f64::INFINITY, speed, Complex64::ZERO);
-        for damping in DAMPING {
-            let slowness = Complex64::new(damping, 1.0) / speed;
-            let score = search.score(slowness, LINES);
-            if score < best.0 {
-                best = (score, speed, slowness);
-            }
-        }
-        tried.push(best);
-        let next = speed * SPEED_RATIO;
-        // for a guess at the limits of the range of `f64` the speed stops growing, or overflows
-        if next <= speed || next == f64::INFINITY {
-            break;
-        }
-        speed = next;
-    }
-    let mut scores = minima(&tried);
-    scores.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let range = guess.map_or((SLOWEST_WAVE, FASTEST_WAVE), about);
+    let tried = try_speeds(range, SPEED_RATIO, |slowness| search.score(slowness, LINES));
+    let mut scores: Vec<Tried> = minima(&tried).copied().collect();
+    scores.sort_by(|a, b| a.score.total_cmp(&b.score));
     scores.truncate(FINALISTS);
-    for (score, _, slowness) in &mut scores {
-        *score = search.score(*slowness, MORE_LINES);
+    for tried in &mut scores {
+        tried.score = search.score(tried.slowness, MORE_LINES);
     }
-    let chosen = scores.iter().min_by(|a, b| a.0.total_cmp(&b.0)).copied()?;
-    let rival = scores
-        .iter()
-        .filter(|(_, speed, _)| (speed / chosen.1).ln().abs() > DISTINCT)
-        .min_by(|a, b| a.0.total_cmp(&b.0));
-    let doubt = if guess.is_none() && usable.len() < FEWEST_LINES {
-        Some(BranchDoubt::FewLines {
-            found: usable.len(),
-            expected: FEWEST_LINES,
-        })
-    } else {
-        rival
-            .filter(|(score, _, _)| *score < chosen.0 + TOO_CLOSE)
-            .map(|(_, other, _)| BranchDoubt::SeveralSpeeds {
-                chosen: chosen.1,
-                other: *other,
+    let best_of = |a: &&Tried, b: &&Tried| a.score.total_cmp(&b.score);
+    let chosen = scores.iter().min_by(best_of)?;
+    let few = few_lines(usable.len()).filter(|_| guess.is_none());
+    let doubt = few.or_else(|| {
+        let rivals = scores.iter();
+        rivals
+            .filter(|tried| (tried.speed / chosen.speed).ln().abs() > DISTINCT)
+            .min_by(best_of)
+            .filter(|rival| rival.score < chosen.score + TOO_CLOSE)
+            .map(|rival| BranchDoubt::SeveralSpeeds {
+                chosen: chosen.speed,
+                other: rival.speed,
             })
-    };
-    chosen.0.is_finite().then_some(Start {
-        slowness: chosen.2,
+    });
+    chosen.score.is_finite().then_some(Start {
+        slowness: chosen.slowness,
         doubt,
     })
-}
-
-/// Score, speed [m/s] and slowness [s/m] of a tried speed.
-type Tried = (f64, f64, Complex64);
-
-/// Returns the tried speeds at which the score is finite and has a minimum.
-fn minima(tried: &[Tried]) -> Vec<Tried> {
-    let score = |index: Option<usize>| index.and_then(|i| tried.get(i)).map(|t| t.0);
-    let is_minimum = |(index, this): &(usize, &Tried)| {
-        let lower = |other: Option<f64>| other.is_none_or(|other| this.0 <= other);
-        this.0.is_finite() && lower(score(index.checked_sub(1))) && lower(score(Some(index + 1)))
-    };
-    let found = tried.iter().enumerate().filter(is_minimum);
-    found.map(|(_, this)| *this).collect()
 }
 
 /// Data for judging a speed.
@@ -176,14 +123,7 @@ impl Search<'_> {
             let expected = line.variance + MODEL_ERROR * MODEL_ERROR * line.mean_power();
             self.misfits.push((misfit / freedom / expected).ln_1p());
         }
-        self.misfits.sort_by(f64::total_cmp);
-        let kept = (2 * self.misfits.len()).div_ceil(3);
-        let better = self.misfits.get(..kept).unwrap_or_default();
-        if better.is_empty() {
-            f64::INFINITY
-        } else {
-            better.iter().sum::<f64>() / kept as f64
-        }
+        mean_of_better(&mut self.misfits)
     }
 }
 

@@ -1,26 +1,20 @@
 //! Starting value of γ: one wave speed for all first lines together.
 //!
 //! A single ratio has many roots, but the speed that explains all lines with up to one wavelength
-//! over the distance of the sections is unique. The logarithm of the misfit is averaged without the
-//! worst third of the lines, to exclude outliers. A second speed with almost the same misfit is
+//! over the distance of the sections is unique. A second speed with almost the same misfit is
 //! reported as a doubt on every line.
 
 use num_complex::Complex64;
 
 use super::{MeasuredRatio, SectionRatio, Settings};
-use crate::branch::BranchDoubt;
+use crate::branch::wave_speed::{
+    Start, TOO_CLOSE, about, few_lines, mean_of_better, minima, try_speeds,
+};
+use crate::branch::{BranchDoubt, FASTEST_WAVE, SLOWEST_WAVE};
 
-/// Speeds tried without a guess [m/s], from the speed in soft rubber to above the speed in any
-/// solid rod.
-const SLOWEST: f64 = 20.0;
-const FASTEST: f64 = 20e3;
-/// Factor from a guess to either end of the searched range.
-const GUESS_FACTOR: f64 = 1.5;
 /// Ratio of neighbouring speeds, which changes the phase by a fifth of a radian at one wavelength
 /// over the distance. The ratio is closer to 1 if lines beyond one wavelength are compared.
 const SPEED_RATIO: f64 = 1.03;
-/// Values of α/k tried: loss factors of about 0, 0.12 and 0.4.
-const DAMPING: [f64; 3] = [0.0, 0.06, 0.2];
 /// Number of lines compared at each speed.
 const LINES: usize = 24;
 /// Minimum number of lines compared, even if they are beyond one wavelength over the distance. It
@@ -28,21 +22,11 @@ const LINES: usize = 24;
 /// the number of lines.
 const FEWEST_COMPARED: usize = LINES / 2;
 const FEWEST_COMPARED_WITH_DELAY: usize = 4;
-/// Minimum number of lines for distinguishing speeds without a guess.
-const FEWEST_LINES: usize = 8;
 /// Misfit allowed because one speed and one damping are used for all lines, relative to the size of
 /// the ratio.
 const MODEL_ERROR: f64 = 0.05;
 /// Logarithm of the ratio of two speeds above which they are distinct.
 const DISTINCT: f64 = 0.2;
-/// Difference of mean log misfits below which the data do not distinguish two speeds.
-const TOO_CLOSE: f64 = 0.1;
-
-/// Slowness γ/ω of the first lines [s/m], and the doubt about it.
-pub(super) struct Start {
-    pub(super) slowness: Complex64,
-    pub(super) doubt: Option<BranchDoubt>,
-}
 
 /// Finds the wave speed by comparing speeds; `None` if there is no line.
 pub(super) fn wave_speed(
@@ -54,7 +38,7 @@ pub(super) fn wave_speed(
     let distance = equation.distance();
     let step_hz = median_step(measured);
     let (slowest, fastest) = match (guess, settings.delay) {
-        (Some(speed), _) => (speed / GUESS_FACTOR, speed * GUESS_FACTOR),
+        (Some(speed), _) => about(speed),
         // a known delay is equivalent to a guess of the speed within half a turn per line to either
         // side
         (None, Some(delay)) => {
@@ -62,10 +46,9 @@ pub(super) fn wave_speed(
             (distance / (delay + unknown), distance / (delay - unknown))
         }
         // below this speed, two speeds have the same ratios on equidistant lines
-        (None, None) => (SLOWEST.max(2.0 * step_hz * distance), FASTEST),
+        (None, None) => (SLOWEST_WAVE.max(2.0 * step_hz * distance), FASTEST_WAVE),
     };
     let mut misfits = Vec::with_capacity(LINES);
-    let mut tried: Vec<(f64, Complex64)> = Vec::new();
     let fewest = match settings.delay {
         Some(_) => FEWEST_COMPARED_WITH_DELAY,
         None => FEWEST_COMPARED,
@@ -77,58 +60,29 @@ pub(super) fn wave_speed(
         Some(_) => 1.0 + (SPEED_RATIO - 1.0) / waves.max(1.0),
         None => SPEED_RATIO,
     };
-    let mut speed = slowest;
-    while speed <= fastest {
-        let best = DAMPING
-            .iter()
-            .map(|damping| Complex64::new(*damping, 1.0) / speed)
-            .map(|slowness| {
-                (
-                    score(equation, measured, (slowness, fewest), &mut misfits),
-                    slowness,
-                )
-            })
-            .min_by(|a, b| a.0.total_cmp(&b.0));
-        tried.extend(best);
-        let next = speed * ratio;
-        // a speed at the limits of the double range stops growing, or becomes infinite
-        if next <= speed || next == f64::INFINITY {
-            break;
-        }
-        speed = next;
-    }
-    let chosen = tried.iter().min_by(|a, b| a.0.total_cmp(&b.0))?;
-    if !chosen.0.is_finite() {
+    let tried = try_speeds((slowest, fastest), ratio, |slowness| {
+        score(equation, measured, (slowness, fewest), &mut misfits)
+    });
+    let chosen = tried.iter().min_by(|a, b| a.score.total_cmp(&b.score))?;
+    if !chosen.score.is_finite() {
         return None;
     }
     let speed_of = |slowness: Complex64| slowness.im.recip();
     let is_guided = guess.is_some() || settings.delay.is_some();
-    let doubt = if !is_guided && measured.len() < FEWEST_LINES {
-        Some(BranchDoubt::FewLines {
-            found: measured.len(),
-            expected: FEWEST_LINES,
-        })
-    } else {
+    let few = few_lines(measured.len()).filter(|_| !is_guided);
+    let doubt = few.or_else(|| {
         // A rival speed must be another minimum, not on the flank of the chosen minimum.
-        let is_minimum = |index: usize| {
-            let score = |index: usize| tried.get(index).map_or(f64::INFINITY, |t| t.0);
-            score(index) <= score(index.wrapping_sub(1)) && score(index) <= score(index + 1)
-        };
-        tried
-            .iter()
-            .enumerate()
-            .filter(|(index, _)| is_minimum(*index))
-            .map(|(_, tried)| tried)
-            .filter(|(_, slowness)| (slowness.im / chosen.1.im).ln().abs() > DISTINCT)
-            .min_by(|a, b| a.0.total_cmp(&b.0))
-            .filter(|(score, _)| *score < chosen.0 + TOO_CLOSE)
-            .map(|(_, other)| BranchDoubt::SeveralSpeeds {
-                chosen: speed_of(chosen.1),
-                other: speed_of(*other),
+        minima(&tried)
+            .filter(|other| (other.slowness.im / chosen.slowness.im).ln().abs() > DISTINCT)
+            .min_by(|a, b| a.score.total_cmp(&b.score))
+            .filter(|rival| rival.score < chosen.score + TOO_CLOSE)
+            .map(|rival| BranchDoubt::SeveralSpeeds {
+                chosen: speed_of(chosen.slowness),
+                other: speed_of(rival.slowness),
             })
-    };
+    });
     Some(Start {
-        slowness: chosen.1,
+        slowness: chosen.slowness,
         doubt,
     })
 }
@@ -171,12 +125,5 @@ fn score(
         }
         misfits.push(misfit.ln_1p());
     }
-    misfits.sort_by(f64::total_cmp);
-    let kept = (2 * misfits.len()).div_ceil(3);
-    let better = misfits.get(..kept).unwrap_or_default();
-    if better.is_empty() {
-        f64::INFINITY
-    } else {
-        better.iter().sum::<f64>() / kept as f64
-    }
+    mean_of_better(misfits)
 }
