@@ -261,13 +261,6 @@ impl MultiPoint {
         self.rod.positions.len() - usize::from(self.has_free_end)
     }
 
-    /// Returns the projection onto the two waves at the gauges and, if a free end is used, with the
-    /// condition there.
-    fn projection(&self) -> Projection {
-        let (is_slope, end_length) = (self.ends_with_slope(), self.end_length());
-        Projection::with_last_row(&self.rod.positions, is_slope, end_length)
-    }
-
     /// Returns the estimate on the lines s = σ + iω.
     fn on_lines(&self, spectra: &GaugeSpectra<'_>) -> Result<MultiPointEstimate, CmodError> {
         spectra.check(self.n_gauges())?;
@@ -287,7 +280,8 @@ impl MultiPoint {
             }
         }
 
-        let mut projection = self.projection();
+        let (is_slope, end_length) = (self.ends_with_slope(), self.end_length());
+        let mut projection = Projection::with_last_row(&self.rod.positions, is_slope, end_length);
         let aperture = self.rod.aperture();
         let start = start::wave_speed(
             &mut projection,

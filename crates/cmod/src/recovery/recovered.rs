@@ -111,10 +111,7 @@ impl Recovery {
 
     /// Returns E₂ B |σ_d(0)|^m \[1/s\].
     fn initial_rate(&self) -> f64 {
-        let parameters = self.model.parameters;
-        parameters.parallel_modulus
-            * parameters.coefficient
-            * self.initial_dashpot_stress.abs().powf(parameters.exponent)
+        self.model.dashpot(self.initial_dashpot_stress.abs()).rate
     }
 }
 
