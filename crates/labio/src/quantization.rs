@@ -13,9 +13,10 @@ const FINEST: f64 = 2e-7;
 /// for the rounding of calibration factors, over 22 bits.
 const ROUNDING: f64 = 1e-3;
 
-/// Returns the smallest nonzero difference between consecutive samples: the step of the recorder's
-/// numbers, or less.
-pub(crate) fn smallest_step(samples: &[f64]) -> f64 {
+/// Returns the smallest nonzero difference between consecutive samples, in their unit: the step of
+/// the recorder's numbers, or less; 0 if all samples are equal.
+#[must_use]
+pub fn smallest_step(samples: &[f64]) -> f64 {
     let mut smallest = f64::INFINITY;
     for (a, b) in samples.iter().zip(samples.iter().skip(1)) {
         let step = (b - a).abs();

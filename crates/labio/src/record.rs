@@ -8,7 +8,7 @@ use ndarray::{Array2, ArrayView1, ArrayView2, Axis, Slice, Zip};
 use crate::channel::{self, Channel};
 use crate::error::{check_finite, check_positive};
 use crate::filter;
-use crate::{LabioError, Provenance, SensorChain, SensorError};
+use crate::{LabioError, LevelAtRest, Provenance, SensorChain, SensorError};
 
 /// Simultaneously sampled, named channels: finite samples, equally spaced in time.
 ///
@@ -268,9 +268,8 @@ impl Record {
         let of = |samples: &Array2<f64>| {
             let mut longer = Array2::zeros((samples.nrows(), n_samples));
             for (mut to, from) in longer.rows_mut().into_iter().zip(samples.rows()) {
-                let level =
-                    n_rest.map_or(0.0, |n| from.iter().take(n).sum::<f64>() / n.max(1) as f64);
-                to.fill(level);
+                let rest = LevelAtRest::of(from.iter().copied().take(n_rest.unwrap_or(0)));
+                to.fill(rest.map_or(0.0, |rest| rest.level));
                 for (to, from) in to.iter_mut().zip(from) {
                     *to = *from;
                 }

@@ -1,7 +1,7 @@
 //! Rest level and noise, from statistics that are robust to outliers.
 
 use crate::quantization::smallest_step;
-use crate::{LabioError, Record};
+use crate::{LabioError, LevelAtRest, Record};
 
 /// Fewest samples for a rest level: with fewer, one outlier in three shifts its median.
 pub(super) const LEAST_REST: usize = 8;
@@ -66,7 +66,8 @@ pub fn padded(hit: &Record, n_samples: usize) -> Result<Record, LabioError> {
     for channel in channels {
         let samples = hit.channel(channel)?.to_vec();
         let rest = n_rest.and_then(|n| samples.get(..n));
-        let level = rest.map_or(0.0, |rest| rest.iter().sum::<f64>() / rest.len() as f64);
+        let at_rest = rest.and_then(|rest| LevelAtRest::of(rest.iter().copied()));
+        let level = at_rest.map_or(0.0, |rest| rest.level);
         let noise = rest.and_then(Rest::of).map_or(0.0, |rest| rest.noise);
         let peak = samples
             .iter()

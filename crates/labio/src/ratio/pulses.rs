@@ -3,11 +3,11 @@
 use std::f64::consts::TAU;
 use std::ops::Range;
 
-use ndarray::{Array2, ArrayView1};
+use ndarray::Array2;
 
 use super::one_shot::{self, ChannelAtRest};
 use super::{ResponseRatio, check_count};
-use crate::{AveragedSpectra, Channel, LabioError, Record, RestNoise, Window};
+use crate::{AveragedSpectra, Channel, LabioError, LevelAtRest, Record, RestNoise, Window};
 
 /// Names of the two pulses in the records made from them.
 const EARLIER: &str = "earlier pulse";
@@ -183,20 +183,6 @@ struct Pulse {
     centre: f64,
 }
 
-/// Returns the level of a channel at rest and its standard error, from the first `n_silent` samples;
-/// both are 0 if their number is not known.
-fn level_at_rest(history: ArrayView1<'_, f64>, n_silent: Option<usize>) -> (f64, f64) {
-    let n_silent = n_silent.unwrap_or(0).min(history.len());
-    if n_silent == 0 {
-        return (0.0, 0.0);
-    }
-    let count = n_silent as f64;
-    let rest = || history.iter().take(n_silent);
-    let level = rest().sum::<f64>() / count;
-    let square = rest().map(|x| (x - level).powi(2)).sum::<f64>() / count;
-    (level, (square / count).sqrt())
-}
-
 /// Returns both pulses of a hit in an otherwise silent record, the earlier pulse first.
 #[allow(
     clippy::indexing_slicing,
@@ -227,7 +213,8 @@ fn pulses_of(
                 expected: range.end + 1,
             });
         }
-        let (level, level_error) = level_at_rest(history, n_silent);
+        let rest = LevelAtRest::of(history.iter().copied().take(n_silent.unwrap_or(0)));
+        let (level, level_error) = rest.map_or((0.0, 0.0), |rest| (rest.level, rest.level_error));
         let edges = [range.start, range.end - 1].map(|index| history[index] - level);
         let (mut energy, mut moment) = (0.0, 0.0);
         for index in range {

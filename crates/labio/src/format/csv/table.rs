@@ -177,17 +177,11 @@ pub(super) fn read(
                 .iter()
                 .zip(&used)
                 .any(|(cell, used)| !cell.is_empty() && !used);
-        if cells.len() != shape.n_cells || beside {
-            let expected = format!("a row of {} numbers", shape.columns.len());
-            defects.add(
-                line,
-                malformed(Place::Line(line), "row", &text::quoted(row), &expected),
-            )?;
-            continue;
-        }
         let cell = |at: usize| cells[at].as_ref();
         read.clear();
-        read.extend(shape.columns.iter().map(|&at| value(cell(at), mark)));
+        if cells.len() == shape.n_cells && !beside {
+            read.extend(shape.columns.iter().map(|&at| value(cell(at), mark)));
+        }
         if read.iter().all(Option::is_none) {
             let expected = format!("a row of {} numbers", shape.columns.len());
             defects.add(

@@ -1,7 +1,7 @@
 //! Windows that the sheet states around pulses.
 
 use labio::hits::{Extent, samples_at_rest};
-use labio::{PulseWindow, Record};
+use labio::{LevelAtRest, PulseWindow, Record};
 
 use crate::RodlabError;
 use crate::digits::significant;
@@ -164,18 +164,11 @@ struct Signal {
 impl Signal {
     fn of(hit: &Record, channel: &str, n_rest: Option<usize>) -> Result<Self, RodlabError> {
         let mut samples = hit.channel(channel).map_err(refused)?.to_vec();
-        let mut noise = 0.0;
-        if let Some(rest) = n_rest
-            .and_then(|n| samples.get(..n))
-            .filter(|r| !r.is_empty())
-        {
-            let count = rest.len() as f64;
-            let level = rest.iter().sum::<f64>() / count;
-            let square: f64 = rest.iter().map(|x| (x - level).powi(2)).sum();
-            noise = (square / count).sqrt();
-            for x in &mut samples {
-                *x -= level;
-            }
+        let rest = n_rest.and_then(|n| samples.get(..n)).unwrap_or_default();
+        let rest = LevelAtRest::of(rest.iter().copied());
+        let (level, noise) = rest.map_or((0.0, 0.0), |rest| (rest.level, rest.noise));
+        for x in &mut samples {
+            *x -= level;
         }
         Ok(Self { samples, noise })
     }
