@@ -9,6 +9,7 @@
 mod copies;
 mod criteria;
 mod double_hit;
+mod hit_spectra;
 mod judgement;
 mod limits;
 mod log;
@@ -23,6 +24,7 @@ mod windowed;
 
 pub use copies::{Copy, NearCopy, find_copy, find_near_copies};
 pub use criteria::Criteria;
+pub use hit_spectra::HitSpectra;
 pub use limits::repeated_extreme;
 pub use log::{Hit, HitLog, Ruling};
 pub use odd::find_odd_hits;

@@ -23,7 +23,7 @@ use std::f64::consts::{PI, TAU};
 
 use labio::format::npy;
 use labio::hits::{
-    Criteria, Extent, HitLog, Reason, Slope, Trigger, find_hits, find_hits_in_blocks,
+    Criteria, Extent, HitLog, HitSpectra, Reason, Slope, Trigger, find_hits, find_hits_in_blocks,
     find_odd_hits, samples_at_rest,
 };
 use labio::{

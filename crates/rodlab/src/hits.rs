@@ -33,12 +33,16 @@ pub(crate) use silence::{expect_silence, silent_samples, trigger_of};
 pub(crate) use windowed::windows_of_analyser;
 
 use labio::hits::{Criteria, HitLog, find_hits};
-use labio::{Channel, Record};
+use labio::{Channel, LabioError, Record};
 use serde::Deserialize;
 
 use crate::RodlabError;
 use crate::outcome::Setting;
 use crate::records::{NamedRecord, channel_called};
+
+fn comparing(error: LabioError) -> RodlabError {
+    RodlabError::step("comparing hits", error)
+}
 
 /// Relative difference below which two sampling rates count as equal; the spectra use the same
 /// value.

@@ -45,6 +45,7 @@ pub mod inspect;
 pub mod job;
 mod laws;
 mod material_file;
+mod median;
 mod number_file;
 pub mod outcome;
 pub mod output;

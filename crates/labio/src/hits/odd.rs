@@ -4,11 +4,9 @@
 use num_complex::Complex64;
 
 use super::Reason;
-use crate::spectra::ending::{Completion, Ending, tail_length};
-use crate::{LabioError, Record, channel, dft};
+use super::hit_spectra::{FEWEST_HITS, HitSpectra, Lines};
+use crate::dft;
 
-/// Fewest hits among which an outlier can be identified.
-const FEWEST_HITS: usize = 4;
 /// Probability that any hit of a test is found by chance.
 const LEVEL: f64 = 1e-3;
 /// Smallest energy of a departure divided by the greatest energy among the other hits: a single
@@ -22,9 +20,6 @@ const LEAST_DEPARTURE: f64 = 0.005;
 const LEAST_LIKENESS: f64 = 0.5;
 /// Number of hits examined per channel: those with the largest departures.
 const MOST_EXAMINED: usize = 12;
-
-/// Lines of one channel of a hit.
-type Lines = Vec<Complex64>;
 
 /// Departure of one hit from the response estimated from the others.
 #[derive(Debug, Clone, Copy)]
@@ -79,82 +74,32 @@ struct Odd {
 /// The function needs four hits or more, most of them correct; with fewer hits nothing is found.
 /// Scatter common to the hits, such as that of the impact position, widens the limits. A fault of
 /// the input appears in all outputs.
-///
-/// # Errors
-///
-/// [`LabioError::UnknownChannel`]; [`LabioError::CountMismatch`] for hits that differ in length
-/// from the first.
-pub fn find_odd_hits(
-    hits: &[&Record],
-    input: &str,
-    outputs: &[&str],
-    n_rest: Option<usize>,
-) -> Result<Vec<(usize, Reason)>, LabioError> {
-    let Some(first) = hits.first().filter(|_| hits.len() >= FEWEST_HITS) else {
-        return Ok(Vec::new());
-    };
-    let n_samples = first.n_samples();
-    let completion = Completion::new(n_samples, 1.0);
-    let lines = |name: &str| -> Result<Vec<Lines>, LabioError> {
-        hits.iter()
-            .map(|hit| lines_of(hit, name, n_samples, n_rest, &completion))
-            .collect()
-    };
-    let inputs = lines(input)?;
+#[must_use]
+pub fn find_odd_hits(spectra: &HitSpectra) -> Vec<(usize, Reason)> {
+    let (inputs, n_samples) = (&spectra.inputs, spectra.n_samples);
     let mut found: Vec<(usize, Reason)> = Vec::new();
-    for output in outputs {
-        let of_output = lines(output)?;
-        let mut left: Vec<usize> = (0..hits.len()).collect();
+    for (output, lines) in &spectra.outputs {
+        let mut left: Vec<usize> = (0..inputs.len()).collect();
         while left.len() >= FEWEST_HITS {
-            let Some(odd) = oddest(&left, &inputs, &of_output, n_samples) else {
+            let Some(odd) = oddest(&left, inputs, lines, n_samples) else {
                 break;
             };
             left.retain(|index| *index != odd.hit);
             found.push((
                 odd.hit,
                 Reason::Departs {
-                    channel: (*output).to_owned(),
+                    channel: output.clone(),
                     departure: odd.departure,
                     others: odd.others,
                     scale: odd.figures.scale,
-                    delay: odd.figures.lag as f64 / first.sampling_rate_hz(),
+                    delay: odd.figures.lag as f64 / spectra.sampling_rate_hz,
                     index: odd.index,
                 },
             ));
         }
     }
     found.sort_by_key(|(hit, _)| *hit);
-    Ok(found)
-}
-
-/// Returns the transform of a channel relative to its level at rest, completed by the motion after
-/// the record and without the line at 0 Hz.
-pub(super) fn lines_of(
-    hit: &Record,
-    name: &str,
-    n_samples: usize,
-    n_rest: Option<usize>,
-    completion: &Completion,
-) -> Result<Lines, LabioError> {
-    if hit.n_samples() != n_samples {
-        return Err(LabioError::CountMismatch {
-            what: "samples of a hit",
-            found: hit.n_samples(),
-            expected: n_samples,
-        });
-    }
-    let mut samples = hit.channel(name)?.to_vec();
-    let n_rest = n_rest.unwrap_or(0).min(n_samples);
-    let level = samples.iter().take(n_rest).sum::<f64>() / n_rest.max(1) as f64;
-    samples.iter_mut().for_each(|x| *x -= level);
-    let (_, known) = channel::find(hit.channels(), name)?;
-    let ending = Ending::of(known.quantity());
-    let (_, tail) = samples.split_at(n_samples - tail_length(n_samples));
-    let end = ending.fit(tail);
-    let mut lines = dft::forward(&samples);
-    completion.complete(ending, end, &mut lines);
-    lines.iter_mut().take(1).for_each(|x| *x = Complex64::ZERO);
-    Ok(lines)
+    found
 }
 
 /// Returns the hit among `left` with the largest departure, if it exceeds its limits.

@@ -3,14 +3,11 @@
 
 use num_complex::Complex64;
 
-use super::odd::{beyond_student, lines_of};
-use crate::spectra::ending::Completion;
-use crate::{LabioError, Record};
+use super::hit_spectra::{HitSpectra, Lines};
+use super::odd::beyond_student;
 
 /// Fewest hits for a change with the strength of the blow.
 const FEWEST_HITS: usize = 5;
-/// Fewest hits for a change between halves.
-const FEWEST_OF_HALVES: usize = 4;
 /// Smallest ratio of the largest to the smallest blow.
 const LEAST_RANGE: f64 = 1.2;
 /// Probability of a change with the strength of the blow by chance.
@@ -44,7 +41,7 @@ pub enum Trend {
     },
 }
 
-/// Returns the changes of the response of `outputs` to `input` over `hits`, in their order.
+/// Returns the changes of the response of the outputs to the input over the hits, in their order.
 ///
 /// With the response $`H`$ of all hits and $`P = HX_j`$, hit $`j`$ has the gain
 /// $`\mathrm{Re}\sum\overline{P}Y_j/\sum\lvert P\rvert^2`$. Its slope over the peaks of the input
@@ -58,61 +55,27 @@ pub enum Trend {
 /// 0.1 %. It must also exceed nine times the number of hits: a uniform drift gives up to three
 /// times this number.
 ///
-/// Changes below half a per cent are ignored.
-///
-/// # Errors
-///
-/// [`LabioError::UnknownChannel`]; [`LabioError::CountMismatch`] for hits that differ in length
-/// from the first.
-pub fn find_trends(
-    hits: &[&Record],
-    input: &str,
-    outputs: &[&str],
-    n_rest: Option<usize>,
-) -> Result<Vec<Trend>, LabioError> {
-    let Some(first) = hits.first().filter(|_| hits.len() >= FEWEST_OF_HALVES) else {
-        return Ok(Vec::new());
-    };
-    let n_samples = first.n_samples();
-    let completion = Completion::new(n_samples, 1.0);
-    let lines = |name: &str| -> Result<Vec<Vec<Complex64>>, LabioError> {
-        hits.iter()
-            .map(|hit| lines_of(hit, name, n_samples, n_rest, &completion))
-            .collect()
-    };
-    let peaks: Vec<f64> = hits
-        .iter()
-        .map(|hit| peak_of(hit, input, n_rest))
-        .collect::<Result<_, LabioError>>()?;
-    let inputs = lines(input)?;
+/// Changes below half a per cent are ignored, and nothing is found in fewer than four hits.
+#[must_use]
+pub fn find_trends(spectra: &HitSpectra) -> Vec<Trend> {
     let mut found = Vec::new();
-    for output in outputs {
-        let halves = Halves::of(&inputs, &lines(output)?);
-        if let Some(change) = change_of_gain(&halves.gains, &peaks) {
+    for (output, lines) in &spectra.outputs {
+        let halves = Halves::of(&spectra.inputs, lines);
+        if let Some(change) = change_of_gain(&halves.gains, &spectra.peaks) {
             found.push(Trend::Gain {
-                channel: (*output).to_owned(),
+                channel: output.clone(),
                 change,
             });
         }
         if let Some(difference) = halves.difference() {
             found.push(Trend::Halves {
-                channel: (*output).to_owned(),
-                n_first: hits.len() / 2,
+                channel: output.clone(),
+                n_first: spectra.inputs.len() / 2,
                 difference,
             });
         }
     }
-    Ok(found)
-}
-
-/// Returns the largest deviation of the input from its level at rest.
-fn peak_of(hit: &Record, input: &str, n_rest: Option<usize>) -> Result<f64, LabioError> {
-    let samples = hit.channel(input)?;
-    let n_rest = n_rest.unwrap_or(0).min(samples.len());
-    let level = samples.iter().take(n_rest).sum::<f64>() / n_rest.max(1) as f64;
-    Ok(samples
-        .iter()
-        .fold(0.0, |top: f64, x| top.max((x - level).abs())))
+    found
 }
 
 /// Returns the relative change of the gain from the smallest to the largest peak, if it is large
@@ -149,7 +112,7 @@ struct Halves {
 }
 
 impl Halves {
-    fn of(inputs: &[Vec<Complex64>], outputs: &[Vec<Complex64>]) -> Self {
+    fn of(inputs: &[Lines], outputs: &[Lines]) -> Self {
         let n_hits = inputs.len();
         let mut gains = vec![(0.0, 0.0); n_hits];
         let (mut between, mut within) = (0.0, 0.0);
@@ -214,7 +177,7 @@ impl Halves {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::Quantity;
+    use crate::{Quantity, Record};
     use ndarray::Array2;
     use testbed::noise::Noise;
 
@@ -252,7 +215,7 @@ mod tests {
             })
             .collect();
         let hits: Vec<&Record> = hits.iter().collect();
-        find_trends(&hits, "force", &["end"], Some(150)).unwrap()
+        find_trends(&HitSpectra::of(&hits, "force", &["end"], Some(150)).unwrap())
     }
 
     #[test]

@@ -143,5 +143,5 @@ fn s11_the_odd_one_of_ten_is_found_and_no_right_one_is_accused() {
 fn find(hits: &[Record]) -> Vec<(usize, Reason)> {
     let all: Vec<&Record> = hits.iter().collect();
     let rest = samples_at_rest(&all, &[FORCE, "motion"]).unwrap();
-    find_odd_hits(&all, FORCE, &["motion"], rest).unwrap()
+    find_odd_hits(&HitSpectra::of(&all, FORCE, &["motion"], rest).unwrap())
 }

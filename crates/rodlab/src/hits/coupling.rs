@@ -6,7 +6,7 @@ use std::ops::Range;
 use labio::{Quantity, Record};
 use num_complex::Complex64;
 
-use super::FoundHits;
+use super::{FoundHits, comparing};
 use crate::RodlabError;
 use crate::digits::{hertz, significant};
 
@@ -84,8 +84,7 @@ fn ratio_after_blow(
     force: &str,
     frequency_hz: f64,
 ) -> Result<Option<Complex64>, RodlabError> {
-    let samples = hit.channel(force);
-    let samples = samples.map_err(|error| RodlabError::step("comparing hits", error))?;
+    let samples = hit.channel(force).map_err(comparing)?;
     let omega = TAU * frequency_hz / hit.sampling_rate_hz();
     Ok(ratio(&samples.to_vec(), omega))
 }

@@ -1,10 +1,11 @@
 //! Test for a force that a window of the analyser cuts off before the blow ends.
 
 use labio::hits::samples_at_rest;
+use labio::{LevelAtRest, smallest_step};
 
-use super::FoundHits;
 use super::coupling::may_be_a_force;
 use super::found::ranges;
+use super::{FoundHits, comparing};
 use crate::RodlabError;
 use crate::digits::significant;
 
@@ -38,7 +39,6 @@ impl FoundHits {
     ///
     /// [`RodlabError::Step`] for a missing channel.
     pub fn cut_force(&self, force: &str) -> Result<Option<String>, RodlabError> {
-        let comparing = |error| RodlabError::step("comparing hits", error);
         let (numbers, hits) = self.numbered();
         let (mut cut, mut most) = (Vec::new(), 0.0_f64);
         for (number, hit) in numbers.into_iter().zip(hits) {
@@ -74,14 +74,8 @@ fn cut_at(samples: &[f64], n_rest: Option<usize>) -> Option<f64> {
     let length = equal_at_end(samples);
     let (recorded, _) = samples.split_at_checked(samples.len().checked_sub(length)?)?;
     let rest = n_rest.and_then(|n| samples.get(..n)).unwrap_or_default();
-    let count = rest.len() as f64;
-    let (level, noise) = if rest.is_empty() {
-        (last, 0.0)
-    } else {
-        let level = rest.iter().sum::<f64>() / count;
-        let square: f64 = rest.iter().map(|x| (x - level).powi(2)).sum();
-        (level, (square / count).sqrt())
-    };
+    let at_rest = LevelAtRest::of(rest.iter().copied());
+    let (level, noise) = at_rest.map_or((last, 0.0), |rest| (rest.level, rest.noise));
     let excursions = recorded.iter().map(|x| x - level).enumerate();
     let (at, extreme) = excursions.max_by(|(_, a), (_, b)| a.abs().total_cmp(&b.abs()))?;
     let peak = extreme.abs();
@@ -90,7 +84,7 @@ fn cut_at(samples: &[f64], n_rest: Option<usize>) -> Option<f64> {
         .skip(at)
         .map(|x| extreme.signum() * (x - level))
         .collect();
-    let step = smallest_difference(samples);
+    let step = smallest_step(samples);
     let least = (OF_BLOW * peak).max(BEYOND_NOISE * noise).max(STEPS * step);
     let is_within_blow = length >= STILL && from_peak.iter().all(|x| *x > least);
     if !is_within_blow {
@@ -128,16 +122,6 @@ fn equal_at_end(samples: &[f64]) -> usize {
 fn longest_run(samples: &[f64]) -> usize {
     let runs = samples.chunk_by(|a, b| are_equal(*a, *b));
     runs.map(<[f64]>::len).max().unwrap_or(0)
-}
-
-/// Returns the smallest difference between neighbouring samples that are not equal: a step of the
-/// converter, or 0.
-fn smallest_difference(samples: &[f64]) -> f64 {
-    let pairs = samples.windows(2).filter_map(|pair| match pair {
-        [a, b] if !are_equal(*a, *b) => Some((a - b).abs()),
-        _ => None,
-    });
-    pairs.reduce(f64::min).unwrap_or(0.0)
 }
 
 #[cfg(test)]

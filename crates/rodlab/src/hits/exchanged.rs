@@ -3,9 +3,10 @@
 use labio::{Quantity, Record};
 use ndarray::ArrayView1;
 
-use super::FoundHits;
+use super::{FoundHits, comparing};
 use crate::RodlabError;
 use crate::digits::significant;
+use crate::median::upper_median;
 
 /// Fraction of the greatest deviation from the median above which a channel counts as moving.
 const MOVING: f64 = 0.1;
@@ -30,7 +31,7 @@ impl FoundHits {
         let duration = |channel: &str| -> Result<f64, RodlabError> {
             let durations: Result<Vec<f64>, RodlabError> =
                 hits.iter().map(|hit| duration_s(hit, channel)).collect();
-            Ok(median(durations?))
+            Ok(upper_median(durations?).unwrap_or(0.0))
         };
         let of_input = duration(input)?;
         let mut doubts = Vec::new();
@@ -61,9 +62,7 @@ impl FoundHits {
         for hit in &hits {
             let mut channels = hit.channels().iter();
             let is_force = channels.any(|c| c.name() == force && c.quantity() == Quantity::Force);
-            let samples = hit
-                .channel(force)
-                .map_err(|error| RodlabError::step("comparing hits", error))?;
+            let samples = hit.channel(force).map_err(comparing)?;
             // the mean is the rest level, because a blow is too short to change it
             let level = samples.mean().unwrap_or(0.0);
             let largest = samples.iter().map(|x| x - level);
@@ -81,15 +80,13 @@ impl FoundHits {
 
 /// Returns the time \[s\] from the first to the last moving sample of a channel.
 fn duration_s(hit: &Record, channel: &str) -> Result<f64, RodlabError> {
-    let samples = hit
-        .channel(channel)
-        .map_err(|error| RodlabError::step("comparing hits", error))?;
+    let samples = hit.channel(channel).map_err(comparing)?;
     Ok(n_moving(samples) as f64 / hit.sampling_rate_hz())
 }
 
 /// Returns the number of samples from the first to the last moving sample.
 fn n_moving(samples: ArrayView1<'_, f64>) -> usize {
-    let level = median(samples.to_vec());
+    let level = upper_median(samples.iter().copied()).unwrap_or(0.0);
     let deviation = |x: &f64| (x - level).abs();
     let limit = MOVING * samples.iter().map(deviation).fold(0.0, f64::max);
     let moving = |x: &f64| deviation(x) > limit;
@@ -98,13 +95,4 @@ fn n_moving(samples: ArrayView1<'_, f64>) -> usize {
         samples.iter().rposition(moving),
     );
     first.zip(last).map_or(0, |(first, last)| last - first + 1)
-}
-
-/// Returns the median; 0 if there are no values.
-fn median(mut values: Vec<f64>) -> f64 {
-    let middle = values.len() / 2;
-    if values.is_empty() {
-        return 0.0;
-    }
-    *values.select_nth_unstable_by(middle, f64::total_cmp).1
 }

@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use num_complex::Complex64;
 
-use super::FoundHits;
+use super::{FoundHits, comparing};
 use crate::RodlabError;
 use crate::digits::{hertz, significant};
 
@@ -38,9 +38,7 @@ impl FoundHits {
         let slow: Vec<(Vec<f64>, f64)> = hits
             .iter()
             .map(|hit| {
-                let samples = hit.channel(force);
-                let samples =
-                    samples.map_err(|error| RodlabError::step("comparing hits", error))?;
+                let samples = hit.channel(force).map_err(comparing)?;
                 Ok(decimated(samples.to_vec(), hit.sampling_rate_hz()))
             })
             .collect::<Result<_, RodlabError>>()?;

@@ -3,7 +3,7 @@
 use labio::hits::{Copy, find_copy, find_near_copies};
 use labio::{AveragedSpectra, Record};
 
-use super::{FoundHits, windows_of_analyser};
+use super::{FoundHits, comparing, windows_of_analyser};
 use crate::RodlabError;
 use crate::digits::significant;
 
@@ -23,7 +23,6 @@ pub fn expect_independent(
     sets: &[&FoundHits],
     channels: &[&str],
 ) -> Result<Vec<String>, RodlabError> {
-    let comparing = |error| RodlabError::step("comparing hits", error);
     let (names, hits): (Vec<String>, Vec<&Record>) = sets
         .iter()
         .flat_map(|found| found.hits())

@@ -1,9 +1,9 @@
 //! Comparison of hits: shared extreme values, and hits that depart from the others.
 
-use labio::hits::{Criteria, Reason, find_odd_hits, samples_at_rest};
+use labio::hits::{Criteria, HitSpectra, Reason, find_odd_hits, samples_at_rest};
 use labio::{Detrend, LabioError, Record};
 
-use super::{FoundHits, OddSheet};
+use super::{FoundHits, OddSheet, comparing};
 use crate::RodlabError;
 
 /// Returns the subtraction of the level at rest from `hits`, or [`Detrend::None`] if they are not
@@ -33,8 +33,14 @@ impl FoundHits {
     /// [`RodlabError::Step`] for a missing channel.
     pub fn compare(&mut self, input: &str, outputs: &[&str]) -> Result<Vec<String>, RodlabError> {
         let mut doubts = self.exchanged(input, outputs)?;
-        doubts.extend(self.odd(input, outputs)?);
-        doubts.extend(self.trends(input, outputs)?);
+        let mut spectra = self.spectra(input, outputs)?;
+        let odd = find_odd_hits(&spectra);
+        let are_left_out = self.odd == OddSheet::LeaveOut && !odd.is_empty();
+        doubts.extend(self.treat(odd, input, outputs)?);
+        if are_left_out {
+            spectra = self.spectra(input, outputs)?;
+        }
+        doubts.extend(self.trends(&spectra, input));
         Ok(doubts)
     }
 
@@ -47,14 +53,27 @@ impl FoundHits {
     ///
     /// [`RodlabError::Step`] for a missing channel.
     pub fn odd(&mut self, input: &str, outputs: &[&str]) -> Result<Vec<String>, RodlabError> {
-        let comparing = |error| RodlabError::step("comparing hits", error);
+        let odd = find_odd_hits(&self.spectra(input, outputs)?);
+        self.treat(odd, input, outputs)
+    }
+
+    fn spectra(&self, input: &str, outputs: &[&str]) -> Result<HitSpectra, RodlabError> {
+        let (_, hits) = self.numbered();
+        let channels: Vec<&str> = [input].iter().chain(outputs).copied().collect();
+        samples_at_rest(&hits, &channels)
+            .and_then(|rest| HitSpectra::of(&hits, input, outputs, rest))
+            .map_err(comparing)
+    }
+
+    /// Leaves out the odd hits, or returns reasons for doubt, depending on the sheet.
+    fn treat(
+        &mut self,
+        odd: Vec<(usize, Reason)>,
+        input: &str,
+        outputs: &[&str],
+    ) -> Result<Vec<String>, RodlabError> {
         let mut doubts = Vec::new();
-        let (numbers, hits) = self.numbered();
-        let channels: Vec<&str> = std::iter::once(input)
-            .chain(outputs.iter().copied())
-            .collect();
-        let rest = samples_at_rest(&hits, &channels).map_err(comparing)?;
-        let odd = find_odd_hits(&hits, input, outputs, rest).map_err(comparing)?;
+        let (numbers, _) = self.numbered();
         let odd: Vec<(usize, Reason)> = odd
             .into_iter()
             .filter_map(|(hit, reason)| Some((*numbers.get(hit)?, reason)))
@@ -82,7 +101,6 @@ impl FoundHits {
 
     /// Rejects hits that share an extreme value, which indicates a limit of the recorder.
     pub(super) fn compare_extremes(&mut self, criteria: &Criteria) -> Result<(), RodlabError> {
-        let comparing = |error| RodlabError::step("comparing hits", error);
         let (numbers, hits) = self.numbered();
         for (hit, reason) in criteria.judge_extremes(&hits).map_err(comparing)? {
             if let Some(number) = numbers.get(hit) {

@@ -1,26 +1,15 @@
 //! Test for a response that changes over the hits: a saturated channel, or another body.
 
-use labio::hits::{Trend, find_trends, samples_at_rest};
+use labio::hits::{HitSpectra, Trend, find_trends};
 
 use super::FoundHits;
-use crate::RodlabError;
 use crate::digits::significant;
 
 impl FoundHits {
-    /// Returns a reason for doubt for each of `outputs` whose gain changes with the peak of
-    /// `input`, or whose response differs between the halves of the hits ([`find_trends`]).
-    ///
-    /// # Errors
-    ///
-    /// [`RodlabError::Step`] for a missing channel.
-    pub(super) fn trends(&self, input: &str, outputs: &[&str]) -> Result<Vec<String>, RodlabError> {
-        let comparing = |error| RodlabError::step("comparing hits", error);
-        let (numbers, hits) = self.numbered();
-        let channels: Vec<&str> = std::iter::once(input)
-            .chain(outputs.iter().copied())
-            .collect();
-        let rest = samples_at_rest(&hits, &channels).map_err(comparing)?;
-        let found = find_trends(&hits, input, outputs, rest).map_err(comparing)?;
+    /// Returns a reason for doubt for each output whose gain changes with the peak of the `input`,
+    /// or whose response differs between the halves of the hits ([`find_trends`]).
+    pub(super) fn trends(&self, spectra: &HitSpectra, input: &str) -> Vec<String> {
+        let (numbers, _) = self.numbered();
         let number = |hit: usize| numbers.get(hit).copied().unwrap_or_default();
         let in_words = |trend: &Trend| match trend {
             Trend::Gain { channel, change } => {
@@ -45,6 +34,6 @@ impl FoundHits {
                 significant(100.0 * difference, 2)
             ),
         };
-        Ok(found.iter().map(in_words).collect())
+        find_trends(spectra).iter().map(in_words).collect()
     }
 }

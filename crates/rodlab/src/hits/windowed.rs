@@ -3,6 +3,7 @@
 use labio::Record;
 use labio::hits::find_falling_noise;
 
+use super::comparing;
 use crate::RodlabError;
 use crate::digits::significant;
 
@@ -17,8 +18,7 @@ pub(crate) fn windows_of_analyser(
     hits: &[&Record],
     channels: &[&str],
 ) -> Result<Vec<String>, RodlabError> {
-    let falling = find_falling_noise(hits, channels)
-        .map_err(|error| RodlabError::step("comparing hits", error))?;
+    let falling = find_falling_noise(hits, channels).map_err(comparing)?;
     let unit_of = |name: &str| {
         let known = hits.first().map(|hit| hit.channels()).unwrap_or_default();
         let channel = known.iter().find(|channel| channel.name() == name);
