@@ -224,6 +224,17 @@ impl RodlabError {
         )
     }
 
+    /// Returns the error for a name or `pattern` that matches no file in the `folder`; `field` is
+    /// its place in the sheet, empty for the command line.
+    pub(crate) fn no_file(pattern: &str, folder: &Path, field: &str) -> Self {
+        Self::NoFile {
+            pattern: pattern.to_owned(),
+            folder: folder.to_path_buf(),
+            field: field.to_owned(),
+            similar: None,
+        }
+    }
+
     /// Returns the error for a statement of the sheet that cannot be met.
     pub fn request(
         field: impl Into<String>,

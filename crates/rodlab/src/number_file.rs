@@ -26,12 +26,7 @@ impl NumberFile {
     pub(crate) fn read(path: &str, folder: &Path, field: &str) -> Result<Self, RodlabError> {
         let full = folder.join(path);
         if !full.exists() {
-            return Err(RodlabError::NoFile {
-                pattern: path.to_owned(),
-                folder: folder.to_path_buf(),
-                field: field.to_owned(),
-                similar: None,
-            });
+            return Err(RodlabError::no_file(path, folder, field));
         }
         let bytes = input::read(&full)?;
         let contents = format::read_bytes(&bytes)

@@ -5,6 +5,7 @@ mod published;
 
 pub use published::{PublishedCells, PublishedColumn};
 
+use labio::ContentHash;
 use rodfigure::Figure;
 use serde::{Deserialize, Serialize};
 
@@ -262,11 +263,21 @@ pub struct InputFile {
 impl InputFile {
     /// Returns the file at `path` with its detected format and its contents.
     pub(crate) fn of(path: &str, format: &str, bytes: &[u8]) -> Self {
+        Self::hashed(path, format, bytes, Some(ContentHash::of(bytes)))
+    }
+
+    /// Returns the file like [`Self::of`], with the known hash of its contents.
+    pub(crate) fn hashed(
+        path: &str,
+        format: &str,
+        bytes: &[u8],
+        hash: Option<ContentHash>,
+    ) -> Self {
         Self {
             path: path.to_owned(),
             format: format.to_owned(),
             bytes: bytes.len() as u64,
-            sha256: labio::ContentHash::of(bytes).to_string(),
+            sha256: hash.map(|hash| hash.to_string()).unwrap_or_default(),
             pattern: None,
         }
     }

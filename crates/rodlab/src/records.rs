@@ -209,16 +209,9 @@ impl Records {
         .map_err(|error| self.not_read(error, &file, field))?;
         let chosen = self.complete(&mut contents, &file, field, statements)?;
         let provenance = Provenance::of_file(Path::new(&file), contents.format, bytes);
-        loaded.inputs.push(InputFile {
-            path: file.clone(),
-            format: contents.format.to_owned(),
-            bytes: bytes.len() as u64,
-            sha256: provenance
-                .hash()
-                .map(|hash| hash.to_string())
-                .unwrap_or_default(),
-            pattern: None,
-        });
+        let hash = provenance.hash();
+        let input = InputFile::hashed(&file, contents.format, bytes, hash);
+        loaded.inputs.push(input);
         loaded
             .warnings
             .extend(cut_short::warning(bytes, contents.format, &file).map(|text| text + "."));

@@ -86,12 +86,7 @@ pub fn verify_all(folder: &Path, sheets: Option<&Path>) -> Result<Vec<Verified>,
     let mut results = Vec::new();
     results_below(folder, &mut results)?;
     if results.is_empty() {
-        return Err(RodlabError::NoFile {
-            pattern: RESULT.to_owned(),
-            folder: folder.to_path_buf(),
-            field: String::new(),
-            similar: None,
-        });
+        return Err(RodlabError::no_file(RESULT, folder, ""));
     }
     results.sort();
     let compared = results.iter().map(|result| {

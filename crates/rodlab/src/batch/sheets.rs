@@ -49,12 +49,7 @@ pub fn tests_of(places: &[String]) -> Result<Vec<Test>, RodlabError> {
 }
 
 fn no_sheet(place: &str) -> RodlabError {
-    RodlabError::NoFile {
-        pattern: place.to_owned(),
-        folder: PathBuf::from("."),
-        field: String::new(),
-        similar: None,
-    }
+    RodlabError::no_file(place, Path::new("."), "")
 }
 
 /// Returns the paths of a place: the place itself, or the matches of its pattern.

@@ -269,12 +269,8 @@ pub fn collect(folders: &[PathBuf]) -> Result<Summary, RodlabError> {
         };
         results_below(folder, folder, &prefix, &mut rows)?;
         if rows.len() == before {
-            return Err(RodlabError::NoFile {
-                pattern: "result.json or failure.json".to_owned(),
-                folder: folder.clone(),
-                field: String::new(),
-                similar: None,
-            });
+            let pattern = "result.json or failure.json";
+            return Err(RodlabError::no_file(pattern, folder, ""));
         }
     }
     Ok(Summary::of(rows))

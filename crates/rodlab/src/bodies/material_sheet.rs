@@ -398,12 +398,7 @@ fn of_file(
 ) -> Result<MaterialFile, RodlabError> {
     let full = folder.join(path);
     if !full.exists() {
-        return Err(RodlabError::NoFile {
-            pattern: path.to_owned(),
-            folder: folder.to_path_buf(),
-            field: field.to_owned(),
-            similar: None,
-        });
+        return Err(RodlabError::no_file(path, folder, field));
     }
     let bytes = input::read(&full)?;
     let input = InputFile::of(path, "material of a result", &bytes);

@@ -15,6 +15,7 @@ pub use self::source::SourceSheet;
 use super::{About, JobContext};
 use crate::bodies::material_sheet::Materials;
 use crate::digits::{hertz, short};
+use crate::median::upper_median;
 use crate::outcome::{Quantity, Setting};
 use crate::responses::{CompletionSheet, SupportSheet};
 use crate::sheet::{AddedMass, Exact, Frequency, NotFollowed, SpecificImpedance, Stated};
@@ -112,9 +113,7 @@ fn answer(known: &Known, outcome: &mut Outcome) {
     let frequency = &known.mobility.frequency_hz;
     let random = known.mobility.random_error().unwrap_or_default();
     let errors = above_zero().filter_map(|line| random.get(line));
-    let mut errors: Vec<f64> = errors.map(|error| error.magnitude).collect();
-    errors.sort_by(f64::total_cmp);
-    let median = errors.get(errors.len() / 2).copied();
+    let median = upper_median(errors.map(|error| error.magnitude));
     let error = match median {
         Some(median) => format!(", with a median standard error of {:.2} %", 100.0 * median),
         None if known.is_computed => String::new(),

@@ -86,16 +86,9 @@ impl ResponseFile {
         let reading = |error| RodlabError::step(format!("reading {}", self.file), error);
         let contents = format::read_bytes(&bytes).map_err(reading)?;
         let provenance = Provenance::of_file(Path::new(&self.file), contents.format, &bytes);
-        outcome.inputs.push(InputFile {
-            path: self.file.clone(),
-            format: contents.format.to_owned(),
-            bytes: bytes.len() as u64,
-            sha256: provenance
-                .hash()
-                .map(|hash| hash.to_string())
-                .unwrap_or_default(),
-            pattern: None,
-        });
+        let hash = provenance.hash();
+        let input = InputFile::hashed(&self.file, contents.format, &bytes, hash);
+        outcome.inputs.push(input);
         if let Some(reason) = earlier::doubt(&path, &bytes) {
             outcome.doubt(format!(
                 "{field}: the response of {} is in doubt: {reason}",

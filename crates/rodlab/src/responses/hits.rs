@@ -13,6 +13,7 @@ use crate::digits::short;
 use crate::hits::{
     FoundHits, HitKind, HitsSheet, expect_independent, expect_noise, level_at_rest, silent_samples,
 };
+use crate::median::upper_median;
 use crate::outcome::Setting;
 use crate::records::{Records, expect_motion, expect_quantity};
 use crate::sheet::{Duration, Exact, Ratio, Time};
@@ -418,11 +419,7 @@ impl HitsSource {
             })
             .unzip();
         figures.retain(|figures| figures.iter().all(|figure| figure.is_finite()));
-        let median = |which: fn(&[f64; 2]) -> f64| {
-            let mut values: Vec<f64> = figures.iter().map(which).collect();
-            values.sort_by(f64::total_cmp);
-            values.get(values.len() / 2).copied()
-        };
+        let median = |which: fn(&[f64; 2]) -> f64| upper_median(figures.iter().map(which));
         let of_leakage = median(|[leak, _]| *leak);
         if let (Some(leak), Some(random)) = (of_leakage, median(|[_, random]| *random))
             && leak > random

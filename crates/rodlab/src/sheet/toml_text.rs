@@ -149,11 +149,8 @@ impl Written<'_> {
                 for (number, node) in nodes.iter().enumerate() {
                     self.text.push('\n');
                     if number == 0 {
-                        above
-                            .take()
-                            .into_iter()
-                            .for_each(|start| self.comments_above(start));
-                        self.comments_above(*start);
+                        let starts = above.take().into_iter().chain([*start]);
+                        starts.for_each(|start| self.comments_above(start));
                     }
                     self.line(&format!("[[{path}]]"));
                     self.table(&path, &fields_of(node), None);
@@ -164,11 +161,8 @@ impl Written<'_> {
             // a table that contains only tables needs no header
             if fields.is_empty() || fields.iter().any(|field| self.on_a_line(field).is_some()) {
                 self.text.push('\n');
-                above
-                    .take()
-                    .into_iter()
-                    .for_each(|start| self.comments_above(start));
-                self.comments_above(*start);
+                let starts = above.take().into_iter().chain([*start]);
+                starts.for_each(|start| self.comments_above(start));
                 self.line(&format!("[{path}]"));
                 self.table(&path, &fields, None);
             } else {

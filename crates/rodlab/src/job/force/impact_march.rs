@@ -223,14 +223,9 @@ fn drawn_bodies(
     bodies: [&FaceBody; 2],
     draws: &mut Draws<'_>,
 ) -> Result<[Option<SharedBody>; 2], RodlabError> {
-    let mut drawn = bodies_of_one_draw(sheet, materials, bodies, draws);
-    for _ in 0..MOST_REDRAWS {
-        if drawn.is_ok() {
-            break;
-        }
-        drawn = bodies_of_one_draw(sheet, materials, bodies, draws);
-    }
-    drawn
+    let mut drawn = || bodies_of_one_draw(sheet, materials, bodies, draws);
+    let first = drawn();
+    (0..MOST_REDRAWS).fold(first, |found, _| found.or_else(|_| drawn()))
 }
 
 fn bodies_of_one_draw(

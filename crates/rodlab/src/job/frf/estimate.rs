@@ -10,6 +10,7 @@ use super::sheet::{DetrendSheet, FrfSheet, WindowSheet};
 use crate::RodlabError;
 use crate::hits::{expect_noise, level_at_rest};
 use crate::job::JobContext;
+use crate::median::upper_median;
 use crate::responses::{JudgedLine, in_words, judged_lines, leakage_of};
 
 /// A response with its errors and objections.
@@ -88,14 +89,10 @@ impl Estimated {
         let errors = self.response.random_error()?;
         let lines = self.leakage.as_ref()?.iter().zip(&errors).enumerate();
         let known = lines.filter(|(line, (leak, _))| self.is_valid(*line) && leak.is_finite());
-        let (mut leaks, mut errors): (Vec<f64>, Vec<f64>) = known
+        let (leaks, errors): (Vec<f64>, Vec<f64>) = known
             .map(|(_, (leak, error))| (*leak, std::f64::consts::SQRT_2 * error.magnitude))
             .unzip();
-        for values in [&mut leaks, &mut errors] {
-            values.sort_by(f64::total_cmp);
-        }
-        let middle = leaks.len() / 2;
-        leaks.get(middle).copied().zip(errors.get(middle).copied())
+        upper_median(leaks).zip(upper_median(errors))
     }
 
     /// Returns that one of `lines` which has the largest relative error due to leakage, and this

@@ -4,6 +4,7 @@ use super::estimate::Estimated;
 use super::scope::Band;
 use super::words::{capital, name_of, unit_of};
 use crate::digits::{hertz, short};
+use crate::median::upper_median;
 use crate::outcome::{Column, Quantity, Table};
 use crate::responses::error_columns;
 use crate::universal::DECAY_RATE;
@@ -292,13 +293,8 @@ pub(super) fn merit(estimated: &Estimated, output: &str, input: &str, band: Band
 )]
 fn of_two_hammers(estimated: &Estimated, output: &str, valid: &[usize]) -> Option<Quantity> {
     let discrepancy = &estimated.merged.as_ref()?.discrepancy;
-    let mut values: Vec<f64> = valid
-        .iter()
-        .map(|line| discrepancy[*line])
-        .filter(|value| value.is_finite())
-        .collect();
-    values.sort_by(f64::total_cmp);
-    let median = values.get(values.len() / 2).copied();
+    let values = valid.iter().map(|line| discrepancy[*line]);
+    let median = upper_median(values.filter(|value| value.is_finite()));
     Some(Quantity::of(
         format!("median discrepancy of the hammers, {output}"),
         "",

@@ -7,6 +7,7 @@ use super::measured::{Measured, Spectra};
 use super::{ModulusSheet, SourceSheet};
 use crate::Outcome;
 use crate::digits::{short, significant, with_unit};
+use crate::median::upper_median;
 use crate::outcome::{Quantity, sentence};
 
 /// Discrepancy, in standard deviations, beyond which the lines contradict a stated value. By chance
@@ -134,11 +135,9 @@ fn noise(estimate: &ModulusEstimate) -> f64 {
         .lines()
         .iter()
         .filter(|line| line.validity.is_valid());
-    let mut errors: Vec<f64> = valid
-        .map(|line| line.uncertainty.random.modulus.mean_square().sqrt() / line.modulus.norm())
-        .collect();
-    errors.sort_by(f64::total_cmp);
-    errors.get(errors.len() / 2).copied().unwrap_or(0.0)
+    let errors = valid
+        .map(|line| line.uncertainty.random.modulus.mean_square().sqrt() / line.modulus.norm());
+    upper_median(errors).unwrap_or(0.0)
 }
 
 fn contradicts(source: &CalibratedSource) -> bool {

@@ -9,6 +9,7 @@ use super::estimate::deviations;
 use super::measured::{Measured, Spectra};
 use super::{Found, ModulusSheet};
 use crate::digits::{short, significant, with_error};
+use crate::median::upper_median;
 use crate::outcome::{CHECK, Quantity};
 use crate::sheet::{Exact, PerKelvin, Stated, Temperature};
 use crate::{Outcome, RodlabError};
@@ -170,10 +171,8 @@ pub(super) fn state(
         let budget = line.budget(BudgetedQuantity::StorageModulus);
         budget.standard_uncertainty() / line.modulus.re.abs()
     });
-    let mut errors: Vec<f64> = errors.collect();
-    errors.sort_by(f64::total_cmp);
-    match errors.get(errors.len() / 2) {
-        Some(median) if whole.abs() > *median => outcome.doubt(said),
+    match upper_median(errors) {
+        Some(median) if whole.abs() > median => outcome.doubt(said),
         _ => outcome.warnings.push(format!("{said}.")),
     }
     Ok(())

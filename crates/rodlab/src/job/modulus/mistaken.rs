@@ -9,6 +9,7 @@ use super::measured::{Measured, Spectra};
 use super::reasons::{known, lines, n_suitable};
 use super::{MethodSheet, ModulusSheet, estimate};
 use crate::digits::significant;
+use crate::median::upper_median;
 
 /// Smallest factor by which the correction of a mistake must raise the number of known lines for
 /// the mistake to be reported.
@@ -69,15 +70,14 @@ fn wrong_unit(impacted: &str, free: &str, ratio: &ResponseRatio) -> Option<Strin
         let is_known = variance.sqrt() < MOST_ERROR * value.norm();
         is_known && value.re.abs() > 0.9 * value.norm()
     };
-    let mut sizes: Vec<f64> = lines
+    let sizes: Vec<f64> = lines
         .filter(is_rigid)
         .map(|(value, _)| value.norm())
         .collect();
     if sizes.len() < LOWEST {
         return None;
     }
-    sizes.sort_by(f64::total_cmp);
-    let size = *sizes.get(LOWEST / 2)?;
+    let size = upper_median(sizes)?;
     // the struck end of an elastic rod moves less than the free end below the first resonance
     let is_factor = |factor: f64| (0.8..1.1).contains(&(size / factor));
     let (_, factor) = FACTORS
