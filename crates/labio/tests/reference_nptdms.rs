@@ -17,7 +17,7 @@ macro_rules! files {
     };
 }
 
-const FILES: [(&str, &[u8]); 7] = files![
+pub(crate) const FILES: [(&str, &[u8]); 7] = files![
     "types",
     "properties",
     "segments",

@@ -15,7 +15,7 @@ macro_rules! files {
     };
 }
 
-const THEIRS: [(&str, &[u8]); 7] = files![
+pub(crate) const THEIRS: [(&str, &[u8]); 7] = files![
     "text",
     "complex",
     "uneven",

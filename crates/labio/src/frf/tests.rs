@@ -144,34 +144,6 @@ fn the_variance_of_a_line_is_twice_that_of_a_component() {
 }
 
 #[test]
-fn lines_whose_squares_have_lost_digits_say_so() {
-    // 2e-157 squared, times the squared time step: auto-spectra of about 4e-320, which have a dozen
-    // bits
-    let small: Vec<f64> = [1.0, 0.5, -0.25, 0.125]
-        .iter()
-        .map(|x| x * 2e-157)
-        .collect();
-    let spectra = AveragedSpectra::of(
-        [&hit(&small, &small), &hit(&small, &small)],
-        Window::Rectangular,
-    )
-    .unwrap();
-    let auto = spectra.auto("x").unwrap()[1];
-    assert!(auto > 0.0 && !auto.is_normal());
-    let response = spectra.h1("x", "y").unwrap();
-    for (value, validity) in response.values.iter().zip(&response.validity) {
-        // three decimal digits are left in such a spectrum: it is not a measurement
-        assert!(value.is_nan() && *validity == LineValidity::NoInput);
-    }
-    // with amplitudes twenty decades higher, all lines are valid
-    let enough: Vec<f64> = small.iter().map(|x| x * 1e20).collect();
-    let spectra = AveragedSpectra::of([&hit(&enough, &enough)], Window::Rectangular).unwrap();
-    for value in &spectra.h1("x", "y").unwrap().values {
-        assert!((value - 1.0).norm() < 1e-15, "{value}");
-    }
-}
-
-#[test]
 fn the_coherence_does_not_depend_on_the_units() {
     let mut rng = Noise::seeded(17);
     let pairs: Vec<(Vec<f64>, Vec<f64>)> = (0..3)

@@ -349,48 +349,6 @@ fn error(response: &FrequencyResponse, lines: std::ops::Range<usize>) -> f64 {
 }
 
 #[test]
-fn weighing_beats_choosing_and_says_by_how_much() {
-    // both hammers give about the same force, or the larger force is the noisier measurement
-    let equal = [LIGHT, LIGHT];
-    let noisy = Hammer {
-        peak: 1.2 * LIGHT.peak,
-        noise: 4.0 * LIGHT.noise,
-        ..LIGHT
-    };
-    for (hammers, gain) in [(equal, 2.0), ([noisy, LIGHT], 16.0 / 1.44 + 1.0)] {
-        let tests = [test_of(hammers[0], 5), test_of(hammers[1], 6)];
-        let refs = [&tests[0], &tests[1]];
-        let chosen =
-            MergedResponse::by_larger_input(&refs, Estimator::H1, "force", "velocity").unwrap();
-        let responses = refs.map(|test| test.h1("force", "velocity").unwrap());
-        let weighed = MergedResponse::by_inverse_variance(&responses).unwrap();
-        let band = 1..400; // below the first zero of the half-sine
-        let ratio = error(&chosen.response, band.clone()) / error(&weighed.response, band.clone());
-        // with estimated weights some 10 % of the gain is lost; 399 lines determine the ratio to
-        // 7 %, and the tolerance is three times that, 21 %
-        assert!(ratio > 0.69 * gain && ratio < 1.21 * gain, "{ratio} {gain}");
-        // the stated variance is the squared error, except for a factor of (n-1)/n and 4/n that the
-        // estimated weights hide
-        let variance = weighed.response.variance.as_ref().unwrap();
-        let stated: f64 = band
-            .clone()
-            .map(|k| variance[k] / truth(&weighed.response, k).norm_sqr())
-            .sum::<f64>()
-            / 399.0;
-        let found = error(&weighed.response, band.clone());
-        assert!(
-            found / stated > 0.85 && found / stated < 1.7,
-            "{}",
-            found / stated
-        );
-        let apart: f64 = band.map(|k| weighed.discrepancy[k]).sum::<f64>() / 399.0;
-        // expected value 1 for known variances; with estimated variances it is about n/(n-1) (1 +
-        // 1/(n-2))
-        assert!(apart > 0.85 && apart < 1.45, "{apart}");
-    }
-}
-
-#[test]
 fn a_line_that_one_test_does_not_have_comes_from_the_other() {
     let mut silent = HEAVY;
     silent.peak = 0.0;

@@ -149,33 +149,6 @@ impl BlockSource for InBlocks {
 }
 
 #[test]
-fn a_stream_gives_the_hits_of_the_record_whatever_its_blocks() {
-    let record = long_record();
-    let whole = find_hits(&record, &trigger(), &Criteria::default()).unwrap();
-    for most in [7, 1000, 8192, 100_000] {
-        let mut source = InBlocks {
-            record: record.clone(),
-            at: 0,
-            most,
-            spoil: None,
-        };
-        let provenance = Provenance::computed("test");
-        let log = find_hits_in_blocks(&mut source, &provenance, &trigger(), &Criteria::default())
-            .unwrap();
-        assert_eq!(log.hits().len(), whole.hits().len());
-        for (streamed, cut) in log.hits().iter().zip(whole.hits()) {
-            assert_eq!(streamed.reasons(), cut.reasons());
-            assert_eq!(
-                streamed.record().map(Record::samples),
-                cut.record().map(Record::samples)
-            );
-            // the stream begins at 0, the record at 2 s
-            assert!((streamed.time() + 2.0 - cut.time()).abs() < 1e-12);
-        }
-    }
-}
-
-#[test]
 fn a_stream_that_marks_lost_samples_loses_only_that_hit() {
     let mut source = InBlocks {
         record: long_record(),

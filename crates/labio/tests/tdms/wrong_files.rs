@@ -1,7 +1,5 @@
 //! Files that are invalid, cut off or damaged.
 
-use proptest::prelude::*;
-
 use super::*;
 use crate::series::{defects, refusals};
 
@@ -170,57 +168,4 @@ fn tolerantly_read_segments_before_a_broken_one_remain() {
     tdms, byte 221: tag of the lead-in is "\x00\x00\x00\x00", expected "TDSm"
     tdms, byte 171: property `NI_Scale[0]_Scale_Type` for g/b is Thermistor, expected Linear, Polynomial, Table, Add, Subtract, Strain, RTD or Thermocouple, the scales that are known
     "#);
-}
-
-fn any_file() -> impl Strategy<Value = Vec<u8>> {
-    let daqmx_index = daqmx(2, &[[3, 0, 0, 0], [3, 0, 2, 1]], &[4]);
-    let scale = vec![
-        index("NI_Number_Of_Scales", 3),
-        word("NI_Scale[2]_Scale_Type", "Add"),
-        index("NI_Scale[2]_Add_Left_Operand_Input_Source", 0),
-        index("NI_Scale[2]_Add_Right_Operand_Input_Source", 1),
-    ];
-    let plain = [
-        object("/'g'/'a'", &numbers(2, 2), &[real("wf_increment", 0.5)]),
-        object("/'g'/'b'", &numbers(10, 2), &[]),
-    ];
-    let raw = [i16s(&[1, 2]), f64s(&[0.1, 0.2])].concat();
-    let segments = prop::sample::select(vec![
-        segment(USUAL, &plain, &raw),
-        segment(USUAL | INTERLEAVED, &plain, &raw),
-        segment(
-            METADATA | RAW,
-            &[object("/'g'/'b'", &AS_BEFORE, &[word("x", "y")])],
-            &raw,
-        ),
-        segment(RAW, &[], &raw),
-        segment(
-            USUAL | DAQMX,
-            &[object("/'g'/'d'", &daqmx_index, &scale)],
-            &i16s(&[1, 2, 3, 4]),
-        ),
-    ]);
-    prop::collection::vec(segments, 1..5).prop_map(|segments| segments.concat())
-}
-
-proptest! {
-    #[test]
-    fn spoilt_files_are_read_or_refused(
-        file in any_file(),
-        spoils in prop::collection::vec((any::<prop::sample::Index>(), any::<u8>()), 0..6),
-        cut in any::<prop::sample::Index>(),
-    ) {
-        let mut file = file;
-        for (place, byte) in spoils {
-            let place = place.index(file.len());
-            file[place] = byte;
-        }
-        let tolerant = Tdms.read(&file, Strictness::Tolerant);
-        if let (Ok(strict), Ok(tolerant)) = (strict(&file), &tolerant) {
-            prop_assert_eq!(strict.series.len(), tolerant.series.len());
-            prop_assert!(tolerant.defects.is_empty());
-        }
-        file.truncate(cut.index(file.len()));
-        let _ = Tdms.read(&file, Strictness::Tolerant);
-    }
 }

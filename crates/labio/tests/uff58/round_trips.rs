@@ -43,7 +43,7 @@ fn numbers(single: bool) -> impl Strategy<Value = f64> {
     ]
 }
 
-pub(super) fn any_series(single: bool) -> impl Strategy<Value = Series> {
+fn any_series(single: bool) -> impl Strategy<Value = Series> {
     let points = prop::collection::vec((numbers(single), numbers(single), numbers(single)), 0..40);
     // a start and a step that the header can represent exactly
     let clock = (-1000_i32..1000, 1_i32..1000);

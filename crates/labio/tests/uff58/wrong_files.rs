@@ -1,9 +1,7 @@
 //! Files that are invalid or damaged, and contents that the format cannot represent.
 
 use labio::Place;
-use proptest::prelude::*;
 
-use super::round_trips::any_series;
 use super::*;
 use crate::series::{defects, refusals};
 
@@ -180,29 +178,4 @@ fn what_has_no_place_is_refused_before_the_first_byte() {
     uff58 cannot hold response node 12345678901 in 10 columns
     uff58 cannot hold `half` as uff58.precision
     ");
-}
-
-proptest! {
-    #[test]
-    fn spoilt_files_are_read_or_refused(
-        series in any_series(false),
-        binary: bool,
-        spoils in prop::collection::vec((any::<prop::sample::Index>(), any::<u8>()), 1..6),
-        cut in any::<prop::sample::Index>(),
-    ) {
-        let encoding = if binary { Encoding::Binary(ByteOrder::LittleEndian) } else { Encoding::Ascii };
-        let mut file = written(&series, encoding, Precision::Double);
-        for (place, byte) in spoils {
-            let place = place.index(file.len());
-            file[place] = byte;
-        }
-        let _ = strict(&file);
-        let tolerant = Uff58.read(&file, Strictness::Tolerant);
-        if let (Ok(strict), Ok(tolerant)) = (strict(&file), &tolerant) {
-            prop_assert_eq!(strict.series.len(), tolerant.series.len());
-            prop_assert!(tolerant.defects.is_empty());
-        }
-        file.truncate(cut.index(file.len()));
-        let _ = Uff58.read(&file, Strictness::Tolerant);
-    }
 }
