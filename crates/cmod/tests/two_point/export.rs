@@ -99,17 +99,3 @@ fn curves_are_in_pieces_of_one_verdict() {
     }
     assert_eq!(curve.quantity.unit(), "1");
 }
-
-/// Checks that tables and curves are serialised by serde.
-#[test]
-fn tables_and_curves_are_serialised() {
-    let estimate = estimate();
-    let text = ron::to_string(&estimate.columns()).unwrap();
-    assert!(text.starts_with(
-        "(method:\"two-point method\",columns:[(name:\"line\",unit:\"1\",values:[0.0,1.0,"
-    ));
-    let text = ron::to_string(&estimate.curve(PlottedQuantity::LossFactor, 1.0)).unwrap();
-    assert!(text.starts_with(
-        "(quantity:LossFactor,standard_errors:1.0,segments:[(valid:false,frequency_hz:[100.0,"
-    ));
-}
