@@ -159,17 +159,6 @@ fn derivatives_are_those_of_differences(law: impl LinearLaw, of_law: &[f64]) {
 }
 
 #[test]
-fn derivatives_are_exact() {
-    derivatives_are_those_of_differences(ConstantQ::default(), &[0.07_f64.ln()]);
-    derivatives_are_those_of_differences(MaxwellBranches::zener(), &[0.25_f64.ln(), 3e-5_f64.ln()]);
-    derivatives_are_those_of_differences(MaxwellBranches::maxwell(), &[1e-3_f64.ln()]);
-    derivatives_are_those_of_differences(
-        MaxwellBranches::three(),
-        &[-2.0, -2.5, 5e-3_f64.ln(), 2e-4_f64.ln(), 2e-5_f64.ln()],
-    );
-}
-
-#[test]
 fn a_law_of_rodwave_is_a_competitor_as_it_is() {
     let zener = Zener::new(2.0e9, 2.5e9, 3e-5).unwrap();
     let ranges = [

@@ -1,7 +1,7 @@
 //! Invariances of an identification.
 
 use maxwellid::selection::{Candidate, Selection};
-use maxwellid::{Fit, Identification, Law, MaxwellidError, RodModel, RodTest};
+use maxwellid::{Fit, Identification, Law, RodModel, RodTest};
 use rodwave::inelastic::{Maxwell, MaxwellNorton};
 
 use super::{MODULUS, data, excitation, test_of};
@@ -87,24 +87,6 @@ fn the_unit_of_velocity_is_no_part_of_a_linear_law() {
     for (a, b) in plain.parameters().iter().zip(fitted(&scaled).parameters()) {
         assert!((a - b).abs() < 1e-6, "{a} {b}");
     }
-}
-
-/// Starts that are all the same find what one of them finds.
-#[test]
-fn more_starts_find_no_worse_a_minimum() {
-    let tests = tests();
-    let one = fitted(&tests);
-    let several = Fit::of(maxwell())
-        .with_cell(8e-3)
-        .with_starts(4)
-        .to(&tests)
-        .unwrap();
-    assert!(several.relative_error() <= one.relative_error() * (1.0 + 1e-6));
-    let none = Fit::of(maxwell()).with_cell(8e-3).with_starts(0);
-    assert!(matches!(
-        none.to(&tests),
-        Err(MaxwellidError::Setting { .. })
-    ));
 }
 
 /// Work distributed over threads is collected in its original order: no digit depends on the number
