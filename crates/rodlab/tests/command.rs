@@ -268,42 +268,6 @@ fn a_folder_that_cannot_be_written_is_named() {
     assert_eq!(fs::read_to_string(folder.path().join("taken")).unwrap(), "");
 }
 
-#[cfg(target_os = "linux")]
-#[test]
-fn a_full_disk_leaves_the_old_result_whole() {
-    let folder = folder_with(&[("hit.ron", FORCE)]);
-    assert!(
-        rodlab(folder.path(), &["force", "hit.ron"])
-            .status
-            .success()
-    );
-    let result = folder.path().join("hit-result/result.json");
-    let before = fs::read(&result).unwrap();
-    // no file may become longer than a block, as if the disk were full after it
-    fs::write(
-        folder.path().join("hit.ron"),
-        FORCE.replace("2 m/s", "3 m/s"),
-    )
-    .unwrap();
-    let run = Command::new("sh")
-        .arg("-c")
-        .arg(format!(
-            "trap '' XFSZ; ulimit -f 1; exec {} force hit.ron",
-            env!("CARGO_BIN_EXE_rodlab")
-        ))
-        .current_dir(folder.path())
-        .output()
-        .unwrap();
-    assert_eq!(run.status.code(), Some(2), "{}", text(&run.stderr));
-    text(&run.stderr).must_begin("error: cannot write hit-result/");
-    // the result of the first run is whole, and nothing lies about
-    assert_eq!(fs::read(&result).unwrap(), before);
-    for entry in fs::read_dir(folder.path().join("hit-result")).unwrap() {
-        let name = entry.unwrap().file_name();
-        assert!(!name.to_string_lossy().starts_with(".rodlab-"), "{name:?}");
-    }
-}
-
 #[test]
 fn a_recording_is_inspected_and_converted() {
     let folder = folder_with(&[(

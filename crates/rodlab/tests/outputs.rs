@@ -162,21 +162,6 @@ fn r19_a_link_to_a_result_opens_no_folder() {
 }
 
 #[test]
-fn what_was_made_read_only_stays() {
-    let folder = tempfile::tempdir().unwrap();
-    let files = write(&rich::outcome(), folder.path()).unwrap();
-    let mut permissions = fs::metadata(&files[0]).unwrap().permissions();
-    permissions.set_readonly(true);
-    fs::set_permissions(&files[0], permissions).unwrap();
-    let error = refused(&rich::outcome(), folder.path());
-    assert!(
-        error.ends_with("modulus.csv: the file is read-only"),
-        "{error}"
-    );
-    assert!(files.iter().all(|file| file.exists()));
-}
-
-#[test]
 fn no_file_takes_the_place_of_another() {
     let folder = tempfile::tempdir().unwrap();
     let mut outcome = rich::outcome();

@@ -280,7 +280,8 @@ fn hopkinson_bending_cancels_between_opposite_gauges() {
     assert!((budget(&both) / budget(&single) - 0.5_f64.sqrt()).abs() < 1e-6);
 }
 
-/// Each mistake is named, with the standing that it deserves.
+/// Each mistake is named, with the standing that it deserves. The tests of impulse have the other
+/// findings on a shot.
 #[test]
 fn hopkinson_mistakes_are_named() {
     let folder = TempDir::new().unwrap();
@@ -316,13 +317,6 @@ fn hopkinson_mistakes_are_named() {
             "expected compression",
         ),
         (
-            "percent for strain",
-            [scaled(&first, 100.0), scaled(&second, 100.0)],
-            text.clone(),
-            1,
-            "gauge factor, excitation and the unit",
-        ),
-        (
             "one gauge off",
             [first.clone(), scaled(&second, 0.7)],
             text.clone(),
@@ -335,34 +329,6 @@ fn hopkinson_mistakes_are_named() {
             text.clone(),
             1,
             "expected a pulse of ten times the noise",
-        ),
-        (
-            "record cut",
-            [first[..1900].to_vec(), second[..1900].to_vec()],
-            text.clone(),
-            3,
-            "the record ends while the specimen carries",
-        ),
-        (
-            "position a little wrong",
-            right.clone(),
-            text.replace("at: \"700 mm ± 1 mm\"", "at: \"620 mm ± 1 mm\""),
-            3,
-            "times that of the transmitted bar throughout",
-        ),
-        (
-            "position wrong",
-            right.clone(),
-            text.replace("at: \"700 mm ± 1 mm\"", "at: \"560 mm ± 1 mm\""),
-            3,
-            "reflected wave gives a wave speed",
-        ),
-        (
-            "position of the other gauge wrong",
-            right.clone(),
-            text.replace("at: \"300 mm ± 1 mm\"", "at: \"350 mm ± 1 mm\""),
-            3,
-            "before that of the incident face",
         ),
         (
             "one channel twice",
