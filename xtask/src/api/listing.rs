@@ -220,36 +220,6 @@ mod tests {
     }
 
     #[test]
-    fn plain_traits_are_one_line_and_lost_automatic_ones_stay() {
-        let found = listing(&[
-            "pub mod cmod",
-            "pub struct cmod::Rod<'a>",
-            "pub cmod::Rod::length: f64",
-            "impl<'a> cmod::Rod<'a>",
-            "pub fn cmod::Rod<'a>::eq(&self, other: f64) -> bool",
-            "impl<'a> core::clone::Clone for cmod::Rod<'a>",
-            "pub fn cmod::Rod<'a>::clone(&self) -> cmod::Rod<'a>",
-            "impl<'a> core::fmt::Debug for cmod::Rod<'a>",
-            "pub fn cmod::Rod<'a>::fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result",
-            "impl<'a> core::marker::StructuralPartialEq for cmod::Rod<'a>",
-            "impl<'a> core::marker::Sync for cmod::Rod<'a>",
-            "impl<'a> !core::marker::Send for cmod::Rod<'a>",
-        ]);
-        assert_eq!(
-            found.lines,
-            [
-                "pub mod cmod",
-                "pub struct cmod::Rod<'a>",
-                "pub cmod::Rod::length: f64",
-                "impl<'a> cmod::Rod<'a>",
-                "pub fn cmod::Rod<'a>::eq(&self, other: f64) -> bool",
-                "impl<'a> Clone, Debug for cmod::Rod<'a>",
-                "impl<'a> !core::marker::Send for cmod::Rod<'a>",
-            ]
-        );
-    }
-
-    #[test]
     fn a_foreign_type_has_to_be_handed_on() {
         let lines = [
             "pub use cmod::num_complex",

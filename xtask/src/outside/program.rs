@@ -275,10 +275,4 @@ mod tests {
             Err(ProgramError::Blocks { found: 2, .. })
         ));
     }
-
-    #[test]
-    fn a_lock_is_read_by_name_and_version() {
-        let lock = "version = 4\n\n[[package]]\nname = \"a\"\nversion = \"1.0.0\"\ndependencies = [\n \"b\",\n]\n";
-        assert_eq!(locked(lock), [("a".to_owned(), "1.0.0".to_owned())]);
-    }
 }

@@ -201,14 +201,4 @@ mod tests {
                 .all(|run| Part::ALL.contains(&run.0) && Kind::ALL.contains(&run.1))
         );
     }
-
-    #[test]
-    fn numbers_are_written_as_printed() {
-        let last = |part, kind| numbers(part, kind).pop().unwrap();
-        assert_eq!(last(Part::Survey, Kind::Equation), "5.3");
-        assert_eq!(last(Part::D, Kind::Table), "A1");
-        assert_eq!(last(Part::E, Kind::Equation), "A16");
-        assert_eq!(in_words(Part::D, Kind::Equation), "eq. 1 to 14, δ");
-        assert_eq!(in_words(Part::E, Kind::Table), "no Table");
-    }
 }

@@ -166,21 +166,6 @@ mod tests {
     }
 
     #[test]
-    fn counts_become_rows_and_a_sum() {
-        let counts =
-            "tried: 5, refused: 2, right: 1, said: 1, shorter: 1, stopped: 0, lost: 0, broke: 0";
-        let text = table(&campaign(counts)).unwrap();
-        assert!(
-            text.contains("| cut \\| torn | everywhere | 5 | 2 | 1 | 1 | 1 | 0 | 0 | 0 |\n"),
-            "{text}"
-        );
-        assert!(
-            text.contains("| all | | 5 | 2 | 1 | 1 | 1 | 0 | 0 | 0 |\n\nNo fault was skipped.\n"),
-            "{text}"
-        );
-    }
-
-    #[test]
     fn a_loss_and_a_wrong_sum_are_refused() {
         for (counts, part) in [
             (

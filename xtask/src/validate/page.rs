@@ -324,26 +324,6 @@ mod tests {
     }
 
     #[test]
-    fn a_page_is_read_as_it_was_written() {
-        let absent = Err(NotMeasured::Absent("lost".to_owned()));
-        let rows = [section([Ok(2.25), absent, Ok(1.234e-15)])];
-        let page = Page::of(&rows, "| fault | points |\n\nNone.\n".to_owned());
-        let text = page.to_markdown();
-        assert_eq!(Page::read(&text), page, "{text}");
-        assert!(text.contains("| rods | 3 | 2 | 0 | 1 |"), "{text}");
-        assert!(
-            text.contains(
-                "| balance | conservation | 1 | 0 | 1e-15 | 1e-12 | rounding | < 1 % | pass |"
-            ),
-            "{text}"
-        );
-        assert!(
-            text.ends_with("## Skipped\n\n- rods: length \\|b\\|: skipped: lost\n"),
-            "{text}"
-        );
-    }
-
-    #[test]
     fn rows_without_their_record_stay_as_they_were() {
         let absent = || Err(NotMeasured::Absent("lost".to_owned()));
         let earlier = Page::of(&[section([Ok(2.25), Ok(2.0), Ok(0.0)])], String::new());
