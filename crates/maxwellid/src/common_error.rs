@@ -17,8 +17,10 @@
 //! The derivative with respect to ln L follows from those with respect to θ: two velocity histories
 //! determine only E/(ρL²) and the function L F(ρLs) of s (see [`crate::SpecimenSensitivity`]).
 //!
-//! The response is linearised about the most likely delay, and about the stated values of the other
-//! quantities.
+//! The response is linearised about the most likely delay and length, and about the stated values of
+//! the other quantities. With the stated length instead, the error of the linearisation is of second
+//! order in the error of the length. If it exceeds the noise, each renewal of the columns moves E to
+//! the other side of the minimum.
 //!
 //! If the recorder is part of the model, the front of the excitation, unresolved between two grid
 //! points, is a common error too. On a grid of a quarter of the spacing the response of a nonlinear
@@ -26,14 +28,14 @@
 //! Δ + Δ/4 + .. = 4Δ/3 is missing. This correction is added, with the standard uncertainty Δ.
 //!
 //! # Validity
-//! The response is linear in gain errors of a few per cent, and in length errors up to the distance
-//! that a wave travels in a tenth of its rise time. The density of all rods of one material has one
+//! The response is linear in gain errors of a few per cent. The density of all rods of one material has one
 //! error, which scales the results: [`crate::SpecimenUncertainty`].
 //!
 //! Theory: `docs/theory/identification.md#errors-of-rods-and-transducers`.
 
 use std::fmt;
 
+use crate::deviation::Deviation;
 use crate::error::MaxwellidError;
 use crate::least_squares::{Linearisation, ScaledDecomposition};
 use crate::model::{DrivenRod, RodModel, delayed, linearised_response_of, response_of};
@@ -189,15 +191,29 @@ pub fn with_unstated_transducers(tests: &[RodTest]) -> Option<Vec<RodTest>> {
     tests.iter().map(allowed).collect()
 }
 
+/// The value of one error, and the factor that turns a derivative of the response into the
+/// derivative with respect to this error.
+fn of_error(deviation: Deviation, of: ErrorOf) -> (f64, f64) {
+    match of {
+        ErrorOf::Delay => (deviation.delay, 1.0),
+        // the derivative is that with respect to ln L
+        ErrorOf::Length => (deviation.length, 1.0 / (1.0 + deviation.length)),
+        _ => (0.0, 1.0),
+    }
+}
+
+/// Largest relative error of a length about which a response is linearised.
+const LARGEST_ERROR_OF_LENGTH: f64 = 0.1;
+
 /// Change of a delay, in samples, at which its iteration ends: for a front of one sample the error
 /// of the linearisation is then 0.1 %.
 const DELAY_SETTLED: f64 = 0.05;
 
 /// Returns true if a delay \[s\] of one of `tests` differs from its value in `before` by more than
 /// the linearisation permits.
-pub(crate) fn are_moved(tests: &[RodTest], before: &[f64], delays: &[f64]) -> bool {
-    let mut each = tests.iter().zip(before.iter().zip(delays));
-    each.any(|(test, (b, d))| (d - b).abs() * test.sampling_rate_hz >= DELAY_SETTLED)
+pub(crate) fn are_moved(tests: &[RodTest], before: &[Deviation], after: &[Deviation]) -> bool {
+    let mut each = tests.iter().zip(before.iter().zip(after));
+    each.any(|(test, (b, a))| (a.delay - b.delay).abs() * test.sampling_rate_hz >= DELAY_SETTLED)
 }
 
 /// Missing part of the response to a front on its grid, divided by the change on a grid of a
@@ -223,10 +239,10 @@ pub(crate) struct CommonErrors {
     /// Columns of A before whitening [m/s].
     velocities: Vec<Vec<f64>>,
     directions: Vec<Direction>,
-    /// Delay \[s\] of each test about which its response is linearised.
-    delays: Vec<f64>,
-    /// Linearised response of each test at the stated delay minus that at `delays`, plus the
-    /// correction for a finer grid of the front [m/s].
+    /// Delay and length of each test about which its response is linearised.
+    deviations: Vec<Deviation>,
+    /// Linearised response of each test at the stated delay and length minus that at `deviations`,
+    /// plus the correction for a finer grid of the front [m/s].
     offsets: Vec<Vec<f64>>,
     /// Change of the response on a finer grid of the front [m/s], for each test that has such a
     /// grid.
@@ -234,18 +250,18 @@ pub(crate) struct CommonErrors {
 }
 
 impl CommonErrors {
-    /// The factors for `tests` at θ, with the rods driven by their most likely excitations and
-    /// delayed by `delays` \[s\]. `weight` is a further factor of the white residual. `known` are
+    /// The factors for `tests` at θ, with the rods driven by their most likely excitations, at
+    /// `deviations`. `weight` is a further factor of the white residual. `known` are
     /// the factors at the same θ with other excitations. `None` if the model does not exist there.
     pub(crate) fn at<'a, M: RodModel + ?Sized>(
         (model, parameters): (&M, &[f64]),
         tests: &[RodTest],
-        (delays, known): (Vec<f64>, Option<&Self>),
+        (deviations, known): (Vec<Deviation>, Option<&Self>),
         seen: impl Fn(usize) -> Option<(DrivenRod<'a>, &'a Weighting)> + Sync,
         weight: f64,
     ) -> Option<Self> {
         let mut common = Self {
-            delays,
+            deviations,
             ..Self::default()
         };
         let is_linear = model.is_linear();
@@ -257,12 +273,17 @@ impl CommonErrors {
         let marched = all_in_order(tests.len(), |index| {
             let test = tests.get(index)?;
             let (rod, weighting) = seen(index)?;
-            let delay = common.delay(index);
+            let deviation = common.deviation(index);
+            let delay = deviation.delay;
             let effects = test.common_errors.iter().map(|error| {
-                let own = derivative(model, parameters, &rod, error.of)?;
+                let mut own = derivative(model, parameters, &rod, error.of)?;
+                let (_, factor) = of_error(deviation, error.of);
+                own.iter_mut().for_each(|v| *v *= factor);
                 Some(weighting.seen(test, own))
             });
-            let same_delay = |known: &&Self| known.delay(index).to_bits() == delay.to_bits();
+            // the difference of the grids does not depend on the error of a length
+            let same_delay =
+                |known: &&Self| known.deviation(index).delay.to_bits() == delay.to_bits();
             let known_front = known
                 .filter(same_delay)
                 .and_then(|known| known.of_fronts.get(index).cloned().flatten());
@@ -279,11 +300,20 @@ impl CommonErrors {
         let mut begin = 0;
         for ((index, test), (effects, of_front)) in tests.iter().enumerate().zip(marched) {
             let (_, weighting) = seen(index)?;
-            let delay = common.delay(index);
+            let deviation = common.deviation(index);
             let mut offset = Vec::new();
-            for (error, mut own) in test.common_errors.iter().zip(effects) {
-                if error.of == ErrorOf::Delay && delay != 0.0 {
-                    offset = own.iter().map(|by| -delay * by).collect();
+            for (place, (error, mut own)) in test.common_errors.iter().zip(effects).enumerate() {
+                let (value, _) = of_error(deviation, error.of);
+                // the value is the sum of all errors of this kind
+                let is_first = !test
+                    .common_errors
+                    .iter()
+                    .take(place)
+                    .any(|e| e.of == error.of);
+                if value != 0.0 && is_first {
+                    offset.resize(own.len(), 0.0);
+                    let pairs = offset.iter_mut().zip(&own);
+                    pairs.for_each(|(sum, by)| *sum -= value * by);
                 }
                 let place = common.place_of(error, samples);
                 own.iter_mut()
@@ -375,13 +405,13 @@ impl CommonErrors {
         self.errors.is_empty()
     }
 
-    /// Delay \[s\] of a test about which its response is linearised.
-    pub(crate) fn delay(&self, test: usize) -> f64 {
-        self.delays.get(test).copied().unwrap_or(0.0)
+    /// Delay and length of a test about which its response is linearised.
+    pub(crate) fn deviation(&self, test: usize) -> Deviation {
+        self.deviations.get(test).copied().unwrap_or_default()
     }
 
-    /// Adds to the response of a test at its delay the difference from the linearised response at
-    /// the stated delay, and the correction for a finer grid of the front.
+    /// Adds to the response of a test at its deviation the difference from the linearised response
+    /// at the stated delay and length, and the correction for a finer grid of the front.
     pub(crate) fn add_offset(&self, test: usize, velocity: &mut [f64]) {
         for (v, offset) in velocity
             .iter_mut()
@@ -412,22 +442,32 @@ impl CommonErrors {
         explained
     }
 
-    /// The most likely delay \[s\] of each test, 0 for a known delay.
-    pub(crate) fn most_likely_delays(&self, tests: &[RodTest], white: Vec<f64>) -> Vec<f64> {
+    /// The most likely delay and length of each test, 0 for known ones.
+    pub(crate) fn most_likely_deviations(
+        &self,
+        tests: &[RodTest],
+        white: Vec<f64>,
+    ) -> Vec<Deviation> {
         let values = self.most_likely(white);
-        let delay_of = |error: &CommonError| {
+        let value_of = |error: &CommonError| {
             let place = self.known_place_of(error)?;
             Some(error.standard_uncertainty * values.get(place)?)
         };
         tests
             .iter()
             .map(|test| {
-                let errors = test.common_errors.iter();
-                let delays = errors.filter(|error| error.of == ErrorOf::Delay);
-                let sum: f64 = delays.filter_map(delay_of).sum();
+                let sum = |of: ErrorOf, largest: f64| -> f64 {
+                    let errors = test.common_errors.iter();
+                    let own = errors.filter(|error| error.of == of);
+                    let sum: f64 = own.filter_map(value_of).sum();
+                    sum.clamp(-largest, largest)
+                };
                 // the excitation is known this far beyond the window
-                let largest = Nuisances::LARGEST_DELAY / test.sampling_rate_hz;
-                sum.clamp(-largest, largest)
+                let longest = Nuisances::LARGEST_DELAY / test.sampling_rate_hz;
+                Deviation {
+                    delay: sum(ErrorOf::Delay, longest),
+                    length: sum(ErrorOf::Length, LARGEST_ERROR_OF_LENGTH),
+                }
             })
             .collect()
     }

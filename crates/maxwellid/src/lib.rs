@@ -46,6 +46,7 @@ mod catalogue;
 pub mod common_error;
 pub mod conformal;
 pub mod design;
+mod deviation;
 mod displacement;
 mod error;
 mod fit;

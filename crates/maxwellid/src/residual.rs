@@ -4,6 +4,7 @@
 use rodwave::band_limited::SampledHistory;
 
 use crate::common_error::{CommonErrorEstimate, CommonErrors};
+use crate::deviation::Deviation;
 use crate::least_squares::{LeastSquares, Linearisation};
 use crate::model::{DrivenRod, RodModel, delayed, linearised_response_of, response_of};
 use crate::nuisance::{IteratedNuisance, Nuisances, Orthonormal};
@@ -176,7 +177,7 @@ impl<'a, M: RodModel> TestResidual<'a, M> {
 
     /// The delay \[s\] of the response of a test at `parameters`.
     pub(crate) fn delay(&self, test: usize, parameters: &[f64]) -> f64 {
-        self.common.delay(test) + self.delay_of_nuisances(test, parameters)
+        self.common.deviation(test).delay + self.delay_of_nuisances(test, parameters)
     }
 
     /// Calls `ask` with the rod of a test, with the excitation and the times that its nuisances
@@ -188,7 +189,8 @@ impl<'a, M: RodModel> TestResidual<'a, M> {
         shift: f64,
         ask: impl Fn(&DrivenRod<'_>) -> Option<R>,
     ) -> Option<R> {
-        let (mut delay, mut gain, mut offset) = (shift + self.common.delay(test), 1.0, 0.0);
+        let deviation = self.common.deviation(test);
+        let (mut delay, mut gain, mut offset) = (shift + deviation.delay, 1.0, 0.0);
         let mut excitation_changed = false;
         for ((nuisance, _), value) in self.nuisances.of_iteration().into_iter().zip(own) {
             match nuisance {
@@ -211,6 +213,7 @@ impl<'a, M: RodModel> TestResidual<'a, M> {
             Some(weighting) => weighting.driven_rod(test_of, &times, self.cell),
             None => test_of.driven_rod(&times, self.cell),
         };
+        let rod = deviation.of_rod(rod);
         if !excitation_changed {
             return ask(&rod);
         }
@@ -377,13 +380,13 @@ impl<'a, M: RodModel> TestResidual<'a, M> {
         Some(self.white_of_tests(parameters)?.concat())
     }
 
-    /// The most likely delays of the tests \[s\] at `parameters`, 0 for a known delay.
-    pub(crate) fn most_likely_delays(&self, parameters: &[f64]) -> Option<Vec<f64>> {
+    /// The most likely delays and lengths of the tests at `parameters`, 0 for known ones.
+    pub(crate) fn most_likely_deviations(&self, parameters: &[f64]) -> Option<Vec<Deviation>> {
         if self.common.is_empty() {
-            return Some(vec![0.0; self.tests.len()]);
+            return Some(vec![Deviation::default(); self.tests.len()]);
         }
         let white = self.white(parameters)?;
-        Some(self.common.most_likely_delays(self.tests, white))
+        Some(self.common.most_likely_deviations(self.tests, white))
     }
 
     /// The most likely common errors at a minimum.
@@ -395,31 +398,32 @@ impl<'a, M: RodModel> TestResidual<'a, M> {
         white.map_or_else(Vec::new, |white| self.common.estimates(white))
     }
 
-    /// Renews the common errors at `parameters`, with the responses linearised about `delays`;
+    /// Renews the common errors at `parameters`, with the responses linearised about
+    /// `deviations`;
     /// `None` if the model does not exist there. If transducers are unknown, there are no common
     /// errors.
     pub(crate) fn with_common_errors(
         mut self,
         parameters: &[f64],
-        delays: Vec<f64>,
+        deviations: Vec<Deviation>,
     ) -> Option<Self> {
         if self.nuisances.any() {
             return Some(self);
         }
         let of_model = parameters.get(..self.of_model())?;
-        let each = self.tests.iter().zip(&self.weightings).zip(&delays);
+        let each = self.tests.iter().zip(&self.weightings).zip(&deviations);
         let times: Vec<Vec<f64>> = each
-            .map(|((test, weighting), delay)| delayed(&weighting.times(test), *delay))
+            .map(|((test, weighting), at)| delayed(&weighting.times(test), at.delay))
             .collect();
         self.common = CommonErrors::at(
             (self.model, of_model),
             self.tests,
-            (delays, None),
+            (deviations.clone(), None),
             |test| {
                 let weighting = self.weightings.get(test)?;
                 let of_test = self.tests.get(test)?;
                 let rod = weighting.driven_rod(of_test, times.get(test)?, self.cell);
-                Some((rod, weighting))
+                Some((deviations.get(test)?.of_rod(rod), weighting))
             },
             1.0,
         )?;

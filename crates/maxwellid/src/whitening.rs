@@ -41,6 +41,7 @@ use faer::linalg::matmul::triangular::{self, BlockStructure};
 use faer::{Accum, Mat, MatRef, Par, Side};
 use rodwave::band_limited::SampledHistory;
 
+use crate::deviation::Deviation;
 use crate::model::{DrivenRod, RodModel, delayed, response_of};
 use crate::noise::{HistoryNoise, TestNoise};
 use crate::recorder::Drive;
@@ -158,13 +159,13 @@ pub(crate) struct Transfer {
 }
 
 impl Transfer {
-    /// Linearises the transfer about an excitation [m/s], for a response delayed by `delay` \[s\],
-    /// within the frequencies of the signal. Returns `None` if the model cannot be evaluated.
+    /// Linearises the transfer about an excitation [m/s], a delay and a length, within the
+    /// frequencies of the signal. Returns `None` if the model cannot be evaluated.
     pub(crate) fn new<M: RodModel + ?Sized>(
         model: &M,
         parameters: &[f64],
         test: &RodTest,
-        about: (&[f64], f64),
+        about: (&[f64], Deviation),
     ) -> Option<Self> {
         let mut transfer = Self::at_all_frequencies(model, parameters, test, about)?;
         let band = match test.drive(model.is_linear()) {
@@ -187,10 +188,10 @@ impl Transfer {
         model: &M,
         parameters: &[f64],
         test: &RodTest,
-        (excitation, delay): (&[f64], f64),
+        (excitation, deviation): (&[f64], Deviation),
     ) -> Option<Self> {
         let seen = Seen::of(test, model.is_linear());
-        let times = delayed(&seen.times(test), delay);
+        let times = delayed(&seen.times(test), deviation.delay);
         // numbers of rows before the filter, and of columns
         let window = times.len();
         let samples = samples_of(excitation, window);
@@ -203,7 +204,7 @@ impl Transfer {
             let times: Vec<f64> = (0..window + lead)
                 .map(|k| sample_time(k, seen.rate_hz))
                 .collect();
-            let times = delayed(&times, delay);
+            let times = delayed(&times, deviation.delay);
             let mut samples = base;
             *samples.get_mut(lead)? = 1.0;
             let history = SampledHistory::new(&samples, seen.rate_hz).ok()?;
@@ -211,7 +212,7 @@ impl Transfer {
                 sampling_rate_hz: seen.rate_hz,
                 samples: &samples,
                 excitation: &history,
-                ..test.driven_rod(&times, cell)
+                ..deviation.of_rod(test.driven_rod(&times, cell))
             };
             let impulse = seen.at_points(response_of(model, &rod, parameters)?);
             let columns = samples_of(excitation, window);
@@ -227,7 +228,7 @@ impl Transfer {
             sampling_rate_hz: seen.rate_hz,
             samples: excitation,
             excitation: &history,
-            ..test.driven_rod(&times, cell)
+            ..deviation.of_rod(test.driven_rod(&times, cell))
         };
         let stride = seen.stride();
         // the samples before the contact are known

@@ -6,6 +6,7 @@ use super::{
 };
 use crate::agreement::FitFlag;
 use crate::common_error::{CommonErrors, are_moved};
+use crate::deviation::Deviation;
 use crate::error::MaxwellidError;
 use crate::historical;
 use crate::least_squares::{LeastSquares, Minimum, minimise, minimise_to, within};
@@ -266,7 +267,9 @@ impl<M: RodModel> Fit<M> {
         let mut parameters = start.to_vec();
         let mut transfer_is_due = true;
         let mut last: Option<Minimum> = None;
-        let mut delays: Vec<f64> = (0..tests.len()).map(|t| problem.common.delay(t)).collect();
+        let mut deviations: Vec<Deviation> = (0..tests.len())
+            .map(|test| problem.common.deviation(test))
+            .collect();
         let mut settled = false;
         let (mut nearest, mut since) = (f64::INFINITY, 0);
         // start and minimum of the previous renewal of the transfer
@@ -291,15 +294,16 @@ impl<M: RodModel> Fit<M> {
                         });
                     let of_model = parameters.get(..of_model)?;
                     let of_nuisances = problem.delay_of_nuisances(index, &parameters);
-                    let delay = delays.get(index)? + of_nuisances;
-                    let transfer = Transfer::new(&self.model, of_model, test, (excitation, delay))?;
+                    let mut about = *deviations.get(index)?;
+                    about.delay += of_nuisances;
+                    let transfer = Transfer::new(&self.model, of_model, test, (excitation, about))?;
                     let floor = self.accuracy * test.impact_velocity;
                     Weighting::new(test, (transfer, is_linear), floor, estimate.to_vec())
                 });
                 problem.weightings = renewed.ok_or_else(|| start_error(modulus_at(&parameters)))?;
             }
             problem = problem
-                .with_common_errors(&parameters, delays.clone())
+                .with_common_errors(&parameters, deviations.clone())
                 .ok_or_else(|| start_error(modulus_at(&parameters)))?;
             let found = match held {
                 None => self
@@ -311,10 +315,10 @@ impl<M: RodModel> Fit<M> {
             course.count(&minimum);
             let start = std::mem::replace(&mut parameters, minimum.parameters.clone());
             let likelier = problem
-                .most_likely_delays(&parameters)
+                .most_likely_deviations(&parameters)
                 .ok_or_else(|| start_error(modulus_at(&parameters)))?;
-            let moves = are_moved(tests, &delays, &likelier);
-            delays = likelier;
+            let moves = are_moved(tests, &deviations, &likelier);
+            deviations = likelier;
             settled = moved < SETTLED && last.is_some() && !transfer_is_due;
             let is_renewed = transfer_is_due;
             transfer_is_due = moved > TRANSFER_HOLDS || moves;

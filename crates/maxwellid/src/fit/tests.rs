@@ -1,6 +1,7 @@
 use super::stages::{SETTLED, SHORTEST_CELL, rounding};
 use super::*;
 use crate::DEFAULT_CELL;
+use crate::deviation::Deviation;
 use crate::least_squares::{Linearisation, Termination};
 use crate::model::{DrivenRod, response_of};
 use crate::test::RodTestData;
@@ -86,7 +87,7 @@ fn the_transfer_resolves_points_closer_than_a_usual_cell() {
         };
         response_of(&model, &rod, &theta).unwrap()
     };
-    let transfer = Transfer::new(&model, &theta, &test, (&blow, 0.0)).unwrap();
+    let transfer = Transfer::new(&model, &theta, &test, (&blow, Deviation::default())).unwrap();
     let found = transfer.times(&wiggle);
     let (more, less) = (response(0.01), response(-0.01));
     let expected: Vec<f64> = more
@@ -211,7 +212,13 @@ fn rounding_grows_with_the_samples() {
     assert!(relative(rounding(&problem), 1e-28 * samples) < 1e-14);
     let test = &tests[0];
     let theta = model.parameters(3.209e9);
-    let transfer = Transfer::new(&model, &theta, test, (&test.excitation_samples, 0.0)).unwrap();
+    let transfer = Transfer::new(
+        &model,
+        &theta,
+        test,
+        (&test.excitation_samples, Deviation::default()),
+    )
+    .unwrap();
     problem.weightings = vec![
         Weighting::new(
             test,

@@ -123,7 +123,7 @@ pub(crate) struct Posterior {
     pub(crate) occam: f64,
     /// Number of parameters that the data determine better than the prior: Σ s²/(1 + s²).
     pub(crate) determined: f64,
-    /// The excitations and delays about which the tests are linearised.
+    /// The excitations, delays and lengths about which the tests are linearised.
     pub(crate) inputs: Inputs,
     /// True if χ² no longer changes when the excitation is estimated again.
     pub(crate) is_settled: bool,
@@ -274,12 +274,12 @@ impl Contest<'_> {
         self.seen_after(parameters, Inputs::default())
     }
 
-    /// Tests weighted at the parameters, excitations and delays of a fit.
+    /// Tests weighted at the parameters, excitations, delays and lengths of a fit.
     pub(crate) fn seen_at(&self, found: &Posterior) -> Option<SeenTests<'_>> {
         self.seen_after(&found.minimum.parameters, found.inputs.clone())
     }
 
-    /// Tests weighted at θ, starting from these excitations and delays.
+    /// Tests weighted at θ, starting from these excitations, delays and lengths.
     fn seen_after(&self, parameters: &[f64], inputs: Inputs) -> Option<SeenTests<'_>> {
         SeenTests::of(self.tests, self.at(parameters), inputs)
     }

@@ -9,6 +9,7 @@
 //! of χ² under the true law is the number of samples.
 
 use crate::common_error::{CommonErrors, are_moved};
+use crate::deviation::Deviation;
 use crate::error::MaxwellidError;
 use crate::model::{DrivenRod, RodModel, delayed, response_of};
 use crate::parallel::all_in_order;
@@ -22,6 +23,8 @@ pub(crate) struct SeenTest<'a> {
     /// Times at which the response of the rod is needed, minus the delay about which the response
     /// is linearised \[s\].
     times: Vec<f64>,
+    /// Delay and length about which the response is linearised.
+    deviation: Deviation,
     weighting: Weighting,
     /// Target for the simulated response to the most likely excitation [m/s].
     target: Vec<f64>,
@@ -32,8 +35,8 @@ pub(crate) struct SeenTest<'a> {
 pub(crate) struct SeenTests<'a> {
     pub(crate) tests: Vec<SeenTest<'a>>,
     pub(crate) common: CommonErrors,
-    /// Delay \[s\] of each test about which its response is linearised.
-    delays: Vec<f64>,
+    /// Delay and length of each test about which its response is linearised.
+    deviations: Vec<Deviation>,
 }
 
 /// A candidate at θ.
@@ -50,13 +53,13 @@ pub(crate) struct AtParameters<'a> {
 /// Largest number of linearisations about a delay.
 const DELAYS: usize = 6;
 
-/// Excitations and delays about which the tests are linearised.
+/// Excitations, delays and lengths about which the tests are linearised.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Inputs {
     /// Excitation of each test [m/s]; the recorded excitations if empty.
     excitations: Vec<Vec<f64>>,
-    /// Delay of each test \[s\]; 0 if empty.
-    delays: Vec<f64>,
+    /// Delay and length of each test; the stated ones if empty.
+    deviations: Vec<Deviation>,
 }
 
 impl<'a> SeenTests<'a> {
@@ -71,19 +74,19 @@ impl<'a> SeenTests<'a> {
         let before_filter = !is_linear && tests.iter().any(|test| test.drive(false).is_some());
         let Inputs {
             excitations,
-            mut delays,
+            mut deviations,
         } = inputs;
-        delays.resize(tests.len(), 0.0);
+        deviations.resize(tests.len(), Deviation::default());
         let about = all_in_order(tests.len(), |place| {
             let test = tests.get(place)?;
             let known = excitations.get(place).filter(|_| before_filter);
             let excitation = known.map_or_else(|| test.known_excitation(is_linear), Vec::as_slice);
-            SeenTest::about(test, (excitation.to_vec(), *delays.get(place)?), at)
+            SeenTest::about(test, (excitation.to_vec(), *deviations.get(place)?), at)
         });
         let about = Self {
             tests: about?,
             common: CommonErrors::default(),
-            delays,
+            deviations,
         };
         about.cleaned(tests, at)?.finished(tests, at)
     }
@@ -94,16 +97,16 @@ impl<'a> SeenTests<'a> {
         self.cleaned(tests, at)?.finished(tests, at)
     }
 
-    /// The most likely excitations and delays.
+    /// The most likely excitations, delays and lengths.
     pub(crate) fn inputs(&self) -> Inputs {
         let tests = self.tests.iter();
         Inputs {
             excitations: tests.map(|test| test.weighting.estimate.clone()).collect(),
-            delays: self.delays.clone(),
+            deviations: self.deviations.clone(),
         }
     }
 
-    /// The tests with their most likely delays and excitations.
+    /// The tests with their most likely delays, lengths and excitations.
     fn cleaned(mut self, tests: &[RodTest], at: AtParameters<'_>) -> Option<Self> {
         let mut white = Vec::new();
         // the present common errors belong to other parameters
@@ -111,9 +114,9 @@ impl<'a> SeenTests<'a> {
         for _ in 0..DELAYS {
             self = self.with_common_errors(tests, at)?;
             white = self.residual_of_records(at)?;
-            let delays = self.common.most_likely_delays(tests, white.clone());
-            let moves = are_moved(tests, &self.delays, &delays);
-            self.delays = delays;
+            let deviations = self.common.most_likely_deviations(tests, white.clone());
+            let moves = are_moved(tests, &self.deviations, &deviations);
+            self.deviations = deviations;
             if !moves {
                 break;
             }
@@ -133,11 +136,11 @@ impl<'a> SeenTests<'a> {
         Some(Self {
             tests: cleaned?,
             common: self.common,
-            delays: self.delays,
+            deviations: self.deviations,
         })
     }
 
-    /// The tests with the common errors about their excitations and delays.
+    /// The tests with the common errors about their excitations, delays and lengths.
     fn finished(self, tests: &[RodTest], at: AtParameters<'_>) -> Option<Self> {
         let mut seen = self.with_common_errors(tests, at)?;
         for (index, of_test) in seen.tests.iter_mut().enumerate() {
@@ -149,10 +152,11 @@ impl<'a> SeenTests<'a> {
         Some(seen)
     }
 
-    /// The common errors, with the responses linearised about the delays.
+    /// The common errors, with the responses linearised about the delays and lengths.
     fn with_common_errors(mut self, tests: &[RodTest], at: AtParameters<'_>) -> Option<Self> {
-        for (of_test, delay) in self.tests.iter_mut().zip(&self.delays) {
-            of_test.times = delayed(&of_test.weighting.times(of_test.test), *delay);
+        for (of_test, deviation) in self.tests.iter_mut().zip(&self.deviations) {
+            of_test.times = delayed(&of_test.weighting.times(of_test.test), deviation.delay);
+            of_test.deviation = *deviation;
         }
         let seen = |index: usize| {
             let of_test = self.tests.get(index)?;
@@ -160,8 +164,8 @@ impl<'a> SeenTests<'a> {
         };
         let model = (at.model, at.parameters);
         let known = (!self.common.is_empty()).then_some(&self.common);
-        let delays = (self.delays.clone(), known);
-        self.common = CommonErrors::at(model, tests, delays, seen, at.weight)?;
+        let deviations = (self.deviations.clone(), known);
+        self.common = CommonErrors::at(model, tests, deviations, seen, at.weight)?;
         Some(self)
     }
 
@@ -178,6 +182,7 @@ impl<'a> SeenTests<'a> {
                 own
             } else {
                 let rod = test.driven_rod(&of_test.times, at.cell);
+                let rod = of_test.deviation.of_rod(rod);
                 response_of(at.model, &rod, at.parameters)?
             };
             self.common.add_offset(index, &mut own);
@@ -193,13 +198,13 @@ impl<'a> SeenTests<'a> {
 }
 
 impl<'a> SeenTest<'a> {
-    /// The test with the rod linearised about an excitation and a delay \[s\].
+    /// The test with the rod linearised about an excitation, a delay and a length.
     fn about(
         test: &'a RodTest,
-        (excitation, delay): (Vec<f64>, f64),
+        (excitation, deviation): (Vec<f64>, Deviation),
         at: AtParameters<'_>,
     ) -> Option<Self> {
-        let transfer = Transfer::new(at.model, at.parameters, test, (&excitation, delay))?;
+        let transfer = Transfer::new(at.model, at.parameters, test, (&excitation, deviation))?;
         let transfer = (transfer, at.model.is_linear());
         let weighting = Weighting::new(test, transfer, 0.0, excitation)?;
         Some(Self::of(test, weighting))
@@ -210,6 +215,7 @@ impl<'a> SeenTest<'a> {
         Self {
             test,
             times: Vec::new(),
+            deviation: Deviation::default(),
             target: pairs.map(|(measured, c)| measured - c).collect(),
             weighting,
         }
@@ -223,7 +229,8 @@ impl<'a> SeenTest<'a> {
 
     /// The rod driven by the most likely excitation.
     pub(crate) fn rod(&self, cell: f64) -> DrivenRod<'_> {
-        self.weighting.driven_rod(self.test, &self.times, cell)
+        let rod = self.weighting.driven_rod(self.test, &self.times, cell);
+        self.deviation.of_rod(rod)
     }
 
     /// The samples of a response of [`Self::rod`].
