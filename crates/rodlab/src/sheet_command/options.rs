@@ -1,10 +1,11 @@
 //! Options of a command without a sheet, in place of the fields of the sheet that it writes.
 //!
 //! If the input is wrong, the sheet is removed; messages therefore name the options and not the
-//! fields of the sheet.
+//! fields of the sheet, and show no excerpt of it.
 
 use super::{ChannelArgument, SheetCommand};
 use crate::RodlabError;
+use crate::sheet::SheetError;
 
 /// Fields of the sheet of `rodlab modulus` that are stated by options of their own, with the words
 /// for these options.
@@ -54,6 +55,7 @@ impl SheetCommand {
     /// Returns `error` with the options of the command in place of the fields of its sheet.
     pub(crate) fn in_options(&self, error: RodlabError) -> RodlabError {
         match error {
+            RodlabError::Sheet(error) => self.mistakes(&error),
             RodlabError::Request {
                 field,
                 found,
@@ -75,6 +77,28 @@ impl SheetCommand {
                 similar,
             },
             error => error,
+        }
+    }
+
+    /// Returns the mistakes of the sheet with their options, without lines and columns.
+    fn mistakes(&self, error: &SheetError) -> RodlabError {
+        let mistakes = std::iter::once(error).chain(error.others());
+        let mut texts = mistakes.map(|mistake| {
+            let what = match mistake.field() {
+                "" => "the command".to_owned(),
+                field => self.option_of(field),
+            };
+            let advice = mistake.advice().map(|advice| format!(" ({advice})"));
+            let text = format!("{}{}", mistake.problem(), advice.unwrap_or_default());
+            (what, text)
+        });
+        let (what, first) = texts.next().unwrap_or_default();
+        let source = texts.fold(first, |text, (what, next)| {
+            format!("{text}; {what}: {next}")
+        });
+        RodlabError::Step {
+            what,
+            source: source.into(),
         }
     }
 
@@ -134,5 +158,24 @@ mod tests {
         ] {
             assert_eq!(said(field), format!("{option} is not stated, expected it"));
         }
+        // a mistake in the sheet is shown without its line and without an excerpt
+        let text = r#"job = "frf"
+title = "Frequency response"
+band = { from = "20", to = "10kHz" }
+input = "input"
+
+[records]
+files = ["hit.npy"]
+sampling_rate = "51.2"
+channels = [{ name = "input", from = 1 }, { name = "output", from = "b" }]
+"#;
+        let error = crate::job::parse(&command.sheet, text).unwrap_err();
+        let error = command.in_options(error.into());
+        assert!(matches!(error, RodlabError::Step { .. }), "{error:?}");
+        assert_eq!(
+            error.to_string(),
+            "the beginning of `--band`: `20` has no unit, expected a frequency, such as \"51.2 kHz\"; \
+             `--rate`: `51.2` has no unit, expected a frequency, such as \"51.2 kHz\""
+        );
     }
 }
