@@ -48,29 +48,35 @@ const LOSSLESS: ConvertOptions = ConvertOptions {
     rate_hz: None,
 };
 
-/// A MATLAB file holds numbers, intervals and units to the bit; labels, kinds and names with blanks
-/// are reported as lost.
+/// A MATLAB file holds numbers, names, kinds and axes to the bit; properties of series are reported
+/// as lost.
 #[test]
-fn a_matlab_file_holds_numbers_intervals_and_units() {
+fn a_matlab_file_holds_numbers_names_and_axes() {
     let folder = tempfile::tempdir().unwrap();
-    let contents = two_channels(vec![0.1, -0.0, 1e-300], vec![1.0, 2.0, f64::MAX]);
+    let mut contents = two_channels(vec![0.1, -0.0, 1e-300], vec![1.0, 2.0, f64::MAX]);
+    contents.series[1].name = "end A/left".to_owned();
+    contents.series[1].ordinate_axis.label = "Acceleration".to_owned();
+    contents.series[1].properties = vec![("serial".to_owned(), "12345".to_owned())];
     let target = folder.path().join("hits.mat");
     let options = ConvertOptions::default();
     let done = convert(&source(folder.path(), &contents), &target, options).unwrap();
     assert_eq!(
         done.lost,
-        [
-            "the kind of `hammer`: TimeResponse became General",
-            "the label of the abscissa of `hammer`, `Time`",
-            "the name of `end A`",
-            "the kind of `end A`: TimeResponse became General",
-            "the label of the abscissa of `end A`, `Time`",
-        ]
+        ["the property `serial` of `end A/left`, `12345`"]
     );
     let back = format::read(&target).unwrap();
-    assert_eq!(back.series[1].ordinate, contents.series[1].ordinate);
-    assert_eq!(back.series[1].abscissa, contents.series[1].abscissa);
-    assert_eq!(back.series[1].ordinate_axis.unit_text, "m/s^2");
+    for (one, other) in contents.series.iter().zip(&back.series) {
+        assert_eq!(one.name, other.name);
+        assert_eq!(one.kind, other.kind);
+        assert_eq!(one.ordinate, other.ordinate);
+        assert_eq!(one.abscissa, other.abscissa);
+        assert_eq!(one.ordinate_axis, other.ordinate_axis);
+        assert_eq!(one.abscissa_axis, other.abscissa_axis);
+    }
+    // and nothing is lost on the way to a table
+    let table = folder.path().join("hits.csv");
+    let done = convert(&target, &table, options).unwrap();
+    assert!(done.lost.is_empty(), "{:?}", done.lost);
 }
 
 proptest! {

@@ -22,7 +22,7 @@
 //!   1 kHz is not used, because it may be in kHz, and neither are numbers that contradict each
 //!   other, or any number in a file with complex series, which are spectra.
 //! - In a file of this writer, which is recognised by its description, further variables give the
-//!   abscissa and the units of a series.
+//!   abscissa, the name, the kind, and the labels and units of a series.
 //!
 //! The property `class` of a series names the class of the numbers if it is not `double`.
 //!

@@ -6,7 +6,8 @@ use std::io::Write;
 use super::beside::{BESIDE, OF_WRITER};
 use super::{FORMAT, HEADER_BYTES, MATRIX, Mat5};
 use crate::format::Writer;
-use crate::{Abscissa, Contents, LabioError, Ordinate, Series};
+use crate::format::kind::kind_name;
+use crate::{Abscissa, Contents, LabioError, Ordinate, Series, SeriesKind};
 
 /// Types of the data in an element.
 const INT8: u32 = 1;
@@ -32,9 +33,10 @@ impl Writer for Mat5 {
 
     /// Writes each series as a column of doubles under its name, in which every character that
     /// MATLAB does not allow becomes `_`. The abscissae follow (`NAME_start` and `NAME_step`, or
-    /// `NAME_x` if uneven), then the units of values and abscissae (`NAME_unit`, `NAME_x_unit`),
-    /// and the properties of the contents as text. Labels, kinds and properties of series are not
-    /// written.
+    /// `NAME_x` if uneven), then the name if it was changed (`NAME_name`), the kind of the series
+    /// if it is known (`NAME_kind`), labels and units of values and abscissae (`NAME_label`,
+    /// `NAME_unit`, `NAME_x_label`, `NAME_x_unit`), and the properties of the contents as text.
+    /// Properties of series are not written.
     fn write(&self, contents: &Contents, output: &mut dyn Write) -> Result<(), LabioError> {
         let mut file = OF_WRITER.as_bytes().to_vec();
         file.resize(HEADER_BYTES - 12, b' ');
@@ -68,13 +70,24 @@ impl Writer for Mat5 {
                 }
                 Abscissa::Uneven(values) => number("x", values)?,
             }
-            let axes = [
-                ("unit", &series.ordinate_axis),
-                ("x_unit", &series.abscissa_axis),
+            let [values, abscissae] = [&series.ordinate_axis, &series.abscissa_axis];
+            // without the name of the variable and the usual kind
+            let unless = |usual: &str, found: &str| match found == usual {
+                true => String::new(),
+                false => found.to_owned(),
+            };
+            let usual_kind = kind_name(SeriesKind::General);
+            let texts = [
+                ("name", &unless(name, series.name.trim())),
+                ("kind", &unless(&usual_kind, &kind_name(series.kind))),
+                ("label", &values.label),
+                ("unit", &values.unit_text),
+                ("x_label", &abscissae.label),
+                ("x_unit", &abscissae.unit_text),
             ];
-            for (of, axis) in axes {
-                if !axis.unit_text.is_empty() {
-                    file.extend(text(&format!("{name}_{of}"), &axis.unit_text)?);
+            for (of, value) in texts {
+                if !value.is_empty() {
+                    file.extend(text(&format!("{name}_{of}"), value)?);
                 }
             }
         }
