@@ -108,6 +108,17 @@ fn s7_a_body_that_rings_on_is_taken_under_its_window_or_with_its_error() {
         let error = (value - truth).norm();
         assert!(error < 0.002 + errors * value.norm(), "{f} {error}");
     }
+    // a force that is determined by such hits needs the window, and the message names its field
+    let channels = r#"sampling_rate: "8192 Hz", channels: [(name: "hammer", from: 1, unit: "N"), (name: "struck end", from: 2, unit: "m/s^2")]"#;
+    let blow = ("hit_05.npy", "blow.npy");
+    fs::rename(folder.path().join(blow.0), folder.path().join(blow.1)).unwrap();
+    let text = format!(
+        r#"Force(title: "blow", problem: Response(
+            path: Hits(records: (files: ["hit_*.npy"], {channels}), force: "hammer", response: "struck end"),
+            record: (files: ["blow.npy"], {channels}), response: "struck end"))"#
+    );
+    let refused = run(folder.path(), &text).unwrap();
+    refused.summary[0].must_say("record longer, or state `problem.path.exponential_window`");
 
     let folder = tempfile::tempdir().unwrap();
     // 75 ms: 1.4 %, of a mode that is a fraction of the peak

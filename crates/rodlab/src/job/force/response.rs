@@ -1,5 +1,6 @@
 //! Force determined from a measured response.
 
+use labio::hits::Reason;
 use labio::{FrequencyResponse, Quantity as Physical, Record};
 
 use super::response_problem::{
@@ -118,9 +119,10 @@ pub(super) fn run(
             refuse(
                 outcome,
                 format!(
-                    "{} of {} calibration hits are accepted, and at least 2 are needed: the log states what is wrong with the others",
+                    "{} of {} calibration hits are accepted, and at least 2 are needed: the log states what is wrong with the others{}",
                     accepted.len(),
-                    found.n_found()
+                    found.n_found(),
+                    remedy(sheet, found)
                 ),
             );
             return Ok(());
@@ -228,6 +230,18 @@ pub(super) fn run(
     outcome.tables.extend(response_tables::curve(&solved));
     outcome.figures = response_figures::all(&problem, &solved, &bands);
     Ok(())
+}
+
+/// Returns the remedy if a rejected calibration hit ends before the body is at rest.
+fn remedy(sheet: &ResponseSheet, found: &FoundHits) -> String {
+    let rings = |reason: &Reason| matches!(reason, Reason::NotDecayed { .. });
+    let mut rejected = found.hits().filter(|found| !found.hit.is_accepted());
+    if rejected.any(|found| found.hit.reasons().iter().any(rings)) {
+        let remedy = sheet.path.remedy_of_ringing();
+        format!(". Hits end before the body is at rest: {remedy}")
+    } else {
+        String::new()
+    }
 }
 
 fn refuse(outcome: &mut Outcome, reason: String) {

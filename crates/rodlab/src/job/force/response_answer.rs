@@ -269,8 +269,9 @@ fn compared(
 fn warnings(problem: &Problem<'_>, solved: &ReconstructedForce, outcome: &mut Outcome) {
     if let ResponseEnd::CutOff { relative_level } = solved.response_end {
         outcome.warnings.push(format!(
-            "The response has not died out when the record ends: {:.1} % of the peak remains, and the part cut off appears as a force throughout the record.",
-            100.0 * relative_level
+            "The response has not died out when the record ends: {:.1} % of the peak remains, and the part cut off appears as a force throughout the record: {}.",
+            100.0 * relative_level,
+            problem.sheet.path.remedy_of_ringing()
         ));
     }
     if let Some(chi_square) = solved.reduced_chi_square

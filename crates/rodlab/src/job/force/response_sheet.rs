@@ -75,6 +75,23 @@ pub enum PathSheet {
     Hits(HitsSource),
 }
 
+impl PathSheet {
+    /// Returns the remedies for records that end before the body is at rest.
+    pub(super) fn remedy_of_ringing(&self) -> &'static str {
+        match self {
+            Self::Hits(hits) if hits.exponential_window.is_none() => {
+                "record longer, or state `problem.path.exponential_window`, such as \"1 %\""
+            }
+            Self::Hits(_) => {
+                "record longer, or state a smaller weight in `problem.path.exponential_window`"
+            }
+            Self::File(_) => {
+                "record longer, or measure the path under an exponential window (`exponential_window` in a sheet of `rodlab frf`)"
+            }
+        }
+    }
+}
+
 /// Noise of a response.
 #[derive(Debug, Clone, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
