@@ -41,9 +41,9 @@ fn a_sound_table_is_described_in_columns() {
     hit.csv: csv, 38844 bytes
     sha256 dc95614b1c60b55256ad12d46f2c14538bc86d46d4a2c54aed78140a5d1d6676
 
-    #  name    kind           unit  samples  rate or step    from   least  greatest      mean    rms
-    1  hammer  time response  N        2000        10 kHz  -20 ms   -0.05     80.02    0.5082  5.657
-    2  end A   time response  g        2000        10 kHz  -20 ms  -4.436      4.66  0.003842  0.559
+    #  name    kind           unit  samples  rate or step    from  minimum  maximum      mean    rms
+    1  hammer  time response  N        2000        10 kHz  -20 ms    -0.05    80.02    0.5082  5.657
+    2  end A   time response  g        2000        10 kHz  -20 ms   -4.436     4.66  0.003842  0.559
 
     record 1: hammer, end A (2000 samples, 0.2 s)
     ");

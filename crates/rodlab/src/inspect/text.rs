@@ -49,8 +49,8 @@ impl Inspection {
                     "samples",
                     "rate or step",
                     "from",
-                    "least",
-                    "greatest",
+                    "minimum",
+                    "maximum",
                     "mean",
                     "rms",
                 ]
