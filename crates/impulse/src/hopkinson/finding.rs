@@ -122,6 +122,18 @@ pub enum Finding {
         /// Standard error of the ratio.
         standard_error: f64,
     },
+    /// The level of a gauge drifts against the other gauge of its bar, before any wave returns.
+    GaugeDrift {
+        /// The bar.
+        side: Side,
+        /// The gauge that the waves reach last, counted from 0.
+        gauge: usize,
+        /// Drift of its level from the silence until a wave returns, relative to the largest
+        /// strain.
+        drift: f64,
+        /// Standard error of the drift.
+        standard_error: f64,
+    },
     /// The force of the transmitted face begins before that of the incident one, which is
     /// impossible.
     TransmittedEarly {
@@ -188,7 +200,7 @@ impl Finding {
     #[must_use]
     pub fn is_remark(&self) -> bool {
         match self {
-            Self::EquilibriumSupposed | Self::Tail { .. } => true,
+            Self::EquilibriumSupposed | Self::Tail { .. } | Self::GaugeDrift { .. } => true,
             Self::RecordEnds { part } => *part < UNLOADED,
             _ => false,
         }
@@ -265,6 +277,19 @@ impl fmt::Display for Finding {
                 f,
                 "before any wave returns, gauge {} of the {side} records {ratio:.3} ± {standard_error:.3} times the strain that gauge {} predicts, expected 1 within three standard errors: check gauge factors and gains of the two gauges of this bar, and whether it bends",
                 gauge + 1,
+                2 - gauge,
+            ),
+            Self::GaugeDrift {
+                side,
+                gauge,
+                drift,
+                standard_error,
+            } => write!(
+                f,
+                "before any wave returns, the level of gauge {} of the {side} changes by {:.1} % ± {:.1} % of the peak against gauge {}, expected no change beyond 0.5 % and three standard errors: one of the two bridges drifts; every passage adds this change to the separated waves, and the bands do not include it",
+                gauge + 1,
+                100.0 * drift,
+                100.0 * standard_error,
                 2 - gauge,
             ),
             Self::TransmittedEarly { by } => write!(

@@ -9,9 +9,10 @@ use super::record::HopkinsonRecord;
 use super::separation::{BarLines, Spectra};
 use super::source::{Setup, Side};
 
-/// Ratio of the recorded to the expected strain of the second gauge along x minus 1, and lag of the
-/// record \[s\], of each bar; `None` without two gauges.
-pub(super) type Differences = [Option<[f64; 2]>; 2];
+/// Ratio of the recorded to the expected strain of the second gauge along x minus 1, lag of the
+/// record \[s\], and drift of its level from the silence until a wave returns, relative to the
+/// largest expected strain, of each bar; `None` without two gauges.
+pub(super) type Differences = [Option<[f64; 3]>; 2];
 
 /// Computes the differences of both bars.
 pub(super) fn differences(
@@ -37,10 +38,13 @@ pub(super) fn differences(
 }
 
 /// Fits $`\varepsilon_b - \varepsilon_e = g\,\varepsilon_e - \tau\,d\varepsilon_e/dt`$ by least
-/// squares, with the strain $`\varepsilon_e`$ that is expected from the first gauge.
-fn difference(mut spectra: Spectra<'_>, bar: usize, lines: &BarLines) -> Option<[f64; 2]> {
+/// squares, with the strain $`\varepsilon_e`$ that is expected from the first gauge. The drift is
+/// the coefficient of a third term, a ramp that rises from 0 in the middle of the silence to 1 at
+/// the end of this time.
+fn difference(mut spectra: Spectra<'_>, bar: usize, lines: &BarLines) -> Option<[f64; 3]> {
     let plan = spectra.plan;
     let window = plan.one_way.get(bar)?.clone();
+    let at_rest = 0.5 * spectra.record.silent as f64;
     let [expected, rest] = spectra.one_way(bar, lines)?;
     let falling: Vec<Complex64> = expected
         .iter()
@@ -63,12 +67,29 @@ fn difference(mut spectra: Spectra<'_>, bar: usize, lines: &BarLines) -> Option<
         product(&falling, &falling),
         product(&expected, &falling),
     );
-    let (er, fr) = (product(&expected, &rest), product(&falling, &rest));
     let determinant = ee * ff - ef * ef;
-    let found = [
-        (ff * er - ef * fr) / determinant,
-        (ee * fr - ef * er) / determinant,
-    ];
+    let fit = |samples: &[f64]| -> [f64; 2] {
+        let (es, fs) = (product(&expected, samples), product(&falling, samples));
+        [
+            (ff * es - ef * fs) / determinant,
+            (ee * fs - ef * es) / determinant,
+        ]
+    };
+    let [excess, lag] = fit(&rest);
+    let ramp: Vec<f64> = window
+        .clone()
+        .map(|sample| (sample as f64 - at_rest) / (window.end as f64 - at_rest))
+        .collect();
+    let [of_expected, of_falling] = fit(&ramp);
+    // the part of the ramp that neither a ratio nor a lag explains
+    let own: Vec<f64> = ramp
+        .iter()
+        .zip(expected.iter().zip(&falling))
+        .map(|(r, (e, f))| r - of_expected * e - of_falling * f)
+        .collect();
+    let largest = expected.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+    let drift = product(&own, &rest) / (product(&own, &own) * largest);
+    let found = [excess, lag, drift];
     found.iter().all(|x| x.is_finite()).then_some(found)
 }
 
@@ -76,7 +97,7 @@ fn difference(mut spectra: Spectra<'_>, bar: usize, lines: &BarLines) -> Option<
 #[derive(Debug, Clone)]
 pub(super) struct GaugePairs {
     pub(super) found: Differences,
-    variances: [[f64; 2]; 2],
+    variances: [[f64; 3]; 2],
 }
 
 impl GaugePairs {
@@ -84,7 +105,7 @@ impl GaugePairs {
     pub(super) fn new(found: Differences) -> Self {
         Self {
             found,
-            variances: [[0.0; 2]; 2],
+            variances: [[0.0; 3]; 2],
         }
     }
 
@@ -100,14 +121,14 @@ impl GaugePairs {
         }
     }
 
-    /// Returns both differences of a bar with their standard errors.
-    pub(super) fn of(&self, side: Side) -> Option<[Known; 2]> {
-        let found = (*self.found.get(side.index())?)?;
-        let [ratio, lag] = *self.variances.get(side.index())?;
-        let [excess, late] = found;
+    /// Returns the differences of a bar with their standard errors.
+    pub(super) fn of(&self, side: Side) -> Option<[Known; 3]> {
+        let [excess, lag, drift] = (*self.found.get(side.index())?)?;
+        let [of_ratio, of_lag, of_drift] = *self.variances.get(side.index())?;
         Some([
-            Known::within(excess, ratio.sqrt()),
-            Known::within(late, lag.sqrt()),
+            Known::within(excess, of_ratio.sqrt()),
+            Known::within(lag, of_lag.sqrt()),
+            Known::within(drift, of_drift.sqrt()),
         ])
     }
 }

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use impulse::hopkinson::{
     BarGauge, BarMaterial, Curve, Finding, HopkinsonRecord, HopkinsonResult, HopkinsonTest, Known,
-    Loading, MeanCurve, Source, WaveSeparation,
+    Loading, MeanCurve, Side, Source, WaveSeparation,
 };
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
@@ -257,6 +257,47 @@ fn hopkinson_a_law_that_ends_below_the_band_is_named() {
         bar.material = bar.material.clone().known_to(5e3);
     }
     assert!(rig::evaluated(&test, &record).band_hz <= 5e3);
+}
+
+/// A ramp from the trigger on, on the second gauge that the incident wave reaches.
+#[test]
+fn hopkinson_a_drifting_bridge_of_two_is_remarked() {
+    let rig = HopkinsonRig {
+        gauges: [vec![1.1, 0.6], vec![0.3, 0.8]],
+        ..rig::steel()
+    };
+    let specimen = rig::hardening();
+    let length = specimen.length();
+    let truth = rig.shot(Some(specimen)).unwrap();
+    let test = rig::test_of(&rig, length, 0.010);
+    let drifts = |slope: f64| {
+        let mut record = rig::record(&truth, &rig::quiet(&rig, 1e-6), 4);
+        for (sample, strain) in record.gauges[0][1].iter_mut().enumerate() {
+            *strain += slope * sample as f64;
+        }
+        let findings = rig::evaluated(&test, &record).findings.into_iter();
+        findings
+            .filter(|found| matches!(found, Finding::GaugeDrift { .. }))
+            .collect::<Vec<_>>()
+    };
+    let none = drifts(0.0);
+    assert!(none.is_empty(), "{none:?}");
+    // the reflected wave returns some 0.5 ms after the middle of the silence: 1.2e-5, 1.3 % of a
+    // peak of 9.3e-4
+    let found = drifts(2.4e-8);
+    let &[
+        Finding::GaugeDrift {
+            side: Side::Incident,
+            gauge: 1,
+            drift,
+            ..
+        },
+    ] = found.as_slice()
+    else {
+        panic!("{found:?}");
+    };
+    assert!((drift - 0.013).abs() < 0.003, "{drift}");
+    assert!(found[0].is_remark());
 }
 
 #[test]

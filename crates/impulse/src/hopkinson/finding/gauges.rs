@@ -14,43 +14,49 @@ const APART: f64 = 3.0;
 const LAG: f64 = 0.005;
 /// Largest difference of the ratio of the gauges from 1 that is not reported.
 const RATIO: f64 = 0.01;
+/// Largest drift of the level, relative to the largest strain, that is not reported, as for the end
+/// of the incident wave at a single gauge.
+const DRIFT: f64 = 0.005;
 
-/// Returns the contradiction between the gauges of each bar: a lag, or otherwise a ratio, which a
-/// large lag changes as well.
+/// Returns the contradictions between the gauges of each bar: a lag, or otherwise a ratio and a
+/// drift, which a large lag changes as well.
 pub(super) fn of(pairs: &GaugePairs, bars: &[HopkinsonBar; 2], band_hz: f64) -> Vec<Finding> {
     let beyond = |known: Known, least: f64| {
         known.value.abs() > least.max(APART * known.standard_uncertainty)
     };
     let of_bar = |(side, bar): (Side, &HopkinsonBar)| {
-        let ([excess, lag], [one, other]) = (pairs.of(side)?, bar.gauges.as_slice()) else {
-            return None;
+        let (Some([excess, lag, drift]), [one, other]) = (pairs.of(side), bar.gauges.as_slice())
+        else {
+            return Vec::new();
         };
-        let speed = bar.phase_velocity(0.3 * band_hz).ok()?;
+        let Ok(speed) = bar.phase_velocity(0.3 * band_hz) else {
+            return Vec::new();
+        };
         let apart = other.distance.value - one.distance.value;
         // waves along x reach the nearer gauge of the incident bar last
         let gauge = usize::from((apart > 0.0) == (side == Side::Transmitted));
         if beyond(lag, LAG * apart.abs() / speed) {
-            Some(Finding::GaugeLag {
+            return vec![Finding::GaugeLag {
                 side,
                 gauge,
                 lag: lag.value,
                 standard_error: lag.standard_uncertainty,
                 distance: lag.value * speed,
-            })
-        } else if beyond(excess, RATIO) {
-            Some(Finding::GaugeRatio {
-                side,
-                gauge,
-                ratio: 1.0 + excess.value,
-                standard_error: excess.standard_uncertainty,
-            })
-        } else {
-            None
+            }];
         }
+        let ratio = beyond(excess, RATIO).then_some(Finding::GaugeRatio {
+            side,
+            gauge,
+            ratio: 1.0 + excess.value,
+            standard_error: excess.standard_uncertainty,
+        });
+        let drift = beyond(drift, DRIFT).then_some(Finding::GaugeDrift {
+            side,
+            gauge,
+            drift: drift.value,
+            standard_error: drift.standard_uncertainty,
+        });
+        ratio.into_iter().chain(drift).collect()
     };
-    Side::BOTH
-        .into_iter()
-        .zip(bars)
-        .filter_map(of_bar)
-        .collect()
+    Side::BOTH.into_iter().zip(bars).flat_map(of_bar).collect()
 }
