@@ -49,14 +49,14 @@ fn two_endless_rods(claims: &mut Claims) {
         ]))
     };
     claims.deviation(
-        "two endless rods, constant force by means over steps and by convolution quadrature, BDF2 and trapezium",
+        "two semi-infinite rods, constant force by means over steps and by convolution quadrature, BDF2 and trapezium",
         Within(1e-12, "rounding of sums over 4096 steps"),
         all(),
     );
 }
 
 fn mass_on_an_endless_rod(claims: &mut Claims) {
-    claims.by("F = Z V exp(-Zt/M), rigid mass on an endless rod");
+    claims.by("F = Z V exp(-Zt/M), rigid mass on a semi-infinite rod");
     let kilograms = 0.1;
     let z = impedance(0.010);
     let error = |steps, quadrature| -> Ours {
@@ -79,12 +79,12 @@ fn mass_on_an_endless_rod(claims: &mut Claims) {
         Ok(largest([by_means, error(4096.0, Quadrature::Trapezoid)?]))
     };
     claims.deviation(
-        "rigid mass on an endless rod, force by means over steps and by convolution quadrature, trapezium",
+        "rigid mass on a semi-infinite rod, force by means over steps and by convolution quadrature, trapezium",
         Within(1e-5, "(hZ/M)^2 at 4096 steps"),
         second_order(),
     );
     claims.deviation(
-        "rigid mass on an endless rod, force by convolution quadrature, BDF2",
+        "rigid mass on a semi-infinite rod, force by convolution quadrature, BDF2",
         Within(
             5e-3,
             "the error of the first step is of first order, hZ/M = 4e-3",
@@ -111,7 +111,7 @@ fn mass_on_an_endless_rod(claims: &mut Claims) {
         })))
     };
     claims.deviation(
-        "rigid mass on an endless rod, energy of the mass and of the rod over time",
+        "rigid mass on a semi-infinite rod, energy of the mass and of the rod over time",
         Within(1e-5, "(hZ/M)^2 at 4096 steps"),
         energies(),
     );
@@ -120,7 +120,7 @@ fn mass_on_an_endless_rod(claims: &mut Claims) {
         Ok((coarse / error(512.0, Quadrature::CellAverages)?).log2())
     };
     claims.claim(
-        "rigid mass on an endless rod, order of the error in the step",
+        "rigid mass on a semi-infinite rod, order of the error in the step",
         "1",
         2.0,
         Within(0.1, "the next order at 256 and 512 steps"),
@@ -134,7 +134,7 @@ fn mass_on_an_endless_rod(claims: &mut Claims) {
         Ok(prediction.balance().impulse)
     };
     claims.claim(
-        "rigid mass on an endless rod, total impulse",
+        "rigid mass on a semi-infinite rod, total impulse",
         "N s",
         kilograms * VELOCITY,
         Within(
@@ -277,7 +277,7 @@ fn rods_of_equal_length(claims: &mut Claims) {
 /// E = E₀ (s/ω₀)^½: 1/Z falls as s^-¼, and F = V (Z₀/2) (ω₀t)^-¼/Γ(¾).
 fn endless_rods_of_a_fractional_material(claims: &mut Claims) {
     claims.by(
-        "F = V Z_0/2 (omega_0 t)^(-1/4)/Gamma(3/4), endless rods of a spring-pot of exponent 1/2",
+        "F = V Z_0/2 (omega_0 t)^(-1/4)/Gamma(3/4), semi-infinite rods of a spring-pot of exponent 1/2",
     );
     let (modulus, density, reference, diameter) = (2e9_f64, 1100.0, 1e4, 0.020_f64);
     let z = std::f64::consts::FRAC_PI_4 * diameter.powi(2) * (modulus * density).sqrt();
@@ -307,7 +307,7 @@ fn endless_rods_of_a_fractional_material(claims: &mut Claims) {
         Ok(largest(errors))
     };
     claims.deviation(
-        "endless rods of a fractional material, weakly singular kernel, by means over steps and BDF2, at steps 100 and 200: error by n^-2",
+        "semi-infinite rods of a fractional material, weakly singular kernel, by means over steps and BDF2, at steps 100 and 200: error by n^-2",
         Within(0.1, "second order of a force that begins infinite"),
         error(),
     );
@@ -323,7 +323,7 @@ fn endless_rods_of_a_fractional_material(claims: &mut Claims) {
         Ok(largest(errors))
     };
     claims.deviation(
-        "endless rod of a fractional material: mobility s^(-1/4) in the right half plane",
+        "semi-infinite rod of a fractional material: mobility s^(-1/4) in the right half plane",
         Within(5e-15, "rounding of powers"),
         transform(),
     );

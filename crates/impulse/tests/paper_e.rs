@@ -4,8 +4,8 @@
 //! As in the paper, the mobilities are sampled up to 10 kHz for 2048 samples of the force (Ödeen
 //! 1993, paper E, section 3.2); the power laws of its eq. 7 stand for Nylon-6. The paper does not
 //! state the value at 0 Hz. Here the bodies are weighed, `ZeroLine::EffectiveMass`: the total
-//! impulse of the stick force is V times the mass of the body, as the long rod is endless. Leaving
-//! the line out would shift the force by -VM/T.
+//! impulse of the stick force is V times the mass of the body, as the long rod is semi-infinite.
+//! Leaving the line out would shift the force by -VM/T.
 
 use std::f64::consts::TAU;
 

@@ -321,8 +321,8 @@ impl<M: RodModel> Identification<M> {
         (chi_square / degrees).sqrt()
     }
 
-    /// Returns true if the residual exceeds the stated noise by more than three standard deviations
-    /// of chance.
+    /// Returns true if the variance of the residual exceeds that of the noise by more than three
+    /// standard deviations of their ratio.
     fn exceeds_noise(&self) -> bool {
         let (chi_square, degrees) = self.chi_square();
         exceeds_noise(chi_square, degrees, self.quiet_degrees)

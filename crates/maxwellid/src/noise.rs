@@ -182,8 +182,8 @@ pub(crate) fn quiet_degrees(tests: &[RodTest]) -> Option<f64> {
     (degrees > 0).then_some(degrees as f64)
 }
 
-/// Returns true if a white residual exceeds the noise by more than three standard deviations of
-/// chance; see [`residual_variance`].
+/// Returns true if the variance of a white residual exceeds that of the noise by more than three
+/// standard deviations of their ratio; see [`residual_variance`].
 pub(crate) fn exceeds_noise(chi_square: f64, degrees: f64, quiet: Option<f64>) -> bool {
     let chance = 2.0 / degrees + quiet.map_or(0.0, |quiet| 2.0 / quiet);
     chi_square / degrees > 1.0 + 3.0 * chance.sqrt()
@@ -192,8 +192,8 @@ pub(crate) fn exceeds_noise(chi_square: f64, degrees: f64, quiet: Option<f64>) -
 /// Variance of a white residual of `chi_square` with `degrees` of freedom, in units of the stated
 /// noise.
 ///
-/// If the residual exceeds the noise by more than three standard deviations of chance, the variance
-/// is that of the residual. Otherwise it is 1 for stated noise or, for noise estimated from quiet
+/// If the ratio to the noise exceeds 1 by more than three standard deviations, the variance is that
+/// of the residual. Otherwise it is 1 for stated noise or, for noise estimated from quiet
 /// parts with `quiet` degrees of freedom, the pooled estimate of quiet parts and residual.
 pub(crate) fn residual_variance(chi_square: f64, degrees: f64, quiet: Option<f64>) -> f64 {
     if exceeds_noise(chi_square, degrees, quiet) {

@@ -85,7 +85,7 @@ fn pick<const N: usize>(columns: [&mut Vec<f64>; N], kept: &[usize]) {
 /// for bars.
 #[allow(
     clippy::indexing_slicing,
-    reason = "the three lists are cut to the same samples, which the indices count"
+    reason = "the three lists are cut to the same length, and the indices are below it"
 )]
 fn kept(axis: &Axis, x: &[f64], low: &[f64], high: &[f64]) -> Vec<usize> {
     let samples = x.len().min(low.len()).min(high.len());
@@ -164,7 +164,7 @@ impl Columns {
 /// between two columns.
 #[allow(
     clippy::indexing_slicing,
-    reason = "`kept` has cut the lists to the same samples, which the indices count"
+    reason = "`kept` has cut the lists to the same length, and the indices are below it"
 )]
 fn by_columns(
     columns: Columns,
@@ -222,7 +222,7 @@ fn by_columns(
 /// steps become coarser if too many samples would remain.
 #[allow(
     clippy::indexing_slicing,
-    reason = "`kept` has cut the lists to the same samples, which the indices count"
+    reason = "`kept` has cut the lists to the same length, and the indices are below it"
 )]
 fn followed(axis: &Axis, x: &[f64], y: &[f64], there: impl Fn(usize) -> bool) -> Vec<usize> {
     let along: Vec<f64> = if axis.scale == Scale::Logarithmic {

@@ -9,7 +9,7 @@ use crate::input;
 use crate::outcome::Verdict;
 use crate::output::{OutputFile, RESULT};
 
-/// The parts of `result.json` that state the standing of its files.
+/// Outputs and verdict of a `result.json`.
 #[derive(Debug, Deserialize)]
 struct Written {
     outputs: Vec<OutputFile>,

@@ -550,7 +550,7 @@ fn what_is_wrong_with_a_plan_is_said() {
     insta::assert_snapshot!(errors.join("\n"), @r#"
     instrument is missing, expected at least its fields `sampling_rate` and `length`: this experiment is recorded
     experiment: EndAccelerations.material is `nylon`, expected one of the materials `polypropylene`, `steel`
-    experiment: EndAccelerations.material is `polypropylene`, whose law is known for real frequencies only, expected a material with a causal law: a history is computed
+    experiment: EndAccelerations.material is `polypropylene`, whose law is known for real frequencies only, expected a material with a causal law, because a history is computed
     instrument.length is 2 ms, expected more than `before`, 0.002 s, and 40 samples
     instrument.before is 7 samples, expected 40 to 2097152
     instrument.anti_alias.cutoff is 40000 Hz, expected below half the sampling rate, 32768 Hz

@@ -157,7 +157,7 @@ fn densities() {
     let horn = begun().horn(&claimed, circle(), circle(), 0.1);
     refuse(&mut refusals, "horn", horn);
     let endless = Termination::semi_infinite(&claimed, circle());
-    refusals.add("endless rod", begun().end(endless));
+    refusals.add("semi-infinite rod", begun().end(endless));
     assert_snapshot!(refusals, @r"
     medium: density [kg/m^3] is 0, expected a finite value above 0
     rod: element 2: density [kg/m^3] is 0, expected a finite value above 0
@@ -170,7 +170,7 @@ fn densities() {
     inelastic rod: density [kg/m^3] is -0.5, expected a finite value above 0
     cone: element 2: density [kg/m^3] is NaN, expected a finite value above 0
     horn: element 2: density [kg/m^3] is NaN, expected a finite value above 0
-    endless rod: density of the termination [kg/m^3] is NaN, expected a finite value above 0
+    semi-infinite rod: density of the termination [kg/m^3] is NaN, expected a finite value above 0
     ");
 }
 
@@ -246,7 +246,7 @@ fn laws_outside_their_table() {
     assert!(body.mobility(5e3).is_ok());
     refusals.add("body", body.mobility(2e4));
     let endless = begun().end(Termination::semi_infinite(&silent, circle()));
-    refusals.add("endless rod", endless.unwrap().mobility(2e4));
+    refusals.add("semi-infinite rod", endless.unwrap().mobility(2e4));
     refusals.add("medium", silent.try_propagation_coefficient(2e4));
     refusals.add("far face", body.far_face_mobility(2e4));
     refusals.add("matrix", body.transition_matrix(2e4));
@@ -258,7 +258,7 @@ fn laws_outside_their_table() {
     at -20000: magnitude of the angular frequency [rad/s] is 20000, expected a value from 1000 to 10000, the range of the table
     at NaN: magnitude of the angular frequency [rad/s] is NaN, expected a value from 1000 to 10000, the range of the table
     body: element 2: the law has no finite propagation coefficient at s = 0+20000i 1/s
-    endless rod: the law has no finite propagation coefficient at s = 0+20000i 1/s
+    semi-infinite rod: the law has no finite propagation coefficient at s = 0+20000i 1/s
     medium: the law has no finite propagation coefficient at s = 0+20000i 1/s
     far face: element 2: the law has no finite propagation coefficient at s = 0+20000i 1/s
     matrix: element 2: the law has no finite propagation coefficient at s = 0+20000i 1/s

@@ -144,7 +144,7 @@ fn normals() -> impl FnMut() -> f64 {
     move || StandardNormal.sample(&mut random)
 }
 
-/// Returns the sum of the columns, multiplied by their `coefficients`.
+/// Returns the sum of the columns, each multiplied by its coefficient.
 fn combined(columns: &[Vec<f64>], coefficients: &[f64], rows: usize) -> Vec<f64> {
     let mut sum = vec![0.0; rows];
     for (column, coefficient) in columns.iter().zip(coefficients) {

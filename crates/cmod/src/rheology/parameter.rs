@@ -185,7 +185,7 @@ pub enum Reason {
     },
 }
 
-/// Largest standard error, usually of a logarithm, that is stated.
+/// Largest standard error that a message states; usually that of a logarithm.
 const MOST_STATED: f64 = 10.0;
 
 impl fmt::Display for Reason {

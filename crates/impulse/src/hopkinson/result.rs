@@ -98,7 +98,8 @@ pub struct Equilibrium {
     /// Time from which on 95 % of the loaded samples have an index of at most 0.05 plus two
     /// standard errors, three after the largest strain \[s\].
     pub from: Option<f64>,
-    /// Numbers of loaded samples with a larger index: up to the largest strain, and after it.
+    /// Numbers of loaded samples whose index exceeds this limit: up to the largest strain, and
+    /// after it.
     pub outside: [usize; 2],
     /// Ratio of the force of the incident face to that of the transmitted face, from their
     /// impulses.

@@ -36,7 +36,7 @@ pub(super) fn rod(diameter: f64, length: f64) -> Ours<AnalyticChain> {
         .end(Termination::Free)?)
 }
 
-/// An endless rod of steel.
+/// A semi-infinite rod of steel.
 pub(super) fn endless_rod(diameter: f64) -> Ours<AnalyticChain> {
     let section = Circle::of_diameter(diameter)?;
     Ok(AnalyticChain::analytic_from_impact_face()

@@ -224,7 +224,7 @@ fn sphere_on_the_ground(claims: &mut Claims) {
 /// δ' = V - J/M - F/Z, J' = F = K δ^{3/2}, by the classical rule of Runge and Kutta.
 fn sphere_on_an_endless_rod(claims: &mut Claims) {
     claims.by(
-        "ordinary differential equation of a sphere on an endless rod, by Runge and Kutta's rule",
+        "ordinary differential equation of a sphere on a semi-infinite rod, by Runge and Kutta's rule",
     );
     let (kilograms, z, coefficient) = (0.03, impedance(0.010), 8e9);
     let force = |approach: f64| coefficient * approach.max(0.0).powf(1.5);
@@ -267,7 +267,7 @@ fn sphere_on_an_endless_rod(claims: &mut Claims) {
         largest(samples.map(|(n, force)| (force - exact[n * every + every / 2]) / peak))
     };
     claims.claim(
-        "sphere on an endless rod: peak force",
+        "sphere on a semi-infinite rod: peak force",
         "N",
         peak,
         Within(
@@ -279,14 +279,14 @@ fn sphere_on_an_endless_rod(claims: &mut Claims) {
     // in the first step the mean of t^{3/2} is 0.4 and its value in the middle 0.354, times (V
     // h)^{3/2} K; the errors of the other steps fall with the square of h
     claims.deviation(
-        "sphere on an endless rod: force in steps of 1 us: largest error, relative to the difference between mean and middle of the first step",
+        "sphere on a semi-infinite rod: force in steps of 1 us: largest error, relative to the difference between mean and middle of the first step",
         Within(1.1, "the first step has the largest error, and sets this scale"),
         of(&found, |[_, fine]| {
             worst(fine, 20) / (0.046 * coefficient * (VELOCITY * 1e-6).powf(1.5) / peak)
         }),
     );
     claims.claim(
-        "sphere on an endless rod: worst force in steps of 2.5 us by that in steps of 1 us",
+        "sphere on a semi-infinite rod: worst force in steps of 2.5 us by that in steps of 1 us",
         "1",
         4.6,
         Within(
@@ -296,7 +296,7 @@ fn sphere_on_an_endless_rod(claims: &mut Claims) {
         of(&found, |[coarse, fine]| worst(coarse, 50) / worst(fine, 20)),
     );
     claims.deviation(
-        "sphere on an endless rod: impulse of all contacts by steps of 2.5 and of 1 us less one, by the square of the step in us",
+        "sphere on a semi-infinite rod: impulse of all contacts by steps of 2.5 and of 1 us less one, by the square of the step in us",
         Within(1e-4, "second order, 1000 steps"),
         of(&found, |[coarse, fine]| {
             let error = |p: &Prediction| p.balance().impulse / state[1] - 1.0;

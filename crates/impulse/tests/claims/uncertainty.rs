@@ -204,7 +204,7 @@ fn constant_of_the_zero_line(claims: &mut Claims) {
     };
     let quiet = solved(ZeroLine::QuietBeforeContact);
     claims.claim(
-        "sprung mass on an endless rod: impulse of the stick force, zero before contact",
+        "sprung mass on a semi-infinite rod: impulse of the stick force, zero before contact",
         "N s",
         VELOCITY * MASS,
         Within(
@@ -214,7 +214,7 @@ fn constant_of_the_zero_line(claims: &mut Claims) {
         of(&quiet, |stick| stick.history.impulse()),
     );
     claims.claim(
-        "sprung mass on an endless rod: constant that makes the force zero before contact, V M/T",
+        "sprung mass on a semi-infinite rod: constant that makes the force zero before contact, V M/T",
         "N",
         VELOCITY * MASS * step_hz,
         Within(

@@ -114,8 +114,8 @@ fn draws_that_no_memory_holds_are_refused() {
     );
 }
 
-/// A steel rod of a length from a millimetre to a kilometre transfers its momentum to an endless
-/// rod in one round trip.
+/// A steel rod of a length from a millimetre to a kilometre transfers its momentum to a
+/// semi-infinite rod in one round trip.
 #[test]
 fn rods_from_a_millimetre_to_a_kilometre() {
     let speed = (206e9_f64 / 7780.0).sqrt();

@@ -254,7 +254,7 @@ impl Case {
     }
 }
 
-/// The predicted mobility of the long rod, which counts as endless.
+/// The predicted mobility of the long rod, which is taken as semi-infinite.
 pub(crate) fn long_rod() -> Outcome<Vec<Complex64>> {
     let steel = Medium::new(7780.0, Elastic::new(206e9)?)?;
     let rod = Chain::from_impact_face().end(Termination::semi_infinite(

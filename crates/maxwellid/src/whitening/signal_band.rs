@@ -13,8 +13,8 @@ const TRANSITION: f64 = 0.1;
 /// [`TRANSITION`].
 const HALF_LENGTH: usize = 31;
 
-/// Number of standard deviations of chance by which the mean power of a block of lines exceeds the
-/// noise if there is a signal. With four, noise alone passed for a signal in one of twenty records.
+/// Number of standard deviations by which the mean power of a block of lines must exceed the noise
+/// to be a signal. With four, noise alone passed for a signal in one of twenty records.
 const ABOVE_CHANCE: f64 = 6.0;
 
 /// Largest number of blocks into which a spectrum is divided.

@@ -263,7 +263,7 @@ fn analytic(
         Material::OnAxis(_) => Err(RodlabError::request(
             field,
             format!("`{name}`, whose law is known for real frequencies only"),
-            "a material with a causal law: a history is computed",
+            "a material with a causal law, because a history is computed",
         )),
     }
 }

@@ -192,7 +192,7 @@ pub(crate) fn without_kilo(rate_hz: f64, highest_hz: f64) -> Option<String> {
 ///
 /// # Errors
 ///
-/// [`RodlabError::Request`] with both numbers, if the number is above `most`.
+/// [`RodlabError::Request`] with both numbers if `count` is above `most`.
 pub(crate) fn at_most(
     count: f64,
     most: f64,

@@ -209,7 +209,7 @@ pub struct EndAccelerationTest<V: Argument = AngularFrequency> {
 pub enum Tail {
     /// Histories computed by the damped transform; they may continue beyond the end of the record.
     Free,
-    /// Periodic histories that have decayed within the period, down to this level.
+    /// Periodic histories that have decayed to `late_level` within the period.
     DiedOut {
         /// Root mean square of the last sixteenth of the period over the peak, for the end of the
         /// rod where this ratio is larger.

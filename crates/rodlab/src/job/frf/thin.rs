@@ -15,7 +15,7 @@ pub(super) fn logarithmically(x: &[f64], curves: &[&[f64]], n_buckets: usize) ->
 
 #[allow(
     clippy::indexing_slicing,
-    reason = "the indices count the points, of which x and every curve have as many"
+    reason = "x and every curve have the same length, and the indices are below it"
 )]
 fn by_bucket(
     x: &[f64],
@@ -66,7 +66,7 @@ fn by_bucket(
 /// `fraction` of its extent, and the first of every part between points that are not finite.
 #[allow(
     clippy::indexing_slicing,
-    reason = "the indices count the points that both lists have"
+    reason = "the indices are below the lengths of both lists"
 )]
 pub(super) fn along(x: &[f64], y: &[f64], fraction: f64) -> Vec<usize> {
     let extent = |values: &[f64]| {

@@ -135,7 +135,7 @@ fn mobility_at(body: &ComputedBody, s: Complex64, place: &str) -> Result<Complex
         return Err(RodlabError::request(
             place,
             "of a material whose law is known for real frequencies only",
-            "causal laws: a history is computed",
+            "causal laws, because a history is computed",
         ));
     }
     body.mobility_at(s)
