@@ -26,8 +26,8 @@ pub trait BlockSource {
     fn read_block(&mut self, block: &mut Array2<f64>) -> Result<usize, LabioError>;
 }
 
-/// Lets `source` fill `block`; rejects more samples than the block can contain, and a replaced
-/// block.
+/// Lets `source` fill `block`; rejects more samples than the block can contain, and a
+/// block with another number of rows.
 pub(crate) fn read_next<S: BlockSource + ?Sized>(
     source: &mut S,
     block: &mut Array2<f64>,

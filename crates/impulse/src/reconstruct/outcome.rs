@@ -110,10 +110,9 @@ pub struct CurvePoint {
     pub degrees_of_freedom: f64,
     /// Number of real data minus the degrees of freedom.
     pub freedom_left: f64,
-    /// Score of the method. The method seeks its minimum: of the function of cross validation, of
-    /// minus the curvature of the L-curve, or of minus the distance of the L-curve from its chord.
-    /// For the discrepancy principle, the score is the relative discrepancy, and the method seeks
-    /// its zero.
+    /// Score, of which the method seeks the minimum: the function of cross validation, minus the
+    /// curvature of the L-curve, or minus the distance of the L-curve from its chord. For the
+    /// discrepancy principle, it is the relative discrepancy, of which the method seeks the zero.
     pub score: f64,
 }
 
@@ -131,7 +130,7 @@ pub enum ChoiceVerdict {
     /// Not reached: the responses do not exceed their noise, every regularisation is consistent,
     /// and the force is nearly zero.
     NotReached,
-    /// The curve has no finite point; the weakest regularisation is used.
+    /// The score is not finite for any parameter; the weakest regularisation is used.
     NoCorner,
 }
 

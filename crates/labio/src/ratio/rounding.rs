@@ -19,7 +19,7 @@ const NEIGHBOURS: usize = 5;
 /// as large, and the two errors are independent.
 const CHANGE_OVER_ERROR: f64 = 5.0;
 
-/// Sums over the hits, of one line.
+/// Sums over the hits at one line.
 #[derive(Debug, Clone, Copy, Default)]
 struct Sums {
     change: Complex64,

@@ -23,8 +23,8 @@ const LEAST_TAIL: usize = 8;
 /// \sum_{n\ge N}\bigl(u + v(n-N)\bigr)(qw)^n = (qw)^N\left(\frac{u}{1-qw} + \frac{v\,qw}{(1-qw)^2}\right),
 /// ```
 ///
-/// This is exact on every line except the line at 0 Hz of a step without window, which does not
-/// exist. It equals the transform of the differences of the samples divided by $`1 - w`$.
+/// This is exact on every line except that at 0 Hz of a step without window, where the transform
+/// does not exist. It equals the transform of the differences of the samples divided by $`1 - w`$.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Ending {
     /// Rest.

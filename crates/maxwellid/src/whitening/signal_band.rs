@@ -9,7 +9,7 @@ use crate::test::RodTest;
 /// Width of the transition of the low-pass, as a fraction of half of the sampling rate.
 const TRANSITION: f64 = 0.1;
 
-/// Weights of the low-pass on either side of the middle one: Hann's window gives this
+/// Number of weights of the low-pass on either side of the middle one; with Hann's window, it gives
 /// [`TRANSITION`].
 const HALF_LENGTH: usize = 31;
 

@@ -330,7 +330,7 @@ def of_arrays(
     Raises
     ------
     SheetError
-        An array has another length or no finite numbers, or an argument is wrong.
+        An array has a wrong length or a number that is not finite, or an argument is wrong.
     NotAllowed
         The moduli do not allow a result.
     """
@@ -377,7 +377,7 @@ def over_time(
     Raises
     ------
     SheetError
-        An array has another length or no finite numbers, or an argument is wrong.
+        An array has a wrong length or a number that is not finite, or an argument is wrong.
     NotAllowed
         The moduli do not allow a result.
     """

@@ -93,7 +93,7 @@ def propagation_coefficient(material: Mapping[str, Any], frequency_hz: ArrayLike
 
 
 def _text(body: Part, materials: Materials | None) -> str:
-    """Returns a sheet with the body for the extension module; its velocity and duration are not used."""
+    """Returns a sheet with the body for the extension module, which does not use velocity and duration."""
     rest = (("second", Part("RigidMass", ("1 kg",))), ("velocity", "1 m/s"), ("duration", "1 s"))
     problem = Part("Impact", (), (("first", body), *rest))
     return text_of(Part("Force", (), (("title", ""), ("materials", materials or {}), ("problem", problem))))

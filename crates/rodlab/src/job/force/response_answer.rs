@@ -303,7 +303,7 @@ fn warnings(problem: &Problem<'_>, solved: &ReconstructedForce, outcome: &mut Ou
                     .to_owned(),
             ),
             ChoiceVerdict::NoCorner => outcome.warnings.push(
-                "The curve of the regularisation has no finite point from which to choose: the weakest regularisation was used."
+                "No parameter of the regularisation has a finite score: the weakest regularisation was used."
                     .to_owned(),
             ),
             _ => {}

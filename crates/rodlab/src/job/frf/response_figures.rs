@@ -73,7 +73,7 @@ impl Drawn {
 /// Figure of the magnitude with its band of one standard error, the phase and the coherence.
 #[allow(
     clippy::indexing_slicing,
-    reason = "`line` is one of the response, and every list has an element for each"
+    reason = "`line` is the index of a line of the response, and every list has one element per line"
 )]
 pub(super) fn bode(
     estimated: &Estimated,
@@ -145,7 +145,7 @@ pub(super) fn bode(
 /// so that the phase wraps as rarely as possible.
 #[allow(
     clippy::indexing_slicing,
-    reason = "`line` is one of the response, and every list has an element for each"
+    reason = "`line` is the index of a line of the response, and every list has one element per line"
 )]
 fn phase(estimated: &Estimated, drawn: &Drawn) -> (Axis, Vec<Mark>) {
     let response = &estimated.response;
@@ -199,7 +199,7 @@ fn interrupted(mark: Mark) -> Mark {
 
 #[allow(
     clippy::indexing_slicing,
-    reason = "`line` is one of the response, and every list has an element for each"
+    reason = "`line` is the index of a line of the response, and every list has one element per line"
 )]
 fn coherence(estimated: &Estimated, drawn: &Drawn) -> Vec<Mark> {
     let several = estimated.coherences.len() > 1;
@@ -236,7 +236,7 @@ fn coherence(estimated: &Estimated, drawn: &Drawn) -> Vec<Mark> {
 /// Figure of the imaginary over the real part, for the valid lines of the band.
 #[allow(
     clippy::indexing_slicing,
-    reason = "`line` is one of the response, and every list has an element for each"
+    reason = "`line` is the index of a line of the response, and every list has one element per line"
 )]
 pub(super) fn nyquist(
     estimated: &Estimated,

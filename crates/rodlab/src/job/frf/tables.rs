@@ -14,7 +14,7 @@ const DEGREES: f64 = 180.0 / std::f64::consts::PI;
 /// Returns the table of the lines in the band.
 #[allow(
     clippy::indexing_slicing,
-    reason = "`line` is one of the response, and every list of it, of its tests and of the objections has an element for each"
+    reason = "`line` is the index of a line; the lists of response, tests and objections have one element per line"
 )]
 pub(super) fn table(
     estimated: &Estimated,
@@ -142,7 +142,7 @@ pub(super) struct Merit {
 /// Returns the overall results of a response in the band.
 #[allow(
     clippy::indexing_slicing,
-    reason = "`line` is one of the response, and every list of it, of its tests and of the objections has an element for each"
+    reason = "`line` is the index of a line; the lists of response, tests and objections have one element per line"
 )]
 pub(super) fn merit(estimated: &Estimated, output: &str, input: &str, band: Band) -> Merit {
     let response = &estimated.response;

@@ -15,7 +15,7 @@ const NAME: &str = "mobility";
 /// Returns the file `mobility.uff` with the complex lines, their standard errors and the coherence.
 #[allow(
     clippy::indexing_slicing,
-    reason = "`lines` are lines of the mobility, and every list has an element for each"
+    reason = "`lines` are indices of lines of the mobility, and every list has one element per line"
 )]
 pub(super) fn attachment(known: &Known, title: &str) -> Result<Attachment, RodlabError> {
     let response = &known.mobility;

@@ -142,7 +142,7 @@ fn storage_modulus_alone(outcome: &mut Outcome, found: &Found<'_>, reasons: &Rea
         ),
     );
     outcome.summary.insert(1, format!(
-        "Found by {}. Errors are one standard error. A loss factor counts as known if its error is within `limits.loss_factor`, with the certainty of five standard errors.",
+        "Found by {}. Errors are one standard error. A loss factor counts as known if five of its standard errors are within `limits.loss_factor`.",
         found.sheet.method.words()
     ));
     outcome.summary.extend(reasons.advice_in_words());

@@ -17,7 +17,7 @@ pub(super) fn of_file(
     settings: &mut Vec<Setting>,
 ) -> Result<Measured, RodlabError> {
     let taken_as = sheet.method.ratio_in_words()?;
-    settings.push(Setting::by_default("ratio that the values are", taken_as));
+    settings.push(Setting::by_default("ratio in the file", taken_as));
     let file = NumberFile::read(&source.path, context.folder, "source.ratio.path")?;
     let hertz = Unit::parse("Hz").map_or(Dimension::NONE, |unit| unit.dimension());
     let (values, frequency_hz) = match &source.values {

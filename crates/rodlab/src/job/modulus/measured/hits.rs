@@ -192,7 +192,7 @@ pub(super) fn of_hits(
             format!("time constant {:.4} ms", 1e3 / window.decay_rate()),
         ));
         measured.in_words.push(
-            "The hits end while the rod is ringing: all gauges were damped alike, and the modulus was corrected for the damping."
+            "The hits end while the rod still rings: one exponential window damped all gauges, and the modulus was corrected for it."
                 .to_owned(),
         );
     }
