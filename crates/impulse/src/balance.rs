@@ -188,7 +188,7 @@ pub(crate) struct Account<'a> {
     pub(crate) velocity: f64,
     pub(crate) masses: [Option<f64>; 2],
     pub(crate) force: &'a [f64],
-    /// velocities of the faces along V
+    /// Velocities of the faces along V.
     pub(crate) faces: [&'a [f64]; 2],
     pub(crate) contact_work: f64,
     pub(crate) stored_in_contact: f64,

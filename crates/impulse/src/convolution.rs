@@ -18,7 +18,7 @@ const LEAF: usize = 64;
 pub(crate) struct OnlineConvolution<'a> {
     kernel: &'a [f64],
     given: Vec<f64>,
-    /// effect of complete blocks on later steps
+    /// Effect of complete blocks on later steps.
     pending: Vec<f64>,
     levels: Vec<Level>,
 }
@@ -27,7 +27,7 @@ pub(crate) struct OnlineConvolution<'a> {
 struct Level {
     length: usize,
     fourier: RealFourier,
-    /// transform of the kernel from 0 to 2L, divided by 2L
+    /// Transform of the kernel from 0 to 2L, divided by 2L.
     kernel: Vec<Complex64>,
 }
 

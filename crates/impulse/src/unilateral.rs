@@ -53,14 +53,14 @@ pub(crate) struct March<'a> {
 #[derive(Debug, Clone)]
 pub(crate) struct Marched {
     pub(crate) force: Vec<f64>,
-    /// approach at the end of each step
+    /// Approach at the end of each step.
     pub(crate) approach: Vec<f64>,
     pub(crate) contacts: Vec<ContactInterval>,
-    /// work of the force on the contact by its law, including the closing of gaps
+    /// Work of the force on the contact by its law, including the closing of gaps.
     pub(crate) contact_work: f64,
-    /// part of this work that the contact could return at the end
+    /// Part of this work that the contact could return at the end.
     pub(crate) stored: f64,
-    /// largest stiffness times first weight times time step
+    /// Largest stiffness times first weight times time step.
     pub(crate) stiffness_number: f64,
     pub(crate) unconverged: usize,
 }
@@ -76,7 +76,7 @@ impl Marched {
 struct Step {
     force: f64,
     approach: f64,
-    /// force that would hold the faces together if they separate
+    /// Force that would hold the faces together if they separate.
     pull: f64,
 }
 
@@ -260,11 +260,11 @@ impl March<'_> {
 struct ContactLog {
     done: Vec<ContactInterval>,
     now: Option<ContactInterval>,
-    /// forces of the two previous steps
+    /// Forces of the two previous steps.
     last: [f64; 2],
     highest: f64,
-    /// time within the last step at which the approach fell to the dent, where a compliant contact
-    /// no longer presses; `None` if it did not
+    /// Time within the last step at which the approach fell to the dent, where a compliant contact
+    /// no longer presses; `None` if it did not.
     parted: Option<f64>,
 }
 

@@ -64,20 +64,20 @@ pub enum LowFrequency {
 #[derive(Debug, Clone)]
 pub struct MeasuredBody {
     frequency_step_hz: f64,
-    /// line 0: the static limit, 0 for a free body
+    /// Line 0: the static limit, 0 for a free body.
     mobility: Vec<Complex64>,
     variance: Option<Vec<f64>>,
-    /// degrees of freedom of the variance, one entry per line
+    /// Degrees of freedom of the variance, one entry per line.
     freedom: Vec<f64>,
     low: LowFrequency,
     given_front: Option<f64>,
-    /// standard uncertainty of the front impedance [kg/s]
+    /// Standard uncertainty of the front impedance [kg/s].
     front_error: f64,
-    /// relative standard uncertainty common to all lines
+    /// Relative standard uncertainty common to all lines.
     scale_error: f64,
-    /// standard uncertainty of the delay of the motion after the force \[s\]
+    /// Standard uncertainty of the delay of the motion after the force \[s\].
     delay_error: f64,
-    /// index of the first measured line
+    /// Index of the first measured line.
     first_measured: usize,
 }
 

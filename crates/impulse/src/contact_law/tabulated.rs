@@ -10,9 +10,9 @@ use crate::ImpulseError;
 /// reloading follows the same straight line. The energy between the two paths is lost.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TabulatedContact {
-    /// points (δ, F), the first of them (0, 0)
+    /// Points (δ, F), the first of them (0, 0).
     points: Vec<(f64, f64)>,
-    /// energy up to each point
+    /// Energy up to each point.
     energy: Vec<f64>,
     unloading_stiffness: Option<f64>,
 }

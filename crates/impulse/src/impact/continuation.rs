@@ -51,7 +51,7 @@ pub(super) struct Continued<'a> {
     body: &'a dyn ImpactBody,
     frequency_step_hz: f64,
     n_measured: usize,
-    /// mobility of the lines above the last measured one
+    /// Mobility of the lines above the last measured one.
     above: Vec<Complex64>,
 }
 

@@ -76,14 +76,14 @@ pub struct DiscreteImpact {
     velocity: f64,
     faces: [Face; 2],
     kernels: [Kernel; 2],
-    /// sum of both kernels
+    /// Sum of both kernels.
     kernel: Vec<f64>,
     law: ContactLaw,
-    /// the contact law as it was given, without springs at the faces
+    /// The contact law as it was given, without springs at the faces.
     given_law: ContactLaw,
-    /// compliance \[m/N\] of springs at the faces, which are part of `kernel` and not of the law
+    /// Compliance \[m/N\] of springs at the faces, which are part of `kernel` and not of the law.
     springs: f64,
-    /// mobility \[m/(N s)\] of both faces far above the band, and a decade higher
+    /// Mobility \[m/(N s)\] of both faces far above the band, and a decade higher.
     beyond: [f64; 2],
 }
 

@@ -17,7 +17,8 @@ const NO_NOISE: f64 = 6.0;
 /// Ratio of remainder to peak that counts as rest, as in the [criteria](crate::hits::Criteria) for
 /// hits.
 const AT_REST: f64 = 0.01;
-/// Largest effect of the motion cut off at the end on the lowest line, divided by the noise there.
+/// Largest effect on the lowest line of the motion that is cut off at the end, divided by the noise
+/// of this line.
 const PART_OF_NOISE: f64 = 0.3;
 /// Multiples of [`EXPONENT_STEP`] that are tried as σT: the window falls to e^-2 to e^-16 at the
 /// end.

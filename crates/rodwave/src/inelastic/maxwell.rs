@@ -94,7 +94,7 @@ impl InelasticLaw for Maxwell {
 pub struct MaxwellFlow {
     exponent: f64,
     factor: f64,
-    /// factor - 1
+    /// `factor` minus 1.
     decrement: f64,
 }
 

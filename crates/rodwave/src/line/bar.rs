@@ -44,7 +44,7 @@ pub(super) struct Bar {
     cell_volume: f64,
     density: f64,
     pub(super) cell_length: f64,
-    /// one row per branch and one for their sum
+    /// One row per branch and one for their sum.
     scratch: Vec<Vec<f64>>,
     pub(super) block: Block,
 }
@@ -56,7 +56,7 @@ pub(super) struct Block {
     pub(super) change: Vec<StressChange>,
     /// Σ σᵢ
     pub(super) total: [f64; LANES],
-    /// sum of the changes of all branches
+    /// Sum of the changes of all branches.
     pub(super) total_change: [f64; LANES],
 }
 

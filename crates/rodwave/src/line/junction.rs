@@ -174,14 +174,14 @@ pub(super) enum Hand {
 pub(super) struct Terminal {
     hand: Hand,
     end: End,
-    /// velocity of an attached mass, at whole steps
+    /// Velocity of an attached mass, at whole steps.
     velocity: f64,
     velocity_tangents: Vec<f64>,
-    /// work done on the line by driven or fixed ends \[J\]
+    /// Work done on the line by driven or fixed ends \[J\].
     pub(super) supplied: f64,
-    /// energy absorbed by a dashpot \[J\]
+    /// Energy absorbed by a dashpot \[J\].
     pub(super) radiated: f64,
-    /// impulse on the line, along x [N s]
+    /// Impulse on the line, along x [N s].
     pub(super) impulse: f64,
 }
 

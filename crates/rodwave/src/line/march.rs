@@ -20,7 +20,7 @@ pub struct March {
     bars: Vec<Bar>,
     junctions: Vec<Junction>,
     encounters: Vec<Encounter>,
-    /// indexed by parameter, then by junction
+    /// Tangents, indexed by parameter, then by junction.
     encounter_tangents: Vec<Vec<[Meeting; 2]>>,
     ends: [Terminal; 2],
     meetings: [Meeting; 2],
