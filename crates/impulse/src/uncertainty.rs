@@ -71,7 +71,7 @@ impl StickProblem<'_> {
     /// [`ImpulseError::NonFinite`], [`ImpulseError::NonPhysical`] for the uncertainty.
     #[allow(
         clippy::indexing_slicing,
-        reason = "`force_lines` has found both mobilities of one length, and its lines are as many"
+        reason = "`force_lines` has checked that both mobilities have the same length, and returns as many lines"
     )]
     pub fn error(&self, uncertainty: &StickUncertainty<'_>) -> Result<ForceError, ImpulseError> {
         let (lines, _) = self.force_lines()?;

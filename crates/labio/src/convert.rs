@@ -208,7 +208,7 @@ impl FrequencyResponse {
     /// Discards all information of a line.
     #[allow(
         clippy::indexing_slicing,
-        reason = "`line` counts the values, and `check_lengths` has found one element for each in every list"
+        reason = "`line` is the index of a value, and `check_lengths` has found one element per value in every list"
     )]
     pub(crate) fn invalidate(&mut self, line: usize, reason: LineValidity) {
         let none = f64::NAN;

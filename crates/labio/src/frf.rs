@@ -222,7 +222,7 @@ impl FrequencyResponse {
     /// exponential window, or 0.
     #[allow(
         clippy::indexing_slicing,
-        reason = "`line` counts the values, and `check_lengths` has found a frequency for each"
+        reason = "`line` is the index of a value, and `check_lengths` has found a frequency for each"
     )]
     pub(crate) fn laplace_variable(&self, line: usize) -> Complex64 {
         let sigma = self.added_damping.map_or(0.0, |window| window.decay_rate());

@@ -157,7 +157,7 @@ impl AveragedSpectra {
     /// unless the effective number of averages exceeds the number of inputs by more than one.
     #[allow(
         clippy::indexing_slicing,
-        reason = "the lists hold the q inputs and behind them the output, and all spectra of one average have the same lines"
+        reason = "the lists contain the q inputs and then the output, and all spectra of one average have the same lines"
     )]
     pub fn multi_input(
         &self,

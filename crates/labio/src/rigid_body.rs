@@ -97,7 +97,7 @@ impl RigidBody {
     /// empty; [`LabioError::TooFewSamples`] if the band has fewer than four lines with information.
     #[allow(
         clippy::indexing_slicing,
-        reason = "`to_kind` refuses a response whose lists are not of one length, and all lines counted here are among its frequencies"
+        reason = "`to_kind` refuses a response whose lists are not of one length, and all indices here are below that length"
     )]
     pub fn complete(
         &self,

@@ -322,7 +322,7 @@ impl AveragedSpectra {
 
     #[allow(
         clippy::indexing_slicing,
-        reason = "`pair_index` counts the pairs of the channels that `find` has placed, and every pair has its lines"
+        reason = "`pair_index` is the index of a pair of channels that `find` has found, and every pair has its lines"
     )]
     pub(crate) fn cross_lines(
         &self,
@@ -358,7 +358,7 @@ pub(crate) enum CrossLines<'a> {
 impl CrossLines<'_> {
     #[allow(
         clippy::indexing_slicing,
-        reason = "all spectra of one average have the same lines, which the caller counts"
+        reason = "all spectra of one average have the same lines, and the caller passes the index of a line"
     )]
     pub(crate) fn at(self, line: usize) -> Complex64 {
         match self {

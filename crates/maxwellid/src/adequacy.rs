@@ -119,7 +119,7 @@ impl Weights {
     /// delay that is negative, or a class that is not below the number of samples.
     #[allow(
         clippy::indexing_slicing,
-        reason = "`order` is a permutation of the samples, of which `features` and `class_of` have one entry each by `check`"
+        reason = "`order` is a permutation of the samples, and `check` has found an entry for each in `features` and `class_of`"
     )]
     pub fn robbins_monro(
         features: &[Vec<f64>],

@@ -385,7 +385,7 @@ impl Selection {
     /// nonlinear laws a start for E.
     #[allow(
         clippy::indexing_slicing,
-        reason = "`order` holds indices of the candidates, of which `found` has as many"
+        reason = "`order` contains indices of candidates, and `found` has one entry per candidate"
     )]
     fn found(
         &self,

@@ -499,7 +499,7 @@ impl Weighting {
     /// The most likely excitation, given the white residual of this weighting.
     #[allow(
         clippy::indexing_slicing,
-        reason = "`k` and `j` count the samples of the transfer, and `covariance` has as many lags"
+        reason = "`k` and `j` are indices of samples of the transfer, and `covariance` has a lag for each sample"
     )]
     pub(crate) fn cleaned(self, test: &RodTest, white_residual: &[f64]) -> Option<Self> {
         let mut weighted = white_residual.to_vec();

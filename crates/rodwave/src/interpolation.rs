@@ -83,7 +83,7 @@ impl Quintic {
 /// the history, as for a rod that does not move yet.
 #[expect(
     clippy::cast_possible_truncation,
-    reason = "positions on the history lie far below 2^52, and outside it there is nothing however far"
+    reason = "positions on the history are far below 2^52, and positions outside it contribute nothing"
 )]
 fn around<const N: usize>(history: &[f64], base: f64, before: isize) -> [f64; N] {
     let first = (base as isize).saturating_sub(before);

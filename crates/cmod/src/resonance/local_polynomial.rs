@@ -21,7 +21,7 @@ pub(super) struct LocalPolynomial {
 
 #[allow(
     clippy::indexing_slicing,
-    reason = "k counts the terms, and all lists are arrays of `TERMS` elements"
+    reason = "k is the index of a term, and all lists are arrays of `TERMS` elements"
 )]
 impl LocalPolynomial {
     /// Fits points of abscissa, value and weight; `None` if they do not determine the polynomial.

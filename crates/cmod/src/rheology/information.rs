@@ -10,7 +10,7 @@ const RANK: f64 = 1e-10;
 
 #[allow(
     clippy::indexing_slicing,
-    reason = "every singular value has a direction, every direction an element for each parameter, and an index counts one or the other"
+    reason = "every singular value has a direction, every direction an element for each parameter, and the indices are below these numbers"
 )]
 impl Directions {
     /// Decomposes the whitened Jacobian of a law; `None` if it is not finite.

@@ -328,7 +328,7 @@ impl<M: Model + ?Sized> Scene<'_, M> {
 
     #[allow(
         clippy::indexing_slicing,
-        reason = "`index` and the partner count the kinds of the model, and a kind holds the index of its own relaxation time"
+        reason = "`index` and the partner are indices of kinds of the model, and a kind contains the index of its own relaxation time"
     )]
     fn reason(
         &self,

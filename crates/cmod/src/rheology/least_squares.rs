@@ -233,7 +233,7 @@ struct Normal {
 
 #[allow(
     clippy::indexing_slicing,
-    reason = "the matrices have p rows of p elements and the lists p, and every index counts to p"
+    reason = "the matrices have p rows of p elements, the lists have p elements, and every index is below p"
 )]
 impl Normal {
     fn new(parameters: usize) -> Self {

@@ -143,7 +143,7 @@ impl<M: Model> Model for Partial<'_, M> {
 
     #[allow(
         clippy::indexing_slicing,
-        reason = "a row has one element for each coordinate of the whole model, and `free` counts these"
+        reason = "a row has one element for each coordinate of the whole model, and `free` contains indices of coordinates"
     )]
     fn evaluate(
         &self,

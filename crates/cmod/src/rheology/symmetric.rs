@@ -37,7 +37,7 @@ impl pulp::NullaryFnOnce for Products<'_> {
 #[inline(always)]
 #[allow(
     clippy::indexing_slicing,
-    reason = "rows are cut into `columns` elements, `sums` into rows of as many, and `i` and `first` count below them"
+    reason = "rows and rows of `sums` have `columns` elements, and `i` and `first` are below this number"
 )]
 fn add_products_vectorised(sums: &mut [f64], rows: &[f64], columns: usize) {
     let mut blocks = rows.chunks_exact(ROWS * columns);
@@ -100,7 +100,7 @@ impl pulp::NullaryFnOnce for Factorisation<'_> {
 #[inline(always)]
 #[allow(
     clippy::indexing_slicing,
-    reason = "`factor` has `size` columns of `size` elements, and `j` counts them"
+    reason = "`factor` has `size` columns of `size` elements, and `j` is below `size`"
 )]
 fn factorise_vectorised(factor: &mut [f64], size: usize, least_pivot: f64) -> bool {
     let mut known = vec![0.0; size];
@@ -141,7 +141,7 @@ fn factorise_vectorised(factor: &mut [f64], size: usize, least_pivot: f64) -> bo
 /// Solves LLᵀz = b with the `factor` of [`factorise`]; `z` contains b on entry.
 #[allow(
     clippy::indexing_slicing,
-    reason = "the factor has as many columns, of as many elements, as `z`, and an index counts them"
+    reason = "the factor has `size` columns of `size` elements, `z` has `size` elements, and every index is below `size`"
 )]
 pub(crate) fn solve(factor: &[f64], z: &mut [f64]) {
     let size = z.len();

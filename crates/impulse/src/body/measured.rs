@@ -535,7 +535,7 @@ impl ImpactBody for MeasuredBody {
     #[expect(
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,
-        reason = "the line is checked to be one of the body's"
+        reason = "the line is checked to be a line of the body"
     )]
     fn mobility_at(&self, s: Complex64) -> Result<Complex64, ImpulseError> {
         let position = s.im / (TAU * self.frequency_step_hz);

@@ -315,7 +315,7 @@ impl Transformed<'_> {
 /// noise (`unit_noise` if unknown) plus the effect of the error of H.
 #[allow(
     clippy::indexing_slicing,
-    reason = "forces come with all lines, which `line` counts"
+    reason = "forces have all lines, and `line` is the index of a line"
 )]
 fn variance_by(power: &[f64], unit_noise: f64) -> impl Fn(&Sensor<'_>, usize) -> f64 {
     move |sensor, line| {
@@ -328,7 +328,7 @@ fn variance_by(power: &[f64], unit_noise: f64) -> impl Fn(&Sensor<'_>, usize) ->
 /// known.
 #[allow(
     clippy::indexing_slicing,
-    reason = "a force comes with all lines of the grid, which `line` counts"
+    reason = "a force has all lines of the grid, and `line` is the index of a line"
 )]
 pub(super) fn weight(sensor: &Sensor<'_>, line: usize, power: Option<&[f64]>) -> f64 {
     sensor.noise_at(line).map_or(1.0, |noise| {

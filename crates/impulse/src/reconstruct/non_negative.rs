@@ -2,7 +2,7 @@
 
 #![allow(
     clippy::indexing_slicing,
-    reason = "the matrix is square with a row for each element of the right side and of every list, and all indices count these"
+    reason = "the matrix is square, its size is the length of the right side and of every list, and all indices are below it"
 )]
 
 use faer::linalg::solvers::Solve;

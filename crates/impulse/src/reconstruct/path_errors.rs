@@ -34,7 +34,7 @@ pub(super) struct PathErrors {
 
 #[allow(
     clippy::indexing_slicing,
-    reason = "shares, blows and sensors have one entry per line, which `line` counts"
+    reason = "shares, blows and sensors have one entry per line, and `line` is the index of a line"
 )]
 impl PathErrors {
     /// Creates the errors for a support of `length` samples; `None` if no frequency response has
@@ -146,7 +146,7 @@ pub(super) fn of_lines(transformed: &Transformed<'_>, blows: &[f64]) -> Vec<f64>
 /// beyond their noise.
 #[allow(
     clippy::indexing_slicing,
-    reason = "shares, blows and responses have one entry per line, which `line` counts"
+    reason = "shares, blows and responses have one entry per line, and `line` is the index of a line"
 )]
 pub(super) fn energy_over(
     transformed: &Transformed<'_>,

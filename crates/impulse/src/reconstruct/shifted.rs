@@ -90,7 +90,7 @@ impl Shift {
     /// $`c'_n = c_ne^{\sigma t_n}`$ for lags n of either sign up to half the record.
     #[allow(
         clippy::indexing_slicing,
-        reason = "a lag of half the record at most is a place of its weights"
+        reason = "a lag of at most half the record is an index of its weights"
     )]
     pub(super) fn unwound(&self, filter: &[Complex64]) -> Vec<f64> {
         let n_samples = self.weights.len();

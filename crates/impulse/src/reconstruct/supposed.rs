@@ -413,7 +413,7 @@ impl Problem<'_> {
 
 #[allow(
     clippy::indexing_slicing,
-    reason = "there are as many precisions as columns, which `i` and `j` count"
+    reason = "there is a precision for each column, and `i` and `j` are indices of columns"
 )]
 impl Linearised {
     /// Returns $`J^T W J + B^{-1}`$ and $`J^T W r`$ of the determined components.

@@ -38,7 +38,7 @@ impl Polarity {
 /// The direction in which a sensor measures; x is along the rod.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[allow(missing_docs, reason = "the names say all there is")]
+#[allow(missing_docs, reason = "the names are self-explanatory")]
 pub enum Direction {
     PlusX,
     MinusX,

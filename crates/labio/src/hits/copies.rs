@@ -267,7 +267,7 @@ fn share(count: usize, part: f64) -> usize {
     #[expect(
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,
-        reason = "a part of a count of samples"
+        reason = "a fraction of a number of samples"
     )]
     let share = (part * count as f64) as usize;
     share

@@ -24,7 +24,7 @@ pub(super) struct ConditionedLine {
 
 #[allow(
     clippy::indexing_slicing,
-    reason = "the factor has q rows of q elements, the lists q elements, and every index counts to q"
+    reason = "the factor has q rows of q elements, the lists have q elements, and every index is below q"
 )]
 impl ConditionedLine {
     pub(super) fn new(q: usize) -> Self {

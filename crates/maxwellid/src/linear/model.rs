@@ -125,7 +125,7 @@ impl<L: LinearLaw> RodModel for LinearModel<L> {
 
     #[allow(
         clippy::indexing_slicing,
-        reason = "`k` counts the lines, of which every column has as many"
+        reason = "`k` is the index of a line, and every column has one element per line"
     )]
     fn linearised_response(
         &self,

@@ -16,7 +16,7 @@ pub(super) struct VerticalLine<'a> {
 /// above every line that it reaches, so that no line crosses a name.
 #[allow(
     clippy::indexing_slicing,
-    reason = "`index` counts the lines that are placed"
+    reason = "`index` is below the number of lines that are placed"
 )]
 pub(super) fn vertical_lines<'a>(
     marks: &'a [Mark],

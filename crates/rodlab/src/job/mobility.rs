@@ -92,7 +92,7 @@ fn defaults() -> [Setting; 5] {
 /// Reports the number of valid lines and their accuracy.
 #[allow(
     clippy::indexing_slicing,
-    reason = "the lines that are counted are those of the mobility, which has a frequency and an error for each"
+    reason = "the indices are those of lines of the mobility, which has a frequency and an error for each"
 )]
 fn answer(known: &Known, outcome: &mut Outcome) {
     let above_zero = || (1..known.mobility.values.len()).filter(|line| known.is_valid(*line));

@@ -431,7 +431,7 @@ impl<L: InelasticLaw> pulp::NullaryFnOnce for Relax<'_, '_, L> {
     #[inline(always)]
     #[allow(
         clippy::indexing_slicing,
-        reason = "shares, rows of the excess and of the slopes are one a branch, the law's last, and rows have a block for each of the waves"
+        reason = "shares, rows of the excess and rows of the slopes have one entry per branch, the last for the law, and rows have a block for each of the waves"
     )]
     fn call(self) {
         let BranchedMarch {

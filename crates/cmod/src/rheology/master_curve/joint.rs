@@ -63,7 +63,7 @@ impl Settled {
 
 #[allow(
     clippy::indexing_slicing,
-    reason = "all lists of steps count the temperatures, of which `log_shifts` and `log_factors` have one element each, and the last               coordinates are factors and shifts of these"
+    reason = "lists of steps contain indices of temperatures, `log_shifts` and `log_factors` have one element per temperature, and the last coordinates are factors and shifts"
 )]
 impl Joint<'_> {
     fn scores(&self, minimum: &Minimum) -> Scores {

@@ -137,7 +137,7 @@ impl Defects<'_> {
 /// it among its columns.
 #[allow(
     clippy::indexing_slicing,
-    reason = "the columns of a shape are among its cells, and a row of another number of cells is refused before they are looked at"
+    reason = "the columns of a shape are among its cells, and a row with another number of cells is refused before they are read"
 )]
 pub(super) fn read(
     text: &str,

@@ -237,7 +237,7 @@ fn fits(encoding: WavEncoding, sample: f64) -> bool {
         WavEncoding::Float64 => true,
         #[expect(
             clippy::cast_possible_truncation,
-            reason = "the rounding to single precision was requested; its overflow is looked for"
+            reason = "the rounding to single precision was requested, and its overflow is checked"
         )]
         WavEncoding::Float32 => (sample as f32).is_finite() || !sample.is_finite(),
         _ => {

@@ -10,7 +10,7 @@ use super::screening::ImpulseResponse;
 
 #[allow(
     clippy::indexing_slicing,
-    reason = "`n` counts the lines of the mobility, and every list has an element for each"
+    reason = "`n` is the index of a line of the mobility, and every list has one element per line"
 )]
 pub(super) fn bode(known: &Known, sheet: &MobilitySheet) -> Figure {
     let response = &known.mobility;

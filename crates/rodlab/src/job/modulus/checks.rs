@@ -139,7 +139,7 @@ pub(super) fn most_lines(found: &Found<'_>, most: usize) -> usize {
 /// Checks the gauges against the free end, if the sheet states one.
 #[allow(
     clippy::indexing_slicing,
-    reason = "the estimate is of the lines of these spectra and counts them"
+    reason = "`index` of a line of the estimate is its index in these spectra"
 )]
 fn free_end_null(outcome: &mut Outcome, found: &Found<'_>, level: f64) {
     let (

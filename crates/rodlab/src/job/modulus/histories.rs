@@ -127,7 +127,7 @@ fn panel(found: &FoundHits, channel: &str, shown: usize, silent: Option<usize>) 
 /// order.
 #[allow(
     clippy::indexing_slicing,
-    reason = "the least and the greatest are looked for among the samples of the part, of which there is one at least"
+    reason = "minimum and maximum are taken over the samples of the part, which has at least one"
 )]
 fn drawn(samples: &[f64], step: f64, scale: f64) -> (Vec<f64>, Vec<f64>) {
     let stretch = samples.len().div_ceil(STRETCHES);
