@@ -29,7 +29,7 @@ pub(super) enum End {
     LowerMinimum(Vec<f64>),
 }
 
-/// Coordinates in other regions from which a law may fit as well.
+/// Starting points in other regions, from which a law may reach an equally good fit.
 #[derive(Default)]
 pub(super) struct Elsewhere {
     starts: Vec<Vec<f64>>,

@@ -1,4 +1,4 @@
-//! Text of a sheet, and errors for files that are no sheets: texts in another encoding, and
+//! Text of a sheet, and errors for files that are not sheets: text in another encoding, and
 //! recordings.
 
 use std::path::Path;
