@@ -95,7 +95,7 @@ impl BandLimit {
     #[expect(
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,
-        reason = "a positive count; a step too short for it would not have its history in memory"
+        reason = "a positive number, which is small for any history that fits in memory"
     )]
     pub fn apply(self, history: &ForceHistory) -> Result<ForceHistory, ImpulseError> {
         let step = history.time_step();

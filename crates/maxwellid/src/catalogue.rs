@@ -403,7 +403,7 @@ impl IdentifiableLaw for MaxwellNorton {
 /// Prior range of σ_ref/m of the dashpot of Gurevich and Rabinovich: m down to 2.9 MPa.
 const SHARPNESS: Option<(f64, f64)> = Some((-0.5, 3.5));
 
-/// β = σ_ref/m.
+/// Returns β = σ_ref/m.
 #[allow(clippy::indexing_slicing, reason = "the law has two parameters")]
 fn sharpness(law: &MaxwellGurevichRabinovich) -> f64 {
     InelasticLaw::parameters(law)[0]

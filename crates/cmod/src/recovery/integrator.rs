@@ -68,7 +68,7 @@ pub(super) struct Interval {
 /// many steps or the steps became too small.
 #[allow(
     clippy::indexing_slicing,
-    reason = "each of the rows of `STAGES`, which are fewer than the stages, makes the stage of its own number"
+    reason = "a row of `STAGES` computes the stage of its own index, and there are more stages than rows"
 )]
 pub(super) fn integrate(
     start: Unknowns,

@@ -215,7 +215,7 @@ fn whole(place: f64) -> usize {
 /// Returns the mean over `half` lines on either side and the line itself, mirrored at the ends.
 #[allow(
     clippy::indexing_slicing,
-    reason = "a mirrored place is between 0 and the last, and sums have one entry more than places"
+    reason = "a mirrored index is below the number of lines"
 )]
 pub(super) fn mean_about(lines: &[f64], half: usize) -> Vec<f64> {
     let n = lines.len();

@@ -29,7 +29,7 @@ pub(super) struct Solved {
 /// Linear map from the weighted cross sums of the lines to the force.
 #[expect(
     clippy::large_enum_variant,
-    reason = "there is one of them in a solution"
+    reason = "a solution contains only one of these"
 )]
 pub(super) enum Gain {
     Lines {

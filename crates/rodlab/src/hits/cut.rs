@@ -12,7 +12,10 @@ use crate::RodlabError;
 /// The method of cutting records into hits.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
-#[expect(clippy::large_enum_variant, reason = "there is one of them in a sheet")]
+#[expect(
+    clippy::large_enum_variant,
+    reason = "a sheet contains only one of these"
+)]
 pub enum Cut {
     /// Each record contains one hit, as triggered by the recorder.
     EachRecord,

@@ -25,7 +25,7 @@ pub struct Sheet {
 #[non_exhaustive]
 #[allow(
     clippy::large_enum_variant,
-    reason = "there is one of them in a sheet, and no sheet is as long as a record"
+    reason = "a sheet contains only one of these, and is short compared with a record"
 )]
 pub enum Job {
     /// Frequency responses of hits.

@@ -180,7 +180,7 @@ impl Records {
 
     #[allow(
         clippy::indexing_slicing,
-        reason = "`complete` counts the series of the file and the channels of the sheet"
+        reason = "`complete` passes indices of series of the file and of channels of the sheet"
     )]
     fn complete_time(
         &self,
@@ -239,7 +239,7 @@ impl Records {
 
     #[allow(
         clippy::indexing_slicing,
-        reason = "`complete` counts the series of the file and the channels of the sheet"
+        reason = "`complete` passes indices of series of the file and of channels of the sheet"
     )]
     fn complete_unit(
         &self,

@@ -67,7 +67,10 @@ pub struct FurtherResponse {
 /// The relation of a response to the force.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
-#[expect(clippy::large_enum_variant, reason = "there is one of them in a sheet")]
+#[expect(
+    clippy::large_enum_variant,
+    reason = "a sheet contains only one of these"
+)]
 pub enum PathSheet {
     /// A frequency response in a file.
     File(ResponseFile),

@@ -20,7 +20,10 @@ use crate::{Outcome, RodlabError};
 /// Source of the mobility.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
-#[expect(clippy::large_enum_variant, reason = "there is one of them in a sheet")]
+#[expect(
+    clippy::large_enum_variant,
+    reason = "a sheet contains only one of these"
+)]
 pub enum SourceSheet {
     /// Hits with a force and a motion.
     Hits(HitsSource),

@@ -30,7 +30,10 @@ use vibration::Modes;
 /// Source of the spectra.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
-#[expect(clippy::large_enum_variant, reason = "there is one of them in a sheet")]
+#[expect(
+    clippy::large_enum_variant,
+    reason = "a sheet contains only one of these"
+)]
 pub enum SourceSheet {
     /// Records of hits.
     Hits {
