@@ -316,8 +316,8 @@ impl Prediction {
 
     /// Returns true if the force of the last of the [`main_contacts`](Self::main_contacts) fades
     /// instead of ending: in the last twentieth of the contact it is below a ten-thousandth of its
-    /// peak. The force of a rigid mass on a semi-infinite rod is proportional to exp(-Zt/m), without
-    /// separation; the contact ends at the time from which the force no longer counts.
+    /// peak. The force of a rigid mass on a semi-infinite rod is proportional to exp(-Zt/m),
+    /// without separation; the contact ends at the time from which the force no longer counts.
     #[must_use]
     pub fn fades(&self) -> bool {
         let force_before_end = |contact: &ContactInterval| {
