@@ -54,7 +54,7 @@ const LOSSLESS: ConvertOptions = ConvertOptions {
 fn a_matlab_file_holds_numbers_names_and_axes() {
     let folder = tempfile::tempdir().unwrap();
     let mut contents = two_channels(vec![0.1, -0.0, 1e-300], vec![1.0, 2.0, f64::MAX]);
-    contents.series[1].name = "end A/left".to_owned();
+    contents.series[1].name = "end A (left)".to_owned();
     contents.series[1].ordinate_axis.label = "Acceleration".to_owned();
     contents.series[1].properties = vec![("serial".to_owned(), "12345".to_owned())];
     let target = folder.path().join("hits.mat");
@@ -62,7 +62,7 @@ fn a_matlab_file_holds_numbers_names_and_axes() {
     let done = convert(&source(folder.path(), &contents), &target, options).unwrap();
     assert_eq!(
         done.lost,
-        ["the property `serial` of `end A/left`, `12345`"]
+        ["the property `serial` of `end A (left)`, `12345`"]
     );
     let back = format::read(&target).unwrap();
     for (one, other) in contents.series.iter().zip(&back.series) {
