@@ -50,8 +50,9 @@ pub struct MergedResponse {
     /// line counts as a variance, and ν is the degrees of freedom of the sum of variances (Welch
     /// and Satterthwaite). This is minus the logarithm of the probability of a difference this
     /// large by chance; its mean is 1 for any number of hits, and it is f for many hits. For more
-    /// tests it is the mean over the tests, each compared with those of smaller variance. NaN if
-    /// fewer than two tests are coherent.
+    /// tests it is the mean over the tests, each compared with those of smaller variance. A gain
+    /// between the tests that their common errors [explain](Agreement::explains_gain) is removed
+    /// first. NaN if fewer than two tests are coherent.
     pub discrepancy: Vec<f64>,
     /// Factor on the variance where the discrepancy of the line and its neighbours exceeds chance
     /// (Birge's ratio); 1 elsewhere.
@@ -330,12 +331,31 @@ impl MergedResponse {
             .map(|line| Entering::of(tests, line))
             .collect();
         let clear: Vec<Vec<bool>> = tests.iter().map(clear_lines).collect();
+        if let Some((first, others)) = tests.split_first() {
+            let enters = |test: usize, line: usize| {
+                entering[line].tests.contains(&test) && clear[test][line]
+            };
+            for (other, test) in others.iter().zip(1..) {
+                let both =
+                    (0..entering.len()).filter(|line| enters(0, *line) && enters(test, *line));
+                self.agreement.push(agreement(first, other, both));
+            }
+        }
+        // a gain that the sensors explain is a common error, which is not tested line by line
+        let explained = self.agreement.iter().map(|agreement| match agreement {
+            Some(agreement) if agreement.expected > 0.0 && agreement.explains_gain() => {
+                agreement.gain
+            }
+            _ => 1.0,
+        });
+        let gains: Vec<f64> = std::iter::once(1.0).chain(explained).collect();
         let mut known = Vec::new();
         for (line, entering) in entering.iter().enumerate() {
             if !entering.coherent {
                 continue;
             }
-            if let Some((discrepancy, freedom)) = entering.discrepancy(tests, &clear, line) {
+            let compared = (clear.as_slice(), gains.as_slice());
+            if let Some((discrepancy, freedom)) = entering.discrepancy(tests, compared, line) {
                 self.discrepancy[line] = discrepancy;
                 known.push((line, freedom));
             }
@@ -366,16 +386,6 @@ impl MergedResponse {
             self.inflation[*line] = square(mean) / square(1.0);
             if let Some(variances) = &mut self.response.variance {
                 variances[*line] *= self.inflation[*line];
-            }
-        }
-        if let Some((first, others)) = tests.split_first() {
-            let enters = |test: usize, line: usize| {
-                entering[line].tests.contains(&test) && clear[test][line]
-            };
-            for (other, test) in others.iter().zip(1..) {
-                let both =
-                    (0..entering.len()).filter(|line| enters(0, *line) && enters(test, *line));
-                self.agreement.push(agreement(first, other, both));
             }
         }
         // if two values differ by d, one of them is off by d/√2 in the root mean square

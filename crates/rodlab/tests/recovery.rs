@@ -223,6 +223,25 @@ fn r11_errors_that_are_stated_too_small_put_a_model_in_doubt() {
     assert!((ratio / (1.25 / 0.4) - 1.0).abs() < 0.28, "{ratio}");
 }
 
+/// The wrong duration of one load: each test follows its own curve, but no model follows all.
+#[test]
+fn tests_that_contradict_each_other_put_a_model_in_doubt() {
+    let folder = TempDir::new().unwrap();
+    let tests = five_tests(folder.path(), 7);
+    let wrong = tests.replace("duration: \"300 s\"", "duration: \"1800 s\"");
+    assert_ne!(tests, wrong);
+    let right = sheet(folder.path(), &tests, "").unwrap();
+    assert_eq!(right.verdict, Verdict::Answered);
+    let contradicted = sheet(folder.path(), &wrong, "").unwrap();
+    let reasons = doubts(&contradicted);
+    assert!(
+        reasons
+            .iter()
+            .any(|reason| reason.starts_with("the tests contradict each other")),
+        "{reasons:?}"
+    );
+}
+
 #[test]
 fn what_is_wrong_is_said() {
     let folder = TempDir::new().unwrap();

@@ -57,7 +57,7 @@ mod single;
 mod verdict;
 
 pub use super::least_squares::Ending;
-pub use joint::{ErrorScale, PredictedChange, RecoveryFit, SeriesModulus};
+pub use joint::{Disagreement, ErrorScale, PredictedChange, RecoveryFit, SeriesModulus};
 pub use paper::{PaperFit, paper_procedure};
 pub use single::SingleTestFit;
 pub use verdict::{Estimate, IDENTIFIED_BELOW, Reason, Scale, Verdict};

@@ -77,6 +77,7 @@ impl MeasuredBody {
             mass,
             delay,
             front: self.front_limit(),
+            scale_error: self.scale_error(),
             free: matches!(self.low_frequency(), LowFrequency::Free(_)),
             n_judged: self.mobility().len(),
         }

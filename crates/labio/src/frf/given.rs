@@ -168,7 +168,10 @@ impl FrequencyResponse {
 
     /// Adds a known variance to that of the complex lines, such as the variance caused by the
     /// truncation of a record. The degrees of freedom follow from those of the random part by the
-    /// formula of Welch and Satterthwaite: $`\nu\,(\sigma^2 + \sigma_k^2)^2/\sigma^4`$.
+    /// formula of Welch and Satterthwaite: $`\nu\,(\sigma^2 + \sigma_k^2)^2/\sigma^4`$. The random
+    /// variance $`\sigma^2`$ in this formula is that of the line or, if larger, its mean over the
+    /// nine nearest lines: an estimate from two averages is often much too small by chance, and
+    /// would then count as known.
     ///
     /// # Errors
     ///
@@ -186,10 +189,11 @@ impl FrequencyResponse {
         let freedom = self.degrees_of_freedom.clone();
         let sum: Vec<f64> = random.iter().zip(known).map(|(r, k)| r + k).collect();
         let effective = freedom.map(|freedom| {
-            let lines = freedom.iter().zip(random.iter().zip(&sum));
-            let of = |(freedom, (random, sum)): (&f64, (&f64, &f64))| {
-                if *random > 0.0 {
-                    freedom * (sum / random).powi(2)
+            let lines = freedom.iter().zip(known).enumerate();
+            let of = |(line, (freedom, known)): (usize, (&f64, &f64))| {
+                let random = expected_variance(&random, line);
+                if random > 0.0 {
+                    freedom * (1.0 + known / random).powi(2)
                 } else {
                     f64::INFINITY
                 }
@@ -299,6 +303,22 @@ impl FrequencyResponse {
             })
         }
     }
+}
+
+/// Lines on either side of a line over which its random variance is averaged.
+const NEIGHBOURS: usize = 4;
+
+/// Returns the variance expected at `line`: its own or, if larger, the mean over the line and its
+/// neighbours, without lines that are not finite.
+fn expected_variance(variance: &[f64], line: usize) -> f64 {
+    let own = variance.get(line).copied().unwrap_or(f64::NAN);
+    let near = variance.iter().skip(line.saturating_sub(NEIGHBOURS));
+    let near = near.take(line.min(NEIGHBOURS) + NEIGHBOURS + 1);
+    let finite = near.filter(|variance| variance.is_finite());
+    let (sum, count) = finite.fold((0.0, 0.0), |(sum, count), variance| {
+        (sum + variance, count + 1.0)
+    });
+    if own < sum / count { sum / count } else { own }
 }
 
 #[cfg(test)]
@@ -499,7 +519,7 @@ mod tests {
     }
 
     /// Welch and Satterthwaite: a quarter of the variance has ten degrees of freedom, the rest is
-    /// known.
+    /// known. A variance of 0 by chance is not taken as known.
     #[test]
     fn a_known_variance_adds_degrees_of_freedom() {
         let random = of(&[2.0; 3]).with_variance(vec![0.04, 0.0, 0.04]).unwrap();
@@ -507,7 +527,7 @@ mod tests {
         let found = random.with_known_variance(&[0.12, 0.12, 0.0]).unwrap();
         let (variance, freedom) = (found.variance.unwrap(), found.degrees_of_freedom.unwrap());
         assert!((variance[0] - 0.16).abs() < 1e-15 && (freedom[0] - 160.0).abs() < 1e-12);
-        assert!((variance[1] - 0.12).abs() < 1e-15 && freedom[1].is_infinite());
+        assert!((variance[1] - 0.12).abs() < 1e-15 && (freedom[1] - 302.5).abs() < 1e-9);
         assert!((variance[2] - 0.04).abs() < 1e-15 && (freedom[2] - 10.0).abs() < 1e-12);
         let zero = of(&[2.0; 3]).with_variance(vec![0.1; 3]).unwrap();
         assert!(zero.with_degrees_of_freedom(&[0.0; 3]).is_err());

@@ -74,11 +74,12 @@ impl Entering {
         known().map(|(h, u)| (h, u.recip() / total)).collect()
     }
 
-    /// Returns the discrepancy between the tests, and the degrees of freedom of their variances.
+    /// Returns the discrepancy between the tests, divided by their `gains`, and the degrees of
+    /// freedom of their variances.
     pub(super) fn discrepancy(
         &self,
         tests: &[FrequencyResponse],
-        clear: &[Vec<bool>],
+        (clear, gains): (&[Vec<bool>], &[f64]),
         line: usize,
     ) -> Option<(f64, f64)> {
         let square = self.square(tests, line);
@@ -90,7 +91,8 @@ impl Entering {
                 let test = &tests[*h];
                 let variance = common_variance(test, line, square);
                 let bias = square * bias_at(test, line).powi(2);
-                (test.values[line], variance + bias, freedom_at(test, line))
+                let value = test.values[line] / gains[*h];
+                (value, variance + bias, freedom_at(test, line))
             })
             .filter(|(_, variance, _)| *variance > 0.0 && variance.is_finite())
             .collect();

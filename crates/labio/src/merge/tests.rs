@@ -300,6 +300,8 @@ fn s6_hammers_of_another_gain_are_told_and_enter_the_error() {
     // sensors with an uncertainty of 10 % explain this gain
     let merged = MergedResponse::by_inverse_variance(&responses(off, 0.1)).unwrap();
     assert!(merged.agreement[0].unwrap().explains_gain());
+    // and the lines agree beside it
+    assert!(merged.inflation.iter().all(|factor| *factor < 1.0 + 1e-12));
     let merged = MergedResponse::by_inverse_variance(&responses(LIGHT, 0.0)).unwrap();
     let agreement = merged.agreement[0].unwrap();
     assert!(

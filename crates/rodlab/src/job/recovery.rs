@@ -208,7 +208,7 @@ pub(crate) fn run(sheet: &RecoverySheet, context: &JobContext<'_>) -> Result<Out
     } else {
         1.0
     };
-    let found = Found {
+    let mut found = Found {
         paper: paper(sheet, &tests)?,
         predictions: predictions(sheet, &tests)?,
         sheet,
@@ -220,12 +220,14 @@ pub(crate) fn run(sheet: &RecoverySheet, context: &JobContext<'_>) -> Result<Out
     };
     let refused = |error| RodlabError::step("predicting a recovery", error);
     statement::state(&mut outcome, &found);
+    if matches!(outcome.verdict, Verdict::NotAllowed { .. }) {
+        // a model with an unidentified parameter predicts nothing
+        found.predictions.clear();
+    }
     outcome.tables = curves::tables(&found).map_err(refused)?;
     outcome.figures = figures::figures(&found).map_err(refused)?;
     context.check_cancelled()?;
-    if !matches!(outcome.verdict, Verdict::NotAllowed { .. }) {
-        statement::predict(&mut outcome, &found).map_err(refused)?;
-    }
+    statement::predict(&mut outcome, &found).map_err(refused)?;
     Ok(outcome)
 }
 

@@ -2,9 +2,12 @@
 
 use std::fmt;
 
+use statrs::distribution::{ChiSquared, ContinuousCDF};
+
 use super::super::least_squares::{Ending, Linearised, minimise};
 use super::super::{RecoveryTest, ThreeElement};
 use super::prediction::{Coordinates, grid_start, linearise, predict};
+use super::single::SingleTestFit;
 use super::verdict::{Estimate, IDENTIFIED_BELOW, Reason, Scale, Verdict};
 use crate::directions::Directions;
 use crate::error::{CmodError, check_not_negative, check_positive};
@@ -28,6 +31,18 @@ pub enum ErrorScale {
     /// The residual of the fit; the stated errors are then relative weights and are multiplied by
     /// √(χ²/ν).
     FromResidual,
+}
+
+/// Disagreement of the tests of a joint fit.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub struct Disagreement {
+    /// χ² of the joint fit minus the sum of χ² of the tests alone.
+    pub chi_squared: f64,
+    /// Degrees of freedom of this difference.
+    pub degrees_of_freedom: usize,
+    /// Probability of a larger difference if the model describes all tests.
+    pub p_value: f64,
 }
 
 /// Fit of the parameters of the three-element model to recovery tests, by weighted least squares
@@ -159,6 +174,26 @@ impl RecoveryFit {
             degrees_of_freedom,
             recovery_times,
             ending: minimum.ending,
+        })
+    }
+
+    /// Compares the joint fit with the fits of the tests alone: χ² minus the sum of χ² of the
+    /// `singles`, which has n - p degrees of freedom for n numbers of single tests and p parameters.
+    /// `None` if the tests alone have no more numbers than the model has parameters.
+    ///
+    /// Each test may follow equation 4 although the tests contradict each other, for example after
+    /// a wrong stress. The readings of one test then hardly raise χ² of all readings.
+    #[must_use]
+    pub fn disagreement(&self, singles: &[SingleTestFit]) -> Option<Disagreement> {
+        let alone: f64 = singles.iter().map(|single| single.chi_squared).sum();
+        let freedom: usize = singles.iter().map(|single| single.degrees_of_freedom).sum();
+        let degrees_of_freedom = self.degrees_of_freedom.checked_sub(freedom)?;
+        let chi_squared = (self.chi_squared - alone).max(0.0);
+        let law = ChiSquared::new(degrees_of_freedom as f64).ok()?;
+        Some(Disagreement {
+            chi_squared,
+            degrees_of_freedom,
+            p_value: law.sf(chi_squared),
         })
     }
 

@@ -35,6 +35,8 @@ pub struct SingleTestFit {
     pub tail_error: f64,
     /// χ² of the readings.
     pub chi_squared: f64,
+    /// Degrees of freedom of χ²: the number of readings minus 2.
+    pub degrees_of_freedom: usize,
     /// Reason why the iteration ended.
     pub ending: Ending,
 }
@@ -113,6 +115,7 @@ impl SingleTestFit {
             tail: (log_change + log_time).exp(),
             tail_error: error([1.0, 1.0]),
             chi_squared: minimum.linearised.sum_of_squares(),
+            degrees_of_freedom: count - 2,
             ending: minimum.ending,
         })
     }

@@ -188,6 +188,9 @@ pub struct Screening {
     /// The instantaneous response; `None` if the lines contain fewer than three resonance
     /// spacings.
     pub front: Option<FrontLimit>,
+    /// Relative standard error of the scale of all lines, which mass and impedance share; it is in
+    /// none of their standard errors.
+    pub scale_error: f64,
     pub(super) free: bool,
     pub(super) n_judged: usize,
 }

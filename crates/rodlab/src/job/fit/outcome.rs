@@ -158,17 +158,21 @@ fn of_sweep(outcome: &mut Outcome, found: &Found<'_>, sweep: &Sweep) {
         Ok(laws) => {
             of_shift_laws(outcome, laws, sweep.by_scatter.as_ref());
             let scatter = curve.temperature_scatter();
-            if let (Some(_), None, Ok(kelvin)) = (
-                &sweep.by_scatter,
-                &found.sheet.temperature_uncertainty,
-                scatter,
-            ) && kelvin.is_finite()
+            if let (Some(_), Ok(kelvin)) = (&sweep.by_scatter, scatter)
+                && kelvin.is_finite()
             {
-                outcome.warnings.push(format!(
-                    "The shifts differ from WLF by more than the errors of the moduli explain, as they would if the temperatures were wrong by {} K. If the \
-                     readings can be that wrong, state `temperature_uncertainty`: the stated errors of the shifts, and of the master curve at the reference, do not include errors of temperature.",
-                    significant(kelvin, 2)
-                ));
+                let kelvin = significant(kelvin, 2);
+                outcome.warnings.push(match &found.sheet.temperature_uncertainty {
+                    None => format!(
+                        "The shifts differ from WLF by more than the errors of the moduli explain, as they would if the temperatures were wrong by {kelvin} K. If the \
+                         readings can be that wrong, state `temperature_uncertainty`: the stated errors of the shifts, and of the master curve at the reference, do not include errors of temperature."
+                    ),
+                    Some(stated) => format!(
+                        "The shifts differ from WLF by more than the errors of the moduli and the stated `temperature_uncertainty` of {stated} explain; the shifts scatter as if \
+                         the temperatures were wrong by {kelvin} K. If WLF holds for the material in this range, the temperature or the frequencies of a step are wrong, and \
+                         so are the master curve and its errors."
+                    ),
+                });
             }
         }
         Err(error) => outcome

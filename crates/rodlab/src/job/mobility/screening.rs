@@ -237,12 +237,13 @@ pub(crate) fn tell(screening: &Screening, outcome: &mut Outcome) -> Vec<String> 
             add(name, "us", 1e6 * seen, None, None);
         }
     }
+    let with_scale = |value: f64, error: f64| Some(error.hypot(screening.scale_error * value));
     if let Some(mass) = &screening.mass {
         add(
             "mass by the low lines",
             "kg",
             mass.apparent,
-            Some(mass.standard_error),
+            with_scale(mass.apparent, mass.standard_error),
             against(&|flag| {
                 matches!(
                     flag,
@@ -256,7 +257,7 @@ pub(crate) fn tell(screening: &Screening, outcome: &mut Outcome) -> Vec<String> 
             "front impedance by the mean over resonance spacings",
             "kg/s",
             front.apparent,
-            Some(front.standard_error),
+            with_scale(front.apparent, front.standard_error),
             against(&|flag| {
                 matches!(
                     flag,

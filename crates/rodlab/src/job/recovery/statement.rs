@@ -13,6 +13,9 @@ use crate::outcome::{LogEntry, Quantity};
 /// exceeds it by more, the model or the stated errors are wrong.
 const DEVIATIONS: f64 = 3.0;
 
+/// Probability by chance below which the tests contradict each other.
+const CONTRADICTED: f64 = 1e-3;
+
 /// States the verdict if no model could be fitted, and the results of each test alone.
 pub(super) fn without_fit(
     outcome: &mut Outcome,
@@ -176,7 +179,7 @@ fn of_single_tests(
         let name = test.name();
         match single {
             Ok(single) => {
-                let freedom = test.time().len().saturating_sub(2) as f64;
+                let freedom = single.degrees_of_freedom as f64;
                 let misfit = (errors_are_stated
                     && freedom > 0.0
                     && single.chi_squared > most_explained(freedom))
@@ -235,6 +238,24 @@ fn objections(found: &Found<'_>) -> Vec<String> {
             significant(fit.chi_squared, 3),
             fit.degrees_of_freedom,
             significant(most, 3)
+        ));
+    }
+    let singles: Option<Vec<SingleTestFit>> = found
+        .singles
+        .iter()
+        .map(|single| single.as_ref().ok().copied())
+        .collect();
+    let apart = singles.and_then(|singles| fit.disagreement(&singles));
+    if let Some(apart) = apart
+        && has_stated_errors(found.sheet)
+        && apart.p_value < CONTRADICTED
+    {
+        objections.push(format!(
+            "the tests contradict each other: chi-square rises by {} with {} degrees of freedom from the tests alone to one model for all, probability {} by chance; \
+             a load or the readings of a test are wrong, or the model does not hold",
+            significant(apart.chi_squared, 3),
+            apart.degrees_of_freedom,
+            significant(apart.p_value, 2)
         ));
     }
     if fit.ending != Ending::Converged {
