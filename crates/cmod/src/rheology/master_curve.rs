@@ -2,6 +2,7 @@
 
 mod joint;
 mod links;
+mod prepared;
 mod reduced;
 mod temperature;
 
@@ -11,9 +12,9 @@ use num_complex::Complex64;
 use rodwave::modulus::GeneralisedMaxwell;
 
 use self::joint::{Joint, Settled, shifted};
-use self::links::{Starts, connected, links};
+use self::prepared::Prepared;
 use super::data::ModulusData;
-use super::fit::{FitOptions, RheologicalFit, enough};
+use super::fit::{FitOptions, RheologicalFit};
 use super::judgement::Scene;
 use super::law::{FittedLaw, Law};
 use super::order::Order;
@@ -55,6 +56,9 @@ pub struct MasterCurve {
     /// Temperatures that neither an overlap within the errors nor a stated shift connects with the
     /// reference. They are not part of the curve.
     pub unconnected: Vec<f64>,
+    /// Fall of BIC from the best fit without factors of rubber elasticity, if the factors b_T =
+    /// T/Tᵣ were chosen by the data.
+    pub entropic: Option<f64>,
     /// All lines at their reduced frequencies, in the order of the sweep.
     pub points: Vec<MasterPoint>,
 }
@@ -104,81 +108,72 @@ pub struct MasterPoint {
     pub fitted: Complex64,
 }
 
+/// Fall of BIC from which the factors of rubber elasticity are used: positive evidence (Kass &
+/// Raftery 1995).
+const ENTROPIC: f64 = 2.0;
+
 impl MasterCurve {
     /// Fits the curve to `sweep`, with the temperature of index `reference` as reference.
     ///
     /// # Errors
     /// [`CmodError::ReferenceTest`] for an index beyond the temperatures; otherwise the errors of
     /// [`RheologicalFit::new`].
-    #[allow(
-        clippy::indexing_slicing,
-        reason = "`reference` is below the number of temperatures, of which all lists have one element each; `others` are some of \
-                  them, and the shifts of these are the last parameters"
-    )]
     pub fn new(
         sweep: &TemperatureSweep,
         reference: usize,
         options: &FitOptions,
     ) -> Result<Self, CmodError> {
         let options = options.checked()?;
-        let count = sweep.temperatures.len();
-        if reference >= count {
-            return Err(CmodError::ReferenceTest {
-                index: reference,
-                count,
-            });
-        }
-        let links = links(sweep, &sweep.factors(reference));
-        let connected = connected(&links, reference);
-        let unconnected: Vec<f64> = (0..count)
-            .filter(|step| !connected.contains(step))
-            .map(|step| sweep.temperatures[step])
-            .collect();
-        let sweep = &sweep.part(connected.clone());
-        let links = &links[connected.clone()];
-        let reference = reference - connected.start();
-        let count = sweep.temperatures.len();
-        let factors = sweep.factors(reference);
-        let starts = Starts::of(sweep, links, reference);
-        let mut joined = ModulusData::joined(sweep.data.iter().zip(factors.iter().copied()));
-        enough(&joined, count, options.error_scale)?;
-        let of_lines = |of_step: &dyn Fn(usize) -> Option<usize>| -> Vec<Option<usize>> {
-            let steps = sweep.data.iter().enumerate();
-            steps
-                .flat_map(|(step, data)| std::iter::repeat_n(of_step(step), data.len()))
-                .collect()
-        };
-        // a stated shift is included in the frequencies
-        let stated = of_lines(&|step| starts.is_stated[step].then_some(step));
-        for (omega, step) in joined.omega.iter_mut().zip(stated) {
-            *omega *= step.map_or(1.0, |step| starts.log_shifts[step].exp());
-        }
-        let others: Vec<usize> = (0..count)
-            .filter(|step| *step != reference && !starts.is_stated[*step])
-            .collect();
-        let scaled: Vec<usize> = (0..count).filter(|step| *step != reference).collect();
-        let kelvin = |steps: &[usize]| -> Vec<f64> {
-            steps.iter().map(|step| sweep.temperatures[*step]).collect()
-        };
-        let place = |steps: &[usize], step: usize| steps.iter().position(|own| *own == step);
-        let joint = Joint {
-            sweep,
-            joined: &joined,
-            options,
-            shift_of_line: of_lines(&|step| place(&others, step)),
-            factor_of_line: of_lines(&|step| place(&scaled, step)),
-            temperatures: kelvin(&others),
-            scaled_temperatures: kelvin(&scaled),
-            others,
-            scaled,
-        };
-        let mut settled = joint.settle(&starts, false)?;
-        if !sweep.vertical_is_stated && (starts.demand_factors() || settled.is_refused(&joint)) {
-            let with_factors = joint.settle(&starts, true)?;
+        let as_stated = Prepared::of(sweep, reference, &options)?;
+        let joint = as_stated.joint(options);
+        let (starts, is_free) = (&as_stated.starts, !sweep.vertical_is_stated);
+        let mut settled = joint.settle(starts, false)?;
+        if is_free && (starts.demand_factors() || settled.is_refused(&joint)) {
+            let with_factors = joint.settle(starts, true)?;
             if with_factors.bic(&joint) < settled.bic(&joint) {
                 settled = with_factors;
             }
         }
+        if is_free {
+            let entropic = Prepared::of(&sweep.clone().entropic(), reference, &options)?;
+            let joint_entropic = entropic.joint(options);
+            let other = joint_entropic.settle(&entropic.starts, false)?;
+            let fall = settled.bic(&joint) - other.bic(&joint_entropic);
+            let is_same_part = entropic.unconnected == as_stated.unconnected;
+            if is_same_part && fall > ENTROPIC {
+                let curve = Self::concluded(&entropic, &joint_entropic, other)?;
+                return Ok(Self {
+                    entropic: Some(fall),
+                    ..curve
+                });
+            }
+        }
+        Self::concluded(&as_stated, &joint, settled)
+    }
+
+    /// Judges the parameters at the minimum of the joint fit.
+    #[allow(
+        clippy::indexing_slicing,
+        reason = "`reference` is below the number of temperatures, of which all lists have one element each; `others` are some of \
+                  them, and the shifts of these are the last parameters"
+    )]
+    fn concluded(
+        prepared: &Prepared,
+        joint: &Joint<'_>,
+        settled: Settled,
+    ) -> Result<Self, CmodError> {
+        let Prepared {
+            sweep,
+            reference,
+            unconnected,
+            links,
+            factors,
+            starts,
+            joined,
+        } = prepared;
+        let (reference, options) = (*reference, joint.options);
+        let count = sweep.temperatures.len();
+        let place = |steps: &[usize], step: usize| steps.iter().position(|own| *own == step);
         let Settled {
             model,
             minimum,
@@ -191,7 +186,7 @@ impl MasterCurve {
         let none = vec![0.0; count];
         let shifted = shifted(
             sweep,
-            &joined,
+            joined,
             &log_shifts,
             log_factors.as_ref().unwrap_or(&none),
         );
@@ -208,7 +203,7 @@ impl MasterCurve {
             .collect();
         let scene = Scene {
             model: &model,
-            data: &joined,
+            data: joined,
             band: shifted.band(),
             sequences: &sequences,
             options,
@@ -304,7 +299,8 @@ impl MasterCurve {
             orders,
             reference_temperature: sweep.temperatures[reference],
             shifts,
-            unconnected,
+            unconnected: unconnected.clone(),
+            entropic: None,
             points,
         })
     }

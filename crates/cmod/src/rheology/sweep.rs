@@ -11,8 +11,8 @@ use crate::error::{CmodError, check_positive};
 /// ```
 ///
 /// A master curve determines a_T. If densities are given, b_T = ρT/(ρᵣTᵣ) follows from rubber
-/// elasticity, which is entropic. Otherwise b_T is 1 if the curves are compatible with this value,
-/// and is estimated if they are not.
+/// elasticity, which is entropic. Otherwise b_T is 1 or T/Tᵣ, whichever describes the curves
+/// better, and is estimated if they are compatible with neither.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TemperatureSweep {
     pub(super) temperatures: Vec<f64>,
@@ -105,6 +105,13 @@ impl TemperatureSweep {
         }
         self.vertical_is_stated = true;
         Ok(self)
+    }
+
+    /// Sets the factor of rubber elasticity at constant density, b_T = T/Tᵣ.
+    pub(super) fn entropic(mut self) -> Self {
+        self.vertical.clone_from(&self.temperatures);
+        self.vertical_is_stated = true;
+        self
     }
 
     /// Sets the factor of the modulus to 1 at all temperatures, so that no factor is estimated.

@@ -3,7 +3,7 @@
 
 use std::f64::consts::TAU;
 
-use cmod::rheology::{FitOptions, MasterCurve, ModulusData, TemperatureSweep};
+use cmod::rheology::{FitOptions, MasterCurve, ModulusData, Shift, TemperatureSweep};
 use cmod::{CmodError, Specimen, TwoPoint};
 use num_complex::Complex64;
 use rand::SeedableRng;
@@ -179,6 +179,48 @@ fn rubber_elasticity_is_taken_out() {
         );
     }
     assert!(with.with_rubber_elasticity(&densities[1..]).is_err());
+}
+
+/// Without a statement the data choose between b_T = T/T_r and 1, also where χ² refuses neither.
+#[test]
+fn the_data_choose_the_factors_of_rubber_elasticity() {
+    let law = four_branches();
+    let sweep = |is_entropic: bool, seed: u64| {
+        let steps = temperatures().into_iter().map(|t| {
+            let a = wlf(8.0, 180.0, t).exp();
+            let b = if is_entropic { t / REFERENCE } else { 1.0 };
+            let modulus = |omega: f64| b * law.at(omega * a);
+            let frequency = logarithmic(400.0, 10e3, 16);
+            let noise = Noise::circular(0.05);
+            (
+                t,
+                measured(modulus, &frequency, noise, 1000 * seed + t as u64),
+            )
+        });
+        TemperatureSweep::new(steps.collect()).unwrap()
+    };
+    let options = FitOptions::default().with_profiles(false);
+    let of = |sweep: &TemperatureSweep| MasterCurve::new(sweep, 6, &options).unwrap();
+    let mut not_refused = 0;
+    for seed in 0..5 {
+        let entropic = sweep(true, seed);
+        let found = of(&entropic);
+        let is_estimated = |shift: &Shift| shift.vertical_standard_error > 0.0;
+        if found.entropic.is_some() {
+            for shift in &found.shifts {
+                assert!((shift.vertical / shift.temperature * REFERENCE - 1.0).abs() < 1e-12);
+            }
+        } else {
+            assert!(found.shifts.iter().any(is_estimated), "{found}");
+        }
+        not_refused += u32::from(of(&entropic.without_factors()).fit.p_value() > 0.01);
+        let unity = of(&sweep(false, seed));
+        assert!(
+            unity.entropic.is_none() && !unity.shifts.iter().any(is_estimated),
+            "{unity}"
+        );
+    }
+    assert!(not_refused >= 2, "{not_refused}");
 }
 
 /// Test 6 of paper A: a rod of polypropylene, 799 mm long and 15.8 mm thick, with an accelerometer

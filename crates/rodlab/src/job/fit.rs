@@ -296,7 +296,7 @@ impl FitSheet {
             ),
             (
                 "vertical_shifts",
-                "estimated where the curves contradict a factor of 1",
+                "1 or, if the curves prefer it, T/T_r of rubber elasticity; estimated if they contradict both",
             ),
             ("band", "all frequencies"),
             ("scale_uncertainty", "not stated"),

@@ -313,6 +313,13 @@ fn one_curve(outcome: &mut Outcome, found: &Found<'_>, curve: &MasterCurve) {
             "Without factors of the modulus the temperatures do not form a single curve: {scaled} factors were estimated in addition to the shifts."
         ));
     }
+    if let Some(fall) = curve.entropic {
+        outcome.warnings.push(format!(
+            "The factors of the modulus are those of rubber elasticity, T/T_r, which describe the curves better than a factor of 1 (BIC lower by {}). \
+             State `vertical_shifts` for other factors.",
+            significant(fall, 2)
+        ));
+    }
     let stated = found.sheet.scale_uncertainty.as_ref();
     let stated = stated.map_or(0.0, Exact::si);
     if let Some(scatter) = scatter_of_factors(curve)
