@@ -471,7 +471,7 @@ fn l3_vertical_shift_is_estimated_where_it_is_demanded() {
             let curve = MasterCurve::new(&sweep, 3, &options).unwrap();
             assert!(curve.unconnected.is_empty(), "{curve}");
             if slope == 0.0 {
-                let one = |shift: &cmod::rheology::Shift| shift.vertical == 1.0;
+                let one = |shift: &Shift| shift.vertical == 1.0;
                 without += u32::from(curve.shifts.iter().all(one));
                 continue;
             }
