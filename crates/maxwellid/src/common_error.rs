@@ -17,10 +17,10 @@
 //! The derivative with respect to ln L follows from those with respect to θ: two velocity histories
 //! determine only E/(ρL²) and the function L F(ρLs) of s (see [`crate::SpecimenSensitivity`]).
 //!
-//! The response is linearised about the most likely delay and length, and about the stated values of
-//! the other quantities. With the stated length instead, the error of the linearisation is of second
-//! order in the error of the length. If it exceeds the noise, each renewal of the columns moves E to
-//! the other side of the minimum.
+//! The response is linearised about the most likely delay and length, and about the stated values
+//! of the other quantities. With the stated length instead, the error of the linearisation is of
+//! second order in the error of the length. If it exceeds the noise, each renewal of the columns
+//! moves E to the other side of the minimum.
 //!
 //! If the recorder is part of the model, the front of the excitation, unresolved between two grid
 //! points, is a common error too. On a grid of a quarter of the spacing the response of a nonlinear
@@ -28,8 +28,8 @@
 //! Δ + Δ/4 + .. = 4Δ/3 is missing. This correction is added, with the standard uncertainty Δ.
 //!
 //! # Validity
-//! The response is linear in gain errors of a few per cent. The density of all rods of one material has one
-//! error, which scales the results: [`crate::SpecimenUncertainty`].
+//! The response is linear in gain errors of a few per cent. The density of all rods of one material
+//! has one error, which scales the results: [`crate::SpecimenUncertainty`].
 //!
 //! Theory: `docs/theory/identification.md#errors-of-rods-and-transducers`.
 
@@ -281,7 +281,7 @@ impl CommonErrors {
                 own.iter_mut().for_each(|v| *v *= factor);
                 Some(weighting.seen(test, own))
             });
-            // the difference of the grids does not depend on the error of a length
+            // an error of the length hardly changes the difference of the grids
             let same_delay =
                 |known: &&Self| known.deviation(index).delay.to_bits() == delay.to_bits();
             let known_front = known

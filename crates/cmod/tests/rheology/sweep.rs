@@ -181,7 +181,7 @@ fn rubber_elasticity_is_taken_out() {
     assert!(with.with_rubber_elasticity(&densities[1..]).is_err());
 }
 
-/// Without a statement the data choose between b_T = T/T_r and 1, also where χ² refuses neither.
+/// Choice between b_T = T/T_r and 1 by the data, also where χ² refuses neither.
 #[test]
 fn the_data_choose_the_factors_of_rubber_elasticity() {
     let law = four_branches();
