@@ -16,27 +16,29 @@
 #[path = "../tests/virtual_laboratory/mod.rs"]
 mod virtual_laboratory;
 
-use std::error::Error;
-
 use impulse::{contact_band, separate};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rodfigure::{Figure, Mark, Panel, Role};
-use virtual_laboratory::{Case, Merging, long_rod, uncertainty};
+use testbed::claim::Fallible;
+use testbed::papers::paper_e::bodies::Face;
+use testbed::papers::paper_e::load;
+use virtual_laboratory::{bare_face, long_rod, on_long_rod, predicted, uncertainty};
 
-fn main() -> Result<(), Box<dyn Error>> {
-    let rod = long_rod()?;
+fn main() -> Fallible<()> {
+    let paper = load()?;
+    let rod = long_rod(&paper)?;
     let mut random = ChaCha8Rng::seed_from_u64(1993);
     let mut panels = Vec::new();
-    for case in Case::ALL {
-        let larger_force = case.measured(Merging::LargerForce, &mut random)?;
-        let measured = case.measured(Merging::InverseVariance, &mut random)?;
-        let predicted = case.predicted()?;
-        let first = case.on_long_rod(&measured.mobility, &rod)?;
-        let second = case.on_long_rod(&predicted, &rod)?;
+    for face in Face::ALL {
+        let tests = paper.hammer_tests(face, &mut random)?;
+        let larger_force = bare_face(&paper, &tests.by_larger_force()?)?;
+        let measured = bare_face(&paper, &tests.by_inverse_variance()?)?;
+        let predicted = predicted(&paper, face)?;
+        let first = on_long_rod(&paper, face, &measured.mobility, &rod)?;
+        let second = on_long_rod(&paper, face, &predicted, &rod)?;
         let error = first.error(&uncertainty(&measured))?;
-        let by_larger_force = case
-            .on_long_rod(&larger_force.mobility, &rod)?
+        let by_larger_force = on_long_rod(&paper, face, &larger_force.mobility, &rod)?
             .error(&uncertainty(&larger_force))?;
         let (first, second) = (first.solve()?.history, second.solve()?.history);
         let contact = first.index_near(0.0).ok_or("time 0 is in the history")?;
@@ -48,7 +50,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         println!(
             "{}: peak {:.0} N measured, {:.0} N predicted; standard error {:.2} N ({:.2} N with the hammer of the larger \
              force alone); end {:?}",
-            case.name(),
+            face.name(),
             first.peak().force,
             second.peak().force,
             error.standard_error()[contact],
@@ -68,7 +70,8 @@ fn main() -> Result<(), Box<dyn Error>> {
             line("(I) measured", Role::First, measured.history.force()),
             line("(II) predicted", Role::Second, predicted.history.force()),
         ];
-        let force = format!("force, {}, {} m/s", case.name(), case.velocity());
+        let velocity = paper.case(face)?.impact_velocity;
+        let force = format!("force, {}, {velocity} m/s", face.name());
         panels.push(Panel::new(("time", "ms"), (force, "kN"), marks));
     }
     let title = "Figures 5 and 6 of paper E on virtual bodies";

@@ -6,7 +6,9 @@ use crate::virtual_laboratory;
 use impulse::{ContactEnd, EndVerdict, separate};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
-use virtual_laboratory::{Case, Merging, long_rod, uncertainty};
+use testbed::papers::paper_e::bodies::Face;
+use testbed::papers::paper_e::load;
+use virtual_laboratory::{bare_face, long_rod, on_long_rod, predicted, uncertainty};
 
 /// Level of each of the four bands; all four cover with a probability of 96 %, and the seed is
 /// fixed.
@@ -14,19 +16,21 @@ const LEVEL: f64 = 0.99;
 
 #[test]
 fn measured_and_predicted_bodies_give_the_same_force_within_its_band() {
-    let rod = long_rod().unwrap();
-    for (case, merging) in Case::ALL.into_iter().zip([
-        Merging::LargerForce,
-        Merging::InverseVariance,
-        Merging::LargerForce,
-        Merging::InverseVariance,
-    ]) {
-        let name = case.name();
+    let paper = load().unwrap();
+    let rod = long_rod(&paper).unwrap();
+    for (face, is_by_force) in Face::ALL.into_iter().zip([true, false, true, false]) {
+        let name = face.name();
         let mut random = ChaCha8Rng::seed_from_u64(1993);
-        let measured = case.measured(merging, &mut random).unwrap();
-        let predicted = case.predicted().unwrap();
-        let first = case.on_long_rod(&measured.mobility, &rod).unwrap();
-        let second = case.on_long_rod(&predicted, &rod).unwrap();
+        let tests = paper.hammer_tests(face, &mut random).unwrap();
+        let merged = if is_by_force {
+            tests.by_larger_force()
+        } else {
+            tests.by_inverse_variance()
+        };
+        let measured = bare_face(&paper, &merged.unwrap()).unwrap();
+        let predicted = predicted(&paper, face).unwrap();
+        let first = on_long_rod(&paper, face, &measured.mobility, &rod).unwrap();
+        let second = on_long_rod(&paper, face, &predicted, &rod).unwrap();
         let error = first.error(&uncertainty(&measured)).unwrap();
         let (first, second) = (first.solve().unwrap(), second.solve().unwrap());
         let peak = second.history.peak().force;
@@ -58,7 +62,7 @@ fn measured_and_predicted_bodies_give_the_same_force_within_its_band() {
         let impacts = [&first, &second].map(|s| separate(&s.history, threshold).unwrap());
         let ContactEnd::Separated { time } = impacts[1].end else {
             // this face grazes zero, and pulls by no more than the band limit rings
-            assert_eq!(case, Case::ConeB, "{:?}", impacts[1].end);
+            assert_eq!(face, Face::ConeB, "{:?}", impacts[1].end);
             continue;
         };
         let end = error.contact_end(&first.history, &impacts[0]).unwrap();

@@ -18,7 +18,7 @@ use forces::{Forces, Row};
 use measurement::Measurement;
 use responses::Responses;
 use testbed::papers::paper_e::bodies::Face;
-use testbed::papers::paper_e::{PaperE, load};
+use testbed::papers::paper_e::{PaperE, hammer_tests, load};
 
 pub(crate) fn reproduce() -> Result<Reproduction, Error> {
     let paper = load()?;
@@ -28,7 +28,7 @@ pub(crate) fn reproduce() -> Result<Reproduction, Error> {
     let found: Vec<(Measurement, Forces)> = Face::ALL
         .into_par_iter()
         .map(|face| {
-            let measurement = measurement::Laboratory(&paper).measure(face)?;
+            let measurement = measurement::measure(&paper, face)?;
             let forces = forces::of(&paper, face, &measurement)?;
             Ok((measurement, forces))
         })
@@ -117,8 +117,8 @@ fn introduction(paper: &PaperE) -> String {
          - (I): measured impulse response of the body (each line from the hammer with the larger force), predicted one of the rod; on lines \
          as in the paper, with eq. 3, and marched\n\
          - (II): both predicted; on lines as in the paper with eq. 7 ({:.0} samples, up to {:.0} kHz), and marched with the causal law\n",
-        measurement::FORCE_NOISE,
-        measurement::ACCELERATION_NOISE,
+        hammer_tests::FORCE_NOISE,
+        hammer_tests::ACCELERATION_NOISE,
         1e6 * forces::STRAIN_NOISE,
         1e6 * paper.sample_period,
         1e6 * paper.strain_sample_period,

@@ -1,6 +1,7 @@
 //! Paper E as typed values.
 
 pub mod bodies;
+pub mod hammer_tests;
 
 use super::error::FixtureError;
 use super::transcribed_table;

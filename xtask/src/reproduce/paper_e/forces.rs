@@ -12,7 +12,7 @@ use rodwave::experiment::impact_of_two_bodies::ImpactOfTwoBodies;
 use serde::Serialize;
 
 use super::super::Error;
-use super::measurement::{Measurement, SEED};
+use super::measurement::{self, Measurement, SEED};
 use testbed::papers::paper_e::PaperE;
 use testbed::papers::paper_e::bodies::Face;
 
@@ -222,7 +222,8 @@ pub(crate) fn of(paper: &PaperE, face: Face, measurement: &Measurement) -> Resul
     let truth = problem(&truth).solve()?.history;
     let contact_end = error.contact_end(&stick, &impact);
 
-    let body = super::measurement::Laboratory(paper).on_lines(
+    let body = measurement::on_lines(
+        paper,
         face,
         &measurement.larger_force.mobility,
         Some(&measurement.larger_force.variance),

@@ -4,7 +4,7 @@ use impulse::{Kernel, Quadrature, TimeGrid};
 use num_complex::Complex64;
 
 use super::super::{Error, Table};
-use super::measurement::{Laboratory, Measurement};
+use super::measurement::{self, Measurement};
 use testbed::papers::paper_e::PaperE;
 use testbed::papers::paper_e::bodies::Face;
 
@@ -42,7 +42,7 @@ impl Responses {
                 paper.n_lines(),
             )?;
             let response = |mobility: &[Complex64]| -> Result<Vec<f64>, Error> {
-                let body = Laboratory(paper).on_lines(face, mobility, None)?;
+                let body = measurement::on_lines(paper, face, mobility, None)?;
                 let kernel = Kernel::of(&body, grid, Quadrature::CellAverages)?;
                 let weights = kernel.weights().iter().skip(2);
                 Ok(weights.map(|weight| weight / grid.time_step).collect())
