@@ -24,7 +24,7 @@ mod unit;
 
 pub use decimal::push_decimal;
 pub use draw::{Drawn, svg_of};
-pub use thinning::{FEW, thinned};
+pub use thinning::thinned;
 pub use ticks::superscript;
 pub use unit::unit_as_read;
 

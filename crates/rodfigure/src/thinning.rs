@@ -8,10 +8,14 @@
 use super::span::on;
 use super::{Axis, Figure, Mark, Panel, Scale};
 
-/// Number of columns of the range shown, and of the whole range for everything outside it.
-const COLUMNS: f64 = 500.0;
-/// Number of samples up to which a series is drawn as it is.
-pub const FEW: usize = 2000;
+/// Number of columns of the range shown, and of the whole range for everything outside it. A panel
+/// with more than twelve marks has fewer columns, but not fewer than 50.
+const COLUMNS: usize = 500;
+const FEWEST_COLUMNS: usize = 50;
+/// Largest number of samples in a column: the first, the least, the greatest and the last.
+const A_COLUMN: usize = 4;
+/// Number of samples of all marks of a panel above which it has fewer columns.
+const MOST_OF_A_PANEL: usize = 24_000;
 /// Largest number of samples of a curve that runs back and forth.
 const MOST: usize = 3000;
 
@@ -20,7 +24,8 @@ const MOST: usize = 3000;
 ///
 /// Series of up to 2000 samples are unchanged. A longer series keeps at most four samples and one
 /// interruption (NaN) in each of 500 columns of the range shown, and as many outside it. The least
-/// and the greatest sample are always kept.
+/// and the greatest sample are always kept. On a panel with more than twelve marks, the columns are
+/// wider and the unchanged series shorter, in proportion.
 #[must_use]
 pub fn thinned(figure: &Figure) -> Figure {
     Figure {
@@ -33,14 +38,16 @@ pub fn thinned(figure: &Figure) -> Figure {
 
 fn thinned_panel(panel: &Panel) -> Panel {
     let mut thinned = panel.clone();
+    let columns = MOST_OF_A_PANEL / A_COLUMN / panel.marks.len().max(1);
+    let columns = columns.clamp(FEWEST_COLUMNS, COLUMNS);
     for mark in &mut thinned.marks {
         match mark {
             Mark::Line { x, y, .. } => {
-                let kept = kept(&panel.x, x, y, y);
+                let kept = kept(&panel.x, columns, x, y, y);
                 pick([x, y], &kept);
             }
             Mark::Points { x, y, error, .. } if error.is_empty() => {
-                let kept = kept(&panel.x, x, y, y);
+                let kept = kept(&panel.x, columns, x, y, y);
                 pick([x, y], &kept);
             }
             Mark::Points { x, y, error, .. } => {
@@ -55,13 +62,13 @@ fn thinned_panel(panel: &Panel) -> Panel {
                     };
                     y.iter().zip(&*error).map(reach).collect()
                 };
-                let kept = kept(&panel.x, x, &end(-1.0), &end(1.0));
+                let kept = kept(&panel.x, columns, x, &end(-1.0), &end(1.0));
                 pick([x, y, error], &kept);
             }
             Mark::Band {
                 x, lower, upper, ..
             } => {
-                let kept = kept(&panel.x, x, lower, upper);
+                let kept = kept(&panel.x, columns, x, lower, upper);
                 pick([x, lower, upper], &kept);
             }
             Mark::At { .. } => {}
@@ -87,9 +94,9 @@ fn pick<const N: usize>(columns: [&mut Vec<f64>; N], kept: &[usize]) {
     clippy::indexing_slicing,
     reason = "the three lists are cut to the same length, and the indices are below it"
 )]
-fn kept(axis: &Axis, x: &[f64], low: &[f64], high: &[f64]) -> Vec<usize> {
+fn kept(axis: &Axis, columns: usize, x: &[f64], low: &[f64], high: &[f64]) -> Vec<usize> {
     let samples = x.len().min(low.len()).min(high.len());
-    if samples <= FEW {
+    if samples <= A_COLUMN * columns {
         return (0..samples).collect();
     }
     let (x, low, high) = (&x[..samples], &low[..samples], &high[..samples]);
@@ -108,19 +115,20 @@ fn kept(axis: &Axis, x: &[f64], low: &[f64], high: &[f64]) -> Vec<usize> {
         .range
         .filter(|range| on(axis, range[0]) && range[1] > range[0])
         .unwrap_or(all);
-    by_columns(Columns::new(axis, shown, all), x, low, high, there)
+    by_columns(Columns::new(axis, columns, shown, all), x, low, high, there)
 }
 
-/// Columns of pixels along an axis: 500 in the range shown, and 500 over the whole range of the
-/// data for the parts outside it.
+/// Columns of pixels along an axis: the same number in the range shown, and over the whole range of
+/// the data for the parts outside it.
 struct Columns {
     logarithmic: bool,
+    number: f64,
     shown: [f64; 2],
     all: [f64; 2],
 }
 
 impl Columns {
-    fn new(axis: &Axis, shown: [f64; 2], all: [f64; 2]) -> Self {
+    fn new(axis: &Axis, number: usize, shown: [f64; 2], all: [f64; 2]) -> Self {
         let logarithmic = axis.scale == Scale::Logarithmic;
         let place = |range: [f64; 2]| {
             if logarithmic {
@@ -131,6 +139,7 @@ impl Columns {
         };
         Self {
             logarithmic,
+            number: number as f64,
             shown: place(shown),
             all: place(all),
         }
@@ -140,7 +149,7 @@ impl Columns {
     fn end(&self, x: f64) -> f64 {
         let place = if self.logarithmic { x.log10() } else { x };
         let within = |range: [f64; 2]| {
-            let width = (range[1] - range[0]) / COLUMNS;
+            let width = (range[1] - range[0]) / self.number;
             let end = range[0] + (((place - range[0]) / width).floor() + 1.0) * width;
             // rounding must not make a column empty
             if end > place { end } else { place + width }
@@ -235,7 +244,7 @@ fn followed(axis: &Axis, x: &[f64], y: &[f64], there: impl Fn(usize) -> bool) ->
             [f64::INFINITY, f64::NEG_INFINITY],
             |[least, greatest], &value| [least.min(value), greatest.max(value)],
         );
-        ((greatest - least) / COLUMNS).max(f64::MIN_POSITIVE)
+        ((greatest - least) / COLUMNS as f64).max(f64::MIN_POSITIVE)
     };
     let steps = [step(&along), step(y)];
     let mut tolerance = 0.25;
@@ -261,7 +270,7 @@ fn followed(axis: &Axis, x: &[f64], y: &[f64], there: impl Fn(usize) -> bool) ->
             }
             gap = None;
         }
-        if kept.len() <= MOST || tolerance > COLUMNS {
+        if kept.len() <= MOST || tolerance > COLUMNS as f64 {
             return kept;
         }
         tolerance *= 2.0;
@@ -274,6 +283,17 @@ mod tests {
     use crate::Role;
 
     fn line(x: Vec<f64>, y: Vec<f64>, axis: Axis) -> (Vec<f64>, Vec<f64>) {
+        first_of(1, x, y, axis)
+    }
+
+    /// Returns the first of `n_lines` equal lines as drawn.
+    fn first_of(n_lines: usize, x: Vec<f64>, y: Vec<f64>, axis: Axis) -> (Vec<f64>, Vec<f64>) {
+        let line = Mark::Line {
+            name: String::new(),
+            role: Role::First,
+            x,
+            y,
+        };
         let figure = Figure {
             name: "a".into(),
             title: String::new(),
@@ -281,12 +301,7 @@ mod tests {
             panels: vec![Panel {
                 x: axis,
                 y: Axis::linear("y", ""),
-                marks: vec![Mark::Line {
-                    name: String::new(),
-                    role: Role::First,
-                    x,
-                    y,
-                }],
+                marks: vec![line; n_lines],
                 greyed: vec![],
                 equal_axes: false,
             }],
@@ -315,6 +330,14 @@ mod tests {
                 "the peak at {truth} s is found at {peak:?}"
             );
         }
+    }
+
+    #[test]
+    fn forty_lines_share_the_samples_of_a_panel() {
+        let y: Vec<f64> = (0..65_536).map(|i| f64::from(i % 7)).collect();
+        let (x, y) = first_of(40, time(65_536), y, Axis::linear("t", "s"));
+        assert!(40 * x.len() <= MOST_OF_A_PANEL, "{} samples", x.len());
+        assert!(y.contains(&0.0) && y.contains(&6.0));
     }
 
     #[test]

@@ -175,7 +175,7 @@ fn thinning(whole: &Figure, drawn: &Figure) -> Option<String> {
     samples(whole)
         .into_iter()
         .zip(samples(drawn))
-        .filter(|(all, drawn)| drawn < all && *all > rodfigure::FEW)
+        .filter(|(all, drawn)| drawn < all)
         .max()
         .map(|(all, drawn)| {
             format!(

@@ -5,13 +5,12 @@ use ndarray::Axis as Dimension;
 use rodfigure::{Axis, Figure, Greyed, Mark, Panel, Role};
 
 use super::sheet::FrfSheet;
-use super::{estimate, thin};
+use super::estimate;
 use crate::RodlabError;
 
 /// Fraction of the maximum of the mean spectrum at which the spectrum of the input ends; it is -20
 /// dB.
 const END: f64 = 0.01;
-const N_BUCKETS: usize = 300;
 /// Maximum number of spectra of single hits in the figure.
 const MOST_HITS: usize = 10;
 
@@ -30,9 +29,7 @@ pub(super) fn figure(
     let frequency: Vec<f64> = spectra.frequency_hz().iter().map(|f| f * KHZ).collect();
     let mut marks = Vec::new();
     let mut draw = |lines: &[f64], name: &str, role| {
-        let kept = thin::logarithmically(&frequency, &[lines], N_BUCKETS);
-        let x = thin::at(&frequency, &kept);
-        marks.push(Mark::curve(name, role, &x, thin::at(lines, &kept)));
+        marks.push(Mark::curve(name, role, &frequency, lines.to_vec()));
     };
     let known = spectra.channels().iter().find(|c| c.name() == sheet.input);
     let unit = known.map_or("", |channel| channel.quantity().unit());

@@ -9,8 +9,6 @@ use super::thin;
 use super::words::{capital, name_of, unit_of};
 
 const N_BUCKETS: usize = 400;
-/// Distance between points on a Nyquist plot, as a fraction of its extent.
-const NYQUIST_STEP: f64 = 1e-3;
 const KHZ: f64 = 1e-3;
 const DEGREES: f64 = 180.0 / std::f64::consts::PI;
 
@@ -255,15 +253,13 @@ pub(super) fn nyquist(
             .collect()
     };
     let (real, imaginary) = (part(|h| h.re), part(|h| h.im));
-    let kept = thin::along(&real, &imaginary, NYQUIST_STEP);
     let (name, unit) = (name_of(response), unit_of(response));
-    let (x, y) = (thin::at(&real, &kept), thin::at(&imaginary, &kept));
     let panel = Panel {
         equal_axes: true,
         ..Panel::new(
             (format!("real part of {name}"), unit.as_str()),
             (format!("imaginary part of {name}"), unit.as_str()),
-            vec![Mark::curve("", Role::First, &x, y)],
+            vec![Mark::curve("", Role::First, &real, imaginary)],
         )
     };
     let title = format!("Nyquist plot of the {name} of {output} over {input}");

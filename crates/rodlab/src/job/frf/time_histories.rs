@@ -6,15 +6,11 @@ use labio::Record;
 use rodfigure::{Figure, Mark, Panel, Role};
 
 use super::sheet::FrfSheet;
-use super::{estimate, thin};
+use super::estimate;
 use crate::RodlabError;
 use crate::hits::{FoundHit, FoundHits};
 use crate::outcome::{Column, Table};
 
-/// Maximum number of points of all histories of a panel together.
-const POINTS_A_PANEL: usize = 24_000;
-/// Minimum number of parts of a history; the smallest and the largest sample of each part are kept.
-const FEWEST_BUCKETS: usize = 50;
 /// Maximum number of histories on one panel. If there are more, only the first ones are drawn;
 /// rejected hits have priority.
 const MOST_HISTORIES: usize = 40;
@@ -38,14 +34,13 @@ pub(super) fn figure(
     drawn.extend(drawable().filter(|f| f.hit.is_accepted()));
     let n_hits = drawn.len();
     drawn.truncate(MOST_HISTORIES);
-    let n_buckets = (POINTS_A_PANEL / 4 / drawn.len().max(1)).max(FEWEST_BUCKETS);
     let mut panels = Vec::with_capacity(outputs.len() + 2);
     let whole = f64::NEG_INFINITY..f64::INFINITY;
     if let Some(about) = blow(sheet, &drawn) {
-        panels.push(panel(sheet, &drawn, &sheet.input, about, n_buckets)?);
+        panels.push(panel(sheet, &drawn, &sheet.input, about)?);
     }
     for channel in std::iter::once(&sheet.input).chain(outputs) {
-        panels.push(panel(sheet, &drawn, channel, whole.clone(), n_buckets)?);
+        panels.push(panel(sheet, &drawn, channel, whole.clone())?);
     }
     let of_which = if n_hits > drawn.len() {
         format!(" {} of {n_hits} hits are drawn.", drawn.len())
@@ -54,7 +49,7 @@ pub(super) fn figure(
     };
     Ok(Figure {
         caption: format!(
-            "Time histories of the hits, overlaid; a short blow is also shown enlarged, in the first panel. Time starts at the trigger, or at the beginning of each record. Rejected hits are faint. Windows are drawn with the height of the largest sample. For long histories, the smallest and largest samples of short intervals are drawn.{of_which}"
+            "Time histories of the hits, overlaid; a short blow is also shown enlarged, in the first panel. Time starts at the trigger, or at the beginning of each record. Rejected hits are faint. Windows are drawn with the height of the largest sample.{of_which}"
         ),
         ..Figure::new(name, title, panels)
     })
@@ -88,7 +83,6 @@ fn panel(
     drawn: &[FoundHit<'_>],
     channel: &str,
     about: Range<f64>,
-    n_buckets: usize,
 ) -> Result<Panel, RodlabError> {
     let mut marks = Vec::with_capacity(drawn.len() + 3);
     let mut unit = "";
@@ -110,13 +104,11 @@ fn panel(
         if accepted {
             peak = samples.iter().fold(peak, |peak, x| peak.max(x.abs()));
         }
-        let (times, samples): (Vec<f64>, Vec<f64>) = samples
+        let samples = samples
             .iter()
             .enumerate()
             .map(|(index, sample)| (MS * (record.time_at(index) - found.hit.time()), *sample))
-            .filter(|(time, _)| about.contains(time))
-            .unzip();
-        let kept = thin::evenly(&times, &[&samples], n_buckets);
+            .filter(|(time, _)| about.contains(time));
         let named = if accepted {
             &mut named_accepted
         } else {
@@ -128,8 +120,7 @@ fn panel(
             (false, false) => "rejected hits",
         };
         let role = if accepted { Role::First } else { Role::Faint };
-        let (x, y) = (thin::at(&times, &kept), thin::at(&samples, &kept));
-        marks.push(Mark::curve(name, role, &x, y));
+        marks.push(Mark::line(name, role, samples));
     }
     let last = drawn.iter().rev();
     if let Some((found, record)) = last
@@ -191,20 +182,13 @@ fn window_of(
     if names.is_empty() {
         return Ok(None);
     }
-    let (times, weights): (Vec<f64>, Vec<f64>) = weights
+    let weights = weights
         .into_iter()
         .enumerate()
         .map(|(index, weight)| (MS * (offset + index as f64 / rate), peak * weight))
-        .filter(|(time, _)| about.contains(time))
-        .unzip();
-    let kept = thin::evenly(&times, &[&weights], 500);
-    let (x, y) = (thin::at(&times, &kept), thin::at(&weights, &kept));
-    Ok(Some(Mark::curve(
-        names.join(" and "),
-        Role::Reference,
-        &x,
-        y,
-    )))
+        .filter(|(time, _)| about.contains(time));
+    let name = names.join(" and ");
+    Ok(Some(Mark::line(name, Role::Reference, weights)))
 }
 
 /// Returns a table with one row per hit: time, strength, decision and reasons.
