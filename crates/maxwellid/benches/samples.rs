@@ -11,21 +11,15 @@ use maxwellid::samples::{Pattern, StandardSamples};
 use maxwellid::selection::Candidate;
 use maxwellid::{Law, Provenance, RodTest, RodTestData};
 use rodwave::InelasticRod;
-use rodwave::band_limited::SampledHistory;
 use rodwave::inelastic::Maxwell;
-use rodwave::lumped::{self, LumpedRod};
+use rodwave::lumped;
+use testbed::struck_rod::{driven_by_samples, pulse};
 
 fn standard_samples(c: &mut Criterion) {
     let rate = 51_200.0;
-    let excitation: Vec<f64> = (0..160)
-        .map(|k| 8.0 * (-((f64::from(k) - 35.0) / 4.0_f64).powi(2)).exp())
-        .collect();
-    let times: Vec<f64> = (0..160).map(|k| f64::from(k) / rate).collect();
+    let excitation = pulse(160, 35.0, 4.0);
     let rod = InelasticRod::new(0.394, 912.0, 2.6e9, Maxwell::new(4e6).unwrap()).unwrap();
-    let response = LumpedRod::new(&rod, 400, 0.5)
-        .unwrap()
-        .free_end_velocity(&SampledHistory::new(&excitation, rate).unwrap(), &times)
-        .unwrap();
+    let response = driven_by_samples(&rod, 400, &excitation, rate).unwrap();
     let test = RodTest::new(RodTestData {
         name: "polypropylene".into(),
         length: 0.394,

@@ -244,6 +244,7 @@ fn middle((low, high): (f64, f64)) -> f64 {
 #[cfg(test)]
 mod tests {
     use rodwave::band_limited::SampledHistory;
+    use testbed::struck_rod::pulse;
 
     use super::*;
     use crate::catalogue::Law;
@@ -251,9 +252,7 @@ mod tests {
     const RATE: f64 = 51_200.0;
 
     fn with_rod(temperature: Option<f64>, ask: impl FnOnce(&DrivenRod<'_>)) {
-        let samples: Vec<f64> = (0..120)
-            .map(|k| 8.0 * (-((f64::from(k) - 35.0) / 4.0_f64).powi(2)).exp())
-            .collect();
+        let samples = pulse(120, 35.0, 4.0);
         let times: Vec<f64> = (0..100).map(|k| f64::from(k) / RATE).collect();
         ask(&DrivenRod {
             length: 0.3,

@@ -313,107 +313,42 @@ pub(crate) fn cells_of(rod: &DrivenRod<'_>) -> Result<usize, MaxwellidError> {
 macro_rules! forwarded_rod_model {
     ($type:ty, $this:ident => $to:expr) => {
         impl RodModel for $type {
-            fn name(&self) -> &str {
-                let $this = self;
-                $to.name()
-            }
-
-            fn is_linear(&self) -> bool {
-                let $this = self;
-                $to.is_linear()
-            }
-
-            fn solver(&self) -> &'static str {
-                let $this = self;
-                $to.solver()
-            }
-
-            fn parameter_names(&self) -> Vec<&str> {
-                let $this = self;
-                $to.parameter_names()
-            }
-
-            fn step_limits(&self) -> Vec<f64> {
-                let $this = self;
-                $to.step_limits()
-            }
-
-            fn bounds(&self) -> Vec<(f64, f64)> {
-                let $this = self;
-                $to.bounds()
-            }
-
-            fn damping_parameter(&self) -> Option<usize> {
-                let $this = self;
-                $to.damping_parameter()
-            }
-
-            fn thermal_orders(&self) -> Vec<(usize, f64)> {
-                let $this = self;
-                $to.thermal_orders()
-            }
-
-            fn needs_temperature(&self) -> bool {
-                let $this = self;
-                $to.needs_temperature()
-            }
-
-            fn parameters(&self, modulus: f64) -> Vec<f64> {
-                let $this = self;
-                $to.parameters(modulus)
-            }
-
-            fn starts(&self, modulus: f64, duration: f64) -> Vec<Vec<f64>> {
-                let $this = self;
-                $to.starts(modulus, duration)
-            }
-
-            fn stated(&self, parameters: &[f64]) -> Vec<StatedParameter> {
-                let $this = self;
-                $to.stated(parameters)
-            }
-
-            fn specimen_sensitivities(&self, parameters: &[f64]) -> Vec<SpecimenSensitivity> {
-                let $this = self;
-                $to.specimen_sensitivities(parameters)
-            }
-
-            fn response(&self, rod: &DrivenRod<'_>, parameters: &[f64]) -> Option<Vec<f64>> {
-                let $this = self;
-                $to.response(rod, parameters)
-            }
-
-            fn linearised_response(
-                &self,
-                rod: &DrivenRod<'_>,
-                parameters: &[f64],
-            ) -> Option<LinearisedResponse> {
-                let $this = self;
-                $to.linearised_response(rod, parameters)
-            }
-
-            fn by_samples(
-                &self,
-                rod: &DrivenRod<'_>,
-                parameters: &[f64],
-                samples: &[usize],
-                change: f64,
-            ) -> Option<Vec<Vec<f64>>> {
-                let $this = self;
-                $to.by_samples(rod, parameters, samples, change)
-            }
-
-            fn prony(&self, parameters: &[f64]) -> Option<PronySeries> {
-                let $this = self;
-                $to.prony(parameters)
-            }
-
-            fn special_case(&self, series: &PronySeries) -> Option<SpecialCase> {
-                let $this = self;
-                $to.special_case(series)
+            $crate::model::forwarded_rod_model! { $this => $to;
+                name() -> &str;
+                is_linear() -> bool;
+                solver() -> &'static str;
+                parameter_names() -> Vec<&str>;
+                step_limits() -> Vec<f64>;
+                bounds() -> Vec<(f64, f64)>;
+                damping_parameter() -> Option<usize>;
+                thermal_orders() -> Vec<(usize, f64)>;
+                needs_temperature() -> bool;
+                parameters(modulus: f64) -> Vec<f64>;
+                starts(modulus: f64, duration: f64) -> Vec<Vec<f64>>;
+                stated(parameters: &[f64]) -> Vec<StatedParameter>;
+                specimen_sensitivities(parameters: &[f64]) -> Vec<SpecimenSensitivity>;
+                response(rod: &DrivenRod<'_>, parameters: &[f64]) -> Option<Vec<f64>>;
+                linearised_response(
+                    rod: &DrivenRod<'_>,
+                    parameters: &[f64]
+                ) -> Option<LinearisedResponse>;
+                by_samples(
+                    rod: &DrivenRod<'_>,
+                    parameters: &[f64],
+                    samples: &[usize],
+                    change: f64
+                ) -> Option<Vec<Vec<f64>>>;
+                prony(parameters: &[f64]) -> Option<PronySeries>;
+                special_case(series: &PronySeries) -> Option<SpecialCase>;
             }
         }
     };
+    ($this:ident => $to:expr; $($method:ident($($argument:ident: $kind:ty),*) -> $out:ty;)*) => {$(
+        fn $method(&self, $($argument: $kind),*) -> $out {
+            let $this = self;
+            $to.$method($($argument),*)
+        }
+    )*};
 }
 pub(crate) use forwarded_rod_model;
 

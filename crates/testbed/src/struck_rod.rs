@@ -6,6 +6,7 @@ use rodwave::band_limited::{SampledHistory, VelocityHistory};
 use rodwave::experiment::{Acquisition, VelocityRecord};
 use rodwave::impact::{ImpactTest, Striker};
 use rodwave::inelastic::InelasticLaw;
+use rodwave::line::{Body, Drive, End, Line, Segment};
 use rodwave::lumped::LumpedRod;
 use rodwave::{InelasticRod, RodwaveError};
 
@@ -28,6 +29,33 @@ pub struct StruckRod<L> {
 }
 
 impl<L: InelasticLaw> StruckRod<L> {
+    /// Creates a rod of 16 mm that the striker of paper D hits at `velocity` [m/s]. The section of
+    /// the excitation is 8 mm from the struck end and `length` \[m\] from the free end.
+    pub fn of_16_mm(
+        law: &L,
+        velocity: f64,
+        length: f64,
+        density: f64,
+        modulus: f64,
+        acquisition: Acquisition,
+    ) -> Self {
+        Self {
+            striker: Striker {
+                velocity,
+                ..Striker::PAPER_D
+            },
+            rod_length: length + 0.008,
+            section_distance: length,
+            diameter: 0.016,
+            density,
+            modulus,
+            law: law.clone(),
+            acquisition,
+            cell: 1e-3,
+            courant_number: 0.5,
+        }
+    }
+
     fn rod(&self, length: f64) -> Result<InelasticRod<L>, RodwaveError> {
         InelasticRod::new(length, self.density, self.modulus, self.law.clone())
     }
@@ -76,6 +104,46 @@ impl<L: InelasticLaw> StruckRod<L> {
             .map(|(coarse, fine)| fine + (fine - coarse) / 3.0)
             .collect())
     }
+}
+
+/// Returns `count` samples of a pulse of 8 m/s with the shape of a normal density; its crest is at
+/// sample `crest`, and it falls to 1/e within `width` samples.
+pub fn pulse(count: u32, crest: f64, width: f64) -> Vec<f64> {
+    let at = |k| 8.0 * (-((f64::from(k) - crest) / width).powi(2)).exp();
+    (0..count).map(at).collect()
+}
+
+/// Returns the velocity of the free end of `rod` at the samples of its excitation, computed with a
+/// chain of `cells` cells.
+pub fn driven_by_samples<L: InelasticLaw>(
+    rod: &InelasticRod<L>,
+    cells: usize,
+    excitation: &[f64],
+    rate_hz: f64,
+) -> Result<Vec<f64>, RodwaveError> {
+    let history = SampledHistory::new(excitation, rate_hz)?;
+    let times = times(excitation.len(), rate_hz);
+    LumpedRod::new(rod, cells, 0.5)?.free_end_velocity(&history, &times)
+}
+
+/// Returns the velocity of the free end of a driven `segment` at `times` \[s\], computed with a line
+/// in steps of `step` \[s\]. The last three samples are not computed: they are beyond every window.
+pub fn by_line(
+    segment: Segment,
+    excitation: &SampledHistory,
+    times: &[f64],
+    step: f64,
+) -> Result<Vec<f64>, RodwaveError> {
+    let drive = Drive::history(excitation.clone());
+    let line = Line::new([Body::new([segment])?])?.with_left_end(End::Velocity(drive))?;
+    let duration = times.iter().rev().nth(3).copied().unwrap_or_default();
+    let run = line.run(step, duration, &[])?;
+    // the velocities of the ends are those at the middle of the steps
+    let step = run.grid.time_step;
+    let [_, free] = &run.ends;
+    let end = SampledHistory::new(&free.velocity, 1.0 / step)?;
+    let at = times.iter().map(|t| end.at((t - 0.5 * step).min(duration)));
+    Ok(at.collect())
 }
 
 /// Returns the times of `count` samples \[s\].

@@ -4,6 +4,7 @@ use rodwave::InelasticRod;
 use rodwave::band_limited::SampledHistory;
 use rodwave::inelastic::{MaxwellGurevichRabinovich, MaxwellNorton};
 use rodwave::lumped::LumpedRod;
+use testbed::struck_rod::pulse;
 
 use num_complex::Complex64;
 
@@ -22,8 +23,7 @@ fn norton() -> MaxwellNorton {
 }
 
 fn excitation() -> Vec<f64> {
-    let pulse = |k: i32| 8.0 * (-((f64::from(k) - 35.0) / 6.0_f64).powi(2)).exp();
-    (0..140).map(pulse).collect()
+    pulse(140, 35.0, 6.0)
 }
 
 fn times() -> Vec<f64> {

@@ -9,24 +9,19 @@ use crate::whitening::{Transfer, Weighting};
 use rodwave::InelasticRod;
 use rodwave::band_limited::SampledHistory;
 use rodwave::inelastic::{Maxwell, MaxwellNorton};
-use rodwave::lumped::{self, LumpedRod};
+use rodwave::lumped;
+use testbed::struck_rod::{driven_by_samples, pulse};
 
 const RATE: f64 = 204_800.0;
-const SAMPLES: usize = 160;
+const SAMPLES: u32 = 160;
 const IMPACT_VELOCITY: f64 = 10.0;
 
 /// A test of a short rod of polyamide, so that fine grids cost little, simulated by the chain of
 /// masses, which no fit uses.
 fn rod_test(length: f64, viscosity: f64) -> RodTest {
-    let excitation: Vec<f64> = (0..SAMPLES)
-        .map(|k| 8.0 * (-((k as f64 - 40.0) / 10.0).powi(2)).exp())
-        .collect();
-    let times: Vec<f64> = (0..SAMPLES).map(|k| k as f64 / RATE).collect();
+    let excitation = pulse(SAMPLES, 40.0, 10.0);
     let rod = InelasticRod::new(length, 1140.0, 3.209e9, Maxwell::new(viscosity).unwrap()).unwrap();
-    let response = LumpedRod::new(&rod, 200, 0.5)
-        .unwrap()
-        .free_end_velocity(&SampledHistory::new(&excitation, RATE).unwrap(), &times)
-        .unwrap();
+    let response = driven_by_samples(&rod, 200, &excitation, RATE).unwrap();
     RodTest::new(RodTestData {
         name: format!("{length} m"),
         length,
@@ -52,9 +47,7 @@ fn short_rod() -> RodTest {
 #[test]
 fn the_transfer_resolves_points_closer_than_a_usual_cell() {
     let rate = 10.0 * RATE;
-    let blow: Vec<f64> = (0..SAMPLES)
-        .map(|k| 8.0 * (-((k as f64 - 40.0) / 10.0).powi(2)).exp())
-        .collect();
+    let blow = pulse(SAMPLES, 40.0, 10.0);
     let model = MaxwellNorton::new(2.0, 1e13).unwrap();
     let theta = model.parameters(3.209e9);
     let late = blow.iter().rev().copied().collect();

@@ -9,7 +9,7 @@ use crate::test::{Provenance, RodTest, RodTestData};
 use crate::{Fit, profile};
 use rodwave::InelasticRod;
 use rodwave::inelastic::Maxwell;
-use rodwave::lumped::LumpedRod;
+use testbed::struck_rod::{driven_by_samples, pulse};
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Fault {
@@ -134,14 +134,9 @@ impl RodModel for Faulty {
 /// A virtual test of a Maxwell rod by the chain of masses.
 fn virtual_test() -> RodTest {
     let rate = 51_200.0;
-    let excitation: Vec<f64> = (0..90)
-        .map(|k| 8.0 * (-((f64::from(k) - 30.0) / 4.0_f64).powi(2)).exp())
-        .collect();
-    let times: Vec<f64> = (0..90).map(|k| f64::from(k) / rate).collect();
+    let excitation = pulse(90, 30.0, 4.0);
     let rod = InelasticRod::new(0.391, 1140.0, 3.2e9, Maxwell::new(2e6).unwrap()).unwrap();
-    let history = SampledHistory::new(&excitation, rate).unwrap();
-    let chain = LumpedRod::new(&rod, 100, 0.5).unwrap();
-    let response = chain.free_end_velocity(&history, &times).unwrap();
+    let response = driven_by_samples(&rod, 100, &excitation, rate).unwrap();
     RodTest::new(RodTestData {
         name: "virtual".into(),
         length: 0.391,

@@ -3,10 +3,10 @@
 use std::sync::Arc;
 
 use rodwave::InelasticRod;
-use rodwave::band_limited::SampledHistory;
 use rodwave::inelastic::{Elastic, InelasticLaw, Maxwell, MaxwellNorton};
-use rodwave::lumped::{self, LumpedRod};
+use rodwave::lumped;
 use testbed::noise::Noise;
+use testbed::struck_rod::{driven_by_samples, pulse};
 
 use super::*;
 use crate::catalogue::Law;
@@ -19,15 +19,9 @@ const RATE: f64 = 51_200.0;
 /// A short rod driven by a smooth pulse, with white noise of `level` of its impact velocity of 10
 /// m/s.
 pub(super) fn test_of<L: InelasticLaw>(law: &L, level: f64, seed: u64) -> RodTest {
-    let excitation: Vec<f64> = (0..110)
-        .map(|k| 8.0 * (-((f64::from(k) - 30.0) / 4.0_f64).powi(2)).exp())
-        .collect();
-    let times: Vec<f64> = (0..110).map(|k| f64::from(k) / RATE).collect();
+    let excitation = pulse(110, 30.0, 4.0);
     let rod = InelasticRod::new(0.2, 1140.0, 3e9, law.clone()).unwrap();
-    let response = LumpedRod::new(&rod, 200, 0.5)
-        .unwrap()
-        .free_end_velocity(&SampledHistory::new(&excitation, RATE).unwrap(), &times)
-        .unwrap();
+    let response = driven_by_samples(&rod, 200, &excitation, RATE).unwrap();
     let mut noise = Noise::seeded(seed);
     let mut noisy = |history: &[f64]| noise.added_to(history, 10.0 * level);
     RodTest::new(RodTestData {

@@ -16,10 +16,11 @@ use rodwave::line::{self, Segment};
 use rodwave::modulus::{ComplexModulus, ConstantQ, GeneralisedMaxwell};
 
 use crate::virtual_rod::{DENSITY, LENGTH, VirtualRod, struck, times};
-use crate::virtual_tests::{constant_q_stack, of_line};
+use crate::virtual_tests::constant_q_stack;
 use testbed::claim::{Claims, Ours, Within, missing, of};
 use testbed::difference::largest;
 use testbed::hold;
+use testbed::struck_rod::by_line;
 
 const MODULUS: f64 = 2.6e9;
 const REFERENCE_OMEGA: f64 = std::f64::consts::TAU * 4e3;
@@ -125,7 +126,7 @@ fn linear_rod(material: &GeneralisedMaxwell) -> Ours<VirtualRod> {
     let mut rod = struck(LENGTH, 10.0, MODULUS, &Maxwell::new(4e6)?, 128);
     let segment = Segment::prony(LENGTH, 1e-4, DENSITY, material)?;
     let times = times(rod.data.excitation.len());
-    rod.data.response = of_line(segment, &rod.excitation, &times, 1.5e-6);
+    rod.data.response = by_line(segment, &rod.excitation, &times, 1.5e-6)?;
     rod.data.provenance = Provenance::Virtual {
         generator: line::GENERATOR.into(),
     };

@@ -5,7 +5,6 @@
 use maxwellid::{Provenance, RodTestData};
 use rodwave::band_limited::{Recorder, SampledHistory, VelocityHistory};
 use rodwave::experiment::Acquisition;
-use rodwave::impact::Striker;
 use rodwave::inelastic::InelasticLaw;
 use rodwave::lumped;
 use testbed::noise::Noise;
@@ -44,29 +43,16 @@ pub(crate) fn struck_before<L: InelasticLaw>(
     samples_before: usize,
     samples_after: usize,
 ) -> VirtualRod {
-    let rod = StruckRod {
-        striker: Striker {
-            velocity,
-            ..Striker::PAPER_D
+    let acquisition = Acquisition {
+        recorder: Recorder {
+            rate_hz: RATE,
+            cutoff_hz: 16_000.0,
         },
-        rod_length: length + 0.008,
-        section_distance: length,
-        diameter: 0.016,
-        density: DENSITY,
-        modulus,
-        law: law.clone(),
-        acquisition: Acquisition {
-            recorder: Recorder {
-                rate_hz: RATE,
-                cutoff_hz: 16_000.0,
-            },
-            samples_before,
-            samples_after,
-            transducer_range: 0.02,
-        },
-        cell: 1e-3,
-        courant_number: 0.5,
+        samples_before,
+        samples_after,
+        transducer_range: 0.02,
     };
+    let rod = StruckRod::of_16_mm(law, velocity, length, DENSITY, modulus, acquisition);
     let record = rod.record().unwrap();
     let cells = (length / 1.5e-3).ceil() as usize;
     let at = times(record.excitation.len());

@@ -4,15 +4,14 @@
 use maxwellid::selection::{Candidate, Comparison, Decision, Selection};
 use maxwellid::{Provenance, RodTest, RodTestData};
 use rodwave::InelasticRod;
-use rodwave::band_limited::{Recorder, SampledHistory, VelocityHistory};
+use rodwave::band_limited::{Recorder, SampledHistory};
 use rodwave::experiment::{Acquisition, VelocityRecord};
-use rodwave::impact::{ImpactTest, Striker};
 use rodwave::inelastic::{InelasticLaw, Maxwell, MaxwellNorton};
-use rodwave::line::{self, Body, Drive, End, Line, Segment};
+use rodwave::line::{self, Segment};
 use rodwave::lumped::{self, LumpedRod};
 use rodwave::modulus::{GeneralisedMaxwell, MaxwellBranch};
 use testbed::noise::Noise;
-use testbed::struck_rod;
+use testbed::struck_rod::{self, StruckRod, by_line};
 
 pub(crate) const DENSITY: f64 = 912.0;
 pub(crate) const MODULUS: f64 = 2.6e9;
@@ -36,69 +35,54 @@ pub(crate) struct Exact {
     pub(crate) excitation: Vec<f64>,
     pub(crate) response: Vec<f64>,
     pub(crate) generator: &'static str,
+    rate_hz: f64,
 }
 
-fn struck<L: InelasticLaw>(law: &L, velocity: f64) -> VelocityRecord {
-    struck_before(law, velocity, &ACQUISITION)
-}
-
-fn struck_before<L: InelasticLaw>(
-    law: &L,
-    velocity: f64,
-    acquisition: &Acquisition,
-) -> VelocityRecord {
-    let rod = InelasticRod::new(LENGTH + 0.008, DENSITY, MODULUS, law.clone());
-    record_of(rod.unwrap(), velocity, acquisition)
-}
-
-fn record_of<L: InelasticLaw>(
-    rod: InelasticRod<L>,
-    velocity: f64,
-    acquisition: &Acquisition,
-) -> VelocityRecord {
-    ImpactTest {
-        striker: Striker {
+impl Exact {
+    fn by_the_chain(velocity: f64, excitation: Vec<f64>, response: Vec<f64>) -> Self {
+        Self {
             velocity,
-            ..Striker::PAPER_D
-        },
-        rod,
-        diameter: 0.016,
-        section_distance: LENGTH,
+            excitation,
+            response,
+            generator: lumped::GENERATOR,
+            rate_hz: ACQUISITION.recorder.rate_hz,
+        }
     }
-    .record(acquisition, 1e-3)
-    .unwrap()
+
+    /// Returns both histories as recorded.
+    fn in_order(velocity: f64, record: VelocityRecord) -> Self {
+        Self {
+            velocity,
+            excitation: record.excitation,
+            response: record.response,
+            generator: "characteristics of striker and rod",
+            rate_hz: record.sampling_rate_hz,
+        }
+    }
+}
+
+fn rod<L: InelasticLaw>(law: &L, velocity: f64) -> StruckRod<L> {
+    StruckRod::of_16_mm(law, velocity, LENGTH, DENSITY, MODULUS, ACQUISITION)
 }
 
 /// A test sampled four times as fast as the filter of the recorder requires, so that three quarters
 /// of the frequencies have no signal, with noise of `level` V0.
 pub(crate) fn sampled_fast<L: InelasticLaw>(law: &L, level: f64, seed: u64) -> RodTest {
     let velocity = 10.0;
-    let acquisition = Acquisition {
-        recorder: Recorder {
-            rate_hz: 204_800.0,
-            ..ACQUISITION.recorder
+    let rod = StruckRod {
+        acquisition: Acquisition {
+            recorder: Recorder {
+                rate_hz: 204_800.0,
+                ..ACQUISITION.recorder
+            },
+            samples_before: 80,
+            samples_after: 400,
+            ..ACQUISITION
         },
-        samples_before: 80,
-        samples_after: 400,
-        ..ACQUISITION
+        ..rod(law, velocity)
     };
-    let record = struck_before(law, velocity, &acquisition);
-    let mut noise = Noise::seeded(seed);
-    let mut with_noise = |samples: &[f64]| noise.added_to(samples, level * velocity);
-    RodTest::new(RodTestData {
-        name: "sampled fast".into(),
-        length: LENGTH,
-        density: DENSITY,
-        impact_velocity: velocity,
-        sampling_rate_hz: acquisition.recorder.rate_hz,
-        excitation: with_noise(&record.excitation),
-        response: with_noise(&record.response),
-        provenance: Provenance::Virtual {
-            generator: "characteristics of striker and rod".into(),
-        },
-    })
-    .and_then(|test| test.with_noise(level * velocity, level * velocity))
-    .unwrap()
+    let exact = Exact::in_order(velocity, rod.record().unwrap());
+    noisy(&exact, level, seed)
 }
 
 fn times(record: &VelocityRecord) -> Vec<f64> {
@@ -108,37 +92,24 @@ fn times(record: &VelocityRecord) -> Vec<f64> {
 /// The lumped chain's response to the excitation as recorded: a recorder's filter does not commute
 /// with a nonlinear rod.
 pub(crate) fn by_the_chain<L: InelasticLaw>(law: &L, velocity: f64) -> Exact {
-    let record = struck(law, velocity);
-    let rod = InelasticRod::new(LENGTH, DENSITY, MODULUS, law.clone()).unwrap();
-    let response = LumpedRod::new(&rod, 400, 0.5)
-        .unwrap()
-        .free_end_velocity(&record.excitation_before_sampling, &times(&record))
-        .unwrap();
-    Exact {
-        velocity,
-        excitation: record.excitation,
-        response,
-        generator: lumped::GENERATOR,
-    }
+    let rod = rod(law, velocity);
+    let record = rod.record().unwrap();
+    let response = rod.by_chain(400, &record.excitation_before_sampling, &times(&record));
+    Exact::by_the_chain(velocity, record.excitation, response.unwrap())
 }
 
 /// [`by_the_chain`] of a standard solid: the law in a branch, and a spring beside it that has
 /// `share` of the modulus.
 pub(crate) fn with_spring<L: InelasticLaw>(law: &L, share: f64, velocity: f64) -> Exact {
-    let rod = |length| {
-        let rod = InelasticRod::new(length, DENSITY, MODULUS, law.clone()).unwrap();
-        rod.with_spring(share).unwrap()
-    };
-    let record = record_of(rod(LENGTH + 0.008), velocity, &ACQUISITION);
-    let chain = LumpedRod::new(&rod(LENGTH), 400, 0.5).unwrap();
-    Exact {
-        velocity,
-        response: chain
-            .free_end_velocity(&record.excitation_before_sampling, &times(&record))
-            .unwrap(),
-        excitation: record.excitation,
-        generator: lumped::GENERATOR,
-    }
+    let mut test = rod(law, velocity).test().unwrap();
+    test.rod = test.rod.with_spring(share).unwrap();
+    let record = test.record(&ACQUISITION, 1e-3).unwrap();
+    let driven = InelasticRod::new(LENGTH, DENSITY, MODULUS, law.clone()).unwrap();
+    let driven = driven.with_spring(share).unwrap();
+    let response = LumpedRod::new(&driven, 400, 0.5)
+        .unwrap()
+        .free_end_velocity(&record.excitation_before_sampling, &times(&record));
+    Exact::by_the_chain(velocity, record.excitation, response.unwrap())
 }
 
 /// A Prony series whose loss factor is `loss_factor` from 0.2 to 20 kHz, to 1 % of itself, and
@@ -188,36 +159,14 @@ pub(crate) fn beside_a_branch(
 
 fn of_segment(segment: Segment, velocity: f64, step: f64) -> Exact {
     // the excitation of a rod of nearly the same damping
-    let record = struck(&Maxwell::new(4e6).unwrap(), velocity);
-    let times = times(&record);
+    let rod = rod(&Maxwell::new(4e6).unwrap(), velocity);
+    let record = rod.record().unwrap();
+    let excitation = &record.excitation_before_sampling;
     Exact {
-        velocity,
-        response: of_line(segment, &record.excitation_before_sampling, &times, step),
-        excitation: record.excitation,
+        response: by_line(segment, excitation, &times(&record), step).unwrap(),
         generator: line::GENERATOR,
+        ..Exact::in_order(velocity, record)
     }
-}
-
-/// Velocity of the free end of a driven segment by the line.
-pub(crate) fn of_line(
-    segment: Segment,
-    excitation: &SampledHistory,
-    times: &[f64],
-    step: f64,
-) -> Vec<f64> {
-    let line = Line::new([Body::new([segment]).unwrap()])
-        .unwrap()
-        .with_left_end(End::Velocity(Drive::history(excitation.clone())))
-        .unwrap();
-    // the last three samples are beyond every window
-    let duration = times[times.len() - 4];
-    let run = line.run(step, duration, &[]).unwrap();
-    let dt = run.grid.time_step;
-    let end = SampledHistory::new(&run.ends[1].velocity, 1.0 / dt).unwrap();
-    times
-        .iter()
-        .map(|t| end.at((t - 0.5 * dt).min(duration)))
-        .collect()
 }
 
 fn with_white_noise(exact: &Exact, level: f64, seed: u64) -> RodTest {
@@ -228,7 +177,7 @@ fn with_white_noise(exact: &Exact, level: f64, seed: u64) -> RodTest {
         length: LENGTH,
         density: DENSITY,
         impact_velocity: exact.velocity,
-        sampling_rate_hz: ACQUISITION.recorder.rate_hz,
+        sampling_rate_hz: exact.rate_hz,
         excitation: with_noise(&exact.excitation),
         response: with_noise(&exact.response),
         provenance: Provenance::Virtual {
@@ -294,32 +243,18 @@ pub(crate) fn in_parallel<T: Sync, R: Send>(cases: &[T], of: impl Fn(&T) -> R + 
 /// A test in physical order, striker, rod, filter, samples: both histories pass through the
 /// recorder.
 pub(crate) fn in_order<L: InelasticLaw>(law: &L, velocity: f64) -> Exact {
-    let record = struck(law, velocity);
-    Exact {
-        velocity,
-        excitation: record.excitation,
-        response: record.response,
-        generator: "characteristics of striker and rod",
-    }
+    Exact::in_order(velocity, rod(law, velocity).record().unwrap())
 }
 
 /// A test with a rounded striker: the excitation is that of a flat striker, smoothed by a normal
 /// density of `deviation` \[s\]. The lumped chain is driven by the samples, so that a recorder
 /// loses nothing.
 pub(crate) fn rounded<L: InelasticLaw>(law: &L, velocity: f64, deviation: f64) -> Exact {
-    let record = struck(law, velocity);
+    let rod = rod(law, velocity);
+    let record = rod.record().unwrap();
     let times = times(&record);
     let excitation = struck_rod::rounded(&record.excitation_before_sampling, &times, deviation);
-    let rod = InelasticRod::new(LENGTH, DENSITY, MODULUS, law.clone()).unwrap();
-    let driven = SampledHistory::new(&excitation, ACQUISITION.recorder.rate_hz).unwrap();
-    let response = LumpedRod::new(&rod, 400, 0.5)
-        .unwrap()
-        .free_end_velocity(&driven, &times)
-        .unwrap();
-    Exact {
-        velocity,
-        excitation,
-        response,
-        generator: lumped::GENERATOR,
-    }
+    let driven = SampledHistory::new(&excitation, record.sampling_rate_hz).unwrap();
+    let response = rod.by_chain(400, &driven, &times).unwrap();
+    Exact::by_the_chain(velocity, excitation, response)
 }

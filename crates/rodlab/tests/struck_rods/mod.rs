@@ -10,13 +10,12 @@ use labio::{Channel, Provenance, Quantity, Record};
 use ndarray::Array2;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
-use rodwave::band_limited::{Recorder, SampledHistory, VelocityHistory};
+use rodwave::band_limited::{Recorder, SampledHistory};
 use rodwave::experiment::Acquisition;
-use rodwave::impact::Striker;
 use rodwave::inelastic::{InelasticLaw, Maxwell};
-use rodwave::line::{Body, Drive, End, Line, Segment};
+use rodwave::line::Segment;
 use rodwave::modulus::GeneralisedMaxwell;
-use testbed::struck_rod::{StruckRod, rounded, times};
+use testbed::struck_rod::{StruckRod, by_line, rounded, times};
 
 pub(crate) const LENGTH: f64 = 0.394;
 pub(crate) const DENSITY: f64 = 912.0;
@@ -44,21 +43,7 @@ pub(crate) struct Histories {
 const ROUNDING: f64 = 30e-6;
 
 fn rod<L: InelasticLaw>(law: &L, velocity: f64) -> StruckRod<L> {
-    StruckRod {
-        striker: Striker {
-            velocity,
-            ..Striker::PAPER_D
-        },
-        rod_length: LENGTH + 0.008,
-        section_distance: LENGTH,
-        diameter: 0.016,
-        density: DENSITY,
-        modulus: MODULUS,
-        law: law.clone(),
-        acquisition: ACQUISITION,
-        cell: 1e-3,
-        courant_number: 0.5,
-    }
+    StruckRod::of_16_mm(law, velocity, LENGTH, DENSITY, MODULUS, ACQUISITION)
 }
 
 /// Velocities of a rod that is struck at `velocity` by a striker of rounded face: the near end
@@ -79,22 +64,10 @@ pub(crate) fn velocities<L: InelasticLaw>(law: &L, velocity: f64) -> Histories {
 pub(crate) fn linear_velocities(material: &GeneralisedMaxwell, velocity: f64) -> Histories {
     let (excitation, times) = smooth_excitation(&rod(&Maxwell::new(4e6).unwrap(), velocity));
     let segment = Segment::prony(LENGTH, 1e-4, DENSITY, material).unwrap();
-    let drive = Drive::history(SampledHistory::new(&excitation, RATE).unwrap());
-    let line = Line::new([Body::new([segment]).unwrap()])
-        .unwrap()
-        .with_left_end(End::Velocity(drive))
-        .unwrap();
-    let duration = times[times.len() - 4];
-    let run = line.run(1.5e-6, duration, &[]).unwrap();
-    let dt = run.grid.time_step;
-    let end = SampledHistory::new(&run.ends[1].velocity, 1.0 / dt).unwrap();
+    let driven = SampledHistory::new(&excitation, RATE).unwrap();
     Histories {
         near_end: excitation,
-        // the last three samples are beyond every window
-        free_end: times
-            .iter()
-            .map(|t| end.at((t - 0.5 * dt).clamp(0.0, duration)))
-            .collect(),
+        free_end: by_line(segment, &driven, &times, 1.5e-6).unwrap(),
         quantity: Quantity::Velocity,
     }
 }
