@@ -1,4 +1,8 @@
 //! The tests that contribute to a merged line, with the errors that determine their weights.
+#![allow(
+    clippy::indexing_slicing,
+    reason = "`MergedResponse::like` has found as many lines in every list of every test, and the entering tests are some of them"
+)]
 
 use num_complex::Complex64;
 
@@ -19,10 +23,6 @@ pub(super) struct Entering {
     pub(super) coherent: bool,
 }
 
-#[allow(
-    clippy::indexing_slicing,
-    reason = "`MergedResponse::like` has found as many lines in every list of every test, and the entering tests are some of them"
-)]
 impl Entering {
     /// Returns the coherent tests or, if there are none, all tests that have information.
     pub(super) fn of(tests: &[FrequencyResponse], line: usize) -> Self {
@@ -145,10 +145,6 @@ pub(super) fn clear_lines(test: &FrequencyResponse) -> Vec<bool> {
 
 /// Returns true if noise alone reaches the coherence of a line with less than this probability, and
 /// also for completed lines.
-#[allow(
-    clippy::indexing_slicing,
-    reason = "`MergedResponse::like` has found as many lines in every list of every test"
-)]
 pub(super) fn is_above(test: &FrequencyResponse, line: usize, probability: f64) -> bool {
     let level = chance_level(probability, test.effective_averages);
     let coherence = test.coherence.as_ref().map(|coherence| coherence[line]);
@@ -157,10 +153,6 @@ pub(super) fn is_above(test: &FrequencyResponse, line: usize, probability: f64) 
 
 /// Returns the variance of a line divided by the square of its value, plus the square of the bias
 /// where it is known.
-#[allow(
-    clippy::indexing_slicing,
-    reason = "`MergedResponse::like` has found as many lines in every list of every test"
-)]
 pub(super) fn relative_variance(test: &FrequencyResponse, line: usize) -> f64 {
     let variance = test.variance.as_ref().map_or(f64::NAN, |v| v[line]);
     if variance <= 0.0 {
@@ -170,10 +162,6 @@ pub(super) fn relative_variance(test: &FrequencyResponse, line: usize) -> f64 {
 }
 
 /// Returns the known or else the possible bias of a line; 0 for a completed line.
-#[allow(
-    clippy::indexing_slicing,
-    reason = "`MergedResponse::like` has found as many lines in every list of every test"
-)]
 pub(super) fn bias_at(test: &FrequencyResponse, line: usize) -> f64 {
     match (&test.noise_bias, &test.possible_bias) {
         (Some(bias), _) => bias[line],
@@ -184,10 +172,6 @@ pub(super) fn bias_at(test: &FrequencyResponse, line: usize) -> f64 {
 
 /// Returns the variance of a test for a common H with this square: not less than the test's own
 /// variance.
-#[allow(
-    clippy::indexing_slicing,
-    reason = "`MergedResponse::like` has found as many lines in every list of every test"
-)]
 pub(super) fn common_variance(test: &FrequencyResponse, line: usize, square: f64) -> f64 {
     let variance = test.variance.as_ref().map_or(f64::NAN, |v| v[line]);
     if variance <= 0.0 {
@@ -201,19 +185,11 @@ pub(super) fn common_variance(test: &FrequencyResponse, line: usize, square: f64
     }
 }
 
-#[allow(
-    clippy::indexing_slicing,
-    reason = "`MergedResponse::like` has found as many lines in every list of every test"
-)]
 pub(super) fn freedom_at(test: &FrequencyResponse, line: usize) -> f64 {
     let freedom = test.degrees_of_freedom.as_ref();
     freedom.map_or(f64::INFINITY, |freedom| freedom[line])
 }
 
-#[allow(
-    clippy::indexing_slicing,
-    reason = "`MergedResponse::like` has found as many lines in every list of every test"
-)]
 pub(super) fn common_error_at(test: &FrequencyResponse, line: usize) -> f64 {
     test.common_error.as_ref().map_or(0.0, |error| error[line])
 }

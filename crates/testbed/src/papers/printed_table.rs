@@ -1,4 +1,8 @@
 //! Printed table with its strings, units and errata, and its conversion to SI.
+#![expect(
+    dead_code,
+    reason = "some fields are for the reader of the file; here they must only be there"
+)]
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -17,10 +21,6 @@ use crate::ron_text::parse_ron;
 /// stay as printed.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
-#[expect(
-    dead_code,
-    reason = "some fields are for the reader of the file; here they must only be there"
-)]
 pub struct PrintedTable {
     /// Key of the work in literature.bib.
     key: String,
@@ -49,10 +49,6 @@ pub struct PrintedTable {
 
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
-#[expect(
-    dead_code,
-    reason = "some fields are for the reader of the file; here they must only be there"
-)]
 struct Column {
     name: String,
     /// Printed symbol of the column, if it differs from the name.
@@ -77,10 +73,6 @@ enum Holds {
 /// Tolerance of one cell, with its reason.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
-#[expect(
-    dead_code,
-    reason = "some fields are for the reader of the file; here they must only be there"
-)]
 struct Allowance {
     row: String,
     column: String,
@@ -92,10 +84,6 @@ struct Allowance {
 /// Printed value, correct value, and the reason for the correction.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
-#[expect(
-    dead_code,
-    reason = "some fields are for the reader of the file; here they must only be there"
-)]
 struct Erratum {
     printed: String,
     right: String,

@@ -1,5 +1,9 @@
 //! Figures of a response: magnitude, phase and coherence; the Nyquist plot; the comparison of two
 //! hammers.
+#![allow(
+    clippy::indexing_slicing,
+    reason = "`line` is the index of a line of the response, and every list has one element per line"
+)]
 
 use rodfigure::{Axis, Figure, Greyed, Mark, Panel, Role};
 
@@ -69,10 +73,6 @@ impl Drawn {
 }
 
 /// Figure of the magnitude with its band of one standard error, the phase and the coherence.
-#[allow(
-    clippy::indexing_slicing,
-    reason = "`line` is the index of a line of the response, and every list has one element per line"
-)]
 pub(super) fn bode(
     estimated: &Estimated,
     output: &str,
@@ -141,10 +141,6 @@ pub(super) fn bode(
 
 /// Returns the phase over one turn of 360 degrees, interrupted where it wraps. The range is chosen
 /// so that the phase wraps as rarely as possible.
-#[allow(
-    clippy::indexing_slicing,
-    reason = "`line` is the index of a line of the response, and every list has one element per line"
-)]
 fn phase(estimated: &Estimated, drawn: &Drawn) -> (Axis, Vec<Mark>) {
     let response = &estimated.response;
     let from = |begin: f64, line: usize| {
@@ -195,10 +191,6 @@ fn interrupted(mark: Mark) -> Mark {
     }
 }
 
-#[allow(
-    clippy::indexing_slicing,
-    reason = "`line` is the index of a line of the response, and every list has one element per line"
-)]
 fn coherence(estimated: &Estimated, drawn: &Drawn) -> Vec<Mark> {
     let several = estimated.coherences.len() > 1;
     let mut marks = Vec::new();
@@ -232,10 +224,6 @@ fn coherence(estimated: &Estimated, drawn: &Drawn) -> Vec<Mark> {
 }
 
 /// Figure of the imaginary over the real part, for the valid lines of the band.
-#[allow(
-    clippy::indexing_slicing,
-    reason = "`line` is the index of a line of the response, and every list has one element per line"
-)]
 pub(super) fn nyquist(
     estimated: &Estimated,
     output: &str,

@@ -1,4 +1,8 @@
 //! Readings of the units of Tables 4 and A1, and their application to the printed values.
+#![expect(
+    dead_code,
+    reason = "some fields are for the reader of the file; here they must only be there"
+)]
 
 use std::path::{Path, PathBuf};
 
@@ -47,10 +51,6 @@ pub(super) struct Readings {
 
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-#[expect(
-    dead_code,
-    reason = "some fields are for the reader of the file; here they must only be there"
-)]
 struct ReadingsFile {
     no_consistent_reading: String,
     prefix_of_a_power: String,
@@ -62,10 +62,6 @@ struct ReadingsFile {
 /// Reading that replaces the unit of time.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-#[expect(
-    dead_code,
-    reason = "the reason is for the reader of the file; here it must only be there"
-)]
 struct UnitOfTime {
     time_factor: String,
     reason: String,
@@ -73,10 +69,6 @@ struct UnitOfTime {
 
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-#[expect(
-    dead_code,
-    reason = "the reason is for the reader of the file; here it must only be there"
-)]
 struct Realistic {
     reason: String,
     values: Vec<RealisticValue>,
@@ -85,10 +77,6 @@ struct Realistic {
 
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-#[expect(
-    dead_code,
-    reason = "the reason is for the reader of the file; here it must only be there"
-)]
 struct RealisticValue {
     material: String,
     parameter: String,
@@ -98,10 +86,6 @@ struct RealisticValue {
 
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-#[expect(
-    dead_code,
-    reason = "the reason is for the reader of the file; here it must only be there"
-)]
 struct AppendixFactor {
     model: String,
     parameter: String,
