@@ -301,7 +301,6 @@ impl CausalEstimate {
     /// Returns the root mean square distance of the lines from the material, in standard errors of
     /// the lines: 1 or slightly less for noise alone.
     #[must_use]
-    #[expect(clippy::cast_precision_loss, reason = "lines are far fewer than 2^52")]
     pub fn distance(&self) -> f64 {
         (self.chi_squared() / (2.0 * self.lines.len() as f64)).sqrt()
     }
@@ -312,10 +311,6 @@ impl CausalEstimate {
     /// many lines hides a single large size. A small probability means that data and causality
     /// disagree.
     #[must_use]
-    #[expect(
-        clippy::cast_precision_loss,
-        reason = "sources are far fewer than 2^52"
-    )]
     pub fn p_value(&self) -> f64 {
         let dispersion = self.scatter.of_chi_squared;
         let tail =

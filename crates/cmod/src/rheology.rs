@@ -120,10 +120,6 @@ fn straight_line(points: &[(f64, f64)]) -> Option<(f64, f64)> {
 }
 
 /// Converts a number of items to a floating-point number.
-#[expect(
-    clippy::cast_precision_loss,
-    reason = "numbers of lines and parameters are far below 2^52"
-)]
 fn count(number: usize) -> f64 {
     number as f64
 }

@@ -15,7 +15,6 @@
     missing_docs,
     clippy::unwrap_used,
     clippy::indexing_slicing,
-    clippy::cast_precision_loss,
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,
     reason = "the macros of criterion define undocumented functions, and a benchmark that cannot start may panic"

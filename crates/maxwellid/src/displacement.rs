@@ -140,10 +140,6 @@ impl RodTest {
     }
 }
 
-#[expect(
-    clippy::cast_precision_loss,
-    reason = "sample counts are far below 2^52"
-)]
 fn seconds(index: usize, rate_hz: f64) -> f64 {
     index as f64 / rate_hz
 }

@@ -456,10 +456,6 @@ pub(crate) fn value(minimum: &Minimum) -> f64 {
     sum_of_squares(&minimum.linearisation.residual)
 }
 
-#[expect(
-    clippy::cast_precision_loss,
-    reason = "sample counts are far below 2^52"
-)]
 pub(crate) fn root_mean_square(values: &[f64]) -> f64 {
     (sum_of_squares(values) / values.len().max(1) as f64).sqrt()
 }

@@ -159,10 +159,6 @@ pub(crate) fn assess(
         .len()
         .saturating_sub(parameters)
         .max(1);
-    #[expect(
-        clippy::cast_precision_loss,
-        reason = "sample counts are far below 2^52"
-    )]
     let from_residual = (sum_of_squares(&linearisation.residual) / degrees as f64).sqrt();
     let (noise, correlation_inflation) = match noise {
         _ if judged.white.is_some() => (judged.white.map_or(1.0, |(_, ratio)| ratio), 1.0),
@@ -294,10 +290,6 @@ fn estimate(
 
 /// Variance inflation 1 + 2 Σ ρ_l over the initial autocorrelations above 2/√n of the residuals,
 /// pooled over the tests (after Geyer, 1992).
-#[expect(
-    clippy::cast_precision_loss,
-    reason = "sample counts are far below 2^52"
-)]
 pub(crate) fn correlation_inflation(residual: &[f64], lengths: &[usize]) -> f64 {
     let variance = sum_of_squares(residual);
     if variance <= 0.0 {

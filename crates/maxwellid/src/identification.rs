@@ -301,10 +301,6 @@ impl<M: RodModel> Identification<M> {
     }
 
     /// Sum of squares of the white residual, NaN without stated noise, and its degrees of freedom.
-    #[expect(
-        clippy::cast_precision_loss,
-        reason = "sample counts are far below 2^52"
-    )]
     fn chi_square(&self) -> (f64, f64) {
         let samples: usize = self.lengths.iter().sum();
         let degrees = samples.saturating_sub(self.unknowns).max(1) as f64;
@@ -592,10 +588,6 @@ fn nuisance_estimates<M: RodModel>(
     let Some(svd) = ScaledDecomposition::new(&all, &vec![1.0; count]) else {
         return estimates;
     };
-    #[expect(
-        clippy::cast_precision_loss,
-        reason = "sample counts are far below 2^52"
-    )]
     let variance = if problem.weightings.is_empty() {
         sum_of_squares(&all.residual) / all.residual.len().saturating_sub(count).max(1) as f64
     } else {

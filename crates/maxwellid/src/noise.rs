@@ -72,7 +72,6 @@ const PRECURSOR: usize = 10;
 /// Returns the standard deviation of the samples before the first rise about their mean, and their
 /// number; if there are too few, their number is the error.
 #[expect(
-    clippy::cast_precision_loss,
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,
     reason = "sample counts are far below 2^52 and an index of a rise is not negative"

@@ -31,10 +31,6 @@ const SPREAD: f64 = 2.0;
 /// Returns `count` starts around the candidates of the model, spread by an additive recurrence with
 /// the powers of the generalised golden ratio (Roberts, 2018). The starts are not random, and a
 /// larger `count` begins with the same starts.
-#[expect(
-    clippy::cast_precision_loss,
-    reason = "start counts and dimensions are far below 2^52"
-)]
 #[allow(
     clippy::indexing_slicing,
     reason = "there is a candidate, and the index is a remainder of a division by their number"
@@ -112,10 +108,6 @@ const BETTER: f64 = 0.1;
 /// can explain the delay.
 ///
 /// The correlation is that of the differences of neighbouring samples, in which fronts dominate.
-#[expect(
-    clippy::cast_precision_loss,
-    reason = "sample counts are far below 2^52"
-)]
 pub(crate) fn arrival_lag<'a, M: RodModel>(
     problem: &TestResidual<'a, M>,
     parameters: &[f64],

@@ -225,7 +225,6 @@ impl RodTest {
     #[expect(
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,
-        clippy::cast_precision_loss,
         reason = "the end is checked against the record before the cast"
     )]
     pub fn with_window(mut self, end: f64) -> Result<Self, MaxwellidError> {
@@ -341,10 +340,6 @@ impl RodTest {
 
     /// Times of the samples within the window \[s\], from the first sample of the record.
     #[must_use]
-    #[expect(
-        clippy::cast_precision_loss,
-        reason = "sample counts are far below 2^52"
-    )]
     pub fn times(&self) -> Vec<f64> {
         (0..self.window)
             .map(|k| k as f64 / self.sampling_rate_hz)
@@ -402,10 +397,6 @@ impl RodTest {
             test: self.name.clone(),
             history: "response",
         })?;
-        #[expect(
-            clippy::cast_precision_loss,
-            reason = "sample counts are far below 2^52"
-        )]
         let end = (self.window - 1) as f64;
         if end < arrival + AFTER_ARRIVAL {
             return Err(MaxwellidError::WindowTooShort {
@@ -527,10 +518,6 @@ pub(crate) fn modulus_of_all(tests: &[RodTest]) -> Result<f64, MaxwellidError> {
 ///
 /// The first peak is the largest magnitude within [`RISE`] samples of the first crossing of a
 /// quarter of the overall largest: later reflections, which a free end doubles, may be higher.
-#[expect(
-    clippy::cast_precision_loss,
-    reason = "sample counts are far below 2^52"
-)]
 pub(crate) fn half_rise(samples: &[f64]) -> Option<f64> {
     let largest = |samples: &[f64]| samples.iter().fold(0.0_f64, |top, v| top.max(v.abs()));
     let quarter = 0.25 * largest(samples);

@@ -43,7 +43,6 @@ impl Differentiator {
         }
         let m = half_width.cast_signed();
         // positions in units of the half width, so that powers stay within [-1, 1]
-        #[expect(clippy::cast_precision_loss, reason = "at most 100")]
         let (scale, points): (f64, Vec<f64>) = (
             half_width as f64,
             (-m..=m).map(|j| j as f64 / half_width as f64).collect(),
@@ -102,7 +101,6 @@ impl Differentiator {
     /// Ratio of the computed to the true slope of a sinusoid at `frequency`, a fraction of the
     /// sampling rate.
     #[must_use]
-    #[expect(clippy::cast_precision_loss, reason = "at most 100 points to a side")]
     pub fn gain(&self, frequency: f64) -> f64 {
         let omega = std::f64::consts::TAU * frequency;
         let half = self.half_width();

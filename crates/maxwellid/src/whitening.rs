@@ -289,10 +289,6 @@ fn samples_of(excitation: &[f64], window: usize) -> usize {
     excitation.len().min(window + SampledHistory::HALF_WIDTH)
 }
 
-#[expect(
-    clippy::cast_precision_loss,
-    reason = "sample counts are far below 2^52"
-)]
 fn sample_time(k: usize, rate_hz: f64) -> f64 {
     k as f64 / rate_hz
 }
@@ -311,10 +307,6 @@ fn interpolated_at_equal_delay(columns: &[Vec<f64>], stride: usize, i: usize, si
     match (first, second) {
         (Some(a), Some(_)) if offset == 0 => a,
         (Some(a), Some(b)) => {
-            #[expect(
-                clippy::cast_precision_loss,
-                reason = "a stride of some tens of points"
-            )]
             let share = offset as f64 / stride as f64;
             a + share * (b - a)
         }
@@ -421,7 +413,6 @@ impl Weighting {
         // the rod is at rest before the record: noise makes the first sample a jump, which no grid
         // resolves
         for (k, u) in self.excitation.iter_mut().take(FADE).enumerate() {
-            #[expect(clippy::cast_precision_loss, reason = "some samples")]
             let share = k as f64 / FADE as f64;
             *u *= (0.5 * std::f64::consts::PI * share).sin().powi(2);
         }

@@ -7,7 +7,6 @@
     clippy::float_cmp,
     clippy::expect_used,
     clippy::panic,
-    clippy::cast_precision_loss,
     clippy::print_stdout,
     reason = "a failing test may panic"
 )]

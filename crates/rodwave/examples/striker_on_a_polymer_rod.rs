@@ -10,7 +10,6 @@
 //! MPa. It also prints the energy balance.
 #![allow(
     clippy::print_stdout,
-    clippy::cast_precision_loss,
     clippy::indexing_slicing,
     reason = "an example prints its results; step counts are small; there is one contact and one gauge"
 )]

@@ -115,7 +115,6 @@ const LEAD: usize = 2;
 
 /// Weights of the samples around a fine point, for every fine point between two samples. All
 /// histories share them.
-#[expect(clippy::cast_precision_loss, reason = "of the order of ten")]
 fn weights() -> &'static [[f64; OVERSAMPLING]] {
     static WEIGHTS: OnceLock<Vec<[f64; OVERSAMPLING]>> = OnceLock::new();
     WEIGHTS.get_or_init(|| {
@@ -174,10 +173,6 @@ impl SampledHistory {
     /// # Errors
     /// [`RodwaveError`] if a sample is not finite, if there are fewer than 4, or if the rate is not
     /// positive.
-    #[expect(
-        clippy::cast_precision_loss,
-        reason = "sample counts are far below 2^52"
-    )]
     pub fn new(samples: &[f64], sampling_rate_hz: f64) -> Result<Self, RodwaveError> {
         check_positive("sampling rate [Hz]", sampling_rate_hz)?;
         let fine_rate = check_positive(
@@ -233,7 +228,6 @@ impl SampledHistory {
     #[expect(
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,
-        clippy::cast_precision_loss,
         reason = "clamped to the fine grid before the cast"
     )]
     fn locate(&self, time: f64) -> (usize, f64) {
@@ -342,10 +336,6 @@ impl SamplePulses {
 
     /// Time \[s\] before which a change of the sample at `place` has no effect; it may be negative.
     #[must_use]
-    #[expect(
-        clippy::cast_precision_loss,
-        reason = "sample counts are far below 2^52"
-    )]
     pub fn begin(&self, place: usize) -> f64 {
         let sample = self.samples.get(place).copied().unwrap_or(usize::MAX);
         (sample as f64 - SampledHistory::HALF_WIDTH as f64) / self.rate_hz
@@ -398,7 +388,6 @@ impl Recorder {
     #[expect(
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,
-        clippy::cast_precision_loss,
         reason = "clamped to the record before the cast"
     )]
     pub fn filtered(&self, history: &[f64], step: f64, time: f64) -> f64 {

@@ -112,7 +112,6 @@ impl<L: InelasticLaw> DirectProblem<L> {
 
     /// Time step dt = L/(c N) \[s\].
     #[must_use]
-    #[expect(clippy::cast_precision_loss, reason = "cell counts are far below 2^52")]
     pub fn time_step(&self) -> f64 {
         self.rod.transit_time() / self.cells as f64
     }
@@ -231,7 +230,6 @@ pub struct March<L: InelasticLaw> {
 }
 
 impl<L: InelasticLaw> March<L> {
-    #[expect(clippy::cast_precision_loss, reason = "cell counts are far below 2^52")]
     fn new(problem: &DirectProblem<L>, velocity: f64, tangents: usize) -> Self {
         let rod = &problem.rod;
         let step = problem.time_step();

@@ -148,10 +148,6 @@ pub(crate) fn check_all_finite(
 const MOST_CELLS: usize = 1 << 27;
 
 /// Checks that a number of cells is sufficient for a march and within the memory limit.
-#[expect(
-    clippy::cast_precision_loss,
-    reason = "for the message of the refusal only"
-)]
 pub(crate) fn check_cells(
     cells: usize,
     fewest: usize,

@@ -59,10 +59,6 @@ impl<L: InelasticLaw> ImpactTest<L> {
     /// # Errors
     /// The errors of [`ImpactTest::run`]; [`RodwaveError::NonPhysical`] for a recorder or range
     /// that is not positive.
-    #[expect(
-        clippy::cast_precision_loss,
-        reason = "sample counts are far below 2^52"
-    )]
     pub fn record(
         &self,
         acquisition: &Acquisition,

@@ -350,7 +350,6 @@ impl Line {
     }
 
     /// Returns the body and the centre \[m\] of every cell, including the gaps at the start.
-    #[expect(clippy::cast_precision_loss, reason = "cell counts are far below 2^52")]
     fn places(&self, grid: &Grid) -> Vec<(usize, f64)> {
         let mut places = Vec::with_capacity(grid.cells.iter().sum());
         let mut counts = grid.cells.iter();

@@ -67,7 +67,6 @@ impl<L: InelasticLaw> LumpedRod<L> {
     /// # Errors
     /// [`RodwaveError::NonPhysical`] for fewer than 4 cells, more than 2^27, or a Courant number
     /// outside ]0, 0.95].
-    #[expect(clippy::cast_precision_loss, reason = "cell counts are far below 2^52")]
     pub fn new(
         rod: &InelasticRod<L>,
         cells: usize,
@@ -129,7 +128,6 @@ impl<L: InelasticLaw> LumpedRod<L> {
     #[expect(
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,
-        clippy::cast_precision_loss,
         reason = "clamped to the nodes before the cast"
     )]
     pub fn velocity_at(&self, x: f64) -> f64 {

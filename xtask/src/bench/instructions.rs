@@ -185,7 +185,6 @@ pub(super) fn compare(
     }
 }
 
-#[expect(clippy::cast_precision_loss, reason = "counts far below 2^52")]
 fn relative(before: u64, now: u64) -> f64 {
     now as f64 / before as f64 - 1.0
 }

@@ -138,7 +138,6 @@ impl Measured {
 
 impl Benchmark {
     /// Returns the number of elements per second if an iteration takes `time` \[s\].
-    #[expect(clippy::cast_precision_loss, reason = "counts far below 2^52")]
     pub(super) fn rate(&self, time: f64) -> Option<f64> {
         self.elements.map(|elements| elements as f64 / time)
     }

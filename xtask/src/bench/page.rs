@@ -264,7 +264,6 @@ fn instructions(measured: &Measured) -> String {
         let Some(kernel) = KERNELS.iter().find(|kernel| kernel.name == found.name) else {
             continue;
         };
-        #[expect(clippy::cast_precision_loss, reason = "counts far below 2^52")]
         let each = found.instructions as f64 / f64::from(kernel.count);
         table.row([
             kernel.name.to_owned(),

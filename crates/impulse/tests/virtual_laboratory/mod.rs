@@ -1,9 +1,7 @@
 //! Figures 5 and 6 of paper E on the virtual bodies of `testbed`: the mobility of a face, measured
 //! and predicted, and its impact on the long rod.
 
-use impulse::{
-    FaceMobility, ImpedanceHead, StickProblem, StickUncertainty, ZeroLine, lines_of,
-};
+use impulse::{FaceMobility, ImpedanceHead, StickProblem, StickUncertainty, ZeroLine, lines_of};
 use labio::MergedResponse;
 use num_complex::Complex64;
 use testbed::claim::Fallible;

@@ -216,10 +216,6 @@ impl<M: RodModel> Fit<M> {
 
     /// Returns the requested accuracy, or the accuracy that the stated noise requires if that is
     /// smaller.
-    #[expect(
-        clippy::cast_precision_loss,
-        reason = "sample counts are far below 2^52"
-    )]
     pub(super) fn requested_accuracy(&self, tests: &[RodTest]) -> f64 {
         let samples: usize = tests.iter().map(|test| test.window).sum();
         tests
@@ -408,10 +404,6 @@ pub(super) fn duration(tests: &[RodTest]) -> f64 {
 
 /// Sum of squares due to rounding: 1e-14 of V0 per sample, or a millionth of the noise for a white
 /// residual.
-#[expect(
-    clippy::cast_precision_loss,
-    reason = "sample counts are far below 2^52"
-)]
 pub(super) fn rounding<M: RodModel>(problem: &TestResidual<'_, M>) -> f64 {
     let sample = if problem.weightings.is_empty() {
         1e-28

@@ -208,7 +208,6 @@ fn impulse_response(response: &dyn Fn(f64) -> Complex64, rate_hz: f64) -> Observ
 
 /// The kernel of a linear-phase recorder for histories at `rate_hz`.
 #[expect(
-    clippy::cast_precision_loss,
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,
     reason = "a rate is a small multiple of that of the recorder, whose kernel has some tens of samples"

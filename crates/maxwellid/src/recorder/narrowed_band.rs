@@ -201,7 +201,6 @@ impl<M: RodModel + Clone> Fit<M> {
     reason = "kept samples end half of the filter before the record does"
 )]
 #[expect(
-    clippy::cast_precision_loss,
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,
     reason = "a cut-off is above 0 and below 0.28 of the sampling rate, and sample counts are far below 2^52"
@@ -267,7 +266,6 @@ fn low_passed(test: &RodTest, cutoff: f64) -> Result<RodTest, MaxwellidError> {
 /// Windowed sinc (Hamming): gain 1 at frequency 0, a half at `share` of the sampling rate, and less
 /// than 0.3 % from [`STOP`] times that share on.
 #[expect(
-    clippy::cast_precision_loss,
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,
     reason = "a share is at least 1e-9 or so; some hundred taps"

@@ -124,7 +124,6 @@ pub(crate) struct Drive {
 
 impl Drive {
     /// Times \[s\] at which the response is needed for `samples` samples of it.
-    #[expect(clippy::cast_precision_loss, reason = "at most some thousand points")]
     pub(crate) fn times(&self, samples: usize) -> Vec<f64> {
         (0..self.seen.points(samples))
             .map(|point| point as f64 / self.rate_hz)

@@ -47,7 +47,6 @@ impl SignalBand {
 
     /// Creates the low-pass that passes frequencies up to `edge`, a fraction of half of the
     /// sampling rate.
-    #[expect(clippy::cast_precision_loss, reason = "some tens of weights")]
     fn up_to(edge: f64) -> Option<Self> {
         if edge + 2.0 * TRANSITION > 1.0 {
             return None;
@@ -113,10 +112,6 @@ fn mirrored(at: usize, count: usize) -> usize {
 
 /// Highest frequency at which the mean power of a block of lines exceeds the noise, as a fraction
 /// of half of the sampling rate. The noise is at most that of the highest block.
-#[expect(
-    clippy::cast_precision_loss,
-    reason = "sample counts are far below 2^52"
-)]
 #[allow(
     clippy::indexing_slicing,
     reason = "a block ends with the last line, and there is a sum before each"

@@ -15,10 +15,6 @@ const NOISE_POWER: f64 = 1.5;
 
 /// Filters `history` by reducing each frequency to its power above the noise. The record is
 /// continued by its mirror image, so that its continuation has no jump.
-#[expect(
-    clippy::cast_precision_loss,
-    reason = "sample counts are far below 2^52"
-)]
 #[allow(
     clippy::indexing_slicing,
     reason = "a range of lines ends with the last"
@@ -62,10 +58,6 @@ struct Mirrored {
 
 impl Mirrored {
     /// Transforms a history of at least three samples.
-    #[expect(
-        clippy::cast_precision_loss,
-        reason = "sample counts are far below 2^52"
-    )]
     fn of(history: &[f64], noise: &HistoryNoise) -> Self {
         let last = history.len() - 1;
         let period = 2 * last;

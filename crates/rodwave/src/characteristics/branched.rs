@@ -110,7 +110,6 @@ impl<L: InelasticLaw> BranchedProblem<L> {
 
     /// Time step dt = L/(c N) \[s\].
     #[must_use]
-    #[expect(clippy::cast_precision_loss, reason = "cell counts are far below 2^52")]
     pub fn time_step(&self) -> f64 {
         self.rod.transit_time() / self.cells as f64
     }

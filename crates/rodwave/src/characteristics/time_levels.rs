@@ -54,7 +54,6 @@ impl TimeLevels {
     }
 
     /// Time \[s\] of level `n`.
-    #[expect(clippy::cast_precision_loss, reason = "step counts are far below 2^52")]
     pub(super) fn time(&self, n: usize) -> f64 {
         self.begin + n as f64 * self.step
     }

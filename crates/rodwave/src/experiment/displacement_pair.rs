@@ -44,7 +44,6 @@ impl DisplacementPair {
     /// Time \[s\] until which both displacements are within `range` \[m\]; the end of the histories
     /// if they never leave the range.
     #[must_use]
-    #[expect(clippy::cast_precision_loss, reason = "step counts are far below 2^52")]
     pub fn in_range_until(&self, range: f64) -> f64 {
         let pairs = self.section.iter().zip(&self.free_end);
         let within =

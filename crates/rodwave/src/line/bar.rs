@@ -63,7 +63,6 @@ pub(super) struct Block {
 impl Bar {
     /// Creates the segment divided into `cells`, moving at `velocity`. Its wave speed is changed to
     /// exactly one cell per `step`.
-    #[expect(clippy::cast_precision_loss, reason = "cell counts are far below 2^52")]
     pub(super) fn new(segment: &Segment, cells: usize, step: f64, velocity: f64) -> Self {
         let cell_length = segment.length() / cells as f64;
         let wave_speed = cell_length / step;

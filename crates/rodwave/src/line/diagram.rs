@@ -54,10 +54,6 @@ impl Diagram {
     }
 
     /// Runs `march` until `duration` and records every `stride`-th time level.
-    #[expect(
-        clippy::cast_precision_loss,
-        reason = "for the message of the refusal only"
-    )]
     pub(super) fn record(
         mut march: March,
         places: Vec<(usize, f64)>,

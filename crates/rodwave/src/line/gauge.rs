@@ -50,7 +50,6 @@ impl GaugeState {
     #[expect(
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,
-        clippy::cast_precision_loss,
         reason = "positions inside the segment, cell counts far below 2^52"
     )]
     pub(super) fn new(bar: &Bar, segment: usize, distance: f64, tangents: usize) -> Self {

@@ -136,7 +136,6 @@ impl March {
 
     /// Present time \[s\].
     #[must_use]
-    #[expect(clippy::cast_precision_loss, reason = "step counts are far below 2^52")]
     pub fn time(&self) -> f64 {
         self.steps as f64 * self.grid.time_step
     }

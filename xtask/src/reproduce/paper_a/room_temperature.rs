@@ -149,7 +149,6 @@ fn worst(estimate: &ModulusEstimate, exact: &dyn Fn(&ModulusLine) -> Complex64) 
 }
 
 /// Returns the fraction of the values E' and E'' of valid lines within a number of standard errors.
-#[expect(clippy::cast_precision_loss, reason = "a thousand lines")]
 pub(crate) fn within(
     estimate: &ModulusEstimate,
     exact: &dyn Fn(&ModulusLine) -> Complex64,

@@ -113,7 +113,6 @@ pub(crate) fn all(paper: &PaperA) -> Result<Vec<Heated>, Error> {
 /// Returns the mean of independent values, with its standard error. The mean is not weighted: the
 /// variance of a line is known from only ten blows, and weights that follow it would underestimate
 /// the error of the mean.
-#[expect(clippy::cast_precision_loss, reason = "a handful of lines")]
 fn mean(lines: &[&ModulusLine], value: &dyn Fn(&ModulusLine) -> (f64, f64)) -> (f64, f64) {
     let count = lines.len() as f64;
     let (sum, squares) = lines

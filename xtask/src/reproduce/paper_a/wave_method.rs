@@ -66,7 +66,6 @@ pub(crate) fn all(paper: &PaperA, tests: &[Evaluated]) -> Result<Vec<Comparison>
 #[expect(
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,
-    clippy::cast_precision_loss,
     reason = "some hundred samples, ten tests, some dozen lines"
 )]
 fn compare(paper: &PaperA, test: &Evaluated, seed: u64) -> Result<Comparison, Error> {

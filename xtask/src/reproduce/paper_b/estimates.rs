@@ -122,7 +122,6 @@ pub(crate) fn in_situ(
     })?)
 }
 
-#[expect(clippy::cast_precision_loss, reason = "two dozen lines")]
 fn collect(paper: &PaperB, way: String, estimate: &ModulusEstimate) -> Result<Series, Error> {
     let medium = polypropylene(paper)?;
     let lines: Vec<Line> = estimate
@@ -163,7 +162,6 @@ fn collect(paper: &PaperB, way: String, estimate: &ModulusEstimate) -> Result<Se
 
 /// Returns the root mean square of the difference between two series relative to its standard
 /// error, over the lines that are valid in both. It is 1 if the series differ by noise alone.
-#[expect(clippy::cast_precision_loss, reason = "two dozen lines")]
 pub(crate) fn difference(first: &Series, second: &Series) -> f64 {
     let mut squares = Vec::new();
     for a in first.lines.iter().filter(|line| line.valid) {

@@ -124,7 +124,6 @@ pub(crate) fn acceleration_ratios(
         .map(|f| test.acceleration_ratio(TAU * f))
         .collect::<Result<_, _>>()?;
     let mut random = ChaCha8Rng::seed_from_u64(SEED + 1000);
-    #[expect(clippy::cast_precision_loss, reason = "a handful of tests")]
     let of_mean = ACCELERATION_NOISE / (tests as f64).sqrt();
     // noise of both channels over the acceleration of the free end: δΨ = (δa₁ - Ψ δa₂)/a₂
     let variance: Vec<f64> = exact

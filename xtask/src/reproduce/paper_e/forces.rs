@@ -298,7 +298,6 @@ pub(crate) fn of(paper: &PaperE, face: Face, measurement: &Measurement) -> Resul
 fn gauges(paper: &PaperE, face: Face, velocity: f64) -> Result<(ForceHistory, f64), Error> {
     let body = paper.causal(face)?;
     let rod = paper.gauged_rod()?;
-    #[expect(clippy::cast_precision_loss, reason = "a handful")]
     let interval = paper.strain_sample_period / FINER as f64;
     let record = ImpactOfTwoBodies {
         first: &body,
@@ -338,7 +337,6 @@ fn difference(gauges: &ForceHistory, other: &ForceHistory, until: f64) -> f64 {
         .filter(|(time, _)| (COMPARED..0.95 * until).contains(time))
         .filter_map(|(time, force)| Some((force - at(other, time)?).powi(2)))
         .collect();
-    #[expect(clippy::cast_precision_loss, reason = "some hundred samples")]
     let mean = squares.iter().sum::<f64>() / squares.len() as f64;
     mean.sqrt() / gauges.peak().force
 }

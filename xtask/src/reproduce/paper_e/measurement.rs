@@ -66,7 +66,6 @@ pub(crate) fn measure(paper: &PaperE, face: Face) -> Result<Measurement, Error> 
         .filter(|&line| from_light[line] != from_light[line - 1])
         .collect();
     let step = paper.frequency_step_hz();
-    #[expect(clippy::cast_precision_loss, reason = "a thousand lines")]
     Ok(Measurement {
         frequency_step_hz: step,
         part_of_light: from_light.iter().filter(|light| **light).count() as f64

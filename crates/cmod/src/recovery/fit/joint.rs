@@ -141,10 +141,6 @@ impl RecoveryFit {
                 expected: rank + 1,
             });
         }
-        #[expect(
-            clippy::cast_precision_loss,
-            reason = "the number of readings is far below 2^52"
-        )]
         let variance = match error_scale {
             ErrorScale::Stated => 1.0,
             ErrorScale::FromResidual => chi_squared / degrees_of_freedom as f64,

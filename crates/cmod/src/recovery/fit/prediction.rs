@@ -125,10 +125,6 @@ pub(super) fn linearise(tests: &[RecoveryTest], at: &Coordinates) -> Result<Line
 }
 
 /// Returns the geometric mean of the largest stresses of the loads \[Pa\].
-#[expect(
-    clippy::cast_precision_loss,
-    reason = "the number of tests is far below 2^52"
-)]
 pub(super) fn reference_stress(tests: &[RecoveryTest]) -> f64 {
     let sum: f64 = tests
         .iter()
@@ -165,10 +161,6 @@ pub(super) fn grid_start(
         log_duration += test.load.duration().ln();
     }
     whiten(tests, &mut data);
-    #[expect(
-        clippy::cast_precision_loss,
-        reason = "the number of tests is far below 2^52"
-    )]
     let log_duration = log_duration / tests.len().max(1) as f64;
     let mut best: Option<(f64, Coordinates)> = None;
     let mut shape = Vec::with_capacity(data.len());

@@ -105,18 +105,10 @@ pub(super) fn numbers(
             .collect(),
         Datatype::FixedPoint { signed: true, .. } if size == 8 => {
             let read = dataset.read_array::<i64>().map_err(fail)?;
-            #[expect(
-                clippy::cast_precision_loss,
-                reason = "amounts beyond 2^53 are rejected below"
-            )]
             read.iter().map(|&value| value as f64).collect()
         }
         Datatype::FixedPoint { signed: false, .. } if size == 8 => {
             let read = dataset.read_array::<u64>().map_err(fail)?;
-            #[expect(
-                clippy::cast_precision_loss,
-                reason = "amounts beyond 2^53 are rejected below"
-            )]
             read.iter().map(|&value| value as f64).collect()
         }
         Datatype::FixedPoint { signed, .. } => match (size, signed) {

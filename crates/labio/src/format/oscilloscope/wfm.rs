@@ -188,10 +188,6 @@ fn decoded(bytes: &[u8], kind: &str, each: usize, big_endian: bool) -> Vec<f64> 
             "f64" => f64::from_le_bytes(wide),
             "u8" => f64::from(a),
             "i8" => f64::from(a.cast_signed()),
-            #[expect(
-                clippy::cast_precision_loss,
-                reason = "counts of an acquisition are far below 2^53"
-            )]
             _ => u64::from_le_bytes(wide) as f64,
         }
     };

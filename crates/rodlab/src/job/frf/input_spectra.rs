@@ -4,8 +4,8 @@ use labio::{AveragedSpectra, Channel, Record, SpectrumAverager};
 use ndarray::Axis as Dimension;
 use rodfigure::{Axis, Figure, Greyed, Mark, Panel, Role};
 
-use super::sheet::FrfSheet;
 use super::estimate;
+use super::sheet::FrfSheet;
 use crate::RodlabError;
 
 /// Fraction of the maximum of the mean spectrum at which the spectrum of the input ends; it is -20

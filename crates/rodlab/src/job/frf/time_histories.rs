@@ -5,8 +5,8 @@ use std::ops::Range;
 use labio::Record;
 use rodfigure::{Figure, Mark, Panel, Role};
 
-use super::sheet::FrfSheet;
 use super::estimate;
+use super::sheet::FrfSheet;
 use crate::RodlabError;
 use crate::hits::{FoundHit, FoundHits};
 use crate::outcome::{Column, Table};

@@ -86,7 +86,6 @@ impl PaperE {
     #[expect(
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,
-        clippy::cast_precision_loss,
         clippy::indexing_slicing,
         reason = "ten tests of 4096 samples; the histories are as long as the records"
     )]
