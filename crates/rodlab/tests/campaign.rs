@@ -14,6 +14,7 @@ use std::time::Duration;
 
 use tempfile::TempDir;
 
+use crate::faults::folder::files_in;
 use crate::runs::{Words, rodlab, text};
 
 /// A mass that strikes a long rod.
@@ -57,20 +58,9 @@ fn campaign() -> TempDir {
 
 /// All files below `folder`, by their names from there, as their lines.
 fn files_below(folder: &Path) -> BTreeMap<PathBuf, String> {
-    fn collect(folder: &Path, root: &Path, found: &mut BTreeMap<PathBuf, String>) {
-        for entry in fs::read_dir(folder).unwrap() {
-            let path = entry.unwrap().path();
-            if path.is_dir() {
-                collect(&path, root, found);
-            } else {
-                let name = path.strip_prefix(root).unwrap().to_path_buf();
-                found.insert(name, text(&fs::read(&path).unwrap()));
-            }
-        }
-    }
-    let mut found = BTreeMap::new();
-    collect(folder, folder, &mut found);
-    found
+    assert!(folder.is_dir(), "no {}", folder.display());
+    let files = files_in(folder).into_iter();
+    files.map(|(name, bytes)| (name, text(&bytes))).collect()
 }
 
 /// Fails with the first file and line in which two folders differ.

@@ -9,7 +9,7 @@
 
 mod cut_records;
 mod cut_sheets;
-mod folder;
+pub(crate) mod folder;
 mod full_disk;
 mod killed;
 mod no_permission;

@@ -373,27 +373,45 @@ fn hopkinson_mistakes_are_named() {
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }
 
+/// Runs a plan in `folder`, writes its files, and returns its outcome with the sheet that evaluates
+/// them.
+fn made_by(folder: &Path, plan: &str) -> (Outcome, String) {
+    let made = run(folder, plan).unwrap();
+    for file in &made.attachments {
+        fs::write(folder.join(&file.name), &file.bytes).unwrap();
+    }
+    let sheet = fs::read_to_string(folder.join("shpb.ron")).unwrap();
+    (made, sheet)
+}
+
+/// A plan with bars of nylon and these gauges.
+fn between_nylon(title: &str, incident: &str, transmitted: &str) -> String {
+    format!(
+        r#"Simulate(
+    title: "{title}",
+    materials: {{"nylon": (density: "1150 kg/m3", law: Prony(equilibrium: "2.6 GPa", branches: [
+        (modulus: "0.2 GPa", relaxation_time: "8 us"), (modulus: "0.2 GPa", relaxation_time: "60 us")]))}},
+    experiment: HopkinsonBars(
+        striker: (length: "200 mm", diameter: "20 mm", density: "1150 kg/m3", modulus: "2.9 GPa"), velocity: "12 m/s",
+        incident: (material: "nylon", diameter: "20 mm", length: "1800 mm", gauges: {incident}),
+        transmitted: (material: "nylon", diameter: "20 mm", length: "1600 mm", gauges: {transmitted}),
+        specimen: (length: "6 mm", diameter: "14 mm", density: "1100 kg/m3", modulus: "1.2 GPa",
+            law: Norton(exponent: "4", rate_at_10_mpa: "8 1/s"), hardening: "50 MPa")),
+    instrument: (sampling_rate: "500 kHz", length: "2.6 ms", before: "0.3 ms", noise: "0.1 %", converter: (bits: 12)),
+    output: "shot.csv")"#
+    )
+}
+
 /// A virtual shot with a striker, from its sheet to the sheet that evaluates it.
 #[test]
 fn hopkinson_virtual_shot_comes_back() {
     let folder = TempDir::new().unwrap();
-    let plan = r#"Simulate(
-    title: "Polymer between nylon bars",
-    materials: {"nylon": (density: "1150 kg/m3", law: Prony(equilibrium: "2.6 GPa", branches: [
-        (modulus: "0.2 GPa", relaxation_time: "8 us"), (modulus: "0.2 GPa", relaxation_time: "60 us")]))},
-    experiment: HopkinsonBars(
-        striker: (length: "200 mm", diameter: "20 mm", density: "1150 kg/m3", modulus: "2.9 GPa"), velocity: "12 m/s",
-        incident: (material: "nylon", diameter: "20 mm", length: "1800 mm", gauges: ["900 mm"]),
-        transmitted: (material: "nylon", diameter: "20 mm", length: "1600 mm", gauges: ["400 mm"]),
-        specimen: (length: "6 mm", diameter: "14 mm", density: "1100 kg/m3", modulus: "1.2 GPa",
-            law: Norton(exponent: "4", rate_at_10_mpa: "8 1/s"), hardening: "50 MPa")),
-    instrument: (sampling_rate: "500 kHz", length: "2.6 ms", before: "0.3 ms", noise: "0.1 %", converter: (bits: 12)),
-    output: "shot.csv")"#;
-    let made = run(folder.path(), plan).unwrap();
-    for file in &made.attachments {
-        fs::write(folder.path().join(&file.name), &file.bytes).unwrap();
-    }
-    let sheet = fs::read_to_string(folder.path().join("shpb.ron")).unwrap();
+    let plan = between_nylon(
+        "Polymer between nylon bars",
+        r#"["900 mm"]"#,
+        r#"["400 mm"]"#,
+    );
+    let (made, sheet) = made_by(folder.path(), &plan);
     let found = run(folder.path(), &sheet).unwrap();
     assert_eq!(found.verdict, Verdict::Answered, "{:?}", found.summary);
     let truth = |name: &str| column(&made, "true-stress-strain", name);
@@ -454,23 +472,12 @@ fn delayed(text: &str, column: usize, by: usize) -> String {
 #[test]
 fn hopkinson_late_channel_contradicts_the_other_gauge_of_its_bar() {
     let folder = TempDir::new().unwrap();
-    let plan = r#"Simulate(
-    title: "Polymer between nylon bars with two gauges each",
-    materials: {"nylon": (density: "1150 kg/m3", law: Prony(equilibrium: "2.6 GPa", branches: [
-        (modulus: "0.2 GPa", relaxation_time: "8 us"), (modulus: "0.2 GPa", relaxation_time: "60 us")]))},
-    experiment: HopkinsonBars(
-        striker: (length: "200 mm", diameter: "20 mm", density: "1150 kg/m3", modulus: "2.9 GPa"), velocity: "12 m/s",
-        incident: (material: "nylon", diameter: "20 mm", length: "1800 mm", gauges: ["1100 mm", "500 mm"]),
-        transmitted: (material: "nylon", diameter: "20 mm", length: "1600 mm", gauges: ["300 mm", "800 mm"]),
-        specimen: (length: "6 mm", diameter: "14 mm", density: "1100 kg/m3", modulus: "1.2 GPa",
-            law: Norton(exponent: "4", rate_at_10_mpa: "8 1/s"), hardening: "50 MPa")),
-    instrument: (sampling_rate: "500 kHz", length: "2.6 ms", before: "0.3 ms", noise: "0.1 %", converter: (bits: 12)),
-    output: "shot.csv")"#;
-    let made = run(folder.path(), plan).unwrap();
-    for file in &made.attachments {
-        fs::write(folder.path().join(&file.name), &file.bytes).unwrap();
-    }
-    let mut sheet = fs::read_to_string(folder.path().join("shpb.ron")).unwrap();
+    let plan = between_nylon(
+        "Polymer between nylon bars with two gauges each",
+        r#"["1100 mm", "500 mm"]"#,
+        r#"["300 mm", "800 mm"]"#,
+    );
+    let (_, mut sheet) = made_by(folder.path(), &plan);
     for at in [1100, 500, 300, 800] {
         let [exact, known] = ["", " ± 1 mm"].map(|error| format!("at: \"{at} mm{error}\""));
         assert!(sheet.contains(&exact), "{sheet}");
@@ -510,11 +517,7 @@ fn hopkinson_largest_stress_is_quoted_from_equilibrium() {
             law: Norton(exponent: "6", rate_at_10_mpa: "0.01 1/s"), hardening: "200 MPa")),
     instrument: (sampling_rate: "1 MHz", length: "1.2 ms", before: "0.2 ms", noise: "0.1 %", converter: (bits: 14)),
     output: "shot.csv")"#;
-    let made = run(folder.path(), plan).unwrap();
-    for file in &made.attachments {
-        fs::write(folder.path().join(&file.name), &file.bytes).unwrap();
-    }
-    let sheet = fs::read_to_string(folder.path().join("shpb.ron")).unwrap();
+    let (made, sheet) = made_by(folder.path(), plan);
     let sheet = sheet
         .replace("at: \"900 mm\"", "at: \"900 mm ± 1 mm\"")
         .replace("at: \"400 mm\"", "at: \"400 mm ± 1 mm\"");

@@ -95,7 +95,7 @@ pub(crate) fn run(job: &Job, rig: &Rig) -> Result<Row, Error> {
     let mut noise = virtual_test::Noise::of_the_recorder(
         rig.striker.velocity,
         virtual_test::SEED + u64::from(job.test.test),
-    )?;
+    );
     let test = match &job.data {
         Data::Law => rig.driven(&conditions, job.material.values, &mut noise)?,
         Data::FlatLoss(flat) => rig.flat_loss(&conditions, &flat.law()?, &mut noise)?,

@@ -103,7 +103,7 @@ pub(crate) fn run(job: &Job, rig: &Rig) -> Result<FlatLoss, Error> {
             let mut noise = virtual_test::Noise::of_the_recorder(
                 rig.striker.velocity,
                 virtual_test::SEED + u64::from(test.test),
-            )?;
+            );
             rig.flat_loss(&conditions(test, modulus), &law, &mut noise)
         })
         .collect::<Result<_, Error>>()?;

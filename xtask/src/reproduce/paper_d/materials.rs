@@ -148,7 +148,7 @@ pub(crate) fn run(job: &Job, rig: &Rig) -> Result<Material, Error> {
             let mut noise = virtual_test::Noise::of_the_recorder(
                 rig.striker.velocity,
                 job.seed + u64::from(test.test),
-            )?;
+            );
             match job.excitation {
                 Excitation::AsRecorded => rig.driven(&conditions, parameters, &mut noise),
                 Excitation::Struck | Excitation::ThroughRecorder => {

@@ -1,9 +1,6 @@
 //! Virtual tests: geometry, striker and recorder as in the paper, data from the lumped chain.
 
 use maxwellid::{Provenance, RodTest, RodTestData};
-use rand::SeedableRng;
-use rand_chacha::ChaCha8Rng;
-use rand_distr::{Distribution, Normal};
 use rodwave::band_limited::{Recorder, SampledHistory, VelocityHistory};
 use rodwave::experiment::{Acquisition, VelocityRecord};
 use rodwave::impact::Striker;
@@ -47,39 +44,26 @@ pub(crate) const FLAT_LOSS_BRANCHES: f64 = 2.0;
 /// Number of samples before the impact: the filter reaches 24 samples ahead.
 const SAMPLES_BEFORE: usize = 32;
 
-/// White noise of the recorder, generated from a seed.
+/// White noise of the recorder, and its standard deviation in m/s; `None` for noise-free data.
 #[derive(Debug)]
-pub(crate) struct Noise {
-    generator: ChaCha8Rng,
-    /// [m/s]; `None` for noise-free data
-    distribution: Option<Normal<f64>>,
-}
+pub(crate) struct Noise(Option<(testbed::noise::Noise, f64)>);
 
 impl Noise {
     pub(crate) fn none() -> Self {
-        Self {
-            generator: ChaCha8Rng::seed_from_u64(0),
-            distribution: None,
-        }
+        Self(None)
     }
 
     /// Creates white noise of [`NOISE`] times the velocity `impact_velocity` [m/s].
-    pub(crate) fn of_the_recorder(impact_velocity: f64, seed: u64) -> Result<Self, Error> {
-        Ok(Self {
-            generator: ChaCha8Rng::seed_from_u64(seed),
-            distribution: Some(Normal::new(0.0, NOISE * impact_velocity)?),
-        })
+    pub(crate) fn of_the_recorder(impact_velocity: f64, seed: u64) -> Self {
+        let noise = testbed::noise::Noise::seeded(seed);
+        Self(Some((noise, NOISE * impact_velocity)))
     }
 
     fn added_to(&mut self, history: &[f64]) -> Vec<f64> {
-        history
-            .iter()
-            .map(|v| {
-                v + self
-                    .distribution
-                    .map_or(0.0, |distribution| distribution.sample(&mut self.generator))
-            })
-            .collect()
+        match &mut self.0 {
+            Some((noise, deviation)) => noise.added_to(history, *deviation),
+            None => history.to_vec(),
+        }
     }
 }
 
