@@ -19,6 +19,7 @@ use crate::{Channel, Estimator, FrequencyResponse, LabioError, LineValidity, Qua
 /// apply to a body that is free at all other points. Blocked force/motion responses are elements of
 /// the inverse of the whole matrix and cannot be found from one response.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum ResponseKind {
     /// Displacement over force.
     Receptance,

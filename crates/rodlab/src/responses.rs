@@ -15,7 +15,6 @@ pub(crate) use file::{AVERAGES, COMMON_ERROR, FREEDOM, STANDARD_ERROR};
 pub use hits::{
     EstimatorSheet, ForceWindowSheet, HitsSource, MergeSheet, disagreements, with_silence,
 };
-pub use kind::KindSheet;
 pub(crate) use lines::{JudgedLine, error_columns, judged_lines};
 pub use signal::stretch_with_signal;
 pub use support::{CompletionSheet, SupportSheet, measured_body};

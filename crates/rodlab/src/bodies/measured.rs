@@ -1,9 +1,10 @@
 //! Measured bodies of a sheet: a file with the frequency response of the impact face.
 
+use labio::ResponseKind;
 use serde::Deserialize;
 
 use crate::records::Selector;
-use crate::responses::{CompletionSheet, KindSheet, ResponseFile, SupportSheet};
+use crate::responses::{CompletionSheet, ResponseFile, SupportSheet};
 use crate::sheet::{Duration, Exact, Frequency, Ratio, SpecificImpedance, Stated};
 
 /// A body, described by the measured response of its impact face, as written by `rodlab mobility`.
@@ -18,7 +19,7 @@ pub struct MeasuredBodySheet {
     pub imaginary: Option<Selector>,
     /// Kind of response, such as `Mobility` or `Accelerance`; by default the kind that suits the
     /// unit.
-    pub kind: Option<KindSheet>,
+    pub kind: Option<ResponseKind>,
     /// Data set with the standard errors of the lines.
     pub standard_error: Option<Selector>,
     /// Data set with the coherence, from which the standard error is computed together with

@@ -10,7 +10,7 @@ use labio::{
 use num_complex::Complex64;
 use serde::Deserialize;
 
-use super::kind::{KindSheet, dimension, quantities};
+use super::kind::{dimension, quantities};
 use crate::outcome::InputFile;
 use crate::records::Selector;
 use crate::{Outcome, RodlabError, cut_short, earlier, input, universal};
@@ -49,7 +49,7 @@ pub struct ResponseFile {
     /// Column of the imaginary part, if it is separate.
     pub imaginary: Option<Selector>,
     /// Kind of response, such as `Mobility`; by default the kind that suits the unit.
-    pub kind: Option<KindSheet>,
+    pub kind: Option<ResponseKind>,
     /// Data set with the standard error of each line, that is the square root of the variance of
     /// the complex number, in the unit of the response. By default the data set that has the name
     /// of the response with the suffix `, standard error`, if there is one.
@@ -346,9 +346,8 @@ impl ResponseFile {
         field: &str,
         outcome: &mut Outcome,
     ) -> Result<(ResponseKind, f64), RodlabError> {
-        let stated = self.kind.map(KindSheet::kind);
         let place = format!("{field}.kind");
-        match (&series.ordinate_axis.unit, stated) {
+        match (&series.ordinate_axis.unit, self.kind) {
             (Some(unit), stated) => {
                 let found = ResponseKind::ALL
                     .into_iter()
