@@ -18,7 +18,7 @@
 use std::sync::Arc;
 
 use crate::error::MaxwellidError;
-use crate::law::{Role, Scale, StatedParameter};
+use crate::law::StatedParameter;
 use crate::model::{DrivenRod, LinearisedResponse, RodModel};
 use crate::special_case::{PronySeries, SpecialCase};
 use crate::specimen::SpecimenSensitivity;
@@ -168,15 +168,8 @@ impl RodModel for Arrhenius {
         if let Some(own) = gradient.last_mut() {
             *own = energy.recip();
         }
-        stated.push(StatedParameter {
-            name: "activation energy",
-            symbol: "Q",
-            unit: "J/mol",
-            value: energy,
-            scale: Scale::Ratio,
-            gradient,
-            role: Role::Coordinate,
-        });
+        let names = ["activation energy", "Q", "J/mol"];
+        stated.push(StatedParameter::ratio(names, energy, gradient));
         stated
     }
 

@@ -274,15 +274,9 @@ forwarded_rod_model!(Law, this => this.entry().model);
 const LOG_RATE_BOUNDS: (f64, f64) = (-50.0, 50.0);
 
 fn rate_at_reference(law: &impl InelasticLaw, gradient: Vec<f64>) -> StatedParameter {
-    StatedParameter {
-        name: "inelastic strain rate at 10 MPa",
-        symbol: "F(10 MPa)",
-        unit: "1/s",
-        value: law.inelastic_strain_rate(law.reference_stress()),
-        scale: Scale::Ratio,
-        gradient,
-        role: Role::Coordinate,
-    }
+    let names = ["inelastic strain rate at 10 MPa", "F(10 MPa)", "1/s"];
+    let value = law.inelastic_strain_rate(law.reference_stress());
+    StatedParameter::ratio(names, value, gradient)
 }
 
 impl IdentifiableLaw for Elastic {
@@ -317,15 +311,11 @@ impl IdentifiableLaw for Maxwell {
     }
 
     fn stated(&self) -> Vec<StatedParameter> {
-        vec![StatedParameter {
-            name: "viscosity",
-            symbol: "eta",
-            unit: "Pa s",
-            value: self.viscosity(),
-            scale: Scale::Ratio,
-            gradient: vec![-1.0],
-            role: Role::Coordinate,
-        }]
+        vec![StatedParameter::ratio(
+            ["viscosity", "eta", "Pa s"],
+            self.viscosity(),
+            vec![-1.0],
+        )]
     }
 
     fn specimen_sensitivities(&self) -> Vec<SpecimenSensitivity> {
@@ -370,16 +360,13 @@ impl IdentifiableLaw for MaxwellNorton {
                 role: Role::Coordinate,
             },
             rate_at_reference(self, vec![0.0, 1.0]),
-            StatedParameter {
-                name: "coefficient",
-                symbol: "B",
-                unit: "Pa^kappa s",
-                value: self.coefficient(),
-                scale: Scale::Ratio,
-                // ln B = κ ln σ_ref - ln r
-                gradient: vec![self.reference_stress().ln(), -1.0],
-                role: Role::Derived,
-            },
+            // ln B = κ ln σ_ref - ln r
+            StatedParameter::ratio(
+                ["coefficient", "B", "Pa^kappa s"],
+                self.coefficient(),
+                vec![self.reference_stress().ln(), -1.0],
+            )
+            .derived(),
         ]
     }
 
@@ -422,26 +409,19 @@ impl IdentifiableLaw for MaxwellGurevichRabinovich {
         let sharpness = sharpness(self);
         vec![
             rate_at_reference(self, vec![0.0, 1.0]),
-            StatedParameter {
-                name: "activation stress",
-                symbol: "m",
-                unit: "Pa",
-                value: self.activation_stress(),
-                scale: Scale::Ratio,
-                // ln m = ln σ_ref - ln β
-                gradient: vec![-1.0 / sharpness, 0.0],
-                role: Role::Coordinate,
-            },
-            StatedParameter {
-                name: "viscosity",
-                symbol: "eta",
-                unit: "Pa s",
-                value: self.viscosity(),
-                scale: Scale::Ratio,
-                // ln η = ln σ_ref + β - ln r
-                gradient: vec![1.0, -1.0],
-                role: Role::Derived,
-            },
+            // ln m = ln σ_ref - ln β
+            StatedParameter::ratio(
+                ["activation stress", "m", "Pa"],
+                self.activation_stress(),
+                vec![-1.0 / sharpness, 0.0],
+            ),
+            // ln η = ln σ_ref + β - ln r
+            StatedParameter::ratio(
+                ["viscosity", "eta", "Pa s"],
+                self.viscosity(),
+                vec![1.0, -1.0],
+            )
+            .derived(),
         ]
     }
 
@@ -486,26 +466,19 @@ impl IdentifiableLaw for Eyring {
     fn stated(&self) -> Vec<StatedParameter> {
         vec![
             rate_at_reference(self, vec![0.0, 1.0]),
-            StatedParameter {
-                name: "activation stress",
-                symbol: "sigma*",
-                unit: "Pa",
-                value: self.activation_stress(),
-                scale: Scale::Ratio,
-                // ln σ* = ln σ_ref - ln β
-                gradient: vec![-1.0, 0.0],
-                role: Role::Coordinate,
-            },
-            StatedParameter {
-                name: "rate factor",
-                symbol: "rate_0",
-                unit: "1/s",
-                value: self.rate_factor(),
-                scale: Scale::Ratio,
-                // ln ε̇₀ = ln r - ln sinh β
-                gradient: vec![-self.exponent_at_reference(), 1.0],
-                role: Role::Derived,
-            },
+            // ln σ* = ln σ_ref - ln β
+            StatedParameter::ratio(
+                ["activation stress", "sigma*", "Pa"],
+                self.activation_stress(),
+                vec![-1.0, 0.0],
+            ),
+            // ln ε̇₀ = ln r - ln sinh β
+            StatedParameter::ratio(
+                ["rate factor", "rate_0", "1/s"],
+                self.rate_factor(),
+                vec![-self.exponent_at_reference(), 1.0],
+            )
+            .derived(),
         ]
     }
 

@@ -64,6 +64,33 @@ pub struct StatedParameter {
     pub role: Role,
 }
 
+impl StatedParameter {
+    /// Creates a coordinate whose error is a ratio, from its name, symbol and unit.
+    pub(crate) fn ratio(
+        [name, symbol, unit]: [&'static str; 3],
+        value: f64,
+        gradient: Vec<f64>,
+    ) -> Self {
+        Self {
+            name,
+            symbol,
+            unit,
+            value,
+            scale: Scale::Ratio,
+            gradient,
+            role: Role::Coordinate,
+        }
+    }
+
+    /// Returns the parameter as one that follows from coordinates.
+    pub(crate) fn derived(self) -> Self {
+        Self {
+            role: Role::Derived,
+            ..self
+        }
+    }
+}
+
 /// Scale of the error of a parameter.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Scale {

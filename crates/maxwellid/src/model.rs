@@ -6,7 +6,7 @@ use std::sync::Arc;
 use rodwave::band_limited::SampledHistory;
 
 use crate::error::MaxwellidError;
-use crate::law::{Role, Scale, StatedParameter};
+use crate::law::StatedParameter;
 use crate::parallel::map_in_order;
 use crate::special_case::{PronySeries, SpecialCase};
 use crate::specimen::SpecimenSensitivity;
@@ -287,15 +287,8 @@ pub fn stated_modulus(parameters: &[f64]) -> StatedParameter {
     if let Some(first) = gradient.first_mut() {
         *first = 1.0;
     }
-    StatedParameter {
-        name: "Young's modulus",
-        symbol: "E",
-        unit: "Pa",
-        value: parameters.first().map_or(f64::NAN, |t| t.exp()),
-        scale: Scale::Ratio,
-        gradient,
-        role: Role::Coordinate,
-    }
+    let modulus = parameters.first().map_or(f64::NAN, |t| t.exp());
+    StatedParameter::ratio(["Young's modulus", "E", "Pa"], modulus, gradient)
 }
 
 /// Number of cells of the grid of a rod.

@@ -5,7 +5,7 @@ use std::f64::consts::{FRAC_2_PI, PI};
 
 use rodwave::characteristics::{Direction, LinearBranch};
 
-use crate::law::{Role, Scale, StatedParameter};
+use crate::law::StatedParameter;
 use crate::special_case::NO_SHARE;
 
 /// Bounds of the logarithm of a ratio of shares.
@@ -226,15 +226,6 @@ impl Neighbours {
         composition: &Composition,
         parameters: &[f64],
     ) -> Vec<StatedParameter> {
-        let quantity = |name, symbol, unit, value, gradient| StatedParameter {
-            name,
-            symbol,
-            unit,
-            value,
-            scale: Scale::Ratio,
-            gradient,
-            role: Role::Coordinate,
-        };
         let unit = |place: usize| -> Vec<f64> {
             let own = |index| if index == place { 1.0 } else { 0.0 };
             (0..self.count()).map(own).collect()
@@ -266,24 +257,24 @@ impl Neighbours {
                     let by_ratios = shares.iter().enumerate().skip(1).map(|(k, w)| own(k) - w);
                     let by_times = std::iter::repeat_n(0.0, self.times());
                     let gradient = by_ratios.chain(by_times).collect();
-                    quantity(name, symbol, "1", *share, gradient)
+                    StatedParameter::ratio([name, symbol, "1"], *share, gradient)
                 });
                 let of_times = linear.iter().zip(self.places_of_times()).zip([
                     ("relaxation time of the linear branch", "tau_1"),
                     ("relaxation time of the second linear branch", "tau_2"),
                 ]);
                 let of_times = of_times.map(|((branch, place), (name, symbol))| {
-                    quantity(name, symbol, "s", branch.time, unit(place))
+                    StatedParameter::ratio([name, symbol, "s"], branch.time, unit(place))
                 });
                 of_shares.chain(of_times).collect()
             }
             Self::FlatLoss => {
-                let share = "share of the nonlinear branch in the modulus";
-                let name = "loss factor of the linear branches";
+                let share = ["share of the nonlinear branch in the modulus", "w", "1"];
+                let loss = ["loss factor of the linear branches", "tan delta", "1"];
                 let loss_factor = parameters.last().map_or(f64::NAN, |ln| ln.exp());
                 vec![
-                    quantity(share, "w", "1", *of_law, vec![1.0 - of_law, 0.0]),
-                    quantity(name, "tan delta", "1", loss_factor, unit(1)),
+                    StatedParameter::ratio(share, *of_law, vec![1.0 - of_law, 0.0]),
+                    StatedParameter::ratio(loss, loss_factor, unit(1)),
                 ]
             }
         }

@@ -5,7 +5,7 @@ use std::f64::consts::{FRAC_2_PI, TAU};
 use num_complex::Complex64;
 
 use super::LinearLaw;
-use crate::law::{Role, Scale, StatedParameter};
+use crate::law::StatedParameter;
 use crate::special_case::{NO_SHARE, PronySeries, SpecialCase};
 
 /// Prior range of the logarithm of a loss factor: 0.005 to 0.5.
@@ -79,16 +79,10 @@ impl LinearLaw for ConstantQ {
     }
 
     fn stated(&self, _modulus: f64, parameters: &[f64]) -> Vec<StatedParameter> {
-        let factors = parameters.iter().map(|ln_loss_factor| StatedParameter {
-            name: "loss factor",
-            symbol: "tan delta",
-            unit: "1",
-            value: ln_loss_factor.exp(),
-            scale: Scale::Ratio,
-            gradient: vec![0.0, 1.0],
-            role: Role::Coordinate,
-        });
-        factors.collect()
+        let names = ["loss factor", "tan delta", "1"];
+        let factors = parameters.iter().map(|ln_loss_factor| ln_loss_factor.exp());
+        let stated = factors.map(|factor| StatedParameter::ratio(names, factor, vec![0.0, 1.0]));
+        stated.collect()
     }
 
     fn shape(&self, s: Complex64, parameters: &[f64]) -> Option<Complex64> {

@@ -3,7 +3,7 @@
 use num_complex::Complex64;
 
 use super::LinearLaw;
-use crate::law::{Role, Scale, StatedParameter};
+use crate::law::StatedParameter;
 use crate::special_case::{Branch, NO_SHARE, PronySeries, SpecialCase, UNRELAXED};
 
 /// A Prony series of one to four Maxwell branches.
@@ -276,14 +276,8 @@ impl LinearLaw for MaxwellBranches {
                 .collect()
         };
         let of_times = TIMES.iter().zip(&times).enumerate();
-        let times = of_times.map(|(branch, ((name, symbol), time))| StatedParameter {
-            name,
-            symbol,
-            unit: "s",
-            value: *time,
-            scale: Scale::Ratio,
-            gradient: unit_vector(terms + branch),
-            role: Role::Coordinate,
+        let times = of_times.map(|(branch, ((name, symbol), time))| {
+            StatedParameter::ratio([name, symbol, "s"], *time, unit_vector(terms + branch))
         });
         let names = MODULI.iter().skip(usize::from(!self.has_spring));
         let moduli = names
@@ -301,15 +295,7 @@ impl LinearLaw for MaxwellBranches {
                         (_, None) => 0.0,
                     };
                 }
-                StatedParameter {
-                    name,
-                    symbol,
-                    unit: "Pa",
-                    value: modulus * weight,
-                    scale: Scale::Ratio,
-                    gradient,
-                    role: Role::Derived,
-                }
+                StatedParameter::ratio([name, symbol, "Pa"], modulus * weight, gradient).derived()
             });
         times.chain(moduli).collect()
     }
