@@ -1,9 +1,6 @@
 //! The files of an outcome: their names, their bytes, and the documented structure of
 //! `result.json`.
 
-#[allow(dead_code, reason = "the browser needs more of it")]
-use crate::rich;
-
 use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -12,6 +9,7 @@ use rodlab::output;
 use rodlab::{Outcome, RodlabError};
 use serde_json::Value;
 
+use crate::rich;
 use crate::runs::{Refused, Words};
 
 fn write(outcome: &Outcome, folder: &Path) -> Result<Vec<PathBuf>, RodlabError> {

@@ -1,5 +1,4 @@
 //! Virtual tests of two independent generators, with noise on both histories.
-#![allow(dead_code, reason = "each test file uses what it needs")]
 
 use maxwellid::selection::{Candidate, Comparison, Decision, Selection};
 use maxwellid::{Provenance, RodTest, RodTestData};

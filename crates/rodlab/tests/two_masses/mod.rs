@@ -1,9 +1,5 @@
 //! Two masses with a spring and a dashpot between, integrated in time and known in closed form:
 //! struck by a virtual hammer.
-#![allow(
-    dead_code,
-    reason = "each test file uses a part of what they have in common"
-)]
 
 use std::f64::consts::TAU;
 use std::fmt::Write as _;
