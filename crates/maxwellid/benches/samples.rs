@@ -1,10 +1,5 @@
 //! 180 standard samples, sixty of each law of paper D, for one test of its size.
-#![allow(
-    clippy::unwrap_used,
-    clippy::missing_docs_in_private_items,
-    missing_docs,
-    reason = "a benchmark"
-)]
+#![allow(clippy::unwrap_used, missing_docs, reason = "a benchmark")]
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use maxwellid::samples::{Pattern, StandardSamples};
