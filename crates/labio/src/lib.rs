@@ -109,6 +109,7 @@ mod filter;
 mod frf;
 mod impulse_response;
 mod integrate;
+mod known_part;
 mod level_at_rest;
 mod merge;
 mod multi_input;

@@ -4,7 +4,7 @@ use num_complex::Complex64;
 
 use super::{Estimator, FrequencyResponse, LineValidity};
 use crate::error::{check_finite, check_positive};
-use crate::{Channel, LabioError};
+use crate::{Channel, LabioError, known_part};
 
 /// Fewest lines that a response may have.
 const FEWEST_LINES: usize = 3;
@@ -186,19 +186,11 @@ impl FrequencyResponse {
                 expected: 2,
             });
         };
-        let freedom = self.degrees_of_freedom.clone();
         let sum: Vec<f64> = random.iter().zip(known).map(|(r, k)| r + k).collect();
-        let effective = freedom.map(|freedom| {
-            let lines = freedom.iter().zip(known).enumerate();
-            let of = |(line, (freedom, known)): (usize, (&f64, &f64))| {
-                let random = expected_variance(&random, line);
-                if random > 0.0 {
-                    freedom * (1.0 + known / random).powi(2)
-                } else {
-                    f64::INFINITY
-                }
-            };
-            lines.map(of).collect::<Vec<_>>()
+        let effective = self.degrees_of_freedom.as_ref().map(|freedom| {
+            let gains = known_part::gains(&random, known, 1.0);
+            let lines = freedom.iter().zip(&gains);
+            lines.map(|(nu, gain)| nu * gain).collect::<Vec<_>>()
         });
         let response = self.with_variance(sum)?;
         match effective {
@@ -303,22 +295,6 @@ impl FrequencyResponse {
             })
         }
     }
-}
-
-/// Lines on either side of a line over which its random variance is averaged.
-const NEIGHBOURS: usize = 4;
-
-/// Returns the variance expected at `line`: its own or, if larger, the mean over the line and its
-/// neighbours, without lines that are not finite.
-fn expected_variance(variance: &[f64], line: usize) -> f64 {
-    let own = variance.get(line).copied().unwrap_or(f64::NAN);
-    let near = variance.iter().skip(line.saturating_sub(NEIGHBOURS));
-    let near = near.take(line.min(NEIGHBOURS) + NEIGHBOURS + 1);
-    let finite = near.filter(|variance| variance.is_finite());
-    let (sum, count) = finite.fold((0.0, 0.0), |(sum, count), variance| {
-        (sum + variance, count + 1.0)
-    });
-    if own < sum / count { sum / count } else { own }
 }
 
 #[cfg(test)]

@@ -28,21 +28,6 @@ impl DegreesOfFreedom {
         let line = 2.0 * (check_averages(averages)? - 1.0);
         Ok(Self { line, own: line })
     }
-
-    /// Returns the degrees of freedom of v + c, where v is an estimate with these degrees of
-    /// freedom and c is known (Welch and Satterthwaite); unchanged if v is not above 0 or the
-    /// result is not finite.
-    #[must_use]
-    pub fn with_known_part(self, variance: f64, known: f64) -> Self {
-        let gain = (1.0 + known / variance).powi(2);
-        if variance.is_nan() || variance <= 0.0 || !gain.is_finite() {
-            return self;
-        }
-        Self {
-            line: self.line * gain,
-            own: self.own * gain,
-        }
-    }
 }
 
 /// Accepts a number of averages that is large enough for a coherence.
@@ -63,20 +48,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_known_part_adds_degrees_of_freedom() {
-        let one = DegreesOfFreedom {
-            line: 8.0,
-            own: 2.0,
-        };
-        let four = DegreesOfFreedom {
-            line: 32.0,
-            own: 8.0,
-        };
-        // half of the variance is known: the relative error of the sum is half as large
-        assert_eq!(one.with_known_part(5.0, 5.0), four);
-        for (variance, known) in [(0.0, 5.0), (f64::NAN, 5.0), (1.0, f64::NAN), (1e-300, 1e10)] {
-            assert_eq!(one.with_known_part(variance, known), one);
-        }
+    fn averages_give_degrees_of_freedom() {
         let of_three = DegreesOfFreedom {
             line: 4.0,
             own: 4.0,
