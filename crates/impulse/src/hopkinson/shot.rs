@@ -10,11 +10,11 @@ use super::coarse::Coarse;
 use super::curves::{self, Curve, Curves, Recipe};
 use super::finding;
 use super::noise::QuietNoise;
-use super::pair::{self, GaugePairs};
+use super::pair::{self, Differences, GaugePairs};
 use super::plan::{Given, Plan, StressFrom, WaveSeparation};
 use super::record::HopkinsonRecord;
 use super::result::{HopkinsonResult, Parts, SourceEffect};
-use super::separation::noises;
+use super::separation::{BarLines, noises};
 use super::source::{MaterialVariation, Setup, Source};
 use super::specimen::{Loading, TestSpecimen};
 use crate::ImpulseError;
@@ -155,9 +155,8 @@ impl HopkinsonTest {
             noises: coarse.noises(&noises),
             coarse: &coarse,
             recipe,
-            loading: self.loading,
         };
-        let mut random = quiet.scatter(&setup, DRAWS, None, random_numbers)?;
+        let mut noise = quiet.noise_effects(&setup, random_numbers)?;
         let step = 1.0 / record.rate_hz;
         let start = plan.time(plan.result.start);
         let arrivals = |nominal: &Curves, random: &Curves| {
@@ -180,7 +179,7 @@ impl HopkinsonTest {
             });
             [incident, loading.or(reflected), transmitted]
         };
-        let mut arrived = arrivals(&nominal, &random);
+        let mut arrived = arrivals(&nominal, &noise.deviations);
         let mut lag_taken = 0.0;
         if self.align_arrivals
             && let [Some(first), _, Some(second)] = arrived
@@ -189,30 +188,28 @@ impl HopkinsonTest {
             setup.advance_transmitted(lag_taken);
             lines = curves::lines_of(&setup, &plan, self.loading)?;
             nominal = curves::evaluate(&setup, &lines, record, &plan, recipe);
-            random = quiet.scatter(&setup, DRAWS, None, random_numbers)?;
-            arrived = arrivals(&nominal, &random);
+            noise = quiet.noise_effects(&setup, random_numbers)?;
+            arrived = arrivals(&nominal, &noise.deviations);
         }
+        let NoiseEffects {
+            nominal: of_coarse,
+            deviations: random,
+            mut pairs,
+        } = noise;
         let mut common = Vec::new();
-        let mut pairs = GaugePairs::new(quiet.differences(&setup)?);
         for source in setup.sources(&self.variations) {
-            let at = |standard: f64| -> Result<(Curves, pair::Differences), ImpulseError> {
-                let moved = setup.moved(&source, standard, &self.variations);
-                let lines = curves::lines_of(&moved, &coarse.plan, self.loading)?;
-                let Coarse { plan, record, .. } = &coarse;
-                Ok((
-                    curves::evaluate(&moved, &lines, record, plan, recipe),
-                    pair::differences(&moved, &lines, record, plan),
-                ))
-            };
-            let ((above, pairs_above), (below, pairs_below)) = (at(1.0)?, at(-1.0)?);
+            let at = |standard: f64| quiet.at(&setup.moved(&source, standard, &self.variations));
+            let ((_, above, pairs_above), (_, below, pairs_below)) = (at(1.0)?, at(-1.0)?);
             pairs.add(&pairs_above, &pairs_below, 0.25);
             common.push(SourceEffect::half_difference(source, &above, &below));
         }
         let monte_carlo = self
             .monte_carlo
-            .map(|n| quiet.scatter(&setup, n, Some((&common, &self.variations)), random_numbers))
+            .map(|n| {
+                let sources = (&common[..], &self.variations[..]);
+                quiet.scatter_of_all(&setup, &of_coarse, sources, n, random_numbers)
+            })
             .transpose()?;
-        quiet.scatter_pairs(&setup, &mut pairs, random_numbers)?;
         for source in &mut common {
             source.refine(&coarse);
         }
@@ -330,52 +327,99 @@ struct Quiet<'a> {
     coarse: &'a Coarse,
     noises: [Vec<QuietNoise>; 2],
     recipe: Recipe,
-    loading: Loading,
+}
+
+/// An evaluation of the coarse record, and the effects of the noise on it.
+struct NoiseEffects {
+    /// Histories without draws.
+    nominal: Curves,
+    /// Standard deviations of all histories, at all samples of the result.
+    deviations: Curves,
+    pairs: GaugePairs,
 }
 
 impl Quiet<'_> {
-    /// Returns the standard deviation of all histories over draws of the noise and, if they are
-    /// given, of all sources with their coarse effects.
+    /// Returns lines, histories and differences of gauges of the coarse record.
+    fn at(&self, setup: &Setup) -> Result<([BarLines; 2], Curves, Differences), ImpulseError> {
+        let Coarse { plan, record, .. } = self.coarse;
+        let lines = curves::lines_of(setup, plan, self.recipe.loading)?;
+        let curves = curves::evaluate(setup, &lines, record, plan, self.recipe);
+        let differences = pair::differences(setup, &lines, record, plan);
+        Ok((lines, curves, differences))
+    }
+
+    /// Returns the effects of the noise on histories and gauges, over the same draws.
+    fn noise_effects(
+        &self,
+        setup: &Setup,
+        random: &mut impl Rng,
+    ) -> Result<NoiseEffects, ImpulseError> {
+        let plan = &self.coarse.plan;
+        let (lines, nominal, found) = self.at(setup)?;
+        let mut pairs = GaugePairs::new(found);
+        let deviations = self.scatter(&nominal, DRAWS, random, |drawn, _| {
+            let differences = pair::differences(setup, &lines, drawn, plan);
+            pairs.add(&differences, &found, 1.0 / DRAWS as f64);
+            Ok(curves::evaluate(setup, &lines, drawn, plan, self.recipe))
+        })?;
+        Ok(NoiseEffects {
+            nominal,
+            deviations,
+            pairs,
+        })
+    }
+
+    /// Returns the standard deviation of all histories over draws of the noise and of all sources
+    /// with their coarse effects.
     ///
     /// A material is only given one standard uncertainty above and below its property: the effect
     /// is assumed linear.
-    fn scatter(
+    fn scatter_of_all(
         &self,
         setup: &Setup,
+        nominal: &Curves,
+        (sources, variations): (&[SourceEffect], &[MaterialVariation]),
         n_draws: usize,
-        sources: Option<(&[SourceEffect], &[MaterialVariation])>,
         random: &mut impl Rng,
     ) -> Result<Curves, ImpulseError> {
+        let plan = &self.coarse.plan;
+        self.scatter(nominal, n_draws, random, |drawn, random| {
+            let mut moved = setup.clone();
+            let mut linear = Vec::new();
+            for source in sources {
+                let standard: f64 = random.sample(StandardNormal);
+                if matches!(source.source, Source::Material(_)) {
+                    linear.push((standard, source));
+                } else {
+                    moved = moved.moved(&source.source, standard, variations);
+                }
+            }
+            let lines = curves::lines_of(&moved, plan, self.recipe.loading)?;
+            let mut one = curves::evaluate(&moved, &lines, drawn, plan, self.recipe);
+            for (standard, source) in linear {
+                source.add_to(&mut one, standard);
+            }
+            Ok(one)
+        })
+    }
+
+    /// Returns the standard deviation about `nominal` of the histories that `evaluate` returns for
+    /// draws of the noise, at all samples of the result.
+    fn scatter<R: Rng>(
+        &self,
+        nominal: &Curves,
+        n_draws: usize,
+        random: &mut R,
+        mut evaluate: impl FnMut(&HopkinsonRecord, &mut R) -> Result<Curves, ImpulseError>,
+    ) -> Result<Curves, ImpulseError> {
         let Coarse { plan, record, .. } = self.coarse;
-        let lines = curves::lines_of(setup, plan, self.loading)?;
-        let nominal = curves::evaluate(setup, &lines, record, plan, self.recipe);
         let mut transform = RealFourier::new(plan.n_transform);
         let zeros = |curve: &Vec<f64>| vec![0.0; curve.len()];
         let mut squares: Vec<Vec<f64>> = nominal.0.iter().map(zeros).collect();
         let mut drawn = record.clone();
         for _ in 0..n_draws {
             self.draw(&mut drawn, &mut transform, random);
-            let one = match sources {
-                None => curves::evaluate(setup, &lines, &drawn, plan, self.recipe),
-                Some((sources, variations)) => {
-                    let mut moved = setup.clone();
-                    let mut linear = Vec::new();
-                    for source in sources {
-                        let standard: f64 = random.sample(StandardNormal);
-                        if matches!(source.source, Source::Material(_)) {
-                            linear.push((standard, source));
-                        } else {
-                            moved = moved.moved(&source.source, standard, variations);
-                        }
-                    }
-                    let lines = curves::lines_of(&moved, plan, self.loading)?;
-                    let mut one = curves::evaluate(&moved, &lines, &drawn, plan, self.recipe);
-                    for (standard, source) in linear {
-                        source.add_to(&mut one, standard);
-                    }
-                    one
-                }
-            };
+            let one = evaluate(&drawn, random)?;
             for ((sums, one), nominal) in squares.iter_mut().zip(&one.0).zip(&nominal.0) {
                 for ((sum, x), mean) in sums.iter_mut().zip(one).zip(nominal) {
                     *sum += (x - mean).powi(2) / n_draws as f64;
@@ -402,35 +446,5 @@ impl Quiet<'_> {
                 noise.add_draw(drawn, transform, random);
             }
         }
-    }
-
-    /// Returns the differences between the two gauges of each bar.
-    fn differences(&self, setup: &Setup) -> Result<pair::Differences, ImpulseError> {
-        let Coarse { plan, record, .. } = self.coarse;
-        let lines = curves::lines_of(setup, plan, self.loading)?;
-        Ok(pair::differences(setup, &lines, record, plan))
-    }
-
-    /// Adds the variances of the differences between gauges over draws of the noise.
-    fn scatter_pairs(
-        &self,
-        setup: &Setup,
-        pairs: &mut GaugePairs,
-        random: &mut impl Rng,
-    ) -> Result<(), ImpulseError> {
-        let found = pairs.found;
-        if found.iter().all(Option::is_none) {
-            return Ok(());
-        }
-        let Coarse { plan, record, .. } = self.coarse;
-        let lines = curves::lines_of(setup, plan, self.loading)?;
-        let mut transform = RealFourier::new(plan.n_transform);
-        let mut drawn = record.clone();
-        for _ in 0..DRAWS {
-            self.draw(&mut drawn, &mut transform, random);
-            let one = pair::differences(setup, &lines, &drawn, plan);
-            pairs.add(&one, &found, 1.0 / DRAWS as f64);
-        }
-        Ok(())
     }
 }
