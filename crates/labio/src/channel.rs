@@ -49,6 +49,11 @@ impl Quantity {
         Self::ALL.into_iter().find(|q| q.dimension() == dimension)
     }
 
+    /// Returns true for a force, and for the signal of a sensor without calibration.
+    pub(crate) fn may_be_force(self) -> bool {
+        matches!(self, Self::Force | Self::Voltage | Self::Charge)
+    }
+
     /// The quantity in words.
     #[must_use]
     pub fn name(self) -> &'static str {

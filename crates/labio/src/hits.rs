@@ -8,6 +8,7 @@
 
 mod copies;
 mod criteria;
+mod cut_force;
 mod double_hit;
 mod hit_spectra;
 mod judgement;
@@ -24,6 +25,7 @@ mod windowed;
 
 pub use copies::{Copy, NearCopy, find_copy, find_near_copies};
 pub use criteria::Criteria;
+pub use cut_force::{CutForce, find_cut_forces};
 pub use hit_spectra::HitSpectra;
 pub use limits::repeated_extreme;
 pub use log::{Hit, HitLog, Ruling};
