@@ -205,4 +205,11 @@ mod tests {
             "there is no channel `end B`, only `hammer`, `end A`"
         );
     }
+
+    #[test]
+    fn forces_and_signals_without_calibration_may_be_forces() {
+        let tested = Quantity::ALL.into_iter().filter(|of| of.may_be_force());
+        let expected = [Quantity::Force, Quantity::Voltage, Quantity::Charge];
+        assert_eq!(tested.collect::<Vec<_>>(), expected);
+    }
 }

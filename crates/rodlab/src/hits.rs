@@ -8,13 +8,11 @@
 //! ),
 //! ```
 
-mod coupling;
 mod criteria;
 mod cut;
-mod cut_force;
 mod exchanged;
+mod force;
 mod found;
-mod hum;
 mod independent;
 mod odd;
 mod reading;

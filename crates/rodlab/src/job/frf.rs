@@ -187,15 +187,10 @@ fn find(
         outcome.doubt(doubt);
     }
     outcome.warnings.extend(found.reversed(&sheet.input)?);
-    if let Some(doubt) = found.cut_force(&sheet.input)? {
+    let from_hz = sheet.band.as_ref().map(|band| band.from.si());
+    let has_window = sheet.force_window.is_some();
+    for doubt in found.doubts_about_force(&sheet.input, has_window, from_hz)? {
         outcome.doubt(doubt);
-    }
-    if sheet.force_window.is_none() {
-        let from_hz = sheet.band.as_ref().map(|band| band.from.si());
-        let coupling = found.coupling(&sheet.input, from_hz)?;
-        for doubt in found.hum(&sheet.input)?.into_iter().chain(coupling) {
-            outcome.doubt(doubt);
-        }
     }
     outcome.settings.extend_from_slice(found.settings());
     outcome.log.extend(found.log());

@@ -256,14 +256,9 @@ impl HitsSource {
             outcome.doubt(doubt);
         }
         outcome.warnings.extend(found.reversed(&self.force)?);
-        if let Some(doubt) = found.cut_force(&self.force)? {
+        let has_window = self.force_window.is_some();
+        for doubt in found.doubts_about_force(&self.force, has_window, None)? {
             outcome.doubt(doubt);
-        }
-        if self.force_window.is_none() {
-            let coupling = found.coupling(&self.force, None)?;
-            for doubt in found.hum(&self.force)?.into_iter().chain(coupling) {
-                outcome.doubt(doubt);
-            }
         }
         outcome.settings.extend(found.settings().iter().cloned());
         outcome.settings.extend(Self::defaults(field));

@@ -1,12 +1,10 @@
-//! Test for mains hum on the force.
+//! Detection of mains hum on a force.
 
 use std::f64::consts::TAU;
 
 use num_complex::Complex64;
 
-use super::{FoundHits, comparing};
-use crate::RodlabError;
-use crate::digits::{hertz, significant};
+use crate::{LabioError, Record};
 
 /// Frequencies of mains \[Hz\].
 const MAINS: [f64; 2] = [50.0, 60.0];
@@ -25,48 +23,92 @@ const STEADY: f64 = 0.5;
 /// Fraction of the spectrum of the force above which hum is reported.
 const LARGE_PART: f64 = 0.2;
 
-impl FoundHits {
-    /// Returns a reason for doubt for each harmonic of the mains at which the `force` continues
-    /// after the blow, if this hum is more than 20 % of the spectrum of the force there. The
-    /// frequency response at this line would be the ratio of two hums, with a high coherence.
-    ///
-    /// # Errors
-    ///
-    /// [`RodlabError::Step`] for a missing channel.
-    pub fn hum(&self, force: &str) -> Result<Vec<String>, RodlabError> {
-        let hits = self.accepted();
-        let slow: Vec<(Vec<f64>, f64)> = hits
-            .iter()
-            .map(|hit| {
-                let samples = hit.channel(force).map_err(comparing)?;
-                Ok(decimated(samples.to_vec(), hit.sampling_rate_hz()))
-            })
-            .collect::<Result<_, RodlabError>>()?;
-        let mut doubts = Vec::new();
-        for (mains, harmonic) in MAINS
-            .into_iter()
-            .flat_map(|mains| (1..=HARMONICS).map(move |harmonic| (mains, harmonic)))
-        {
-            let frequency = mains * f64::from(harmonic);
-            let (mut hum, mut whole) = (0.0, 0.0);
-            for (samples, rate_hz) in slow.iter().filter(|(_, rate)| *rate > 2.0 * frequency) {
-                let omega = TAU * frequency / rate_hz;
-                let Some(found) = hum_after_blow(samples, omega) else {
-                    continue;
-                };
-                hum += 0.5 * found * samples.len() as f64;
-                whole += transform(samples.iter(), omega).norm();
-            }
-            if hum > LARGE_PART * whole {
-                doubts.push(format!(
-                    "`{force}` continues at {} after the blow, and {} % of its spectrum there is mains hum: remove the hum, leave out the lines there, or state a force window",
-                    hertz(frequency),
-                    significant((100.0 * hum / whole).min(100.0), 2)
-                ));
-            }
+/// Mains hum at one frequency.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Hum {
+    /// Frequency \[Hz\].
+    pub frequency_hz: f64,
+    /// Magnitude of the Fourier sum of the hum, divided by that of the whole force there, over all
+    /// hits.
+    pub part: f64,
+}
+
+/// Returns the harmonics of 50 and 60 Hz, up to the sixth, at which the `force` of the `hits`
+/// continues after the blow, if this hum is more than 20 % of the spectrum of the force there. The
+/// frequency response at this line would be the ratio of two hums, with a high coherence.
+///
+/// The amplitude $`a`$ of the hum is found from N samples in the second half of a hit, an even
+/// number of periods, without their mean:
+///
+/// ```math
+/// a = \frac{2}{N}\Big\lvert\sum_n (F_n - \bar F)\,e^{-i\omega n}\Big\rvert ,\qquad
+/// \mathrm{part} = \frac{\sum_\mathrm{hits} a N_\mathrm{hit}/2}
+/// {\sum_\mathrm{hits}\lvert\sum_n F_n e^{-i\omega n}\rvert} ,
+/// ```
+///
+/// where the last sum is over all $`N_\mathrm{hit}`$ samples of a hit. The amplitude must exceed
+/// six times its standard error from noise alone, and may change by at most a half between the two
+/// halves of these samples: the return of a sensor to zero changes by more.
+///
+/// # Validity
+///
+/// Hits whose force in the second half exceeds a tenth of that in the first, or whose second half
+/// has fewer than four periods, are left out. Records are averaged over blocks down to no less than
+/// 4 kHz, which changes the amplitude of the highest harmonic by 1 %.
+///
+/// # Errors
+///
+/// [`LabioError::UnknownChannel`].
+///
+/// # Examples
+///
+/// ```
+/// use labio::hits::find_hum;
+/// use labio::{Channel, Provenance, Quantity, Record};
+/// use ndarray::Array2;
+///
+/// // a blow of 100 N and 2 ms with a hum of 0.6 N at 50 Hz
+/// let samples = Array2::from_shape_fn((1, 8192), |(_, n)| {
+///     let omega = 2.0 * std::f64::consts::PI * 50.0 / 8192.0;
+///     0.6 * (omega * n as f64).sin() + if (800..816).contains(&n) { 100.0 } else { 0.0 }
+/// });
+/// let channels = vec![Channel::new("hammer", Quantity::Force)?];
+/// let hit = Record::new(samples, 8192.0, 0.0, channels, Provenance::computed("example"))?;
+/// let found = find_hum(&[&hit], "hammer")?;
+/// assert_eq!((found.len(), found[0].frequency_hz), (1, 50.0));
+/// # Ok::<(), labio::LabioError>(())
+/// ```
+pub fn find_hum(hits: &[&Record], force: &str) -> Result<Vec<Hum>, LabioError> {
+    let slow: Vec<(Vec<f64>, f64)> = hits
+        .iter()
+        .map(|hit| {
+            let samples = hit.channel(force)?;
+            Ok(decimated(samples.to_vec(), hit.sampling_rate_hz()))
+        })
+        .collect::<Result<_, LabioError>>()?;
+    let mut found = Vec::new();
+    for (mains, harmonic) in MAINS
+        .into_iter()
+        .flat_map(|mains| (1..=HARMONICS).map(move |harmonic| (mains, harmonic)))
+    {
+        let frequency_hz = mains * f64::from(harmonic);
+        let (mut hum, mut whole) = (0.0, 0.0);
+        for (samples, rate_hz) in slow.iter().filter(|(_, rate)| *rate > 2.0 * frequency_hz) {
+            let omega = TAU * frequency_hz / rate_hz;
+            let Some(amplitude) = hum_after_blow(samples, omega) else {
+                continue;
+            };
+            hum += 0.5 * amplitude * samples.len() as f64;
+            whole += transform(samples.iter(), omega).norm();
         }
-        Ok(doubts)
+        if hum > LARGE_PART * whole {
+            found.push(Hum {
+                frequency_hz,
+                part: hum / whole,
+            });
+        }
     }
+    Ok(found)
 }
 
 /// Returns means of blocks of samples, and their sampling rate \[Hz\], which is still far above the
