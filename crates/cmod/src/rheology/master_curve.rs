@@ -1,5 +1,6 @@
 //! Master curve from moduli at several temperatures.
 
+mod factors;
 mod joint;
 mod links;
 mod prepared;
@@ -11,6 +12,7 @@ use std::fmt;
 use num_complex::Complex64;
 use rodwave::modulus::GeneralisedMaxwell;
 
+pub use self::factors::ReferenceDeparture;
 use self::joint::{Joint, Settled, shifted};
 use self::prepared::Prepared;
 use super::data::ModulusData;

@@ -252,7 +252,7 @@ pub(crate) fn run(sheet: &FitSheet, context: &JobContext<'_>) -> Result<Outcome,
         }
     };
     context.check_cancelled()?;
-    outcome::state(&mut outcome, &found);
+    outcome::state(&mut outcome, &found)?;
     outcome.tables.push(tables::data(&found));
     outcome.tables.extend(tables::of_sweep(&found)?);
     outcome.figures.extend(figures::figures(&found)?);

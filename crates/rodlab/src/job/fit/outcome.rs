@@ -9,11 +9,11 @@ use super::master::CHANCE;
 use super::shifted::Shifted;
 use super::steps::{Step, celsius, to_celsius};
 use super::{Found, Sweep};
-use crate::Outcome;
 use crate::digits::{hertz, percent, short, significant, with_error, with_unit};
 use crate::laws::{WHITE, unexplained};
 use crate::outcome::{CHECK, LogEntry, Quantity, sentence};
 use crate::sheet::Exact;
+use crate::{Outcome, RodlabError};
 
 /// Number of standard errors by which a shift must rise with temperature to count as wrong.
 const RISES: f64 = 2.0;
@@ -42,15 +42,13 @@ pub(super) fn errors_in_words(outcome: &mut Outcome, shifted: &Shifted) {
     }
 }
 
-pub(super) fn state(outcome: &mut Outcome, found: &Found<'_>) {
-    match &found.sweep {
-        Some(sweep) => of_sweep(outcome, found, sweep),
-        None => {
-            if let Some(step) = found.steps.first() {
-                of_step(outcome, found, step);
-            }
-        }
+pub(super) fn state(outcome: &mut Outcome, found: &Found<'_>) -> Result<(), RodlabError> {
+    if let Some(sweep) = &found.sweep {
+        of_sweep(outcome, found, sweep)?;
+    } else if let Some(step) = found.steps.first() {
+        of_step(outcome, found, step);
     }
+    Ok(())
 }
 
 /// Adds sentences about laws that could not be fitted.
@@ -120,7 +118,7 @@ fn of_step(outcome: &mut Outcome, found: &Found<'_>, step: &Step) {
     }
 }
 
-fn of_sweep(outcome: &mut Outcome, found: &Found<'_>, sweep: &Sweep) {
+fn of_sweep(outcome: &mut Outcome, found: &Found<'_>, sweep: &Sweep) -> Result<(), RodlabError> {
     let curve = &sweep.curve;
     let reference = curve.reference_temperature;
     let frequencies = curve.points.iter().map(|point| point.reduced_frequency_hz);
@@ -139,7 +137,7 @@ fn of_sweep(outcome: &mut Outcome, found: &Found<'_>, sweep: &Sweep) {
             temperatures(curve.shifts.last()),
             significant((highest / lowest).log10(), 3),
             if found.has_frequencies() { "frequency" } else { "time" },
-            percent(residual(curve)),
+            percent(curve.relative_residual()),
             found.symbol(),
         ),
     );
@@ -152,7 +150,7 @@ fn of_sweep(outcome: &mut Outcome, found: &Found<'_>, sweep: &Sweep) {
         ));
     }
     quantities(outcome, found, sweep);
-    one_curve(outcome, found, curve);
+    one_curve(outcome, found, curve)?;
     falling(outcome, curve);
     match &sweep.shift_laws {
         Ok(laws) => {
@@ -189,18 +187,7 @@ fn of_sweep(outcome: &mut Outcome, found: &Found<'_>, sweep: &Sweep) {
             all.join(", ")
         ));
     }
-}
-
-/// Returns the root mean square of the residuals of the series, as a fraction of |E|.
-fn residual(curve: &MasterCurve) -> f64 {
-    let squares = curve.points.iter().filter_map(|point| {
-        let relative = (point.modulus - point.fitted).norm() / point.modulus.norm();
-        relative.is_finite().then_some(relative * relative)
-    });
-    let (sum, count) = squares.fold((0.0, 0.0), |(sum, count), square| {
-        (sum + square, count + 1.0)
-    });
-    (sum / count).sqrt()
+    Ok(())
 }
 
 fn quantities(outcome: &mut Outcome, found: &Found<'_>, sweep: &Sweep) {
@@ -217,7 +204,7 @@ fn quantities(outcome: &mut Outcome, found: &Found<'_>, sweep: &Sweep) {
         Quantity::of(
             "residual of the master curve",
             "%",
-            100.0 * residual(curve),
+            100.0 * curve.relative_residual(),
             format!("root mean square over {n_lines} lines, relative to |E|"),
         ),
     ]);
@@ -264,15 +251,12 @@ fn quantities(outcome: &mut Outcome, found: &Found<'_>, sweep: &Sweep) {
     }
 }
 
-/// Minimum number of temperatures for which the scatter of the factors is computed.
-const FEWEST_FACTORS: usize = 5;
-/// Smallest scatter of the factors of the modulus that is reported: relative to their errors, and
-/// absolute.
-const BEYOND_ERRORS: f64 = 2.0;
-const LEAST_SCATTER: f64 = 2e-3;
-
 /// Tests whether one curve holds for all temperatures.
-fn one_curve(outcome: &mut Outcome, found: &Found<'_>, curve: &MasterCurve) {
+fn one_curve(
+    outcome: &mut Outcome,
+    found: &Found<'_>,
+    curve: &MasterCurve,
+) -> Result<(), RodlabError> {
     let fit = &curve.fit;
     let chi = format!(
         "chi-square {} with {} degrees of freedom",
@@ -322,7 +306,7 @@ fn one_curve(outcome: &mut Outcome, found: &Found<'_>, curve: &MasterCurve) {
     }
     let stated = found.sheet.scale_uncertainty.as_ref();
     let stated = stated.map_or(0.0, Exact::si);
-    if let Some(scatter) = scatter_of_factors(curve)
+    if let Some(scatter) = curve.factor_scatter()
         && scatter > stated
     {
         outcome.doubt(format!(
@@ -331,13 +315,15 @@ fn one_curve(outcome: &mut Outcome, found: &Found<'_>, curve: &MasterCurve) {
             percent(scatter)
         ));
     }
-    if let Some((departure, error)) = departure_of_reference(curve, stated) {
+    let departure = curve.departure_of_reference(stated);
+    if let Some(departure) = departure.map_err(|e| RodlabError::step("scale_uncertainty", e))? {
+        let factor = departure.log_factor.exp();
         outcome.doubt(format!(
             "the sweep at the reference temperature, {}, departs from its neighbours by a factor of {}, expected 1, as after repeated clamping: all \
              moduli of the master curve are wrong by this factor if the neighbours are right; choose another reference temperature to compare, or \
              repeat the sweep",
             celsius(curve.reference_temperature),
-            with_error(Some(departure.exp()), Some(departure.exp() * error))
+            with_error(Some(factor), Some(factor * departure.standard_error))
         ));
     }
     let open: Vec<String> = curve
@@ -352,89 +338,7 @@ fn one_curve(outcome: &mut Outcome, found: &Found<'_>, curve: &MasterCurve) {
             open.join(", ")
         ));
     }
-}
-
-/// Returns the standard deviation of ln b_T about a straight line over temperature, if it is larger
-/// than the errors of the factors explain. The factor 1 of the reference is included.
-fn scatter_of_factors(curve: &MasterCurve) -> Option<f64> {
-    let points: Vec<(f64, f64)> = curve
-        .shifts
-        .iter()
-        .map(|shift| (shift.temperature, shift.vertical.ln()))
-        .collect();
-    let n = points.len() as f64;
-    if points.len() < FEWEST_FACTORS {
-        return None;
-    }
-    let mean = |of: &dyn Fn(&(f64, f64)) -> f64| points.iter().map(of).sum::<f64>() / n;
-    let (t, b) = (mean(&|p| p.0), mean(&|p| p.1));
-    let slope = mean(&|p| (p.0 - t) * (p.1 - b)) / mean(&|p| (p.0 - t).powi(2));
-    let squares = mean(&|p| (p.1 - b - slope * (p.0 - t)).powi(2));
-    let scatter = (squares * n / (n - 2.0)).sqrt();
-    let errors = curve
-        .shifts
-        .iter()
-        .map(|shift| shift.vertical_standard_error);
-    let error = (errors.map(|error| error * error).sum::<f64>() / n).sqrt();
-    (scatter > BEYOND_ERRORS * error && scatter > LEAST_SCATTER).then_some(scatter)
-}
-
-/// Number of standard errors from which the reference departs from its neighbours.
-const DEPARTS: f64 = 4.0;
-/// Normal standard deviation, as a multiple of the median of absolute deviations.
-const OF_MEDIAN: f64 = 1.4826;
-
-/// Returns the logarithm of the factor by which the moduli of the neighbours of the reference
-/// differ from those of the reference, and its standard error, if the factor is not 1; `stated` is
-/// the stated relative uncertainty of the scale.
-///
-/// The factors of the other temperatures have the error of the sweep at the reference in common, so
-/// their mean is no more accurate than the best of them. A straight line of ln b_T over temperature
-/// by medians, without the reference, gives the factor expected there.
-fn departure_of_reference(curve: &MasterCurve, stated: f64) -> Option<(f64, f64)> {
-    let shifts = curve.shifts.iter();
-    let others: Vec<(f64, f64, f64)> = shifts
-        .filter(|shift| shift.vertical_standard_error > 0.0)
-        .map(|shift| {
-            let from_reference = shift.temperature - curve.reference_temperature;
-            (
-                from_reference,
-                shift.vertical.ln(),
-                shift.vertical_standard_error,
-            )
-        })
-        .collect();
-    departure(&others, stated)
-}
-
-/// Returns the departure of a value of 0 at 0 from the straight line of the `others` (place, value
-/// and standard error), and its standard error, if it is significant.
-fn departure(others: &[(f64, f64, f64)], stated: f64) -> Option<(f64, f64)> {
-    if others.len() + 1 < FEWEST_FACTORS {
-        return None;
-    }
-    let slopes = others.iter().enumerate().flat_map(|(at, a)| {
-        let later = others.iter().skip(at + 1);
-        later.map(move |b| (b.1 - a.1) / (b.0 - a.0))
-    });
-    let slope = median(slopes.collect())?;
-    let levels: Vec<f64> = others.iter().map(|(t, b, _)| b - slope * t).collect();
-    let level = median(levels.clone())?;
-    let scatter = OF_MEDIAN * median(levels.iter().map(|b| (b - level).abs()).collect())?;
-    let own = others.iter().map(|(_, _, error)| *error);
-    let error = own
-        .fold(f64::INFINITY, f64::min)
-        .hypot(scatter)
-        .hypot(stated);
-    (level.abs() > DEPARTS * error && level.abs() > LEAST_SCATTER).then_some((level, error))
-}
-
-/// Returns the median; `None` without values.
-fn median(mut values: Vec<f64>) -> Option<f64> {
-    values.sort_by(f64::total_cmp);
-    let upper = *values.get(values.len() / 2)?;
-    let lower = *values.get((values.len() - 1) / 2)?;
-    Some(0.5 * (lower + upper))
+    Ok(())
 }
 
 /// Checks that relaxation is faster at higher temperature.
@@ -543,37 +447,4 @@ fn of_shift_laws(outcome: &mut Outcome, own: &ShiftLaws, by_scatter: Option<&Shi
             significant(laws.arrhenius_p_value, 2),
         )
     });
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// Factors of nine temperatures around a reference whose sample was clamped again.
-    fn factors(at_reference: f64, slope: f64, scatter: f64) -> Vec<(f64, f64, f64)> {
-        let steps = (-4..=4).filter(|step| *step != 0);
-        let factor = |step: i32| {
-            let t = 5.0 * f64::from(step);
-            let sign = if step.rem_euclid(2) == 0 { 1.0 } else { -1.0 };
-            (t, at_reference.ln() + slope * t + sign * scatter, 0.015)
-        };
-        steps.map(factor).collect()
-    }
-
-    #[test]
-    fn a_reference_that_departs_from_its_neighbours_is_told() {
-        let (level, error) = departure(&factors(1.174, -1e-3, 0.003), 0.0).unwrap();
-        assert!((level.exp() - 1.174).abs() < 0.005, "{level}");
-        assert!((0.015..0.02).contains(&error), "{error}");
-        // within the errors, within a stated scale, with as much scatter among the others, on their
-        // straight line, and with one wrong neighbour
-        assert_eq!(departure(&factors(1.04, 0.0, 0.003), 0.0), None);
-        assert_eq!(departure(&factors(1.174, 0.0, 0.003), 0.1), None);
-        assert_eq!(departure(&factors(1.174, 0.0, 0.1), 0.0), None);
-        assert_eq!(departure(&factors(1.0, 0.02, 0.003), 0.0), None);
-        let mut one = factors(1.0, 0.0, 0.003);
-        one[5].1 = -0.19;
-        assert_eq!(departure(&one, 0.0), None);
-        assert_eq!(departure(&one[..3], 0.0), None);
-    }
 }
