@@ -8,10 +8,12 @@
 mod freedom;
 mod one_shot;
 pub mod pooling;
+mod pulse_windows;
 mod pulses;
 mod rounding;
 
 pub use freedom::DegreesOfFreedom;
+pub use pulse_windows::{find_cut_edges, find_other_pulse};
 pub use pulses::{PulseWindow, noise_of_cut_pulse};
 
 use num_complex::Complex64;

@@ -27,6 +27,26 @@ pub struct PulseWindow {
     pub samples: Range<usize>,
 }
 
+impl PulseWindow {
+    /// Accepts a window of three samples or more that ends within `hit`.
+    pub(super) fn check(&self, hit: &Record) -> Result<(), LabioError> {
+        let (what, found, expected) = if self.samples.len() < FEWEST_SAMPLES {
+            let what = "the window of a pulse";
+            (what, self.samples.len(), FEWEST_SAMPLES)
+        } else if self.samples.end >= hit.n_samples() {
+            let what = "the hit to cut a pulse out of";
+            (what, hit.n_samples(), self.samples.end + 1)
+        } else {
+            return Ok(());
+        };
+        Err(LabioError::TooFewSamples {
+            what,
+            found,
+            expected,
+        })
+    }
+}
+
 /// Returns the root-mean-square error of the spectrum of a pulse that was cut out of a record by a
 /// rectangular window. It follows from the `noise` of the spectrum \[q s\] and the values of the
 /// noise-free record at the two `edges` of the window \[q\],
@@ -206,21 +226,8 @@ fn pulses_of(
     let mut pulse = |row: usize, name: &str| {
         let window = windows[row];
         let history = hit.channel(&window.channel)?;
+        window.check(hit)?;
         let range = window.samples.clone();
-        if range.len() < FEWEST_SAMPLES {
-            return Err(LabioError::TooFewSamples {
-                what: "the window of a pulse",
-                found: range.len(),
-                expected: FEWEST_SAMPLES,
-            });
-        }
-        if range.end >= hit.n_samples() {
-            return Err(LabioError::TooFewSamples {
-                what: "the hit to cut a pulse out of",
-                found: hit.n_samples(),
-                expected: range.end + 1,
-            });
-        }
         let rest = LevelAtRest::of(history.iter().copied().take(n_silent.unwrap_or(0)));
         let (level, level_error) = rest.map_or((0.0, 0.0), |rest| (rest.level, rest.level_error));
         let edges = [range.start, range.end - 1].map(|index| history[index] - level);
