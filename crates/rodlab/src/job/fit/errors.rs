@@ -207,35 +207,22 @@ fn of_columns(
     })
 }
 
+/// Returns the covariance from independent errors of E' and E''.
 fn independent(storage: f64, loss: f64) -> ComplexCovariance {
-    let mut covariance = ComplexCovariance::circular(0.0);
-    covariance.real = storage * storage;
-    covariance.imaginary = loss * loss;
-    covariance
+    ComplexCovariance::of_shift(storage.into())
+        + ComplexCovariance::of_shift(Complex64::new(0.0, loss))
 }
 
 /// Returns the covariance from independent errors of E' and of tan δ, with E'' = E' tan δ.
 fn with_loss_factor(modulus: Complex64, storage: f64, loss_factor: f64) -> ComplexCovariance {
-    let tan = modulus.im / modulus.re;
-    let mut covariance = ComplexCovariance::circular(0.0);
-    covariance.real = storage * storage;
-    covariance.mixed = tan * storage * storage;
-    covariance.imaginary = (tan * storage).powi(2) + (modulus.re * loss_factor).powi(2);
-    covariance
+    ComplexCovariance::of_shift(storage * modulus / modulus.re)
+        + ComplexCovariance::of_shift(Complex64::new(0.0, modulus.re * loss_factor))
 }
 
 /// Returns the covariance from an independent relative error of |E| and an error of the phase.
 fn polar(modulus: Complex64, magnitude: f64, phase: f64) -> ComplexCovariance {
-    let (along, across) = (
-        (magnitude * modulus.norm()).powi(2),
-        (phase * modulus.norm()).powi(2),
-    );
-    let unit = modulus / modulus.norm();
-    let mut covariance = ComplexCovariance::circular(0.0);
-    covariance.real = along * unit.re * unit.re + across * unit.im * unit.im;
-    covariance.imaginary = along * unit.im * unit.im + across * unit.re * unit.re;
-    covariance.mixed = (along - across) * unit.re * unit.im;
-    covariance
+    ComplexCovariance::of_shift(magnitude * modulus)
+        + ComplexCovariance::of_shift(Complex64::new(0.0, phase) * modulus)
 }
 
 /// Temperature \[K\] and data of a step.
