@@ -2,15 +2,15 @@
 //!
 //! Theory: `docs/theory/assemblies.md`.
 
+mod incidence;
 mod measured_points;
 mod substructure;
 
 use std::fmt;
 
-use faer::Mat;
-use faer::linalg::solvers::Solve;
 use num_complex::Complex64;
 
+use self::incidence::{Incidence, schur_complement};
 use crate::error::{check_not_negative, check_spacing};
 use crate::{Domain, ImpactBody, ImpulseError};
 
@@ -171,6 +171,7 @@ pub struct Assembly {
     joints: Vec<([usize; 2], Coupling)>,
     /// Row of the struck point.
     face: usize,
+    incidence: Incidence,
     domain: Domain,
 }
 
@@ -220,86 +221,71 @@ impl Assembly {
             placed.push((rows, joint.coupling));
         }
         check_joined(members.len(), joints, face.member)?;
+        let rows: Vec<[usize; 2]> = placed.iter().map(|(rows, _)| *rows).collect();
+        let n_points: Vec<usize> = members.iter().map(|member| member.n_points()).collect();
         Ok(Self {
             members,
             joints: placed,
             face: struck,
+            incidence: Incidence::of(&n_points, &rows, struck),
             domain,
         })
     }
 
-    /// Returns the mobility of the struck point, from the mobilities `y` of all points and the
-    /// mobilities of the `joints`; a joint with `None` bears no force.
+    /// Returns the mobility of the struck point, from the mobilities of the members, which
+    /// `of_member` writes, and of the joints; a joint with `None` bears no force.
+    #[allow(
+        clippy::indexing_slicing,
+        reason = "the mobilities are those of `Incidence`, and the matrix has one row per joint and one more"
+    )]
     fn joined(
         &self,
-        y: &Mat<Complex64>,
-        joints: impl Fn(&[usize; 2], &Coupling) -> Option<Complex64>,
-    ) -> Complex64 {
-        let of_joints = self.joints.iter();
-        let bearing: Vec<(&[usize; 2], Complex64)> = of_joints
-            .filter_map(|(rows, coupling)| Some((rows, joints(rows, coupling)?)))
-            .collect();
-        // B Y e for the struck point e, and B Y Bᵀ plus the mobilities of the joints
-        let across =
-            |[one, other]: &[usize; 2], column: usize| y[(*one, column)] - y[(*other, column)];
-        let mut opened = Mat::zeros(bearing.len(), 1);
-        let mut matrix = Mat::zeros(bearing.len(), bearing.len());
-        for (i, (rows, mobility)) in bearing.iter().enumerate() {
-            opened[(i, 0)] = across(rows, self.face);
-            for (k, ([one, other], _)) in bearing.iter().enumerate() {
-                matrix[(i, k)] = across(rows, *one) - across(rows, *other);
-            }
-            matrix[(i, i)] += mobility;
-        }
-        let own = y[(self.face, self.face)];
-        if bearing.is_empty() {
-            return own;
-        }
-        let forces = matrix.partial_piv_lu().solve(&opened);
-        // Y is symmetric: e Y Bᵀ is (B Y e)ᵀ
-        let relief = (0..bearing.len()).map(|i| opened[(i, 0)] * forces[(i, 0)]);
-        own - relief.sum::<Complex64>()
-    }
-
-    /// Returns the mobilities of all points.
-    fn mobilities(
-        &self,
-        of_member: impl Fn(&SharedSubstructure) -> Result<Mat<Complex64>, ImpulseError>,
-    ) -> Result<Mat<Complex64>, ImpulseError> {
-        let n_rows = self.members.iter().map(|member| member.n_points()).sum();
-        let mut all = Mat::zeros(n_rows, n_rows);
-        let mut first = 0;
+        mut of_member: impl FnMut(&SharedSubstructure, &mut [Complex64]) -> Result<(), ImpulseError>,
+        of_joint: impl Fn(&[usize; 2], &Coupling) -> Option<Complex64>,
+    ) -> Result<Complex64, ImpulseError> {
+        let size = self.joints.len() + 1;
+        let mut workspace = vec![Complex64::ZERO; self.incidence.n_entries + size * size];
+        let (mobilities, bordered) = workspace.split_at_mut(self.incidence.n_entries);
+        let mut rest = &mut *mobilities;
         for member in &self.members {
-            let own = of_member(member)?;
-            for k in 0..own.ncols() {
-                for i in 0..own.nrows() {
-                    all[(first + i, first + k)] = own[(i, k)];
-                }
-            }
-            first += own.nrows();
+            let (own, others) = std::mem::take(&mut rest).split_at_mut(member.n_points().pow(2));
+            of_member(member, own)?;
+            rest = others;
         }
-        Ok(all)
+        for (value, terms) in bordered.iter_mut().zip(&self.incidence.terms) {
+            let terms = terms.iter();
+            *value = terms.map(|(entry, sign)| mobilities[*entry] * sign).sum();
+        }
+        for (row, (rows, coupling)) in self.joints.iter().enumerate() {
+            if let Some(mobility) = of_joint(rows, coupling) {
+                bordered[row * size + row] += mobility;
+            } else {
+                for other in 0..size {
+                    bordered[row * size + other] = Complex64::ZERO;
+                    bordered[other * size + row] = Complex64::ZERO;
+                }
+                bordered[row * size + row] = Complex64::ONE;
+            }
+        }
+        Ok(schur_complement(bordered, size))
     }
 
     /// Returns 1/Z of the struck point, if it is known for all members that share the point.
     fn front_conductance(&self) -> Option<f64> {
-        let fronts = self.mobilities(|member| {
+        let of_member = |member: &SharedSubstructure, own: &mut [Complex64]| {
             let points = member.n_points();
-            let mut own = Mat::zeros(points, points);
-            for point in 0..points {
+            for (point, entry) in own.iter_mut().step_by(points + 1).enumerate() {
                 // no wave has arrived from the other points; NaN where the conductance is unknown
-                let known = member.front_conductance(point).unwrap_or(f64::NAN);
-                own[(point, point)] = known.into();
+                *entry = member.front_conductance(point).unwrap_or(f64::NAN).into();
             }
-            Ok(own)
-        });
-        let fronts = fronts.ok()?;
+            Ok(())
+        };
         // only joints at the struck point share its front
         let at_face = |rows: &[usize; 2], coupling: &Coupling| {
             let mobility = coupling.mobility_of_front()?;
             rows.contains(&self.face).then_some(mobility.into())
         };
-        let value = self.joined(&fronts, at_face).re;
+        let value = self.joined(of_member, at_face).ok()?.re;
         value.is_finite().then_some(value.max(0.0))
     }
 }
@@ -393,14 +379,16 @@ impl ImpactBody for Assembly {
         } else {
             s
         };
-        let y = self.mobilities(|member| match member.free_mass() {
-            Some(mass) if at != s => {
-                let points = member.n_points();
-                Ok(Mat::from_fn(points, points, |_, _| 1.0 / (at * mass)))
+        let of_member = |member: &SharedSubstructure, own: &mut [Complex64]| {
+            if at != s
+                && let Some(mass) = member.free_mass()
+            {
+                own.fill(1.0 / (at * mass));
+                return Ok(());
             }
-            _ => member.mobilities_at(s),
-        })?;
-        let mobility = self.joined(&y, |_, coupling| Some(coupling.mobility(at)));
+            member.write_mobilities(s, own)
+        };
+        let mobility = self.joined(of_member, |_, coupling| Some(coupling.mobility(at)))?;
         if mobility.is_finite() {
             Ok(mobility)
         } else {

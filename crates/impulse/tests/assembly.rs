@@ -33,6 +33,14 @@ fn rod(length: f64, diameter: f64) -> AnalyticChain {
         .unwrap()
 }
 
+/// Mobilities of the two points of a member.
+fn at(member: &dyn Substructure, s: Complex64) -> [[Complex64; 2]; 2] {
+    let mut mobilities = [Complex64::ZERO; 4];
+    member.write_mobilities(s, &mut mobilities).unwrap();
+    let [a, b, c, d] = mobilities;
+    [[a, b], [c, d]]
+}
+
 fn mass(mass: f64) -> SharedSubstructure {
     Arc::new(AtFace::of(
         MobilityLaw::analytic(move |s| 1.0 / (mass * s))
@@ -230,7 +238,7 @@ fn a_measured_member_is_the_computed_one() {
                 0 => Complex64::ZERO,
                 _ => {
                     let s = Complex64::new(0.0, TAU * step_hz * f64::from(line));
-                    bit.mobilities_at(s).unwrap()[(row, column)]
+                    at(&bit, s)[row][column]
                 }
             })
             .collect();
@@ -294,14 +302,14 @@ fn a_measured_member_is_the_computed_one() {
         squares += relative(drawn.mobility_at(s).unwrap(), expected).powi(2) / 400.0;
     }
     // by the forces f on the points, E|δG|² = |f₁|⁴ v₁₁ + 4 |f₁f₂|² v₁₂ + |f₂|⁴ v₂₂
-    let y = bit.mobilities_at(s).unwrap();
-    let far_of_rod = near.mobilities_at(s).unwrap();
+    let y = at(&bit, s);
+    let far_of_rod = at(near.as_ref(), s);
     let behind = 1.0 / 900.0;
     // force on the first point of the bit, divided by that on the struck face, and on the second
-    let of_bit = y[(0, 0)] - y[(0, 1)] * y[(0, 1)] / (y[(1, 1)] + behind);
-    let first = far_of_rod[(0, 1)] / (far_of_rod[(1, 1)] + of_bit);
-    let second = -first * y[(0, 1)] / (y[(1, 1)] + behind);
-    let v = |i: usize, k: usize| (1e-3 * y[(i, k)].norm()).powi(2);
+    let of_bit = y[0][0] - y[0][1] * y[0][1] / (y[1][1] + behind);
+    let first = far_of_rod[0][1] / (far_of_rod[1][1] + of_bit);
+    let second = -first * y[0][1] / (y[1][1] + behind);
+    let v = |i: usize, k: usize| (1e-3 * y[i][k].norm()).powi(2);
     let variance = first.norm().powi(4) * v(0, 0)
         + 4.0 * (first * second).norm_sqr() * v(0, 1)
         + second.norm().powi(4) * v(1, 1);

@@ -1,6 +1,5 @@
 //! A member with measured mobilities of several points.
 
-use faer::Mat;
 use num_complex::Complex64;
 use rand::Rng;
 
@@ -101,16 +100,19 @@ impl Substructure for MeasuredPoints {
         self.n_points
     }
 
-    fn mobilities_at(&self, s: Complex64) -> Result<Mat<Complex64>, ImpulseError> {
-        let mut matrix = Mat::zeros(self.n_points, self.n_points);
-        for column in 0..self.n_points {
-            for row in 0..self.n_points {
+    fn write_mobilities(
+        &self,
+        s: Complex64,
+        mobilities: &mut [Complex64],
+    ) -> Result<(), ImpulseError> {
+        for (row, mobilities) in mobilities.chunks_exact_mut(self.n_points).enumerate() {
+            for (column, mobility) in mobilities.iter_mut().enumerate() {
                 if let Some(entry) = self.entry(row, column) {
-                    matrix[(row, column)] = entry.mobility_at(s)?;
+                    *mobility = entry.mobility_at(s)?;
                 }
             }
         }
-        Ok(matrix)
+        Ok(())
     }
 
     fn free_mass(&self) -> Option<f64> {

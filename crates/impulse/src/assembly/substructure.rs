@@ -2,7 +2,6 @@
 
 use std::sync::Arc;
 
-use faer::Mat;
 use num_complex::Complex64;
 use rodwave::Chain;
 use rodwave::chain::{AnalyticChain, FaceMobilities};
@@ -22,14 +21,18 @@ pub trait Substructure {
     /// Number of points.
     fn n_points(&self) -> usize;
 
-    /// Returns the mobilities \[m/(N s)\] of the points at `s` [1/s], `(n_points, n_points)`: entry
-    /// (i, k) is the velocity of point i divided by the force on point k, in the same direction for
-    /// all points. The matrix is symmetric.
+    /// Writes the mobilities \[m/(N s)\] of the points at `s` [1/s] to `mobilities`,
+    /// `(n_points, n_points)` by rows: entry (i, k) is the velocity of point i divided by the force
+    /// on point k, in the same direction for all points. The matrix is symmetric.
     ///
     /// # Errors
     ///
     /// [`ImpulseError::OutsideDomain`]; errors of the member.
-    fn mobilities_at(&self, s: Complex64) -> Result<Mat<Complex64>, ImpulseError>;
+    fn write_mobilities(
+        &self,
+        s: Complex64,
+        mobilities: &mut [Complex64],
+    ) -> Result<(), ImpulseError>;
 
     /// Mass \[kg\] of a free member; `None` if it is held or semi-infinite.
     fn free_mass(&self) -> Option<f64>;
@@ -70,9 +73,13 @@ impl<B: ImpactBody> Substructure for AtFace<B> {
         1
     }
 
-    fn mobilities_at(&self, s: Complex64) -> Result<Mat<Complex64>, ImpulseError> {
-        let mobility = self.0.mobility_at(s)?;
-        Ok(Mat::from_fn(1, 1, |_, _| mobility))
+    fn write_mobilities(
+        &self,
+        s: Complex64,
+        mobilities: &mut [Complex64],
+    ) -> Result<(), ImpulseError> {
+        mobilities.fill(self.0.mobility_at(s)?);
+        Ok(())
     }
 
     fn free_mass(&self) -> Option<f64> {
@@ -96,8 +103,14 @@ impl Substructure for AnalyticChain {
         2
     }
 
-    fn mobilities_at(&self, s: Complex64) -> Result<Mat<Complex64>, ImpulseError> {
-        of_faces(self.face_mobilities_at_s(s), s)
+    fn write_mobilities(
+        &self,
+        s: Complex64,
+        mobilities: &mut [Complex64],
+    ) -> Result<(), ImpulseError> {
+        let faces = self.face_mobilities_at_s(s);
+        mobilities.copy_from_slice(&of_faces(faces, s)?);
+        Ok(())
     }
 
     fn free_mass(&self) -> Option<f64> {
@@ -106,7 +119,8 @@ impl Substructure for AnalyticChain {
 
     fn front_conductance(&self, point: usize) -> Option<f64> {
         conductance(Domain::RightHalfPlane, |s| {
-            Ok(self.mobilities_at(s)?[(point, point)])
+            let faces = of_faces(self.face_mobilities_at_s(s), s)?;
+            Ok(if point == 0 { faces[0] } else { faces[3] })
         })
     }
 }
@@ -120,14 +134,13 @@ impl Substructure for Chain {
         2
     }
 
-    fn mobilities_at(&self, s: Complex64) -> Result<Mat<Complex64>, ImpulseError> {
-        if s.re != 0.0 {
-            return Err(ImpulseError::OutsideDomain {
-                s,
-                expected: "an imaginary s: a law of the member is known on the frequency axis only",
-            });
-        }
-        of_faces(self.face_mobilities(s.im), s)
+    fn write_mobilities(
+        &self,
+        s: Complex64,
+        mobilities: &mut [Complex64],
+    ) -> Result<(), ImpulseError> {
+        mobilities.copy_from_slice(&on_axis(self, s)?);
+        Ok(())
     }
 
     fn free_mass(&self) -> Option<f64> {
@@ -136,21 +149,30 @@ impl Substructure for Chain {
 
     fn front_conductance(&self, point: usize) -> Option<f64> {
         conductance(Domain::FrequencyAxis, |s| {
-            Ok(self.mobilities_at(s)?[(point, point)])
+            let faces = on_axis(self, s)?;
+            Ok(if point == 0 { faces[0] } else { faces[3] })
         })
     }
 }
 
+/// Returns the mobilities of the two faces, by rows.
 fn of_faces(
     faces: Result<FaceMobilities, rodwave::RodwaveError>,
     s: Complex64,
-) -> Result<Mat<Complex64>, ImpulseError> {
+) -> Result<[Complex64; 4], ImpulseError> {
     let faces = faces.map_err(|source| ImpulseError::Body { s, source })?;
-    Ok(Mat::from_fn(2, 2, |i, k| match (i, k) {
-        (0, 0) => faces.near,
-        (1, 1) => faces.far,
-        _ => faces.transfer,
-    }))
+    Ok([faces.near, faces.transfer, faces.transfer, faces.far])
+}
+
+/// Returns the mobilities of the two faces of a chain that is known on the frequency axis.
+fn on_axis(chain: &Chain, s: Complex64) -> Result<[Complex64; 4], ImpulseError> {
+    if s.re != 0.0 {
+        return Err(ImpulseError::OutsideDomain {
+            s,
+            expected: "an imaginary s: a law of the member is known on the frequency axis only",
+        });
+    }
+    of_faces(chain.face_mobilities(s.im), s)
 }
 
 /// Rate [1/s] at which the front of a computed member is evaluated: in a member one centimetre long

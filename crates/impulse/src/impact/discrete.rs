@@ -1,7 +1,7 @@
 //! An impact in discrete time.
 
 use super::continuation::{EverySecond, Known};
-use super::{DrawnImpact, Prediction, check_mass, kernel_of};
+use super::{DrawnImpact, ImpactSource, Prediction, check_mass, kernel_of};
 use crate::error::check_positive;
 use crate::unilateral::March;
 use crate::{ContactLaw, Domain, ForceHistory, ImpactBody, ImpulseError, Kernel};
@@ -151,6 +151,28 @@ impl DiscreteImpact {
             velocity,
             ..self.clone()
         }
+    }
+
+    /// Replaces the `source` by that of the `other` impact, which is on the same grid.
+    pub(super) fn with_source_of(
+        &self,
+        other: &Self,
+        source: ImpactSource,
+    ) -> Result<Self, ImpulseError> {
+        let (mut faces, mut kernels, mut law) = (self.faces, self.kernels.clone(), &self.given_law);
+        match source {
+            ImpactSource::FirstBody => {
+                faces[0] = other.faces[0];
+                kernels[0].clone_from(&other.kernels[0]);
+            }
+            ImpactSource::SecondBody => {
+                faces[1] = other.faces[1];
+                kernels[1].clone_from(&other.kernels[1]);
+            }
+            ImpactSource::Contact => law = &other.given_law,
+            ImpactSource::Velocity => return Ok(self.at_velocity(other.velocity)),
+        }
+        Self::new(self.velocity, faces, kernels, law)
     }
 
     /// Replaces the drawn bodies, law and velocity; the kernel of a body that is not drawn is kept.

@@ -51,21 +51,18 @@ impl ImpactSource {
 }
 
 impl DrawnImpact {
-    /// Returns the draw of one source alone; `None` if the draw leaves this source as stated, the
-    /// velocity at `velocity`.
-    pub(super) fn only(&self, source: ImpactSource, velocity: f64) -> Option<Self> {
+    /// Returns true for a `source` that this draw changes, the velocity from `velocity`.
+    pub(super) fn changes(&self, source: ImpactSource, velocity: f64) -> bool {
         let [first, second] = &self.bodies;
-        let mut only = Self::default();
         match source {
-            ImpactSource::FirstBody => only.bodies[0] = Some(first.clone()?),
-            ImpactSource::SecondBody => only.bodies[1] = Some(second.clone()?),
-            ImpactSource::Contact => only.law = Some(self.law.clone()?),
+            ImpactSource::FirstBody => first.is_some(),
+            ImpactSource::SecondBody => second.is_some(),
+            ImpactSource::Contact => self.law.is_some(),
             ImpactSource::Velocity => {
-                let is_drawn = |drawn: &f64| (drawn - velocity).abs() > 0.0;
-                only.velocity = Some(self.velocity.filter(is_drawn)?);
+                let changed = |drawn: f64| (drawn - velocity).abs() > 0.0;
+                self.velocity.is_some_and(changed)
             }
         }
-        Some(only)
     }
 }
 

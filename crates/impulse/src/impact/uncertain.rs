@@ -275,21 +275,24 @@ impl<D: ImpactDraws> UncertainImpact<'_, D> {
             let drawn: Vec<DrawnImpact> = (0..block)
                 .map(|_| self.errors.draw(self.impact.velocity))
                 .collect::<Result<_, _>>()?;
-            let runs = map_in_order(&drawn, |drawn| run(&discrete.replaced(drawn)?, band));
-            for run in runs {
+            let replaced = map_in_order(&drawn, |drawn| discrete.replaced(drawn));
+            let replaced: Vec<DiscreteImpact> = replaced.into_iter().collect::<Result<_, _>>()?;
+            for run in map_in_order(&replaced, |drawn| run(drawn, band)) {
                 draws.add(&run?);
             }
             self.errors.check_cancelled()?;
             if n_draws - left < OF_PARTS {
-                let parts: Vec<(ImpactSource, DrawnImpact)> = drawn
-                    .iter()
-                    .flat_map(|drawn| {
-                        let of = |source| Some((source, drawn.only(source, self.impact.velocity)?));
-                        ImpactSource::ALL.into_iter().filter_map(of)
+                let pairs = drawn.iter().zip(&replaced);
+                let parts: Vec<(ImpactSource, &DiscreteImpact)> = pairs
+                    .flat_map(|(drawn, replaced)| {
+                        let changed = ImpactSource::ALL.into_iter();
+                        let changed = changed.filter(|of| drawn.changes(*of, self.impact.velocity));
+                        changed.map(move |source| (source, replaced))
                     })
                     .collect();
-                let runs = map_in_order(&parts, |(source, part)| {
-                    Ok::<_, ImpulseError>((*source, run(&discrete.replaced(part)?, band)?))
+                let runs = map_in_order(&parts, |(source, drawn)| {
+                    let alone = discrete.with_source_of(drawn, *source)?;
+                    Ok::<_, ImpulseError>((*source, run(&alone, band)?))
                 });
                 for part in runs {
                     let (source, run) = part?;
