@@ -16,7 +16,7 @@ pub use self::factors::ReferenceDeparture;
 use self::joint::{Joint, Settled, shifted};
 use self::prepared::Prepared;
 use super::data::ModulusData;
-use super::fit::{FitOptions, RheologicalFit};
+use super::fit::{ErrorScale, FitOptions, RheologicalFit};
 use super::judgement::Scene;
 use super::law::{FittedLaw, Law};
 use super::order::Order;
@@ -63,6 +63,7 @@ pub struct MasterCurve {
     pub entropic: Option<f64>,
     /// All lines at their reduced frequencies, in the order of the sweep.
     pub points: Vec<MasterPoint>,
+    options: FitOptions,
 }
 
 /// Shift at one temperature.
@@ -304,6 +305,7 @@ impl MasterCurve {
             unconnected: unconnected.clone(),
             entropic: None,
             points,
+            options,
         })
     }
 
@@ -400,7 +402,15 @@ impl MasterCurve {
             .collect();
         let differences: Vec<f64> = others.iter().map(|s| s.temperature - reference).collect();
         let log_shifts: Vec<f64> = others.iter().map(|s| s.log_shift).collect();
-        ShiftLaws::new(reference, &differences, &log_shifts, &covariance)
+        let quantile = match variance {
+            None => self.options.quantile(self.fit.degrees_of_freedom),
+            // the variance follows from the residual of WLF
+            Some(_) => {
+                let options = self.options.with_error_scale(ErrorScale::FromResidual);
+                options.quantile(identified.len().saturating_sub(2))
+            }
+        };
+        ShiftLaws::new(reference, &differences, &log_shifts, &covariance, quantile)
     }
 }
 

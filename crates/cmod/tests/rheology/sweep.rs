@@ -3,7 +3,7 @@
 
 use std::f64::consts::TAU;
 
-use cmod::rheology::{FitOptions, MasterCurve, ModulusData, Shift, TemperatureSweep};
+use cmod::rheology::{FitOptions, MasterCurve, ModulusData, Shift, TemperatureSweep, Wlf};
 use cmod::{CmodError, Specimen, TwoPoint};
 use num_complex::Complex64;
 use rand::SeedableRng;
@@ -91,10 +91,19 @@ fn shifts_and_their_law_are_found_with_their_errors() {
             }
         }
         let laws = curve.shift_laws().unwrap();
-        covered += u32::from(
-            (laws.wlf.c1 - c1).abs() < 2.0 * laws.wlf.c1_standard_error
-                && (laws.wlf.c2 - c2).abs() < 2.0 * laws.wlf.c2_standard_error,
-        );
+        covered +=
+            u32::from(laws.wlf.c1_interval.contains(c1) && laws.wlf.c2_interval.contains(c2));
+        // half the interval of 1/C₂ is 1.96 standard errors, or the quantile of Student's t with as
+        // many degrees of freedom as WLF by scatter has
+        let quantile = |wlf: &Wlf| {
+            let of = wlf.c2_interval;
+            0.5 * (of.lower.recip() - of.upper.recip()) / wlf.covariance[1][1].sqrt()
+        };
+        assert!((quantile(&laws.wlf) - 1.959_964).abs() < 1e-5);
+        let by_scatter = curve.shift_laws_by_scatter().unwrap().wlf;
+        let student = [2.306, 2.2622, 2.2281];
+        let expected = student[by_scatter.degrees_of_freedom - 8];
+        assert!((quantile(&by_scatter) - expected).abs() < 1e-3);
         assert!(laws.wlf.constants_are_identified());
         assert!(laws.wlf_p_value() > 1e-4, "{laws}");
         refused += u32::from(laws.arrhenius_p_value < 0.01);
@@ -104,7 +113,7 @@ fn shifts_and_their_law_are_found_with_their_errors() {
     assert!((0.6..1.7).contains(&mean_square), "{mean_square}");
     // another order is never excluded completely, and its shifts scatter about the mean
     assert!(by_order > 100, "{by_order}");
-    // C₁ and C₂ are almost completely correlated: both are within two errors in 19 of 20 cases
+    // C₁ and C₂ are almost completely correlated: both intervals hold in 19 of 20 cases
     assert!(covered >= 16, "{covered}");
     assert!(refused >= 18, "{refused}");
 }
@@ -516,7 +525,7 @@ fn l4_shift_laws_use_identified_shifts_only() {
         let laws = curve.shift_laws().unwrap();
         // the number is reduced by the reference and by two parameters
         assert_eq!(laws.wlf.degrees_of_freedom, identified - 3, "{curve}");
-        covered += u32::from((laws.wlf.c1 - 8.0).abs() < 2.0 * laws.wlf.c1_standard_error);
+        covered += u32::from(laws.wlf.c1_interval.contains(8.0));
         for shift in &mut curve.shifts {
             if !shift.verdict.is_identified() {
                 shift.log_shift = 1e3;

@@ -1,7 +1,7 @@
 //! Errors of a master curve due to errors of the temperatures.
 
 use super::super::parameter::{CommonShift, Interval, Parameter};
-use super::super::shift_law::Wlf;
+use super::super::shift_law::{UNBOUNDED, Wlf};
 use super::MasterCurve;
 use crate::error::{CmodError, check_positive};
 use crate::estimate::ErrorSource;
@@ -97,6 +97,8 @@ impl MasterCurve {
                 c2: f64::INFINITY,
                 c1_standard_error: f64::INFINITY,
                 c2_standard_error: f64::INFINITY,
+                c1_interval: UNBOUNDED,
+                c2_interval: UNBOUNDED,
                 slope: -(b.log_shift - a.log_shift) / (b.temperature - a.temperature),
                 curvature: 0.0,
                 covariance: [[f64::INFINITY; 2]; 2],

@@ -395,17 +395,38 @@ fn of_shift_laws(outcome: &mut Outcome, own: &ShiftLaws, by_scatter: Option<&Shi
         }
         (true, true) => "identified".to_owned(),
     };
-    for (name, unit, value, error) in [
-        ("WLF, C1", "", wlf.c1, wlf.c1_standard_error),
-        ("WLF, C2", "K", wlf.c2, wlf.c2_standard_error),
+    for (name, unit, value, error, interval) in [
+        (
+            "WLF, C1",
+            "",
+            wlf.c1,
+            wlf.c1_standard_error,
+            wlf.c1_interval,
+        ),
+        (
+            "WLF, C2",
+            "K",
+            wlf.c2,
+            wlf.c2_standard_error,
+            wlf.c2_interval,
+        ),
     ] {
+        let within = if interval.upper.is_finite() {
+            let (lower, upper) = (
+                significant(interval.lower, 4),
+                significant(interval.upper, 4),
+            );
+            format!("; {lower} to {upper} {unit}").trim_end().to_owned()
+        } else {
+            String::new()
+        };
         outcome.quantities.push(Quantity {
             name: name.to_owned(),
             unit: unit.to_owned(),
             value: Some(value).filter(|value| value.is_finite()),
             standard_error: Some(error).filter(|error| error.is_finite()),
             valid: is_wlf && constants,
-            verdict: verdict.clone(),
+            verdict: format!("{verdict}{within}"),
         });
     }
     outcome.quantities.push(Quantity {
