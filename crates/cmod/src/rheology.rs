@@ -96,7 +96,7 @@ pub use data::{CommonError, ModulusData, ModulusPoint};
 pub use fit::{Criterion, ErrorScale, FitOptions, PredictedModulus, RheologicalFit};
 pub use law::{FittedLaw, Law};
 pub use least_squares::Ending;
-pub use master_curve::{MasterCurve, MasterPoint, ReferenceDeparture, Shift};
+pub use master_curve::{FactorChoice, MasterCurve, MasterPoint, ReferenceDeparture, Shift};
 pub use measured_law::{LawError, MeasuredLaw};
 pub use order::{Order, PronyFit};
 pub use over_time::{TransientPoint, TransientTest};

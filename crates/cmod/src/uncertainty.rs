@@ -155,6 +155,8 @@ pub enum ErrorSource {
     /// Joint error of the shifts and factors of a master curve; their independent combinations are
     /// counted from 0.
     MasterCurve(usize),
+    /// Choice between the vertical factors 1 and T/Tᵣ of a master curve.
+    VerticalFactors,
 }
 
 /// In the text, sections and gauges are numbered from 1.
@@ -180,6 +182,7 @@ impl fmt::Display for ErrorSource {
                     index = index + 1
                 );
             }
+            Self::VerticalFactors => "choice of the vertical factors",
             Self::ModulusScale => "scale of the modulus",
             Self::FreeEnd => "position of the free end",
             Self::GainRatio => "ratio of the sensitivities",

@@ -19,8 +19,8 @@ use sweep::{Sweep, Temperatures};
 use tempfile::TempDir;
 
 use crate::runs::{
-    Words, attachments_of, column as numbers, doubts, figures_of, is_found, outcome_of as run,
-    quantity, tables_of, words,
+    Words, attachments_of, column as numbers, doubts, estimate, figures_of, is_found,
+    outcome_of as run, quantity, tables_of, words,
 };
 
 /// The interval of a parameter of a law.
@@ -505,6 +505,49 @@ fn temperatures_that_overlap_nowhere_are_named_and_joined_by_a_stated_law() {
     assert!(
         words(&outcome, "shifts", "verdict").contains(&"as stated, without overlap".to_owned())
     );
+}
+
+/// Moduli proportional to T/T_r over 20 K, where this is hardly told from a factor of 1: the errors
+/// of the parameters contain the doubt, and a warning states it.
+#[test]
+fn an_open_choice_of_the_factors_is_stated() {
+    let seeds = 20;
+    let folder = TempDir::new().unwrap();
+    let sweep = Sweep {
+        temperatures: Temperatures::of(50, 70, 5),
+        per_decade: 2,
+        is_entropic: true,
+        ..Sweep::default()
+    };
+    let (mut squares, mut kept) = (0.0, 0);
+    for seed in 0..seeds {
+        sweep.write(&folder.path().join("sweep.csv"), seed);
+        let outcome = run(
+            folder.path(),
+            &sweep.sheet("laws: (laws: [FractionalZener]),"),
+        )
+        .unwrap();
+        for (name, truth) in sweep.parameters() {
+            let (value, error) = estimate(&outcome, &format!("fractional Zener, {name}"));
+            squares += ((value - truth) / error).powi(2) / 4.0 / seeds as f64;
+        }
+        let factors = numbers(&outcome, "shifts", "factor of the modulus");
+        if factors.iter().all(|factor| *factor == 1.0) {
+            kept += 1;
+            outcome
+                .warnings
+                .must_say("almost equally well: BIC differs by ");
+            outcome.warnings.must_say(" 1 is used; with T/T_r the ");
+        }
+    }
+    let rms = squares.sqrt();
+    println!(
+        "{kept} of {seeds} sweeps keep a factor of 1, rms of the errors {rms} standard errors"
+    );
+    assert!(kept > 0, "{kept}");
+    // The four parameters err together, so the standard deviation of the mean square is 0.32. With
+    // the error of the choice it is 0.76 in 16 sweeps of a generator in numpy; without, 2.9.
+    assert!(rms < 1.96_f64.sqrt(), "{rms}");
 }
 
 /// The labels of two temperatures exchanged: relaxation would slow down with temperature.

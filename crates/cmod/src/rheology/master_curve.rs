@@ -1,5 +1,6 @@
 //! Master curve from moduli at several temperatures.
 
+mod factor_choice;
 mod factors;
 mod joint;
 mod links;
@@ -12,6 +13,7 @@ use std::fmt;
 use num_complex::Complex64;
 use rodwave::modulus::GeneralisedMaxwell;
 
+pub use self::factor_choice::FactorChoice;
 pub use self::factors::ReferenceDeparture;
 use self::joint::{Joint, Settled, shifted};
 use self::prepared::Prepared;
@@ -40,8 +42,12 @@ use crate::estimate::ErrorSource;
 /// reference by such overlaps, or by [stated shifts](TemperatureSweep::with_stated_shifts), are
 /// omitted. Then the series and all shifts are fitted together to all lines, so that the shifts
 /// have a covariance; χ² and the whiteness of the residuals test whether the material has a master
-/// curve. b_T is 1 unless stated. If the overlaps or χ² (p < 0.01) reject this value, all b_T are
-/// also fitted, and the fit with b_T is kept if BIC prefers it.
+/// curve.
+///
+/// b_T is 1 unless stated. If the overlaps or χ² (p < 0.01) reject this value, all b_T are also
+/// fitted, and the fit with b_T is kept if BIC prefers it. The factors of rubber elasticity, b_T =
+/// T/Tᵣ, are used instead if they lower BIC by more than 2. If the data do not exclude either of 1
+/// and T/Tᵣ, the difference is a common error of all results ([`ErrorSource::VerticalFactors`]).
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 #[must_use]
@@ -58,9 +64,9 @@ pub struct MasterCurve {
     /// Temperatures that neither an overlap within the errors nor a stated shift connects with the
     /// reference. They are not part of the curve.
     pub unconnected: Vec<f64>,
-    /// Fall of BIC from the best fit without factors of rubber elasticity, if the factors b_T =
-    /// T/Tᵣ were chosen by the data.
-    pub entropic: Option<f64>,
+    /// Choice between factors b_T of 1 and T/Tᵣ; `None` if the factors are stated, if they are
+    /// estimated, or if fewer temperatures are connected with one of the two choices.
+    pub factor_choice: Option<FactorChoice>,
     /// All lines at their reduced frequencies, in the order of the sweep.
     pub points: Vec<MasterPoint>,
     options: FitOptions,
@@ -111,10 +117,6 @@ pub struct MasterPoint {
     pub fitted: Complex64,
 }
 
-/// Fall of BIC from which the factors of rubber elasticity are used: positive evidence (Kass &
-/// Raftery 1995).
-const ENTROPIC: f64 = 2.0;
-
 impl MasterCurve {
     /// Fits the curve to `sweep`, with the temperature of index `reference` as reference.
     ///
@@ -127,9 +129,9 @@ impl MasterCurve {
         options: &FitOptions,
     ) -> Result<Self, CmodError> {
         let options = options.checked()?;
-        let as_stated = Prepared::of(sweep, reference, &options)?;
-        let joint = as_stated.joint(options);
-        let (starts, is_free) = (&as_stated.starts, !sweep.vertical_is_stated);
+        let mut prepared = Prepared::of(sweep, reference, &options)?;
+        let joint = prepared.joint(options);
+        let (starts, is_free) = (&prepared.starts, !sweep.vertical_is_stated);
         let mut settled = joint.settle(starts, false)?;
         if is_free && (starts.demand_factors() || settled.is_refused(&joint)) {
             let with_factors = joint.settle(starts, true)?;
@@ -137,21 +139,29 @@ impl MasterCurve {
                 settled = with_factors;
             }
         }
+        let mut factor_choice = None;
         if is_free {
             let entropic = Prepared::of(&sweep.clone().entropic(), reference, &options)?;
             let joint_entropic = entropic.joint(options);
             let other = joint_entropic.settle(&entropic.starts, false)?;
             let fall = settled.bic(&joint) - other.bic(&joint_entropic);
-            let is_same_part = entropic.unconnected == as_stated.unconnected;
-            if is_same_part && fall > ENTROPIC {
-                let curve = Self::concluded(&entropic, &joint_entropic, other)?;
-                return Ok(Self {
-                    entropic: Some(fall),
-                    ..curve
-                });
+            let are_estimated = settled.log_factors.is_some();
+            let choice = FactorChoice::new(fall, are_estimated);
+            if entropic.unconnected == prepared.unconnected
+                && (choice.is_entropic || !are_estimated)
+            {
+                if choice.is_entropic {
+                    (prepared, settled) = (entropic, other);
+                }
+                choice.add_to(&mut prepared);
+                factor_choice = Some(choice);
             }
         }
-        Self::concluded(&as_stated, &joint, settled)
+        let joint = prepared.joint(options);
+        Ok(Self {
+            factor_choice,
+            ..Self::concluded(&prepared, &joint, settled)?
+        })
     }
 
     /// Judges the parameters at the minimum of the joint fit.
@@ -303,7 +313,7 @@ impl MasterCurve {
             reference_temperature: sweep.temperatures[reference],
             shifts,
             unconnected: unconnected.clone(),
-            entropic: None,
+            factor_choice: None,
             points,
             options,
         })

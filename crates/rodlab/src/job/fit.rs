@@ -266,13 +266,17 @@ pub(crate) fn run(sheet: &FitSheet, context: &JobContext<'_>) -> Result<Outcome,
         causal::state(&mut outcome, &shown(&found, data), estimate)?;
         context.check_cancelled()?;
     }
+    let mut comparison = None;
     if let Some(asked) = &sheet.laws
         && let Some(data) = data
     {
         context.progress.begins("fitting laws", asked.laws.len());
         let lines = lines(&found, data);
-        let comparison = laws::fit(&mut outcome, &lines, asked, context)?;
+        comparison = laws::fit(&mut outcome, &lines, asked, context)?;
         outcome::of_laws(&mut outcome, &found, comparison.as_ref());
+    }
+    if let Some(sweep) = &found.sweep {
+        outcome::of_factors(&mut outcome, &sweep.curve, comparison.as_ref());
     }
     Ok(outcome)
 }

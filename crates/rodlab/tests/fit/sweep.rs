@@ -59,6 +59,8 @@ pub(super) struct Sweep {
     /// Arrhenius instead of WLF [J/mol].
     pub(super) activation_energy: Option<f64>,
     pub(super) exponent_per_kelvin: f64,
+    /// True if all moduli are proportional to T/T_r.
+    pub(super) is_entropic: bool,
     /// Error of the phase \[rad\].
     pub(super) phase_noise: f64,
 }
@@ -70,6 +72,7 @@ impl Default for Sweep {
             per_decade: 4,
             activation_energy: None,
             exponent_per_kelvin: 0.0,
+            is_entropic: false,
             phase_noise: NOISE,
         }
     }
@@ -111,9 +114,14 @@ impl Sweep {
             let celsius = f64::from(*t);
             let shift = 10_f64.powf(self.log10_shift(celsius));
             let exponent = EXPONENT + self.exponent_per_kelvin * (celsius - REFERENCE);
+            let factor = if self.is_entropic {
+                (celsius + 273.15) / (REFERENCE + 273.15)
+            } else {
+                1.0
+            };
             for line in 0..=3 * self.per_decade {
                 let f = 10_f64.powf(f64::from(line) / f64::from(self.per_decade) - 1.0);
-                let exact = law(TAU * f * shift, exponent);
+                let exact = factor * law(TAU * f * shift, exponent);
                 let noise =
                     Complex64::from_polar(1.0 + NOISE * normal(), self.phase_noise * normal());
                 rows.push((*t, f, exact * noise));

@@ -50,8 +50,10 @@ impl MasterCurve {
                 expected: count,
             });
         }
-        // a wrong temperature changes the temperature assigned to a shift, but not the lines
-        let counted = |source| source != ErrorSource::Temperature;
+        // A wrong temperature changes the temperature assigned to a shift, but not the lines. The
+        // choice of the factors changes lines and shifts together.
+        let counted =
+            |source| source != ErrorSource::Temperature && source != ErrorSource::VerticalFactors;
         let covariance = shifts_of(&self.fit, count, &counted).covariance;
         let root = root_of(&covariance);
 
@@ -90,24 +92,40 @@ impl MasterCurve {
             .map(|(above, below)| (above - below) / (2.0 * STEP))
             .collect();
         let mut data = joined.clone();
+        // adds an error of ln b and ln a of all temperatures
+        let mut add = |source, errors: Vec<(f64, f64)>| {
+            let lines = step_of_line.iter().zip(slopes.iter().zip(&joined.modulus));
+            let shift = lines
+                .map(|(place, (slope, modulus))| {
+                    let (of_factor, of_shift) = errors.get(*place).copied().unwrap_or_default();
+                    -(modulus * of_factor + slope * of_shift)
+                })
+                .collect();
+            data.common.push(CommonError { source, shift });
+        };
         for index in 0..count {
             let error_of = |column: Option<usize>, of_shift: usize| -> f64 {
                 let row = column.and_then(|column| root.get(of_shift + column));
                 row.and_then(|row| row.get(index)).copied().unwrap_or(0.0)
             };
-            let lines = step_of_line.iter().zip(slopes.iter().zip(&joined.modulus));
-            let shift = lines
-                .map(|(place, (slope, modulus))| {
-                    let own = columns.get(*place).copied().unwrap_or_default();
-                    let of_factor = error_of(own.factor, 0);
-                    let of_shift = error_of(own.shift, factors);
-                    -(modulus * of_factor + slope * of_shift)
-                })
-                .collect();
-            data.common.push(CommonError {
-                source: ErrorSource::MasterCurve(index),
-                shift,
+            let steps = columns.iter();
+            let errors = steps.map(|own| (error_of(own.factor, 0), error_of(own.shift, factors)));
+            add(ErrorSource::MasterCurve(index), errors.collect());
+        }
+        let mut common = self.fit.common_errors.iter();
+        let of_choice = common.find(|error| error.source == ErrorSource::VerticalFactors);
+        if let (Some(choice), Some(error)) = (&self.factor_choice, of_choice) {
+            let first = error.shift.len().saturating_sub(shifts);
+            let of_shift = |own: &Columns| {
+                let change = own.shift.and_then(|column| error.shift.get(first + column));
+                change.copied().unwrap_or(0.0)
+            };
+            let steps = self.shifts.iter().zip(&columns);
+            let errors = steps.map(|(shift, own)| {
+                let of_factor = choice.log_error(shift.temperature, reference);
+                (of_factor, of_shift(own))
             });
+            add(ErrorSource::VerticalFactors, errors.collect());
         }
         let by_reference = self.change_by_reference();
         if by_reference > 0.0 {
@@ -121,7 +139,7 @@ impl MasterCurve {
 }
 
 /// Indices of the factor and of the shift of a temperature among the fitted parameters.
-#[derive(Debug, Clone, Copy, Default)]
+#[derive(Debug, Clone, Copy)]
 struct Columns {
     factor: Option<usize>,
     shift: Option<usize>,

@@ -251,6 +251,54 @@ fn quantities(outcome: &mut Outcome, found: &Found<'_>, sweep: &Sweep) {
     }
 }
 
+/// Evidence, as a difference of BIC, up to which the choice of the factors is reported as open;
+/// beyond it the evidence is very strong (Kass & Raftery 1995).
+const OPEN: f64 = 10.0;
+
+/// Adds the warning that the factors of the modulus were chosen by the data, with the largest
+/// change of a shift or of a parameter of the preferred law if the choice is open.
+pub(super) fn of_factors(
+    outcome: &mut Outcome,
+    curve: &MasterCurve,
+    comparison: Option<&Comparison>,
+) {
+    let Some(choice) = &curve.factor_choice else {
+        return;
+    };
+    let best = comparison.and_then(Comparison::best);
+    let fits = std::iter::once((&curve.fit, "shift factor", String::new()))
+        .chain(best.map(|fit| (fit, "", format!(" of the {}", fit.law.law()))));
+    let largest = fits
+        .flat_map(|(fit, begin, whose)| {
+            let all = fit.parameters.iter().zip(choice.changes(fit));
+            all.filter(move |(own, _)| own.name.starts_with(begin) && own.verdict.is_identified())
+                .map(move |(own, change)| (format!("{}{whose}", own.name), change))
+        })
+        .max_by(|a, b| a.1.total_cmp(&b.1));
+    let evidence = significant(choice.evidence.abs(), 2);
+    match largest.filter(|(_, change)| *change > 1.0 && choice.evidence < OPEN) {
+        Some((name, change)) => {
+            let (used, other) = if choice.is_entropic {
+                ("T/T_r is", "1")
+            } else {
+                ("1 is", "T/T_r")
+            };
+            outcome.warnings.push(format!(
+                "Factors of the modulus of 1 and of T/T_r (rubber elasticity) describe the curves almost equally well: BIC differs by {evidence}. {used} \
+                 used; with {other} the {name} would change by {} standard errors, and all stated errors allow for this. State `vertical_shifts` if the \
+                 factors are known: T/T_r for a rubber far above its glass transition, 1 for a glass. Otherwise a wider range of temperatures or \
+                 smaller errors decide.",
+                significant(change, 2)
+            ));
+        }
+        None if choice.is_entropic => outcome.warnings.push(format!(
+            "The factors of the modulus are those of rubber elasticity, T/T_r, which describe the curves better than a factor of 1 (BIC lower by {evidence}). \
+             State `vertical_shifts` for other factors."
+        )),
+        None => {}
+    }
+}
+
 /// Tests whether one curve holds for all temperatures.
 fn one_curve(
     outcome: &mut Outcome,
@@ -295,13 +343,6 @@ fn one_curve(
     if scaled > 0 {
         outcome.warnings.push(format!(
             "Without factors of the modulus the temperatures do not form a single curve: {scaled} factors were estimated in addition to the shifts."
-        ));
-    }
-    if let Some(fall) = curve.entropic {
-        outcome.warnings.push(format!(
-            "The factors of the modulus are those of rubber elasticity, T/T_r, which describe the curves better than a factor of 1 (BIC lower by {}). \
-             State `vertical_shifts` for other factors.",
-            significant(fall, 2)
         ));
     }
     let stated = found.sheet.scale_uncertainty.as_ref();
