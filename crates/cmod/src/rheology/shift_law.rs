@@ -430,7 +430,7 @@ mod tests {
                 let noise: f64 = StandardNormal.sample(&mut random);
                 -std::f64::consts::LN_10 * c1 * d / (c2 + d) + error * noise
             });
-            let wlf = ShiftLaws::new(353.15, &differences, &log_shifts, &covariance, 1.959964)
+            let wlf = ShiftLaws::new(353.15, &differences, &log_shifts, &covariance, 1.959_964)
                 .unwrap()
                 .wlf;
             let share = f64::from(draws).recip();
@@ -440,7 +440,7 @@ mod tests {
             ];
             for (k, (truth, value, error, interval)) in constants.into_iter().enumerate() {
                 covered[k] += f64::from(interval.contains(truth)) * share;
-                by_errors[k] += f64::from((value - truth).abs() <= 1.959964 * error) * share;
+                by_errors[k] += f64::from((value - truth).abs() <= 1.959_964 * error) * share;
                 assert!(
                     !interval.upper.is_finite() || interval.contains(value),
                     "{wlf:?}"

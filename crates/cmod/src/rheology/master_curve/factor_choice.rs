@@ -5,14 +5,13 @@
 //! possible, with shifts and laws that differ by several standard errors. As for the orders of a
 //! series, the difference d between the results is an error, with the variance w d², where w is the
 //! probability of the factors that were not chosen (Buckland, Burnham & Augustin, *Biometrics*
-//! **53** (1997) 603). Both have the same number of parameters, so w follows from the difference
-//! of BIC.
+//! **53** (1997) 603). With the difference Δ of BIC in favour of the choice, w = 1/(1 + exp(Δ/2)).
 
 use num_complex::Complex64;
 
 use super::super::data::CommonError;
 use super::super::fit::RheologicalFit;
-use super::Prepared;
+use super::prepared::Prepared;
 use crate::estimate::ErrorSource;
 
 /// Fall of BIC from which the factors of rubber elasticity are used: positive evidence (Kass &
