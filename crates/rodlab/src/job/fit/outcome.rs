@@ -457,7 +457,9 @@ fn of_shift_laws(outcome: &mut Outcome, own: &ShiftLaws, by_scatter: Option<&Shi
                 significant(interval.lower, 4),
                 significant(interval.upper, 4),
             );
-            format!("; {lower} to {upper} {unit}").trim_end().to_owned()
+            format!("; interval {lower} to {upper} {unit}")
+                .trim_end()
+                .to_owned()
         } else {
             String::new()
         };
