@@ -277,6 +277,9 @@ pub(crate) fn check_cell(cell: f64, length: f64) -> Result<(), MaxwellidError> {
     }
 }
 
+/// Relative rounding of a number of cells.
+const ROUNDING: f64 = 1e-12;
+
 /// Fewest cells of a grid.
 const FEWEST_CELLS: f64 = 16.0;
 
@@ -299,7 +302,8 @@ pub fn stated_modulus(parameters: &[f64]) -> StatedParameter {
 )]
 pub(crate) fn cells_of(rod: &DrivenRod<'_>) -> Result<usize, MaxwellidError> {
     check_cell(rod.cell, rod.length)?;
-    Ok((rod.length / rod.cell).ceil().max(FEWEST_CELLS) as usize)
+    let cells = rod.length / rod.cell * (1.0 - ROUNDING);
+    Ok(cells.ceil().max(FEWEST_CELLS) as usize)
 }
 
 /// Implements [`RodModel`] for a type by forwarding to the model that it contains.

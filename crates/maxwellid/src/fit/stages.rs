@@ -314,10 +314,14 @@ impl<M: RodModel> Fit<M> {
                 .most_likely_deviations(&parameters)
                 .ok_or_else(|| start_error(modulus_at(&parameters)))?;
             let moves = are_moved(tests, &deviations, &likelier);
-            deviations = likelier;
             settled = moved < SETTLED && last.is_some() && !transfer_is_due;
             let is_renewed = transfer_is_due;
             transfer_is_due = moved > TRANSFER_HOLDS || moves;
+            // Between two points of its grid, a steep front hardly depends on the length, and at a
+            // point it jumps: lengths that are renewed each time may alternate.
+            if is_renewed || transfer_is_due || !follows_secant {
+                deviations = likelier;
+            }
             if is_renewed && transfer_is_due && held.is_none() && follows_secant {
                 let before = renewal.as_ref().map(|(start, end)| (&**start, &**end));
                 let next = within(&minimum.meeting(&start, before), &bounds);
