@@ -69,7 +69,7 @@ for side in ("incident", "transmitted"):
 axes.set_xlabel("time (s)")
 axes.set_ylabel("force (N)")
 axes.legend()
-print(curve.table("budget").to_pandas().sort_values("stress_at_its_largest_pa", ascending=False).head(5))
+print(curve.table("budget").to_pandas().sort_values("error_largest_stress_pa", ascending=False).head(5))
 
 # %% The numbers are those of the command, to the last digit
 out = Path(tempfile.mkdtemp())

@@ -277,5 +277,5 @@ fn the_cone_presses_as_computed_from_its_impedances() {
         (error / (0.01 * peak) - 1.0).abs() < 0.15,
         "the force is proportional to the velocity, of which there are 200 draws"
     );
-    assert_eq!(column(&result, "contacts", "begin_s").len(), 4);
+    assert_eq!(column(&result, "contacts", "start_s").len(), 4);
 }

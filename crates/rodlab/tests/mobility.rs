@@ -364,7 +364,7 @@ fn a_soft_and_a_hard_hammer_become_one() {
         // weights that are estimated from 8 hits each make the stated variance too small by a part
         // of about 1/2
         assert!((0.7..2.5).contains(&found), "{merge}: {found}");
-        let share = column(&outcome, "mobility", "share of high");
+        let share = column(&outcome, "mobility", "weight of the light hammer");
         for (f, share) in column(&outcome, "mobility", "frequency")
             .iter()
             .zip(share)

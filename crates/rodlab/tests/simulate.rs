@@ -274,7 +274,7 @@ fn a_projectile_gives_the_law_that_was_put_in() {
             .replace("velocities:", &format!("{sensors} velocities:"))
             .replace("0.5 %", noise);
         let made = attempt(folder.path(), &sheet(&[&text])).unwrap();
-        let lost = column(&made, "balances", "lost momentum, relative");
+        let lost = column(&made, "balances", "relative loss of momentum");
         assert!(lost.iter().all(|lost| lost.abs() < 1e-9), "{lost:?}");
         let before = column(&made, "balances", "energy of the striker before")[0];
         let after = column(&made, "balances", "energy at the end")[0];

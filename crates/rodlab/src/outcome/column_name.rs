@@ -111,9 +111,9 @@ mod tests {
                 "covariance_storage_modulus_and_loss_modulus_pa2",
             ),
             (
-                "lateral inertia left in E', at most",
+                "bound of the lateral inertia left in E'",
                 "Pa",
-                "lateral_inertia_left_in_storage_modulus_at_most_pa",
+                "bound_lateral_inertia_left_in_storage_modulus_pa",
             ),
             (
                 "95 % half width of the stress",

@@ -316,7 +316,12 @@ fn a_ratio_of_another_program_is_taken_with_its_coherence() {
     let outcome = run(folder.path(), text).unwrap();
     assert_eq!(outcome.verdict, Verdict::Answered, "{:?}", outcome.summary);
     let frequency = numbers(&outcome, "modulus", "frequency").to_vec();
-    let with = numbers(&outcome, "modulus", "E' with lateral inertia in it").to_vec();
+    let with = numbers(
+        &outcome,
+        "modulus",
+        "E' before the correction of lateral inertia",
+    )
+    .to_vec();
     let without = numbers(&outcome, "modulus", "E'");
     for (line, _) in is_valid(&outcome).iter().enumerate().filter(|(_, v)| **v) {
         let truth = 1e-9 * rod(frequency[line]).re;

@@ -90,7 +90,7 @@ pub(super) fn data(found: &Found<'_>) -> Table {
         }
     }
     columns.push(Column::words(
-        "place",
+        "file and line",
         rows().map(|(_, row)| row.place.clone()).collect(),
     ));
     Table::of("data", "Moduli that were fitted", columns)

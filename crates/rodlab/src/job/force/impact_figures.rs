@@ -63,7 +63,7 @@ fn force(march: &UncertainPrediction, on_lines: Option<&OnLines>) -> Result<Figu
     if let Some(band) = impact_tables::whole_history(march)? {
         let ends = time.iter().zip(&band.lower).zip(&band.upper);
         let edges = ends.map(|((t, lower), upper)| (*t, *lower, *upper));
-        marks.push(Mark::band("whole history, 95 %", Role::Third, edges));
+        marks.push(Mark::band("95 % band, whole history", Role::Third, edges));
     }
     if let Some(errors) = march.limited_errors() {
         let values = time.iter().zip(newtons).zip(&errors);
@@ -72,7 +72,7 @@ fn force(march: &UncertainPrediction, on_lines: Option<&OnLines>) -> Result<Figu
         marks.push(Mark::band(name, Role::First, edges));
     }
     let history = &march.prediction.history;
-    let (name, forces) = ("without a limit to the band", history.force().to_vec());
+    let (name, forces) = ("without band limit", history.force().to_vec());
     marks.push(Mark::curve(
         name,
         Role::Second,

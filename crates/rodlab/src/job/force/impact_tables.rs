@@ -163,7 +163,7 @@ pub(super) fn limited(march: &UncertainPrediction) -> Result<Table, RodlabError>
         columns.push(Column::numbers("standard error of the force", "N", errors));
     }
     if let Some(band) = whole_history(march)? {
-        let name = "whole history, 95 %";
+        let name = "95 % band, whole history";
         for (end, values) in [("lower", band.lower), ("upper", band.upper)] {
             columns.push(Column::numbers(format!("{name}, {end}"), "N", values));
         }
@@ -239,7 +239,7 @@ pub(super) fn contacts(prediction: &Prediction) -> Table {
         name: "contacts".to_owned(),
         title: "Contacts".to_owned(),
         columns: vec![
-            Column::numbers("begin", "s", of(&|contact| contact.begin)),
+            Column::numbers("start", "s", of(&|contact| contact.begin)),
             Column::numbers("end", "s", of(&|contact| contact.end.unwrap_or(f64::NAN))),
             Column::numbers("impulse", "N s", of(&|contact| contact.impulse)),
             Column::numbers("largest force", "N", of(&|contact| contact.peak)),

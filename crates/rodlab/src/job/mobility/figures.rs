@@ -89,7 +89,7 @@ pub(super) fn bode(known: &Known, sheet: &MobilitySheet) -> Figure {
     if !coherences.is_empty() {
         let names = match coherences.len() {
             1 => [""; 2],
-            _ => ["low", "high"],
+            _ => ["heavy hammer", "light hammer"],
         };
         let marks = coherences
             .iter()

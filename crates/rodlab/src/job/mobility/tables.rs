@@ -42,8 +42,16 @@ pub(super) fn mobility(known: &Known) -> Table {
     }
     match known.coherences.as_slice() {
         [low, high] => {
-            columns.push(Column::numbers("coherence, low", "", low.clone()));
-            columns.push(Column::numbers("coherence, high", "", high.clone()));
+            columns.push(Column::numbers(
+                "coherence of the heavy hammer",
+                "",
+                low.clone(),
+            ));
+            columns.push(Column::numbers(
+                "coherence of the light hammer",
+                "",
+                high.clone(),
+            ));
         }
         [only] => columns.push(Column::numbers("coherence", "", only.clone())),
         _ => {
@@ -53,9 +61,13 @@ pub(super) fn mobility(known: &Known) -> Table {
         }
     }
     if let Some((shares, discrepancy)) = &known.merged {
-        columns.push(Column::numbers("share of high", "", shares.clone()));
         columns.push(Column::numbers(
-            "discrepancy of the two",
+            "weight of the light hammer",
+            "",
+            shares.clone(),
+        ));
+        columns.push(Column::numbers(
+            "discrepancy of the two hammers",
             "",
             discrepancy.clone(),
         ));

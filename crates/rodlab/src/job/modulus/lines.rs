@@ -45,7 +45,7 @@ pub(super) fn table(found: &Found<'_>, reasons: &Reasons) -> Table {
         numbers("common error of the loss factor", "", &|l| {
             l.systematic_error().loss_factor
         }),
-        numbers("lateral inertia left in E', at most", "GPa", &|l| {
+        numbers("bound of the lateral inertia left in E'", "GPa", &|l| {
             giga * l.lateral_inertia_bound().storage_modulus
         }),
         numbers("wave number", "rad/m", &ModulusLine::wave_number),
@@ -69,7 +69,7 @@ pub(super) fn table(found: &Found<'_>, reasons: &Reasons) -> Table {
     if let Some(corrected) = found.corrected {
         let corrections = corrected.corrections().iter();
         columns.push(Column::numbers(
-            "E' with lateral inertia in it",
+            "E' before the correction of lateral inertia",
             "GPa",
             corrections
                 .map(|line| giga * line.apparent_modulus.re)
@@ -150,7 +150,7 @@ pub(super) fn budget(found: &Found<'_>) -> Result<Option<Table>, RodlabError> {
             _ => "random".to_owned(),
         };
         columns.push(Column::words(
-            format!("largest, of {name}"),
+            format!("largest source, of {name}"),
             budgets.iter().map(largest).collect(),
         ));
     }

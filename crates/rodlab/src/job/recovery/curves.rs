@@ -105,7 +105,7 @@ fn readings(found: &Found<'_>) -> Result<Table, CmodError> {
             Column::numbers("time after unloading", "s", time),
             Column::numbers("change of the loss factor", "", change),
             Column::numbers("standard error", "", error),
-            Column::numbers("change by the model", "", model),
+            Column::numbers("change of the model", "", model),
             Column::numbers("standard error of the model", "", model_error),
             Column::numbers("residual by standard error", "", residual),
         ],

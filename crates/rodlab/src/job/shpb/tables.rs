@@ -152,15 +152,27 @@ fn budget(result: &HopkinsonResult) -> Table {
         columns: vec![
             Column::words("source", names),
             Column::numbers(
-                "stress at its largest",
+                "error of the largest stress",
                 "MPa",
                 of(Curve::Stress, 1e-6, &at_peak),
             ),
-            Column::numbers("strain there", "", of(Curve::Strain, 1.0, &at_peak)),
-            Column::numbers("stress, at most", "MPa", of(Curve::Stress, 1e-6, &largest)),
-            Column::numbers("strain, at most", "", of(Curve::Strain, 1.0, &largest)),
             Column::numbers(
-                "difference of the forces, at most",
+                "error of the strain at this stress",
+                "",
+                of(Curve::Strain, 1.0, &at_peak),
+            ),
+            Column::numbers(
+                "largest error of the stress",
+                "MPa",
+                of(Curve::Stress, 1e-6, &largest),
+            ),
+            Column::numbers(
+                "largest error of the strain",
+                "",
+                of(Curve::Strain, 1.0, &largest),
+            ),
+            Column::numbers(
+                "largest error of the force difference",
                 "N",
                 of(Curve::ForceDifference, 1.0, &largest),
             ),

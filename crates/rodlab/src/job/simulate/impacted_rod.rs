@@ -276,7 +276,11 @@ impl ImpactedRodSheet {
                 ),
                 Column::numbers("energy at the end", "J", of(&|b| b.energy_after)),
                 Column::numbers("energy dissipated", "J", of(&|b| b.energy_dissipated)),
-                Column::numbers("lost momentum, relative", "", of(&|b| b.momentum_residual)),
+                Column::numbers(
+                    "relative loss of momentum",
+                    "",
+                    of(&|b| b.momentum_residual),
+                ),
             ],
         };
         let velocities: Vec<String> = self.velocities.iter().map(ToString::to_string).collect();
