@@ -24,7 +24,7 @@ pub(super) fn propagation(lines: &[Line]) -> Result<Figure, RodlabError> {
         let edges = drawn.iter().map(|(x, y, half)| (*x, y - half, y + half));
         let line = drawn.iter().map(|(x, y, _)| (*x, *y));
         let marks = vec![
-            Mark::band("95 %", Role::First, edges),
+            Mark::band("95 % band", Role::First, edges),
             Mark::line(label, Role::First, line),
         ];
         Panel::new(("frequency", "kHz"), (label, unit), marks)

@@ -50,7 +50,7 @@ impl Waves {
             value: Some(100.0 * (left / all).sqrt()).filter(|value| value.is_finite()),
             standard_error: None,
             valid: true,
-            verdict: "stated".to_owned(),
+            verdict: "valid".to_owned(),
         }
     }
 }

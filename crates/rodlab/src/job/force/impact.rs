@@ -213,15 +213,19 @@ fn answer(sheet: &ImpactSheet, march: &UncertainPrediction, outcome: &mut Outcom
     });
     let prediction = &march.prediction;
     let counting = prediction.main_contacts().count();
-    let plural = if counting == 1 { "" } else { "s" };
+    let last = if counting == 1 {
+        "The only contact".to_owned()
+    } else {
+        format!("The last of {counting} contacts")
+    };
     let pressing = prediction.flags.contains(&PredictionFlag::StillInContact);
     outcome.summary.push(if prediction.fades() {
         "The force of the last contact fades without a separation: the faces stay together, and there is no end of the contact.".to_owned()
     } else if pressing {
-        format!("The last of {counting} contact{plural} with more than a thousandth of the impulse has not ended: the faces are still in contact.")
+        format!("{last} with more than a thousandth of the impulse has not ended: the faces are still in contact.")
     } else {
         format!(
-            "The last of {counting} contact{plural} with more than a thousandth of the impulse ends at {}.",
+            "{last} with more than a thousandth of the impulse ends at {}.",
             with_unit(prediction.duration(), error(&|e| e.end), "s"),
         )
     });

@@ -84,7 +84,7 @@ pub(super) fn state(
         ));
     }
     outcome.summary.push(format!(
-        "All results are stated in the band up to {} kHz; there, a wave that is traced back to the specimen grows at most {}-fold.",
+        "All results are stated in the band up to {} kHz; there, a wave that is traced back to the specimen is amplified by a factor of up to {}.",
         significant(1e-3 * result.band_hz, 3),
         significant(result.amplification, 3),
     ));
@@ -174,7 +174,7 @@ pub(super) fn state(
 pub(super) fn stated(name: &str, unit: &str, value: f64, error: Option<f64>) -> Quantity {
     Quantity {
         standard_error: error.filter(|error| error.is_finite()),
-        ..Quantity::of(name, unit, value.is_finite().then_some(value), "stated")
+        ..Quantity::of(name, unit, value.is_finite().then_some(value), "valid")
     }
 }
 

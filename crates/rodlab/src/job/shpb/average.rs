@@ -105,7 +105,7 @@ pub(super) fn figure(shots: &[HopkinsonResult], mean: &MeanCurve) -> Result<Figu
     let strain = scaled(&mean.strain, 100.0);
     let stress = scaled(&mean.stress, 1e-6);
     let half = scaled(&band_of_mean(mean)?, 1e-6);
-    let mut marks = vec![around("95 %", Role::First, &strain, &stress, &half)];
+    let mut marks = vec![around("95 % band", Role::First, &strain, &stress, &half)];
     for (at, shot) in shots.iter().enumerate() {
         let of = |curve: Curve, factor: f64| {
             let values = shot.curves.of(curve).get(..shot.loaded.end);

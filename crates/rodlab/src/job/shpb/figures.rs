@@ -81,7 +81,7 @@ fn stress_strain(
         Ok(curve) => (
             "at a given strain, errors of the strain included, up to the largest strain",
             around(
-                "95 %",
+                "95 % band",
                 Role::First,
                 &scaled(&curve.strain, 100.0),
                 &scaled(&curve.stress, 1e-6),
@@ -92,7 +92,7 @@ fn stress_strain(
         Err(_) => (
             "at its time",
             around(
-                "95 %",
+                "95 % band",
                 Role::First,
                 &strain,
                 &stress,
@@ -118,7 +118,7 @@ fn stress_strain(
     let rate_half = of(band(result, Curve::StrainRate, 1.0)?);
     let title = "Stress and strain rate over strain";
     let rates = vec![
-        around("95 %", Role::Second, &strain, &rate, &rate_half),
+        around("95 % band", Role::Second, &strain, &rate, &rate_half),
         Mark::curve("strain rate", Role::Second, &strain, rate),
     ];
     let panels = vec![
