@@ -247,7 +247,8 @@ pub enum JobCommand {
     /// Loss factor from creep recovery.
     #[command(after_help = "Example:\n  rodlab recovery creep.toml")]
     Recovery(SheetCommand),
-    /// Laws, master curve and cards from tables of a complex modulus, such as those of a DMA.
+    /// Material laws, master curve and material cards from tables of a modulus, such as those of a
+    /// DMA.
     #[command(after_help = "Example:\n  rodlab fit sweep.toml")]
     Fit(SheetCommand),
     /// Constitutive law from two histories of an impacted rod.
@@ -256,7 +257,7 @@ pub enum JobCommand {
     /// Mobility of an impact face, screened and completed.
     #[command(after_help = "Example:\n  rodlab mobility cone.toml")]
     Mobility(SheetCommand),
-    /// Force between two bodies that meet, or from a measured response.
+    /// Force between two bodies that collide, or from a measured response.
     #[command(after_help = "Example:\n  rodlab force cone-on-rod.toml")]
     Force(SheetCommand),
     /// Propagation of waves in a long bar, from one or more shots: damping and speed, as a material

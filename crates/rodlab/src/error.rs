@@ -27,8 +27,8 @@ pub enum RodlabError {
         /// The job of the command.
         expected: &'static str,
     },
-    /// A recording was given instead of a sheet.
-    #[error("{} is a recording ({format}), expected a test sheet{}; `rodlab init {job}` writes a sheet", path.display(), or_options(job))]
+    /// A file of data was given instead of a sheet.
+    #[error("{} is a file of data ({format}), expected a test sheet{}; `rodlab init {job}` writes a sheet", path.display(), or_options(job))]
     NoSheet {
         /// The file.
         path: PathBuf,

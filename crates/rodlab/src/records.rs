@@ -54,6 +54,10 @@ pub struct Records {
     pub channels: Vec<ChannelSheet>,
 }
 
+/// Advice for sensors whose signals are in separate files.
+const IN_ONE_FILE: &str =
+    "the channels of a hit are read from one file: join files that have one channel each";
+
 /// Strain above which the unit of a channel must be wrong; even rubber stretches to only about ten
 /// times its length.
 const LARGEST_STRAIN: f64 = 10.0;
@@ -325,6 +329,14 @@ impl Records {
                     format!("{field}.channels[{at}].name"),
                     format!("`{}`", channel.name),
                     format!("a name other than that of channels[{before}]"),
+                ));
+            }
+            let mut earlier = self.channels.iter().take(at);
+            if let Some(before) = earlier.position(|other| other.from == channel.from) {
+                return Err(RodlabError::request(
+                    format!("{field}.channels[{at}].from"),
+                    channel.from.to_string(),
+                    format!("another channel than channels[{before}]; {IN_ONE_FILE}"),
                 ));
             }
         }

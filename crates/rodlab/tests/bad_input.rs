@@ -261,7 +261,7 @@ fn r20_a_recording_given_for_a_sheet_is_named() {
         assert_eq!(run.status.code(), Some(2));
         text_of(&run.stderr)
     };
-    insta::assert_snapshot!(run(&["modulus", "strains-1.npy"]), @"error: strains-1.npy is a recording (NPY), expected a test sheet, or `--impacted` and `--free` with the channels of both ends of a rod; `rodlab init modulus` writes a sheet");
-    assert!(run(&["check", "strains-1.npy"]).contains("is a recording (NPY)"));
+    insta::assert_snapshot!(run(&["modulus", "strains-1.npy"]), @"error: strains-1.npy is a file of data (NPY), expected a test sheet, or `--impacted` and `--free` with the channels of both ends of a rod; `rodlab init modulus` writes a sheet");
+    assert!(run(&["check", "strains-1.npy"]).contains("is a file of data (NPY)"));
     assert!(!example.join("strains-1-result").exists());
 }

@@ -23,7 +23,7 @@ pub use sheet::{
     WeighedMassSheet, WindowSheet,
 };
 
-use labio::hits::Criteria;
+use labio::hits::{Criteria, Reason};
 use labio::{AddedDamping, AveragedSpectra, Departure, Record};
 use rodfigure::Greyed;
 
@@ -32,7 +32,7 @@ use self::scope::{Band, band_of, outputs_of, outside_of};
 use self::words::capital;
 use super::JobContext;
 use crate::digits::{hertz, short};
-use crate::hits::{FoundHits, HitKind, HitsSheet, expect_independent, silent_samples};
+use crate::hits::{FoundHit, FoundHits, HitKind, HitsSheet, expect_independent, silent_samples};
 use crate::outcome::Quantity;
 use crate::records::{Records, SKEW_NOT_FOLLOWED, expect_different_files};
 use crate::responses::{MergeSheet, disagreements, with_silence};
@@ -232,9 +232,18 @@ fn too_few(sheet: &FrfSheet, sets: &[FoundHits]) -> Option<String> {
             if found.hits().all(|hit| !hit.is_found()) {
                 return Some(format!("no hit{hammer} is found{because}"));
             }
+            let two_contacts = |hit: FoundHit<'_>| {
+                let mut reasons = hit.hit.reasons().iter();
+                reasons.any(|reason| matches!(reason, Reason::DoubleHit { .. }))
+            };
+            let advice = if sheet.hits.cut.is_none() && found.hits().any(two_contacts) {
+                "; if a record contains several blows, cut it by `hits.cut`"
+            } else {
+                ""
+            };
             return Some(match n_found {
-                1 => format!("the only hit{hammer} is rejected{because}"),
-                n => format!("all {n} hits{hammer} are rejected{because}"),
+                1 => format!("the only hit{hammer} is rejected{because}{advice}"),
+                n => format!("all {n} hits{hammer} are rejected{because}{advice}"),
             });
         }
         let by_variance = sheet

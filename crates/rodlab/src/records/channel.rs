@@ -64,7 +64,7 @@ impl BridgeSheet {
 }
 
 /// A channel of a file.
-#[derive(Debug, Clone, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Eq, Deserialize)]
 #[serde(
     untagged,
     expecting = "found neither a channel nor a column, expected its number from 1 or its name in quotes"

@@ -146,12 +146,17 @@ impl Records {
                     Selector::Number(_) => format!("a number from 1 to {}", contents.series.len()),
                     Selector::Name(_) => format!("one of {}", names.join(", ")),
                 };
-                let hint = match &channel.from {
+                let mut hint = match &channel.from {
                     Selector::Number(_) if has_time_column(contents) => {
                         "; the column of times is not counted: channel 1 is the first column after it"
+                            .to_owned()
                     }
-                    _ => "",
+                    _ => String::new(),
                 };
+                if let [_] = contents.series.as_slice() {
+                    hint.push_str("; ");
+                    hint.push_str(super::IN_ONE_FILE);
+                }
                 return Err(RodlabError::request(
                     format!("{field}.channels[{at}].from"),
                     channel.from.to_string(),

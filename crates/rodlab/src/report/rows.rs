@@ -367,7 +367,7 @@ impl<'a> TableRows<'a> {
                 all_rows.len()
             ),
             note: if which.is_empty() {
-                format!("{total} rows")
+                format!("{total} row{}", if total == 1 { "" } else { "s" })
             } else {
                 format!("{total} rows, {} are shown, {which}", rows.len())
             },

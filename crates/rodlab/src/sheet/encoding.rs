@@ -138,8 +138,8 @@ mod tests {
         latin.ron:2:15: found the byte 0xe5, `å` in Latin-1 (ISO 8859-1, Windows-1252), expected UTF-8 text: save the sheet as UTF-8
         marked.ron:1:1: found UTF-16, judging by its byte-order mark, expected UTF-8 text: save the sheet as UTF-8
         unmarked.ron:1:1: found UTF-16, judging by a zero byte next to the first letter, expected UTF-8 text: save the sheet as UTF-8
-        hits.npy is a recording (NPY), expected a test sheet; `rodlab init JOB` writes a sheet
-        hits.csv is a recording (CSV), expected a test sheet; `rodlab init JOB` writes a sheet
+        hits.npy is a file of data (NPY), expected a test sheet; `rodlab init JOB` writes a sheet
+        hits.csv is a file of data (CSV), expected a test sheet; `rodlab init JOB` writes a sheet
         empty.ron:1:1: not the beginning of a test sheet, which in TOML is a line such as `job = "modulus"`, in RON a name such as `Modulus(`
         text.ron:1:1: not the beginning of a test sheet, which in TOML is a line such as `job = "modulus"`, in RON a name such as `Modulus(`
         "#);

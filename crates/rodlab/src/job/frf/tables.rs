@@ -226,7 +226,7 @@ pub(super) fn merit(estimated: &Estimated, output: &str, input: &str, band: Band
         });
         if let (Some(median), Some(line)) = (median, largest) {
             of_errors = format!(
-                "the random error of a line is {} % in the median and at most {} %, at {}",
+                "the random error of a line is {} % in the median and up to {} %, at {}",
                 short(median),
                 short(percent(line)),
                 hertz(response.frequency_hz[line])
@@ -267,7 +267,7 @@ pub(super) fn merit(estimated: &Estimated, output: &str, input: &str, band: Band
         .largest_leakage(&valid)
         .map_or_else(String::new, |(line, leakage)| {
             format!(
-                "; an error {} adds up to {} %, at {}",
+                "; a systematic error {} is up to {} %, at {}",
                 estimated.cause,
                 short(100.0 * leakage),
                 hertz(response.frequency_hz[line])
