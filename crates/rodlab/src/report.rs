@@ -8,9 +8,11 @@
 mod compact;
 mod rows;
 
+use std::fmt::Write;
+
 use minijinja::value::Serde;
-use minijinja::{Environment, UndefinedBehavior};
-use rodfigure::{Drawn, Figure, Mark};
+use minijinja::{Environment, HtmlEscape, UndefinedBehavior, Value};
+use rodfigure::{Drawn, Figure, Mark, unit_as_read};
 use serde::Serialize;
 
 use crate::RodlabError;
@@ -138,6 +140,7 @@ pub fn html_of(
     let mut environment = Environment::new();
     // makes an unknown name in the template an error
     environment.set_undefined_behavior(UndefinedBehavior::Strict);
+    environment.add_filter("worded", worded);
     environment
         .add_template("report.html", TEMPLATE)
         .map_err(refused)?;
@@ -145,6 +148,29 @@ pub fn html_of(
         .get_template("report.html")
         .and_then(|template| template.render(Serde(&page)))
         .map_err(refused)
+}
+
+/// Returns a sentence of the terminal as HTML: names in backquotes as code, and units as figures
+/// and tables have them.
+fn worded(text: &str) -> Value {
+    let mut html = String::with_capacity(text.len());
+    let is_paired = text.matches('`').count() % 2 == 0;
+    for (index, part) in text.split('`').enumerate() {
+        if index % 2 == 1 && is_paired {
+            _ = write!(html, "<code>{}</code>", HtmlEscape(part));
+            continue;
+        }
+        if index > 0 && !is_paired {
+            html.push('`');
+        }
+        for word in part.split_inclusive(' ') {
+            let unit = word.trim_end_matches([' ', '.', ',', ';', ':', ')']);
+            let rest = word.strip_prefix(unit).unwrap_or_default();
+            let read = unit_as_read(unit);
+            _ = write!(html, "{}{rest}", HtmlEscape(&read));
+        }
+    }
+    Value::from_safe_string(html)
 }
 
 /// Returns a built-in text without its indentation and comments.

@@ -92,6 +92,18 @@ fn doubts_that_may_explain_a_missing_answer_are_the_first_warnings() {
     );
 }
 
+#[test]
+fn a_sentence_has_its_names_as_code_and_its_units_as_figures_have_them() {
+    let mut outcome = Outcome::of("frf", "Plate");
+    outcome.summary = vec![
+        "`a<b` lags by (2.0 ± 0.1) us, at 3 m/s^2.".to_owned(),
+        "One ` is <kept>.".to_owned(),
+    ];
+    let page = page(&outcome);
+    assert!(page.contains("<code>a&lt;b</code> lags by (2.0 ± 0.1) µs, at 3 m&#x2f;s²."));
+    assert!(page.contains("One ` is &lt;kept&gt;."));
+}
+
 /// Returns a table of 1000 lines, of which the lines above 50 kHz are not valid.
 fn long_table() -> Table {
     let numbers = |name: &str, unit: &str, of: fn(f64) -> f64| {

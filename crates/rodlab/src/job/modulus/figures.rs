@@ -88,7 +88,7 @@ fn budget(lines: &[&ModulusLine], greyed: &[Greyed]) -> Option<Figure> {
         return None;
     }
     let x: Vec<f64> = lines.iter().map(|line| 1e-3 * line.frequency_hz).collect();
-    let panel = |quantity: BudgetedQuantity, label: &str| {
+    let curves = |quantity: BudgetedQuantity| -> Vec<(String, Vec<f64>)> {
         let budgets: Vec<Budget> = lines.iter().map(|line| line.budget(quantity)).collect();
         let shares = |of: &dyn Fn(&Budget) -> f64| -> Vec<f64> {
             let share = |(budget, line): (&Budget, &&ModulusLine)| {
@@ -112,11 +112,30 @@ fn budget(lines: &[&ModulusLine], greyed: &[Greyed]) -> Option<Figure> {
             .iter()
             .map(|source| (source.to_string(), shares(&of_source(*source))));
         let random = ("random".to_owned(), shares(&Budget::random));
-        let marks = std::iter::once(random)
+        std::iter::once(random)
             .chain(named)
-            .enumerate()
-            .filter(|(_, (_, values))| values.iter().any(|share| *share > LEAST_SHARE))
-            .map(|(index, (name, values))| Mark::curve(name, Role::of_series(index), &x, values));
+            .filter(|(_, values)| values.iter().any(|share| *share > LEAST_SHARE))
+            .collect()
+    };
+    // a source has one role in both panels, and no other source has it
+    let mut drawn: Vec<String> = Vec::new();
+    let mut role = |name: &str| {
+        let known = drawn.iter().position(|other| other == name);
+        let index = known.unwrap_or(drawn.len());
+        if known.is_none() {
+            drawn.push(name.to_owned());
+        }
+        match index {
+            5 => Role::Reference,
+            6 => Role::Faint,
+            _ => Role::of_series(index),
+        }
+    };
+    let mut panel = |quantity: BudgetedQuantity, label: &str| {
+        let marks = curves(quantity).into_iter().map(|(name, values)| {
+            let role = role(&name);
+            Mark::curve(name, role, &x, values)
+        });
         Panel::new(KILOHERTZ, (label, "%"), marks.collect()).with_greyed(greyed.to_vec())
     };
     let panels = vec![
