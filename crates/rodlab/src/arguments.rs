@@ -72,9 +72,10 @@ pub enum Command {
     /// Write a commented sheet to start from.
     #[command(after_help = "Examples:
   rodlab init modulus rod.toml
-  rodlab init modulus member.toml --rig three-gauges")]
+  rodlab init modulus member.toml --rig three-gauges
+  rodlab init --rig dma")]
     Init {
-        /// The job.
+        /// The job; not needed with `--rig`.
         job: Option<JobName>,
         /// The new sheet; by default the name of the job with the extension toml. A file with the
         /// extension ron is written in RON.

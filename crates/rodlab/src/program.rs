@@ -19,7 +19,7 @@ use crate::output::TableFiles;
 use crate::progress::Bar;
 use crate::sheet::Language;
 use crate::sheet_command::SheetCommand;
-use crate::templates::{self, JobName};
+use crate::templates::{self, JobName, Rig};
 use crate::verify::{Verified, verify_all};
 use crate::view::View;
 use crate::{RodlabError, Standing, output};
@@ -122,12 +122,14 @@ fn dispatch(
             rig,
             ron,
         } => {
-            let job = job.ok_or_else(|| {
+            let job = job.or(rig.map(Rig::job)).ok_or_else(|| {
                 let jobs = JobName::ALL.map(JobName::name).join("`, `");
                 RodlabError::request(
                     "the job of the new sheet",
                     "not stated",
-                    format!("one of `{jobs}`: `rodlab init JOB`"),
+                    format!(
+                        "one of `{jobs}`: `rodlab init JOB`; or a rig: `rodlab init --rig RIG`"
+                    ),
                 )
             })?;
             let extension = if *ron { Language::Ron } else { Language::Toml }.extension();

@@ -300,6 +300,12 @@ fn a_recording_is_inspected_and_converted() {
     );
     let said = refused(folder.path(), &["init"]);
     said.must_begin("status 2\nerror: the job of the new sheet is not stated, expected one of `frf`, `modulus`, ");
+    // a rig belongs to one job
+    let run = rodlab(folder.path(), &["init", "--rig", "dma"]);
+    assert_eq!(run.status.code(), Some(0), "{}", text(&run.stderr));
+    fs::read_to_string(folder.path().join("fit.toml"))
+        .unwrap()
+        .must_say("job = \"fit\"");
 }
 
 /// The first channel has its unit from the file; the second has none.

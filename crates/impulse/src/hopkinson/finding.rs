@@ -231,7 +231,7 @@ impl fmt::Display for Finding {
             ),
             Self::Overlap { alone } => write!(
                 f,
-                "the incident pulse lasts longer than the {:.1} us after which its reflection reaches the gauge, so that the gauge cannot separate the two waves: expected a shorter pulse, a second gauge, or `Balanced` waves",
+                "the incident pulse lasts longer than the {:.1} us after which its reflection reaches the gauge, so that the gauge cannot separate the two waves: expected a shorter pulse, a second gauge, or balanced waves; or the position of the gauge or the wave speed is wrong",
                 1e6 * alone
             ),
             Self::Tail { part } => write!(

@@ -222,7 +222,7 @@ fn answer(sheet: &ImpactSheet, march: &UncertainPrediction, outcome: &mut Outcom
     outcome.summary.push(if prediction.fades() {
         "The force of the last contact fades without a separation: the faces stay together, and there is no end of the contact.".to_owned()
     } else if pressing {
-        format!("{last} with more than a thousandth of the impulse has not ended: the faces are still in contact.")
+        format!("{last} with more than a thousandth of the impulse has not ended: the faces are still in contact; increase `problem.duration`.")
     } else {
         format!(
             "{last} with more than a thousandth of the impulse ends at {}.",
