@@ -131,12 +131,11 @@ impl Outcome {
                 reasons.join("; ")
             );
             self.summary.insert(0, sentence);
-            let because = format!("{}: {}", Standing::InDoubt, reasons.join("; "));
             let believed =
                 |quantity: &&mut Quantity| quantity.valid && !quantity.name.starts_with(CHECK);
             for quantity in self.quantities.iter_mut().filter(believed) {
                 quantity.valid = false;
-                quantity.verdict.clone_from(&because);
+                Standing::InDoubt.word().clone_into(&mut quantity.verdict);
             }
         }
         self
