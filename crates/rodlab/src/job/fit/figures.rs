@@ -16,7 +16,7 @@ use crate::RodlabError;
 /// Number of points of a curve.
 const POINTS: u32 = 161;
 /// Largest number of temperatures for which the legend names all of them.
-const MOST_NAMED: usize = 8;
+const MOST_NAMED: usize = 5;
 
 pub(super) fn figures(found: &Found<'_>) -> Result<Vec<Figure>, RodlabError> {
     let mut figures = Vec::new();
@@ -64,7 +64,7 @@ fn over_time(found: &Found<'_>) -> Figure {
             Some((row.time()?, row.modulus.re / pascal, error / pascal))
         };
         let points = rows(step, true).filter_map(point);
-        Mark::points_with_errors(name(found, index), Role::of_series(index), points)
+        Mark::points_with_errors(name(found, index), role_of(found, index), points)
     };
     let marks = found.steps.iter().enumerate().map(of_step).collect();
     let modulus = Axis::logarithmic(format!("{} over time", found.symbol()), unit);
@@ -82,6 +82,17 @@ fn name(found: &Found<'_>, index: usize) -> String {
     let is_named = count <= MOST_NAMED || [0, count / 2, count - 1].contains(&index);
     let step = found.steps.get(index).filter(|_| is_named);
     step.map_or_else(String::new, Step::in_words)
+}
+
+/// Returns the role of a step. If there are more than [`MOST_NAMED`] steps, neighbouring steps share
+/// one, so that the named ones differ.
+fn role_of(found: &Found<'_>, index: usize) -> Role {
+    let count = found.steps.len();
+    Role::of_series(if count <= MOST_NAMED {
+        index
+    } else {
+        index * MOST_NAMED / count
+    })
 }
 
 fn moduli(found: &Found<'_>) -> Figure {
@@ -105,7 +116,7 @@ fn moduli(found: &Found<'_>) -> Figure {
                     of(shift.vertical * law.modulus(TAU * f * shift.log_shift.exp())) / pascal
                 };
                 let y = x.iter().map(at).collect();
-                marks.push(Mark::curve("", Role::of_series(index), &x, y));
+                marks.push(Mark::curve("", role_of(found, index), &x, y));
             }
             let errors = if found.error_scale == ErrorScale::Stated {
                 rows().map(|row| error(row) / pascal).collect()
@@ -114,7 +125,7 @@ fn moduli(found: &Found<'_>) -> Figure {
             };
             marks.push(Mark::Points {
                 name: name(found, index),
-                role: Role::of_series(index),
+                role: role_of(found, index),
                 x,
                 y: rows().map(|row| of(row.modulus) / pascal).collect(),
                 error: errors,
@@ -147,7 +158,7 @@ fn black_diagram(found: &Found<'_>) -> Figure {
     let panel = |x: Axis, y: Axis, of: &dyn Fn(Complex64) -> (f64, f64)| {
         let of_step = |(index, step): (usize, &Step)| {
             let points = rows(step, false).map(|row| of(row.modulus));
-            Mark::points(name(found, index), Role::of_series(index), points)
+            Mark::points(name(found, index), role_of(found, index), points)
         };
         let marks = found.steps.iter().enumerate().map(of_step);
         Panel::new(x, y, marks.collect())
@@ -220,7 +231,7 @@ fn master_curve(found: &Found<'_>, sweep: &Sweep, series: &[(f64, PredictedModul
                         && point.temperature.total_cmp(&step.temperature).is_eq()
                 })
                 .map(|point| (point.reduced_frequency_hz, of(point.modulus) / scale));
-            let (name, role) = (name(found, index), Role::of_series(index));
+            let (name, role) = (name(found, index), role_of(found, index));
             let mut points = points.peekable();
             if points.peek().is_some() {
                 marks.push(Mark::points(name, role, points));
@@ -259,7 +270,7 @@ fn master_curve(found: &Found<'_>, sweep: &Sweep, series: &[(f64, PredictedModul
                     own().filter_map(|point| Some((point.reduced_time?, of(point) / pascal)));
                 points.collect::<Vec<(f64, f64)>>()
             };
-            let role = Role::of_series(index);
+            let role = role_of(found, index);
             let measured = values(|point| point.modulus.re);
             [
                 Mark::points(name(found, index), role, measured),
