@@ -183,7 +183,8 @@ pub fn read_with(path: impl AsRef<Path>, strictness: Strictness) -> Result<Conte
 ///
 /// # Errors
 ///
-/// [`LabioError::UnknownFormat`], or the error of the format's [`Reader`].
+/// [`LabioError::UnknownFormat`], or the error of the format's [`Reader`]; for rows of numbers with
+/// text among them, such as dates, [`LabioError::Malformed`] with the first of these cells.
 pub fn read_bytes(bytes: &[u8]) -> Result<Contents, LabioError> {
     read_bytes_with(bytes, Strictness::Strict)
 }
@@ -252,7 +253,7 @@ pub fn read_bytes_at(bytes: &[u8], rate_hz: f64) -> Result<Contents, LabioError>
 }
 
 fn reader_of(bytes: &[u8]) -> Result<&'static dyn Reader, LabioError> {
-    recognise(bytes).ok_or_else(|| LabioError::UnknownFormat {
+    let unknown = || LabioError::UnknownFormat {
         head: bytes
             .iter()
             .take(16)
@@ -260,7 +261,8 @@ fn reader_of(bytes: &[u8]) -> Result<&'static dyn Reader, LabioError> {
             .collect(),
         n_bytes: bytes.len(),
         known: READERS.iter().map(|reader| reader.name()).collect(),
-    })
+    };
+    recognise(bytes).ok_or_else(|| csv::text_among_numbers(bytes).unwrap_or_else(unknown))
 }
 
 /// Reads the file at `path`, rejects it if any part of it cannot be read, and combines series that

@@ -31,7 +31,8 @@
 //!
 //! A strict reading rejects the following faults; a tolerant one reports them as defects: a row
 //! unlike the others (it is left out), and a cell that is not a number, or that is empty above
-//! other numbers of its column (its value is NaN). Columns may end early.
+//! other numbers of its column (its value is NaN). A second column of times with other steps is
+//! rejected, or reported. Columns may end early.
 
 mod abscissa;
 mod abscissa_name;
@@ -242,6 +243,16 @@ pub fn read_with(
     )?;
     abscissa::assemble(table, header, &choice, strictness, &mut contents)?;
     Ok(contents)
+}
+
+/// Returns the error for the first cell that is not a number in rows that would otherwise be a
+/// table; `None` if the bytes are not a text with such rows.
+pub(super) fn text_among_numbers(bytes: &[u8]) -> Option<LabioError> {
+    let (text, _) = text::decode(bytes, FORMAT).ok()?;
+    let is_binary = text
+        .chars()
+        .any(|c| c.is_ascii_control() && !c.is_whitespace());
+    dialect::text_among_numbers(&text).filter(|_| !is_binary)
 }
 
 /// Returns text, encoding and dialect of a table.

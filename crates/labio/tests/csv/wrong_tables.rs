@@ -89,3 +89,71 @@ fn only_tables_are_recognised() {
     assert!(Csv.recognises(&wide[..4096]));
     assert_eq!(real(&read(&wide).unwrap(), 0).len(), 2000);
 }
+
+/// A decimal comma between integers must not split a column in two.
+#[test]
+fn one_name_above_decimal_commas_names_one_column() {
+    for text in [
+        "Kraft\n1,50\n2,25\n-3,75\n",
+        "Kraft\n[N]\n1,50\n2,25\n",
+        "Zeit,Kraft\n0,1,2,5\n0,2,-3,5\n",
+    ] {
+        let said = read(text).unwrap_err().to_string();
+        assert!(
+            said.contains("comma is either a separator or a decimal mark"),
+            "{text}: {said}"
+        );
+    }
+    let contents = read("time,force\n1,50\n2,25\n3,75\n").unwrap();
+    assert_eq!(real(&contents, 0), [50.0, 25.0, 75.0]);
+}
+
+/// Files whose every row has a cell that is not a number: the message names the first of them.
+#[test]
+fn text_in_every_row_is_named() {
+    let said = |rows: [&str; 3]| {
+        let text = format!("time,force,state\n{}\n", rows.join("\n"));
+        labio::format::read_bytes(text.as_bytes())
+            .unwrap_err()
+            .to_string()
+    };
+    assert_eq!(
+        said(["0.0,1.5,ok", "0.1,2.5,ok", "0.2,3.5,ok"]),
+        "csv, line 2, column 3: cell is `ok`, expected a number"
+    );
+    assert_eq!(
+        said([
+            "2026-11-21 12:00:00,1,2",
+            "2026-11-21 12:00:01,2,3",
+            "2026-11-21 12:00:02,3,4"
+        ]),
+        "csv, line 2, column 1: cell is `2026-11-21 12:00:00`, expected a number"
+    );
+    assert_eq!(
+        said(["0,\"1,234.5\",1", "1,\"2,234.5\",1", "2,\"3,234.5\",1"]),
+        "csv, line 2, column 2: cell is `1,234.5`, expected a number"
+    );
+}
+
+/// Two columns of times with different steps: the channels after the second have another rate.
+#[test]
+fn a_second_column_of_other_times_is_refused() {
+    let text = |step: f64, unit: &str| {
+        let rows: String = (0..5)
+            .map(|k| {
+                format!(
+                    "{:.1},{k},{:.3},1\n",
+                    0.1 * f64::from(k),
+                    step * f64::from(k)
+                )
+            })
+            .collect();
+        format!("time [s],F [N],time 2 [{unit}],a [g]\n{rows}")
+    };
+    let said = read(text(0.05, "s")).unwrap_err().to_string();
+    assert!(
+        said.starts_with("csv, line 2, column 3: step of the times is 5e-2 s, expected 1e-1 s"),
+        "{said}"
+    );
+    assert_eq!(read(text(100.0, "ms")).unwrap().series.len(), 3);
+}

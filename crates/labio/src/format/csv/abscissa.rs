@@ -9,11 +9,17 @@ use crate::format::Strictness;
 use crate::format::kind::kind_of_name;
 use crate::format::rounding::{Written, WrittenValues};
 use crate::format::text::{self, DecimalMark};
-use crate::{Abscissa, Contents, Dimension, LabioError, Place, Series, SeriesAxis, SeriesKind};
+use crate::{
+    Abscissa, Contents, Dimension, LabioError, Ordinate, Place, Series, SeriesAxis, SeriesKind,
+};
 
 /// Largest accepted relative uncertainty of a step due to rounding: the error of a frequency is
 /// then less than one line in ten thousand.
 pub const ROUNDED_STEP_TOLERANCE: f64 = 1e-4;
+
+/// Relative difference of the mean steps of two columns of times above which they are different
+/// times: larger than the rounding of times with four digits.
+const DIFFERENT_STEP: f64 = 1e-3;
 
 /// Choice of the abscissa column, made before the numbers are read.
 #[derive(Debug)]
@@ -22,6 +28,8 @@ pub(super) struct Choice {
     /// True for the first column of a table without headings: it is the abscissa only if its values
     /// increase evenly.
     tentative: bool,
+    /// True if the caller has chosen the column.
+    is_stated: bool,
     step: Option<f64>,
     /// Rate used if the column does not determine its own spacing.
     rate_hz: Option<f64>,
@@ -37,6 +45,7 @@ impl Choice {
         let mut choice = Self {
             column: None,
             tentative: false,
+            is_stated: false,
             step: None,
             rate_hz: None,
             marker: None,
@@ -52,6 +61,7 @@ impl Choice {
                     });
                 }
                 choice.column = Some(column - 1);
+                choice.is_stated = true;
                 return Ok(choice);
             }
             CsvAbscissa::Step(step) => choice.step = Some(step),
@@ -128,6 +138,14 @@ pub(super) fn assemble(
             .unwrap_or(1.0),
     };
     let abscissa = abscissa.unwrap_or(index);
+    if let (Some(column), false) = (column, choice.is_stated || choice.marker.is_some())
+        && let Some(error) = other_times(&table, column, &axis)
+    {
+        if strictness == Strictness::Strict {
+            return Err(error);
+        }
+        contents.defects.push(error);
+    }
     if column.is_none() {
         abscissa_axis = SeriesAxis {
             label: "index".to_owned(),
@@ -182,6 +200,48 @@ pub(super) fn assemble(
         contents.series.push(series);
     }
     Ok(())
+}
+
+/// Returns the error for a second column of times whose mean step differs from that of the times
+/// `first`: the channels after it were sampled at another rate.
+fn other_times(
+    table: &Table,
+    first: usize,
+    axis: &impl Fn(usize) -> SeriesAxis,
+) -> Option<LabioError> {
+    let unit_of_time = |at: usize| {
+        let unit = axis(at).unit?;
+        (unit.dimension() == Dimension::TIME).then_some(unit)
+    };
+    let mean_step = |at: usize| {
+        let Ordinate::Real(values) = table.columns.get(at)? else {
+            return None;
+        };
+        let rising = values
+            .windows(2)
+            .all(|pair| matches!(pair, [a, b] if a < b));
+        let (from, to) = (values.first()?, values.last()?);
+        let n_steps = values.len().checked_sub(1).filter(|&n| n > 0)?;
+        rising.then(|| Some(unit_of_time(at)?.scale() * (to - from) / n_steps as f64))?
+    };
+    let step = mean_step(first)?;
+    let differs =
+        |(at, other): &(usize, f64)| *at != first && (other / step - 1.0).abs() > DIFFERENT_STEP;
+    let mut others = (0..table.columns.len()).filter_map(|at| Some((at, mean_step(at)?)));
+    let (at, other) = others.find(differs)?;
+    let place = Place::Cell {
+        line: table.first_line,
+        column: at as u64 + 1,
+    };
+    Some(malformed(
+        place,
+        "step of the times",
+        &format!("{other:e} s"),
+        &format!(
+            "{step:e} s, as in column {}; channels with other times need a file of their own",
+            first + 1
+        ),
+    ))
 }
 
 /// Returns the abscissa that the written values represent, or `None` if the column is not an

@@ -218,11 +218,24 @@ pub(super) fn holds_table(text: &str) -> bool {
 
 /// Returns true if the cells of a table separated by commas are pairs of an integer and of digits
 /// after a decimal comma, such as `0,0033,-1,25`: no cell has a decimal point, every second cell
-/// has digits only, and one of them begins with a zero, which no integer does.
+/// has digits only, and one of them begins with a zero, which no integer does, or the line above
+/// has half as many names.
 fn has_digits_of_fractions(text: &str, dialect: &CsvDialect, run: Run) -> bool {
     if dialect.separator != CsvSeparator::Comma || !run.n_cells.is_multiple_of(2) {
         return false;
     }
+    // `Zeit,Kraft` above `0,1,2,5`
+    let has_half_the_names = text::lines(text)
+        .take_while(|(number, _)| *number < run.first_line)
+        .filter(|(_, row)| !row.trim().is_empty())
+        .last()
+        .is_some_and(|(_, row)| {
+            let names: Vec<&str> = text::cells(row, b',').collect();
+            2 * names.len() as u64 == run.n_cells
+                && names
+                    .iter()
+                    .all(|name| !name.is_empty() && !is_number(name, DecimalMark::Point))
+        });
     let mut begins_with_zero = false;
     let rows = text::lines(text).skip_while(|(number, _)| *number < run.first_line);
     for (_, row) in rows
@@ -238,30 +251,80 @@ fn has_digits_of_fractions(text: &str, dialect: &CsvDialect, run: Run) -> bool {
             begins_with_zero |= at % 2 == 1 && digits.len() > 1 && digits.starts_with('0');
         }
     }
-    begins_with_zero
+    begins_with_zero || has_half_the_names
+}
+
+/// Returns the error for the first cell that is not a number in consecutive lines with equally many
+/// cells, of which at least half begin like numbers: dates, numbers with separators of thousands, or
+/// a column of text. Returns `None` if no three such lines follow each other.
+pub(super) fn text_among_numbers(text: &str) -> Option<LabioError> {
+    let begins_like_number = |cell: &&Cow<'_, str>| {
+        let digits = cell.trim_start_matches(['-', '+', '.', ',']);
+        digits.starts_with(|first: char| first.is_ascii_digit())
+    };
+    let mut best: Option<(usize, LabioError)> = None;
+    let mut cells = Vec::new();
+    for (separator, mark) in CANDIDATES {
+        let (mut n_rows, mut n_cells, mut n_numbers) = (0, 0, 0);
+        let mut first = None;
+        for (line, row) in text::lines(text).take(LINES_SEARCHED) {
+            separator.cut(row, &mut cells);
+            let is_text = |at: &usize| cells.get(*at).is_some_and(|cell| !is_number(cell, mark));
+            let other = filled(&cells).find(is_text);
+            let n_like = cells.iter().filter(begins_like_number).count();
+            let (Some(at), true) = (other, cells.len() > 1 && 2 * n_like >= cells.len()) else {
+                n_rows = 0;
+                continue;
+            };
+            if n_rows == 0 || n_cells != cells.len() {
+                let found = cells
+                    .get(at)
+                    .map_or_else(String::new, |cell| text::quoted(cell));
+                first = Some((line, at, found));
+                (n_rows, n_cells, n_numbers) = (0, cells.len(), 0);
+            }
+            n_rows += 1;
+            n_numbers += cells.iter().filter(|cell| is_number(cell, mark)).count();
+            if n_rows < 3 || best.as_ref().is_some_and(|(most, _)| *most >= n_numbers) {
+                continue;
+            }
+            if let Some((line, at, found)) = &first {
+                let place = Place::Cell {
+                    line: *line,
+                    column: *at as u64 + 1,
+                };
+                best = Some((n_numbers, malformed(place, "cell", found, "a number")));
+            }
+        }
+    }
+    best.map(|(_, error)| error)
 }
 
 pub(super) fn detect(text: &str) -> Result<CsvDialect, LabioError> {
     let Some((separator, decimal_mark, run)) = largest(text) else {
-        return Err(malformed(
-            Place::Line(1),
-            "table",
-            "not found",
-            &format!("rows of numbers within the first {LINES_SEARCHED} lines"),
-        ));
+        return Err(text_among_numbers(text).unwrap_or_else(|| {
+            malformed(
+                Place::Line(1),
+                "table",
+                "not found",
+                &format!("rows of numbers within the first {LINES_SEARCHED} lines"),
+            )
+        }));
     };
     let mut dialect = CsvDialect::new(separator, decimal_mark, run.first_line - 1);
     header::find_names(text, &mut dialect)?;
     let single = |run: &Run| run.n_cells == 1;
     let either_mark = separator == CsvSeparator::Comma
         && run.n_cells == 2
-        && dialect.name_line.is_none()
         && runs(text, CsvSeparator::Blanks, DecimalMark::Comma)
             .iter()
             .filter(|other| single(other))
             .any(|other| other.n_rows == run.n_rows);
-    if either_mark || (dialect.name_line.is_none() && has_digits_of_fractions(text, &dialect, run))
-    {
+    let is_named = dialect.name_line.is_some_and(|named| {
+        // one name alone is not separated from another by a comma
+        text::lines(text).any(|(number, line)| number == named && line.contains(','))
+    });
+    if !is_named && (either_mark || has_digits_of_fractions(text, &dialect, run)) {
         return Err(malformed(
             Place::Line(run.first_line),
             "comma",
