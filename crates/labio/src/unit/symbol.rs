@@ -46,7 +46,7 @@ const CAPACITANCE: Dimension = dimension([-2, -1, 4, 2, 0]);
 const PREFIXABLE: &[(&[&str], Dimension, f64, f64)] = &[
     (&["m", "Meters", "meter", "metre"], LENGTH, 1.0, 1.0),
     (
-        &["s", "sec", "second", "seconds", "Seconds"],
+        &["s", "sec", "second", "seconds", "Second", "Seconds"],
         TIME,
         1.0,
         1.0,

@@ -203,3 +203,24 @@ fn what_is_known_beforehand_overrides_what_is_found() {
     the csv file contains no data
     ");
 }
+
+/// Headers of two makes of oscilloscope, whose units are words; one calls its channels 1 and 2.
+#[test]
+fn rows_of_units_in_words_are_units() {
+    for (header, name) in [
+        ("x-axis,1,2\nsecond,Volt,Volt\n", "1"),
+        ("Source,CH1,CH2\nSecond,Volt,Volt\n", "CH1"),
+    ] {
+        let text = format!("{header}-1.00000E-4,0.5,1\n+0.00000E+0,0.25,2\n+1.00000E-4,0.75,3\n");
+        let contents = read(text).unwrap();
+        let first = &contents.series[0];
+        assert_eq!((contents.series.len(), first.name.as_str()), (2, name));
+        assert_eq!(first.ordinate_axis.unit_text, "Volt");
+        let Abscissa::Even { step, .. } = first.abscissa else {
+            unreachable!("{:?}", first.abscissa)
+        };
+        // the six digits of the times
+        assert!((step / 1e-4 - 1.0).abs() < 1e-5, "{step}");
+        assert_eq!(first.abscissa_axis.unit.as_ref().unwrap().scale(), 1.0);
+    }
+}

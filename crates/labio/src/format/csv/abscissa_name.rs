@@ -2,6 +2,9 @@
 
 use std::fmt;
 
+use crate::Dimension;
+use crate::format::text;
+
 /// Property with the sampling interval in a file of an oscilloscope.
 pub(super) const INTERVAL: &str = "Sample Interval";
 
@@ -16,15 +19,13 @@ const TIME_NAMES: [&str; 9] = [
     "seconds",
     "timestamp",
 ];
-const TIME_UNITS: [&str; 9] = [
-    "s", "ms", "us", "\u{b5}s", "\u{3bc}s", "ns", "min", "h", "sec",
-];
 const FREQUENCY_NAMES: [&str; 4] = ["frequency", "freq", "frequenz", "frekvens"];
 pub(super) const INDEX_NAMES: [&str; 3] = ["index", "sample", "samples"];
 
 /// Returns true for a time. The letter `t` alone is a time; `T` is a temperature.
 pub(super) fn is_time(name: &str, unit: &str) -> bool {
-    called(name, &TIME_NAMES) || name == "t" || TIME_UNITS.contains(&unit)
+    let of_unit = text::known_unit(unit).map(|unit| unit.dimension());
+    called(name, &TIME_NAMES) || name == "t" || of_unit == Some(Dimension::TIME)
 }
 
 pub(super) fn is_frequency(name: &str, unit: &str) -> bool {

@@ -338,7 +338,11 @@ pub(super) fn find_names(text: &str, dialect: &mut CsvDialect) -> Result<(), Lab
     let units = 4 * filled().filter(|cell| is_unit(cell)).count() >= 3 * filled().count();
     match above {
         Some((names, Some(cells_above)))
-            if bracketed || (units && cells_above.iter().all(is_word)) =>
+            // an oscilloscope may call its channels 1 and 2
+            if bracketed
+                || (units
+                    && cells_above.first().is_some_and(is_word)
+                    && cells_above.iter().all(|cell| !cell.is_empty())) =>
         {
             dialect.name_line = Some(names);
             dialect.unit_line = Some(number);
@@ -383,7 +387,16 @@ fn split_unit(name: &str) -> (String, String) {
         // x/L is a coordinate relative to a length, not x in litres
         let is_length = matches!(unit.trim(), "l" | "L");
         if !head.trim().is_empty() && is_unit(unit.trim()) && !is_length && !is_unit(head.trim()) {
-            return split(head, unit);
+            let begin = head.rfind([' ', '_']).filter(|&at| at > 0);
+            let (shorter, whole) = name.split_at(begin.unwrap_or(slash));
+            let whole = whole.trim_start_matches([' ', '_', '/']);
+            // the unit of `acc_m/s2` begins before the slash, that of `end A/V` behind it
+            let is_compound = text::known_unit(whole).is_some_and(|unit| unit.quantity().is_some());
+            return if begin.is_some() && is_compound {
+                split(shorter, whole)
+            } else {
+                split(head, unit)
+            };
         }
     }
     if let Some((head, unit)) = name.rsplit_once('_')
@@ -411,6 +424,9 @@ mod tests {
         assert_eq!(split("v/m/s"), "v|m/s");
         assert_eq!(split("a (m/s^2)"), "a|m/s^2");
         assert_eq!(split("time_ms"), "time|ms");
+        assert_eq!(split("acc_m/s2"), "acc|m/s2");
+        assert_eq!(split("free end m/s^2"), "free end|m/s^2");
+        assert_eq!(split("end A/V"), "end A|V");
         for plain in [
             "m/s",
             "real(accelerance)",
