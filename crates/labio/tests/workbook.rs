@@ -172,6 +172,34 @@ fn a_date_and_an_error_are_no_numbers() {
     }
 }
 
+/// openpyxl writes formulas without their values; the column must not be lost.
+#[test]
+fn a_formula_without_its_value_is_refused_at_its_place() {
+    let number = r#"<c r="C7"><v>2.5e-308</v></c>"#;
+    let formula = r#"<c r="C7"><f>B7*2</f><v/></c>"#;
+    let bytes = workbook(&[("shot", &table(&VALUES).replace(number, formula))]);
+    let error = format::read_bytes(&bytes).unwrap_err().to_string();
+    assert_eq!(
+        error,
+        "xlsx, line 7, column 3: worksheet `shot`: cell is a formula without its value, expected a workbook saved by a program that computes its formulas"
+    );
+}
+
+/// Dates in place of times leave no row of numbers; the message names the first of them.
+#[test]
+fn a_column_of_dates_is_refused_with_its_first_date() {
+    let rows: String = (1..5)
+        .map(|k| {
+            format!(r#"<row r="{k}"><c r="A{k}" t="inlineStr"><is><t>2026-11-21 12:0{k}</t></is></c><c r="B{k}"><v>1.5</v></c></row>"#)
+        })
+        .collect();
+    let error = format::read_bytes(&workbook(&[("shot", &rows)])).unwrap_err();
+    assert_eq!(
+        error.to_string(),
+        "xlsx, line 1, column 1: worksheet `shot`: cell is `2026-11-21 12:01`, expected a number"
+    );
+}
+
 #[test]
 fn what_holds_no_numbers_or_is_another_archive_is_refused() {
     let bytes = workbook(&[("notes", &row(1, &["no numbers"]))]);

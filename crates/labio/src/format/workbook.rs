@@ -2,8 +2,9 @@
 //! is a table as in a [text file](super::csv).
 //!
 //! The numbers are the stored values of the cells and, for formulas, the last values that Excel
-//! computed, not the shorter numbers that a cell displays. Names, units, other information above
-//! the numbers and the abscissa are found as in a text table. Charts and worksheets without numbers
+//! computed, not the shorter numbers that a cell displays; a formula without a value is rejected.
+//! Names, units, other information above the numbers and the abscissa are found as in a text
+//! table. Charts and worksheets without numbers
 //! are left out; the names of these worksheets become properties. If several worksheets have
 //! numbers, series are named `worksheet/column`.
 //!
@@ -23,7 +24,7 @@ use std::io::{Cursor, Read as _};
 use calamine::{DataRef, Reader as _, Xlsx as XlsxFile};
 use zip::ZipArchive;
 
-use crate::format::csv::{CsvAbscissa, CsvDialect, CsvOptions, read_with};
+use crate::format::csv::{CsvAbscissa, CsvDialect, CsvOptions, read_with, text_among_numbers};
 use crate::format::memory::Budget;
 use crate::format::{MemoryLimit, Reader, Strictness};
 use crate::{Contents, LabioError, Place};
@@ -89,8 +90,13 @@ pub(super) fn read_at(
     };
     let mut contents = Contents::of_format(format);
     let mut tables = Vec::new();
+    let mut first_text = None;
     for Worksheet { name, text } in worksheets {
         if CsvDialect::of(text.as_bytes()).is_err() {
+            if first_text.is_none() {
+                let error = text_among_numbers(text.as_bytes());
+                first_text = error.map(|error| in_worksheet(format, &name, error));
+            }
             contents
                 .properties
                 .push(("worksheet without a table of numbers".to_owned(), name));
@@ -126,7 +132,7 @@ pub(super) fn read_at(
             .extend(defects.map(|defect| in_worksheet(format, &name, defect)));
     }
     if contents.series.is_empty() && contents.defects.is_empty() {
-        return Err(LabioError::NoData { format });
+        return Err(first_text.unwrap_or(LabioError::NoData { format }));
     }
     Ok(contents)
 }
@@ -233,10 +239,23 @@ fn worksheets(bytes: &[u8]) -> Result<Vec<Worksheet>, LabioError> {
         };
         let mut filled = Filled::default();
         while let Some(cell) = cells
-            .next_cell()
+            .next_cell_with_formula_metadata()
             .map_err(|error| refused(&format!("worksheet `{name}`"), error))?
         {
-            filled.add(cell.get_position(), cell.get_value());
+            if cell.formula.is_some() && matches!(cell.value, DataRef::Empty) {
+                let (row, column) = cell.pos;
+                return Err(LabioError::Malformed {
+                    format: FORMAT,
+                    place: Place::Cell {
+                        line: u64::from(row) + 1,
+                        column: u64::from(column) + 1,
+                    },
+                    field: format!("worksheet `{name}`: cell"),
+                    found: "a formula without its value".to_owned(),
+                    expected: "a workbook saved by a program that computes its formulas".to_owned(),
+                });
+            }
+            filled.add(cell.pos, &cell.value);
         }
         worksheets.push(filled.named(name));
     }
