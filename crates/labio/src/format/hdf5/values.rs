@@ -85,6 +85,10 @@ pub(super) fn numbers(
         });
     }
     let size = match dataset.dtype() {
+        Datatype::FloatingPoint { size, .. } if ![4, 8].contains(size) => {
+            let found = format!("floating-point numbers of {size} bytes");
+            return Err(malformed(name, at, found, "of 4 or 8"));
+        }
         Datatype::FixedPoint { size, .. } | Datatype::FloatingPoint { size, .. } => *size,
         other => {
             let found = format!("the type {}", kind_of(other));
