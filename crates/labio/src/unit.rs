@@ -225,6 +225,14 @@ impl Unit {
         self.dimension
     }
 
+    /// Returns true if both units have the same dimension, size and zero, whatever their symbols.
+    #[must_use]
+    pub fn is_same_as(&self, other: &Self) -> bool {
+        self.dimension == other.dimension
+            && self.scale().to_bits() == other.scale().to_bits()
+            && self.offset.to_bits() == other.offset.to_bits()
+    }
+
     /// Quantity of a channel in this unit, if there is a quantity of this dimension; a pure number
     /// counts as strain.
     #[must_use]

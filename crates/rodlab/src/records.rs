@@ -21,7 +21,7 @@ pub use channel::{BridgeSheet, ChannelSheet, Selector, Sensitivity};
 pub(crate) use clipped::{clipped, is_lost};
 pub(crate) use expect::{channel_called, expect_motion};
 pub use expect::{expect_different_files, expect_quantity};
-pub(crate) use told::{is_rounded_step, state_rate, step_without_unit};
+pub(crate) use told::{is_rounded_step, state_rate, step_without_unit, text_of_unit};
 
 use std::path::Path;
 

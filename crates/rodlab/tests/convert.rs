@@ -338,3 +338,41 @@ fn a_damaged_file_is_converted_only_when_asked_to() {
     assert_eq!(conversion.not_read.len(), 1);
     assert_eq!(format::read(&target).unwrap().series[0].ordinate.len(), 4);
 }
+
+/// A frequency response of a universal file keeps the unit of its denominator in other formats, and
+/// hits with equal names, or with names that no member of an archive can have, become members.
+#[test]
+fn units_of_ratios_and_hits_with_equal_names_are_kept() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut contents = two_channels(vec![1.0, 2.0], vec![3.0, 4.0]);
+    contents.series.truncate(1);
+    let response = &mut contents.series[0];
+    response.kind = SeriesKind::FrequencyResponse;
+    response.ordinate = Ordinate::Complex(vec![Complex64::new(1.0, 2.0); 2]);
+    response.ordinate_axis.unit_text = "m/s2".to_owned();
+    response.properties = vec![("uff58.denominator_unit".to_owned(), "N".to_owned())];
+    let universal = folder.path().join("response.uff");
+    let writer = format::uff58::Uff58Writer::default();
+    format::write(&universal, &contents, &writer).unwrap();
+    let accelerance = Unit::parse("m/s2/N").unwrap();
+    for ending in ["csv", "mat", "npz"] {
+        let target = folder.path().join(format!("response.{ending}"));
+        let _ = convert(&universal, &target, ConvertOptions::default()).unwrap();
+        let back = format::read(&target).unwrap();
+        let unit = back.series[0].ordinate_axis.unit.as_ref().unwrap();
+        assert!(unit.is_same_as(&accelerance), "{ending}: {unit:?}");
+    }
+
+    let mut hits = two_channels(vec![1.0, 2.0], vec![3.0, 4.0]);
+    hits.series[1].name = "hammer".to_owned();
+    hits.series.push(history("run/a", "N", vec![5.0, 6.0]));
+    let universal = folder.path().join("hits.uff");
+    format::write(&universal, &hits, &writer).unwrap();
+    let target = folder.path().join("hits.npz");
+    let said = convert(&universal, &target, ConvertOptions::default()).unwrap();
+    let back = format::read(&target).unwrap();
+    let names: Vec<&str> = back.series.iter().map(|one| one.name.as_str()).collect();
+    assert_eq!(names, ["hammer", "hammer 2", "run_a"]);
+    let lost = said.lost.join("; ");
+    assert!(lost.contains("the name of `run/a`"), "{lost}");
+}

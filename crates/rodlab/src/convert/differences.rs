@@ -2,6 +2,8 @@
 
 use labio::{Abscissa, Contents, Ordinate, Series, SeriesAxis};
 
+use crate::records::text_of_unit;
+
 /// Properties of the file format, not of the contents.
 const OF_THE_FORM: [&str; 8] = [
     "uff58.encoding",
@@ -73,10 +75,13 @@ fn axis(what: &str, of: &str, one: &SeriesAxis, other: &SeriesAxis, lost: &mut V
     if one.label != other.label && !one.label.is_empty() {
         lost.push(format!("the label of {what} {of}, `{}`", one.label));
     }
-    if one.unit_text != other.unit_text && !one.unit_text.is_empty() {
-        lost.push(format!("the unit of {what} {of}, `{}`", one.unit_text));
-    } else if one.unit.is_some() && other.unit.is_none() {
-        lost.push(format!("the unit of {what} {of}"));
+    let text = text_of_unit(one);
+    let kept = match (&one.unit, &other.unit) {
+        (Some(unit), Some(written)) => unit.is_same_as(written),
+        (unit, written) => unit.is_some() == written.is_some() && text == other.unit_text,
+    };
+    if !(kept || text.is_empty()) {
+        lost.push(format!("the unit of {what} {of}, `{text}`"));
     }
 }
 

@@ -1,12 +1,28 @@
 //! Contents reduced to the parts that a format can hold.
 
+use std::collections::HashSet;
+
 use labio::{Abscissa, Contents, Series, SeriesAxis, SeriesKind};
+
+use crate::records::text_of_unit;
 
 /// Returns `contents` without the parts that `format` cannot hold; values are always kept. The
 /// comparison of the written file with its source lists the removed parts.
 pub(crate) fn fitted(contents: &Contents, format: &str) -> Contents {
     let mut fitted = Contents::of_format(contents.format);
     fitted.series.clone_from(&contents.series);
+    for series in &mut fitted.series {
+        // a universal file states the unit of a denominator in a field of its own
+        let has_denominator = series
+            .properties
+            .iter()
+            .any(|(key, _)| key.starts_with("uff58.denominator"));
+        if format != "uff58" || !has_denominator {
+            for axis in [&mut series.ordinate_axis, &mut series.abscissa_axis] {
+                axis.unit_text = text_of_unit(axis).to_owned();
+            }
+        }
+    }
     match format {
         "npy" => {
             let n = fitted.series.len();
@@ -42,6 +58,7 @@ pub(crate) fn fitted(contents: &Contents, format: &str) -> Contents {
         }
         "npz" => {
             fitted.properties.clone_from(&contents.properties);
+            name_members(&mut fitted.series);
             for series in &mut fitted.series {
                 // these keys describe the layout of the array in the source
                 series.properties.retain(|(key, _)| {
@@ -52,6 +69,22 @@ pub(crate) fn fitted(contents: &Contents, format: &str) -> Contents {
         _ => fitted.properties.clone_from(&contents.properties),
     }
     fitted
+}
+
+/// Gives each series a name that a member of an archive can have: without `/`, not empty, and
+/// different from all others.
+fn name_members(all: &mut [Series]) {
+    let mut taken: HashSet<String> = HashSet::new();
+    for (series, number) in all.iter_mut().zip(1_usize..) {
+        let mut name = series.name.trim().replace(['/', '\\'], "_");
+        if name.is_empty() {
+            name = format!("series {number}");
+        }
+        while !taken.insert(name.clone()) {
+            name = format!("{name} {number}");
+        }
+        series.name = name;
+    }
 }
 
 /// Reduces one of `n` series to its numbers.

@@ -30,6 +30,17 @@ pub(crate) fn step_without_unit(series: &Series) -> Option<f64> {
     }
 }
 
+/// Returns the text of the unit of an axis: the text of the file or, if this text is empty or names
+/// another unit, as for the numerator of a frequency response, the symbol of the unit.
+pub(crate) fn text_of_unit(axis: &SeriesAxis) -> &str {
+    let text = axis.unit_text.as_str();
+    match &axis.unit {
+        Some(unit) if Unit::parse(text).is_ok_and(|of_text| of_text.is_same_as(unit)) => text,
+        Some(unit) => unit.symbol(),
+        None => text,
+    }
+}
+
 /// Returns true for repeated times in a table, whose digits do not determine the step.
 pub(crate) fn is_rounded_step(error: &LabioError) -> bool {
     // the name of a worksheet comes before that of the field
