@@ -20,7 +20,7 @@ use labio::{Abscissa, ContentHash, Contents, Dimension, Ordinate, Provenance, Se
 use serde::Serialize;
 
 use crate::digits::{prefix_for, rate, significant};
-use crate::records::{is_rounded_step, step_without_unit};
+use crate::records::{is_rounded_step, step_without_unit, text_of_unit};
 use crate::sheet::{Language, snake_case};
 use crate::{RodlabError, cut_short, input};
 
@@ -61,7 +61,8 @@ pub struct InspectedSeries {
     pub name: String,
     /// Kind of data, such as `time response`.
     pub kind: String,
-    /// Unit as written in the file; empty if there is none.
+    /// Unit as written in the file, or as it follows from other statements of the file; empty if
+    /// there is none.
     pub unit: String,
     /// Physical quantity of the unit, if a channel can have this quantity.
     pub quantity: Option<String>,
@@ -170,6 +171,7 @@ pub fn inspect_bytes(bytes: &[u8], path: &str) -> Result<Inspection, RodlabError
     contents
         .series
         .retain(|series| time_like::step_of(series).is_none());
+    let of_times = suspicions::of_times(&contents.series);
     let rate_is_told = suspicions::complete(&mut contents)?;
     let mut found = contents.records(&Provenance::of_bytes(contents.format, bytes));
     if is_table {
@@ -190,6 +192,7 @@ pub fn inspect_bytes(bytes: &[u8], path: &str) -> Result<Inspection, RodlabError
         })
         .collect();
     let (mut wrong, as_hits) = suspicions::of_records(&found.records, rate_is_told)?;
+    wrong.extend(of_times);
     wrong.extend(cut_short::warning(bytes, contents.format, "the file"));
     for one in &series {
         if one.not_finite > 0 {
@@ -230,7 +233,7 @@ impl InspectedSeries {
             number,
             name: series.name.trim().to_owned(),
             kind: snake_case(&format!("{:?}", series.kind)).replace('_', " "),
-            unit: series.ordinate_axis.unit_text.clone(),
+            unit: text_of_unit(&series.ordinate_axis).to_owned(),
             quantity: series
                 .ordinate_axis
                 .unit
@@ -245,7 +248,9 @@ impl InspectedSeries {
                 ("", Some(unit)) => unit.symbol().to_owned(),
                 (text, _) => text.to_owned(),
             },
-            sampling_rate_hz: time.zip(step).map(|(unit, step)| 1.0 / unit.to_si(step)),
+            sampling_rate_hz: time
+                .zip(step.filter(|step| *step > 0.0))
+                .map(|(unit, step)| 1.0 / unit.to_si(step)),
             levels,
             not_finite,
             properties: series.properties.clone(),
@@ -350,8 +355,8 @@ fn advice(contents: &Contents, inspected: &[InspectedSeries]) -> Vec<String> {
     let mut rates: Vec<String> = inspected
         .iter()
         .filter_map(|series| {
-            let step = series.step.filter(|_| series.sampling_rate_hz.is_some())?;
-            let rate = rounded_from(step)?;
+            let (step, rate_hz) = series.step.zip(series.sampling_rate_hz)?;
+            let rate = rounded_from(step, rate_hz)?;
             Some(format!(
                 "the step of {step} {} may be a rounded {} Hz: a sheet can state `sampling_rate`",
                 series.abscissa_unit, rate
@@ -369,9 +374,10 @@ fn channels(numbers: &[String]) -> String {
     format!("channel{plural} {}", text::listed(numbers))
 }
 
-/// Returns the customary sampling rate whose step may have been rounded to `step`; `None` if there
-/// is no such rate or its step is exactly `step`.
-fn rounded_from(step: f64) -> Option<f64> {
+/// Returns the customary sampling rate \[Hz\] whose step may have been rounded to `step`, which is in
+/// the unit of the file and belongs to the rate `rate_hz`; `None` if there is no such rate or its
+/// step is exactly `step`.
+fn rounded_from(step: f64, rate_hz: f64) -> Option<f64> {
     let text = format!("{step:e}");
     let (digits, exponent) = text.split_once('e')?;
     let decimals = digits
@@ -383,6 +389,6 @@ fn rounded_from(step: f64) -> Option<f64> {
     }
     let exponent: i32 = exponent.parse().ok()?;
     let half_unit = 0.5 * 10.0_f64.powi(exponent - i32::try_from(decimals).ok()?);
-    let rate = customary_rate(step, half_unit)?.rate_hz;
-    ((step * rate - 1.0).abs() > 1e-12).then_some(rate)
+    let rate = customary_rate(1.0 / rate_hz, half_unit / (step * rate_hz))?.rate_hz;
+    ((rate / rate_hz - 1.0).abs() > 1e-12).then_some(rate)
 }

@@ -235,3 +235,35 @@ fn the_measured_files_are_all_described() {
     }
     assert!(described > 15, "{described}");
 }
+
+/// No job reads times that decrease or are uneven; the inspection says where.
+#[test]
+fn times_that_decrease_or_are_uneven_are_suspicious() {
+    let said = |times: [f64; 5]| {
+        let rows: String = times.iter().map(|t| format!("{t},1.5\n")).collect();
+        let text = format!("time [ms],force [N]\n{rows}");
+        let found = inspect_bytes(text.as_bytes(), "hit.csv").unwrap();
+        assert!(
+            found.series[0]
+                .sampling_rate_hz
+                .is_none_or(|rate| rate > 0.0)
+        );
+        let mut times = found.suspicions.into_iter();
+        times.find(|one| one.starts_with("the times"))
+    };
+    assert_eq!(said([0.0, 0.5, 1.0, 1.5, 2.0]), None);
+    assert_eq!(
+        said([2.0, 1.5, 1.0, 0.5, 0.0]).as_deref(),
+        Some("the times of `force` change by -0.5 ms, expected above 0")
+    );
+    assert_eq!(
+        said([0.0, 0.5, 1.0, 0.0, 0.5]).as_deref(),
+        Some("the times of `force` change by -1 ms after 1 ms, expected above 0")
+    );
+    assert_eq!(
+        said([0.0, 0.5, 1.0, 3.0, 3.5]).as_deref(),
+        Some(
+            "the times of `force` are uneven: steps of 0.5 to 2 ms, the longest after 1 ms; a job needs a `sampling_rate` that gives all times within half a step"
+        )
+    );
+}

@@ -1,9 +1,10 @@
 //! Suspicions about the records of a file, found by the checks that are made for hits.
 
 use labio::hits::{Criteria, Reason};
-use labio::{Contents, Quantity, Record, Unit};
+use labio::{Abscissa, Contents, Dimension, Quantity, Record, Series, Unit};
 
 use crate::RodlabError;
+use crate::digits::short;
 
 /// Gives data sets without a known unit, or without a unit of time, a default for the inspection.
 /// Returns true if the file records every sampling rate.
@@ -70,4 +71,56 @@ pub(super) fn of_records(
         }
     }
     Ok((wrong, as_hits))
+}
+
+/// Returns a suspicion for each time axis whose times decrease or are unevenly spaced, with the
+/// names of the data sets on it.
+pub(super) fn of_times(all: &[Series]) -> Vec<String> {
+    let mut found: Vec<(String, Vec<String>)> = Vec::new();
+    for series in all {
+        let Some(what) = fault_of_times(series) else {
+            continue;
+        };
+        let name = format!("`{}`", series.name.trim());
+        match found.iter_mut().find(|(known, _)| *known == what) {
+            Some((_, names)) => names.push(name),
+            None => found.push((what, vec![name])),
+        }
+    }
+    let in_words = |(what, names): (String, Vec<String>)| {
+        format!("the times of {} {what}", super::text::listed(&names))
+    };
+    found.into_iter().map(in_words).collect()
+}
+
+/// Describes the times of a series if they decrease or are unevenly spaced.
+fn fault_of_times(series: &Series) -> Option<String> {
+    let unit = series.abscissa_axis.unit.as_ref();
+    let unit = unit.filter(|unit| unit.dimension() == Dimension::TIME)?;
+    let symbol = unit.symbol();
+    let values = match &series.abscissa {
+        Abscissa::Even { step, .. } => {
+            return (*step <= 0.0).then(|| format!("change by {step} {symbol}, expected above 0"));
+        }
+        Abscissa::Uneven(values) => values,
+    };
+    let steps = values.windows(2).filter_map(|pair| match pair {
+        [before, after] => Some((*before, after - before)),
+        _ => None,
+    });
+    let (_, shortest) = steps.clone().min_by(|a, b| a.1.total_cmp(&b.1))?;
+    let (at, longest) = steps.clone().max_by(|a, b| a.1.total_cmp(&b.1))?;
+    if let Some((before, step)) = steps.clone().find(|(_, step)| *step <= 0.0) {
+        return Some(format!(
+            "change by {} {symbol} after {} {symbol}, expected above 0",
+            short(step),
+            short(before)
+        ));
+    }
+    Some(format!(
+        "are uneven: steps of {} to {} {symbol}, the longest after {} {symbol}; a job needs a `sampling_rate` that gives all times within half a step",
+        short(shortest),
+        short(longest),
+        short(at)
+    ))
 }
