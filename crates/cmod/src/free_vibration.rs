@@ -22,7 +22,7 @@
 
 mod poles;
 
-pub use poles::{ChangingDecay, Missing, Pole, Poles};
+pub use poles::{ChangingDecay, Departure, Missing, Pole, Poles};
 
 use std::f64::consts::{PI, TAU};
 

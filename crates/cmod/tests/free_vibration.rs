@@ -246,3 +246,29 @@ fn free_vibration_that_is_over_early_is_found_and_a_changing_decay_is_named() {
         "{changing:?}"
     );
 }
+
+/// A vibration stronger than mode 3, within the range in which that mode is sought, is taken for it.
+/// Its frequency does not follow from mode 2.
+#[test]
+fn free_vibration_names_a_mode_that_is_another_vibration() {
+    let bar = RingingRod::steel(1e-4);
+    let exact = bar.ringing(24_000);
+    let method = method(&bar, 5000.0);
+    let clean = method.poles(&[&exact[FREE..]], bar.rate).unwrap();
+    assert!(clean.departing.is_empty(), "{:?}", clean.departing);
+    let largest = exact
+        .iter()
+        .fold(0.0_f64, |largest, x| largest.max(x.abs()));
+    let spacing = clean.found[0].s.im;
+    let omega = clean.found[2].s.im + 0.15 * spacing;
+    let with_other: Vec<f64> = (0_u32..)
+        .zip(&exact)
+        .map(|(n, x)| x + largest * (omega * f64::from(n) / bar.rate).sin())
+        .collect();
+    let poles = method.poles(&[&with_other[FREE..]], bar.rate).unwrap();
+    let departing = poles.departing[0];
+    assert_eq!(departing.order, 3);
+    // lines are 2 Hz apart
+    assert!((departing.frequency_hz - omega / TAU).abs() < 2.0);
+    assert!((departing.expected_hz - clean.found[2].s.im / TAU).abs() < 0.01 * spacing / TAU);
+}

@@ -39,6 +39,10 @@ const BETTER: f64 = 0.5;
 const CHANGES_BEYOND: f64 = 5.0;
 /// Relative change of a decay rate that is required, in addition, to report it.
 const CHANGES: f64 = 0.03;
+/// Departure of a mode from the frequency to which the mode below leads, as a fraction of the
+/// spacing of the modes, above which it is reported. Lateral inertia shifts a mode by as much only
+/// if its wavelength is below about two diameters.
+const DEPARTS: f64 = 0.1;
 /// Fraction of the sampling rate up to which modes are sought.
 const HIGHEST: f64 = 0.45;
 
@@ -62,6 +66,18 @@ pub struct Missing {
     pub order: u32,
     /// Expected frequency \[Hz\].
     pub frequency_hz: f64,
+}
+
+/// Mode whose frequency does not follow from that of the mode below: one of the two is probably
+/// another vibration.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Departure {
+    /// Number of the mode, from 1.
+    pub order: u32,
+    /// Frequency \[Hz\].
+    pub frequency_hz: f64,
+    /// Frequency to which the mode below leads \[Hz\].
+    pub expected_hz: f64,
 }
 
 /// Mode whose decay rate changes while it decays, because the damping depends on the amplitude or
@@ -90,6 +106,8 @@ pub struct Poles {
     pub strongest_elsewhere: Option<f64>,
     /// Modes whose decay is not exponential, with their decay rates.
     pub changing: Vec<ChangingDecay>,
+    /// Modes whose frequencies do not follow from those of the modes below them.
+    pub departing: Vec<Departure>,
 }
 
 impl Poles {
@@ -149,6 +167,7 @@ impl Poles {
             missing: Vec::new(),
             strongest_elsewhere: None,
             changing: Vec::new(),
+            departing: Vec::new(),
         };
         let mut per_phase = hz_per_phase;
         let mut taken: Vec<(f64, f64)> = Vec::new();
@@ -185,6 +204,14 @@ impl Poles {
                     width_hz,
                 }) => {
                     let frequency_hz = s.im / TAU;
+                    let limit = DEPARTS * PI * per_phase;
+                    if !poles.found.is_empty() && (frequency_hz - expected).abs() > limit {
+                        poles.departing.push(Departure {
+                            order,
+                            frequency_hz,
+                            expected_hz: expected,
+                        });
+                    }
                     per_phase = frequency_hz / phase;
                     taken.push((frequency_hz, width_hz));
                     let length = shortest >> of_best;

@@ -99,6 +99,14 @@ pub(super) fn modes(
             significant(strongest, 5)
         ));
     }
+    if let Some(mode) = poles.departing.first() {
+        measured.doubts.push(format!(
+            "mode {}, at {} Hz, is not at {} Hz, to which the mode below leads: one of the two is another vibration, such as bending",
+            mode.order,
+            significant(mode.frequency_hz, 5),
+            significant(mode.expected_hz, 5)
+        ));
+    }
     if let Some(mode) = poles.changing.first() {
         measured.doubts.push(format!(
             "the decay of mode {} is not exponential: {} 1/s at first, {} 1/s after its amplitude has fallen to 1/e; the damping depends on the \
