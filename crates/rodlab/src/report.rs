@@ -154,7 +154,7 @@ pub fn html_of(
 /// and tables have them.
 fn worded(text: &str) -> Value {
     let mut html = String::with_capacity(text.len());
-    let is_paired = text.matches('`').count() % 2 == 0;
+    let is_paired = text.matches('`').count().is_multiple_of(2);
     for (index, part) in text.split('`').enumerate() {
         if index % 2 == 1 && is_paired {
             _ = write!(html, "<code>{}</code>", HtmlEscape(part));

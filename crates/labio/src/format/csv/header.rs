@@ -332,17 +332,20 @@ pub(super) fn find_names(text: &str, dialect: &mut CsvDialect) -> Result<(), Lab
     if !cells.iter().any(is_word) || n.first_line <= number {
         return Ok(());
     }
+    // an oscilloscope may call its channels 1, 2, ...
+    let counts = |names: &[Cow<'_, str>]| {
+        let mut numbered = names.iter().zip(0_usize..).skip(1);
+        names.first().is_some_and(is_word)
+            && numbered.all(|(name, number)| name.parse() == Ok(number))
+    };
     let filled = || cells.iter().filter(|cell| !cell.is_empty());
     let bracketed = filled().all(|cell| is_bracketed(cell));
     // one unit in four may be unknown
     let units = 4 * filled().filter(|cell| is_unit(cell)).count() >= 3 * filled().count();
     match above {
         Some((names, Some(cells_above)))
-            // an oscilloscope may call its channels 1 and 2
             if bracketed
-                || (units
-                    && cells_above.first().is_some_and(is_word)
-                    && cells_above.iter().all(|cell| !cell.is_empty())) =>
+                || (units && (cells_above.iter().all(is_word) || counts(&cells_above))) =>
         {
             dialect.name_line = Some(names);
             dialect.unit_line = Some(number);
