@@ -296,35 +296,11 @@ fn shift_laws(own: &ShiftLaws, by_scatter: Option<&ShiftLaws>) -> Table {
                 &|laws| laws.wlf.c1_standard_error,
                 &none,
             ),
-            numbers(
-                "lower end of C1",
-                "",
-                &|laws| laws.wlf.c1_interval.lower,
-                &none,
-            ),
-            numbers(
-                "upper end of C1",
-                "",
-                &|laws| laws.wlf.c1_interval.upper,
-                &none,
-            ),
             numbers("C2", "K", &|laws| laws.wlf.c2, &none),
             numbers(
                 "standard error of C2",
                 "K",
                 &|laws| laws.wlf.c2_standard_error,
-                &none,
-            ),
-            numbers(
-                "lower end of C2",
-                "K",
-                &|laws| laws.wlf.c2_interval.lower,
-                &none,
-            ),
-            numbers(
-                "upper end of C2",
-                "K",
-                &|laws| laws.wlf.c2_interval.upper,
                 &none,
             ),
             numbers("activation energy", "kJ/mol", &none, &|laws| {
@@ -348,6 +324,30 @@ fn shift_laws(own: &ShiftLaws, by_scatter: Option<&ShiftLaws>) -> Table {
             numbers("probability", "", &ShiftLaws::wlf_p_value, &|laws| {
                 laws.arrhenius_p_value
             }),
+            numbers(
+                "lower end of C1",
+                "",
+                &|laws| laws.wlf.c1_interval.lower,
+                &none,
+            ),
+            numbers(
+                "upper end of C1",
+                "",
+                &|laws| laws.wlf.c1_interval.upper,
+                &none,
+            ),
+            numbers(
+                "lower end of C2",
+                "K",
+                &|laws| laws.wlf.c2_interval.lower,
+                &none,
+            ),
+            numbers(
+                "upper end of C2",
+                "K",
+                &|laws| laws.wlf.c2_interval.upper,
+                &none,
+            ),
         ],
     }
 }
