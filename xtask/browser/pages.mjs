@@ -20,7 +20,9 @@ const sheets = [
   ['force', 'cone/force.ron'],
   ['fit', 'epoxy/fit.ron'],
   ['shpb', 'shpb/shpb.ron'],
+  ['bar', 'polymer_bar/bar.ron'],
   ['modulus', 'polymer_bar/modulus.ron'],
+  ['identify', 'nylon/identify.ron'],
 ];
 const looks = [
   [390, 'light', 'screen'],

@@ -118,13 +118,13 @@ impl std::fmt::Display for NarrowedBand {
         };
         write!(
             f,
-            "{}: if both histories are low-passed at {:.1} kHz, which is {KEPT} of the cut-off of the recorder, {} changes by {:.1} of its standard errors. This is {:.1} times \
-             the standard error of such a change (probability of a change as large by chance in any parameter: {:.1e})",
+            "{}: with both histories low-passed at {:.1} kHz, {KEPT} of the cut-off of the recorder, the {} changes by {:.1} of its standard errors, {:.1} times the scatter of such changes by noise \
+             (probability of a larger change: {:.2})",
             self.model,
             1e-3 * self.cutoff_hz,
-            worst.parameter,
+            worst.parameter.trim_start_matches("ln_").replace('_', " "),
             worst.difference / worst.full_error,
-            worst.z(),
+            worst.z().abs(),
             self.p_value()
         )
     }

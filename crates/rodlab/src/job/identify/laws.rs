@@ -245,10 +245,15 @@ impl FittedLaw {
             100.0 * self.relative_error,
             "root mean square, relative to the impact velocity",
         ));
-        let ended = format!(
-            "{}; starts: {}; minima of another period rejected: {}",
-            self.termination, self.starts, self.skips
-        );
+        let mut ended = self.termination.to_string();
+        for (count, what) in [
+            (self.starts, "starts tried"),
+            (self.skips, "rejected minima of another period"),
+        ] {
+            if count > 0 {
+                ended += &format!("; {what}: {count}");
+            }
+        }
         let errors = self.common_errors.iter().map(ToString::to_string);
         outcome.log.push(LogEntry {
             what: format!("fit of the law {}", self.law.name()),

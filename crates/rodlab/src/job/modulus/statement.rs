@@ -383,15 +383,10 @@ fn warn(outcome: &mut Outcome, found: &Found<'_>, valid: &[&ModulusLine]) {
              State \"0 g\" if there is none."
         ));
     }
-    if let Some(gauges) = found.sheet.method.gauges()
-        && gauges
-            .iter()
-            .any(|gauge| gauge.at.with_uncertainty().standard_uncertainty.is_none())
-    {
-        outcome.warnings.push(
-            "The position of a gauge is stated without an uncertainty: the errors do not include its uncertainty."
-                .to_owned(),
-        );
+    if let Some(length) = found.sheet.method.length_without_uncertainty(specimen) {
+        outcome.warnings.push(format!(
+            "{length} is stated without an uncertainty: the errors do not include it. A length or distance that is wrong by 1 % makes E' wrong by 2 %."
+        ));
     }
     if let Some(corrected) = found.corrected {
         let relative = |line: &ModulusLine| {

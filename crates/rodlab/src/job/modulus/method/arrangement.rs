@@ -2,7 +2,8 @@
 
 use super::{GaugeSheet, MethodSheet, SectionSheet, WindowSheet};
 use crate::RodlabError;
-use crate::sheet::{Coordinate, Exact, Length, Stated, Time, Velocity};
+use crate::job::modulus::SpecimenSheet;
+use crate::sheet::{Coordinate, Exact, Length, Stated, Time, ValueWithUncertainty, Velocity};
 
 /// Sensors of a method. Methods of one arrangement have the same names for these fields.
 pub(in crate::job::modulus) enum Arrangement<'a> {
@@ -107,6 +108,43 @@ impl MethodSheet {
             Arrangement::Gauges { free_end_at, .. } => (false, free_end_at.is_some()),
         };
         UsedOfSpecimen { length, end_mass }
+    }
+
+    /// Returns the name of a length or distance that the modulus depends on and that is stated
+    /// without an uncertainty.
+    pub(in crate::job::modulus) fn length_without_uncertainty(
+        &self,
+        specimen: &SpecimenSheet,
+    ) -> Option<&'static str> {
+        let is_bare = |stated: ValueWithUncertainty| {
+            stated.value > 0.0 && stated.standard_uncertainty.is_none()
+        };
+        let (is_missing, name) = match self.arrangement() {
+            Arrangement::Ends { .. } | Arrangement::FreeRod(_) => (
+                specimen
+                    .length
+                    .as_ref()
+                    .is_some_and(|length| is_bare(length.with_uncertainty())),
+                "The length of the specimen",
+            ),
+            Arrangement::Sections { .. } | Arrangement::OneGauge { .. } => (
+                self.sections()
+                    .iter()
+                    .any(|(section, _)| is_bare(section.from_free_end.with_uncertainty())),
+                "The distance of a section from the free end",
+            ),
+            Arrangement::Pulses { distance, .. } => (
+                is_bare(distance.with_uncertainty()),
+                "The distance of the sections",
+            ),
+            Arrangement::Gauges { gauges, .. } => (
+                gauges
+                    .iter()
+                    .any(|gauge| gauge.at.with_uncertainty().standard_uncertainty.is_none()),
+                "The position of a gauge",
+            ),
+        };
+        is_missing.then_some(name)
     }
 
     /// Returns the sections of a rod with a free end, with their fields in the sheet.
