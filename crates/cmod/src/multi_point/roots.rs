@@ -1,5 +1,5 @@
-//! Roots of the lines of gauges: each root with its errors, another root near it, and the choice
-//! between the two.
+//! Roots of the equation of each line, that is, its propagation coefficients γ: each root with its
+//! errors, another root near it, and the choice between the two.
 
 use std::f64::consts::FRAC_PI_4;
 
@@ -34,7 +34,7 @@ pub(super) struct SolvedRoot {
     other: Option<Termination>,
 }
 
-/// Search for the roots of lines in the order of their frequency.
+/// Search for the propagation coefficient γ of every line, in the order of frequency.
 pub(super) struct RootSearch {
     pub(super) projection: Projection,
     /// Line that is being solved.

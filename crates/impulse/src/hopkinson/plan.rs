@@ -345,9 +345,10 @@ fn amplification(bars: [&HopkinsonBar; 2], frequency_hz: f64) -> Result<f64, Imp
 
 /// Returns the end of the band \[Hz\], and the largest amplification in it.
 ///
-/// The default is the smallest of: a third of the sampling rate; the frequency up to which the laws
-/// of the bars were measured; the frequency of a wavelength of two diameters; the frequency beyond
-/// which a wave propagated back to its face grows more than tenfold.
+/// By default the upper end of the filter, 1.25 times the end of the band, is at most a third of the
+/// sampling rate, the frequency of a wavelength of two diameters, and the frequency beyond which a
+/// wave propagated back to its face grows more than tenfold; the band ends before the frequency up
+/// to which the laws of the bars were measured. It is found in steps of 5 %.
 fn band(given: &Given<'_>) -> Result<(f64, f64), ImpulseError> {
     let highest = given.rate_hz / 3.0;
     let amplification = |frequency_hz: f64| amplification(given.bars, frequency_hz);

@@ -24,8 +24,9 @@ pub(super) struct BarLines {
 }
 
 impl BarLines {
-    /// Computes the lines of `bar`. In `torsion` they are for torques, angular velocities and the
-    /// strain at the surface.
+    /// Computes propagation, stiffness and velocity of `bar` on each line of `plan`. In `torsion`,
+    /// force is the torque, velocity the angular velocity, and strain the shear strain at the
+    /// surface.
     pub(super) fn of(bar: &HopkinsonBar, plan: &Plan, torsion: bool) -> Result<Self, ImpulseError> {
         let radius = 0.5 * bar.diameter.value;
         let area = std::f64::consts::PI * radius * radius;

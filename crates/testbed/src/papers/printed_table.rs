@@ -236,7 +236,8 @@ impl PrintedTable {
     }
 }
 
-/// Reads `found`, in the unit of its column or in its own unit, and converts it.
+/// Converts the printed cell `found` to SI. Its unit is `column_unit`; without one, it follows the
+/// digits in the cell.
 pub fn read_value(
     path: &Path,
     row: &str,
