@@ -343,6 +343,15 @@ impl SensorChain {
             });
         }
         if let (None, Transducer::Sensitivity(sensitivity)) = (felt, &self.transducer)
+            && sensitivity.unit().symbol().ends_with('V')
+        {
+            return Err(LabioError::UnitMismatch {
+                what: "the sensitivity".to_owned(),
+                found: sensitivity.unit().to_string(),
+                expected: "its reciprocal, the signal divided by the measured quantity, such as \"2.25 mV/N\"".to_owned(),
+            });
+        }
+        if let (None, Transducer::Sensitivity(sensitivity)) = (felt, &self.transducer)
             && at_transducer == Some(Quantity::Voltage.dimension())
             && Quantity::Charge
                 .dimension()
@@ -600,6 +609,7 @@ mod tests {
             of("pC/ms-2"),
             of("mV/m/s2"),
             of("pC/g"),
+            of("N/V"),
         ]
         .map(|result| result.unwrap_err().to_string())
         .join("\n");
@@ -611,6 +621,7 @@ mod tests {
         a channel recorded in V is in V divided by 1 and pC/ms-2, expected the unit of a channel quantity: `ms-2` reads as milliseconds to the power -2; for an acceleration write pC/(m/s2)
         a channel recorded in V is in V divided by 1 and mV/m/s2, expected the unit of a channel quantity: `m/s2` reads as a division by both m and s2; for an acceleration write mV/(m/s2)
         the record is in V, expected C for a sensitivity in pC/g: with a charge amplifier, state its gain, such as "10 mV/pC"
+        the sensitivity is in N/V, expected its reciprocal, the signal divided by the measured quantity, such as "2.25 mV/N"
         "#);
         assert!(SensorChain::of_sensitivity(rating(-10.0, "mV/g")).is_err());
         assert!(accelerometer.with_gain(rating(0.0, "1")).is_err());
