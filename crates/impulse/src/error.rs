@@ -264,7 +264,7 @@ pub enum ImpulseError {
     },
     /// The transmitted bar responds before the incident bar.
     #[error(
-        "the transmitted bar responds at {transmitted} s, before the incident bar at {incident} s, expected the reverse: are the two exchanged?"
+        "the transmitted bar responds at {transmitted} s, before the incident bar at {incident} s, expected the reverse: the two channels may be exchanged"
     )]
     TransmittedFirst {
         /// First sample of the pulse on the incident bar \[s\].

@@ -307,7 +307,7 @@ fn hopkinson_mistakes_are_named() {
             [second.clone(), first.clone()],
             text.clone(),
             1,
-            "are the two exchanged",
+            "the two channels may be exchanged",
         ),
         (
             "tension",

@@ -304,14 +304,19 @@ impl fmt::Display for Finding {
                 largest,
             } => write!(
                 f,
-                "the face of the {side} pulls on the specimen, which it only touches, with up to {pull:.3e} N ± {standard_error:.1e} N (largest push {largest:.3e} N): check wave speed and position of the gauge"
+                "the face of the {side} pulls on the specimen, which it only touches, with up to {pull:.3e} N ± {standard_error:.1e} N (largest push {largest:.3e} N): check wave speed, position and sign of the gauge"
             ),
             Self::ForcesDiffer {
                 ratio,
                 standard_error,
             } => write!(
                 f,
-                "the force of the incident bar is {ratio:.3} ± {standard_error:.3} times that of the transmitted bar throughout: check gauge factors, diameters and moduli of the bars"
+                "the force of the incident bar is {ratio:.3} ± {standard_error:.3} times that of the transmitted bar throughout: check {}gauge factors, diameters and moduli of the bars",
+                if *ratio < 0.0 {
+                    "the signs of the channels, "
+                } else {
+                    ""
+                }
             ),
             Self::NoEquilibrium {
                 index,
