@@ -98,7 +98,7 @@ pub enum Violation {
         limit: f64,
     },
     /// Condition (ii), λ < 5L: the specimen is too short for this wave.
-    #[error("wavelength {} m, expected less than 5 specimen lengths, {} m", significant(*.wavelength, 3), significant(*.limit, 3))]
+    #[error("wavelength {} m, expected less than {} m, five times the length over which waves are counted", significant(*.wavelength, 3), significant(*.limit, 3))]
     WavelengthTooLong {
         /// Wavelength λ = 2π/k \[m\].
         wavelength: f64,
@@ -153,8 +153,8 @@ pub enum Violation {
     /// second order of the error is not small compared with the first, and the stated standard
     /// error is unreliable.
     #[error(
-        "second-order error is {second_order:.2} of the standard error, expected at most {limit}; \
-         {half_waves:.2} half waves between neighbouring sensors"
+        "second-order error is {second_order:.2} of the standard error, expected at most {limit}, \
+         at {half_waves:.2} half waves between neighbouring sensors"
     )]
     NearSingular {
         /// Ratio of the second-order to the first-order part of the error, at one standard error.
@@ -366,7 +366,7 @@ mod tests {
         let verdict = Validity::from_violations(with(-0.25, 4.5));
         assert_eq!(
             verdict.to_string(),
-            "wavelength 4.50 m, expected less than 5 specimen lengths, 4.00 m; \
+            "wavelength 4.50 m, expected less than 4.00 m, five times the length over which waves are counted; \
              damping coefficient -0.250 1/m, expected more than 0"
         );
         assert!(!verdict.is_valid() && verdict.violations().len() == 2);
@@ -416,8 +416,8 @@ mod tests {
         ];
         assert_eq!(
             Validity::from_violations(violations).to_string(),
-            "second-order error is 0.25 of the standard error, expected at most 0.1; \
-             0.99 half waves between neighbouring sensors; \
+            "second-order error is 0.25 of the standard error, expected at most 0.1, \
+             at 0.99 half waves between neighbouring sensors; \
              noise is 0.30 of the signal of the middle gauge, expected at most 0.1; \
              E' may be off by 2.3 %, expected at most 1.0 %; \
              uncorrected lateral inertia may change E' by 1.9 %, expected at most 1.0 %; \

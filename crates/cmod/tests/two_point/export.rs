@@ -64,7 +64,7 @@ fn columns_hold_what_the_lines_do() {
     let unique: std::collections::BTreeSet<&str> = names.iter().copied().collect();
     assert_eq!(unique.len(), names.len());
     assert!(columns.values("no such column").is_none());
-    assert!(columns.verdicts[0].contains("specimen lengths"));
+    assert!(columns.verdicts[0].contains("length over which waves are counted"));
 }
 
 #[test]

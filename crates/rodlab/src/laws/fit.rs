@@ -184,7 +184,7 @@ fn parameters(outcome: &mut Outcome, fit: &RheologicalFit) {
                 scaled(lower, 4),
                 scaled(upper, 4)
             );
-            format!("; {}", range.trim_end())
+            format!("; interval {}", range.trim_end())
         } else {
             String::new()
         };

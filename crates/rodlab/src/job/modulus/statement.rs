@@ -54,11 +54,17 @@ pub(super) fn state(outcome: &mut Outcome, found: &Found<'_>, reasons: &Reasons)
             .summary
             .insert(0, answer(line, first, last, &valid, all.len()));
     }
+    let is_correlated = found
+        .measured
+        .spectra
+        .as_ref()
+        .is_some_and(|spectra| spectra.lines_per_independent_line() > 1.0);
     outcome.summary.insert(
         1,
         format!(
-            "Found by {}. Errors are one standard error. Random errors are due to noise and independent from line to line. Common errors are shared by all lines{}.",
+            "Found by {}. Errors are one standard error. Random errors are due to noise and {} from line to line. Common errors are shared by all lines{}.",
             found.sheet.method.words(),
+            if is_correlated { "correlated" } else { "independent" },
             best.map_or_else(String::new, by_sources),
         ),
     );
@@ -68,7 +74,7 @@ pub(super) fn state(outcome: &mut Outcome, found: &Found<'_>, reasons: &Reasons)
             others => format!("The other {others} lines are"),
         };
         outcome.summary.push(format!(
-            "{others} not valid; a line can have several reasons: {}.",
+            "{others} not valid; a line can have several reasons, in which an error due to noise is at least five standard errors: {}.",
             reasons.commonest(3)
         ));
         outcome.summary.extend(reasons.advice_in_words());
@@ -434,13 +440,15 @@ fn warn(outcome: &mut Outcome, found: &Found<'_>, valid: &[&ModulusLine]) {
     };
     let larger = valid.iter().filter(|line| is_larger(line)).count();
     if larger > valid.len() / 2 {
-        let lines = if larger == valid.len() {
-            format!("all {larger}")
+        let lines = if valid.len() == 1 {
+            "the only valid line".to_owned()
+        } else if larger == valid.len() {
+            format!("all {larger} valid lines")
         } else {
-            format!("{larger} of {}", valid.len())
+            format!("{larger} of {} valid lines", valid.len())
         };
         outcome.warnings.push(format!(
-            "On {lines} valid lines the common error of E' is larger than the random one: it shifts all lines alike, and more \
+            "On {lines} the common error of E' is larger than the random one: it shifts all lines alike, and more \
              hits do not reduce it."
         ));
     }

@@ -192,7 +192,7 @@ pub(super) fn of_hits(
             format!("time constant {:.4} ms", 1e3 / window.decay_rate()),
         ));
         measured.in_words.push(
-            "The hits end while the rod still rings: one exponential window damped all gauges, and the modulus was corrected for it."
+            "The records end before the rod is at rest: all gauges were multiplied by the same exponential window, and the modulus was corrected for its damping."
                 .to_owned(),
         );
     }
