@@ -55,8 +55,7 @@ pub struct Records {
 }
 
 /// Advice for sensors whose signals are in separate files.
-const IN_ONE_FILE: &str =
-    "the channels of a hit are read from one file: join files that have one channel each";
+const IN_ONE_FILE: &str = "the channels of a hit are read from one file: join files that have one channel each (for `rodlab shpb`, state an entry of `records` for each file)";
 
 /// Strain above which the unit of a channel must be wrong; even rubber stretches to only about ten
 /// times its length.

@@ -107,7 +107,8 @@ pub struct FrfCommand {
     #[arg(required = true, value_name = "SHEET|RECORDINGS")]
     files: Vec<PathBuf>,
     /// Channel of the force in the recordings, such as 1:N or "1:V:2.25 mV/N"; without a unit, that
-    /// of the file. In a table, channel 1 is the first column after the times.
+    /// of the file. A sensitivity needs the unit before it. In a table, channel 1 is the first
+    /// column after the times.
     #[arg(long, value_name = "CHANNEL[:UNIT[:SENSITIVITY]]", requires = "output")]
     input: Option<ChannelArgument>,
     /// Channel of a motion, such as 2:m/s2; repeat the option for further motions.

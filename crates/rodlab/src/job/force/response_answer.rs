@@ -172,7 +172,7 @@ pub(super) fn tell(
         format!(" between {} and {}", band.from, band.to)
     });
     outcome.summary.push(format!(
-        "The peak force{in_band} is {}{unknown} at {:.4} ms of the record, with {impulse}.",
+        "The peak force{in_band} is {}{unknown} at {:.4} ms from the start of the record, with {impulse}.",
         with_unit(peak.force, error, "N"),
         1e3 * peak.time,
     ));
