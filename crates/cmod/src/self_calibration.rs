@@ -55,7 +55,7 @@ mod posterior;
 mod smooth;
 pub(crate) mod vectors;
 
-pub use continuation::lines_per_independent_line;
+pub use continuation::{lines_per_independent_line, stride_of_independent_lines};
 pub(crate) use line::{LinearisedLine, Misfit, shift_of, sources_of};
 
 use num_complex::Complex64;

@@ -8,6 +8,7 @@ use rodwave::kramers_kronig::KramersKronig;
 use super::{Check, CheckOutcome, CheckVerdict, check_level, chi_square_tail};
 use crate::error::CmodError;
 use crate::estimate::{ErrorSource, ModulusEstimate, ModulusLine};
+use crate::self_calibration::stride_of_independent_lines;
 
 /// Maximum number of fits of the nearest material, each with weights from the previous fit.
 const MOST_ROUNDS: u32 = 4;
@@ -57,26 +58,28 @@ const MOST_ROUNDS: u32 = 4;
 /// [`CmodError::NonPhysical`] for the level, [`CmodError::NoLines`] if fewer than three lines can
 /// be used, [`CmodError::NoNoise`] if a standard error is 0.
 pub fn kramers_kronig(estimate: &ModulusEstimate, level: f64) -> Result<CheckOutcome, CmodError> {
-    kramers_kronig_on(estimate, usize::MAX, level)
+    kramers_kronig_on(estimate, usize::MAX, 1.0, level)
 }
 
-/// Performs the check of [`kramers_kronig`] on at most `most_lines` evenly spaced lines. The
-/// computing time grows with the number of lines, and an error of a modulus seldom affects only one
-/// line of thousands. The detectable error decreases with the square root of the number of lines.
+/// Performs the check of [`kramers_kronig`] on at most `most_lines` evenly spaced lines, of which
+/// any two are at least `lines_per_independent_line` lines apart. The computing time grows with the
+/// number of lines, and an error of a modulus seldom affects only one line of thousands. The
+/// detectable error decreases with the square root of the number of lines.
 ///
 /// # Errors
 /// The errors of [`kramers_kronig`].
 pub fn kramers_kronig_on(
     estimate: &ModulusEstimate,
     most_lines: usize,
+    lines_per_independent_line: f64,
     level: f64,
 ) -> Result<CheckOutcome, CmodError> {
     let level = check_level(level)?;
-    let stride = estimate
-        .telling()
-        .count()
-        .div_ceil(most_lines.max(1))
-        .max(1);
+    let stride = stride_of_independent_lines(
+        estimate.telling().count(),
+        most_lines,
+        lines_per_independent_line,
+    );
     let lines: Vec<Tested<'_>> = estimate
         .telling()
         .step_by(stride)

@@ -37,6 +37,24 @@ pub fn lines_per_independent_line(frequency_hz: &[f64], added_damping: f64) -> f
     }
 }
 
+/// Returns the step at which at most `most` of `count` lines are taken, and lines with correlated
+/// noise are passed over; `lines_per_independent_line` is that of
+/// [`lines_per_independent_line`].
+#[must_use]
+#[expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "a number of lines of at least 1, and the cast saturates"
+)]
+pub fn stride_of_independent_lines(
+    count: usize,
+    most: usize,
+    lines_per_independent_line: f64,
+) -> usize {
+    let independent = lines_per_independent_line.max(1.0).ceil() as usize;
+    count.div_ceil(most.max(1)).max(independent)
+}
+
 /// Returns the modulus on the axis, E(iω) = E(s) + [E_smooth(iω) - E_smooth(s)], from an `estimate`
 /// on the lines s. If there are too few lines for a smooth modulus, all lines are refused.
 pub(crate) fn on_axis(

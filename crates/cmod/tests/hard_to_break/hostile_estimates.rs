@@ -405,7 +405,7 @@ fn checks_and_corrections() {
         passivity(&estimate, a[0]).map(said)
     });
     findings.sweep("kramers_kronig_on", &[0.01], |a| {
-        kramers_kronig_on(&estimate, 20, a[0]).map(said)
+        kramers_kronig_on(&estimate, 20, 1.0, a[0]).map(said)
     });
     findings.sweep("LateralInertia", &[0.02, 1150.0, 0.35, 0.01], |a| {
         let corrected = LateralInertia::new(a[0], a[1], a[2])?

@@ -106,7 +106,12 @@ pub(super) fn check(outcome: &mut Outcome, found: &Found<'_>) -> Result<(), Rodl
         );
     }
     if checks.has(CheckSheet::KramersKronig) {
-        let made = kramers_kronig_on(found.estimate, most_lines(found, MOST_LINES), level);
+        let made = kramers_kronig_on(
+            found.estimate,
+            MOST_LINES,
+            lines_per_independent_line(found),
+            level,
+        );
         say(outcome, found, Check::KramersKronig, made);
         if (1..FEWEST_CHECKED).contains(&found.estimate.valid().count()) {
             outcome.warnings.push(UNCHECKED_LOSS.to_owned());
@@ -121,19 +126,11 @@ pub(super) fn check(outcome: &mut Outcome, found: &Found<'_>) -> Result<(), Rodl
     Ok(())
 }
 
-/// Returns the number of lines for a check or the fit of a law: at most `most`, and no more than
-/// the number of independent lines, which is smaller than the number of lines for padded pulses and
-/// damped records.
-#[expect(
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "a number of lines by another above 0, and the cast saturates"
-)]
-pub(super) fn most_lines(found: &Found<'_>, most: usize) -> usize {
-    let alike = found.measured.spectra.as_ref();
-    let alike = alike.map_or(1.0, Spectra::lines_per_independent_line);
-    let independent = found.estimate.lines().len() as f64 / alike;
-    most.min(independent as usize).max(1)
+/// Returns the number of lines per line with independent noise, above 1 for padded pulses and damped
+/// records.
+pub(super) fn lines_per_independent_line(found: &Found<'_>) -> f64 {
+    let spectra = found.measured.spectra.as_ref();
+    spectra.map_or(1.0, Spectra::lines_per_independent_line)
 }
 
 /// Checks the gauges against the free end, if the sheet states one.

@@ -2,9 +2,11 @@
 
 use cmod::ModulusLine;
 use cmod::rheology::{ErrorScale, ModulusData};
+use cmod::self_calibration::stride_of_independent_lines;
 use rodfigure::Axis;
 
 use super::Found;
+use super::checks::lines_per_independent_line;
 use crate::job::JobContext;
 use crate::laws::{self, Drawn, LawsSheet, Lines, MOST_LINES};
 use crate::outcome::LogEntry;
@@ -16,10 +18,7 @@ pub(super) fn fit(
     asked: &LawsSheet,
     context: &JobContext<'_>,
 ) -> Result<(), RodlabError> {
-    let points = points(
-        found,
-        super::checks::most_lines(found, asked.most_lines.unwrap_or(MOST_LINES)),
-    );
+    let points = points(found, asked.most_lines.unwrap_or(MOST_LINES));
     let data = match ModulusData::from_lines(points.iter().copied()) {
         Ok(data) => data,
         Err(error) => {
@@ -52,9 +51,9 @@ pub(super) fn fit(
     laws::fit(outcome, &lines, asked, context).map(|_| ())
 }
 
-/// Returns up to `most` evenly distributed valid lines.
+/// Returns up to `most` evenly distributed valid lines with independent noise.
 fn points<'a>(found: &Found<'a>, most: usize) -> Vec<&'a ModulusLine> {
     let count = found.estimate.valid().count();
-    let stride = count.div_ceil(most).max(1);
+    let stride = stride_of_independent_lines(count, most, lines_per_independent_line(found));
     found.estimate.valid().step_by(stride).collect()
 }

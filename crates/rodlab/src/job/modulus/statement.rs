@@ -3,6 +3,7 @@
 use cmod::ModulusLine;
 use cmod::estimate::ErrorSource;
 
+use super::checks::lines_per_independent_line;
 use super::reasons::{Reasons, known, lines, n_suitable};
 use super::{Found, MethodSheet};
 use crate::Outcome;
@@ -54,17 +55,16 @@ pub(super) fn state(outcome: &mut Outcome, found: &Found<'_>, reasons: &Reasons)
             .summary
             .insert(0, answer(line, first, last, &valid, all.len()));
     }
-    let is_correlated = found
-        .measured
-        .spectra
-        .as_ref()
-        .is_some_and(|spectra| spectra.lines_per_independent_line() > 1.0);
+    let noise = if lines_per_independent_line(found) > 1.0 {
+        "correlated between neighbouring lines"
+    } else {
+        "independent from line to line"
+    };
     outcome.summary.insert(
         1,
         format!(
-            "Found by {}. Errors are one standard error. Random errors are due to noise and {} from line to line. Common errors are shared by all lines{}.",
+            "Found by {}. Errors are one standard error. Random errors are due to noise and {noise}. Common errors are shared by all lines{}.",
             found.sheet.method.words(),
-            if is_correlated { "correlated" } else { "independent" },
             best.map_or_else(String::new, by_sources),
         ),
     );
@@ -74,7 +74,7 @@ pub(super) fn state(outcome: &mut Outcome, found: &Found<'_>, reasons: &Reasons)
             others => format!("The other {others} lines are"),
         };
         outcome.summary.push(format!(
-            "{others} not valid; a line can have several reasons, in which an error due to noise is at least five standard errors: {}.",
+            "{others} not valid; a line can have several reasons: {}.",
             reasons.commonest(3)
         ));
         outcome.summary.extend(reasons.advice_in_words());
