@@ -19,7 +19,7 @@ use rand_chacha::ChaCha8Rng;
 
 use super::JobContext;
 use crate::bodies::material_sheet;
-use crate::records::{Records, clipped, expect_quantity};
+use crate::records::{Records, clipped, expect_quantity, expect_same_times};
 use crate::{Outcome, RodlabError};
 
 /// Seed of the draws of the noise, so that the same sheet gives the same digits.
@@ -148,28 +148,8 @@ fn of_sheet(
         RodlabError::request(field, "empty", "the records of the gauges of both bars")
     })?;
     for (at, other) in loaded.iter().enumerate().skip(1) {
-        let alike = |a: f64, b: f64| (a - b).abs() <= 1e-9 * a.abs().max(b.abs());
-        let start = (other.start_time() - first.start_time()).abs() * first.sampling_rate_hz();
-        if !alike(other.sampling_rate_hz(), first.sampling_rate_hz())
-            || other.n_samples() != first.n_samples()
-            || start > 0.01
-        {
-            return Err(RodlabError::request(
-                format!("{field}[{at}]"),
-                format!(
-                    "{} samples at {} Hz from {} s",
-                    other.n_samples(),
-                    other.sampling_rate_hz(),
-                    other.start_time()
-                ),
-                format!(
-                    "those of {field}[0]: {} samples at {} Hz from {} s",
-                    first.n_samples(),
-                    first.sampling_rate_hz(),
-                    first.start_time()
-                ),
-            ));
-        }
+        let (place, of_first) = (format!("{field}[{at}]"), format!("{field}[0]"));
+        expect_same_times((other, &place), (first, &of_first))?;
     }
     let mut test = bars::test(sheet)?;
     let mut gauges = [Vec::new(), Vec::new()];

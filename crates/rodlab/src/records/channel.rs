@@ -14,6 +14,10 @@ use crate::sheet::{self, Coordinate, NotFollowed, Stated, Time};
 pub struct ChannelSheet {
     /// Name of the channel, by which the rest of the sheet refers to it.
     pub name: String,
+    /// Names or patterns of the files that contain this channel, if the channels of a hit are in
+    /// separate files; every channel then states its files.
+    #[serde(default)]
+    pub files: Vec<String>,
     /// Channel of the file.
     pub from: Selector,
     /// Unit of the samples, such as `"V"`, if the file does not record it.

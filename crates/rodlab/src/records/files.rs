@@ -11,6 +11,8 @@ use crate::sheet::nearest;
 pub(super) struct FoundFile<'a> {
     pub(super) path: PathBuf,
     pub(super) pattern: &'a str,
+    /// Index of the pattern in its list.
+    pub(super) entry: usize,
 }
 
 /// Returns the files of all patterns, each once; `field` is the place of the patterns in the sheet.
@@ -28,7 +30,7 @@ pub(super) fn paths<'a>(
     }
     let mut seen = BTreeSet::new();
     let mut paths = Vec::new();
-    for pattern in patterns {
+    for (entry, pattern) in patterns.iter().enumerate() {
         let plain = folder.join(pattern);
         let found = if plain.exists() {
             vec![plain]
@@ -71,7 +73,11 @@ pub(super) fn paths<'a>(
             });
         }
         let new = found.into_iter().filter(|path| seen.insert(path.clone()));
-        paths.extend(new.map(|path| FoundFile { path, pattern }));
+        paths.extend(new.map(|path| FoundFile {
+            path,
+            pattern,
+            entry,
+        }));
     }
     Ok(paths)
 }

@@ -5,7 +5,8 @@ use labio::format::uff58::response;
 use labio::format::{self, Reader};
 use labio::{Abscissa, Contents, Dimension, LabioError, Series, SeriesAxis, Unit};
 
-use super::{Records, Selector};
+use super::paired::PartFile;
+use super::{ChannelSheet, Records, Selector};
 use crate::RodlabError;
 use crate::digits;
 
@@ -125,13 +126,17 @@ impl Records {
         RodlabError::step(format!("reading {file}"), error)
     }
 
-    /// Adds to `contents` the sampling rate and the units that the sheet states and `file` does not
-    /// record. Returns the series of every channel of the sheet, which are several if a file
+    /// Adds to `contents` the sampling rate and the units that the sheet states and the file does
+    /// not record. Returns the series of every channel of the file, which are several if the file
     /// contains several hits.
     pub(super) fn complete(
         &self,
         contents: &mut Contents,
-        file: &str,
+        PartFile {
+            shown: file,
+            channels,
+            ..
+        }: &PartFile<'_>,
         field: &str,
         statements: &mut Vec<FileStatement>,
     ) -> Result<Vec<Vec<usize>>, RodlabError> {
@@ -141,8 +146,8 @@ impl Records {
             );
             FileStatement::note(statements, file, statement);
         }
-        let mut chosen = Vec::with_capacity(self.channels.len());
-        for (at, channel) in self.channels.iter().enumerate() {
+        let mut chosen = Vec::with_capacity(channels.len());
+        for &(at, channel) in channels {
             let series = meant(contents, &channel.from);
             if series.is_empty() {
                 let known = contents.series.iter().enumerate();
@@ -164,9 +169,11 @@ impl Records {
                     }
                     _ => String::new(),
                 };
-                if let [_] = contents.series.as_slice() {
+                if let [_] = contents.series.as_slice()
+                    && channel.files.is_empty()
+                {
                     hint.push_str("; ");
-                    hint.push_str(super::IN_ONE_FILE);
+                    hint.push_str(super::IN_SEPARATE_FILES);
                 }
                 return Err(RodlabError::request(
                     format!("{field}.channels[{at}].from"),
@@ -187,7 +194,8 @@ impl Records {
             }
             for &index in &series {
                 self.complete_time(contents, index, file, field)?;
-                self.complete_unit(contents, index, at, file, field, statements)?;
+                let place = format!("{field}.channels[{at}].unit");
+                complete_unit(contents, index, channel, (file, &place), statements)?;
             }
             chosen.push(series);
         }
@@ -196,7 +204,7 @@ impl Records {
 
     #[allow(
         clippy::indexing_slicing,
-        reason = "`complete` passes indices of series of the file and of channels of the sheet"
+        reason = "`complete` passes indices of series of the file"
     )]
     fn complete_time(
         &self,
@@ -252,71 +260,69 @@ impl Records {
             (&source, &or),
         )
     }
+}
 
-    #[allow(
-        clippy::indexing_slicing,
-        reason = "`complete` passes indices of series of the file and of channels of the sheet"
-    )]
-    fn complete_unit(
-        &self,
-        contents: &mut Contents,
-        index: usize,
-        at: usize,
-        file: &str,
-        field: &str,
-        statements: &mut Vec<FileStatement>,
-    ) -> Result<(), RodlabError> {
-        let axis = &mut contents.series[index].ordinate_axis;
-        let channel = &self.channels[at];
-        let place = format!("{field}.channels[{at}].unit");
-        let Some(text) = &channel.unit else {
-            if axis.unit.is_some() {
-                return Ok(());
-            }
-            let told = if axis.unit_text.is_empty() {
-                format!("{file} does not state it")
-            } else {
-                format!("`{}`, found in {file}, is not a known unit", axis.unit_text)
-            };
+/// Adds the unit of `channel` to the series with this index; `place` is the place of the unit in the
+/// sheet.
+#[allow(
+    clippy::indexing_slicing,
+    reason = "`complete` passes indices of series of the file"
+)]
+fn complete_unit(
+    contents: &mut Contents,
+    index: usize,
+    channel: &ChannelSheet,
+    (file, place): (&str, &str),
+    statements: &mut Vec<FileStatement>,
+) -> Result<(), RodlabError> {
+    let axis = &mut contents.series[index].ordinate_axis;
+    let Some(text) = &channel.unit else {
+        if axis.unit.is_some() {
+            return Ok(());
+        }
+        let told = if axis.unit_text.is_empty() {
+            format!("{file} does not state it")
+        } else {
+            format!("`{}`, found in {file}, is not a known unit", axis.unit_text)
+        };
+        return Err(RodlabError::request(
+            place,
+            "not stated",
+            format!("the unit of the samples, such as \"V\": {told}"),
+        ));
+    };
+    let unit = Unit::parse(text).map_err(|error| RodlabError::step(place, error))?;
+    if let Some(told) = &axis.unit {
+        let is_same = (told.scale() / unit.scale() - 1.0).abs() < 1e-12;
+        if told.dimension() == unit.dimension() && !is_same {
             return Err(RodlabError::request(
                 place,
-                "not stated",
-                format!("the unit of the samples, such as \"V\": {told}"),
+                text,
+                format!(
+                    "`{}`, as stated in {file}, or the field left out; if the unit of the file is wrong, correct it by `gain`",
+                    told.symbol()
+                ),
             ));
-        };
-        let unit = Unit::parse(text).map_err(|error| RodlabError::step(&place, error))?;
-        if let Some(told) = &axis.unit {
-            let is_same = (told.scale() / unit.scale() - 1.0).abs() < 1e-12;
-            if told.dimension() == unit.dimension() && !is_same {
-                return Err(RodlabError::request(
-                    place,
-                    text,
-                    format!(
-                        "`{}`, as stated in {file}, or the field left out; if the unit of the file is wrong, correct it by `gain`",
-                        told.symbol()
-                    ),
-                ));
-            }
-            if told.dimension() != unit.dimension() {
-                FileStatement::note(
-                    statements,
-                    file,
-                    format!(
-                        "{} in {}; the unit of the sheet is used instead, {}.",
-                        channel.from,
-                        told.symbol(),
-                        unit.symbol()
-                    ),
-                );
-            }
         }
-        *axis = SeriesAxis {
-            unit_text: text.clone(),
-            unit: Some(unit),
-            ..axis.clone()
-        };
-        Ok(())
+        if told.dimension() != unit.dimension() {
+            FileStatement::note(
+                statements,
+                file,
+                format!(
+                    "{} in {}; the unit of the sheet is used instead, {}.",
+                    channel.from,
+                    told.symbol(),
+                    unit.symbol()
+                ),
+            );
+        }
     }
+    *axis = SeriesAxis {
+        unit_text: text.clone(),
+        unit: Some(unit),
+        ..axis.clone()
+    };
+    Ok(())
 }
 
 /// States the sampling rate \[Hz\] of `series`, which was read from `file`, or refuses a rate that
