@@ -16,6 +16,7 @@
 mod channel;
 mod clipped;
 mod expect;
+mod file_set;
 mod files;
 mod merged;
 mod paired;

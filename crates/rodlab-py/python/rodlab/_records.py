@@ -118,7 +118,7 @@ class Hits:
 
 
 def read(
-    files: str | os.PathLike[str] | Sequence[str | os.PathLike[str]],
+    files: str | os.PathLike[str] | Sequence[str | os.PathLike[str]] | None = None,
     *,
     channels: Mapping[str, str | Mapping[str, Any]],
     sampling_rate_hz: float | str | None = None,
@@ -135,11 +135,13 @@ def read(
 
     Parameters
     ----------
-    files : path, pattern or list of them
-        NPY, NPZ, CSV, universal files (58, 58b), LVM, TDMS, WAVE, Excel, MATLAB (5 and 7.3), HDF5, netCDF-4 or traces of oscilloscopes, recognised by their content.
+    files : path, pattern or list of them, optional
+        Files with all channels: NPY, NPZ, CSV, universal files (58, 58b), LVM, TDMS, WAVE, Excel, MATLAB (5 and 7.3), HDF5, netCDF-4 or traces of oscilloscopes, recognised by their content.
     channels : mapping
         Maps the name of each channel to its unit in the file, such as ``"m/s2"``, or to the fields of a channel, such as
         ``{"from": 2, "unit": "V", "sensitivity": "10.2 mV/g ± 2 %"}``. Without ``from``, the n-th entry is the n-th channel of the file.
+        If each channel has files of its own, state them here instead of ``files``: ``{"files": ["force-*.csv"], "unit": "N"}``. Without ``from``,
+        the channel is then the first of its file.
     sampling_rate_hz : float or str, optional
         Sampling rate in Hz, or as a text such as ``"65.536 kHz"``; needed if the files do not contain it.
     cut : Part, optional
@@ -167,10 +169,8 @@ def read(
     """
     if not channels:
         raise Error("channels is empty, expected a name and a unit of at least one channel")
-    if isinstance(files, (str, os.PathLike)):
-        files = [files]
     records = {
-        "files": [os.fspath(file) for file in files],
+        "files": None if files is None else _names(files),
         "sampling_rate": None if sampling_rate_hz is None else quantity(sampling_rate_hz, "Hz", "sampling_rate_hz"),
         "channels": [_channel(name, stated, number) for number, (name, stated) in enumerate(channels.items(), 1)],
     }
@@ -249,4 +249,10 @@ def _hit(hit: _rodlab.Hit) -> Hit:
 
 def _channel(name: str, stated: str | Mapping[str, Any], number: int) -> dict[str, Any]:
     fields = {"unit": stated} if isinstance(stated, str) else dict(stated)
-    return {"name": name, "from": number} | fields
+    if fields.get("files") is None:
+        return {"name": name, "from": number} | fields
+    return {"name": name, "from": 1} | fields | {"files": _names(fields["files"])}
+
+
+def _names(files: str | os.PathLike[str] | Sequence[str | os.PathLike[str]]) -> list[str]:
+    return [os.fspath(file) for file in ([files] if isinstance(files, (str, os.PathLike)) else files)]

@@ -333,4 +333,11 @@ def _records_from(shot: Hits, start: Path) -> dict[str, Any]:
     """Returns the records of `shot`, with paths relative to `start`."""
     if shot._folder == start:
         return shot._records
-    return shot._records | {"files": [os.fspath(shot._folder.resolve() / file) for file in shot._records["files"]]}
+
+    def moved(stated: dict[str, Any]) -> dict[str, Any]:
+        files = stated.get("files")
+        if files is None:
+            return stated
+        return stated | {"files": [os.fspath(shot._folder.resolve() / file) for file in files]}
+
+    return moved(shot._records) | {"channels": [moved(channel) for channel in shot._records["channels"]]}

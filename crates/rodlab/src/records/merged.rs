@@ -3,7 +3,7 @@
 use labio::{Channel, Record};
 use ndarray::{ArrayView1, Axis, stack};
 
-use super::paired::FileSet;
+use super::file_set::FileSet;
 use super::part::{Part, record_name};
 use crate::RodlabError;
 

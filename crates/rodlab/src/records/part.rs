@@ -6,7 +6,7 @@ use labio::format;
 use labio::{Channel, LabioError, Provenance, Record};
 use ndarray::Axis;
 
-use super::paired::PartFile;
+use super::file_set::PartFile;
 use super::{Loaded, Records, told};
 use crate::outcome::InputFile;
 use crate::{RodlabError, cut_short, input};

@@ -5,7 +5,7 @@ use labio::format::uff58::response;
 use labio::format::{self, Reader};
 use labio::{Abscissa, Contents, Dimension, LabioError, Series, SeriesAxis, Unit};
 
-use super::paired::PartFile;
+use super::file_set::PartFile;
 use super::{ChannelSheet, Records, Selector};
 use crate::RodlabError;
 use crate::digits;
