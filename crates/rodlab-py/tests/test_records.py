@@ -31,6 +31,26 @@ def test_hits_are_the_samples_of_the_files_in_si(polypropylene: Path) -> None:
     assert pickle.loads(pickle.dumps(hits)).units == hits.units
 
 
+def test_channels_in_separate_files_are_those_of_one_file(polypropylene: Path) -> None:
+    for path in polypropylene.glob("hits-*.npy"):
+        for name, samples in zip(("struck", "free"), np.load(path), strict=True):
+            np.save(path.with_name(path.name.replace("hits", name)), samples[np.newaxis])
+    joined = rodlab.read("hits-*.npy", channels={"a": "m/s2", "b": "m/s2"}, sampling_rate_hz=65_536, folder=polypropylene)
+    channels: dict[str, dict[str, object]] = {
+        "a": {"files": "struck-*.npy", "unit": "m/s2"},
+        "b": {"files": [Path("free-*.npy")], "unit": "m/s2"},
+    }
+    separate = rodlab.read(channels=channels, sampling_rate_hz=65_536, folder=polypropylene)
+    assert separate.hits[2].name == "hit 3, struck-3.npy + free-3.npy"
+    for found, expected in zip(separate.hits, joined.hits, strict=True):
+        np.testing.assert_array_equal(found.samples, expected.samples)
+    (polypropylene / "free-3.npy").unlink()
+    with pytest.raises(rodlab.SheetError, match=r"partner of struck-3\.npy"):
+        rodlab.read(channels=channels, sampling_rate_hz=65_536, folder=polypropylene)
+    with pytest.raises(rodlab.SheetError, match="state `files` in every channel"):
+        rodlab.read(channels={"a": "m/s2"}, sampling_rate_hz=65_536, folder=polypropylene)
+
+
 def test_long_records_are_cut_by_a_trigger(tmp_path: Path) -> None:
     long = np.random.default_rng(1).normal(0, 1e-3, (2, 40_000))
     for at in (5_000, 25_000):

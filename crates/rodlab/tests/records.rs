@@ -1,6 +1,8 @@
 //! Files to calibrated records: missing information comes from the sheet, and unsuitable files are
 //! reported.
 
+mod separate_files;
+
 use std::fs;
 use std::path::Path;
 
@@ -129,7 +131,7 @@ fn what_an_array_does_not_tell_is_asked_for() {
     records.channels[0].sensitivity is -2 mV/N, expected a value above 0: state `inverted` as true for a sensor that points the other way
     records.channels[1].name is `a`, expected a name other than that of channels[0]
     records.channels is empty, expected at least one channel
-    records.files is empty, expected the name of at least one file
+    records.files is empty, expected the name of at least one file; if each channel has files of its own, state `files` in every channel
     "#);
 }
 

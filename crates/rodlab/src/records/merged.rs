@@ -10,9 +10,10 @@ use crate::RodlabError;
 /// Largest relative difference between sampling rates that count as equal.
 const SAME_RATE: f64 = 1e-9;
 
-/// Largest difference between start times that count as equal, in steps. At the highest
-/// frequencies, it turns the phase between two channels by 3e-6 rad, less than any loss factor.
-const SAME_START: f64 = 1e-6;
+/// Largest difference between start times that count as equal, in steps: what remains of times that
+/// are written with seven digits. It turns the phase between two channels by at most 3e-4 rad, at
+/// half the sampling rate.
+const SAME_START: f64 = 1e-4;
 
 /// Refuses a record whose samples are not at the times of the `first` record. Both records come
 /// with their place or the name of their file.

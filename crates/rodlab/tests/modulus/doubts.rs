@@ -127,7 +127,7 @@ fn r10_hits_that_are_one_measurement_are_refused_or_in_doubt() {
     });
     insta::assert_snapshot!(said(), @"hit 1, hits.npy at 0.0020 s and hit 3, more.npy at 0.0020 s have the same samples: they are one measurement, expected independent measurements: remove one of the two from the sheet");
     let one_channel = sheet(TWO_POINT, BAND).replace("from: 2", "from: 1");
-    insta::assert_snapshot!(run(folder.path(), &one_channel).unwrap_err(), @"source.hits.records.channels[1].from is channel 1, expected another channel than channels[0]; the channels of a hit are read from one file: join files that have one channel each (for `rodlab shpb`, state an entry of `records` for each file)");
+    insta::assert_snapshot!(run(folder.path(), &one_channel).unwrap_err(), @"source.hits.records.channels[1].from is channel 1, expected another channel of hits.npy than channels[0]; if each channel has files of its own, state `files` in every channel");
 
     // the same hits, stored with a fifth of the bits of noise less
     let step = 2e-7;
