@@ -37,8 +37,8 @@ struct OwnFiles<'a> {
 }
 
 impl Records {
-    /// Returns the files of all hits, in the order of their entries in the lists and of the texts in
-    /// place of the wildcards.
+    /// Returns the files of all hits, in the order of their entries in the lists and of the texts
+    /// in place of the wildcards.
     pub(super) fn sets_of_channels(
         &self,
         folder: &Path,

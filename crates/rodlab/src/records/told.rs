@@ -262,8 +262,8 @@ impl Records {
     }
 }
 
-/// Adds the unit of `channel` to the series with this index; `place` is the place of the unit in the
-/// sheet.
+/// Adds the unit of `channel` to the series with this index; `place` is the place of the unit in
+/// the sheet.
 #[allow(
     clippy::indexing_slicing,
     reason = "`complete` passes indices of series of the file"
