@@ -62,10 +62,12 @@
 //! Theory: `docs/theory/rheological-fits.md`.
 
 pub mod card;
+mod closed_law;
 mod comparison;
 mod data;
 mod explained;
 mod fit;
+mod fitted_law;
 mod fitting;
 mod information;
 mod judgement;

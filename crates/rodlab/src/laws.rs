@@ -27,7 +27,7 @@ pub(crate) const WHITE: f64 = 0.01;
 #[serde(deny_unknown_fields)]
 pub struct LawsSheet {
     /// The laws, such as `[Zener, FractionalZener, GeneralisedMaxwell]`.
-    pub laws: Vec<LawSheet>,
+    pub laws: Vec<Law>,
     /// Criterion for comparing laws and numbers of branches; `Bic` by default.
     pub criterion: Option<CriterionSheet>,
     /// Confidence of the intervals, such as `"95 %"`, which is the default.
@@ -39,33 +39,6 @@ pub struct LawsSheet {
     pub most_lines: Option<usize>,
     /// Cards of the generalised Maxwell model for other programs.
     pub cards: Option<CardsSheet>,
-}
-
-/// A law.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
-pub enum LawSheet {
-    /// A spring.
-    Elastic,
-    /// Spring and dashpot in series.
-    Maxwell,
-    /// Spring and spring-pot in series.
-    FractionalMaxwell,
-    /// Constant loss factor.
-    ConstantQ,
-    /// Constant loss factor, parametrised by the exponent.
-    SpringPot,
-    /// Spring and dashpot in parallel.
-    KelvinVoigt,
-    /// The standard linear solid.
-    Zener,
-    /// The standard linear solid with a spring-pot.
-    FractionalZener,
-    /// A broad and asymmetric relaxation.
-    HavriliakNegami,
-    /// A Prony series with the number of branches chosen by the criterion.
-    GeneralisedMaxwell,
-    /// Powers of the frequency for damping coefficient and wave number.
-    PowerLaw,
 }
 
 /// Criterion for comparing laws.
@@ -151,7 +124,7 @@ impl LawsSheet {
                 return Err(RodlabError::request(field, "0", "at least 1"));
             }
         }
-        if self.cards.is_some() && !self.laws.contains(&LawSheet::GeneralisedMaxwell) {
+        if self.cards.is_some() && !self.laws.contains(&Law::GeneralisedMaxwell) {
             return Err(RodlabError::request(
                 "laws.cards",
                 "requested",
@@ -190,28 +163,14 @@ impl LawsSheet {
 
     /// Returns the laws, for a material of this density.
     pub(crate) fn kinds(&self, density: Option<f64>) -> Result<Vec<Law>, RodlabError> {
-        let of = |law: &LawSheet| {
-            Ok(match law {
-                LawSheet::Elastic => Law::Elastic,
-                LawSheet::Maxwell => Law::Maxwell,
-                LawSheet::FractionalMaxwell => Law::FractionalMaxwell,
-                LawSheet::ConstantQ => Law::ConstantQ,
-                LawSheet::SpringPot => Law::SpringPot,
-                LawSheet::KelvinVoigt => Law::KelvinVoigt,
-                LawSheet::Zener => Law::Zener,
-                LawSheet::FractionalZener => Law::FractionalZener,
-                LawSheet::HavriliakNegami => Law::HavriliakNegami,
-                LawSheet::GeneralisedMaxwell => Law::GeneralisedMaxwell,
-                LawSheet::PowerLaw => Law::PowerLaw {
-                    density: density.ok_or_else(|| {
-                        RodlabError::request(
-                            "laws.laws",
-                            "`power_law` (in RON `PowerLaw`), a law of waves in a rod",
-                            "the density of the material as well",
-                        )
-                    })?,
-                },
-            })
+        let of = |law: &Law| match (law, density) {
+            (Law::PowerLaw { .. }, Some(density)) => Ok(Law::PowerLaw { density }),
+            (Law::PowerLaw { .. }, None) => Err(RodlabError::request(
+                "laws.laws",
+                "`power_law` (in RON `PowerLaw`), a law of waves in a rod",
+                "the density of the material as well",
+            )),
+            (law, _) => Ok(*law),
         };
         self.laws.iter().map(of).collect()
     }

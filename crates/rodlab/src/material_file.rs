@@ -189,10 +189,6 @@ impl MaterialFile {
         Ok(text)
     }
 
-    pub(crate) fn title(&self) -> &str {
-        &self.entries.title
-    }
-
     /// Returns the reasons why the law is in doubt.
     pub(crate) fn doubts(&self) -> &[String] {
         &self.entries.doubts

@@ -5,13 +5,10 @@ use super::fit::{FitOptions, RheologicalFit, enough};
 use super::judgement::Scene;
 use super::law::{FittedLaw, Law};
 use super::least_squares::{Effort, minimise};
-use super::model::{self, Model};
+use super::model::Model;
 use super::order::PronyFit;
-use super::power_law::PowerLawModel;
 use super::profile::Elsewhere;
-use super::prony::Prony;
-use super::start::{self, Shape};
-use crate::error::{CmodError, check_positive};
+use crate::error::CmodError;
 
 impl RheologicalFit {
     /// Fits `law` to `data`. The starting points are the best points of a grid.
@@ -52,101 +49,21 @@ impl RheologicalFit {
                 law: law.to_string(),
             });
         }
-        macro_rules! linked {
-            ($kind:ident, $model:expr, $starts:expr, $elsewhere:expr) => {{
-                let model = $model?;
-                let starts = match start {
-                    Some(FittedLaw::$kind(own)) => vec![model.coordinates_of(own)],
-                    _ => $starts,
-                };
-                let wrap = |at: &[f64]| Ok(FittedLaw::$kind(model.law_at(at)?));
-                best_of(&model, data, &starts, $elsewhere, options, law, wrap)
-            }};
-        }
-        let none = Vec::new;
         let (lowest, highest) = data.band();
-        let middle = (lowest * highest).sqrt();
-        let best = |shape, most| {
-            let mut starts = start::of_one_relaxation(data, shape);
-            starts.truncate(most);
-            starts
+        let middle = Some((lowest * highest).sqrt());
+        let (model, reference_omega, starts) = match start {
+            Some(own) => (own.model()?, own.reference_omega(), vec![own.coordinates()]),
+            None if law == Law::GeneralisedMaxwell => return Ok(PronyFit::new(data, options)?.fit),
+            None => (law.model(0, middle)?, middle, law.starts(data)),
         };
-        let limits = |shape| start::at_the_limits(data, shape);
-        match law {
-            Law::Elastic => linked!(Elastic, model::elastic(), start::of_elastic(data), none()),
-            Law::KelvinVoigt => {
-                let starts = vec![start::of_kelvin_voigt(data)];
-                linked!(KelvinVoigt, model::kelvin_voigt(), starts, none())
-            }
-            Law::ConstantQ => {
-                let reference = match start {
-                    Some(FittedLaw::ConstantQ(own)) => own.spring_pot().reference_omega(),
-                    _ => middle,
-                };
-                let starts = vec![start::of_constant_q(data)];
-                linked!(ConstantQ, model::constant_q(reference), starts, none())
-            }
-            Law::SpringPot => {
-                let reference = match start {
-                    Some(FittedLaw::SpringPot(own)) => own.reference_omega(),
-                    _ => middle,
-                };
-                let starts = vec![start::of_spring_pot(data)];
-                linked!(SpringPot, model::spring_pot(reference), starts, none())
-            }
-            Law::Maxwell => {
-                let starts = start::of_fluid(data, &[1.0]);
-                linked!(Maxwell, model::maxwell(), starts, none())
-            }
-            Law::FractionalMaxwell => {
-                let starts = start::of_fluid(data, &[0.1, 0.3, 0.6, 0.9]);
-                linked!(
-                    FractionalMaxwell,
-                    model::fractional_maxwell(),
-                    starts,
-                    none()
-                )
-            }
-            Law::Zener => {
-                let shape = Shape::Zener;
-                linked!(Zener, model::zener(), best(shape, 1), limits(shape))
-            }
-            Law::FractionalZener => {
-                let shape = Shape::FractionalZener;
-                let model = model::fractional_zener();
-                linked!(FractionalZener, model, best(shape, 2), limits(shape))
-            }
-            Law::HavriliakNegami => {
-                let shape = Shape::HavriliakNegami;
-                let model = model::havriliak_negami();
-                linked!(HavriliakNegami, model, best(shape, 3), limits(shape))
-            }
-            Law::GeneralisedMaxwell => match start {
-                Some(FittedLaw::GeneralisedMaxwell(own)) => {
-                    let solid = own.equilibrium_modulus() > 0.0;
-                    let model = Prony::new(solid, own.branches().len());
-                    let at = Prony::coordinates(own.equilibrium_modulus(), own.branches());
-                    let wrap = |at: &[f64]| Ok(FittedLaw::GeneralisedMaxwell(model.law_at(at)?));
-                    best_of(&model, data, &[at], none(), options, law, wrap)
-                }
-                _ => Ok(PronyFit::new(data, options)?.fit),
-            },
-            Law::PowerLaw { density } => {
-                let model = PowerLawModel::new(check_positive("density [kg/m^3]", density)?);
-                let starts: Vec<_> = match start {
-                    Some(own @ FittedLaw::PowerLaw(_)) => vec![own.coordinates()?],
-                    _ => start::of_power_law(data, &model).into_iter().collect(),
-                };
-                let wrap = |at: &[f64]| Ok(FittedLaw::PowerLaw(model.law_at(at)));
-                best_of(&model, data, &starts, none(), options, law, wrap)
-            }
-        }
+        let wrap = |at: &[f64]| law.at_coordinates(at, reference_omega);
+        best_of(&*model, data, &starts, law.limits(data), options, law, wrap)
     }
 }
 
 /// Minimises from all starting points and evaluates the best minimum.
-fn best_of<M: Model>(
-    model: &M,
+fn best_of(
+    model: &dyn Model,
     data: &ModulusData,
     starts: &[Vec<f64>],
     mut elsewhere: Vec<Vec<f64>>,

@@ -201,7 +201,7 @@ impl MeasuredLaw {
     /// [`CmodError::ChangedResult`] for an error without one change per parameter,
     /// [`CmodError::NonPhysical`] for a change that is not finite.
     pub fn new(law: FittedLaw, errors: Vec<LawError>) -> Result<Self, CmodError> {
-        let coordinates = law.coordinates()?;
+        let coordinates = law.coordinates();
         for error in &errors {
             if error.shift.len() != coordinates.len() {
                 return Err(CmodError::ChangedResult {

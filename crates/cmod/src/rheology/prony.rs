@@ -29,6 +29,12 @@ impl Prony {
         Self::shifted(solid, branches, Vec::new(), &[])
     }
 
+    /// Creates a model of this number of parameters. It has an equilibrium modulus if the number is
+    /// odd.
+    pub(super) fn of_parameters(parameters: usize) -> Self {
+        Self::new(parameters % 2 == 1, parameters / 2)
+    }
+
     /// Adds a shift for each temperature \[K\] of `shifted`, at the end of the coordinates.
     pub(super) fn shifted(
         solid: bool,

@@ -6,7 +6,6 @@ use std::f64::consts::FRAC_PI_2;
 use num_complex::Complex64;
 
 use super::data::ModulusData;
-use super::power_law::PowerLawModel;
 use super::{count, straight_line};
 
 /// Maximum number of lines on which the grid is evaluated.
@@ -15,42 +14,37 @@ const MOST_LINES: usize = 32;
 const TIMES_A_DECADE: f64 = 3.0;
 
 /// Shape of the relaxation, that is, of the increase of the modulus with frequency.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Shape {
-    Zener,
-    FractionalZener,
-    HavriliakNegami,
+pub(super) struct Shape {
+    /// Number of exponents that are coordinates: none, αβ, or α and αβ.
+    pub(super) exponents: usize,
+    /// Exponents α and αβ of the grid.
+    pub(super) grid: &'static [(f64, f64)],
+    /// Exponents α and αβ of a relaxation outside the band.
+    pub(super) at_the_limits: (f64, f64),
 }
 
 impl Shape {
-    /// Returns the exponents α and αβ of the grid.
-    fn exponents(self) -> &'static [(f64, f64)] {
-        match self {
-            Self::Zener => &[(1.0, 1.0)],
-            Self::FractionalZener => &[(0.2, 0.2), (0.4, 0.4), (0.6, 0.6), (0.85, 0.85)],
-            Self::HavriliakNegami => &[
-                (0.2, 0.2),
-                (0.4, 0.4),
-                (0.4, 0.15),
-                (0.7, 0.7),
-                (0.7, 0.3),
-                (0.7, 0.1),
-                (0.95, 0.9),
-                (0.95, 0.3),
-            ],
-        }
+    /// Returns the coordinates of a relaxation.
+    fn at(&self, moduli: (f64, f64), log_time: f64, (alpha, product): (f64, f64)) -> Vec<f64> {
+        let (relaxed, increment) = moduli;
+        let exponents = [alpha, product].into_iter().skip(2 - self.exponents);
+        let log_odds = exponents.map(|p| (p / (1.0 - p)).ln());
+        [relaxed.ln(), increment.ln(), log_time]
+            .into_iter()
+            .chain(log_odds)
+            .collect()
     }
 }
 
-/// Returns coordinates to start from, the best first.
-pub(super) fn of_one_relaxation(data: &ModulusData, shape: Shape) -> Vec<Vec<f64>> {
+/// Returns coordinates to start from, the best first, `most` of them.
+pub(super) fn of_one_relaxation(data: &ModulusData, shape: &Shape, most: usize) -> Vec<Vec<f64>> {
     let lines = some_lines(data);
     let moduli = data.linear_moduli();
     let (lowest, highest) = data.band();
     let decade = std::f64::consts::LN_10;
     let (first, last) = (-highest.ln() - decade, -lowest.ln() + decade);
     let mut best: Vec<(f64, Vec<f64>)> = Vec::new();
-    for &(alpha, product) in shape.exponents() {
+    for &(alpha, product) in shape.grid {
         let symmetric = product >= alpha;
         let mut best_of_shape: Option<(f64, Vec<f64>)> = None;
         let mut log_time = first;
@@ -73,13 +67,7 @@ pub(super) fn of_one_relaxation(data: &ModulusData, shape: Shape) -> Vec<Vec<f64
                 .as_ref()
                 .is_none_or(|(least, _)| chi_squared < *least)
             {
-                let mut at = vec![relaxed.ln(), increment.ln(), log_time];
-                let log_odds = |p: f64| (p / (1.0 - p)).ln();
-                match shape {
-                    Shape::Zener => {}
-                    Shape::FractionalZener => at.push(log_odds(alpha)),
-                    Shape::HavriliakNegami => at.extend([log_odds(alpha), log_odds(product)]),
-                }
+                let at = shape.at((relaxed, increment), log_time, (alpha, product));
                 best_of_shape = Some((chi_squared, at));
             }
             log_time += decade / TIMES_A_DECADE;
@@ -87,21 +75,15 @@ pub(super) fn of_one_relaxation(data: &ModulusData, shape: Shape) -> Vec<Vec<f64
         best.extend(best_of_shape);
     }
     best.sort_by(|a, b| a.0.total_cmp(&b.0));
-    best.into_iter().map(|(_, at)| at).collect()
+    best.into_iter().take(most).map(|(_, at)| at).collect()
 }
 
 /// Returns starting coordinates with a relaxation outside the band, where it has no effect on the
 /// data: slower than the band, with and without a parallel spring, and faster than the band.
-pub(super) fn at_the_limits(data: &ModulusData, shape: Shape) -> Vec<Vec<f64>> {
+pub(super) fn at_the_limits(data: &ModulusData, shape: &Shape) -> Vec<Vec<f64>> {
     const FAR: f64 = 30.0;
     let lines = some_lines(data);
     let (lowest, highest) = data.band();
-    let log_odds = |p: f64| (p / (1.0 - p)).ln();
-    let exponents = match shape {
-        Shape::Zener => Vec::new(),
-        Shape::FractionalZener => vec![log_odds(0.5)],
-        Shape::HavriliakNegami => vec![log_odds(0.6), log_odds(0.3)],
-    };
     let measured = data.linear_moduli();
     let moduli = |log_time: f64| {
         let law = |s: Complex64| {
@@ -121,9 +103,7 @@ pub(super) fn at_the_limits(data: &ModulusData, shape: Shape) -> Vec<Vec<f64>> {
         (own, of_fast, fast),
     ]
     .into_iter()
-    .map(|(relaxed, increment, time)| {
-        [vec![relaxed.ln(), increment.ln(), time], exponents.clone()].concat()
-    })
+    .map(|(relaxed, increment, time)| shape.at((relaxed, increment), time, shape.at_the_limits))
     .collect()
 }
 
@@ -229,10 +209,6 @@ pub(super) fn of_kelvin_voigt(data: &ModulusData) -> Vec<f64> {
     let law = |s| s / highest;
     let (_, modulus, viscosity) = two_moduli(data, &data.linear_moduli(), &lines, law);
     vec![modulus.ln(), (viscosity / highest).ln()]
-}
-
-pub(super) fn of_power_law(data: &ModulusData, model: &PowerLawModel) -> Option<Vec<f64>> {
-    model.start(data)
 }
 
 /// Returns the indices of evenly spaced lines, at most [`MOST_LINES`] of them.

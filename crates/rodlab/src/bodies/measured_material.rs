@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use cmod::rheology::FittedLaw;
 use rodwave::medium::Medium;
-use rodwave::modulus::{DifferentiableModulus, GeneralisedMaxwell, LaplaceModulus, MaxwellBranch};
+use rodwave::modulus::{DifferentiableModulus, GeneralisedMaxwell, MaxwellBranch};
 
 use super::material::Material;
 use crate::RodlabError;
@@ -44,33 +44,16 @@ impl MeasuredMaterial {
     /// Returns the material; `field` is its place in the sheet.
     pub(crate) fn material(&self, field: &str) -> Result<Material, RodlabError> {
         let (density, law) = self.file.moved(&self.standard, field)?;
-        let law: Arc<dyn LaplaceModulus + Send + Sync> = match law {
-            FittedLaw::Elastic(law) => Arc::new(law),
-            FittedLaw::Maxwell(law) => Arc::new(law),
-            FittedLaw::FractionalMaxwell(law) => Arc::new(law),
-            FittedLaw::ConstantQ(law) => Arc::new(law),
-            FittedLaw::SpringPot(law) => Arc::new(law),
-            FittedLaw::KelvinVoigt(law) => Arc::new(law),
-            FittedLaw::Zener(law) => Arc::new(law),
-            FittedLaw::FractionalZener(law) => Arc::new(law),
-            FittedLaw::HavriliakNegami(law) => Arc::new(law),
-            FittedLaw::GeneralisedMaxwell(law) => Arc::new(law),
-            FittedLaw::PowerLaw(law) => {
-                let refused = |error| RodlabError::step(field, error);
+        let refused = |error| RodlabError::step(field, error);
+        match law.into_analytic() {
+            Ok(law) => Material::analytic(density, law, field),
+            Err(law) => {
                 let law = law.law().map_err(refused)?;
-                return Medium::new(density, law)
+                Medium::new(density, law)
                     .map(Material::OnAxis)
-                    .map_err(refused);
+                    .map_err(refused)
             }
-            _ => {
-                return Err(RodlabError::request(
-                    field,
-                    format!("the law of {}", self.file.title()),
-                    "a law known to this version of rodlab",
-                ));
-            }
-        };
-        Material::analytic(density, law, field)
+        }
     }
 
     /// Returns the density \[kg/m³\] and the law as springs and Maxwell branches; `None` if the law

@@ -20,7 +20,7 @@ mod reasons;
 mod statement;
 mod universal;
 
-pub use crate::laws::{CardsSheet, CriterionSheet, LawSheet, LawsSheet, ProgramSheet};
+pub use crate::laws::{CardsSheet, CriterionSheet, LawsSheet, ProgramSheet};
 pub use checks::ChecksSheet;
 pub use drift::TemperatureSheet;
 pub use measured::{RatioErrors, RatioSheet, RatioValues, SourceSheet, TailSheet};
