@@ -100,7 +100,7 @@ fn two_gauges_before_a_free_end_need_one_shot_that_may_ring() {
     assert_eq!(strains.verdict, Verdict::Answered, "{:?}", strains.summary);
     strains
         .summary
-        .must_begin("The hits end while the rod still rings");
+        .must_begin("The records end before the rod is at rest");
     covers(&strains, 35);
     let gain = quantity(&strains, "error of the sensitivity of gauge 2, found");
     let (value, error) = (gain.value.unwrap(), gain.standard_error.unwrap());

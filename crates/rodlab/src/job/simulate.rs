@@ -144,7 +144,8 @@ impl Request<'_> {
 
 /// A struck rod, for which a sheet evaluates the modulus from the hits.
 struct StruckRod<'a> {
-    length: &'a Exact<Length>,
+    /// Length, with its standard uncertainty if one is stated.
+    length: String,
     diameter: &'a Exact<Length>,
     density: f64,
     /// Standard uncertainty of the density as the end of its text; empty if none is stated.

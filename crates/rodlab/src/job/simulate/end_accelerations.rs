@@ -44,6 +44,8 @@ pub struct EndAccelerationsSheet {
 #[derive(Debug, Clone, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct StatedErrorsSheet {
+    /// Standard uncertainty of the length, such as `"0.3 mm"`.
+    pub length: Option<Exact<Length>>,
     /// Relative standard uncertainty of the density, such as `"0.1 %"`.
     pub density: Option<Exact<Ratio>>,
     /// Relative standard uncertainty of the gain of each channel.
@@ -53,6 +55,11 @@ pub struct StatedErrorsSheet {
 }
 
 impl StatedErrorsSheet {
+    fn of_length(&self) -> String {
+        let error = self.length.as_ref();
+        error.map_or_else(String::new, |error| format!(" ± {error}"))
+    }
+
     fn of_density(&self) -> String {
         let error = self.density.as_ref();
         error.map_or_else(String::new, |error| format!(" ± {} %", percent(error)))
@@ -149,7 +156,7 @@ impl EndAccelerationsSheet {
             .map(|mass| format!("\n        accelerometer_mass: \"{mass}\","))
             .unwrap_or_default();
         let rod = StruckRod {
-            length: &self.length,
+            length: format!("{}{}", self.length, self.stated_errors.of_length()),
             diameter: &self.diameter,
             density,
             density_error: self.stated_errors.of_density(),

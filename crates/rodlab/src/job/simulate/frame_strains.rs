@@ -175,7 +175,7 @@ impl StrainsInFrameSheet {
             .map(|(gauge, at)| format!("\n        (channel: {:?}, at: \"{at}\"),", name(gauge)))
             .collect();
         let rod = StruckRod {
-            length: &self.length,
+            length: self.length.to_string(),
             diameter: &self.diameter,
             density,
             density_error: String::new(),
