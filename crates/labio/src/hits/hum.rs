@@ -6,10 +6,10 @@ use num_complex::Complex64;
 
 use crate::{LabioError, Record};
 
-/// Frequencies of mains \[Hz\].
-const MAINS: [f64; 2] = [50.0, 60.0];
-/// Highest harmonic that is tested.
-const HARMONICS: u32 = 6;
+/// Harmonics of 50 and 60 Hz \[Hz\], up to the sixth. 300 Hz is a harmonic of both.
+const HARMONICS: [f64; 11] = [
+    50.0, 100.0, 150.0, 200.0, 250.0, 300.0, 60.0, 120.0, 180.0, 240.0, 360.0,
+];
 /// Smallest sampling rate \[Hz\] after decimation. At this rate the block means change the
 /// amplitude of the highest harmonic by 1 %.
 const SLOW_HZ: f64 = 4000.0;
@@ -53,8 +53,9 @@ pub struct Hum {
 /// # Validity
 ///
 /// Hits whose force in the second half exceeds a tenth of that in the first, or whose second half
-/// has fewer than four periods, are left out. Records are averaged over blocks down to no less than
-/// 4 kHz, which changes the amplitude of the highest harmonic by 1 %.
+/// has fewer than four periods, are left out, and hits in which the channel is a motion: a motion
+/// continues after the blow. Records are averaged over blocks down to no less than 4 kHz, which
+/// changes the amplitude of the highest harmonic by 1 %.
 ///
 /// # Errors
 ///
@@ -79,19 +80,16 @@ pub struct Hum {
 /// # Ok::<(), labio::LabioError>(())
 /// ```
 pub fn find_hum(hits: &[&Record], force: &str) -> Result<Vec<Hum>, LabioError> {
-    let slow: Vec<(Vec<f64>, f64)> = hits
-        .iter()
-        .map(|hit| {
-            let samples = hit.channel(force)?;
-            Ok(decimated(samples.to_vec(), hit.sampling_rate_hz()))
-        })
-        .collect::<Result<_, LabioError>>()?;
+    let mut slow: Vec<(Vec<f64>, f64)> = Vec::with_capacity(hits.len());
+    for hit in hits {
+        let (_, channel) = crate::channel::find(hit.channels(), force)?;
+        if channel.quantity().may_be_force() {
+            let samples = hit.channel(force)?.to_vec();
+            slow.push(decimated(samples, hit.sampling_rate_hz()));
+        }
+    }
     let mut found = Vec::new();
-    for (mains, harmonic) in MAINS
-        .into_iter()
-        .flat_map(|mains| (1..=HARMONICS).map(move |harmonic| (mains, harmonic)))
-    {
-        let frequency_hz = mains * f64::from(harmonic);
+    for frequency_hz in HARMONICS {
         let (mut hum, mut whole) = (0.0, 0.0);
         for (samples, rate_hz) in slow.iter().filter(|(_, rate)| *rate > 2.0 * frequency_hz) {
             let omega = TAU * frequency_hz / rate_hz;
@@ -178,6 +176,26 @@ fn transform<'a>(samples: impl Iterator<Item = &'a f64>, omega: f64) -> Complex6
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::{Channel, Provenance, Quantity};
+
+    /// 300 Hz is the sixth harmonic of 50 Hz and the fifth of 60 Hz.
+    #[test]
+    fn hum_is_reported_once_and_only_for_a_force() {
+        let found = |quantity| {
+            let omega = TAU * 300.0 / 8192.0;
+            let samples = ndarray::Array2::from_shape_fn((1, 8192), |(_, n)| {
+                let blow = if (800..802).contains(&n) { 100.0 } else { 0.0 };
+                blow + (omega * n as f64).sin()
+            });
+            let channels = vec![Channel::new("hammer", quantity).unwrap()];
+            let provenance = Provenance::computed("test");
+            let hit = Record::new(samples, 8192.0, 0.0, channels, provenance).unwrap();
+            let found = find_hum(&[&hit], "hammer").unwrap();
+            found.iter().map(|hum| hum.frequency_hz).collect::<Vec<_>>()
+        };
+        assert_eq!(found(Quantity::Force), [300.0]);
+        assert!(found(Quantity::Acceleration).is_empty());
+    }
 
     /// A blow of 100 N and 2 ms at 8192 Hz, with a hum of 0.6 N at 50 Hz: the Fourier sum of
     /// the blow at 50 Hz is some 1000 N, that of the hum 0.3 N times 8192 samples.
