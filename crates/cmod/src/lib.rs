@@ -172,7 +172,7 @@ pub use section_ratio::{RatioMethod, RatioOfSpectra, SectionUncertainty};
 pub use two_point::{Solver, Specimen, TwoPoint};
 
 // These crates occur in public signatures; users of this crate find the matching versions here.
-pub use {num_complex, rodwave};
+pub use {num_complex, rand, rodwave};
 
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]

@@ -5,6 +5,7 @@
 //!
 //! Theory: `docs/theory/one-shot.md`, `docs/theory/neighbouring-methods.md#small-numbers-of-hits`.
 
+mod drawn;
 mod freedom;
 mod one_shot;
 pub mod pooling;
@@ -12,6 +13,7 @@ mod pulse_windows;
 mod pulses;
 mod rounding;
 
+pub use drawn::add_random_errors;
 pub use freedom::DegreesOfFreedom;
 pub use pulse_windows::{find_cut_edges, find_other_pulse};
 pub use pulses::{PulseWindow, noise_of_cut_pulse};

@@ -344,7 +344,8 @@ pub(super) fn draw(sheet: &FitSheet, steps: &mut [Step], draw: &Draw) {
     let error = sheet.scale_uncertainty.as_ref().map_or(0.0, Exact::si);
     let scale = 1.0 + error * draw.standard();
     for row in steps.iter_mut().flat_map(|step| &mut step.rows) {
-        row.modulus = scale * (row.modulus + draw.with_covariance(row.covariance));
+        row.modulus =
+            scale * (row.modulus + draw.with_random(|random| row.covariance.draw(random)));
         row.covariance = row.covariance + row.covariance;
     }
 }

@@ -5,9 +5,11 @@ mod hits;
 mod pulses;
 mod vibration;
 
+use cmod::estimate::ComplexCovariance;
 use cmod::multi_point::Quantity;
 use cmod::self_calibration::lines_per_independent_line;
-use labio::{Record, ResponseRatio, SectionSpectra, SensorError};
+use labio::ratio::add_random_errors;
+use labio::{LabioError, Record, ResponseRatio, SectionSpectra, SensorError};
 use num_complex::Complex64;
 use rodfigure::Figure;
 use serde::Deserialize;
@@ -208,7 +210,8 @@ pub(super) fn of(
             spectra.cut(sheet.band.as_ref())?;
         }
         if let Some(draw) = &context.draw {
-            spectra.add(draw);
+            let drawing = |error| RodlabError::step("errors of the spectra", error);
+            spectra.add(draw).map_err(drawing)?;
         }
     }
     Ok(measured)
@@ -287,28 +290,30 @@ impl Spectra {
     }
 
     /// Adds drawn random errors.
-    fn add(&mut self, draw: &Draw) {
+    fn add(&mut self, draw: &Draw) -> Result<(), LabioError> {
         let shared = self.lines_per_independent_line();
+        let add = |values: &mut [Complex64], mean_squares: &[f64]| {
+            draw.with_random(|random| add_random_errors(values, mean_squares, shared, random))
+        };
         match self {
-            Self::Ratio(ratio) => {
-                draw.add(&mut ratio.values, ratio.variance.iter().copied(), shared);
-            }
+            Self::Ratio(ratio) => add(&mut ratio.values, &ratio.variance)?,
             Self::Gauges(gauges) => {
-                let noise = &gauges.noise;
-                for (lines, noise) in gauges
-                    .tests
-                    .iter_mut()
-                    .flat_map(|test| test.iter_mut().zip(noise))
-                {
-                    draw.add(lines, noise.iter().map(|noise| noise * noise), shared);
+                let square = |noise: &Vec<f64>| noise.iter().map(|noise| noise * noise).collect();
+                let noise: Vec<Vec<f64>> = gauges.noise.iter().map(square).collect();
+                for test in &mut gauges.tests {
+                    for (lines, noise) in test.iter_mut().zip(&noise) {
+                        add(lines, noise)?;
+                    }
                 }
             }
             Self::Modes(modes) => {
                 for pole in &mut modes.poles {
-                    pole.s += draw.complex(pole.variance);
+                    let covariance = ComplexCovariance::circular(pole.variance);
+                    pole.s += draw.with_random(|random| covariance.draw(random));
                 }
             }
         }
+        Ok(())
     }
 
     /// Returns a warning if the spectra end more than 2 % below the upper end of the band.
