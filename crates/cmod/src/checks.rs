@@ -11,6 +11,7 @@
 //! | [`Arrivals::causality`] | no signal before the fastest wave can arrive | a channel that is early; a non-causal filter |
 //! | [`Arrivals::polarity`] | the first wave has the same sign in all channels | a sensor that is connected the wrong way round |
 //! | [`passivity`] | E'' >= 0 | kernel of the transform with the other sign, a delay between channels, a wrong boundary condition |
+//! | [`relaxation`] | a modulus over time does not rise | compliance and modulus interchanged, drift of the force or of the displacement, ageing |
 //! | [`kramers_kronig`] | E' and E'' belong to one relaxing material | anything that distorts the modulus over frequency |
 //!
 //! A failed check is conclusive within its level. A passed check only states that a possible error
@@ -28,11 +29,13 @@ mod arrivals;
 mod free_end_null;
 mod kramers_kronig;
 mod passivity;
+mod relaxation;
 
 pub use arrivals::{Arrivals, Channel};
 pub use free_end_null::FreeEndNull;
 pub use kramers_kronig::{kramers_kronig, kramers_kronig_on};
 pub use passivity::passivity;
+pub use relaxation::relaxation;
 
 use std::fmt;
 
@@ -55,6 +58,8 @@ pub enum Check {
     Polarity,
     /// E'' >= 0.
     Passivity,
+    /// A modulus over time does not rise.
+    Relaxation,
     /// E' and E'' belong to one relaxing material.
     KramersKronig,
 }
@@ -66,6 +71,7 @@ impl fmt::Display for Check {
             Self::Causality => "causality",
             Self::Polarity => "polarity",
             Self::Passivity => "passivity",
+            Self::Relaxation => "relaxation",
             Self::KramersKronig => "Kramers-Kronig",
         })
     }
@@ -93,8 +99,8 @@ pub struct CheckOutcome {
     pub statistic: f64,
     /// Average statistic of noise alone.
     pub noise_floor: f64,
-    /// Probability that noise alone gives a statistic at least as extreme. For [`kramers_kronig`]
-    /// and [`passivity`] it is an upper bound.
+    /// Probability that noise alone gives a statistic at least as extreme. For [`kramers_kronig`],
+    /// [`passivity`] and [`relaxation`] it is an upper bound.
     pub p_value: f64,
     /// Chosen probability of a false alarm.
     pub level: f64,

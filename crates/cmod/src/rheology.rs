@@ -81,6 +81,7 @@ mod order;
 mod over_time;
 mod overlap;
 mod parameter;
+mod polar_scatter;
 mod power_law;
 mod profile;
 mod prony;
@@ -105,6 +106,7 @@ pub use over_time::{TransientPoint, TransientTest};
 pub use parameter::{
     CommonShift, Interval, IntervalMethod, LINEAR_BELOW, Parameter, Reason, Scale, Verdict, WIDEST,
 };
+pub use polar_scatter::PolarScatter;
 pub use power_law::PowerLaw;
 pub use shift_law::{Arrhenius, GAS_CONSTANT, ShiftLaws, Wlf};
 pub use sweep::TemperatureSweep;

@@ -61,6 +61,27 @@ impl ComplexCovariance {
         }
     }
 
+    /// Returns the covariance from independent standard errors of the two parts.
+    #[must_use]
+    pub fn of_parts(real: f64, imaginary: f64) -> Self {
+        Self::of_shift(real.into()) + Self::of_shift(Complex64::new(0.0, imaginary))
+    }
+
+    /// Returns the covariance of `value` z from independent errors of |z|, relative, and of its
+    /// phase \[rad\]: δz = z (δ|z|/|z| + i δφ), to first order.
+    #[must_use]
+    pub fn of_magnitude_and_phase(value: Complex64, magnitude: f64, phase: f64) -> Self {
+        Self::of_shift(magnitude * value) + Self::of_shift(Complex64::new(0.0, phase) * value)
+    }
+
+    /// Returns the covariance of a `modulus` E from independent standard errors of E' and of the
+    /// loss factor η: with E = E' (1 + iη), δE = (E/E') δE' + iE' δη. It is NaN for E' = 0.
+    #[must_use]
+    pub fn of_loss_factor(modulus: Complex64, storage: f64, loss_factor: f64) -> Self {
+        Self::of_shift(storage * modulus / modulus.re)
+            + Self::of_shift(Complex64::new(0.0, modulus.re * loss_factor))
+    }
+
     /// Returns the covariance of w = f(z) with the complex `derivative` dw/dz, to first order.
     #[must_use]
     pub fn through(self, derivative: Complex64) -> Self {
@@ -481,6 +502,38 @@ mod tests {
             assert!((found - expected).abs() < 1e-9 * after.mean_square());
         }
         assert!(after.correlation().abs() < 1.0);
+    }
+
+    /// Compares with central differences of E' (1 + iη) and of |E| e^{iφ}.
+    #[test]
+    fn errors_of_loss_factor_magnitude_and_phase_are_gradients() {
+        let modulus = Complex64::new(2.0, 0.3);
+        let (storage, eta) = (modulus.re, modulus.im / modulus.re);
+        let by_eta =
+            |de: f64, deta: f64| Complex64::new(storage + de, (storage + de) * (eta + deta));
+        let polar = |dm: f64, dp: f64| {
+            Complex64::from_polar(modulus.norm() * (1.0 + dm), modulus.arg() + dp)
+        };
+        let covariance = |of: &dyn Fn(f64, f64) -> Complex64, first: f64, second: f64| {
+            ComplexCovariance::of_shift(0.5 * (of(first, 0.0) - of(-first, 0.0)))
+                + ComplexCovariance::of_shift(0.5 * (of(0.0, second) - of(0.0, -second)))
+        };
+        for (found, expected) in [
+            (
+                ComplexCovariance::of_loss_factor(modulus, 1e-3, 2e-3),
+                covariance(&by_eta, 1e-3, 2e-3),
+            ),
+            (
+                ComplexCovariance::of_magnitude_and_phase(modulus, 1e-3, 2e-3),
+                covariance(&polar, 1e-3, 2e-3),
+            ),
+        ] {
+            // differences of third order, 1e-6 of the error
+            let tolerance = 1e-5 * expected.mean_square();
+            assert!((found.real - expected.real).abs() < tolerance);
+            assert!((found.imaginary - expected.imaginary).abs() < tolerance);
+            assert!((found.mixed - expected.mixed).abs() < tolerance);
+        }
     }
 
     #[test]

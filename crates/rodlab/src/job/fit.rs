@@ -27,7 +27,7 @@ pub use steps::StepsSheet;
 pub use units::UnitsSheet;
 
 use cmod::causal::CausalEstimate;
-use cmod::rheology::{ErrorScale, MasterCurve, ModulusData, ShiftLaws};
+use cmod::rheology::{ErrorScale, MasterCurve, ModulusData, PolarScatter, ShiftLaws};
 use num_complex::Complex64;
 use rodfigure::Axis;
 use serde::Deserialize;
@@ -193,7 +193,7 @@ pub(crate) fn run(sheet: &FitSheet, context: &JobContext<'_>) -> Result<Outcome,
         &mut outcome,
     )?;
     errors::judge_losses(&mut outcome, &all);
-    errors::judge_rises(&mut outcome, &all);
+    errors::judge_rises(&mut outcome, &all)?;
     if all.len() > 1 && sheet.reference_temperature.is_none() {
         return Err(RodlabError::request(
             "reference_temperature",
@@ -216,11 +216,12 @@ pub(crate) fn run(sheet: &FitSheet, context: &JobContext<'_>) -> Result<Outcome,
     context
         .progress
         .begins("shifting the temperatures", steps.len());
-    let shifted = errors::weighted(
-        error_scale,
-        |weights| Shifted::of(sheet, &steps, error_scale, weights),
-        Shifted::scatter,
-    )?;
+    let fit = |weights| Shifted::of(sheet, &steps, error_scale, weights);
+    let shifted = if error_scale == ErrorScale::Stated {
+        fit(PolarScatter::equal(errors::ASSUMED))?
+    } else {
+        PolarScatter::fitted(errors::ASSUMED, fit, Shifted::scatter)?
+    };
     let largest = steps.iter().map(Step::largest).fold(0.0, f64::max);
     let mut found = Found {
         sheet,

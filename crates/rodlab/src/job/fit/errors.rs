@@ -1,8 +1,11 @@
 //! Errors of the moduli: stated in the sheet, or estimated from the scatter if their size is
 //! unknown.
 
+use cmod::checks::relaxation;
 use cmod::estimate::{ComplexCovariance, ErrorSource};
-use cmod::rheology::{CommonError, ErrorScale, ModulusData, ModulusPoint, TransientPoint};
+use cmod::rheology::{
+    CommonError, ErrorScale, ModulusData, ModulusPoint, PolarScatter, TransientPoint,
+};
 use num_complex::Complex64;
 use serde::Deserialize;
 
@@ -21,22 +24,14 @@ use crate::{Outcome, RodlabError};
 /// of |E| for E' and for E'', as for an instrument that measures absolute value and phase. The
 /// errors of the results, and the ratio of the errors of |E| and of the phase, are computed from
 /// the scatter; the assumed size only decides which temperatures agree where they overlap.
-const ASSUMED: f64 = 0.01;
+pub(super) const ASSUMED: f64 = 0.01;
 /// Multiples of [`ASSUMED`] that are tried until all temperatures are joined.
 const MULTIPLES: [f64; 4] = [1.0, 2.0, 4.0, 8.0];
-/// Largest factor by which the ratio of the scatters of |E| and of the phase may differ from the
-/// same ratio of the assumed errors for the two to count as equal. With 169 rows the ratio of the
-/// scatters is known to 8 %.
-const EQUAL: f64 = 1.2;
-/// Maximum number of fits; after the first, each fit takes its weights from the scatter about the
-/// previous one.
-const MOST_FITS: u32 = 4;
-/// Largest ratio of the assumed errors of |E| and of the phase, or its inverse.
-const MOST_UNEQUAL: f64 = 10.0;
 /// Number of standard errors below 0 from which a loss modulus counts as negative, not as noise.
 const NEGATIVE: f64 = 3.0;
-/// Number of standard errors of the slope from which a modulus counts as rising with time.
-const RISING: f64 = 4.0;
+/// Probability with which chance makes a constant modulus rise with time: that of four standard
+/// errors.
+const RISING: f64 = 3e-5;
 
 /// Standard errors of the moduli.
 #[derive(Debug, Clone, Deserialize)]
@@ -86,7 +81,9 @@ pub(super) fn covariances(
     moduli: &[Complex64],
 ) -> Result<Vec<ComplexCovariance>, RodlabError> {
     let Some(asked) = &table.errors else {
-        let of = |modulus: &Complex64| polar(*modulus, ASSUMED, ASSUMED);
+        let of = |modulus: &Complex64| {
+            ComplexCovariance::of_magnitude_and_phase(*modulus, ASSUMED, ASSUMED)
+        };
         return Ok(moduli.iter().map(of).collect());
     };
     let of_test = match asked {
@@ -125,7 +122,7 @@ pub(super) fn covariances(
         ErrorsSheet::Columns(columns) => of_columns(table, columns, file, moduli),
         ErrorsSheet::Parts { storage, loss } => {
             let (storage, loss) = (storage.si(), loss.si());
-            all(&|modulus| independent(storage * modulus.re, loss * modulus.im))
+            all(&|modulus| ComplexCovariance::of_parts(storage * modulus.re, loss * modulus.im))
         }
         ErrorsSheet::StorageAndLossFactor {
             storage,
@@ -133,16 +130,16 @@ pub(super) fn covariances(
         } => {
             let factor = absolute(loss_factor, "loss_factor", "\"0.002\"")?;
             let storage = storage.si();
-            all(&|modulus| with_loss_factor(modulus, storage * modulus.re, factor))
+            all(&|modulus| ComplexCovariance::of_loss_factor(modulus, storage * modulus.re, factor))
         }
         ErrorsSheet::MagnitudeAndPhase { magnitude, phase } => {
             let phase = absolute(phase, "phase", "\"0.1 deg\" or \"0.002\"")?;
             let magnitude = magnitude.si();
-            all(&|modulus| polar(modulus, magnitude, phase))
+            all(&|modulus| ComplexCovariance::of_magnitude_and_phase(modulus, magnitude, phase))
         }
         ErrorsSheet::OverTime(relative) => {
             let relative = relative.si();
-            all(&|modulus| independent(relative * modulus.re, 0.0))
+            all(&|modulus| ComplexCovariance::of_parts(relative * modulus.re, 0.0))
         }
     }
 }
@@ -178,7 +175,7 @@ fn of_columns(
         ModulusColumns::Parts { storage, loss } => combined(
             read(storage, Wanted::Modulus, "storage")?,
             read(loss, Wanted::Modulus, "loss")?,
-            &|_, storage, loss| independent(storage, loss),
+            &|_, storage, loss| ComplexCovariance::of_parts(storage, loss),
         ),
         ModulusColumns::StorageAndLossFactor {
             storage,
@@ -186,117 +183,39 @@ fn of_columns(
         } => combined(
             read(storage, Wanted::Modulus, "storage")?,
             read(loss_factor, Wanted::Number, "loss_factor")?,
-            &with_loss_factor,
+            &ComplexCovariance::of_loss_factor,
         ),
         ModulusColumns::MagnitudeAndPhase { magnitude, phase } => combined(
             read(magnitude, Wanted::Modulus, "magnitude")?,
             read(phase, Wanted::Phase, "phase")?,
-            &|modulus, magnitude, phase| polar(modulus, magnitude / modulus.norm(), phase),
+            &|modulus, magnitude, phase| {
+                ComplexCovariance::of_magnitude_and_phase(
+                    modulus,
+                    magnitude / modulus.norm(),
+                    phase,
+                )
+            },
         ),
         ModulusColumns::Relaxation { modulus } | ModulusColumns::CreepModulus { modulus } => {
             let errors = read(modulus, Wanted::Modulus, "modulus")?.into_iter();
-            errors.map(|error| independent(error, 0.0)).collect()
+            errors
+                .map(|error| ComplexCovariance::of_parts(error, 0.0))
+                .collect()
         }
         ModulusColumns::Creep { compliance } => {
             let errors = read(compliance, Wanted::Compliance, "compliance")?;
             let values = moduli.iter().zip(errors);
             values
-                .map(|(modulus, error)| independent(error * modulus.re * modulus.re, 0.0))
+                .map(|(modulus, error)| {
+                    ComplexCovariance::of_parts(error * modulus.re * modulus.re, 0.0)
+                })
                 .collect()
         }
     })
 }
 
-/// Returns the covariance from independent errors of E' and E''.
-fn independent(storage: f64, loss: f64) -> ComplexCovariance {
-    ComplexCovariance::of_shift(storage.into())
-        + ComplexCovariance::of_shift(Complex64::new(0.0, loss))
-}
-
-/// Returns the covariance from independent errors of E' and of tan δ, with E'' = E' tan δ.
-fn with_loss_factor(modulus: Complex64, storage: f64, loss_factor: f64) -> ComplexCovariance {
-    ComplexCovariance::of_shift(storage * modulus / modulus.re)
-        + ComplexCovariance::of_shift(Complex64::new(0.0, modulus.re * loss_factor))
-}
-
-/// Returns the covariance from an independent relative error of |E| and an error of the phase.
-fn polar(modulus: Complex64, magnitude: f64, phase: f64) -> ComplexCovariance {
-    ComplexCovariance::of_shift(magnitude * modulus)
-        + ComplexCovariance::of_shift(Complex64::new(0.0, phase) * modulus)
-}
-
 /// Temperature \[K\] and data of a step.
 pub(super) type OfStep = (f64, ModulusData);
-
-/// Scatter of rows without stated errors: of |E|, relative, and of the phase \[rad\].
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Scatter {
-    pub(super) magnitude: f64,
-    pub(super) phase: f64,
-}
-
-impl Scatter {
-    /// Errors assumed before the first fit.
-    pub(super) const EQUAL: Self = Self {
-        magnitude: ASSUMED,
-        phase: ASSUMED,
-    };
-
-    /// Returns the scatter of measured moduli about fitted ones; `None` without moduli over
-    /// frequency, because only these have a phase.
-    pub(super) fn about(
-        rows: impl Iterator<Item = (Complex64, Complex64, Option<f64>)>,
-    ) -> Option<Self> {
-        let (mut magnitude, mut phase, mut rows_of_both) = (0.0, 0.0, 0.0);
-        for (measured, fitted, time) in rows {
-            let difference = (measured / fitted).ln();
-            if time.is_none() {
-                magnitude += difference.re * difference.re;
-                phase += difference.im * difference.im;
-                rows_of_both += 1.0;
-            }
-        }
-        (rows_of_both > 0.0).then(|| Self {
-            magnitude: (magnitude / rows_of_both).sqrt(),
-            phase: (phase / rows_of_both).sqrt(),
-        })
-    }
-
-    /// Returns errors of the assumed size whose ratio is that of the two scatters; `None` if this
-    /// ratio counts as equal to the ratio of the errors `used` before.
-    fn unlike(self, used: Self) -> Option<Self> {
-        let ratio = |of: Self| (of.magnitude / of.phase).clamp(MOST_UNEQUAL.recip(), MOST_UNEQUAL);
-        let (own, before) = (ratio(self), ratio(used));
-        let is_unlike = own > EQUAL * before || before > EQUAL * own;
-        is_unlike.then(|| Self {
-            magnitude: ASSUMED * own.sqrt(),
-            phase: ASSUMED / own.sqrt(),
-        })
-    }
-}
-
-/// Returns the result of `fit`. If no errors are stated, and the ratio of the scatters of |E| and
-/// of the phase about the fit differs from the assumed ratio, the rows are weighted by the new
-/// ratio and fitted again.
-pub(super) fn weighted<T>(
-    scale: ErrorScale,
-    mut fit: impl FnMut(Scatter) -> Result<T, RodlabError>,
-    scatter_about: impl Fn(&T) -> Option<Scatter>,
-) -> Result<T, RodlabError> {
-    let mut weights = Scatter::EQUAL;
-    let mut fitted = fit(weights)?;
-    if scale != ErrorScale::Stated {
-        for _ in 1..MOST_FITS {
-            let scatter = scatter_about(&fitted);
-            match scatter.and_then(|scatter| scatter.unlike(weights)) {
-                Some(better) => weights = better,
-                None => break,
-            }
-            fitted = fit(weights)?;
-        }
-    }
-    Ok(fitted)
-}
 
 /// Returns the data of all steps with their temperatures and, if no errors are stated, the assumed
 /// relative error. This is the smallest of the [`MULTIPLES`] with which the largest number of
@@ -305,9 +224,9 @@ pub(super) fn weighted<T>(
 pub(super) fn data_of_all(
     sheet: &FitSheet,
     steps: &[Step],
-    weights: Scatter,
+    weights: PolarScatter,
 ) -> Result<(Vec<OfStep>, Option<f64>), RodlabError> {
-    let with = |assumed: Option<Scatter>| -> Result<Vec<OfStep>, RodlabError> {
+    let with = |assumed: Option<PolarScatter>| -> Result<Vec<OfStep>, RodlabError> {
         let of = |step: &Step| Ok((step.temperature, data(sheet, step, assumed)?));
         steps.iter().map(of).collect()
     };
@@ -316,7 +235,7 @@ pub(super) fn data_of_all(
     }
     let mut best: Option<(usize, f64, Vec<OfStep>)> = None;
     for multiple in MULTIPLES {
-        let data = with(Some(Scatter {
+        let data = with(Some(PolarScatter {
             magnitude: multiple * weights.magnitude,
             phase: multiple * weights.phase,
         }))?;
@@ -354,13 +273,13 @@ pub(super) fn draw(sheet: &FitSheet, steps: &mut [Step], draw: &Draw) {
 fn data(
     sheet: &FitSheet,
     step: &Step,
-    assumed: Option<Scatter>,
+    assumed: Option<PolarScatter>,
 ) -> Result<ModulusData, RodlabError> {
     let point = |row: &Row| ModulusPoint {
         frequency_hz: row.frequency_hz,
         modulus: row.modulus,
         covariance: assumed.map_or(row.covariance, |of| {
-            polar(row.modulus, of.magnitude, of.phase)
+            ComplexCovariance::of_magnitude_and_phase(row.modulus, of.magnitude, of.phase)
         }),
     };
     let at_time = |row: &Row| {
@@ -433,17 +352,24 @@ pub(super) fn judge_losses(outcome: &mut Outcome, steps: &[Step]) {
     }
 }
 
-/// Puts the result in doubt if a modulus rises with time, with a slope of more than four standard
-/// errors.
-pub(super) fn judge_rises(outcome: &mut Outcome, steps: &[Step]) {
+/// Puts the result in doubt if a modulus rises with time.
+///
+/// # Errors
+///
+/// [`RodlabError::Step`] for impossible times or moduli.
+pub(super) fn judge_rises(outcome: &mut Outcome, steps: &[Step]) -> Result<(), RodlabError> {
     let mut rising = Vec::new();
     for step in steps {
         for rows in step.by_test() {
-            let points: Vec<(f64, f64)> = rows
+            let points = rows
                 .iter()
-                .filter_map(|row| Some((row.time()?.ln(), row.modulus.re.ln())))
-                .collect();
-            if slope_in_errors(&points) > RISING {
+                .filter_map(|row| Some((row.time()?, row.modulus.re)));
+            let (times, moduli): (Vec<f64>, Vec<f64>) = points.unzip();
+            let check = relaxation(&times, &moduli, RISING);
+            let check = check.map_err(|error| {
+                RodlabError::step(format!("tables, at {}", step.in_words()), error)
+            })?;
+            if check.has_failed() {
                 rising.push(step.in_words());
             }
         }
@@ -454,22 +380,5 @@ pub(super) fn judge_rises(outcome: &mut Outcome, steps: &[Step]) {
             rising.len()
         ));
     }
-}
-
-/// Returns the slope of the straight line fitted to `points`, divided by the standard error of the
-/// slope from the scatter of the points.
-fn slope_in_errors(points: &[(f64, f64)]) -> f64 {
-    let n = points.len() as f64;
-    let mean = |of: fn(&(f64, f64)) -> f64| points.iter().map(of).sum::<f64>() / n;
-    let (x, y) = (mean(|point| point.0), mean(|point| point.1));
-    let sum = |of: &dyn Fn(f64, f64) -> f64| -> f64 {
-        points
-            .iter()
-            .map(|point| of(point.0 - x, point.1 - y))
-            .sum()
-    };
-    let square = sum(&|x, _| x * x);
-    let slope = sum(&|x, y| x * y) / square;
-    let left = sum(&|x, y| (y - slope * x).powi(2)) / (n - 2.0);
-    slope / (left / square).sqrt()
+    Ok(())
 }

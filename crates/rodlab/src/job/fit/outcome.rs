@@ -2,9 +2,9 @@
 
 use std::f64::consts::{LN_10, TAU};
 
-use cmod::rheology::{Comparison, ErrorScale, MasterCurve, Shift, ShiftLaws};
+use cmod::rheology::{Comparison, ErrorScale, MasterCurve, PolarScatter, Shift, ShiftLaws};
 
-use super::errors::Scatter;
+use super::errors::ASSUMED;
 use super::master::CHANCE;
 use super::shifted::Shifted;
 use super::steps::{Step, celsius, to_celsius};
@@ -25,7 +25,7 @@ const NEAR_REFERENCE: f64 = 1.0;
 pub(super) fn errors_in_words(outcome: &mut Outcome, shifted: &Shifted) {
     if let Some(assumed) = shifted.assumed {
         let ratio = shifted.weights.magnitude / shifted.weights.phase;
-        let unequal = if shifted.weights == Scatter::EQUAL {
+        let unequal = if shifted.weights == PolarScatter::equal(ASSUMED) {
             String::new()
         } else {
             format!(

@@ -2,10 +2,10 @@
 
 use cmod::CmodError;
 use cmod::rheology::{
-    ErrorScale, FitOptions, MasterPoint, ModulusData, PronyFit, TemperatureSweep,
+    ErrorScale, FitOptions, MasterPoint, ModulusData, PolarScatter, PronyFit, TemperatureSweep,
 };
 
-use super::errors::{self, Scatter};
+use super::errors;
 use super::master;
 use super::steps::Step;
 use super::{FitSheet, Sweep};
@@ -17,7 +17,7 @@ pub(super) struct Shifted {
     error_scale: ErrorScale,
     /// Relative error that was assumed to join temperatures, if the sheet states no errors.
     pub(super) assumed: Option<f64>,
-    pub(super) weights: Scatter,
+    pub(super) weights: PolarScatter,
 }
 
 /// Curve of one step, or master curve of several.
@@ -31,7 +31,7 @@ impl Shifted {
         sheet: &FitSheet,
         steps: &[Step],
         error_scale: ErrorScale,
-        weights: Scatter,
+        weights: PolarScatter,
     ) -> Result<Self, RodlabError> {
         let (data, assumed) = errors::data_of_all(sheet, steps, weights)?;
         let curve = match <[(f64, ModulusData); 1]>::try_from(data) {
@@ -50,20 +50,23 @@ impl Shifted {
         })
     }
 
-    /// Returns the scatter of the rows about a Prony series; `None` without a series.
-    pub(super) fn scatter(&self) -> Option<Scatter> {
+    /// Returns the scatter of the rows over frequency about a Prony series; `None` without a series.
+    pub(super) fn scatter(&self) -> Option<PolarScatter> {
         match &self.curve {
             Curve::Single(data) => {
                 let options = FitOptions::default().with_error_scale(self.error_scale);
                 let options = options.with_series_profiles(false).with_profiles(false);
                 let series = PronyFit::new(data, &options).ok()?.fit.law;
-                let rows = data.modulus().iter().zip(series.response(data)).enumerate();
-                Scatter::about(rows.map(|(line, (modulus, law))| (*modulus, law, data.time(line))))
+                let rows = data.modulus().iter().copied().zip(series.response(data));
+                let rows = rows.enumerate();
+                let over_frequency = rows.filter(|(line, _)| data.time(*line).is_none());
+                PolarScatter::about(over_frequency.map(|(_, moduli)| moduli))
             }
             Curve::Several(Ok(sweep)) => {
-                let of_point =
-                    |point: &MasterPoint| (point.modulus, point.fitted, point.reduced_time);
-                Scatter::about(sweep.curve.points.iter().map(of_point))
+                let points = sweep.curve.points.iter();
+                let over_frequency =
+                    points.filter(|point: &&MasterPoint| point.reduced_time.is_none());
+                PolarScatter::about(over_frequency.map(|point| (point.modulus, point.fitted)))
             }
             Curve::Several(Err(_)) => None,
         }
