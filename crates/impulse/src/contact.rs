@@ -1,5 +1,7 @@
 //! The end of the contact.
 
+use std::ops::Range;
+
 use crate::error::check_not_negative;
 use crate::{ForceHistory, ImpulseError};
 
@@ -41,6 +43,22 @@ pub struct ImpactForce {
     /// compared with the peak, the time of separation depends on details of the bodies: for
     /// the cone's end B of paper E the force falls to 0.2 N at 1.12 ms and is zero at 1.57 ms.
     pub closest_to_separation: Option<Graze>,
+}
+
+impl ImpactForce {
+    /// Returns the samples from `margin` \[s\] before the contact to `margin` after its end, or to
+    /// the end of the history if the contact does not end. Later the stick force is not the impact
+    /// force.
+    #[must_use]
+    pub fn span(&self, margin: f64) -> Range<usize> {
+        let history = &self.history;
+        let end = match self.end {
+            ContactEnd::Separated { time } => history.index_near(time + margin),
+            ContactEnd::InContact | ContactEnd::NoContact => None,
+        };
+        let end = end.unwrap_or(history.force().len() - 1);
+        history.index_near(-margin).unwrap_or(0)..end + 1
+    }
 }
 
 /// Ends the contact at the first zero $`t_0`$ of the stick force, $`F = F_s[H(t) - H(t-t_0)]`$
@@ -144,6 +162,19 @@ mod tests {
         assert_eq!(impact.end, ContactEnd::Separated { time: 2.375 });
         let graze = impact.closest_to_separation.unwrap();
         assert_eq!((graze.time, graze.force), (1.0, 1.0));
+    }
+
+    #[test]
+    fn the_span_of_a_contact_has_margins_within_the_history() {
+        let force = vec![0.0, 0.0, 4.0, 2.0, -2.0, 0.0, 0.0, 0.0];
+        let stick = ForceHistory::new(-1.0, 0.5, force).unwrap();
+        let impact = separate(&stick, 0.0).unwrap();
+        // from 0 to 0.75 s
+        assert_eq!(impact.end, ContactEnd::Separated { time: 0.75 });
+        assert_eq!(impact.span(0.5), 1..6);
+        assert_eq!(impact.span(9.0), 0..8);
+        let pressed = separate(&history(&[1.0; 4]), 0.0).unwrap();
+        assert_eq!(pressed.span(0.5), 0..4);
     }
 
     #[test]

@@ -143,6 +143,7 @@ mod balance;
 mod band_limit;
 mod body;
 mod contact;
+mod contact_impulse;
 mod contact_law;
 mod convolution;
 mod error;
@@ -170,6 +171,7 @@ pub use body::{
     WeighedMass, lines_of,
 };
 pub use contact::{ContactEnd, Graze, ImpactForce, separate};
+pub use contact_impulse::ContactImpulse;
 pub use contact_law::{ContactLaw, ElasticMaterial, TabulatedContact};
 pub use error::ImpulseError;
 pub use force_error::{Coverage, ForceBand, ForceError};

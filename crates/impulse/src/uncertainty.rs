@@ -143,6 +143,35 @@ impl StickProblem<'_> {
 }
 
 impl StickUncertainty<'_> {
+    /// Returns true if no input has an error.
+    #[must_use]
+    pub fn is_zero(&self) -> bool {
+        self.first_variance.is_none()
+            && self.second_variance.is_none()
+            && self
+                .standard_errors()
+                .iter()
+                .all(|(_, error)| *error == 0.0)
+    }
+
+    /// Returns the standard errors with their names.
+    fn standard_errors(&self) -> [(&'static str, f64); 6] {
+        [
+            ("standard error of the first scale", self.first_scale),
+            ("standard error of the second scale", self.second_scale),
+            ("standard error of the first delay [s]", self.first_delay),
+            ("standard error of the second delay [s]", self.second_delay),
+            (
+                "standard error of the impact velocity [m/s]",
+                self.impact_velocity,
+            ),
+            (
+                "standard error of the effective mass [kg]",
+                self.effective_mass,
+            ),
+        ]
+    }
+
     fn check(&self, problem: &StickProblem<'_>) -> Result<(), ImpulseError> {
         for (what, variance) in [
             ("variance of the first mobility", self.first_variance),
@@ -164,20 +193,7 @@ impl StickUncertainty<'_> {
                 return Err(ImpulseError::NonFinite { what, index });
             }
         }
-        for (quantity, value) in [
-            ("standard error of the first scale", self.first_scale),
-            ("standard error of the second scale", self.second_scale),
-            ("standard error of the first delay [s]", self.first_delay),
-            ("standard error of the second delay [s]", self.second_delay),
-            (
-                "standard error of the impact velocity [m/s]",
-                self.impact_velocity,
-            ),
-            (
-                "standard error of the effective mass [kg]",
-                self.effective_mass,
-            ),
-        ] {
+        for (quantity, value) in self.standard_errors() {
             check_not_negative(quantity, value)?;
         }
         Ok(())

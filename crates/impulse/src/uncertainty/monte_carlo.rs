@@ -24,6 +24,8 @@ pub struct MonteCarlo {
     pub impact_forces: Vec<Vec<f64>>,
     /// Ends of the contacts that end \[s\], in increasing order.
     pub contact_ends: Vec<f64>,
+    /// Time between samples \[s\].
+    pub time_step: f64,
     /// Number of draws that are still in contact at the end of the history, or without contact.
     pub without_end: usize,
 }
@@ -54,13 +56,14 @@ impl StickUncertainty<'_> {
                 expected: FEWEST_DRAWS,
             });
         }
-        let (_, n_shown) = problem.n_samples();
+        let (n_period, n_shown) = problem.n_samples();
         check_draws(n_draws, n_shown)?;
         let mut result = MonteCarlo {
             stick_mean: vec![0.0; n_shown],
             stick_deviation: vec![0.0; n_shown],
             impact_forces: Vec::with_capacity(n_draws),
             contact_ends: Vec::new(),
+            time_step: 1.0 / (n_period as f64 * problem.frequency_step_hz),
             without_end: 0,
         };
         let mut normal = || -> f64 { random.sample(StandardNormal) };
@@ -151,6 +154,32 @@ impl MonteCarlo {
             band.upper.push(quantile(&values, 0.5 + 0.5 * level));
         }
         Ok(band)
+    }
+
+    /// Returns the standard deviation of the impulse of the contact \[N s\]; `None` if there is a
+    /// draw whose contact does not end.
+    #[must_use]
+    pub fn impulse_deviation(&self) -> Option<f64> {
+        let impulses = self.impact_forces.iter();
+        let impulses = impulses.map(|force| self.time_step * force.iter().sum::<f64>());
+        let impulses: Vec<f64> = impulses.collect();
+        let count = impulses.len() as f64;
+        let mean = impulses.iter().sum::<f64>() / count;
+        let square: f64 = impulses.iter().map(|j| (j - mean).powi(2)).sum();
+        (self.without_end == 0 && count > 1.0).then(|| (square / (count - 1.0)).sqrt())
+    }
+
+    /// Returns the limits of the central fraction `level` of the ends of the contact \[s\], without
+    /// the draws whose contact does not end; `None` if there is no end.
+    ///
+    /// # Errors
+    ///
+    /// [`ImpulseError::NonPhysical`] for a level that is not between 0 and 1.
+    pub fn contact_end_limits(&self, level: f64) -> Result<Option<[f64; 2]>, ImpulseError> {
+        check_probability("level of an interval", level)?;
+        let limits = [0.5 - 0.5 * level, 0.5 + 0.5 * level];
+        let limits = limits.map(|part| quantile(&self.contact_ends, part));
+        Ok((!self.contact_ends.is_empty()).then_some(limits))
     }
 }
 

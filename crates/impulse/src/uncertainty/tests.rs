@@ -267,3 +267,23 @@ fn errors_that_cannot_be_are_refused() {
     let mut random = ChaCha8Rng::seed_from_u64(1);
     assert!(none.monte_carlo(&problem, 0.0, 10, &mut random).is_err());
 }
+
+#[test]
+fn impulses_and_ends_of_draws_have_their_scatter() {
+    let mut draws = MonteCarlo {
+        stick_mean: vec![0.0; 2],
+        stick_deviation: vec![0.0; 2],
+        // impulses of 1.5, 2.5 and 3.5 N s
+        impact_forces: vec![vec![1.0, 2.0], vec![3.0, 2.0], vec![2.0, 5.0]],
+        contact_ends: (0..101).map(f64::from).collect(),
+        time_step: 0.5,
+        without_end: 0,
+    };
+    assert_eq!(draws.impulse_deviation(), Some(1.0));
+    assert_eq!(draws.contact_end_limits(0.9).unwrap(), Some([5.0, 95.0]));
+    assert!(draws.contact_end_limits(1.0).is_err());
+    draws.without_end = 1;
+    draws.contact_ends.clear();
+    assert_eq!(draws.impulse_deviation(), None);
+    assert_eq!(draws.contact_end_limits(0.9).unwrap(), None);
+}

@@ -1,11 +1,9 @@
 //! Method of paper E: the stick force from lines of the mobilities (Ödeen 1993, paper E, eq. 2),
 //! with its errors.
 
-use std::ops::Range;
-
 use impulse::{
-    ContactEnd, EndError, EndVerdict, ForceBand, ForceError, ForceHistory, ForcePeak, ImpactForce,
-    MonteCarlo, StickForce, StickProblem, StickUncertainty, ZeroLine, separate,
+    ContactEnd, ContactImpulse, EndError, EndVerdict, ForceBand, ForceError, ForcePeak,
+    ImpactForce, MonteCarlo, StickForce, StickProblem, StickUncertainty, ZeroLine, separate,
 };
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
@@ -46,10 +44,8 @@ pub(super) struct OnLines {
     roll_off_from_hz: Option<f64>,
     /// The force until the faces part.
     pub(super) impact: ImpactForce,
-    /// Impulse of the first contact \[N s\], extrapolated to a force without a band limit.
-    impulse: Option<f64>,
-    /// Standard error of the extrapolation \[N s\].
-    impulse_by_band: Option<f64>,
+    /// Impulse of the first contact.
+    impulse: Option<ContactImpulse>,
     /// Reason why there are no bands, or the errors that the bands contain.
     about_errors: &'static str,
 }
@@ -62,6 +58,8 @@ pub(super) struct Bands {
     pub(super) simultaneous: ForceBand,
     pub(super) end: Option<EndError>,
     pub(super) draws: MonteCarlo,
+    /// Limits of the end of the first contact \[s\], from the draws.
+    limits_of_end: Option<[f64; 2]>,
     /// Band of the impact force, from draws.
     pub(super) contact: ForceBand,
 }
@@ -131,18 +129,7 @@ pub(super) fn on_lines(
             0.0
         },
     };
-    let anything = uncertainty.first_variance.is_some()
-        || uncertainty.second_variance.is_some()
-        || [
-            uncertainty.first_scale,
-            uncertainty.second_scale,
-            uncertainty.first_delay,
-            uncertainty.second_delay,
-            uncertainty.impact_velocity,
-            uncertainty.effective_mass,
-        ]
-        .iter()
-        .any(|error| *error > 0.0);
+    let anything = !uncertainty.is_zero();
     let history = &stick.history;
     let threshold = THRESHOLD * history.peak().force.abs();
     let impact = separate(history, threshold).map_err(refused)?;
@@ -175,30 +162,8 @@ pub(super) fn on_lines(
     } else {
         None
     };
-    let impulse = impulse_of_first_contact(history, &impact, 1.0 / highest_hz);
-    let half = n_lines / 2 + 1;
-    let narrower = StickProblem {
-        first: first.get(..half).unwrap_or_default(),
-        second: second.get(..half).unwrap_or_default(),
-        roll_off_from_hz: roll_off_from_hz.map(|from| 0.5 * from),
-        ..problem
-    };
-    let by_band = if half > 2 {
-        let history = narrower.solve().map_err(refused)?.history;
-        let impact = separate(&history, threshold).map_err(refused)?;
-        impulse_of_first_contact(&history, &impact, 2.0 / highest_hz)
-    } else {
-        None
-    };
-    let (impulse, impulse_by_band) = match impulse.zip(by_band) {
-        Some((all, half)) => {
-            let (without_limit, error) = without_band_limit(all, half);
-            (Some(without_limit), Some(error))
-        }
-        None => (impulse, None),
-    };
+    let impulse = problem.contact_impulse(threshold).map_err(refused)?;
     Ok(Some(OnLines {
-        impulse_by_band,
         impulse,
         stick,
         bands,
@@ -290,13 +255,14 @@ fn bands(
             .simultaneous(
                 history,
                 level,
-                span_of_contact(history, impact, period),
+                impact.span(period),
                 DRAWS_OF_BAND,
                 &mut random,
             )
             .map_err(refused)?,
         end: error.contact_end(history, impact),
         contact: drawn.contact_band(level).map_err(refused)?,
+        limits_of_end: drawn.contact_end_limits(level).map_err(refused)?,
         draws: drawn,
         error,
     })
@@ -331,17 +297,8 @@ impl OnLines {
     /// the extrapolation to a force without a band limit; `None` if there is a draw in which the
     /// faces do not part.
     fn impulse_error(&self) -> Option<f64> {
-        let draws = &self.bands.as_ref()?.draws;
-        if draws.without_end > 0 {
-            return None;
-        }
-        let step = self.stick.history.time_step();
-        let impulses = draws.impact_forces.iter();
-        let impulses: Vec<f64> = impulses.map(|f| step * f.iter().sum::<f64>()).collect();
-        let count = impulses.len() as f64;
-        let mean = impulses.iter().sum::<f64>() / count;
-        let square: f64 = impulses.iter().map(|j| (j - mean).powi(2)).sum();
-        Some((square / (count - 1.0)).sqrt().hypot(self.impulse_by_band?))
+        let deviation = self.bands.as_ref()?.draws.impulse_deviation()?;
+        Some(deviation.hypot(self.impulse?.by_band?))
     }
 
     /// Returns the table of the force until the faces part.
@@ -384,7 +341,7 @@ impl OnLines {
         let impulse = self.impulse.map_or_else(String::new, |impulse| {
             format!(
                 "; the impulse until then is {}",
-                with_unit(impulse, self.impulse_error(), "N s")
+                with_unit(impulse.impulse, self.impulse_error(), "N s")
             )
         });
         vec![
@@ -425,7 +382,7 @@ impl OnLines {
             found.push(Quantity {
                 name: "impulse".to_owned(),
                 unit: "N s".to_owned(),
-                value: self.impulse,
+                value: self.impulse.map(|impulse| impulse.impulse),
                 standard_error: self.impulse_error(),
                 valid: settled && self.impulse.is_some(),
                 verdict: in_words(
@@ -463,24 +420,19 @@ impl OnLines {
         let Some(bands) = &self.bands else {
             return found;
         };
-        let ends = &bands.draws.contact_ends;
-        for (name, part) in [
-            ("lower", 0.5 - 0.5 * bands.level),
-            ("upper", 0.5 + 0.5 * bands.level),
-        ] {
-            let below = ends
-                .iter()
-                .enumerate()
-                .find(|(index, _)| (*index + 1) as f64 >= part * ends.len() as f64);
+        let limits = bands
+            .limits_of_end
+            .map_or([None; 2], |limits| limits.map(Some));
+        for (name, limit) in ["lower", "upper"].into_iter().zip(limits) {
             found.push(Quantity {
                 name: format!("{name} limit of the end of the first contact"),
                 unit: "ms".to_owned(),
-                value: below.map(|(_, time)| 1e3 * time),
+                value: limit.map(|time| 1e3 * time),
                 standard_error: None,
-                valid: below.is_some() && bands.draws.without_end == 0,
+                valid: limit.is_some() && bands.draws.without_end == 0,
                 verdict: format!(
                     "from {} draws, in {} of which the faces do not part",
-                    ends.len() + bands.draws.without_end,
+                    bands.draws.contact_ends.len() + bands.draws.without_end,
                     bands.draws.without_end
                 ),
             });
@@ -517,43 +469,4 @@ impl OnLines {
         }
         Table::of("stick_force", "Stick force on lines", columns)
     }
-}
-
-/// Returns the samples from one `period` of the last line before the first contact to one period
-/// after the faces part, or to the end of the history if they do not part. Later the stick force is
-/// not the impact force.
-fn span_of_contact(stick: &ForceHistory, impact: &ImpactForce, period: f64) -> Range<usize> {
-    let end = match impact.end {
-        ContactEnd::Separated { time } => stick.index_near(time + period),
-        _ => None,
-    };
-    let end = end.unwrap_or(stick.force().len() - 1);
-    stick.index_near(-period).unwrap_or(0)..end + 1
-}
-
-/// Returns the impulse of the first contact \[N s\]: the integral of the stick force until it falls
-/// to zero. It includes the part that the band limit spreads ahead of the contact, up to ten times
-/// `ahead` \[s\]. Returns `None` if the faces do not part.
-fn impulse_of_first_contact(stick: &ForceHistory, impact: &ImpactForce, ahead: f64) -> Option<f64> {
-    let ContactEnd::Separated { time: end } = impact.end else {
-        return None;
-    };
-    let step = stick.time_step();
-    let samples = stick.force().iter().enumerate();
-    let inside = samples
-        .map(|(index, force)| (stick.time_at(index), force))
-        .filter(|(time, _)| *time >= -10.0 * ahead && *time <= end);
-    Some(step * inside.map(|(_, force)| force).sum::<f64>())
-}
-
-/// Returns the impulse without a band limit, and its standard error, from the impulses in a band
-/// and in half of this band. The part that the band limit removes where the faces part decreases
-/// with the first power of the band width if the force jumps there, and with the second power if
-/// the force falls to zero continuously. All values between the two extrapolations are taken as
-/// equally probable.
-fn without_band_limit(all: f64, half: f64) -> (f64, f64) {
-    let change = all - half;
-    let [first, second] = [change, change / 3.0].map(|further| all + further);
-    let error = (first - second).abs() / 12.0_f64.sqrt();
-    (0.5 * (first + second), error)
 }
