@@ -134,6 +134,18 @@ pub(crate) fn check_finite(quantity: &'static str, value: f64) -> Result<f64, Ro
     }
 }
 
+/// Checks that a value is finite and 0 or above, and returns it.
+pub(crate) fn check_not_negative(quantity: &'static str, value: f64) -> Result<f64, RodwaveError> {
+    if value < 0.0 {
+        return Err(RodwaveError::NonPhysical {
+            quantity,
+            value,
+            expected: "a finite value, 0 or above",
+        });
+    }
+    check_finite(quantity, value)
+}
+
 /// Checks that all values are finite.
 pub(crate) fn check_all_finite(
     quantity: &'static str,

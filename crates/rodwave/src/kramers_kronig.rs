@@ -92,7 +92,7 @@ use std::f64::consts::{LN_10, SQRT_2};
 use num_complex::Complex64;
 
 use crate::RodwaveError;
-use crate::error::{check_finite, check_positive};
+use crate::error::{check_finite, check_not_negative, check_positive};
 use crate::medium::{Medium, PropagationLaw};
 use crate::modulus::MaxwellBranch;
 use crate::numerics::CommonErrors;
@@ -553,17 +553,6 @@ fn elements(band: Band) -> Vec<Element> {
         .into_iter()
         .chain(times)
         .collect()
-}
-
-fn check_not_negative(quantity: &'static str, value: f64) -> Result<f64, RodwaveError> {
-    if value < 0.0 {
-        return Err(RodwaveError::NonPhysical {
-            quantity,
-            value,
-            expected: "a finite value, 0 or above",
-        });
-    }
-    check_finite(quantity, value)
 }
 
 /// Error of the modulus of a causal material due to the grid and to rounding, as the root mean

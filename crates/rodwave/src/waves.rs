@@ -9,6 +9,7 @@
 //!
 //! P travels and decays along +x, N along -x. The two waves follow from the state (N, v) of one
 //! section, or from q at two or more sections at any positions, whatever the ends of the rod are.
+//! If one end is free, they follow from the strain at one section ([`FreeEndWaves`]).
 //!
 //! ```
 //! use num_complex::Complex64;
@@ -31,6 +32,10 @@
 //! singular frequencies apart.
 //!
 //! Theory: `docs/theory/chains.md#waves`.
+
+mod free_end;
+
+pub use free_end::{FreeEndWaves, IncidentWave, PlaceWaves};
 
 use num_complex::Complex64;
 

@@ -239,9 +239,15 @@ fn add(
         outcome.summary.insert(outcome.summary.len().min(1), words);
     }
     outcome.figures.push(figures::propagation(&lines)?);
-    if let Some(waves) = separated::of(&lines, sheet, passages) {
-        outcome.figures.extend(figures::waves(&waves, passages));
-        outcome.quantities.push(waves.misfit());
+    match separated::of(&lines, sheet, passages) {
+        Ok(Some(waves)) => {
+            outcome.figures.extend(figures::waves(&waves, passages));
+            outcome.quantities.push(waves.misfit());
+        }
+        Ok(None) => {}
+        Err(error) => outcome
+            .warnings
+            .push(format!("The waves in the bar are not computed: {error}.")),
     }
     Ok(())
 }
