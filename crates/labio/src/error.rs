@@ -58,6 +58,60 @@ pub enum LabioError {
         /// Number needed.
         expected: usize,
     },
+    /// A pulse begins in the silence that is stated before it.
+    #[error("a pulse begins after {found:.3e} s, expected a silence of {stated:.3e} s before it")]
+    SilenceEnds {
+        /// Time of the first sample of the pulse, in seconds from the beginning of the record.
+        found: f64,
+        /// Stated duration of the silence, in seconds.
+        stated: f64,
+    },
+    /// No pulse stands out from the noise in the silence.
+    #[error(
+        "the noise in the silence before a pulse is {noise:.3e}, expected at most 2 % of the largest sample, {peak:.3e}"
+    )]
+    NoisySilence {
+        /// Standard deviation of the noise.
+        noise: f64,
+        /// Largest sample, counted from the level at rest.
+        peak: f64,
+    },
+    /// A pulse has no echo of the opposite sign.
+    #[error("no pulse of the opposite sign follows a pulse, expected after {expected:.3e} s")]
+    NoEcho {
+        /// Expected delay, in seconds.
+        expected: f64,
+    },
+    /// A pulse lasts until its echo, or its echo arrives at another time than expected.
+    #[error(
+        "a pulse lasts {pulse:.3e} s and changes sign {delay:.3e} s after its front, expected a rest of the channel and an echo after {expected:.3e} s"
+    )]
+    EchoOverlaps {
+        /// Duration of the pulse, in seconds.
+        pulse: f64,
+        /// Time from front to front, in seconds.
+        delay: f64,
+        /// Expected time, in seconds.
+        expected: f64,
+    },
+    /// The next wave arrives before the echo of a pulse has passed.
+    #[error(
+        "the next wave arrives {next:.3e} s after the front of an echo, expected after the pulse of {pulse:.3e} s has passed"
+    )]
+    EchoOvertaken {
+        /// Duration of the pulse, in seconds.
+        pulse: f64,
+        /// Time from the front of the echo to the next wave, in seconds.
+        next: f64,
+    },
+    /// The record ends before the echo of a pulse does.
+    #[error("the record lasts {found:.3e} s, expected {expected:.3e} s up to the end of an echo")]
+    EchoCut {
+        /// Duration of the record, in seconds.
+        found: f64,
+        /// Duration needed, in seconds.
+        expected: f64,
+    },
     /// A channel still moves at the end of a hit after which rest is assumed.
     #[error(
         "`{channel}` deviates from its rest level by {remainder:.3e} rms in the last tenth of the record, expected no more than noise and a thousandth of its peak of {peak:.3e}"

@@ -6,6 +6,7 @@
 //! Theory: `docs/theory/one-shot.md`, `docs/theory/neighbouring-methods.md#small-numbers-of-hits`.
 
 mod drawn;
+mod echo;
 mod freedom;
 mod one_shot;
 pub mod pooling;
@@ -14,6 +15,7 @@ mod pulses;
 mod rounding;
 
 pub use drawn::add_random_errors;
+pub use echo::Pulse;
 pub use freedom::DegreesOfFreedom;
 pub use pulse_windows::{find_cut_edges, find_other_pulse};
 pub use pulses::{PulseWindow, noise_of_cut_pulse};

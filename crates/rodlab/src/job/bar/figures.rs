@@ -45,7 +45,7 @@ pub(super) fn waves(waves: &Waves, passages: &Passages) -> Vec<Figure> {
     let step = 1e3 / waves.rate_hz;
     let times = |n: usize| -> Vec<f64> { (0..n).map(|at| step * at as f64).collect() };
     let peak = |values: &[f64]| values.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
-    let Some(largest) = passages.histories.first().map(|history| peak(history)) else {
+    let Some(largest) = passages.pulses.first().map(|pulse| peak(&pulse.history)) else {
         return Vec::new();
     };
     let scaled = |values: &[f64]| values.iter().map(|x| x / largest).collect::<Vec<f64>>();
@@ -54,17 +54,17 @@ pub(super) fn waves(waves: &Waves, passages: &Passages) -> Vec<Figure> {
         Panel::new(time, (label, "of the peak at the first gauge"), marks)
     };
     let mut panels = Vec::new();
-    let fronts = passages.first.iter().zip(&waves.returns);
-    for (history, (first, returns)) in passages.histories.iter().zip(fronts) {
-        let x = times(history.len());
-        let mut marks = vec![Mark::curve("record", Role::First, &x, scaled(history))];
+    for (pulse, returns) in passages.pulses.iter().zip(&waves.returns) {
+        let x = times(pulse.history.len());
+        let record = scaled(&pulse.history);
+        let mut marks = vec![Mark::curve("record", Role::First, &x, record)];
         let mut at = |name: &str, sample: usize| {
             marks.push(Mark::At {
                 name: name.to_owned(),
                 x: step * sample as f64,
             });
         };
-        at("1", *first);
+        at("1", pulse.first_sample);
         if let Some([incident, reflected]) = &passages.windows {
             at("incident pulse to", incident.end);
             at("reflected pulse from", reflected.start);

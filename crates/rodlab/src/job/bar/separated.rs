@@ -60,15 +60,16 @@ pub(super) fn of(
     passages: &Passages,
 ) -> Result<Option<Waves>, RodwaveError> {
     let valid: Vec<&Line> = lines.iter().filter(|line| line.is_valid).collect();
-    let (Some(middle), Some(gauge), Some(history), Some(last), Some(own)) = (
+    let (Some(middle), Some(gauge), Some(pulse), Some(last), Some(own)) = (
         valid.get(valid.len() / 2),
         sheet.gauges.first(),
-        passages.histories.first(),
+        passages.pulses.first(),
         sheet.gauges.last(),
-        passages.histories.last(),
+        passages.pulses.last(),
     ) else {
         return Ok(None);
     };
+    let history = &pulse.history;
     let rate_hz = passages.rate_hz;
     let (to_end, length) = (gauge.distance(), sheet.bar.length.si());
     let frequency_hz: Vec<f64> = valid.iter().map(|line| line.frequency_hz).collect();
@@ -92,7 +93,7 @@ pub(super) fn of(
         });
         at.push((place, towards.collect(), waves.from_end));
     }
-    let measured = bar.in_band(own)?;
+    let measured = bar.in_band(&own.history)?;
     let [predicted, measured] = match &passages.windows {
         // a single gauge: the prediction starts from the incident pulse alone and ends after its
         // reflection
@@ -119,9 +120,9 @@ pub(super) fn of(
     let returns = sheet
         .gauges
         .iter()
-        .zip(&passages.first)
-        .map(|(gauge, first)| {
-            let front = *first as f64 / rate_hz;
+        .zip(&passages.pulses)
+        .map(|(gauge, pulse)| {
+            let front = pulse.first_sample as f64 / rate_hz;
             let round = |n: u32| front + 2.0 * f64::from(n) * length / speed;
             let pairs =
                 (0..MOST_DRAWN).map(|n| [round(n), round(n) + 2.0 * gauge.distance() / speed]);
