@@ -135,14 +135,30 @@ pub(crate) fn quoted(found: &str) -> String {
     format!("`{shown}`")
 }
 
-/// Parses a real number; blanks around it are allowed. `NaN`, `inf` and the infinity sign, which
-/// oscilloscopes write for an overload, are numbers.
+/// Magnitude below all numbers that mark a lost sample.
+const BELOW_MARKS: f64 = 9.8e34;
+
+/// Words that instruments write for a signal beyond the range, in any case of letters.
+const OVERLOADS: [&str; 6] = ["OL", "OVER", "OVLD", "OVERLOAD", "OVERFLOW", "OVERRANGE"];
+
+/// Parses a real number; blanks around it are allowed. The exponent letter may be Fortran's D, the
+/// minus sign that of Unicode. Infinities and NaN are written in words, as [marks](of_mark), or as
+/// the C library of Windows prints them (`1.#INF`).
 pub(crate) fn real(text: &str, mark: DecimalMark) -> Option<f64> {
     let text = trimmed(text);
-    match text.bytes().find(|byte| !matches!(byte, b'+' | b'-'))? {
-        b'0'..=b'9' | b'.' | b',' => {}
-        _ => return special(text),
-    }
+    let value = match text.bytes().find(|byte| !matches!(byte, b'+' | b'-'))? {
+        b'0'..=b'9' | b'.' | b',' => plain(text, mark),
+        _ => special(text),
+    };
+    let value = value.or_else(|| respelt(text, mark))?;
+    Some(if value.abs() < BELOW_MARKS {
+        value
+    } else {
+        of_mark(value)
+    })
+}
+
+fn plain(text: &str, mark: DecimalMark) -> Option<f64> {
     match mark {
         DecimalMark::Point => text.parse().ok(),
         DecimalMark::Comma => {
@@ -159,14 +175,72 @@ pub(crate) fn real(text: &str, mark: DecimalMark) -> Option<f64> {
     }
 }
 
-fn special(text: &str) -> Option<f64> {
-    let (negative, word) = match text.strip_prefix('-') {
-        Some(word) => (true, word),
+/// Parses a number with an exponent letter or a minus sign that Rust does not know, or a special
+/// value of the C library of Windows, such as `-1.#IND00`.
+fn respelt(text: &str, mark: DecimalMark) -> Option<f64> {
+    let (negative, unsigned) = signed(text);
+    if let Some((_, word)) = unsigned
+        .split_once('#')
+        .filter(|(one, _)| matches!(*one, "1." | "1,"))
+    {
+        let value = match word {
+            _ if word.starts_with("INF") => f64::INFINITY,
+            _ if ["QNAN", "SNAN", "NAN", "IND"]
+                .iter()
+                .any(|nan| word.starts_with(nan)) =>
+            {
+                f64::NAN
+            }
+            _ => return None,
+        };
+        return Some(if negative { -value } else { value });
+    }
+    if !text.contains(['d', 'D', '\u{2212}']) {
+        return None;
+    }
+    plain(
+        &text.replace(['d', 'D'], "e").replace('\u{2212}', "-"),
+        mark,
+    )
+}
+
+/// Returns the special value that a number beyond any measurement stands for: the infinity 9.9E37
+/// and the not-a-number 9.91E37 of instruments (SCPI-99, vol. 1, 7.2.1), the missing value 9.9E34
+/// of DIAdem, and the greatest number of single precision, by which programs in C mark an overload.
+/// A mark may have passed through single precision. Other numbers are returned unchanged.
+#[allow(
+    clippy::cast_possible_truncation,
+    reason = "marks are compared in single precision"
+)]
+fn of_mark(value: f64) -> f64 {
+    let printed = 3.402_82e38..3.402_824e38;
+    match value.abs() as f32 {
+        9.9e37 => f64::INFINITY.copysign(value),
+        9.91e37 | 9.9e34 => f64::NAN,
+        _ if printed.contains(&value.abs()) => f64::INFINITY.copysign(value),
+        _ => value,
+    }
+}
+
+/// Splits off the sign; true for minus.
+fn signed(text: &str) -> (bool, &str) {
+    match text.strip_prefix('-') {
+        Some(unsigned) => (true, unsigned),
         None => (false, text.strip_prefix('+').unwrap_or(text)),
-    };
+    }
+}
+
+fn special(text: &str) -> Option<f64> {
+    let (negative, word) = signed(text);
     let value = match word {
         "NaN" | "nan" | "NAN" => f64::NAN,
-        "inf" | "Inf" | "INF" | "\u{221e}" => f64::INFINITY,
+        "inf" | "Inf" | "INF" | "Infinity" | "\u{221e}" => f64::INFINITY,
+        _ if OVERLOADS
+            .iter()
+            .any(|known| word.eq_ignore_ascii_case(known)) =>
+        {
+            f64::INFINITY
+        }
         _ => return None,
     };
     Some(if negative { -value } else { value })
@@ -199,7 +273,7 @@ fn parts(text: &str) -> Option<(&str, &str)> {
         matches!(bytes.get(at), Some(b'+' | b'-'))
             && !matches!(
                 at.checked_sub(1).and_then(|before| bytes.get(before)),
-                Some(b'e' | b'E' | b'+' | b'-')
+                Some(b'e' | b'E' | b'd' | b'D' | b'+' | b'-')
             )
     })?;
     Some((body.get(..split)?, body.get(split..)?))
@@ -232,14 +306,19 @@ pub(crate) fn half_unit(text: &str, mark: DecimalMark) -> f64 {
         DecimalMark::Comma => b',',
     };
     let text = trimmed(text);
-    let end = text.bytes().position(|byte| matches!(byte, b'e' | b'E'));
+    let end = text
+        .bytes()
+        .position(|byte| matches!(byte, b'e' | b'E' | b'd' | b'D'));
     let (mantissa, exponent) = text.as_bytes().split_at(end.unwrap_or(text.len()));
     let exponent = match exponent {
         [] => 0,
         _ if mantissa.iter().all(|b| !matches!(b, b'1'..=b'9')) => return 0.0,
         [_, exponent @ ..] => std::str::from_utf8(exponent)
             .ok()
-            .and_then(|exponent| exponent.parse().ok())
+            .and_then(|exponent| {
+                let respelt = || exponent.replace('\u{2212}', "-").parse().ok();
+                exponent.parse().ok().or_else(respelt)
+            })
             .unwrap_or(0_i32),
     };
     let decimals = match mantissa.iter().position(|byte| *byte == point) {
@@ -300,6 +379,28 @@ mod tests {
         assert_eq!(real("1,5", Point), None);
         // longer than any number that an instrument writes in this notation
         assert_eq!(real(&"1".repeat(65), Comma), None);
+    }
+
+    #[test]
+    fn exponents_of_fortran_and_the_minus_of_unicode_are_read() {
+        use DecimalMark::{Comma, Point};
+        for (text, mark) in [
+            ("-1.234D-05", Point),
+            ("-1.234d-5", Point),
+            ("\u{2212}1.234E\u{2212}05", Point),
+            ("\u{2212}1,234D-05", Comma),
+        ] {
+            assert_eq!(real(text, mark), Some(-1.234e-5), "{text}");
+            // half a unit of the third decimal of the mantissa; powers of ten are exact within a
+            // unit in the last place
+            let half = half_unit(text, mark);
+            assert!((half / 0.5e-8 - 1.0).abs() < 1e-15, "{text}: {half}");
+        }
+        for text in ["D5", "1D", "1.5DD2", "Load", "-"] {
+            assert_eq!(real(text, Point), None, "{text}");
+        }
+        let both = Complex64::new(1.5e3, -2e-3);
+        assert_eq!(complex("1.5D+3-2D-3j", Point), Some(both));
     }
 
     #[test]
