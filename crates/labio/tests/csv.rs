@@ -2,6 +2,7 @@
 //! available.
 
 mod dialects;
+mod instruments;
 mod other_programs;
 mod writing;
 mod wrong_tables;

@@ -7,16 +7,23 @@
 //! - The dialect ([`CsvDialect`]): the separator and the decimal mark that give the largest block
 //!   of numbers in the first thousand lines; everything above the block is the header. Commas
 //!   that may be either, as in a file of `1,5` on every line without names, are rejected.
-//! - A row of names and a row of units directly above the numbers. Units may also follow names:
-//!   `Time [s]`, `Time (s)`, `Time/s`, `time_s`. If the numbers are separated by blanks, the names
-//!   may be separated by tabs, semicolons, bars, commas or their units. All other lines of the
-//!   header become properties.
-//! - Settings of an oscilloscope in the columns next to the first rows of numbers become properties
-//!   and supply the units.
+//! - A row of names and a row of units above the numbers; rows of other texts may follow. Units may
+//!   also follow names: `Time [s]`, `Time (s)`, `Time/s`, `time_s`, and, if all columns are written
+//!   so, `force_N`, `force, N`, `force in N`. If the numbers are separated by blanks, the names may
+//!   be separated by tabs, semicolons, bars, commas or their units. All other lines of the header
+//!   become properties.
+//! - Settings of an instrument, in the header or in the columns next to the first rows of numbers:
+//!   names, units, sampling interval and start as Tektronix, Keysight, Rigol, Siglent, GW Instek and
+//!   Yokogawa write them. They supply what the rows of names and units do not state.
+//! - Numbers with the exponent letter of Fortran (`1.5D-3`) and with the minus sign of Unicode.
+//!   Overloads and lost samples become infinite or NaN, whether words (`NaN`, `∞`, `OVERFLOW`,
+//!   `1.#INF`) or numbers (9.9E37 and 9.91E37 of instruments, 9.9E34 of DIAdem, the greatest number
+//!   of single precision).
 //! - Complex numbers in one cell, `1.5-2j`.
 //! - The abscissa ([`CsvAbscissa`]): the first column that is called time; otherwise the first
 //!   column of the table, if it has a unit of time, is a frequency or an index, or increases evenly
-//!   in a table without names. Otherwise the abscissa is the sample index.
+//!   in a table without names. Otherwise, and instead of an index, it is the time by the interval
+//!   that the instrument states, or the sample index.
 //!
 //! # Rounded times
 //!
@@ -31,8 +38,8 @@
 //!
 //! A strict reading rejects the following faults; a tolerant one reports them as defects: a row
 //! unlike the others (it is left out), and a cell that is not a number, or that is empty above
-//! other numbers of its column (its value is NaN). A second column of times with other steps is
-//! rejected, or reported. Columns may end early.
+//! other numbers of its column (its value is NaN). A second column of times with other steps, or
+//! with another start, is rejected, or reported. Columns may end early.
 
 mod abscissa;
 mod abscissa_name;
@@ -40,7 +47,11 @@ mod cells;
 mod columns;
 mod dialect;
 mod header;
+mod header_lines;
+mod names;
+mod settings;
 mod table;
+mod unit_in_name;
 mod write;
 
 use std::borrow::Cow;

@@ -156,4 +156,15 @@ fn a_second_column_of_other_times_is_refused() {
         "{said}"
     );
     assert_eq!(read(text(100.0, "ms")).unwrap().series.len(), 3);
+    // segments of an oscilloscope side by side: the second begins 13 ms after the first
+    let rows = (0..5).map(|k| format!("{k}e-6,1,{}e-6,2\n", 13_000 + k));
+    let segments = format!(
+        "time [s],F [N],time 2 [s],a [g]\n{}",
+        rows.collect::<String>()
+    );
+    let said = read(segments).unwrap_err().to_string();
+    assert!(
+        said.starts_with("csv, line 2, column 3: start of the times is 1.3e-2 s, expected 0e0 s"),
+        "{said}"
+    );
 }

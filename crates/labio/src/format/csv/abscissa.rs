@@ -1,14 +1,15 @@
 //! Choice of the abscissa column, and its spacing.
 
-use super::abscissa_name::{INDEX_NAMES, INTERVAL, Marker, called, is_frequency, is_time};
+use super::abscissa_name::{INDEX_NAMES, Marker, called, is_frequency, is_time};
 use super::header::Header;
+use super::settings::Clock;
 use super::table::Table;
 use super::{CsvAbscissa, malformed};
 use crate::error::check_positive;
 use crate::format::Strictness;
 use crate::format::kind::kind_of_name;
 use crate::format::rounding::{Written, WrittenValues};
-use crate::format::text::{self, DecimalMark};
+use crate::format::text;
 use crate::{
     Abscissa, Contents, Dimension, LabioError, Ordinate, Place, Series, SeriesAxis, SeriesKind,
 };
@@ -31,6 +32,8 @@ pub(super) struct Choice {
     /// True if the caller has chosen the column.
     is_stated: bool,
     step: Option<f64>,
+    /// Times stated in the header, if no column has them; the column, if any, counts the samples.
+    clock: Option<Clock>,
     /// Rate used if the column does not determine its own spacing.
     rate_hz: Option<f64>,
     marker: Option<Marker>,
@@ -47,6 +50,7 @@ impl Choice {
             tentative: false,
             is_stated: false,
             step: None,
+            clock: None,
             rate_hz: None,
             marker: None,
         };
@@ -69,14 +73,6 @@ impl Choice {
                 if let CsvAbscissa::Rate(rate_hz) = wish {
                     choice.rate_hz = Some(check_positive("sampling rate [Hz]", rate_hz)?);
                 }
-                // oscilloscopes write the interval next to a column with few digits
-                choice.step = header
-                    .properties
-                    .iter()
-                    .find(|(key, _)| key == INTERVAL)
-                    .and_then(|(_, value)| value.split_whitespace().next())
-                    .and_then(|value| text::real(value, DecimalMark::Point))
-                    .filter(|step| step.is_finite() && *step > 0.0);
             }
         }
         let columns = &header.columns;
@@ -98,6 +94,16 @@ impl Choice {
             || first(|name, _| called(name, &INDEX_NAMES))
         {
             choice.column = Some(0);
+        }
+        // a stated step has precedence over that of the file
+        if choice.step.is_none() {
+            let named = choice.column.and_then(|column| columns.get(column));
+            let unit = named.map_or("", |(_, unit)| unit);
+            // instruments write the interval next to a column with few digits
+            choice.step = header.settings.step_in(unit);
+            if named.is_none_or(|(name, _)| called(name, &INDEX_NAMES)) && !choice.tentative {
+                choice.clock = header.settings.clock();
+            }
         }
         Ok(choice)
     }
@@ -130,14 +136,14 @@ pub(super) fn assemble(
         &mut contents.defects,
     )?;
     let column = choice.column.filter(|_| abscissa.is_some());
-    let index = Abscissa::Even {
-        start: 0.0,
-        step: choice
-            .step
-            .filter(|_| choice.column.is_none())
-            .unwrap_or(1.0),
-    };
-    let abscissa = abscissa.unwrap_or(index);
+    let abscissa = abscissa.unwrap_or_else(|| {
+        let (start, step) = match (&choice.clock, choice.step, choice.column) {
+            (Some(clock), _, None) => (clock.start, clock.step),
+            (None, Some(step), None) => (0.0, step),
+            _ => (0.0, 1.0),
+        };
+        Abscissa::Even { start, step }
+    });
     if let (Some(column), false) = (column, choice.is_stated || choice.marker.is_some())
         && let Some(error) = other_times(&table, column, &axis)
     {
@@ -147,9 +153,9 @@ pub(super) fn assemble(
         contents.defects.push(error);
     }
     if column.is_none() {
-        abscissa_axis = SeriesAxis {
-            label: "index".to_owned(),
-            ..SeriesAxis::default()
+        abscissa_axis = match &choice.clock {
+            Some(clock) => text::axis("time", clock.unit.as_str()),
+            None => text::axis("index", ""),
         };
     }
     let kind = default_kind(&abscissa_axis);
@@ -202,43 +208,51 @@ pub(super) fn assemble(
     Ok(())
 }
 
-/// Returns the error for a second column of times whose mean step differs from that of the times
-/// `first`: the channels after it were sampled at another rate.
+/// Returns the error for a second column of times whose mean step or start differs from that of the
+/// times `first`: the channels after it were sampled at another rate or at other times.
 fn other_times(
     table: &Table,
     first: usize,
     axis: &impl Fn(usize) -> SeriesAxis,
 ) -> Option<LabioError> {
-    let unit_of_time = |at: usize| {
+    // start and mean step [s]
+    let times = |at: usize| {
         let unit = axis(at).unit?;
-        (unit.dimension() == Dimension::TIME).then_some(unit)
-    };
-    let mean_step = |at: usize| {
         let Ordinate::Real(values) = table.columns.get(at)? else {
             return None;
         };
         let rising = values
             .windows(2)
             .all(|pair| matches!(pair, [a, b] if a < b));
-        let (from, to) = (values.first()?, values.last()?);
+        let (from, to) = (unit.to_si(*values.first()?), unit.to_si(*values.last()?));
         let n_steps = values.len().checked_sub(1).filter(|&n| n > 0)?;
-        rising.then(|| Some(unit_of_time(at)?.scale() * (to - from) / n_steps as f64))?
+        (unit.dimension() == Dimension::TIME && rising)
+            .then_some((from, (to - from) / n_steps as f64))
     };
-    let step = mean_step(first)?;
-    let differs =
-        |(at, other): &(usize, f64)| *at != first && (other / step - 1.0).abs() > DIFFERENT_STEP;
-    let mut others = (0..table.columns.len()).filter_map(|at| Some((at, mean_step(at)?)));
-    let (at, other) = others.find(differs)?;
+    let (start, step) = times(first)?;
+    // not the time of the day next to that of the test
+    let stands_between = |at: usize| at > first + 1 && at + 1 < table.columns.len();
+    let mut others = (0..table.columns.len()).filter(|&at| at != first);
+    let (at, part, other, own) = others.find_map(|at| {
+        let (other_start, other_step) = times(at)?;
+        if (other_step / step - 1.0).abs() > DIFFERENT_STEP {
+            Some((at, "step of the times", other_step, step))
+        } else if stands_between(at) && (other_start - start).abs() > 0.5 * step {
+            Some((at, "start of the times", other_start, start))
+        } else {
+            None
+        }
+    })?;
     let place = Place::Cell {
         line: table.first_line,
         column: at as u64 + 1,
     };
     Some(malformed(
         place,
-        "step of the times",
+        part,
         &format!("{other:e} s"),
         &format!(
-            "{step:e} s, as in column {}; channels with other times need a file of their own",
+            "{own:e} s, as in column {}; channels with other times need a file of their own",
             first + 1
         ),
     ))
@@ -273,6 +287,17 @@ fn spacing(
             };
         }
         None => {}
+    }
+    if let Some(clock) = &choice.clock {
+        let one = Written::exactly(1.0);
+        if let Some(row) = digits.first_off(Written::exactly(start.value), one) {
+            return Err(off_step(digits, row, start.value, 1.0, place));
+        }
+        *axis = text::axis("time", clock.unit.as_str());
+        return Ok(Some(Abscissa::Even {
+            start: clock.start + start.value * clock.step,
+            step: clock.step,
+        }));
     }
     let first_off = |step: f64| {
         // numbers may have been rounded before they were printed with more digits

@@ -5,10 +5,7 @@ use std::fmt;
 use crate::Dimension;
 use crate::format::text;
 
-/// Property with the sampling interval in a file of an oscilloscope.
-pub(super) const INTERVAL: &str = "Sample Interval";
-
-const TIME_NAMES: [&str; 9] = [
+const TIME_NAMES: [&str; 10] = [
     "time",
     "zeit",
     "temps",
@@ -16,11 +13,13 @@ const TIME_NAMES: [&str; 9] = [
     "tiempo",
     "tempo",
     "x_value",
+    "second",
     "seconds",
     "timestamp",
 ];
 const FREQUENCY_NAMES: [&str; 4] = ["frequency", "freq", "frequenz", "frekvens"];
-pub(super) const INDEX_NAMES: [&str; 3] = ["index", "sample", "samples"];
+pub(super) const INDEX_NAMES: [&str; 6] =
+    ["index", "sample", "samples", "sequence", "point", "points"];
 
 /// Returns true for a time. The letter `t` alone is a time; `T` is a temperature.
 pub(super) fn is_time(name: &str, unit: &str) -> bool {

@@ -15,3 +15,9 @@ pub(super) fn holds_numbers(cells: &[Cow<'_, str>], columns: &[usize], mark: Dec
         .iter()
         .all(|&at| cells.get(at).is_some_and(|cell| is_number(cell, mark)))
 }
+
+/// Positions of the cells that are not empty.
+pub(super) fn filled(cells: &[Cow<'_, str>]) -> impl Iterator<Item = usize> {
+    let cells = cells.iter().enumerate();
+    cells.filter(|(_, cell)| !cell.is_empty()).map(|(at, _)| at)
+}

@@ -4,8 +4,10 @@ use std::borrow::Cow;
 
 use memchr::{memchr, memchr_iter};
 
-use super::cells::{holds_numbers, is_number};
-use super::{CsvDialect, CsvSeparator, header, malformed};
+use super::cells::{filled, holds_numbers, is_number};
+use super::header_lines::is_comment;
+use super::names::find_names;
+use super::{CsvDialect, CsvSeparator, malformed};
 use crate::format::text::{self, DecimalMark};
 use crate::{LabioError, Place};
 
@@ -85,7 +87,7 @@ fn runs(text: &str, separator: CsvSeparator, mark: DecimalMark) -> Vec<Run> {
         if row.trim().is_empty() {
             continue;
         }
-        if header::is_comment(row.as_bytes()) {
+        if is_comment(row.as_bytes()) {
             open = false;
             continue;
         }
@@ -170,7 +172,7 @@ pub(super) fn searched(bytes: &[u8]) -> &[u8] {
     for end in memchr_iter(b'\n', bytes) {
         let line = bytes.get(begin..end).unwrap_or(&[]);
         begin = end + 1;
-        if !line.trim_ascii().is_empty() && !header::is_comment(line) {
+        if !line.trim_ascii().is_empty() && !is_comment(line) {
             n_lines += 1;
         }
         if n_lines == LINES_SEARCHED {
@@ -204,12 +206,6 @@ fn stands_beside_preamble(
                 separator.cut(line, &mut cells);
                 cells.len() == row.len() && holds_numbers(&cells, &columns, mark)
             })
-}
-
-/// Positions of the cells that are not empty.
-pub(super) fn filled(cells: &[Cow<'_, str>]) -> impl Iterator<Item = usize> {
-    let cells = cells.iter().enumerate();
-    cells.filter(|(_, cell)| !cell.is_empty()).map(|(at, _)| at)
 }
 
 pub(super) fn holds_table(text: &str) -> bool {
@@ -312,7 +308,7 @@ pub(super) fn detect(text: &str) -> Result<CsvDialect, LabioError> {
         }));
     };
     let mut dialect = CsvDialect::new(separator, decimal_mark, run.first_line - 1);
-    header::find_names(text, &mut dialect)?;
+    find_names(text, &mut dialect)?;
     let single = |run: &Run| run.n_cells == 1;
     let either_mark = separator == CsvSeparator::Comma
         && run.n_cells == 2
