@@ -61,6 +61,8 @@ struct AveragedTails {
 
 /// Mean square of the weights of the leakage, averaged over all samples: 3/8 in the last quarter.
 const NOISE_OF_THE_END: f64 = 3.0 / 32.0;
+/// Probability with which noise alone exceeds the error at the end of the record that counts.
+const RARE: f64 = 0.01;
 
 impl AveragedSpectra {
     /// Averages `hits`, which must all have the same channels and sampling as the first.
@@ -251,11 +253,16 @@ impl AveragedSpectra {
     /// \epsilon = \frac{\lvert G_{x T_y} - H_1 G_{x T_x}\rvert}{\lvert G_{xy}\rvert} ,
     /// ```
     ///
-    /// less the contribution of noise, 3/32 of the relative variance of $`H_1`$.
+    /// less the contribution of noise, 3/32 of the relative variance of $`H_1`$. The square of the
+    /// error, divided by this contribution, has Fisher's distribution of 2 and $`2(n_e - 1)`$ degrees
+    /// of freedom if it is noise alone, and the error is 0 on a line on which noise reaches it with a
+    /// probability above 1 %. If no more lines exceed this level than chance permits, noise alone
+    /// must not exceed the error on any of the lines with more than this probability.
     ///
     /// # Validity
     ///
-    /// The result is the magnitude of the error, without its sign. On a line away from resonances
+    /// The result is the magnitude of the error, without its sign. An error that noise hides is at most
+    /// about as large as the random error of the line. On a line away from resonances
     /// it is correct to a few per cent. At the peak of a resonance of decay rate $`\delta`$ in a
     /// record of length $`T`$ it is 0.8 of the true error for $`\delta T = 4.6`$ (a remainder of
     /// 1 %), and a larger part for shorter ringing.
@@ -280,20 +287,36 @@ impl AveragedSpectra {
         );
         let crosses = self.cross_lines(input, output)?;
         let (inputs, outputs) = (self.auto_lines(input)?, self.auto_lines(output)?);
-        let line = |line: usize| {
-            let cross = crosses.at(line);
-            let missing = of_output[line] - cross / inputs[line] * of_input[line];
-            let noise = if self.can_have_coherence() {
+        let degrees = self.effective_averages - 1.0;
+        // square of the error, the part of it that is expected of noise, and its probability
+        let lines: Vec<(f64, f64, f64)> = (0..self.frequency_hz.len())
+            .map(|line| {
+                let cross = crosses.at(line);
+                let missing = of_output[line] - cross / inputs[line] * of_input[line];
+                let square = missing.norm_sqr() / cross.norm_sqr();
+                if !self.can_have_coherence() {
+                    return (square, 0.0, 0.0);
+                }
                 let coherence = cross.norm_sqr() / (inputs[line] * outputs[line]);
-                NOISE_OF_THE_END * (1.0 - coherence) / (self.effective_averages * coherence)
-            } else {
+                let noise =
+                    NOISE_OF_THE_END * (1.0 - coherence) / (self.effective_averages * coherence);
+                let probability = (1.0 + square / (noise * degrees)).powf(-degrees);
+                (square, noise, probability)
+            })
+            .collect();
+        let n_lines = lines.len() as f64;
+        let rare = lines.iter().filter(|(.., p)| *p < RARE).count() as f64;
+        // the last quarter of a record resolves every fourth line
+        let is_at_rest = rare < RARE * n_lines + 4.0 * (4.0 * RARE * n_lines).sqrt();
+        let level = if is_at_rest { RARE / n_lines } else { RARE };
+        let error = |(square, noise, probability): &(f64, f64, f64)| {
+            if *probability > level {
                 0.0
-            };
-            (missing.norm_sqr() / cross.norm_sqr() - noise)
-                .max(0.0)
-                .sqrt()
+            } else {
+                (square - noise).max(0.0).sqrt()
+            }
         };
-        Ok(Some((0..self.frequency_hz.len()).map(line).collect()))
+        Ok(Some(lines.iter().map(error).collect()))
     }
 
     /// Returns true if the line at 0 Hz of a channel is defined.
