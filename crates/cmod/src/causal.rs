@@ -61,7 +61,7 @@ use num_complex::Complex64;
 use rodwave::modulus::GeneralisedMaxwell;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
-use crate::error::CmodError;
+use crate::error::{CmodError, check_enough_readings};
 use crate::estimate::ErrorSource;
 use crate::rheology::{ModulusData, PredictedModulus, VarianceScatter};
 use crate::self_calibration::CalibratedSource;
@@ -345,12 +345,7 @@ impl CausalEstimate {
 }
 
 fn enough(lines: usize) -> Result<(), CmodError> {
-    if lines < FEWEST_LINES {
-        return Err(CmodError::TooFewReadings {
-            found: lines,
-            expected: FEWEST_LINES,
-        });
-    }
+    check_enough_readings(lines, FEWEST_LINES)?;
     Ok(())
 }
 

@@ -378,6 +378,19 @@ pub(crate) fn check_positive(quantity: &'static str, value: f64) -> Result<f64, 
     }
 }
 
+/// Accepts a finite value.
+pub(crate) fn check_finite(quantity: &'static str, value: f64) -> Result<f64, CmodError> {
+    if value.is_finite() {
+        Ok(value)
+    } else {
+        Err(CmodError::NonPhysical {
+            quantity,
+            value,
+            expected: "a finite value",
+        })
+    }
+}
+
 /// Accepts a finite value of zero or above.
 pub(crate) fn check_not_negative(quantity: &'static str, value: f64) -> Result<f64, CmodError> {
     if value.is_finite() && value >= 0.0 {
@@ -416,6 +429,15 @@ pub(crate) fn check_frequencies(frequency_hz: &[f64]) -> Result<(), CmodError> {
         previous = Some(frequency_hz);
     }
     Ok(())
+}
+
+/// Accepts `found` readings if at least `expected` are needed.
+pub(crate) fn check_enough_readings(found: usize, expected: usize) -> Result<(), CmodError> {
+    if found >= expected {
+        Ok(())
+    } else {
+        Err(CmodError::TooFewReadings { found, expected })
+    }
 }
 
 /// Accepts an array of one value per line.

@@ -330,6 +330,53 @@ pub(crate) fn check_spacing(
     Ok(())
 }
 
+/// Accepts a finite value.
+pub(crate) fn check_finite(quantity: &'static str, value: f64) -> Result<f64, ImpulseError> {
+    if value.is_finite() {
+        Ok(value)
+    } else {
+        Err(ImpulseError::NonPhysical {
+            quantity,
+            value,
+            expected: "a finite value",
+        })
+    }
+}
+
+/// Accepts an array of the expected length.
+pub(crate) fn check_length(
+    what: &'static str,
+    found: usize,
+    expected: usize,
+) -> Result<(), ImpulseError> {
+    if found == expected {
+        Ok(())
+    } else {
+        Err(ImpulseError::LengthMismatch {
+            what,
+            found,
+            expected,
+        })
+    }
+}
+
+/// Accepts an array of at least the expected length.
+pub(crate) fn check_enough(
+    what: &'static str,
+    found: usize,
+    expected: usize,
+) -> Result<(), ImpulseError> {
+    if found >= expected {
+        Ok(())
+    } else {
+        Err(ImpulseError::TooShort {
+            what,
+            found,
+            expected,
+        })
+    }
+}
+
 /// Accepts a probability above 0 and below 1.
 pub(crate) fn check_probability(quantity: &'static str, value: f64) -> Result<f64, ImpulseError> {
     if value > 0.0 && value < 1.0 {

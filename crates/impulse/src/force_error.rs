@@ -9,7 +9,7 @@ use rand::{Rng, RngExt};
 use rand_distr::{ChiSquared, StandardNormal};
 use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
 
-use crate::error::check_probability;
+use crate::error::{check_enough, check_length, check_probability};
 use crate::{ForceHistory, ImpulseError, fourier};
 
 /// Fewest draws for a 95 % quantile: with fewer, it would rest on fewer than ten draws.
@@ -254,24 +254,12 @@ impl ForceError {
     ) -> Result<ForceBand, ImpulseError> {
         check_probability("level of a band", level)?;
         check_draws(n_draws, 1)?;
-        if n_draws < FEWEST_DRAWS {
-            return Err(ImpulseError::TooShort {
-                what: "set of draws",
-                found: n_draws,
-                expected: FEWEST_DRAWS,
-            });
-        }
+        check_enough("set of draws", n_draws, FEWEST_DRAWS)?;
         let n_inside = self
             .standard_error
             .get(window.clone())
             .map_or(0, <[f64]>::len);
-        if n_inside == 0 {
-            return Err(ImpulseError::TooShort {
-                what: "window of the band",
-                found: n_inside,
-                expected: 1,
-            });
-        }
+        check_enough("window of the band", n_inside, 1)?;
         // the scale scatters as the square root of chi-square divided by its degrees of freedom
         let scale = self.degrees_of_freedom.and_then(|degrees| {
             let squares = ChiSquared::new(degrees).ok()?;
@@ -341,13 +329,11 @@ impl ForceError {
             });
         }
         let force = history.force();
-        if force.len() != self.standard_error.len() {
-            return Err(ImpulseError::LengthMismatch {
-                what: "force history of a band",
-                found: force.len(),
-                expected: self.standard_error.len(),
-            });
-        }
+        check_length(
+            "force history of a band",
+            force.len(),
+            self.standard_error.len(),
+        )?;
         let limits = |sign: f64| {
             let samples = force.iter().zip(&self.standard_error);
             samples

@@ -3,7 +3,7 @@
 use rodwave::band_limited::{SampledHistory, VelocityHistory};
 
 use crate::ImpulseError;
-use crate::error::{check_positive, check_samples};
+use crate::error::{check_enough, check_finite, check_positive, check_samples};
 
 /// Number of interpolated points per sample around the largest sample.
 const FINER: usize = 32;
@@ -36,29 +36,11 @@ impl ForceHistory {
     /// [`ImpulseError::NonFinite`] for a sample.
     pub fn new(start_time: f64, time_step: f64, force: Vec<f64>) -> Result<Self, ImpulseError> {
         check_positive("time step [s]", time_step)?;
-        if !start_time.is_finite() {
-            return Err(ImpulseError::NonPhysical {
-                quantity: "start time [s]",
-                value: start_time,
-                expected: "a finite value",
-            });
-        }
-        if force.is_empty() {
-            return Err(ImpulseError::TooShort {
-                what: "force history",
-                found: 0,
-                expected: 1,
-            });
-        }
+        check_finite("start time [s]", start_time)?;
+        check_enough("force history", force.len(), 1)?;
         check_samples("force history", &force)?;
         let end = start_time + force.len() as f64 * time_step;
-        if !end.is_finite() {
-            return Err(ImpulseError::NonPhysical {
-                quantity: "end of the force history [s]",
-                value: end,
-                expected: "a finite value",
-            });
-        }
+        check_finite("end of the force history [s]", end)?;
         Ok(Self {
             start_time,
             time_step,

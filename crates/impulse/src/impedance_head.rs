@@ -7,7 +7,7 @@ use std::f64::consts::TAU;
 use num_complex::Complex64;
 
 use crate::ImpulseError;
-use crate::error::{check_not_negative, check_positive};
+use crate::error::{check_length, check_not_negative, check_positive};
 
 /// Accelerometer and force gauge in one housing on the impact face (Ödeen 1993, paper E, section
 /// 3.1).
@@ -69,13 +69,11 @@ impl ImpedanceHead {
         frequency_step_hz: f64,
     ) -> Result<FaceMobility, ImpulseError> {
         check_positive("frequency step [Hz]", frequency_step_hz)?;
-        if variance.len() != accelerance.len() {
-            return Err(ImpulseError::LengthMismatch {
-                what: "variance of the accelerance",
-                found: variance.len(),
-                expected: accelerance.len(),
-            });
-        }
+        check_length(
+            "variance of the accelerance",
+            variance.len(),
+            accelerance.len(),
+        )?;
         let mut face = FaceMobility {
             mobility: vec![Complex64::ZERO; accelerance.len()],
             variance: vec![0.0; accelerance.len()],

@@ -7,7 +7,7 @@ mod convolution_quadrature;
 
 use num_complex::Complex64;
 
-use crate::error::check_positive;
+use crate::error::{check_positive, check_samples};
 use crate::{Domain, ImpactBody, ImpulseError};
 
 /// Largest number of time steps.
@@ -129,12 +129,7 @@ impl Kernel {
                 }
             }
         };
-        if let Some(index) = made.weights.iter().position(|weight| !weight.is_finite()) {
-            return Err(ImpulseError::NonFinite {
-                what: "kernel of a body",
-                index,
-            });
-        }
+        check_samples("kernel of a body", &made.weights)?;
         Ok(Self {
             grid,
             quadrature,

@@ -30,7 +30,7 @@ use self::profile::Constrained;
 use self::shifted::Shift;
 use self::solution::{Gain, Solved};
 use self::support::SupportProblem;
-use crate::error::{check_interval, check_positive};
+use crate::error::{check_interval, check_length, check_positive};
 use crate::{ForceHistory, ImpulseError, fourier};
 
 pub use blow_span::BlowSpan;
@@ -142,13 +142,7 @@ impl<'a> Reconstruction<'a> {
             });
         };
         for (index, sensor) in sensors.iter().enumerate() {
-            if sensor.response.len() != first.response.len() {
-                return Err(ImpulseError::LengthMismatch {
-                    what: "response",
-                    found: sensor.response.len(),
-                    expected: first.response.len(),
-                });
-            }
+            check_length("response", sensor.response.len(), first.response.len())?;
             if sensor.noise_at(0).is_some() != first.noise_at(0).is_some() {
                 return Err(ImpulseError::MixedNoise { index });
             }
@@ -357,13 +351,7 @@ impl<'a> Reconstruction<'a> {
                     ("power of calibration blows", blows.power.len()),
                     ("mean calibration blow", blows.mean_blow.len()),
                 ] {
-                    if found != n_lines {
-                        return Err(ImpulseError::LengthMismatch {
-                            what,
-                            found,
-                            expected: n_lines,
-                        });
-                    }
+                    check_length(what, found, n_lines)?;
                 }
                 crate::error::check_samples("power of calibration blows", &blows.power)?;
             }

@@ -7,7 +7,7 @@ use std::ops::Range;
 
 use num_complex::Complex64;
 
-use crate::error::{check_not_negative, check_positive};
+use crate::error::{check_enough, check_length, check_not_negative, check_positive};
 use crate::{ForceHistory, ImpulseError, fourier};
 
 /// Largest relative level of the quiet part of a settled history.
@@ -283,20 +283,8 @@ impl StickProblem<'_> {
             check_positive("effective mass [kg]", mass)?;
         }
         let n_lines = self.first.len();
-        if n_lines < 3 {
-            return Err(ImpulseError::TooShort {
-                what: "first mobility",
-                found: n_lines,
-                expected: 3,
-            });
-        }
-        if self.second.len() != n_lines {
-            return Err(ImpulseError::LengthMismatch {
-                what: "second mobility",
-                found: self.second.len(),
-                expected: n_lines,
-            });
-        }
+        check_enough("first mobility", n_lines, 3)?;
+        check_length("second mobility", self.second.len(), n_lines)?;
         for (what, mobility) in [
             ("first mobility", self.first),
             ("second mobility", self.second),

@@ -11,7 +11,7 @@ pub use monte_carlo::MonteCarlo;
 
 use num_complex::Complex64;
 
-use crate::error::check_not_negative;
+use crate::error::{check_length, check_not_negative};
 use crate::{ForceError, ImpulseError, StickProblem, ZeroLine};
 
 /// Errors of the inputs of a stick force; zero by default.
@@ -178,13 +178,7 @@ impl StickUncertainty<'_> {
             ("variance of the second mobility", self.second_variance),
         ] {
             let Some(variance) = variance else { continue };
-            if variance.len() != problem.first.len() {
-                return Err(ImpulseError::LengthMismatch {
-                    what,
-                    found: variance.len(),
-                    expected: problem.first.len(),
-                });
-            }
+            check_length(what, variance.len(), problem.first.len())?;
             let mut lines = variance.iter().enumerate().skip(1);
             if let Some((index, value)) = lines.find(|(_, v)| !(v.is_finite() && **v >= 0.0)) {
                 if value.is_finite() {

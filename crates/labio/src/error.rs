@@ -508,6 +508,40 @@ fn quoted(names: &[String]) -> String {
     names.join(", ")
 }
 
+/// Accepts the expected count.
+pub(crate) fn check_count(
+    what: &'static str,
+    found: usize,
+    expected: usize,
+) -> Result<(), LabioError> {
+    if found == expected {
+        Ok(())
+    } else {
+        Err(LabioError::CountMismatch {
+            what,
+            found,
+            expected,
+        })
+    }
+}
+
+/// Accepts at least the expected number of samples.
+pub(crate) fn check_enough_samples(
+    what: &'static str,
+    found: usize,
+    expected: usize,
+) -> Result<(), LabioError> {
+    if found >= expected {
+        Ok(())
+    } else {
+        Err(LabioError::TooFewSamples {
+            what,
+            found,
+            expected,
+        })
+    }
+}
+
 /// Accepts a finite value above zero.
 pub(crate) fn check_positive(quantity: &'static str, value: f64) -> Result<f64, LabioError> {
     if value.is_finite() && value > 0.0 {

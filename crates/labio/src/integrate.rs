@@ -6,7 +6,7 @@ use num_complex::Complex64;
 
 use crate::LabioError;
 use crate::dft;
-use crate::error::check_positive;
+use crate::error::{check_enough_samples, check_positive};
 
 /// Treatment of low frequencies in an integration. An offset of 1 becomes a drift of t, so every
 /// integration needs a definition of the offset.
@@ -127,13 +127,7 @@ fn integrate_from_rest(
     sampling_rate_hz: f64,
     n_at_rest: usize,
 ) -> Result<Vec<f64>, LabioError> {
-    if n_at_rest == 0 {
-        return Err(LabioError::TooFewSamples {
-            what: "the time at rest",
-            found: 0,
-            expected: 1,
-        });
-    }
+    check_enough_samples("the time at rest", n_at_rest, 1)?;
     let Some(at_rest) = samples.get(..n_at_rest) else {
         return Err(LabioError::CountMismatch {
             what: "samples at rest, at most",
@@ -161,13 +155,7 @@ fn integrate_from_rest(
 
 fn check(samples: &[f64], sampling_rate_hz: f64) -> Result<(), LabioError> {
     check_positive("sampling rate [Hz]", sampling_rate_hz)?;
-    if samples.len() < 2 {
-        return Err(LabioError::TooFewSamples {
-            what: "the history",
-            found: samples.len(),
-            expected: 2,
-        });
-    }
+    check_enough_samples("the history", samples.len(), 2)?;
     if let Some((index, &value)) = samples.iter().enumerate().find(|(_, s)| !s.is_finite()) {
         return Err(LabioError::NonFiniteSample {
             channel: "history".to_owned(),

@@ -11,6 +11,7 @@ use ndarray::Array2;
 use num_complex::Complex64;
 use statrs::distribution::{ContinuousCDF, Gamma};
 
+use crate::error::check_count;
 use crate::{AveragedSpectra, Estimator, FrequencyResponse, LabioError, LineValidity};
 use agreement::agreement;
 use entering::{
@@ -117,21 +118,9 @@ impl MergedResponse {
         let mut merged = Self::like(responses)?;
         let n_lines = merged.coherent.len();
         for level in levels {
-            if level.len() != n_lines {
-                return Err(LabioError::CountMismatch {
-                    what: "lines of the spectrum of the input",
-                    found: level.len(),
-                    expected: n_lines,
-                });
-            }
+            check_count("lines of the spectrum of the input", level.len(), n_lines)?;
         }
-        if levels.len() != responses.len() {
-            return Err(LabioError::CountMismatch {
-                what: "spectra of the input",
-                found: levels.len(),
-                expected: responses.len(),
-            });
-        }
+        check_count("spectra of the input", levels.len(), responses.len())?;
         let coherence = |test: usize, line: usize| {
             let coherence = responses[test].coherence.as_ref();
             coherence.map_or(1.0, |coherence| coherence[line])

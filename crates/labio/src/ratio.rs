@@ -22,6 +22,7 @@ pub use pulses::{PulseWindow, noise_of_cut_pulse};
 
 use num_complex::Complex64;
 
+use crate::error::check_count;
 use crate::frf::chance_level;
 use crate::{AveragedSpectra, LabioError, Record, RestNoise, SensorError, Window};
 use freedom::check_averages;
@@ -353,18 +354,6 @@ fn variance_from_coherence(
         })
     };
     values.iter().zip(coherence).map(of_line).collect()
-}
-
-fn check_count(what: &'static str, found: usize, expected: usize) -> Result<(), LabioError> {
-    if found == expected {
-        Ok(())
-    } else {
-        Err(LabioError::CountMismatch {
-            what,
-            found,
-            expected,
-        })
-    }
 }
 
 /// Keeps the entries `from..to`.

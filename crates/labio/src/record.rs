@@ -6,7 +6,7 @@ use std::sync::Arc;
 use ndarray::{Array2, ArrayView1, ArrayView2, Axis, Slice, Zip};
 
 use crate::channel::{self, Channel};
-use crate::error::{check_finite, check_positive};
+use crate::error::{check_count, check_enough_samples, check_finite, check_positive};
 use crate::filter;
 use crate::{LabioError, LevelAtRest, Provenance, SensorChain, SensorError};
 
@@ -60,13 +60,11 @@ impl Record {
     ) -> Result<Self, LabioError> {
         check_positive("sampling rate [Hz]", sampling_rate_hz)?;
         check_finite("start time [s]", start_time)?;
-        if channels.len() != samples.nrows() {
-            return Err(LabioError::CountMismatch {
-                what: "channels for the rows of samples",
-                found: channels.len(),
-                expected: samples.nrows(),
-            });
-        }
+        check_count(
+            "channels for the rows of samples",
+            channels.len(),
+            samples.nrows(),
+        )?;
         if samples.is_empty() || samples.ncols() < 2 {
             return Err(LabioError::TooFewSamples {
                 what: "the record",
@@ -219,20 +217,8 @@ impl Record {
     /// [`LabioError::TooFewSamples`] if the range has fewer than two samples, or extends beyond the
     /// record.
     pub fn part(&self, range: Range<usize>) -> Result<Self, LabioError> {
-        if range.end > self.n_samples() {
-            return Err(LabioError::TooFewSamples {
-                what: "the record to take a part of",
-                found: self.n_samples(),
-                expected: range.end,
-            });
-        }
-        if range.len() < 2 {
-            return Err(LabioError::TooFewSamples {
-                what: "the part of a record",
-                found: range.len(),
-                expected: 2,
-            });
-        }
+        check_enough_samples("the record to take a part of", self.n_samples(), range.end)?;
+        check_enough_samples("the part of a record", range.len(), 2)?;
         let of = |samples: &Array2<f64>| {
             samples
                 .slice_axis(Axis(1), Slice::from(range.clone()))
@@ -258,13 +244,11 @@ impl Record {
         n_samples: usize,
         n_rest: Option<usize>,
     ) -> Result<Self, LabioError> {
-        if n_samples < self.n_samples() {
-            return Err(LabioError::TooFewSamples {
-                what: "the record that a hit is continued to",
-                found: n_samples,
-                expected: self.n_samples(),
-            });
-        }
+        check_enough_samples(
+            "the record that a hit is continued to",
+            n_samples,
+            self.n_samples(),
+        )?;
         let of = |samples: &Array2<f64>| {
             let mut longer = Array2::zeros((samples.nrows(), n_samples));
             for (mut to, from) in longer.rows_mut().into_iter().zip(samples.rows()) {

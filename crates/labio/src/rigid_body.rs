@@ -6,7 +6,7 @@ use std::f64::consts::TAU;
 
 use num_complex::Complex64;
 
-use crate::error::check_positive;
+use crate::error::{check_enough_samples, check_positive};
 use crate::{FrequencyResponse, LabioError, LineValidity, ResponseKind};
 
 /// Fewest lines for a fit of three numbers and the standard error of the fit.
@@ -205,13 +205,7 @@ impl RigidBody {
                 (s2, accelerance.values[*line] * self.mass, weight(*line))
             })
             .collect();
-        if lines.len() < FEWEST_LINES {
-            return Err(LabioError::TooFewSamples {
-                what: "the band of a nearly rigid body",
-                found: lines.len(),
-                expected: FEWEST_LINES,
-            });
-        }
+        check_enough_samples("the band of a nearly rigid body", lines.len(), FEWEST_LINES)?;
         let [mut w, mut wx, mut wxx, mut wxr] = [0.0; 4];
         for (s2, ratio, weight) in &lines {
             w += weight;

@@ -2,6 +2,7 @@
 
 use ndarray::Array2;
 
+use crate::error::check_count;
 use crate::{Channel, LabioError};
 
 /// A source of simultaneously sampled channels that is read from start to end.
@@ -41,13 +42,7 @@ pub(crate) fn read_next<S: BlockSource + ?Sized>(
             expected: block.ncols(),
         });
     }
-    if block.nrows() != n_channels {
-        return Err(LabioError::CountMismatch {
-            what: "rows of a block of samples",
-            found: block.nrows(),
-            expected: n_channels,
-        });
-    }
+    check_count("rows of a block of samples", block.nrows(), n_channels)?;
     Ok(n)
 }
 

@@ -13,6 +13,7 @@ use std::f64::consts::{PI, TAU};
 use num_complex::Complex64;
 
 use crate::LabioError;
+use crate::error::check_enough_samples;
 
 const HANN: [f64; 2] = [0.5, 0.5];
 const HAMMING: [f64; 2] = [0.54, 0.46];
@@ -112,13 +113,7 @@ impl Window {
             Self::Rectangular => 2,
             _ => 3,
         };
-        if n_samples < fewest {
-            return Err(LabioError::TooFewSamples {
-                what: "the window",
-                found: n_samples,
-                expected: fewest,
-            });
-        }
+        check_enough_samples("the window", n_samples, fewest)?;
         check_length(n_samples)?;
         let (periodic, symmetric) = (n_samples, n_samples - 1);
         let weights = match self {

@@ -17,7 +17,7 @@
 
 use std::sync::Arc;
 
-use crate::error::MaxwellidError;
+use crate::error::{MaxwellidError, check_positive};
 use crate::law::StatedParameter;
 use crate::model::{DrivenRod, LinearisedResponse, RodModel};
 use crate::special_case::{PronySeries, SpecialCase};
@@ -56,13 +56,7 @@ impl Arrhenius {
         model: Arc<dyn RodModel>,
         reference_temperature: f64,
     ) -> Result<Self, MaxwellidError> {
-        if !(reference_temperature.is_finite() && reference_temperature > 0.0) {
-            return Err(MaxwellidError::Setting {
-                setting: "reference temperature [K]",
-                value: reference_temperature,
-                expected: "a finite value above 0",
-            });
-        }
+        check_positive("reference temperature [K]", reference_temperature)?;
         let orders = model.thermal_orders();
         if orders.is_empty() {
             return Err(MaxwellidError::NotActivated {

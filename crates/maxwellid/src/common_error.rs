@@ -36,7 +36,7 @@
 use std::fmt;
 
 use crate::deviation::Deviation;
-use crate::error::MaxwellidError;
+use crate::error::{MaxwellidError, check_not_negative};
 use crate::least_squares::{Linearisation, ScaledDecomposition};
 use crate::model::{DrivenRod, RodModel, delayed, linearised_response_of, response_of};
 use crate::nuisance::Nuisances;
@@ -139,13 +139,7 @@ impl RodTest {
     ) -> Result<Self, MaxwellidError> {
         for error in errors {
             let value = error.standard_uncertainty;
-            if !(value.is_finite() && value >= 0.0) {
-                return Err(MaxwellidError::Setting {
-                    setting: "standard uncertainty of a rod or a transducer",
-                    value,
-                    expected: "a finite value, 0 or above",
-                });
-            }
+            check_not_negative("standard uncertainty of a rod or a transducer", value)?;
             if value > 0.0 {
                 self.common_errors.push(error);
             }

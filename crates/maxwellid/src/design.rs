@@ -25,7 +25,7 @@ use rodwave::impact::{ImpactTest, Striker};
 use rodwave::inelastic::InelasticLaw;
 
 use crate::common_error::ErrorOf;
-use crate::error::MaxwellidError;
+use crate::error::{MaxwellidError, check_positive};
 use crate::least_squares::{LeastSquares, ScaledDecomposition};
 use crate::model::{check_cell, response_of};
 use crate::selection::{Candidate, Contest, Ground};
@@ -44,13 +44,7 @@ impl PlannedTest {
     /// # Errors
     /// [`MaxwellidError::Setting`] unless the velocity is finite and above 0.
     pub fn at_velocity(test: &RodTest, velocity: f64) -> Result<Self, MaxwellidError> {
-        if !(velocity.is_finite() && velocity > 0.0) {
-            return Err(MaxwellidError::Setting {
-                setting: "planned impact velocity [m/s]",
-                value: velocity,
-                expected: "a finite value above 0",
-            });
-        }
+        check_positive("planned impact velocity [m/s]", velocity)?;
         let factor = velocity / test.impact_velocity;
         let excitation: Vec<f64> = test.excitation_samples.iter().map(|v| v * factor).collect();
         Self::with_excitation(

@@ -381,3 +381,29 @@ pub(crate) fn check_range(parameter: &str, (low, high): (f64, f64)) -> Result<()
         })
     }
 }
+
+/// Accepts a finite value above zero.
+pub(crate) fn check_positive(setting: &'static str, value: f64) -> Result<f64, MaxwellidError> {
+    if value.is_finite() && value > 0.0 {
+        Ok(value)
+    } else {
+        Err(MaxwellidError::Setting {
+            setting,
+            value,
+            expected: "a finite value above 0",
+        })
+    }
+}
+
+/// Accepts a finite value of zero or above.
+pub(crate) fn check_not_negative(setting: &'static str, value: f64) -> Result<f64, MaxwellidError> {
+    if value.is_finite() && value >= 0.0 {
+        Ok(value)
+    } else {
+        Err(MaxwellidError::Setting {
+            setting,
+            value,
+            expected: "a finite value, 0 or above",
+        })
+    }
+}

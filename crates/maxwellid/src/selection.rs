@@ -65,7 +65,7 @@ pub(crate) use posterior::Contest;
 
 use statrs::distribution::{ChiSquared, ContinuousCDF, FisherSnedecor};
 
-use crate::error::MaxwellidError;
+use crate::error::{MaxwellidError, check_positive};
 use crate::identifiability::correlation_inflation;
 use crate::least_squares::LeastSquares;
 use crate::model::{DEFAULT_CELL, check_cell};
@@ -198,13 +198,7 @@ impl Selection {
     /// # Errors
     /// [`MaxwellidError::Setting`] unless it is finite and above 0.
     pub fn with_cell(self, cell: f64) -> Result<Self, MaxwellidError> {
-        if !(cell.is_finite() && cell > 0.0) {
-            return Err(MaxwellidError::Setting {
-                setting: "longest cell [m]",
-                value: cell,
-                expected: "a finite value above 0",
-            });
-        }
+        check_positive("longest cell [m]", cell)?;
         Ok(Self { cell, ..self })
     }
 

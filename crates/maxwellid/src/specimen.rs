@@ -14,7 +14,7 @@
 //! do not change. The relations hold for any histories, for a fit with or without nuisances, if all
 //! tests are of one specimen.
 
-use crate::error::MaxwellidError;
+use crate::error::{MaxwellidError, check_not_negative};
 
 /// Derivatives of a parameter (of its logarithm if its error is a ratio) with respect to the
 /// logarithms of length and density of the specimen, at given histories.
@@ -79,13 +79,7 @@ impl SpecimenUncertainty {
             ("relative uncertainty of the length", length),
             ("relative uncertainty of the density", density),
         ] {
-            if !(value.is_finite() && value >= 0.0) {
-                return Err(MaxwellidError::Setting {
-                    setting,
-                    value,
-                    expected: "a finite value, 0 or above",
-                });
-            }
+            check_not_negative(setting, value)?;
         }
         Ok(Self { length, density })
     }

@@ -6,7 +6,7 @@ use rodwave::RodwaveError;
 use rodwave::band_limited::SampledHistory;
 
 use crate::common_error::CommonError;
-use crate::error::MaxwellidError;
+use crate::error::{MaxwellidError, check_not_negative, check_positive};
 use crate::model::{DrivenRod, RodModel};
 use crate::noise::{HistoryNoise, TestNoise};
 use crate::recorder::UnfilteredExcitation;
@@ -252,13 +252,7 @@ impl RodTest {
     /// # Errors
     /// [`MaxwellidError::Setting`] unless it is finite and above 0.
     pub fn at_temperature(self, temperature: f64) -> Result<Self, MaxwellidError> {
-        if !(temperature.is_finite() && temperature > 0.0) {
-            return Err(MaxwellidError::Setting {
-                setting: "temperature of a rod [K]",
-                value: temperature,
-                expected: "a finite value above 0",
-            });
-        }
+        check_positive("temperature of a rod [K]", temperature)?;
         Ok(Self {
             temperature: Some(temperature),
             ..self
@@ -271,13 +265,7 @@ impl RodTest {
     /// # Errors
     /// [`MaxwellidError::Setting`] unless it is finite and not below 0.
     pub fn with_lateral_inertia(self, lateral_inertia: f64) -> Result<Self, MaxwellidError> {
-        if !(lateral_inertia.is_finite() && lateral_inertia >= 0.0) {
-            return Err(MaxwellidError::Setting {
-                setting: "lateral inertia of a rod [m^2]",
-                value: lateral_inertia,
-                expected: "a finite value, 0 or above",
-            });
-        }
+        check_not_negative("lateral inertia of a rod [m^2]", lateral_inertia)?;
         Ok(Self {
             lateral_inertia,
             ..self

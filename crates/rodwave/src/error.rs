@@ -121,6 +121,19 @@ pub(crate) fn check_positive(quantity: &'static str, value: f64) -> Result<f64, 
     }
 }
 
+/// Checks that a value is finite and not below zero, and returns it.
+pub(crate) fn check_not_negative(quantity: &'static str, value: f64) -> Result<f64, RodwaveError> {
+    if value.is_finite() && value >= 0.0 {
+        Ok(value)
+    } else {
+        Err(RodwaveError::NonPhysical {
+            quantity,
+            value,
+            expected: "a finite value, 0 or above",
+        })
+    }
+}
+
 /// Checks that a value is finite, and returns it.
 pub(crate) fn check_finite(quantity: &'static str, value: f64) -> Result<f64, RodwaveError> {
     if value.is_finite() {
@@ -132,18 +145,6 @@ pub(crate) fn check_finite(quantity: &'static str, value: f64) -> Result<f64, Ro
             expected: "a finite value",
         })
     }
-}
-
-/// Checks that a value is finite and 0 or above, and returns it.
-pub(crate) fn check_not_negative(quantity: &'static str, value: f64) -> Result<f64, RodwaveError> {
-    if value < 0.0 {
-        return Err(RodwaveError::NonPhysical {
-            quantity,
-            value,
-            expected: "a finite value, 0 or above",
-        });
-    }
-    check_finite(quantity, value)
 }
 
 /// Checks that all values are finite.
@@ -195,6 +196,41 @@ pub(crate) fn check_steps(steps: f64) -> Result<usize, RodwaveError> {
     }
 }
 
+/// Checks that an array has the expected length.
+#[inline]
+pub(crate) fn check_length(
+    what: &'static str,
+    found: usize,
+    expected: usize,
+) -> Result<(), RodwaveError> {
+    if found == expected {
+        Ok(())
+    } else {
+        Err(RodwaveError::LengthMismatch {
+            what,
+            found,
+            expected,
+        })
+    }
+}
+
+/// Checks that a history has at least the expected number of samples.
+pub(crate) fn check_enough_samples(
+    history: &'static str,
+    found: usize,
+    expected: usize,
+) -> Result<(), RodwaveError> {
+    if found >= expected {
+        Ok(())
+    } else {
+        Err(RodwaveError::TooFewSamples {
+            history,
+            found,
+            expected,
+        })
+    }
+}
+
 /// Checks that all samples of a history are finite.
 pub(crate) fn check_samples(history: &'static str, samples: &[f64]) -> Result<(), RodwaveError> {
     match samples.iter().enumerate().find(|(_, s)| !s.is_finite()) {
@@ -223,13 +259,6 @@ pub(crate) fn check_propagation(
 /// Checks that s is finite and in the closed right half plane, and returns it.
 pub(crate) fn check_laplace_variable(s: Complex64) -> Result<Complex64, RodwaveError> {
     check_finite("imaginary part of the Laplace variable [rad/s]", s.im)?;
-    if s.re.is_finite() && s.re >= 0.0 {
-        Ok(s)
-    } else {
-        Err(RodwaveError::NonPhysical {
-            quantity: "real part of the Laplace variable [1/s]",
-            value: s.re,
-            expected: "a finite value, 0 or above",
-        })
-    }
+    check_not_negative("real part of the Laplace variable [1/s]", s.re)?;
+    Ok(s)
 }

@@ -92,7 +92,9 @@ use std::f64::consts::{LN_10, SQRT_2};
 use num_complex::Complex64;
 
 use crate::RodwaveError;
-use crate::error::{check_finite, check_not_negative, check_positive};
+use crate::error::{
+    check_enough_samples, check_finite, check_length, check_not_negative, check_positive,
+};
 use crate::medium::{Medium, PropagationLaw};
 use crate::modulus::MaxwellBranch;
 use crate::numerics::CommonErrors;
@@ -291,24 +293,16 @@ impl KramersKronig {
         common_errors: &[Vec<Complex64>],
         with_loss_error: bool,
     ) -> Result<Self, RodwaveError> {
-        if standard_error.len() != modulus.len() {
-            return Err(RodwaveError::LengthMismatch {
-                what: "array of standard errors",
-                found: standard_error.len(),
-                expected: modulus.len(),
-            });
-        }
+        check_length(
+            "array of standard errors",
+            standard_error.len(),
+            modulus.len(),
+        )?;
         for &error in standard_error {
             check_positive("standard error of the modulus [Pa]", error)?;
         }
         for common in common_errors {
-            if common.len() != modulus.len() {
-                return Err(RodwaveError::LengthMismatch {
-                    what: "array of a common error",
-                    found: common.len(),
-                    expected: modulus.len(),
-                });
-            }
+            check_length("array of a common error", common.len(), modulus.len())?;
             for error in common {
                 check_finite("common error of the modulus [Pa]", error.norm())?;
             }
@@ -497,20 +491,8 @@ struct Band {
 }
 
 fn check(omega: &[f64], modulus: &[Complex64]) -> Result<Band, RodwaveError> {
-    if omega.len() != modulus.len() {
-        return Err(RodwaveError::LengthMismatch {
-            what: "array of moduli",
-            found: modulus.len(),
-            expected: omega.len(),
-        });
-    }
-    if omega.len() < 3 {
-        return Err(RodwaveError::TooFewSamples {
-            history: "array of moduli",
-            found: omega.len(),
-            expected: 3,
-        });
-    }
+    check_length("array of moduli", modulus.len(), omega.len())?;
+    check_enough_samples("array of moduli", omega.len(), 3)?;
     let mut band = Band {
         lowest: f64::INFINITY,
         highest: 0.0,

@@ -81,7 +81,7 @@ pub use segment::Segment;
 pub use tangent::{LN_MODULUS, Parameter};
 
 use crate::RodwaveError;
-use crate::error::{check_finite, check_positive};
+use crate::error::{check_finite, check_not_negative, check_positive};
 
 /// Name of this solver in the provenance of virtual records.
 pub const GENERATOR: &str = "rodwave::line";
@@ -189,13 +189,7 @@ impl Line {
     /// [`RodwaveError::NonPhysical`] unless the gap is finite and not negative;
     /// [`RodwaveError::LengthMismatch`] if there is no such contact.
     pub fn with_gap(mut self, index: usize, gap: f64) -> Result<Self, RodwaveError> {
-        if !(gap.is_finite() && gap >= 0.0) {
-            return Err(RodwaveError::NonPhysical {
-                quantity: "gap [m]",
-                value: gap,
-                expected: "a finite value, 0 or above",
-            });
-        }
+        check_not_negative("gap [m]", gap)?;
         let contacts = self.gaps.len();
         match self.gaps.get_mut(index) {
             Some(slot) => *slot = gap,

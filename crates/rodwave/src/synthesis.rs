@@ -36,7 +36,7 @@ pub use fourier::FourierSynthesis;
 use num_complex::Complex64;
 
 use crate::RodwaveError;
-use crate::error::check_samples;
+use crate::error::{check_length, check_samples};
 use crate::fourier::RealFourier;
 
 /// A history at equal intervals.
@@ -80,13 +80,7 @@ fn check_lines(
     lines: &[Complex64],
     expected: usize,
 ) -> Result<(), RodwaveError> {
-    if lines.len() != expected {
-        return Err(RodwaveError::LengthMismatch {
-            what: name,
-            found: lines.len(),
-            expected,
-        });
-    }
+    check_length(name, lines.len(), expected)?;
     match lines.iter().enumerate().find(|(_, l)| !l.is_finite()) {
         None => Ok(()),
         Some((index, line)) => Err(RodwaveError::NonFiniteSample {

@@ -40,7 +40,7 @@ pub use free_end::{FreeEndWaves, IncidentWave, PlaceWaves};
 use num_complex::Complex64;
 
 use crate::RodwaveError;
-use crate::error::check_finite;
+use crate::error::{check_enough_samples, check_finite, check_length, check_not_negative};
 use crate::transition::State;
 
 /// Pair of waves in a uniform rod.
@@ -264,24 +264,13 @@ impl SectionWaves {
         along: &mut [Complex64],
         against: &mut [Complex64],
     ) -> Result<(), RodwaveError> {
-        let check = |what, found, expected| {
-            if found == expected {
-                Ok(())
-            } else {
-                Err(RodwaveError::LengthMismatch {
-                    what,
-                    found,
-                    expected,
-                })
-            }
-        };
-        check(
+        check_length(
             "the list of rows of values at the sections",
             values.len(),
             self.weights.len(),
         )?;
-        check("the list of lines of the waves", along.len(), self.n_lines)?;
-        check(
+        check_length("the list of lines of the waves", along.len(), self.n_lines)?;
+        check_length(
             "the list of lines of the waves",
             against.len(),
             self.n_lines,
@@ -289,7 +278,7 @@ impl SectionWaves {
         along.fill(Complex64::ZERO);
         against.fill(Complex64::ZERO);
         for (weights, values) in self.weights.iter().zip(values) {
-            check("the list of lines of a section", values.len(), self.n_lines)?;
+            check_length("the list of lines of a section", values.len(), self.n_lines)?;
             let sums = along.iter_mut().zip(against.iter_mut());
             for (([p, n], value), (along, against)) in weights.iter().zip(*values).zip(sums) {
                 *along += p * value;
@@ -418,13 +407,7 @@ fn both_ways(gamma: Complex64, whole: Complex64, [first, second]: [f64; 2]) -> [
 
 fn check_coefficient(gamma: Complex64, reach: f64) -> Result<(), RodwaveError> {
     check_finite("wave number [rad/m]", gamma.im)?;
-    if !(gamma.re.is_finite() && gamma.re >= 0.0) {
-        return Err(RodwaveError::NonPhysical {
-            quantity: "damping coefficient [1/m]",
-            value: gamma.re,
-            expected: "a finite value, 0 or above",
-        });
-    }
+    check_not_negative("damping coefficient [1/m]", gamma.re)?;
     check_finite("distance between the sections [m]", reach)?;
     check_finite("phase between the sections [rad]", gamma.im * reach)?;
     Ok(())
@@ -432,20 +415,12 @@ fn check_coefficient(gamma: Complex64, reach: f64) -> Result<(), RodwaveError> {
 
 /// Checks that there are two or more sections, with finite positions and values.
 fn check_sections(positions: &[f64], values: &[Complex64]) -> Result<(), RodwaveError> {
-    if positions.len() < 2 {
-        return Err(RodwaveError::TooFewSamples {
-            history: "the list of sections",
-            found: positions.len(),
-            expected: 2,
-        });
-    }
-    if values.len() != positions.len() {
-        return Err(RodwaveError::LengthMismatch {
-            what: "the list of values at the sections",
-            found: values.len(),
-            expected: positions.len(),
-        });
-    }
+    check_enough_samples("the list of sections", positions.len(), 2)?;
+    check_length(
+        "the list of values at the sections",
+        values.len(),
+        positions.len(),
+    )?;
     crate::error::check_samples("the list of positions", positions)?;
     match values.iter().enumerate().find(|(_, v)| !v.is_finite()) {
         None => Ok(()),

@@ -11,7 +11,9 @@ use rodwave::medium::{Medium, PropagationLaw};
 
 use super::projection::Projection;
 use super::spectra::{WhiteLine, check_positions};
-use crate::error::{CmodError, check_frequencies, check_not_negative, check_positive};
+use crate::error::{
+    CmodError, check_finite, check_frequencies, check_not_negative, check_positive,
+};
 
 /// Expected waves in the rod: an incident wave of amplitude 1 along +x, and its reflection.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -59,13 +61,7 @@ pub fn predict<L: PropagationLaw>(
         waves.reflector_at,
         waves.reflection.norm(),
     ] {
-        if !value.is_finite() {
-            return Err(CmodError::NonPhysical {
-                quantity: "section or reflection of the expected waves",
-                value,
-                expected: "a finite value",
-            });
-        }
+        check_finite("section or reflection of the expected waves", value)?;
     }
     let mut projection = Projection::new(positions);
     let n = positions.len();

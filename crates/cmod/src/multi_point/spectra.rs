@@ -3,7 +3,7 @@
 
 use num_complex::Complex64;
 
-use crate::error::{CmodError, check_frequencies, check_positive};
+use crate::error::{CmodError, check_finite, check_frequencies, check_positive};
 use crate::estimate::Refusal;
 
 /// Uniform part of a rod with gauges on it (Ödeen 1993, paper B, figure 1). Structures attached to
@@ -65,13 +65,7 @@ pub(super) fn check_positions(positions: &[f64]) -> Result<(), CmodError> {
     }
     let mut previous = None;
     for (gauge, &position) in positions.iter().enumerate() {
-        if !position.is_finite() {
-            return Err(CmodError::NonPhysical {
-                quantity: "position of a gauge [m]",
-                value: position,
-                expected: "a finite value",
-            });
-        }
+        check_finite("position of a gauge [m]", position)?;
         if let Some(previous) = previous
             && position <= previous
         {

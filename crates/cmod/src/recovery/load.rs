@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use super::dashpot::{Dashpot, SpringStress};
-use crate::error::{CmodError, check_not_negative, check_positive};
+use crate::error::{CmodError, check_finite, check_not_negative, check_positive};
 
 /// Number of integration steps per period of a sine.
 const STEPS_PER_PERIOD: f64 = 8.0;
@@ -64,13 +64,7 @@ impl LoadSegment {
             }
         };
         for value in stresses {
-            if !value.is_finite() {
-                return Err(CmodError::NonPhysical {
-                    quantity: "stress of a load segment [Pa]",
-                    value,
-                    expected: "a finite value",
-                });
-            }
+            check_finite("stress of a load segment [Pa]", value)?;
         }
         Ok(())
     }

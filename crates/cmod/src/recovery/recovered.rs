@@ -4,7 +4,7 @@ use num_complex::Complex64;
 
 use super::dashpot::relaxed_logarithm;
 use super::{LoadHistory, ThreeElement};
-use crate::error::CmodError;
+use crate::error::{CmodError, check_finite};
 
 /// Recovery of the model without load, at the time t \[s\] after unloading.
 ///
@@ -45,13 +45,7 @@ impl Recovery {
             ),
             ("initial rate of recovery [1/s]", recovery.initial_rate()),
         ] {
-            if !value.is_finite() {
-                return Err(CmodError::NonPhysical {
-                    quantity,
-                    value,
-                    expected: "a finite value",
-                });
-            }
+            check_finite(quantity, value)?;
         }
         Ok(recovery)
     }

@@ -1,7 +1,7 @@
 //! Measurements during the recovery from one load.
 
 use super::LoadHistory;
-use crate::error::{CmodError, check_not_negative, check_positive};
+use crate::error::{CmodError, check_enough_readings, check_not_negative, check_positive};
 
 /// Readings of the change Δtan δ = tan δ - tan δ₀ of the loss factor; one entry per reading in
 /// every array.
@@ -73,12 +73,7 @@ impl RecoveryTest {
                 });
             }
         }
-        if time.is_empty() {
-            return Err(CmodError::TooFewReadings {
-                found: 0,
-                expected: 1,
-            });
-        }
+        check_enough_readings(time.len(), 1)?;
         let wrong = |quantity, index, value, expected| CmodError::Reading {
             test: name.clone(),
             quantity,

@@ -17,7 +17,7 @@ use super::support::Support;
 use super::transient::{Lines, Reading};
 use super::whiteness::Whiteness;
 use crate::directions::Directions;
-use crate::error::{CmodError, check_positive};
+use crate::error::{CmodError, check_enough_readings, check_positive};
 pub use crate::recovery::fit::ErrorScale;
 
 /// Criterion for the comparison of laws and of orders of a Prony series.
@@ -478,12 +478,7 @@ pub(super) fn enough(
 ) -> Result<(), CmodError> {
     let spare = usize::from(scale == ErrorScale::FromResidual);
     let expected = parameters.saturating_add(spare);
-    if data.values() < expected {
-        return Err(CmodError::TooFewReadings {
-            found: data.values(),
-            expected,
-        });
-    }
+    check_enough_readings(data.values(), expected)?;
     Ok(())
 }
 

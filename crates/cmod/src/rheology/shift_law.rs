@@ -17,7 +17,7 @@ use statrs::distribution::{ChiSquared, ContinuousCDF};
 
 use super::count;
 use super::parameter::{Interval, IntervalMethod};
-use crate::error::CmodError;
+use crate::error::{CmodError, check_enough_readings};
 
 /// Gas constant R [J/(mol K)], exact since 2019 (CODATA 2018).
 pub const GAS_CONSTANT: f64 = 8.314_462_618_153_24;
@@ -129,12 +129,7 @@ impl ShiftLaws {
         covariance: &[Vec<f64>],
         quantile: f64,
     ) -> Result<Self, CmodError> {
-        if differences.len() < 2 {
-            return Err(CmodError::TooFewReadings {
-                found: differences.len() + 1,
-                expected: 3,
-            });
-        }
+        check_enough_readings(differences.len() + 1, 3)?;
         let factor = Cholesky::of(covariance).ok_or(CmodError::ShiftsUndetermined)?;
         let problem = Problem {
             differences,

@@ -1,7 +1,7 @@
 //! Moduli of a material at several temperatures.
 
 use super::data::ModulusData;
-use crate::error::{CmodError, check_positive};
+use crate::error::{CmodError, check_enough_readings, check_positive};
 
 /// Moduli of one material at several temperatures, with the factor of the modulus at each
 /// temperature, if it is known.
@@ -35,12 +35,7 @@ impl TemperatureSweep {
     /// one temperature; [`CmodError::Temperature`] unless all temperatures are finite, above 0 and
     /// increasing.
     pub fn new(steps: Vec<(f64, ModulusData)>) -> Result<Self, CmodError> {
-        if steps.len() < 2 {
-            return Err(CmodError::TooFewReadings {
-                found: steps.len(),
-                expected: 2,
-            });
-        }
+        check_enough_readings(steps.len(), 2)?;
         let (temperatures, data): (Vec<f64>, Vec<ModulusData>) = steps.into_iter().unzip();
         let mut previous = 0.0;
         for (index, &kelvin) in temperatures.iter().enumerate() {
@@ -53,11 +48,8 @@ impl TemperatureSweep {
             }
             previous = kelvin;
         }
-        if let Some(short) = data.iter().find(|data| data.len() < 3) {
-            return Err(CmodError::TooFewReadings {
-                found: short.len(),
-                expected: 3,
-            });
+        for data in &data {
+            check_enough_readings(data.len(), 3)?;
         }
         Ok(Self {
             vertical: vec![1.0; temperatures.len()],

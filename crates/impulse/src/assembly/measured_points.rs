@@ -4,7 +4,7 @@ use num_complex::Complex64;
 use rand::Rng;
 
 use super::Substructure;
-use crate::error::check_spacing;
+use crate::error::{check_length, check_spacing};
 use crate::{Domain, ImpactBody, ImpulseError, MeasuredBody};
 
 /// A member of an [`Assembly`](super::Assembly) described by the measured mobilities at and between
@@ -38,13 +38,11 @@ impl MeasuredPoints {
         for entry in &entries {
             let [found_hz, expected_hz] = [entry, first].map(MeasuredBody::frequency_step_hz);
             check_spacing("measured mobility of a member", found_hz, expected_hz)?;
-            if entry.mobility().len() != first.mobility().len() {
-                return Err(ImpulseError::LengthMismatch {
-                    what: "measured mobility of a member",
-                    found: entry.mobility().len(),
-                    expected: first.mobility().len(),
-                });
-            }
+            check_length(
+                "measured mobility of a member",
+                entry.mobility().len(),
+                first.mobility().len(),
+            )?;
         }
         Ok(Self { n_points, entries })
     }

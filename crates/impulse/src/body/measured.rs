@@ -8,7 +8,10 @@ use rand_distr::StandardNormal;
 
 use super::{Domain, ImpactBody};
 use crate::ImpulseError;
-use crate::error::{check_not_negative, check_positive, check_samples};
+use crate::error::{
+    check_enough, check_length, check_lines_finite, check_not_negative, check_positive,
+    check_samples,
+};
 
 /// Fewest lines for the fit of [`MeasuredBody::completed_below`].
 const FEWEST_LINES: usize = 3;
@@ -105,13 +108,7 @@ impl MeasuredBody {
     ) -> Result<Self, ImpulseError> {
         const WHAT: &str = "measured mobility";
         check_positive("frequency step [Hz]", frequency_step_hz)?;
-        if mobility.len() < 8 {
-            return Err(ImpulseError::TooShort {
-                what: WHAT,
-                found: mobility.len(),
-                expected: 8,
-            });
-        }
+        check_enough(WHAT, mobility.len(), 8)?;
         if let LowFrequency::Free(weighed) = low {
             check_positive("weighed mass [kg]", weighed.mass)?;
             check_not_negative(
@@ -127,9 +124,7 @@ impl MeasuredBody {
                 LowFrequency::Measured => return Err(ImpulseError::MissingZeroLine { what: WHAT }),
             }
         }
-        if let Some(index) = mobility.iter().position(|line| !line.is_finite()) {
-            return Err(ImpulseError::NonFinite { what: WHAT, index });
-        }
+        check_lines_finite(WHAT, &mobility)?;
         Ok(Self {
             frequency_step_hz,
             freedom: vec![f64::INFINITY; mobility.len()],
@@ -181,13 +176,7 @@ impl MeasuredBody {
     /// for a negative variance.
     pub fn with_variance(self, variance: &[f64]) -> Result<Self, ImpulseError> {
         const WHAT: &str = "variance of the mobility";
-        if variance.len() != self.mobility.len() {
-            return Err(ImpulseError::LengthMismatch {
-                what: WHAT,
-                found: variance.len(),
-                expected: self.mobility.len(),
-            });
-        }
+        check_length(WHAT, variance.len(), self.mobility.len())?;
         let mut variance = variance.to_vec();
         if let Some(first) = variance.first_mut() {
             *first = 0.0;
@@ -211,13 +200,11 @@ impl MeasuredBody {
     /// [`ImpulseError::LengthMismatch`]; [`ImpulseError::NonPhysical`] for an entry that is not
     /// positive.
     pub fn with_degrees_of_freedom(self, freedom: &[f64]) -> Result<Self, ImpulseError> {
-        if freedom.len() != self.mobility.len() {
-            return Err(ImpulseError::LengthMismatch {
-                what: "degrees of freedom of the mobility",
-                found: freedom.len(),
-                expected: self.mobility.len(),
-            });
-        }
+        check_length(
+            "degrees of freedom of the mobility",
+            freedom.len(),
+            self.mobility.len(),
+        )?;
         let mut freedom = freedom.to_vec();
         if let Some(first) = freedom.first_mut() {
             *first = f64::INFINITY;
@@ -489,13 +476,7 @@ impl MeasuredBody {
                 found += 1;
             }
         }
-        if found < FEWEST_LINES {
-            return Err(ImpulseError::TooShort {
-                what: "band of a nearly rigid body",
-                found,
-                expected: FEWEST_LINES,
-            });
-        }
+        check_enough("band of a nearly rigid body", found, FEWEST_LINES)?;
         let elastic = moment / square;
         let mut completed = self.clone();
         let step = self.frequency_step_hz;

@@ -2,7 +2,7 @@
 
 use num_complex::Complex64;
 
-use crate::error::{check_not_negative, check_samples, check_spacing};
+use crate::error::{check_length, check_not_negative, check_samples, check_spacing};
 use crate::{ImpulseError, MeasuredBody};
 
 /// Number of standard errors attributed to chance.
@@ -42,13 +42,7 @@ impl Reciprocity {
             ("variance of the forward mobility", variances[0].len()),
             ("variance of the backward mobility", variances[1].len()),
         ] {
-            if found != forward.len() {
-                return Err(ImpulseError::LengthMismatch {
-                    what,
-                    found,
-                    expected: forward.len(),
-                });
-            }
+            check_length(what, found, forward.len())?;
         }
         check_samples("variance of the forward mobility", variances[0])?;
         check_samples("variance of the backward mobility", variances[1])?;

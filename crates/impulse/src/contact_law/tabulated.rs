@@ -1,6 +1,7 @@
 //! A measured contact curve.
 
 use crate::ImpulseError;
+use crate::error::check_enough;
 
 /// A piecewise linear force-approach curve, with optionally stiffer unloading.
 ///
@@ -26,13 +27,7 @@ impl TabulatedContact {
     /// both δ and F are finite and increase from point to point, with slopes and energies within
     /// the floating-point range.
     pub fn new(points: &[(f64, f64)]) -> Result<Self, ImpulseError> {
-        if points.len() < 2 {
-            return Err(ImpulseError::TooShort {
-                what: "contact law",
-                found: points.len(),
-                expected: 2,
-            });
-        }
+        check_enough("contact law", points.len(), 2)?;
         let wrong = |index: usize, (approach, force): (f64, f64), expected| {
             Err(ImpulseError::ContactTable {
                 index,

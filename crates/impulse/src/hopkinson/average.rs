@@ -7,7 +7,7 @@ use super::result::{HopkinsonResult, with_half_width};
 use super::source::Source;
 use super::student::StudentFactors;
 use crate::ImpulseError;
-use crate::error::check_probability;
+use crate::error::{check_enough, check_probability};
 
 /// Number of strains of a mean curve.
 const PLACES: usize = 200;
@@ -233,13 +233,7 @@ fn rising(shot: &HopkinsonResult) -> Result<Vec<(f64, f64)>, ImpulseError> {
             found.push((at as f64, strain));
         }
     }
-    if found.len() < FEWEST {
-        return Err(ImpulseError::TooShort {
-            what: "part of a shot with rising strain",
-            found: found.len(),
-            expected: FEWEST,
-        });
-    }
+    check_enough("part of a shot with rising strain", found.len(), FEWEST)?;
     Ok(found)
 }
 

@@ -7,6 +7,7 @@ use rand_distr::StandardNormal;
 use rodwave::fourier::RealFourier;
 
 use crate::ImpulseError;
+use crate::error::check_enough;
 
 /// Fewest samples of a silence.
 const FEWEST: usize = 32;
@@ -44,13 +45,7 @@ impl QuietNoise {
     /// [`ImpulseError::TooShort`] for fewer than 32 silent samples.
     pub fn before_pulse(samples: &[f64], silent: usize) -> Result<Self, ImpulseError> {
         let quiet = samples.get(..silent).unwrap_or(samples);
-        if quiet.len() < FEWEST {
-            return Err(ImpulseError::TooShort {
-                what: "silence before the pulse",
-                found: quiet.len(),
-                expected: FEWEST,
-            });
-        }
+        check_enough("silence before the pulse", quiet.len(), FEWEST)?;
         let level = quiet.iter().sum::<f64>() / quiet.len() as f64;
         let step = converter_step(samples);
         let floor = step * step / 12.0;

@@ -5,6 +5,7 @@ use std::ops::Range;
 
 use super::bar::HopkinsonBar;
 use crate::ImpulseError;
+use crate::error::check_enough;
 
 /// Method that separates the waves of one bar.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -175,13 +176,11 @@ impl Plan {
             from..(to.clamp(0.0, end) as usize).max(from)
         };
         let result = range(at_face, at_face + duration);
-        if result.len() < FEWEST {
-            return Err(ImpulseError::TooShort {
-                what: "part of the record after the pulse has reached the specimen",
-                found: result.len(),
-                expected: FEWEST,
-            });
-        }
+        check_enough(
+            "part of the record after the pulse has reached the specimen",
+            result.len(),
+            FEWEST,
+        )?;
         let terms = |separation: WaveSeparation,
                      (near, far, length): (f64, f64, f64),
                      speed: f64|

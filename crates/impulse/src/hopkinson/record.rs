@@ -2,7 +2,7 @@
 
 use super::bar::HopkinsonBar;
 use crate::ImpulseError;
-use crate::error::{check_positive, check_samples};
+use crate::error::{check_enough, check_length, check_positive, check_samples};
 
 /// Strains of all gauges, sampled together.
 #[derive(Debug, Clone, PartialEq)]
@@ -21,33 +21,19 @@ impl HopkinsonRecord {
         check_positive("sampling rate [Hz]", self.rate_hz)?;
         let mut n_samples = None;
         for (gauges, bar) in self.gauges.iter().zip(bars) {
-            if gauges.len() != bar.gauges.len() {
-                return Err(ImpulseError::LengthMismatch {
-                    what: "list of records of a bar",
-                    found: gauges.len(),
-                    expected: bar.gauges.len(),
-                });
-            }
+            check_length("list of records of a bar", gauges.len(), bar.gauges.len())?;
             for samples in gauges {
                 check_samples("record of a gauge", samples)?;
                 let expected = *n_samples.get_or_insert(samples.len());
-                if samples.len() != expected {
-                    return Err(ImpulseError::LengthMismatch {
-                        what: "record of a gauge",
-                        found: samples.len(),
-                        expected,
-                    });
-                }
+                check_length("record of a gauge", samples.len(), expected)?;
             }
         }
         let n_samples = n_samples.unwrap_or(0);
-        if self.silent >= n_samples {
-            return Err(ImpulseError::TooShort {
-                what: "record of a gauge",
-                found: n_samples,
-                expected: self.silent.saturating_add(1),
-            });
-        }
+        check_enough(
+            "record of a gauge",
+            n_samples,
+            self.silent.saturating_add(1),
+        )?;
         Ok(n_samples)
     }
 }

@@ -18,6 +18,7 @@ use super::separation::{BarLines, noises};
 use super::source::{MaterialVariation, Setup, Source};
 use super::specimen::{Loading, TestSpecimen};
 use crate::ImpulseError;
+use crate::error::{check_enough, check_length};
 
 /// Smallest peak of the reflected wave with the sign opposite to that of the incident wave,
 /// relative to its largest value of either sign, for this peak to count as that of the loading. A
@@ -60,12 +61,8 @@ impl HopkinsonTest {
             bar.check()?;
         }
         self.specimen.check(self.loading)?;
-        if let Some(n_draws) = self.monte_carlo.filter(|n| *n < FEWEST_DRAWS) {
-            return Err(ImpulseError::TooShort {
-                what: "number of draws",
-                found: n_draws,
-                expected: FEWEST_DRAWS,
-            });
+        if let Some(n_draws) = self.monte_carlo {
+            check_enough("number of draws", n_draws, FEWEST_DRAWS)?;
         }
         let of_length = self.bars.iter().find_map(|bar| bar.poisson_ratio);
         if let (Loading::Torsion, Some(ratio)) = (self.loading, of_length) {
@@ -81,13 +78,11 @@ impl HopkinsonTest {
             } else {
                 1
             };
-            if bar.gauges.len() != expected {
-                return Err(ImpulseError::LengthMismatch {
-                    what: "list of gauges of a bar, given its separation of the waves,",
-                    found: bar.gauges.len(),
-                    expected,
-                });
-            }
+            check_length(
+                "list of gauges of a bar, given its separation of the waves,",
+                bar.gauges.len(),
+                expected,
+            )?;
         }
         match self.separation {
             [WaveSeparation::FreeEnd, _] => Err(ImpulseError::NonPhysical {

@@ -5,6 +5,7 @@ use std::fmt;
 use super::DiscreteImpact;
 use crate::balance::{Account, Balance, EnergyHistory};
 use crate::convolution::causal_convolution;
+use crate::error::check_enough;
 use crate::unilateral::{ContactInterval, Marched};
 use crate::{BandLimit, ForceHistory, ForcePeak, ImpulseError};
 
@@ -271,13 +272,7 @@ impl Prediction {
         // undetermined
         let n_samples = self.history.force().len();
         let added = limited.force().len() - n_samples;
-        if n_samples <= added {
-            return Err(ImpulseError::TooShort {
-                what: "force history in a band",
-                found: n_samples,
-                expected: added + 1,
-            });
-        }
+        check_enough("force history in a band", n_samples, added + 1)?;
         let known = limited.force().iter().take(n_samples).copied();
         ForceHistory::new(limited.time_at(0), limited.time_step(), known.collect())
     }

@@ -5,6 +5,7 @@ use std::f64::consts::{PI, TAU};
 use num_complex::Complex64;
 
 use super::{Front, TimeGrid, Weights};
+use crate::error::check_enough;
 use crate::{Domain, ImpactBody, ImpulseError, fourier};
 
 /// Number of Nyquist bands of the time step whose lines are summed. The averages decrease as the
@@ -162,13 +163,11 @@ fn measured_points(frequency_step_hz: f64, grid: TimeGrid) -> Result<usize, Impu
     }
     let points = whole as usize;
     // the second half of the period is the time before the impulse
-    if points < 2 * grid.n_steps {
-        return Err(ImpulseError::TooShort {
-            what: "period of the measured lines, in time steps,",
-            found: points,
-            expected: 2 * grid.n_steps,
-        });
-    }
+    check_enough(
+        "period of the measured lines, in time steps,",
+        points,
+        2 * grid.n_steps,
+    )?;
     Ok(points)
 }
 

@@ -5,6 +5,7 @@ use std::ops::Range;
 use num_complex::Complex64;
 
 use super::mean_blow;
+use crate::error::{check_enough, check_length};
 use crate::{ForceError, ForceHistory, ImpulseError, fourier};
 
 /// Fraction of the largest force below which samples give the force-independent part of the error.
@@ -62,25 +63,13 @@ impl CalibrationScatter {
     /// window with or without force; [`ImpulseError::LengthMismatch`]; [`ImpulseError::NonFinite`]
     /// for a measured force.
     pub fn of(blows: &[CalibrationBlow<'_>], window: Range<usize>) -> Result<Self, ImpulseError> {
-        if blows.len() < 3 {
-            return Err(ImpulseError::TooShort {
-                what: "set of calibration blows",
-                found: blows.len(),
-                expected: 3,
-            });
-        }
+        check_enough("set of calibration blows", blows.len(), 3)?;
         let (mut quiet, mut n_quiet) = (0.0, 0_usize);
         let (mut loud, mut n_loud, mut force_squares) = (0.0, 0_usize, 0.0);
         let (mut impulses, mut over_stated, mut n_stated) = (0.0, 0.0, 0_usize);
         for blow in blows {
             let found = blow.reconstructed.force();
-            if found.len() != blow.measured.len() {
-                return Err(ImpulseError::LengthMismatch {
-                    what: "measured force",
-                    found: blow.measured.len(),
-                    expected: found.len(),
-                });
-            }
+            check_length("measured force", blow.measured.len(), found.len())?;
             crate::error::check_samples("measured force", blow.measured)?;
             let sum = |samples: &[f64]| -> f64 {
                 samples
@@ -116,13 +105,7 @@ impl CalibrationScatter {
             ("window of calibration blows without force", n_quiet),
             ("window of calibration blows with force", n_loud),
         ] {
-            if found == 0 {
-                return Err(ImpulseError::TooShort {
-                    what,
-                    found,
-                    expected: 1,
-                });
-            }
+            check_enough(what, found, 1)?;
         }
         let additive = quiet / n_quiet as f64;
         // an error during the force that is smaller than the error without force is due to the
@@ -227,23 +210,15 @@ impl CalibrationLines {
     /// [`ImpulseError::NonFinite`] for a force.
     pub fn of(variance: &[f64], forces: &[&[f64]]) -> Result<Self, ImpulseError> {
         let n_blows = forces.len();
-        if n_blows < 2 {
-            return Err(ImpulseError::TooShort {
-                what: "set of calibration blows",
-                found: n_blows,
-                expected: 2,
-            });
-        }
+        check_enough("set of calibration blows", n_blows, 2)?;
         let mut energy = vec![0.0; variance.len()];
         let mut spectra = Vec::with_capacity(forces.len());
         for force in forces {
-            if force.len() / 2 + 1 != variance.len() {
-                return Err(ImpulseError::LengthMismatch {
-                    what: "variance of the frequency response",
-                    found: variance.len(),
-                    expected: force.len() / 2 + 1,
-                });
-            }
+            check_length(
+                "variance of the frequency response",
+                variance.len(),
+                force.len() / 2 + 1,
+            )?;
             crate::error::check_samples("force of a calibration blow", force)?;
             let spectrum = fourier::to_spectrum(force);
             for (sum, line) in energy.iter_mut().zip(&spectrum) {

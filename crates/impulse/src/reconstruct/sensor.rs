@@ -6,7 +6,7 @@ use num_complex::Complex64;
 
 use super::shifted::Shift;
 use crate::ImpulseError;
-use crate::error::{check_positive, check_samples};
+use crate::error::{check_enough, check_length, check_positive, check_samples};
 
 /// The noise of a measured response.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -53,13 +53,7 @@ impl<'a> Sensor<'a> {
         response: &'a [f64],
         frequency_response: &'a [Complex64],
     ) -> Result<Self, ImpulseError> {
-        if response.len() < 4 {
-            return Err(ImpulseError::TooShort {
-                what: "response",
-                found: response.len(),
-                expected: 4,
-            });
-        }
+        check_enough("response", response.len(), 4)?;
         check_samples("response", response)?;
         check_lines(
             "frequency response",
@@ -168,14 +162,5 @@ impl<'a> Sensor<'a> {
 }
 
 fn check_lines(what: &'static str, found: usize, n_samples: usize) -> Result<(), ImpulseError> {
-    let expected = n_samples / 2 + 1;
-    if found == expected {
-        Ok(())
-    } else {
-        Err(ImpulseError::LengthMismatch {
-            what,
-            found,
-            expected,
-        })
-    }
+    check_length(what, found, n_samples / 2 + 1)
 }

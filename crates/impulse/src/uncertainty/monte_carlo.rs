@@ -5,7 +5,7 @@ use rand::{Rng, RngExt};
 use rand_distr::StandardNormal;
 
 use super::StickUncertainty;
-use crate::error::check_probability;
+use crate::error::{check_enough, check_length, check_probability};
 use crate::force_error::{check_draws, quantile};
 use crate::{ContactEnd, Coverage, ForceBand, ImpulseError, StickProblem, ZeroLine, separate};
 
@@ -49,13 +49,7 @@ impl StickUncertainty<'_> {
     ) -> Result<MonteCarlo, ImpulseError> {
         problem.force_lines()?;
         self.check(problem)?;
-        if n_draws < FEWEST_DRAWS {
-            return Err(ImpulseError::TooShort {
-                what: "set of draws",
-                found: n_draws,
-                expected: FEWEST_DRAWS,
-            });
-        }
+        check_enough("set of draws", n_draws, FEWEST_DRAWS)?;
         let (n_period, n_shown) = problem.n_samples();
         check_draws(n_draws, n_shown)?;
         let mut result = MonteCarlo {
@@ -132,12 +126,8 @@ impl MonteCarlo {
     pub fn contact_band(&self, level: f64) -> Result<ForceBand, ImpulseError> {
         check_probability("level of a band", level)?;
         let n_samples = self.stick_mean.len();
-        if let Some(other) = self.impact_forces.iter().find(|f| f.len() != n_samples) {
-            return Err(ImpulseError::LengthMismatch {
-                what: "impact force of a draw",
-                found: other.len(),
-                expected: n_samples,
-            });
+        for force in &self.impact_forces {
+            check_length("impact force of a draw", force.len(), n_samples)?;
         }
         let mut band = ForceBand {
             coverage: Coverage::Pointwise,

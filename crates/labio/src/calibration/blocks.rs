@@ -2,6 +2,7 @@
 
 use ndarray::Array2;
 
+use crate::error::check_count;
 use crate::stream::read_next;
 use crate::{BlockSource, Channel, LabioError, SensorChain, channel};
 
@@ -79,13 +80,11 @@ impl<S: BlockSource> BlockSource for CalibratedBlocks<S> {
     }
 
     fn read_block(&mut self, block: &mut Array2<f64>) -> Result<usize, LabioError> {
-        if block.nrows() != self.channels.len() {
-            return Err(LabioError::CountMismatch {
-                what: "rows of a block of samples",
-                found: block.nrows(),
-                expected: self.channels.len(),
-            });
-        }
+        check_count(
+            "rows of a block of samples",
+            block.nrows(),
+            self.channels.len(),
+        )?;
         let n = read_next(&mut self.source, block)?;
         for (row, chain) in &self.chains {
             let mut samples = block.row_mut(*row);

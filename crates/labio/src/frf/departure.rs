@@ -2,6 +2,7 @@
 
 use super::{FrequencyResponse, LineValidity};
 use crate::LabioError;
+use crate::error::check_count;
 
 /// Coherence above which lines are compared: below it, noise in the input causes an additional
 /// bias.
@@ -50,13 +51,11 @@ impl FrequencyResponse {
     pub fn departure_from(&self, other: &Self) -> Result<Option<Departure>, LabioError> {
         self.check_lengths()?;
         other.check_lengths()?;
-        if self.values.len() != other.values.len() {
-            return Err(LabioError::CountMismatch {
-                what: "lines of a response to compare",
-                found: other.values.len(),
-                expected: self.values.len(),
-            });
-        }
+        check_count(
+            "lines of a response to compare",
+            other.values.len(),
+            self.values.len(),
+        )?;
         let mut lines: Vec<(bool, [f64; 4])> = Vec::new();
         for ((one, two), coherences) in self
             .known_lines()
@@ -138,13 +137,11 @@ impl FrequencyResponse {
     pub fn resolution_error(&self, halved: &Self) -> Result<Vec<f64>, LabioError> {
         self.check_lengths()?;
         halved.check_lengths()?;
-        if halved.values.len() != self.values.len().div_ceil(2) {
-            return Err(LabioError::CountMismatch {
-                what: "lines of the response from halved segments",
-                found: halved.values.len(),
-                expected: self.values.len().div_ceil(2),
-            });
-        }
+        check_count(
+            "lines of the response from halved segments",
+            halved.values.len(),
+            self.values.len().div_ceil(2),
+        )?;
         let none = || std::iter::repeat(&0.0);
         let even: Vec<f64> = self
             .values

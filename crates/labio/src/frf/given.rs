@@ -3,7 +3,7 @@
 use num_complex::Complex64;
 
 use super::{Estimator, FrequencyResponse, LineValidity};
-use crate::error::{check_finite, check_positive};
+use crate::error::{check_count, check_finite, check_positive};
 use crate::{Channel, LabioError, known_part};
 
 /// Fewest lines that a response may have.
@@ -285,15 +285,7 @@ impl FrequencyResponse {
     }
 
     fn check_lines(&self, what: &'static str, found: usize) -> Result<(), LabioError> {
-        if found == self.values.len() {
-            Ok(())
-        } else {
-            Err(LabioError::CountMismatch {
-                what,
-                found,
-                expected: self.values.len(),
-            })
-        }
+        check_count(what, found, self.values.len())
     }
 }
 

@@ -2,6 +2,7 @@
 
 use num_complex::Complex64;
 
+use crate::error::check_count;
 use crate::spectra::ending::{Completion, Ending, tail_length};
 use crate::{LabioError, LevelAtRest, Record, channel, dft};
 
@@ -82,13 +83,7 @@ impl Motion {
         n_samples: usize,
         n_rest: Option<usize>,
     ) -> Result<Self, LabioError> {
-        if hit.n_samples() != n_samples {
-            return Err(LabioError::CountMismatch {
-                what: "samples of a hit",
-                found: hit.n_samples(),
-                expected: n_samples,
-            });
-        }
+        check_count("samples of a hit", hit.n_samples(), n_samples)?;
         let mut samples = hit.channel(name)?.to_vec();
         let rest = LevelAtRest::of(samples.iter().copied().take(n_rest.unwrap_or(0)));
         let level = rest.map_or(0.0, |rest| rest.level);

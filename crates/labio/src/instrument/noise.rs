@@ -6,7 +6,7 @@ use rand_distr::{Distribution, StandardNormal};
 
 use crate::LabioError;
 use crate::dft;
-use crate::error::{check_not_negative, check_positive};
+use crate::error::{check_enough_samples, check_not_negative, check_positive};
 
 /// One-sided power spectral density of noise \[unit²/Hz\], in the unit of the channel at the stage
 /// where the noise is added.
@@ -78,13 +78,7 @@ impl NoiseSpectrum {
     /// - [`LabioError::NonPhysical`]: a frequency or a density is not positive, or frequencies do
     ///   not increase.
     pub fn table(rows: &[[f64; 2]]) -> Result<Self, LabioError> {
-        if rows.is_empty() {
-            return Err(LabioError::TooFewSamples {
-                what: "the table of noise densities",
-                found: 0,
-                expected: 1,
-            });
-        }
+        check_enough_samples("the table of noise densities", rows.len(), 1)?;
         let mut last = 0.0;
         for [frequency_hz, density] in rows {
             check_positive("tabulated noise density [unit^2/Hz]", *density)?;

@@ -5,6 +5,7 @@ use num_complex::Complex64;
 use rand::Rng;
 
 use super::{AntiAlias, Converter, NoiseSpectrum, Saturation};
+use crate::error::check_count;
 use crate::filter::{delayed, filtered};
 use crate::{Channel, LabioError, Quantity, SensorChain, channel};
 
@@ -156,13 +157,7 @@ impl Signals {
     fn mix(&mut self, matrix: &Array2<f64>) -> Result<(), LabioError> {
         let n = self.channels.len();
         for found in [matrix.nrows(), matrix.ncols()] {
-            if found != n {
-                return Err(LabioError::CountMismatch {
-                    what: "rows and columns of the cross-talk matrix",
-                    found,
-                    expected: n,
-                });
-            }
+            check_count("rows and columns of the cross-talk matrix", found, n)?;
         }
         self.samples = matrix.dot(&self.samples);
         Ok(())

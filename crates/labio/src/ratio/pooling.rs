@@ -24,9 +24,9 @@
 use num_complex::Complex64;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
-use super::check_count;
 use super::freedom::DegreesOfFreedom;
 use crate::LabioError;
+use crate::error::check_count;
 
 /// Number of degrees of freedom required of a pooled variance.
 const ENOUGH: f64 = 40.0;

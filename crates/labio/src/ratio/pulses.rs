@@ -5,8 +5,9 @@ use std::ops::Range;
 
 use ndarray::Array2;
 
+use super::ResponseRatio;
 use super::one_shot::{self, ChannelAtRest};
-use super::{ResponseRatio, check_count};
+use crate::error::check_count;
 use crate::{
     AveragedSpectra, Channel, LabioError, LevelAtRest, Record, RestNoise, Window, known_part,
 };

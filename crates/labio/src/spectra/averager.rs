@@ -6,7 +6,7 @@ use super::ending::{Completion, Ending, tail_length};
 use super::{AveragedSpectra, AveragedTails, Detrend};
 use crate::channel::{self, Channel};
 use crate::dft::Dft;
-use crate::error::check_positive;
+use crate::error::{check_count, check_positive};
 use crate::window::check_length;
 use crate::{AddedDamping, ForceWindow, LabioError, Record, Window};
 
@@ -436,25 +436,17 @@ impl SpectrumAverager {
 
     fn check_like(&self, hit: &Record) -> Result<(), LabioError> {
         self.check_channels(hit)?;
-        if hit.n_samples() != self.n_samples {
-            return Err(LabioError::CountMismatch {
-                what: "samples of a hit",
-                found: hit.n_samples(),
-                expected: self.n_samples,
-            });
-        }
+        check_count("samples of a hit", hit.n_samples(), self.n_samples)?;
         Ok(())
     }
 
     /// Rejects a record with other channels or another sampling rate.
     pub(super) fn check_channels(&self, hit: &Record) -> Result<(), LabioError> {
-        if hit.channels().len() != self.channels.len() {
-            return Err(LabioError::CountMismatch {
-                what: "channels of a hit",
-                found: hit.channels().len(),
-                expected: self.channels.len(),
-            });
-        }
+        check_count(
+            "channels of a hit",
+            hit.channels().len(),
+            self.channels.len(),
+        )?;
         for (index, (found, expected)) in hit.channels().iter().zip(&self.channels).enumerate() {
             if found != expected {
                 return Err(LabioError::ChannelMismatch {

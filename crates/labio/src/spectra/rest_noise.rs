@@ -2,6 +2,7 @@
 
 use super::averager::check_same_rate;
 use super::{Detrend, Welch};
+use crate::error::check_enough_samples;
 use crate::quantization::step_above_noise;
 use crate::{LabioError, Record, channel};
 use std::f64::consts::PI;
@@ -57,13 +58,7 @@ impl RestNoise {
     /// [`LabioError::UnknownChannel`], [`LabioError::ChannelMismatch`] or
     /// [`LabioError::SamplingRateMismatch`] for a hit that differs from the first.
     pub fn before(hits: &[&Record], channel: &str, n_silent: usize) -> Result<Self, LabioError> {
-        if n_silent < Self::FEWEST_SAMPLES {
-            return Err(LabioError::TooFewSamples {
-                what: "the silence before a hit",
-                found: n_silent,
-                expected: Self::FEWEST_SAMPLES,
-            });
-        }
+        check_enough_samples("the silence before a hit", n_silent, Self::FEWEST_SAMPLES)?;
         let Some(first) = hits.first() else {
             return Err(LabioError::TooFewAverages {
                 estimate: "the noise before hits",

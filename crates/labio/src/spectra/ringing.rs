@@ -6,6 +6,7 @@ use std::f64::consts::TAU;
 use num_complex::Complex64;
 
 use super::RestNoise;
+use crate::error::check_enough_samples;
 use crate::{AddedDamping, LabioError, Record};
 
 /// Number of equal parts of a hit, the last of which must be quiet if the body is at rest.
@@ -189,13 +190,7 @@ fn decay_rate(end: f64, density: f64, duration: f64, lowest_hz: f64) -> f64 {
 /// [`LabioError::TooFewSamples`] if `n_silent` is 0, or if fewer than two samples follow the
 /// silence.
 pub fn from_rest(hit: &Record, n_silent: usize) -> Result<Record, LabioError> {
-    if n_silent == 0 {
-        return Err(LabioError::TooFewSamples {
-            what: "the silence before a hit",
-            found: 0,
-            expected: 1,
-        });
-    }
+    check_enough_samples("the silence before a hit", n_silent, 1)?;
     let part = hit.part(n_silent.min(hit.n_samples())..hit.n_samples())?;
     let mut samples = part.samples().to_owned();
     for (mut of_channel, whole) in samples.rows_mut().into_iter().zip(hit.samples().rows()) {

@@ -4,6 +4,7 @@ use ndarray::Array2;
 
 use super::{AveragedSpectra, Detrend, SpectrumAverager};
 use crate::channel::Channel;
+use crate::error::check_enough_samples;
 use crate::stream::read_next;
 use crate::{BlockSource, LabioError, Record, Window};
 
@@ -51,13 +52,7 @@ impl Welch {
     ///
     /// [`LabioError::TooFewSamples`] for fewer than 3 samples.
     pub fn new(n_samples: usize) -> Result<Self, LabioError> {
-        if n_samples < 3 {
-            return Err(LabioError::TooFewSamples {
-                what: "a segment",
-                found: n_samples,
-                expected: 3,
-            });
-        }
+        check_enough_samples("a segment", n_samples, 3)?;
         Ok(Self {
             n_samples,
             n_overlap: n_samples / 2,

@@ -4,7 +4,7 @@ use num_complex::Complex64;
 use rodwave::modulus::DifferentiableModulus;
 
 use super::LinearLaw;
-use crate::error::{MaxwellidError, check_range};
+use crate::error::{MaxwellidError, check_positive, check_range};
 
 /// A parameter of a modulus to be identified.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -74,13 +74,7 @@ impl<M: DifferentiableModulus> ScaledModulus<M> {
             }
             check_range(parameter.name, parameter.range)?;
         }
-        if !(reference_omega.is_finite() && reference_omega > 0.0) {
-            return Err(MaxwellidError::Setting {
-                setting: "reference frequency [rad/s]",
-                value: reference_omega,
-                expected: "a finite value above 0",
-            });
-        }
+        check_positive("reference frequency [rad/s]", reference_omega)?;
         Ok(Self {
             name: name.into(),
             law,

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use crate::arrhenius::{self, Arrhenius};
 use crate::catalogue::{Entry, Law};
-use crate::error::{MaxwellidError, check_range};
+use crate::error::{MaxwellidError, check_positive, check_range};
 use crate::law::IdentifiableLaw;
 use crate::linear::{LinearLaw, MaxwellBranches};
 use crate::model::{RodModel, check_counts};
@@ -177,13 +177,7 @@ impl Candidate {
     /// # Errors
     /// [`MaxwellidError::Setting`] unless it is finite and above 0.
     pub fn with_prior_weight(self, weight: f64) -> Result<Self, MaxwellidError> {
-        if !(weight.is_finite() && weight > 0.0) {
-            return Err(MaxwellidError::Setting {
-                setting: "prior weight of a model",
-                value: weight,
-                expected: "a finite value above 0",
-            });
-        }
+        check_positive("prior weight of a model", weight)?;
         Ok(Self { weight, ..self })
     }
 

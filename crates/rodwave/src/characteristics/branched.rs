@@ -16,7 +16,7 @@ use super::time_levels::TimeLevels;
 use super::{FEWEST_CELLS, WavePair};
 use crate::RodwaveError;
 use crate::band_limited::{SamplePulses, VelocityHistory};
-use crate::error::{check_cells, check_positive, check_samples};
+use crate::error::{check_cells, check_length, check_positive, check_samples};
 use crate::inelastic::{
     InelasticLaw, LANES, RelaxationFlow, StressChange, check_parameters, lanes,
 };
@@ -198,14 +198,6 @@ impl<L: InelasticLaw> BranchedProblem<L> {
             of_flow: vec![0.0; shares.len()],
             parameter: None,
         };
-        let check = |what, found: usize, expected: usize| match found == expected {
-            true => Ok(()),
-            false => Err(RodwaveError::LengthMismatch {
-                what,
-                found,
-                expected,
-            }),
-        };
         match direction {
             // at constant dimensionless time, Z and E h are proportional to E^½ (h: time step)
             Direction::LogModulus => {
@@ -213,7 +205,7 @@ impl<L: InelasticLaw> BranchedProblem<L> {
                 source.of_flow.fill(0.5);
             }
             Direction::Shares(growth) => {
-                check("changes of shares", growth.len(), shares.len())?;
+                check_length("changes of shares", growth.len(), shares.len())?;
                 source.growth.clone_from(growth);
                 // the flow of the law depends on the modulus of its branch
                 let of_law = growth
@@ -225,7 +217,7 @@ impl<L: InelasticLaw> BranchedProblem<L> {
                 }
             }
             Direction::LogTimes(changes) => {
-                check(
+                check_length(
                     "changes of relaxation times",
                     changes.len(),
                     self.linear.len(),
@@ -236,7 +228,7 @@ impl<L: InelasticLaw> BranchedProblem<L> {
             }
             Direction::Parameter(index) => {
                 let count = L::PARAMETERS.len();
-                check(
+                check_length(
                     "parameters of the law",
                     index.saturating_add(1).max(count),
                     count,

@@ -61,7 +61,7 @@ use crate::chain::{
     WaveMedium,
 };
 use crate::element::CrossSection;
-use crate::error::{check_finite, check_positive};
+use crate::error::{check_enough_samples, check_finite, check_positive};
 use crate::synthesis::{DampedSynthesis, SynthesizedHistory};
 use crate::transition::State;
 
@@ -289,13 +289,7 @@ impl<V: Argument> FrameMember<V> {
         positions: &[f64],
         rod: Chain<V>,
     ) -> Result<Self, RodwaveError> {
-        if positions.is_empty() {
-            return Err(RodwaveError::TooFewSamples {
-                history: "the list of positions",
-                found: 0,
-                expected: 1,
-            });
-        }
+        check_enough_samples("the list of positions", positions.len(), 1)?;
         for &position in positions {
             rod.section(0, position)?;
         }

@@ -5,7 +5,7 @@ use num_complex::Complex64;
 
 use super::PropagationLaw;
 use crate::RodwaveError;
-use crate::error::check_positive;
+use crate::error::{check_not_negative, check_positive};
 
 /// Power laws α = a ω^p and k = b ω^q for ω > 0 (Ödeen 1993, paper E, eq. 7).
 ///
@@ -51,13 +51,7 @@ impl PowerLawPropagation {
         wave_number_factor: f64,
         wave_number_exponent: f64,
     ) -> Result<Self, RodwaveError> {
-        if !(damping_factor.is_finite() && damping_factor >= 0.0) {
-            return Err(RodwaveError::NonPhysical {
-                quantity: "factor of the damping coefficient [s^p/m]",
-                value: damping_factor,
-                expected: "a finite value, 0 or above",
-            });
-        }
+        check_not_negative("factor of the damping coefficient [s^p/m]", damping_factor)?;
         if wave_number_exponent > 1.0 {
             return Err(RodwaveError::NonPhysical {
                 quantity: "exponent of the wave number",

@@ -4,6 +4,7 @@ use num_complex::Complex64;
 
 use super::LaplaceModulus;
 use crate::RodwaveError;
+use crate::error::check_length;
 
 /// Complex modulus with exact derivatives with respect to its parameters.
 ///
@@ -83,13 +84,7 @@ pub(super) fn write(
     values: &[Complex64],
     derivatives: &mut [Complex64],
 ) -> Result<Complex64, RodwaveError> {
-    if values.len() != derivatives.len() {
-        return Err(RodwaveError::LengthMismatch {
-            what: "array of derivatives",
-            found: derivatives.len(),
-            expected: values.len(),
-        });
-    }
+    check_length("array of derivatives", derivatives.len(), values.len())?;
     derivatives.copy_from_slice(values);
     Ok(value)
 }

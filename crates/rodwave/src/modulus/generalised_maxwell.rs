@@ -6,7 +6,7 @@ use super::differentiable::write;
 use super::time_domain::after_step;
 use super::{ComplexModulus, DifferentiableModulus, LaplaceModulus, TimeDomainModulus};
 use crate::RodwaveError;
-use crate::error::check_positive;
+use crate::error::{check_length, check_not_negative, check_positive};
 use crate::quotient::quotient;
 
 /// One Maxwell model of a [`GeneralisedMaxwell`] law.
@@ -55,13 +55,7 @@ impl GeneralisedMaxwell {
         equilibrium_modulus: f64,
         branches: Vec<MaxwellBranch>,
     ) -> Result<Self, RodwaveError> {
-        if !(equilibrium_modulus.is_finite() && equilibrium_modulus >= 0.0) {
-            return Err(RodwaveError::NonPhysical {
-                quantity: "equilibrium modulus [Pa]",
-                value: equilibrium_modulus,
-                expected: "a finite value, 0 or above",
-            });
-        }
+        check_not_negative("equilibrium modulus [Pa]", equilibrium_modulus)?;
         for branch in &branches {
             check_positive("modulus of a branch [Pa]", branch.modulus)?;
             check_positive("relaxation time of a branch [s]", branch.relaxation_time)?;
@@ -149,13 +143,7 @@ impl DifferentiableModulus for GeneralisedMaxwell {
     fn with_parameters(&self, parameters: &[f64]) -> Result<Self, RodwaveError> {
         let solid = usize::from(self.equilibrium_modulus > 0.0);
         let expected = solid + 2 * self.branches.len();
-        if parameters.len() != expected {
-            return Err(RodwaveError::LengthMismatch {
-                what: "array of parameters",
-                found: parameters.len(),
-                expected,
-            });
-        }
+        check_length("array of parameters", parameters.len(), expected)?;
         let (equilibrium, branches) = parameters.split_at(solid);
         let equilibrium_modulus = match equilibrium {
             [logarithm] => check_positive("equilibrium modulus [Pa]", logarithm.exp())?,

@@ -5,7 +5,7 @@ use num_complex::Complex64;
 use super::monotone_cubic::MonotoneCubic;
 use super::{ComplexModulus, check_modulus};
 use crate::RodwaveError;
-use crate::error::check_positive;
+use crate::error::{check_length, check_not_negative, check_positive};
 
 /// Storage and loss modulus at the lines of a measurement, interpolated monotonically in ln ω.
 ///
@@ -63,13 +63,7 @@ impl Tabulated {
     /// and increasing, E' is finite and above 0, and E'' is finite and not negative. Noise can make
     /// a measured E'' negative: the caller must smooth or remove such a line.
     pub fn new(omega: &[f64], modulus: &[Complex64]) -> Result<Self, RodwaveError> {
-        if omega.len() != modulus.len() {
-            return Err(RodwaveError::LengthMismatch {
-                what: "table of moduli",
-                found: modulus.len(),
-                expected: omega.len(),
-            });
-        }
+        check_length("table of moduli", modulus.len(), omega.len())?;
         let line = |index: Option<usize>| {
             let index = index?;
             Some(Line {
@@ -98,13 +92,7 @@ impl Tabulated {
             }
             below = omega;
             check_positive("storage modulus of a line [Pa]", modulus.re)?;
-            if !(modulus.im.is_finite() && modulus.im >= 0.0) {
-                return Err(RodwaveError::NonPhysical {
-                    quantity: "loss modulus of a line [Pa]",
-                    value: modulus.im,
-                    expected: "a finite value, 0 or above",
-                });
-            }
+            check_not_negative("loss modulus of a line [Pa]", modulus.im)?;
         }
         let log_omega: Vec<f64> = omega.iter().map(|omega| omega.ln()).collect();
         let storage: Vec<f64> = modulus.iter().map(|modulus| modulus.re).collect();

@@ -4,7 +4,7 @@ use num_complex::Complex64;
 
 use super::{SynthesizedHistory, check_lines, check_synthesized, to_samples};
 use crate::RodwaveError;
-use crate::error::check_positive;
+use crate::error::{check_enough_samples, check_positive};
 
 /// Largest number of lines of a spectrum, which takes some gigabytes with its history.
 const MOST_LINES: usize = 1 << 27;
@@ -34,13 +34,7 @@ impl FourierSynthesis {
     /// [`RodwaveError::NonPhysical`] unless the step is finite and above 0;
     /// [`RodwaveError::TooFewSamples`] for fewer than two lines.
     pub fn new(frequency_step_hz: f64, n_lines: usize) -> Result<Self, RodwaveError> {
-        if n_lines < 2 {
-            return Err(RodwaveError::TooFewSamples {
-                history: "the spectrum",
-                found: n_lines,
-                expected: 2,
-            });
-        }
+        check_enough_samples("the spectrum", n_lines, 2)?;
         if n_lines > MOST_LINES {
             return Err(RodwaveError::NonPhysical {
                 quantity: "number of lines",

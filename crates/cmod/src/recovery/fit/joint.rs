@@ -10,7 +10,7 @@ use super::prediction::{Coordinates, grid_start, linearise, predict};
 use super::single::SingleTestFit;
 use super::verdict::{Estimate, IDENTIFIED_BELOW, Reason, Scale, Verdict};
 use crate::directions::Directions;
-use crate::error::{CmodError, check_not_negative, check_positive};
+use crate::error::{CmodError, check_enough_readings, check_not_negative, check_positive};
 
 /// Modulus of the virgin material, which the loss factors do not determine.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -100,12 +100,7 @@ impl RecoveryFit {
             series_modulus.standard_error,
         )?;
         let readings: usize = tests.iter().map(|test| test.time.len()).sum();
-        if readings < 3 {
-            return Err(CmodError::TooFewReadings {
-                found: readings,
-                expected: 3,
-            });
-        }
+        check_enough_readings(readings, 3)?;
         let start = grid_start(tests, e1)?;
         let coordinates = |at: &[f64]| match *at {
             [log_parallel_modulus, log_rate, log_exponent] => Coordinates {

@@ -3,7 +3,7 @@
 use super::super::{RecoveryTest, ThreeElementParameters};
 use super::prediction::{Coordinates, linearise, reference_stress};
 use super::single::SingleTestFit;
-use crate::error::{CmodError, check_positive};
+use crate::error::{CmodError, check_enough_readings, check_positive};
 
 /// Number of points of the scan over m before the minimum is refined.
 const SCAN: u32 = 32;
@@ -59,12 +59,7 @@ pub fn paper_procedure(
         .filter(|(index, _)| *index != reference)
         .map(|(_, test)| test.clone())
         .collect();
-    if others.is_empty() {
-        return Err(CmodError::TooFewReadings {
-            found: 0,
-            expected: 1,
-        });
-    }
+    check_enough_readings(others.len(), 1)?;
     let curve = SingleTestFit::new(test)?;
     let stress = reference_stress(&others);
     let misfit = |m: f64| -> Result<f64, CmodError> {

@@ -8,7 +8,7 @@ use super::super::least_squares::{Ending, Linearised, minimise};
 use super::super::test::whiten;
 use super::super::{RecoveryTest, ThreeElement, ThreeElementParameters};
 use super::prediction::scaled;
-use crate::error::{CmodError, check_positive};
+use crate::error::{CmodError, check_enough_readings, check_positive};
 
 /// Fit of equation 4 to one test: Δtan δ = Δtan δᵢ/(1 + t/t_r).
 ///
@@ -49,12 +49,7 @@ impl SingleTestFit {
     /// readings show no rise of the loss factor.
     pub fn new(test: &RecoveryTest) -> Result<Self, CmodError> {
         let count = test.time.len();
-        if count < 2 {
-            return Err(CmodError::TooFewReadings {
-                found: count,
-                expected: 2,
-            });
-        }
+        check_enough_readings(count, 2)?;
         let shape = |log_time: f64| -> Vec<f64> {
             let mut shape: Vec<f64> = test
                 .time

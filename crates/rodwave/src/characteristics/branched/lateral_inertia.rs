@@ -17,7 +17,7 @@
 use super::BranchedProblem;
 use crate::band_limited::VelocityHistory;
 use crate::characteristics::time_levels::TimeLevels;
-use crate::error::{RodwaveError, check_samples};
+use crate::error::{RodwaveError, check_not_negative, check_samples};
 use crate::inelastic::{InelasticLaw, LANES, RelaxationFlow, lanes};
 use crate::interpolation::Quintic;
 
@@ -34,13 +34,7 @@ impl<L: InelasticLaw> BranchedProblem<L> {
         excitation: &dyn VelocityHistory,
         times: &[f64],
     ) -> Result<Vec<f64>, RodwaveError> {
-        if !(lateral_inertia.is_finite() && lateral_inertia >= 0.0) {
-            return Err(RodwaveError::NonPhysical {
-                quantity: "lateral inertia [m^2]",
-                value: lateral_inertia,
-                expected: "a finite value, 0 or above",
-            });
-        }
+        check_not_negative("lateral inertia [m^2]", lateral_inertia)?;
         let step = self.time_step();
         let levels = TimeLevels::of(excitation, times, step)?;
         let mut march = ThickMarch::new(self, lateral_inertia);
