@@ -40,6 +40,7 @@ use end_mass::Slopes;
 
 /// Solution method for equation 1 at one line.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub enum Solver {
     /// Continuation in the mass ratio. It also follows the branch at low losses. Where two roots

@@ -32,11 +32,13 @@ const LEAST_SQUARE: f64 = f64::MIN_POSITIVE / f64::EPSILON;
 /// If the input has noise of level $`a`$ relative to the spectrum of the input without noise, and
 /// the output noise of such a level $`b`$, uncorrelated with each other and with the signals, the
 /// expected values have the biases stated below.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub enum Estimator {
     /// $`H_1 = G_{xy}/G_{xx}`$: not biased by output noise, too small by the factor $`1/(1+a)`$.
     /// Least squares in y.
+    #[default]
     H1,
     /// $`H_2 = G_{yy}/G_{yx}`$: not biased by input noise, too large by the factor $`1+b`$. Least
     /// squares in x.

@@ -29,7 +29,7 @@ pub struct LawsSheet {
     /// The laws, such as `[Zener, FractionalZener, GeneralisedMaxwell]`.
     pub laws: Vec<Law>,
     /// Criterion for comparing laws and numbers of branches; `Bic` by default.
-    pub criterion: Option<CriterionSheet>,
+    pub criterion: Option<Criterion>,
     /// Confidence of the intervals, such as `"95 %"`, which is the default.
     pub confidence: Option<Exact<Ratio>>,
     /// Largest number of branches of a Prony series, for example the number that a program accepts;
@@ -39,15 +39,6 @@ pub struct LawsSheet {
     pub most_lines: Option<usize>,
     /// Cards of the generalised Maxwell model for other programs.
     pub cards: Option<CardsSheet>,
-}
-
-/// Criterion for comparing laws.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
-pub enum CriterionSheet {
-    /// The Bayesian information criterion.
-    Bic,
-    /// Akaike's information criterion, corrected for few data.
-    Aicc,
 }
 
 /// Cards for other programs.
@@ -151,10 +142,7 @@ impl LawsSheet {
         };
         let options = options
             .with_error_scale(error_scale)
-            .with_criterion(match self.criterion {
-                Some(CriterionSheet::Aicc) => Criterion::Aicc,
-                _ => Criterion::Bic,
-            });
+            .with_criterion(self.criterion.unwrap_or_default());
         match &self.confidence {
             Some(confidence) => options.with_confidence(confidence.si()),
             None => options,

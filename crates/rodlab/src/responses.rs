@@ -12,9 +12,7 @@ mod support;
 
 pub use file::ResponseFile;
 pub(crate) use file::{AVERAGES, COMMON_ERROR, FREEDOM, STANDARD_ERROR};
-pub use hits::{
-    EstimatorSheet, ForceWindowSheet, HitsSource, MergeSheet, disagreements, with_silence,
-};
+pub use hits::{ForceWindowSheet, HitsSource, MergeSheet, disagreements, with_silence};
 pub(crate) use lines::{JudgedLine, error_columns, judged_lines};
 pub use signal::stretch_with_signal;
 pub use support::{CompletionSheet, SupportSheet, measured_body};

@@ -8,6 +8,7 @@ use crate::complex_frequency::ComplexFrequency;
 /// Quantity measured by the gauges. All quantities obey the same equation (paper B, after eq. 7);
 /// the choice only determines the conversion of waves from one quantity to another.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Quantity {
     /// Strain ε = ∂u/∂x, positive in tension.
     #[default]

@@ -22,6 +22,7 @@ pub use crate::recovery::fit::ErrorScale;
 
 /// Criterion for the comparison of laws and of orders of a Prony series.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub enum Criterion {
     /// Schwarz's criterion χ² + p ln n. It finds the true order if there is one.

@@ -22,13 +22,15 @@ pub enum WaveSeparation {
 }
 
 /// Forces from which the stress is computed.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum StressFrom {
     /// Face of the transmitted bar: one wave.
     Transmitted,
     /// Face of the incident bar: two waves.
     Incident,
     /// Mean of both faces: three waves.
+    #[default]
     Both,
 }
 

@@ -7,6 +7,7 @@ use crate::ImpulseError;
 
 /// The loading of the specimen.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Loading {
     /// Waves of compression; stress and strain of the specimen are positive in compression.
     Compression,

@@ -32,6 +32,7 @@ pub enum Regularisation {
 
 /// Quantity penalised by Tikhonov's method.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub enum Penalty {
     /// The force, $`p = 0`$.
@@ -59,6 +60,7 @@ impl Penalty {
 /// It has the unit of $`\mu`$ of [`Regularisation`], which is that of $`|H|^2`$ if the noise is not
 /// known and $`w = 1`$.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub enum Parameter {
     /// Value given by the caller, above zero.

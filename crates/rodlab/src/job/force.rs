@@ -20,8 +20,7 @@ mod response_tables;
 
 pub use impact_sheet::{ContactSheet, ImpactSheet, Line, UncertaintySheet};
 pub use response_sheet::{
-    IntervalSheet, NoiseSheet, ParameterSheet, PathSheet, PenaltySheet, RegularisationSheet,
-    ResponseSheet,
+    IntervalSheet, NoiseSheet, PathSheet, RegularisationSheet, ResponseSheet,
 };
 
 use serde::Deserialize;

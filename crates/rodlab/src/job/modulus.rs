@@ -20,11 +20,11 @@ mod reasons;
 mod statement;
 mod universal;
 
-pub use crate::laws::{CardsSheet, CriterionSheet, LawsSheet, ProgramSheet};
+pub use crate::laws::{CardsSheet, LawsSheet, ProgramSheet};
 pub use checks::ChecksSheet;
 pub use drift::TemperatureSheet;
 pub use measured::{RatioErrors, RatioSheet, RatioValues, SourceSheet, TailSheet};
-pub use method::{GaugeSheet, MethodSheet, QuantitySheet, SectionSheet, SolverSheet, WindowSheet};
+pub use method::{GaugeSheet, MethodSheet, SectionSheet, WindowSheet};
 
 use std::f64::consts::PI;
 

@@ -51,7 +51,7 @@ pub struct RecoverySheet {
     /// Standard error, such as `"0.0012"`, of readings for which none is stated.
     pub standard_error: Option<Exact<Ratio>>,
     /// Basis of the errors of the result; by default the stated errors.
-    pub error_scale: Option<ErrorScaleSheet>,
+    pub error_scale: Option<ErrorScale>,
     /// The tests.
     pub tests: Vec<TestSheet>,
     /// Loads whose recovery is predicted.
@@ -71,24 +71,6 @@ pub enum ReadingsAre {
     LossFactors,
     /// Changes of the loss factor relative to the virgin material.
     Changes,
-}
-
-/// Basis of the errors of the result.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
-pub enum ErrorScaleSheet {
-    /// The standard errors of the readings.
-    Stated,
-    /// The scatter about the fit; the standard errors of the readings are only used as weights.
-    FromResidual,
-}
-
-impl From<ErrorScaleSheet> for ErrorScale {
-    fn from(scale: ErrorScaleSheet) -> Self {
-        match scale {
-            ErrorScaleSheet::Stated => Self::Stated,
-            ErrorScaleSheet::FromResidual => Self::FromResidual,
-        }
-    }
 }
 
 /// One test: a load, and the readings after it.
@@ -146,7 +128,7 @@ pub(crate) fn run(sheet: &RecoverySheet, context: &JobContext<'_>) -> Result<Out
     if sheet.tests.is_empty() {
         return Err(RodlabError::request("tests", "empty", "at least one test"));
     }
-    if sheet.monte_carlo.is_some() && sheet.error_scale == Some(ErrorScaleSheet::FromResidual) {
+    if sheet.monte_carlo.is_some() && sheet.error_scale == Some(ErrorScale::FromResidual) {
         return Err(RodlabError::request(
             "monte_carlo",
             "requested together with an `error_scale` from the residual",
@@ -188,7 +170,7 @@ pub(crate) fn run(sheet: &RecoverySheet, context: &JobContext<'_>) -> Result<Out
         value: stated.value,
         standard_error: stated.uncertainty(),
     };
-    let scale = ErrorScale::from(sheet.error_scale.unwrap_or(ErrorScaleSheet::Stated));
+    let scale = sheet.error_scale.unwrap_or_default();
     context
         .progress
         .begins("fitting all tests together", tests.len());

@@ -8,8 +8,8 @@ mod sheet;
 mod tables;
 
 pub use sheet::{
-    BarSheet, BarsSheet, FurtherShotSheet, LoadingSheet, ShpbGaugeSheet, ShpbSheet,
-    ShpbSpecimenSheet, StressFromSheet, WaveSeparationSheet, WavesSheet,
+    BarSheet, BarsSheet, FurtherShotSheet, ShpbGaugeSheet, ShpbSheet, ShpbSpecimenSheet,
+    WaveSeparationSheet, WavesSheet,
 };
 
 use impulse::hopkinson::{BarGauge, HopkinsonRecord, HopkinsonTest, MeanCurve};

@@ -34,7 +34,7 @@ pub struct HitsSource {
     pub response: String,
     /// Estimator of the response from the averaged spectra; by default `H1`, for noise on the
     /// response.
-    pub estimator: Option<EstimatorSheet>,
+    pub estimator: Option<Estimator>,
     /// Window that sets the force to 0 outside the contact of the hammer.
     pub force_window: Option<ForceWindowSheet>,
     /// Exponential window on both channels, stated by its weight at the end of a hit, such as
@@ -45,33 +45,6 @@ pub struct HitsSource {
     /// hits that are cut by a trigger, less the rise of the blow, or else the rest found in the
     /// records.
     pub silent: Option<Exact<Duration>>,
-}
-
-/// Estimator of a response from averaged spectra.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
-pub enum EstimatorSheet {
-    /// Cross-spectrum divided by the auto-spectrum of the force.
-    #[default]
-    H1,
-    /// Auto-spectrum of the response divided by the cross-spectrum.
-    H2,
-    /// Geometric mean of `H1` and `H2`.
-    Hv,
-    /// Errors-in-variables estimator, with the noise of both channels before the blow.
-    Hs,
-}
-
-impl EstimatorSheet {
-    /// Returns the estimator in the form of `labio`.
-    #[must_use]
-    pub fn estimator(self) -> Estimator {
-        match self {
-            Self::H1 => Estimator::H1,
-            Self::H2 => Estimator::H2,
-            Self::Hv => Estimator::Hv,
-            Self::Hs => Estimator::Hs,
-        }
-    }
 }
 
 /// Method of combining two tests line by line.
@@ -271,7 +244,7 @@ impl HitsSource {
 
     /// Returns the defaults of the fields that the sheet does not state, except those of the hits.
     fn defaults(field: &str) -> [Setting; 3] {
-        let estimator = format!("{:?}", EstimatorSheet::default());
+        let estimator = format!("{:?}", Estimator::default());
         [
             Setting::by_default(format!("{field}.estimator"), estimator),
             Setting::by_default(format!("{field}.force_window"), "none"),

@@ -23,6 +23,7 @@ pub struct SeriesModulus {
 
 /// Basis of the standard errors.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub enum ErrorScale {
     /// The errors stated with the readings.

@@ -1,5 +1,6 @@
 //! The sheet of a force from a response.
 
+use impulse::{Parameter, Penalty};
 use serde::Deserialize;
 
 use super::impact_sheet::UncertaintySheet;
@@ -117,40 +118,15 @@ pub enum RegularisationSheet {
     Tikhonov {
         /// The penalised quantity; by default the force itself.
         #[serde(default)]
-        penalty: PenaltySheet,
+        penalty: Penalty,
         /// Choice of the weight of the penalty.
-        parameter: ParameterSheet,
+        parameter: Parameter,
     },
     /// Omission of the components that the response determines too poorly: those below the limit.
     Truncated {
         /// Choice of the limit.
-        parameter: ParameterSheet,
+        parameter: Parameter,
     },
-}
-
-/// The quantity penalised by Tikhonov's method.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
-pub enum PenaltySheet {
-    /// The force.
-    #[default]
-    Size,
-    /// Its first derivative.
-    Slope,
-    /// Its second derivative.
-    Curvature,
-}
-
-/// Choice of the parameter of a regularisation.
-#[derive(Debug, Clone, Copy, Deserialize)]
-pub enum ParameterSheet {
-    /// The number stated here.
-    Given(f64),
-    /// The corner of the L-curve.
-    LCurve,
-    /// The minimum of the function of generalised cross validation.
-    GeneralisedCrossValidation,
-    /// Largest value that the noise allows; the noise must be known.
-    Discrepancy,
 }
 
 /// A time span.

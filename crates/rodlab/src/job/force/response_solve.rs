@@ -5,13 +5,13 @@ use std::ops::Range;
 
 use impulse::{
     BlowSpan, CalibrationBlow, CalibrationLines, CalibrationScatter, ChoiceVerdict, ForceHistory,
-    FrequencyBand, ImpulseError, Parameter, Penalty, PivotingEnd, ReconstructedForce,
-    Reconstruction, Regularisation, ResponseNoise, Sensor, TimeInterval,
+    FrequencyBand, ImpulseError, Parameter, PivotingEnd, ReconstructedForce, Reconstruction,
+    Regularisation, ResponseNoise, Sensor, TimeInterval,
 };
 use labio::{FrequencyResponse, Record};
 
 use super::response_problem::{Noise, Problem, Seen, on_lines_of};
-use super::response_sheet::{ParameterSheet, PenaltySheet, RegularisationSheet, ResponseSheet};
+use super::response_sheet::{RegularisationSheet, ResponseSheet};
 use crate::digits::short;
 use crate::hits::FoundHits;
 use crate::job::JobContext;
@@ -40,31 +40,14 @@ const LONGER: [usize; 5] = [1, 2, 4, 8, 16];
 /// calibration hits. Blows shorter than these ring more.
 const RINGING: f64 = 1.5;
 
-impl ParameterSheet {
-    fn parameter(self) -> Parameter {
-        match self {
-            Self::Given(value) => Parameter::Given(value),
-            Self::LCurve => Parameter::LCurve,
-            Self::GeneralisedCrossValidation => Parameter::GeneralisedCrossValidation,
-            Self::Discrepancy => Parameter::Discrepancy,
-        }
-    }
-}
-
 impl RegularisationSheet {
     /// Returns the regularisation in the form of `impulse`; `fixed`, if given, replaces the
     /// parameter of the sheet.
     fn regularisation(self, fixed: Option<f64>) -> Regularisation {
-        let of = |parameter: ParameterSheet| {
-            fixed.map_or_else(|| parameter.parameter(), Parameter::Given)
-        };
+        let of = |parameter| fixed.map_or(parameter, Parameter::Given);
         match self {
             Self::Tikhonov { penalty, parameter } => Regularisation::Tikhonov {
-                penalty: match penalty {
-                    PenaltySheet::Size => Penalty::Size,
-                    PenaltySheet::Slope => Penalty::Slope,
-                    PenaltySheet::Curvature => Penalty::Curvature,
-                },
+                penalty,
                 parameter: of(parameter),
             },
             Self::Truncated { parameter } => Regularisation::Truncated {
@@ -84,7 +67,7 @@ pub(super) fn path_of<'a>(
     let spectra = hits.spectra(records, context, field)?;
     spectra
         .response(
-            hits.estimator.unwrap_or_default().estimator(),
+            hits.estimator.unwrap_or_default(),
             &hits.force,
             &hits.response,
         )

@@ -240,7 +240,7 @@ pub(super) fn estimate(
 ) -> Result<Estimated, RodlabError> {
     let input = sheet.input.as_str();
     let refused = |error| RodlabError::step(format!("response of `{output}`"), error);
-    let estimator = sheet.estimator.unwrap_or_default().estimator();
+    let estimator = sheet.estimator.unwrap_or_default();
     let with_sensors = tests
         .iter()
         .zip(hits)
@@ -323,7 +323,7 @@ pub(super) fn of_segments(
 ) -> Result<Estimated, RodlabError> {
     let place = format!("response of `{output}`");
     let refused = |error| RodlabError::step(place.clone(), error);
-    let estimator = sheet.estimator.unwrap_or_default().estimator();
+    let estimator = sheet.estimator.unwrap_or_default();
     let inputs = sheet.inputs();
     let sensors = sensors(record, [input, output]).map_err(refused)?;
     let (response, halved, coherence, multiple) = if sheet.further_inputs.is_empty() {

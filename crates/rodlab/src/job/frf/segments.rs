@@ -2,7 +2,7 @@
 //! over overlapping segments.
 
 use labio::hits::{Copy, Extent, find_copy, repeated_extreme};
-use labio::{AveragedSpectra, Detrend, Record, Welch};
+use labio::{AveragedSpectra, Detrend, Estimator, Record, Welch};
 
 use super::estimate;
 use super::scope::{band_of, outputs_of, outside_of};
@@ -11,7 +11,7 @@ use super::{Named, of_the_test, report, universal, warn};
 use crate::digits::short;
 use crate::job::JobContext;
 use crate::records::{NamedRecord, SKEW_NOT_FOLLOWED, expect_different_files};
-use crate::responses::{EstimatorSheet, with_silence};
+use crate::responses::with_silence;
 use crate::{Outcome, RodlabError};
 
 /// Default overlap, as a fraction of a segment.
@@ -143,7 +143,7 @@ fn refuse_hits(sheet: &FrfSheet) -> Result<(), RodlabError> {
         ));
     }
     let estimator = sheet.estimator.unwrap_or_default();
-    if !sheet.further_inputs.is_empty() && estimator != EstimatorSheet::H1 {
+    if !sheet.further_inputs.is_empty() && estimator != Estimator::H1 {
         return Err(RodlabError::request(
             "estimator",
             format!("{estimator:?}"),

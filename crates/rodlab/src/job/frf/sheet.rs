@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use labio::{AddedDamping, LabioError, ResponseKind, Window};
+use labio::{AddedDamping, Estimator, LabioError, ResponseKind, Window};
 use serde::Deserialize;
 
 use crate::job::About;
@@ -10,7 +10,7 @@ use crate::outcome::Setting;
 
 use crate::hits::{HitsSheet, Stretch};
 use crate::records::Records;
-use crate::responses::{EstimatorSheet, ForceWindowSheet, MergeSheet};
+use crate::responses::{ForceWindowSheet, MergeSheet};
 use crate::sheet::{BandSheet, Duration, Exact, Frequency, ImpactMass, Ratio, Stated};
 
 /// Sheet of the job `frf`.
@@ -41,7 +41,7 @@ pub struct FrfSheet {
     /// Estimator: `H1` (default) for noise on the outputs, `H2` for noise on the input, `Hv` for
     /// equal relative noise on both, `Hs` for noise as measured on the channels in the silence
     /// before a blow.
-    pub estimator: Option<EstimatorSheet>,
+    pub estimator: Option<Estimator>,
     /// Window on the samples of all channels; by default `Rectangular` for hits, which must decay,
     /// and `Hann` for segments.
     pub window: Option<WindowSheet>,
@@ -119,7 +119,7 @@ impl FrfSheet {
             None => "rest before the blow, if there is any",
             Some(_) => "mean",
         };
-        let estimator = format!("{:?}", EstimatorSheet::default());
+        let estimator = format!("{:?}", Estimator::default());
         let window = format!("{:?}", self.window_or_default());
         let mut defaults = vec![
             Setting::by_default("outputs", "all other channels"),

@@ -193,7 +193,7 @@ fn of_tests(
         return Ok(None);
     };
     let names = (source.force.as_str(), source.response.as_str());
-    let estimator = source.estimator.unwrap_or_default().estimator();
+    let estimator = source.estimator.unwrap_or_default();
     let refused = |error| RodlabError::step("source", error);
     let (response, merged) = if let SourceSheet::TwoHammers { merge, .. } = &sheet.source {
         let merged = merge.merge(&spectra, estimator, names).map_err(refused)?;

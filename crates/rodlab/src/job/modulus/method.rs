@@ -23,7 +23,7 @@ use rod::{
     rod_with_free_end, section_uncertainty, uncertainty,
 };
 pub(super) use section::of_channel;
-pub use section::{GaugeSheet, QuantitySheet, SectionSheet, WindowSheet};
+pub use section::{GaugeSheet, SectionSheet, WindowSheet};
 
 /// Method with its data.
 #[derive(Debug, Clone, Deserialize)]
@@ -37,7 +37,7 @@ pub enum MethodSheet {
         free_end: String,
         /// Solver of the equation; `Continuation` by default.
         #[serde(default)]
-        solver: Option<SolverSheet>,
+        solver: Option<Solver>,
     },
     /// The motions of both ends of a rod, evaluated at the resonances only.
     Resonances {
@@ -112,17 +112,6 @@ pub enum MethodSheet {
         #[serde(default)]
         free_end_at: Option<Stated<Coordinate>>,
     },
-}
-
-/// Solvers of the equation of the two-point method.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
-pub enum SolverSheet {
-    /// Continuation in the mass of the accelerometer.
-    Continuation,
-    /// Newton's iteration as printed in paper A; for comparison.
-    Newton,
-    /// The series in the mass ratio; for comparison.
-    Series,
 }
 
 impl MethodSheet {
@@ -263,13 +252,7 @@ pub(super) fn ratio_method(
                 accelerometer_mass: uncertainty(specimen.accelerometer_mass.as_ref()),
             })
         })
-        .map(|method| {
-            boxed(method.with_solver(match solver {
-                None | Some(SolverSheet::Continuation) => Solver::Continuation,
-                Some(SolverSheet::Newton) => Solver::Newton,
-                Some(SolverSheet::Series) => Solver::Series,
-            }))
-        }),
+        .map(|method| boxed(method.with_solver(solver.unwrap_or_default()))),
         MethodSheet::Resonances { .. } => {
             let error = uncertainty(specimen.length.as_ref());
             Resonances::new(rod_with_free_end(sheet), length(sheet)?)

@@ -2,9 +2,11 @@
 
 use cmod::CmodError;
 use cmod::recovery::RecoveryTest;
-use cmod::recovery::fit::{Ending, Estimate, Scale, SingleTestFit, Verdict as Identified};
+use cmod::recovery::fit::{
+    Ending, ErrorScale, Estimate, Scale, SingleTestFit, Verdict as Identified,
+};
 
-use super::{ErrorScaleSheet, Found, RecoverySheet};
+use super::{Found, RecoverySheet};
 use crate::Outcome;
 use crate::digits::{hertz, percent, significant, to_error, with_error};
 use crate::outcome::{LogEntry, Quantity};
@@ -32,7 +34,7 @@ pub(super) fn without_fit(
 
 /// Returns true if the standard errors of the readings are not taken from the residual.
 fn has_stated_errors(sheet: &RecoverySheet) -> bool {
-    sheet.error_scale != Some(ErrorScaleSheet::FromResidual)
+    sheet.error_scale != Some(ErrorScale::FromResidual)
 }
 
 /// Returns the largest chi-square that the errors of the readings explain: the mean ν plus

@@ -23,7 +23,7 @@ fn known<K>(stated: &Stated<K>) -> Known {
 /// channels later.
 pub(super) fn test(sheet: &ShpbSheet) -> Result<HopkinsonTest, RodlabError> {
     for (name, material) in &sheet.materials {
-        if material.measured.is_some() && sheet.loading.loading() == Loading::Torsion {
+        if material.measured.is_some() && sheet.loading == Loading::Torsion {
             return Err(RodlabError::request(
                 format!("materials: {name}"),
                 material.in_words(),
@@ -49,12 +49,12 @@ pub(super) fn test(sheet: &ShpbSheet) -> Result<HopkinsonTest, RodlabError> {
     Ok(HopkinsonTest {
         bars,
         specimen: specimen_of(&sheet.specimen),
-        loading: sheet.loading.loading(),
+        loading: sheet.loading,
         separation: [
             sheet.bars.incident.separation(),
             sheet.bars.transmitted.separation(),
         ],
-        stress: sheet.stress_from.forces(),
+        stress: sheet.stress_from,
         band_hz: sheet.band.as_ref().map(crate::sheet::Exact::si),
         align_arrivals: sheet.align_arrivals,
         variations: variations(sheet)?,

@@ -19,7 +19,7 @@ pub struct ShpbSheet {
     #[serde(default)]
     pub about: About,
     /// Loading of the specimen.
-    pub loading: LoadingSheet,
+    pub loading: Loading,
     /// Materials of the bars, by name; for torsion the modulus of a law is the shear modulus.
     #[serde(default)]
     pub materials: Materials,
@@ -39,7 +39,7 @@ pub struct ShpbSheet {
     pub silent: Exact<Duration>,
     /// Forces from which the stress is computed; by default both.
     #[serde(default)]
-    pub stress_from: StressFromSheet,
+    pub stress_from: StressFrom,
     /// End of the band, at which the amplitude is one half, such as `"50 kHz"`. By default 1.25
     /// times this frequency is at most a third of the sampling rate, the frequency at which the
     /// wavelength is two diameters, and the frequency above which the correction of attenuation
@@ -53,17 +53,6 @@ pub struct ShpbSheet {
     /// Number of Monte Carlo draws, such as 1000, of the noise and all error sources together; they
     /// check the linear errors.
     pub monte_carlo: Option<usize>,
-}
-
-/// Loading of the specimen.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
-pub enum LoadingSheet {
-    /// Stress and strain are positive in compression.
-    Compression,
-    /// Stress and strain are positive in tension.
-    Tension,
-    /// A thin tube in torsion; the gauges measure shear strains at the surface.
-    Torsion,
 }
 
 /// The two bars.
@@ -139,18 +128,6 @@ pub enum WaveSeparationSheet {
     Balanced,
 }
 
-/// Forces from which the stress is computed.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
-pub enum StressFromSheet {
-    /// Force at the face of the transmitted bar (one wave).
-    Transmitted,
-    /// Force at the face of the incident bar (two waves).
-    Incident,
-    /// Mean of both forces (three waves).
-    #[default]
-    Both,
-}
-
 /// The specimen.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -171,26 +148,6 @@ pub struct FurtherShotSheet {
     pub records: Vec<Records>,
     /// Specimen of this shot; by default the dimensions of the first specimen.
     pub specimen: Option<ShpbSpecimenSheet>,
-}
-
-impl LoadingSheet {
-    pub(super) fn loading(self) -> Loading {
-        match self {
-            Self::Compression => Loading::Compression,
-            Self::Tension => Loading::Tension,
-            Self::Torsion => Loading::Torsion,
-        }
-    }
-}
-
-impl StressFromSheet {
-    pub(super) fn forces(self) -> StressFrom {
-        match self {
-            Self::Transmitted => StressFrom::Transmitted,
-            Self::Incident => StressFrom::Incident,
-            Self::Both => StressFrom::Both,
-        }
-    }
 }
 
 impl ShpbGaugeSheet {

@@ -150,7 +150,6 @@ pub(super) fn section(
 ) -> Result<EndSection, RodlabError> {
     let quantity = section
         .quantity
-        .map(Quantity::from)
         .or_else(|| quantity_of(quantities, &section.channel));
     Ok(EndSection {
         distance: section.from_free_end.with_uncertainty().value,

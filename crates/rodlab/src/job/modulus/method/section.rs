@@ -16,7 +16,7 @@ pub struct SectionSheet {
     /// Quantity measured there; by default the quantity of the channel. A ratio from a file has no
     /// channels: state the quantity here.
     #[serde(default)]
-    pub quantity: Option<QuantitySheet>,
+    pub quantity: Option<Quantity>,
 }
 
 /// Pulse at a section.
@@ -41,42 +41,18 @@ pub struct GaugeSheet {
     pub at: Stated<Coordinate>,
 }
 
-/// Quantity measured at a section.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
-pub enum QuantitySheet {
-    /// Strain, positive in tension.
-    Strain,
-    /// Displacement towards the free end.
-    Displacement,
-    /// Velocity towards the free end.
-    Velocity,
-    /// Acceleration towards the free end.
-    Acceleration,
-}
-
-impl From<QuantitySheet> for Quantity {
-    fn from(quantity: QuantitySheet) -> Self {
-        match quantity {
-            QuantitySheet::Strain => Self::Strain,
-            QuantitySheet::Displacement => Self::Displacement,
-            QuantitySheet::Velocity => Self::Velocity,
-            QuantitySheet::Acceleration => Self::Acceleration,
-        }
-    }
-}
-
 /// Returns the quantity of a channel in the form of `cmod`: strain for quantities that are
 /// proportional to strain; `None` for quantities that no gauge on a rod measures.
-pub(in crate::job::modulus) fn of_channel(quantity: labio::Quantity) -> Option<QuantitySheet> {
+pub(in crate::job::modulus) fn of_channel(quantity: labio::Quantity) -> Option<Quantity> {
     match quantity {
         // in a uniform bar these quantities are proportional to the strain, and the factor cancels
         labio::Quantity::Strain
         | labio::Quantity::Force
         | labio::Quantity::Pressure
-        | labio::Quantity::Voltage => Some(QuantitySheet::Strain),
-        labio::Quantity::Displacement => Some(QuantitySheet::Displacement),
-        labio::Quantity::Velocity => Some(QuantitySheet::Velocity),
-        labio::Quantity::Acceleration => Some(QuantitySheet::Acceleration),
+        | labio::Quantity::Voltage => Some(Quantity::Strain),
+        labio::Quantity::Displacement => Some(Quantity::Displacement),
+        labio::Quantity::Velocity => Some(Quantity::Velocity),
+        labio::Quantity::Acceleration => Some(Quantity::Acceleration),
         _ => None,
     }
 }
