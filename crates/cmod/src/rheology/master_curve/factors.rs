@@ -1,5 +1,7 @@
 //! Scatter of the factors of the modulus, and the sweep at the reference compared with the others.
 
+use statrs::statistics::{Data, OrderStatistics};
+
 use super::MasterCurve;
 use crate::error::{CmodError, check_not_negative};
 
@@ -113,10 +115,11 @@ fn departure(others: &[(f64, f64, f64)], scale_uncertainty: f64) -> Option<Refer
         let later = others.iter().skip(at + 1);
         later.map(move |b| (b.1 - a.1) / (b.0 - a.0))
     });
-    let slope = median(slopes.collect())?;
+    let median = |values: Vec<f64>| Data::new(values).median();
+    let slope = median(slopes.collect());
     let levels: Vec<f64> = others.iter().map(|(t, b, _)| b - slope * t).collect();
-    let level = median(levels.clone())?;
-    let scatter = OF_MEDIAN * median(levels.iter().map(|b| (b - level).abs()).collect())?;
+    let level = median(levels.clone());
+    let scatter = OF_MEDIAN * median(levels.iter().map(|b| (b - level).abs()).collect());
     let own = others.iter().map(|(_, _, error)| *error);
     let error = own
         .fold(f64::INFINITY, f64::min)
@@ -126,14 +129,6 @@ fn departure(others: &[(f64, f64, f64)], scale_uncertainty: f64) -> Option<Refer
         log_factor: level,
         standard_error: error,
     })
-}
-
-/// Returns the median; `None` without values.
-fn median(mut values: Vec<f64>) -> Option<f64> {
-    values.sort_by(f64::total_cmp);
-    let upper = *values.get(values.len() / 2)?;
-    let lower = *values.get((values.len() - 1) / 2)?;
-    Some(0.5 * (lower + upper))
 }
 
 #[cfg(test)]
