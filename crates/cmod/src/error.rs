@@ -9,6 +9,7 @@ use thiserror::Error;
 /// [`ModulusEstimate::refused`](crate::ModulusEstimate::refused), or its violations are listed in
 /// [`ModulusLine::validity`](crate::ModulusLine).
 #[derive(Debug, Clone, PartialEq, Error)]
+#[allow(missing_docs, reason = "the message of an error names its fields")]
 #[non_exhaustive]
 pub enum CmodError {
     /// A physical quantity has an impossible value, or is not a number.
@@ -16,7 +17,6 @@ pub enum CmodError {
     NonPhysical {
         /// Name and unit of the quantity, such as `length [m]`.
         quantity: &'static str,
-        /// Value found.
         value: f64,
         /// Condition that the value violates, such as `a finite value above 0`.
         expected: &'static str,
@@ -28,7 +28,6 @@ pub enum CmodError {
         array: &'static str,
         /// Length of the wrong array.
         found: usize,
-        /// Number of frequencies.
         expected: usize,
     },
     /// The public fields of a result were changed and are no longer consistent.
@@ -36,7 +35,6 @@ pub enum CmodError {
     ChangedResult {
         /// Name of the items that were counted.
         what: &'static str,
-        /// Number of items found.
         found: usize,
         /// Number of items that the other fields require.
         expected: usize,
@@ -70,7 +68,6 @@ pub enum CmodError {
     NonFiniteRatio {
         /// Position of the line, from 0.
         index: usize,
-        /// Value found.
         ratio: num_complex::Complex64,
     },
     /// There are not enough gauges: two waves and their propagation coefficient are three unknowns.
@@ -114,9 +111,7 @@ pub enum CmodError {
     SpectraOfTest {
         /// Index of the test, from 0.
         test: usize,
-        /// Number of spectra.
         found: usize,
-        /// Number of positions.
         expected: usize,
     },
     /// A spectrum has more or fewer lines than there are frequencies.
@@ -128,9 +123,7 @@ pub enum CmodError {
         test: usize,
         /// Index of the gauge, from 0.
         gauge: usize,
-        /// Number of lines.
         found: usize,
-        /// Number of frequencies.
         expected: usize,
     },
     /// The noise of a gauge is negative.
@@ -148,17 +141,11 @@ pub enum CmodError {
     NegativeVariance {
         /// Position of the line, from 0.
         index: usize,
-        /// Value found.
         variance: f64,
     },
     /// Two spectra of a ratio have different numbers of tests.
     #[error("numerator has {found} tests, expected {expected}, as many as the denominator")]
-    TestCount {
-        /// Number of tests of the numerator.
-        found: usize,
-        /// Number of tests of the denominator.
-        expected: usize,
-    },
+    TestCount { found: usize, expected: usize },
     /// The chosen sections have a ratio that does not depend on the material.
     #[error("{what}, expected sections whose ratio depends on the material")]
     NoInformation {
@@ -178,9 +165,7 @@ pub enum CmodError {
     TooFewSamples {
         /// Part of the history that is too short.
         what: &'static str,
-        /// Number of samples found.
         found: usize,
-        /// Number of samples needed.
         expected: usize,
     },
     /// A sample is NaN or infinite.
@@ -190,7 +175,6 @@ pub enum CmodError {
         channel: usize,
         /// Index of the sample, from 0.
         index: usize,
-        /// Value found.
         value: f64,
     },
     /// A coherence is not between 0 and 1.
@@ -198,15 +182,11 @@ pub enum CmodError {
     Coherence {
         /// Position of the line, from 0.
         index: usize,
-        /// Value found.
         coherence: f64,
     },
     /// There are too few averages to estimate a variance.
     #[error("{found} averages, expected at least 2: the coherence of a single average is always 1")]
-    TooFewAverages {
-        /// Number of averages found.
-        found: f64,
-    },
+    TooFewAverages { found: f64 },
     /// A load history has no segments.
     #[error("no load segment")]
     NoLoad,
@@ -227,37 +207,28 @@ pub enum CmodError {
         array: &'static str,
         /// Length of the wrong array.
         found: usize,
-        /// Number of times.
         expected: usize,
     },
     /// A reading of a recovery test is impossible.
     #[error("{quantity} of reading {index} of {test} is {value}, expected {expected}")]
     Reading {
-        /// Name of the test.
         test: String,
         /// Name and unit of the quantity.
         quantity: &'static str,
         /// Position of the reading, from 0.
         index: usize,
-        /// Value found.
         value: f64,
         /// Condition that the value violates.
         expected: &'static str,
     },
     /// There are too few readings for the request.
     #[error("{found} readings, expected at least {expected}")]
-    TooFewReadings {
-        /// Number of readings found.
-        found: usize,
-        /// Number of readings needed.
-        expected: usize,
-    },
+    TooFewReadings { found: usize, expected: usize },
     /// The test from which the fit starts does not exist.
     #[error("reference test {index} of {count} tests, expected an index below {count}")]
     ReferenceTest {
         /// Given index, from 0.
         index: usize,
-        /// Number of tests.
         count: usize,
     },
     /// No starting parameters that explain the readings were found for the iteration.
@@ -275,7 +246,6 @@ pub enum CmodError {
         index: usize,
         /// Name and unit of the quantity.
         quantity: &'static str,
-        /// Value found.
         value: f64,
         /// Condition that the value violates.
         expected: &'static str,
@@ -283,10 +253,7 @@ pub enum CmodError {
     /// The moduli over time do not determine the parameters of a law, or the law has no response
     /// over time.
     #[error("{law} cannot be fitted to these moduli over time, expected moduli over frequency")]
-    LawOverTime {
-        /// Name of the law.
-        law: String,
-    },
+    LawOverTime { law: String },
     /// Moduli over time were given, but moduli over frequency are needed.
     #[error("moduli over time in {what}, expected moduli over frequency alone")]
     MustOscillate {
@@ -295,10 +262,7 @@ pub enum CmodError {
     },
     /// No parameters of a law have a finite sum of squares.
     #[error("no starting parameters found for the {law} law, expected moduli within its range")]
-    NoLaw {
-        /// Name of the law.
-        law: String,
-    },
+    NoLaw { law: String },
     /// A temperature of a sweep is not above the previous one, or not above 0 K.
     #[error(
         "temperature {index} is {kelvin} K, expected a finite value above {previous} K: temperatures must increase"
@@ -328,24 +292,17 @@ pub enum CmodError {
     #[error(
         "the fitted law is {law}, expected a generalised Maxwell law: a card is a Prony series"
     )]
-    CardLaw {
-        /// Name of the fitted law.
-        law: String,
-    },
+    CardLaw { law: String },
     /// A theory of lateral inertia for round rods was requested for a rod that is not round.
     #[error(
         "{theory} was requested for a rod that is not round, expected Love's theory, which applies to any section"
     )]
-    TheoryOfRoundRods {
-        /// Name of the theory.
-        theory: &'static str,
-    },
+    TheoryOfRoundRods { theory: &'static str },
     /// The data do not determine a card of a relaxing solid.
     #[error("{what} is not determined by the data (nearest value {value}), expected {expected}")]
     CardUndetermined {
         /// Part of the card.
         what: &'static str,
-        /// Value nearest to the data.
         value: f64,
         /// Condition that the data of a card must fulfil.
         expected: &'static str,
@@ -353,9 +310,7 @@ pub enum CmodError {
     /// A Prony series is too long for a program.
     #[error("{found} terms, expected at most {most}, the limit of {program}")]
     CardTerms {
-        /// Name of the program.
         program: &'static str,
-        /// Number of terms.
         found: usize,
         /// Maximum number of terms.
         most: usize,

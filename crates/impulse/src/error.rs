@@ -6,6 +6,7 @@ use thiserror::Error;
 
 /// Reasons why a force could not be computed.
 #[derive(Debug, Clone, PartialEq, Error)]
+#[allow(missing_docs, reason = "the message of an error names its fields")]
 #[non_exhaustive]
 pub enum ImpulseError {
     /// A scalar has an impossible value.
@@ -13,7 +14,6 @@ pub enum ImpulseError {
     NonPhysical {
         /// Name and unit of the quantity, for example `impact velocity \[m/s\]`.
         quantity: &'static str,
-        /// The value found.
         value: f64,
         /// The condition it violates.
         expected: &'static str,
@@ -21,7 +21,6 @@ pub enum ImpulseError {
     /// An element of an array is NaN or infinite.
     #[error("element {index} of the {what} is not finite")]
     NonFinite {
-        /// Name of the array.
         what: &'static str,
         /// Position of the element, from 0.
         index: usize,
@@ -29,17 +28,13 @@ pub enum ImpulseError {
     /// The length of an array does not match that of the other arrays.
     #[error("the {what} has {found} elements, expected {expected}")]
     LengthMismatch {
-        /// Name of the array.
         what: &'static str,
-        /// Length found.
         found: usize,
-        /// Length expected.
         expected: usize,
     },
     /// An array is too short for the operation.
     #[error("the {what} has {found} elements, expected at least {expected}")]
     TooShort {
-        /// Name of the array.
         what: &'static str,
         /// Length found.
         found: usize,
@@ -60,16 +55,10 @@ pub enum ImpulseError {
     },
     /// A line to be excluded does not exist.
     #[error("line {index} is to be left out, but there are only {n_lines} lines")]
-    UnknownLine {
-        /// Index of the line.
-        index: usize,
-        /// Number of lines.
-        n_lines: usize,
-    },
+    UnknownLine { index: usize, n_lines: usize },
     /// An interval ends before it begins, or is not a number.
     #[error("the {what} runs from {from} to {to}, expected finite and increasing limits")]
     EmptyInterval {
-        /// Name of the interval.
         what: &'static str,
         /// Lower limit.
         from: f64,
@@ -97,19 +86,13 @@ pub enum ImpulseError {
     #[error(
         "the noise is known for only one of sensor {index} and sensor 0, expected both or neither"
     )]
-    MixedNoise {
-        /// Index of the sensor.
-        index: usize,
-    },
+    MixedNoise { index: usize },
     /// The discrepancy principle requires the noise of the response, which is not known.
     #[error("the discrepancy principle needs the noise of the response, which is not known")]
     NoiseNotKnown,
     /// A method requires a support, but the force is sought over the whole record.
     #[error("{what} needs a support, but none is given")]
-    NoSupport {
-        /// The method.
-        what: &'static str,
-    },
+    NoSupport { what: &'static str },
     /// Truncation may not be used for a force without tension: it removes components that such a
     /// force requires.
     #[error(
@@ -118,16 +101,12 @@ pub enum ImpulseError {
     TruncatedWithoutTension,
     /// The eigenvalue iteration did not converge.
     #[error("the eigenvalues of {size} equations were not found")]
-    NoDecomposition {
-        /// Number of equations.
-        size: usize,
-    },
+    NoDecomposition { size: usize },
     /// A body made of elements has no mobility at this Laplace variable.
     #[error("mobility at s = {s} 1/s: {source}")]
     Body {
         /// The Laplace variable [1/s].
         s: Complex64,
-        /// The error of the body.
         source: RodwaveError,
     },
     /// A mobility is requested outside its domain.
@@ -135,7 +114,6 @@ pub enum ImpulseError {
     OutsideDomain {
         /// The Laplace variable [1/s].
         s: Complex64,
-        /// Domain of the mobility.
         expected: &'static str,
     },
     /// Time marching needs the unknown behaviour of a measured body above its lines.
@@ -147,7 +125,6 @@ pub enum ImpulseError {
     /// A mobility has no finite value.
     #[error("the mobility of the {body} body at s = {s} 1/s is not finite")]
     InfiniteMobility {
-        /// The body.
         body: &'static str,
         /// The Laplace variable [1/s].
         s: Complex64,
@@ -177,7 +154,6 @@ pub enum ImpulseError {
         "the mobility of the {body} body at low frequency is that of {found} kg, expected its stated mass of {expected} kg"
     )]
     MassContradictsMobility {
-        /// The body.
         body: &'static str,
         /// Mass from the mobility \[kg\].
         found: f64,
@@ -215,7 +191,6 @@ pub enum ImpulseError {
     /// The force of a contact law does not increase with the approach at some point.
     #[error("point {index} of the contact law is ({approach} m, {force} N), expected {expected}")]
     ContactTable {
-        /// Index of the point.
         index: usize,
         /// Approach of the point \[m\].
         approach: f64,
@@ -255,7 +230,6 @@ pub enum ImpulseError {
         "the record of the {bar} has a peak of {largest} with a noise of {noise}, expected a pulse of ten times the noise"
     )]
     NoPulse {
-        /// The bar.
         bar: &'static str,
         /// Largest sample after the level at rest is subtracted.
         largest: f64,
@@ -277,7 +251,6 @@ pub enum ImpulseError {
         "the silence in the record of the {bar} ends at {found} s, expected silence up to {stated} s: state a shorter silence"
     )]
     SilenceEnds {
-        /// The bar.
         bar: &'static str,
         /// Time of the first sample far from rest \[s\].
         found: f64,
@@ -294,10 +267,7 @@ pub enum ImpulseError {
     },
     /// No usable spectral line remains for a force.
     #[error("none of the {n_lines} lines can be used")]
-    NoUsableLine {
-        /// Number of lines.
-        n_lines: usize,
-    },
+    NoUsableLine { n_lines: usize },
 }
 
 /// Accepts a finite value above zero.

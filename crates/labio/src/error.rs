@@ -8,6 +8,7 @@ use thiserror::Error;
 
 /// Reasons to reject a record, a file or an estimate.
 #[derive(Debug, Error)]
+#[allow(missing_docs, reason = "the message of an error names its fields")]
 #[non_exhaustive]
 pub enum LabioError {
     /// A scalar has an impossible value.
@@ -15,7 +16,6 @@ pub enum LabioError {
     NonPhysical {
         /// Name and unit of the quantity, for example `sampling rate \[Hz\]`.
         quantity: &'static str,
-        /// The value found.
         value: f64,
         /// The condition that the value violates.
         expected: &'static str,
@@ -23,17 +23,14 @@ pub enum LabioError {
     /// A sample is NaN or infinite.
     #[error("sample {index} of channel `{channel}` is {value}, expected a finite value")]
     NonFiniteSample {
-        /// Name of the channel.
         channel: String,
         /// Position of the sample, from 0.
         index: usize,
-        /// The value found.
         value: f64,
     },
     /// Finite samples are so large that their spectrum overflows.
     #[error("the spectrum of channel `{channel}` overflows at line {line}")]
     SpectrumOverflow {
-        /// Name of the channel.
         channel: String,
         /// Index of the spectral line, from 0.
         line: usize,
@@ -43,9 +40,7 @@ pub enum LabioError {
     CountMismatch {
         /// The things counted.
         what: &'static str,
-        /// The count found.
         found: usize,
-        /// The count expected.
         expected: usize,
     },
     /// There are too few samples for the operation.
@@ -53,9 +48,7 @@ pub enum LabioError {
     TooFewSamples {
         /// The data that are too short.
         what: &'static str,
-        /// Number of samples found.
         found: usize,
-        /// Number needed.
         expected: usize,
     },
     /// A pulse begins in the silence that is stated before it.
@@ -117,7 +110,6 @@ pub enum LabioError {
         "`{channel}` deviates from its rest level by {remainder:.3e} rms in the last tenth of the record, expected no more than noise and a thousandth of its peak of {peak:.3e}"
     )]
     NotAtRest {
-        /// The channel.
         channel: String,
         /// Root mean square deviation, in the last tenth of the record, from the level before the
         /// impact.
@@ -134,7 +126,6 @@ pub enum LabioError {
         input: String,
         /// The channel used as the output.
         output: String,
-        /// Number of hits.
         hits: usize,
     },
     /// An estimate needs more averages than exist.
@@ -142,23 +133,17 @@ pub enum LabioError {
     TooFewAverages {
         /// The requested estimate.
         estimate: &'static str,
-        /// Number of averages found.
         found: usize,
-        /// Number needed.
         expected: usize,
     },
     /// An estimate needs the noise of a channel at rest.
     #[error(
         "the errors-in-variables estimator needs the noise of `{channel}` at rest, which is not known"
     )]
-    UnknownRestNoise {
-        /// The channel.
-        channel: String,
-    },
+    UnknownRestNoise { channel: String },
     /// A setting must be made before the first hit is added.
     #[error("{asked} must be chosen before the first hit, but {found} have been added")]
     TooManyAverages {
-        /// The setting.
         asked: &'static str,
         /// Number of hits already added.
         found: usize,
@@ -178,9 +163,7 @@ pub enum LabioError {
         what: &'static str,
         /// Index of the response, from 0.
         index: usize,
-        /// Value of this response.
         found: String,
-        /// Value of the first response.
         expected: String,
     },
     /// A response is not one of the six kinds between a force and a motion.
@@ -200,19 +183,14 @@ pub enum LabioError {
         what: &'static str,
         /// Frequency of the first missing line.
         first_hz: f64,
-        /// Number of missing lines.
         count: usize,
     },
     /// A channel has no name.
     #[error("a channel of {quantity} has an empty name")]
-    EmptyChannelName {
-        /// The quantity of the channel.
-        quantity: &'static str,
-    },
+    EmptyChannelName { quantity: &'static str },
     /// Two channels of one record have the same name.
     #[error("channels {first} and {second} are both named `{name}`")]
     DuplicateChannel {
-        /// The name.
         name: String,
         /// Index of the first channel of that name.
         first: usize,
@@ -222,7 +200,6 @@ pub enum LabioError {
     /// No channel has the requested name.
     #[error("there is no channel `{name}`, only {}", quoted(known))]
     UnknownChannel {
-        /// The requested name.
         name: String,
         /// The known names.
         known: Vec<String>,
@@ -241,12 +218,7 @@ pub enum LabioError {
     #[error(
         "the sampling rate is {found_hz} Hz, expected {expected_hz} Hz as in the previous hits"
     )]
-    SamplingRateMismatch {
-        /// The rate found.
-        found_hz: f64,
-        /// The rate of the previous hits.
-        expected_hz: f64,
-    },
+    SamplingRateMismatch { found_hz: f64, expected_hz: f64 },
     /// The samples are not equally spaced in time.
     #[error(
         "time step {index} is {found} s, expected {expected} s within a relative deviation of {tolerance}"
@@ -254,7 +226,6 @@ pub enum LabioError {
     NonUniformTime {
         /// Index of the sample at which the step starts, from 0.
         index: usize,
-        /// The step found.
         found: f64,
         /// The mean step.
         expected: f64,
@@ -264,41 +235,29 @@ pub enum LabioError {
     /// The array in the file has the wrong number of axes.
     #[error("the {format} array has {found} axes, expected {expected}")]
     WrongDimensions {
-        /// Name of the format.
         format: &'static str,
-        /// Number of axes found.
         found: usize,
-        /// Number of axes expected.
         expected: usize,
     },
     /// The numbers in the file are of an unexpected type.
     #[error("the {format} array contains {found}, expected {expected}")]
     WrongElement {
-        /// Name of the format.
         format: &'static str,
-        /// The type found.
         found: String,
-        /// The type expected.
         expected: &'static str,
     },
     /// The data end too early.
     #[error("the {format} data end {missing_bytes} bytes too early")]
     Truncated {
-        /// Name of the format.
         format: &'static str,
-        /// Number of bytes that are missing.
         missing_bytes: usize,
     },
     /// The file contains no data.
     #[error("the {format} file contains no data")]
-    NoData {
-        /// Name of the format.
-        format: &'static str,
-    },
+    NoData { format: &'static str },
     /// Bytes follow the data of the file.
     #[error("{extra_bytes} bytes follow the {format} data")]
     TrailingBytes {
-        /// Name of the format.
         format: &'static str,
         /// Number of bytes too many.
         extra_bytes: usize,
@@ -306,15 +265,12 @@ pub enum LabioError {
     /// Part of a file does not match the format.
     #[error("{format}, {place}: {field} is {found}, expected {expected}")]
     Malformed {
-        /// Name of the format.
         format: &'static str,
-        /// Place in the file.
         place: Place,
         /// The field, as named in the description of the format.
         field: String,
         /// The text found (shortened if long).
         found: String,
-        /// The value expected.
         expected: String,
     },
     /// The unpacked contents of a file take more memory than allowed.
@@ -322,9 +278,7 @@ pub enum LabioError {
         "{format}, {place}: with {what} the contents need {needed} bytes of memory, expected at most {limit}; a caller who trusts the file may raise the limit"
     )]
     MemoryLimit {
-        /// Name of the format.
         format: &'static str,
-        /// Place in the file.
         place: Place,
         /// The next part to be read (shortened if long).
         what: String,
@@ -338,7 +292,6 @@ pub enum LabioError {
     UnknownFormat {
         /// The first bytes, each as a Latin-1 character.
         head: String,
-        /// Number of bytes.
         n_bytes: usize,
         /// Names of the known formats.
         known: Vec<&'static str>,
@@ -350,19 +303,15 @@ pub enum LabioError {
     NoChannel {
         /// Position of the series among those of the file, from 0.
         index: usize,
-        /// Name of the series.
         name: String,
         /// The part of the series that does not suit a channel.
         part: &'static str,
-        /// The value found.
         found: String,
-        /// The value expected.
         expected: &'static str,
     },
     /// The format cannot represent the contents to be written.
     #[error("{format} cannot hold {what}")]
     NotRepresentable {
-        /// Name of the format.
         format: &'static str,
         /// The part of the contents that the format cannot represent.
         what: String,
@@ -370,7 +319,6 @@ pub enum LabioError {
     /// A text is not a known unit.
     #[error("`{found}` is not a known unit: `{token}` {reason}")]
     UnknownUnit {
-        /// The text.
         found: String,
         /// The part of the text that is not understood.
         token: String,
@@ -380,9 +328,7 @@ pub enum LabioError {
     /// A value has an unsuitable unit.
     #[error("{what} is in {found}, expected {expected}")]
     UnitMismatch {
-        /// The value with the unit.
         what: String,
-        /// The unit found.
         found: String,
         /// The unit or dimension expected.
         expected: String,
@@ -392,15 +338,11 @@ pub enum LabioError {
     NoSuchHit {
         /// Number of the hit, from 1.
         number: usize,
-        /// The reason.
         reason: &'static str,
     },
     /// A text is not a day of the calendar.
     #[error("`{found}` is not a date, expected a day such as 2026-11-21")]
-    NoDate {
-        /// The text.
-        found: String,
-    },
+    NoDate { found: String },
     /// The bytes could not be written.
     #[error("the bytes could not be written")]
     Write {
@@ -415,12 +357,7 @@ pub enum LabioError {
     },
     /// An error in a named file.
     #[error("in {}", path.display())]
-    InFile {
-        /// The file.
-        path: PathBuf,
-        /// The error.
-        source: Box<Self>,
-    },
+    InFile { path: PathBuf, source: Box<Self> },
 }
 
 /// Creates a [`LabioError::Malformed`] of the format called `format`.

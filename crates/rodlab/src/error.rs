@@ -12,6 +12,7 @@ use crate::sheet::SheetError;
 /// an [`Outcome`](crate::Outcome) with the verdict
 /// [`NotAllowed`](crate::outcome::Verdict::NotAllowed).
 #[derive(Debug, Error)]
+#[allow(missing_docs, reason = "the message of an error names its fields")]
 #[non_exhaustive]
 pub enum RodlabError {
     /// The sheet is wrong; the error shows the place.
@@ -20,27 +21,21 @@ pub enum RodlabError {
     /// A sheet was given to the command of another job.
     #[error("{} is a sheet for `{found}`, expected one for `{expected}`: run `rodlab {found}` on it", path.display())]
     OtherJob {
-        /// The sheet.
         path: PathBuf,
-        /// The job of the sheet.
         found: &'static str,
-        /// The job of the command.
         expected: &'static str,
     },
     /// A file of data was given instead of a sheet.
     #[error("{} is a file of data ({format}), expected a test sheet{}; `rodlab init {job}` writes a sheet", path.display(), or_options(job))]
     NoSheet {
-        /// The file.
         path: PathBuf,
         /// Its format, such as `NPY`.
         format: String,
-        /// The job of the expected sheet.
         job: &'static str,
     },
     /// A sheet is not encoded in UTF-8.
     #[error("{}:{line}:{column}: found {found}, expected UTF-8 text: save the sheet as UTF-8", path.display())]
     Encoding {
-        /// The sheet.
         path: PathBuf,
         /// Line of the first character that is not UTF-8, from 1.
         line: usize,
@@ -52,9 +47,7 @@ pub enum RodlabError {
     /// A name or pattern in the sheet matches no file.
     #[error("no file matches `{pattern}` in {}{}", searched(folder, field), has(similar.as_deref()))]
     NoFile {
-        /// The name or pattern in the sheet.
         pattern: String,
-        /// The folder of the sheet.
         folder: PathBuf,
         /// Place of the pattern in the sheet; empty for a pattern of the command line.
         field: String,
@@ -64,7 +57,6 @@ pub enum RodlabError {
     /// A file could not be read.
     #[error("cannot read {}: {source}", path.display())]
     Read {
-        /// The file.
         path: PathBuf,
         /// The error of the operating system.
         source: io::Error,
@@ -72,7 +64,6 @@ pub enum RodlabError {
     /// A file or folder could not be written.
     #[error("cannot write {}: {source}", path.display())]
     Write {
-        /// The file.
         path: PathBuf,
         /// The error of the operating system.
         source: io::Error,
@@ -80,7 +71,6 @@ pub enum RodlabError {
     /// The path of a file to read is a folder, a pipe or a device.
     #[error("cannot read {}: it is {found}, expected a file", path.display())]
     NoRegularFile {
-        /// Its path.
         path: PathBuf,
         /// Its file type.
         found: &'static str,
@@ -88,7 +78,6 @@ pub enum RodlabError {
     /// Another run is writing to the folder and has not finished in time.
     #[error("{} has been in use by another run ({owner}) for half a minute; wait for it, or choose another folder", folder.display())]
     Busy {
-        /// The folder.
         folder: PathBuf,
         /// The writer, such as `process 4711`.
         owner: String,
@@ -101,10 +90,7 @@ pub enum RodlabError {
     },
     /// A new file would replace an existing one.
     #[error("cannot write {}: it exists already: choose another name, or move it away", path.display())]
-    Exists {
-        /// The existing file.
-        path: PathBuf,
-    },
+    Exists { path: PathBuf },
     /// The result would replace or remove a file that the run has read.
     #[error("cannot write {}: this run has read it: choose another folder (--out)", path.display())]
     OverInput {
@@ -119,7 +105,6 @@ pub enum RodlabError {
         field: String,
         /// The statement found there.
         found: String,
-        /// The expected statement.
         expected: String,
     },
     /// Two files, hits or channels contain the same measurement. Counted twice, it would make the
@@ -146,7 +131,6 @@ pub enum RodlabError {
         input: String,
         /// Channel in the numerator.
         output: String,
-        /// Number of hits.
         hits: usize,
     },
     /// The job was interrupted.
@@ -155,7 +139,6 @@ pub enum RodlabError {
     /// All files have been read, and no computation was requested.
     #[error("everything has been read")]
     ReadOnly {
-        /// The files.
         inputs: Vec<InputFile>,
         /// Warnings about the sheet and its files.
         warnings: Vec<String>,
@@ -165,7 +148,6 @@ pub enum RodlabError {
     Step {
         /// The step, such as `reading hits.npy`.
         what: String,
-        /// The error of the crate.
         source: Box<dyn std::error::Error + Send + Sync>,
     },
 }

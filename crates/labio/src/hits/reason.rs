@@ -4,11 +4,11 @@ use std::fmt;
 
 /// A reason to reject a hit, with its numbers. Levels and peaks are in the SI unit of the channel.
 #[derive(Debug, Clone, PartialEq)]
+#[allow(missing_docs, reason = "the text of a reason names its fields")]
 #[non_exhaustive]
 pub enum Reason {
     /// No signal exceeds the noise.
     NoHit {
-        /// The channel.
         channel: String,
         /// Largest excursion from the rest level.
         peak: f64,
@@ -17,9 +17,7 @@ pub enum Reason {
     },
     /// The trigger never fired.
     NotTriggered {
-        /// The channel that triggers.
         channel: String,
-        /// The trigger level.
         level: f64,
         /// Distance from the level, on its other side, that the channel must have reached before.
         hysteresis: f64,
@@ -40,18 +38,12 @@ pub enum Reason {
     },
     /// A sample is NaN or infinite; some recorders mark lost samples in this way.
     NonFinite {
-        /// The channel.
         channel: String,
         /// Index of the first such sample in the hit.
         index: usize,
     },
     /// All samples of a channel are the same.
-    Dead {
-        /// The channel.
-        channel: String,
-        /// The value.
-        value: f64,
-    },
+    Dead { channel: String, value: f64 },
     /// There was a second contact.
     DoubleHit {
         /// The channel of the force.
@@ -63,18 +55,15 @@ pub enum Reason {
     },
     /// Samples reach the range of the recorder.
     Overload {
-        /// The channel.
         channel: String,
         /// The stated range, in the recorded unit.
         full_scale: f64,
-        /// Number of samples at the range.
         n_samples: usize,
         /// Index of the first of these samples in the hit.
         index: usize,
     },
     /// The largest or smallest value repeats while the signal was moving.
     Clipped {
-        /// The channel.
         channel: String,
         /// The value, in the recorded unit.
         value: f64,
@@ -85,7 +74,6 @@ pub enum Reason {
     },
     /// The signal is constant in the middle of a movement.
     DropOut {
-        /// The channel.
         channel: String,
         /// The value, in the recorded unit.
         value: f64,
@@ -96,7 +84,6 @@ pub enum Reason {
     },
     /// The rest level is far from zero.
     StaticOffset {
-        /// The channel.
         channel: String,
         /// Rest level before the hit.
         level: f64,
@@ -107,7 +94,6 @@ pub enum Reason {
     },
     /// The rest levels before and after differ.
     LevelShift {
-        /// The channel.
         channel: String,
         /// Level before the hit.
         before: f64,
@@ -120,7 +106,6 @@ pub enum Reason {
     },
     /// A channel departs from the response of the other hits.
     Departs {
-        /// The channel.
         channel: String,
         /// Square root of the ratio of the energy of the departure to that of the prediction by the
         /// other hits.
@@ -136,7 +121,6 @@ pub enum Reason {
     },
     /// The signal still moves at the end.
     NotDecayed {
-        /// The channel.
         channel: String,
         /// Root mean square of the last part about its level, with the noise subtracted.
         remainder: f64,
