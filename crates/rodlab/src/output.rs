@@ -128,10 +128,6 @@ pub(crate) struct ResultFiles {
 impl ResultFiles {
     /// Returns the files of `outcome`, with its tables in the formats `tables`; `date` is the date
     /// of the report.
-    ///
-    /// # Errors
-    ///
-    /// [`RodlabError::Step`] if a file cannot be made.
     fn of(
         outcome: &Outcome,
         sheet: &SheetIdentity,
@@ -145,10 +141,6 @@ impl ResultFiles {
 
     /// Returns the files of `outcome`. The date of the report is that of the newest file that the
     /// run has read.
-    ///
-    /// # Errors
-    ///
-    /// The errors of [`write`].
     pub(crate) fn dated(
         outcome: &Outcome,
         sheet: &SheetIdentity,
@@ -172,10 +164,6 @@ impl ResultFiles {
 }
 
 /// Returns the report of `outcome`. Its date is that of the newest of the files `reads`.
-///
-/// # Errors
-///
-/// [`RodlabError::Step`] if the report cannot be made.
 pub(crate) fn report_of(
     outcome: &Outcome,
     sheet: &SheetIdentity,
@@ -255,11 +243,6 @@ pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), RodlabError> {
 }
 
 /// Writes a new file like [`write_whole`], but replaces nothing.
-///
-/// # Errors
-///
-/// [`RodlabError::Write`] if the file cannot be written; [`RodlabError::Exists`] if it exists
-/// already.
 pub(crate) fn write_new(path: &Path, bytes: &[u8]) -> Result<(), RodlabError> {
     let _passage = gate::pass()?;
     match staged(path, bytes, ".rodlab-")?.persist_noclobber(path) {
@@ -399,10 +382,6 @@ fn result_of(
 
 /// Returns a table as comma-separated values: names, units if `unit_row` is true, and rows. NaN is
 /// an empty cell.
-///
-/// # Errors
-///
-/// [`RodlabError::Step`] for columns of different lengths.
 fn csv_of(table: &Table, unit_row: bool) -> Result<Vec<u8>, RodlabError> {
     let mut writer = csv::Writer::from_writer(Vec::new());
     let rows = table.columns.first().map_or(0, |c| c.cells.len());

@@ -89,10 +89,6 @@ pub struct DiscreteImpact {
 
 impl DiscreteImpact {
     /// Creates the impact from the kernels of both bodies on one grid.
-    ///
-    /// # Errors
-    ///
-    /// [`ImpulseError::RigidFaces`]; [`ImpulseError::NonPhysical`].
     pub(super) fn new(
         velocity: f64,
         faces: [Face; 2],

@@ -18,10 +18,6 @@ impl FoundHits {
     /// Returns a reason for doubt for each of `outputs` that `input` outlasts more than three
     /// times: a blow should end before the response to it. The durations are medians over the
     /// accepted hits.
-    ///
-    /// # Errors
-    ///
-    /// [`RodlabError::Step`] for a missing channel.
     pub(super) fn exchanged(
         &self,
         input: &str,

@@ -10,10 +10,6 @@ use crate::digits::significant;
 /// Returns one reason for doubt for each of `channels` whose noise falls between the beginning and
 /// the end of `hits` ([`find_falling_noise`]). The windows of a sheet act on records without
 /// windows, and none of its fields states a window of the analyser.
-///
-/// # Errors
-///
-/// [`RodlabError::Step`] for a missing channel.
 pub(crate) fn windows_of_analyser(
     hits: &[&Record],
     channels: &[&str],

@@ -98,11 +98,6 @@ impl Scatter {
 
 /// Draws `sheet` and its data, and adds the comparison of the draws with the standard errors to
 /// `outcome`.
-///
-/// # Errors
-///
-/// [`RodlabError::Request`] for too few or too many draws, or if more than half of them have no
-/// result; [`RodlabError::Interrupted`] if the job must stop.
 pub(super) fn judge(
     outcome: &mut Outcome,
     sheet: &Sheet,

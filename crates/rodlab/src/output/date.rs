@@ -18,10 +18,6 @@ const SECONDS_PER_DAY: u64 = 86_400;
 
 /// Returns the date of `SOURCE_DATE_EPOCH` if this is set, otherwise the date of the newest input
 /// file; `None` if neither is known.
-///
-/// # Errors
-///
-/// [`RodlabError::Request`] if `SOURCE_DATE_EPOCH` is not a number of seconds.
 pub(super) fn of(reads: &[PathBuf]) -> Result<Option<String>, RodlabError> {
     if let Some(text) = env::var_os(VARIABLE) {
         return of_variable(&text.to_string_lossy()).map(Some);

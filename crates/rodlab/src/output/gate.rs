@@ -16,10 +16,6 @@ pub fn stop_writing() {
 }
 
 /// Returns the right to change files, which lasts until it is dropped.
-///
-/// # Errors
-///
-/// [`RodlabError::Interrupted`] after [`stop_writing`].
 pub(super) fn pass() -> Result<Passage<'static>, RodlabError> {
     GATE.pass()
 }

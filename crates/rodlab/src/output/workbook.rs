@@ -19,10 +19,6 @@ const MARGIN: f64 = 2.0;
 /// Returns the workbook of `tables`, with one sheet for each table in their order. A sheet has the
 /// names of the columns, the units and the rows. Numbers are written as numbers, and a missing
 /// number is an empty cell. The bytes depend only on the tables.
-///
-/// # Errors
-///
-/// [`RodlabError::Step`] for a table with more rows than a sheet can have.
 pub(super) fn of(tables: &[Table]) -> Result<Vec<u8>, RodlabError> {
     written(tables)
         .map_err(|error| RodlabError::step(format!("writing {}", super::WORKBOOK), error))

@@ -15,10 +15,6 @@ pub(crate) struct JudgedLine {
 }
 
 /// Judges every line of `response` by the `coherences` of its tests, and by the noise at rest.
-///
-/// # Errors
-///
-/// [`RodlabError::Step`] if a coherence has no level of chance.
 pub(crate) fn judged_lines(
     response: &FrequencyResponse,
     coherences: &[Coherence],

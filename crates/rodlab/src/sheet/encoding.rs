@@ -15,11 +15,6 @@ pub(super) const MARK: char = '\u{feff}';
 const TABLE: &str = "csv";
 
 /// Returns the text of the sheet at `path`, which must be UTF-8.
-///
-/// # Errors
-///
-/// [`RodlabError::NoSheet`] for a recording in a binary format, [`RodlabError::Encoding`] for a
-/// text in another encoding.
 pub(super) fn text_of(path: &Path, bytes: &[u8]) -> Result<String, RodlabError> {
     if let Some(reader) = format::recognise(bytes).filter(|reader| reader.name() != TABLE) {
         return Err(no_sheet(path, reader.name()));

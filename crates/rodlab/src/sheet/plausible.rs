@@ -12,10 +12,6 @@ const WAVE_SPEEDS: [f64; 2] = [20.0, 20_000.0];
 
 /// Checks the wave speed \[m/s\] in the material at `field`, which is computed from modulus and
 /// density.
-///
-/// # Errors
-///
-/// [`RodlabError::Request`] for a speed outside the range of solids, unless the sheet confirms it.
 pub(crate) fn wave_speed(speed: f64, unusual: bool, field: &str) -> Result<(), RodlabError> {
     let [least, most] = WAVE_SPEEDS;
     if unusual || (least..=most).contains(&speed) {
@@ -35,10 +31,6 @@ pub(crate) fn wave_speed(speed: f64, unusual: bool, field: &str) -> Result<(), R
 const DENSITIES: [f64; 2] = [25.0, 25_000.0];
 
 /// Checks the density \[kg/m³\] at `field`.
-///
-/// # Errors
-///
-/// [`RodlabError::Request`] for a density outside the range of solids.
 pub(crate) fn density(
     stated: &Stated<Density>,
     field: impl Into<String>,
@@ -59,10 +51,6 @@ pub(crate) fn density(
 const STIFFEST: f64 = 1500e9;
 
 /// Checks the storage modulus \[Pa\] in the row of a table at `field`.
-///
-/// # Errors
-///
-/// [`RodlabError::Request`] for a modulus above 1500 GPa, unless the sheet confirms it.
 pub(crate) fn storage_modulus(
     modulus: f64,
     unusual: bool,
@@ -85,10 +73,6 @@ pub(crate) fn storage_modulus(
 const LARGEST_DIAMETER: f64 = 5.0;
 
 /// Checks the diameter of a body at `field`.
-///
-/// # Errors
-///
-/// [`RodlabError::Request`] for a diameter above 5 m.
 pub(crate) fn diameter(
     stated: &Stated<Length>,
     field: impl Into<String>,
@@ -105,10 +89,6 @@ pub(crate) fn diameter(
 
 /// Checks the mass \[kg\] on the end of a specimen, stated at `field`; `specimen` is the mass of
 /// the specimen \[kg\].
-///
-/// # Errors
-///
-/// [`RodlabError::Request`] for a mass above that of the specimen, with both masses.
 pub(crate) fn end_mass(
     stated: &impl Display,
     mass: f64,
@@ -131,10 +111,6 @@ pub(crate) fn end_mass(
 }
 
 /// Checks the limit of a relative error at `field`.
-///
-/// # Errors
-///
-/// [`RodlabError::Request`] for a number above `most` that is stated without `%`.
 pub(crate) fn limit(
     stated: &Exact<Ratio>,
     most: f64,
@@ -156,10 +132,6 @@ pub(crate) fn limit(
 const ROUNDED_RATE: f64 = 1e-3;
 
 /// Checks that the frequency at `field` is not above half the sampling rate \[Hz\].
-///
-/// # Errors
-///
-/// [`RodlabError::Request`] for a higher frequency.
 pub(crate) fn below_nyquist(
     stated: &Exact<Frequency>,
     rate_hz: f64,
@@ -189,10 +161,6 @@ pub(crate) fn without_kilo(rate_hz: f64, highest_hz: f64) -> Option<String> {
 }
 
 /// Checks the number of `what` that is stated at `field`.
-///
-/// # Errors
-///
-/// [`RodlabError::Request`] with both numbers if `count` is above `most`.
 pub(crate) fn at_most(
     count: f64,
     most: f64,

@@ -121,10 +121,6 @@ impl<K> Stated<K> {
 impl<K: Kind> Stated<K> {
     /// Returns the exact value that is `standards` standard uncertainties away; `field` is the
     /// place of the quantity in the sheet, and `problem` the clause about a value out of range.
-    ///
-    /// # Errors
-    ///
-    /// [`RodlabError::Request`] if there is no such value.
     pub(crate) fn moved(
         &self,
         standards: f64,

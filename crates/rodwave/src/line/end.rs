@@ -68,17 +68,11 @@ impl Drive {
     }
 
     /// Returns the value at `time` \[s\].
-    ///
-    /// # Errors
-    /// [`RodwaveError::NonPhysical`] if it is not finite.
     pub(super) fn at(&self, time: f64, quantity: &'static str) -> Result<f64, RodwaveError> {
         check_finite(quantity, (self.value)(time))
     }
 
     /// Checks that the drive is defined until `needed`.
-    ///
-    /// # Errors
-    /// [`RodwaveError::ExcitationTooShort`] unless it is.
     pub(super) fn check_until(&self, needed: f64) -> Result<(), RodwaveError> {
         // rounding may put `needed` above a whole number of sampling intervals
         if needed > self.end * (1.0 + 1e-12) {

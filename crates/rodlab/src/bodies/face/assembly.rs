@@ -258,11 +258,6 @@ impl MemberSheet {
 
 impl AssemblySheet {
     /// Joins the members; `member` creates a member from its index.
-    ///
-    /// # Errors
-    ///
-    /// [`RodlabError::Request`] for invalid members, unknown or repeated names, and members without
-    /// a joint; [`RodlabError::Step`] for other errors.
     pub(crate) fn assembled(
         &self,
         field: &str,

@@ -11,10 +11,6 @@ use crate::{Outcome, RodlabError};
 
 /// Returns the estimate on the lines used in the checks, and enters the range of these lines in
 /// `outcome`. Returns `None` if the checks use all lines of the estimate.
-///
-/// # Errors
-///
-/// [`RodlabError::Request`] for an `alias_free_to` above the Nyquist frequency.
 pub(super) fn lines(
     outcome: &mut Outcome,
     found: &Found<'_>,

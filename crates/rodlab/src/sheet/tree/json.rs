@@ -9,10 +9,6 @@ use super::{Entry, Node, Place, Value};
 use crate::sheet::mistake::{Mistake, lower_case};
 
 /// Reads `text`.
-///
-/// # Errors
-///
-/// The first syntax error.
 pub(super) fn read(text: &str) -> Result<Node, Mistake> {
     let root: &RawValue = serde_json::from_str(text).map_err(|error| mistake(text, &error))?;
     node(text, root.get())

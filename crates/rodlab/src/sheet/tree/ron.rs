@@ -14,10 +14,6 @@ use super::{Choice, Entry, Node, Place, Value};
 use crate::sheet::mistake::{Mistake, lower_case};
 
 /// Reads `text`.
-///
-/// # Errors
-///
-/// The first syntax error.
 pub(super) fn read(text: &str) -> Result<Node, Mistake> {
     let text = Text(text);
     let mut reader = ron::Deserializer::from_str_with_options(text.0, &options())

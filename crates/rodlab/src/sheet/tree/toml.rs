@@ -7,10 +7,6 @@ use super::{Entry, Node, Place, Value};
 use crate::sheet::mistake::Mistake;
 
 /// Reads `text`.
-///
-/// # Errors
-///
-/// All syntax errors.
 pub(super) fn read(text: &str) -> Result<Node, Vec<Mistake>> {
     let (table, errors) = DeTable::parse_recoverable(text);
     if !errors.is_empty() {
