@@ -43,11 +43,7 @@ impl JobContext<'_> {
 
     /// Ends a job that only reads. Each job calls this when it has read all its files, the
     /// `inputs`, and checked its sheet, and before it computes. `warnings` are those found so far.
-    ///
-    /// # Errors
-    ///
-    /// [`RodlabError::ReadOnly`] if nothing is to be computed.
-    pub fn has_read_all(
+    pub(crate) fn has_read_all(
         &self,
         inputs: &[InputFile],
         warnings: &[String],

@@ -24,7 +24,7 @@ mod windowed;
 pub use criteria::{CriteriaSheet, HitKind, Limit};
 pub use cut::Cut;
 pub use found::{FoundHit, FoundHits, OddSheet};
-pub use independent::{expect_independent, expect_noise};
+pub(crate) use independent::{expect_independent, expect_noise};
 pub use odd::level_at_rest;
 pub use reading::{Reading, Stretch};
 pub(crate) use silence::{expect_silence, silent_samples, trigger_of};
@@ -139,11 +139,7 @@ impl HitsSheet {
 
     /// Finds and judges hits like [`Self::find_of`]; `weigh` adapts the criteria to an exponential
     /// window, by which the hits will be weighted.
-    ///
-    /// # Errors
-    ///
-    /// The errors of [`Self::find_of`] and of `weigh`.
-    pub fn find_weighed(
+    pub(crate) fn find_weighed(
         &self,
         usual: HitKind,
         weigh: impl FnOnce(Criteria) -> Result<Criteria, RodlabError>,

@@ -447,8 +447,7 @@ impl Column {
 
     /// Adds the kinds of the reasons against each row to a column of validity; a report denotes
     /// them by letters.
-    #[must_use]
-    pub fn with_kinds(mut self, of_rows: Vec<Vec<&'static str>>) -> Self {
+    pub(crate) fn with_kinds(mut self, of_rows: Vec<Vec<&'static str>>) -> Self {
         if let Cells::Validity { kinds, .. } = &mut self.cells {
             *kinds = of_rows;
         }

@@ -12,9 +12,10 @@ mod support;
 
 pub use file::ResponseFile;
 pub(crate) use file::{AVERAGES, COMMON_ERROR, FREEDOM, STANDARD_ERROR};
-pub use hits::{ForceWindowSheet, HitsSource, MergeSheet, disagreements, with_silence};
+pub(crate) use hits::with_silence;
+pub use hits::{ForceWindowSheet, HitsSource, MergeSheet, disagreements};
 pub(crate) use lines::{JudgedLine, error_columns, judged_lines};
-pub use signal::stretch_with_signal;
+pub(crate) use signal::stretch_with_signal;
 pub use support::{CompletionSheet, SupportSheet, measured_body};
 
 use labio::hits::samples_at_rest;
@@ -68,11 +69,10 @@ pub fn in_words(validity: LineValidity) -> &'static str {
 /// Refuses a response that was estimated with an exponential window. Its lines are values at a
 /// decay rate, away from the frequency axis, and do not determine the values on the axis. `field`
 /// is the place of the response in the sheet.
-///
-/// # Errors
-///
-/// [`RodlabError::Request`] for a response with an exponential window.
-pub fn expect_undamped(response: &FrequencyResponse, field: &str) -> Result<(), RodlabError> {
+pub(crate) fn expect_undamped(
+    response: &FrequencyResponse,
+    field: &str,
+) -> Result<(), RodlabError> {
     match response.added_damping {
         None => Ok(()),
         Some(window) => Err(RodlabError::request(
@@ -105,11 +105,7 @@ pub fn completed(
 /// Returns the relative systematic error due to truncated records on each line of the response of
 /// `output` to `input`. For two tests it is weighted by `shares`, the share of the first test in
 /// each line. `None` if the error is not known.
-///
-/// # Errors
-///
-/// [`LabioError::UnknownChannel`] for a missing channel.
-pub fn leakage_of<'a>(
+pub(crate) fn leakage_of<'a>(
     tests: impl IntoIterator<Item = &'a AveragedSpectra>,
     input: &str,
     output: &str,

@@ -117,11 +117,7 @@ impl Summary {
     }
 
     /// Returns the CSV table with one line per test.
-    ///
-    /// # Errors
-    ///
-    /// [`RodlabError::Step`] if the table cannot be written.
-    pub fn to_csv(&self) -> Result<String, RodlabError> {
+    pub(crate) fn to_csv(&self) -> Result<String, RodlabError> {
         let rows = self.tests.iter().map(|row| {
             [
                 row.test.clone(),
@@ -140,11 +136,7 @@ impl Summary {
     }
 
     /// Returns the CSV table with one line per test and quantity.
-    ///
-    /// # Errors
-    ///
-    /// [`RodlabError::Step`] if the table cannot be written.
-    pub fn quantities_to_csv(&self) -> Result<String, RodlabError> {
+    pub(crate) fn quantities_to_csv(&self) -> Result<String, RodlabError> {
         let number = |value: Option<f64>| value.map_or_else(String::new, |value| value.to_string());
         let rows = self.tests.iter().flat_map(|row| {
             row.quantities.iter().map(move |quantity| {
@@ -185,11 +177,7 @@ impl Summary {
     }
 
     /// Returns the HTML page with a link to the report of each test.
-    ///
-    /// # Errors
-    ///
-    /// [`RodlabError::Step`] if the page cannot be made.
-    pub fn to_html(&self) -> Result<String, RodlabError> {
+    pub(crate) fn to_html(&self) -> Result<String, RodlabError> {
         let refused = |error| RodlabError::step("writing index.html", error);
         let mut pages = minijinja::Environment::new();
         pages

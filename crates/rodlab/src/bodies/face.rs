@@ -303,11 +303,7 @@ chain_of!(
 
 impl ComputedBody {
     /// Returns the body in the form used by `impulse`.
-    ///
-    /// # Errors
-    ///
-    /// [`RodlabError::Step`] if this is not a valid body.
-    pub fn impact_body(&self) -> Result<Arc<dyn ImpactBody + Send + Sync>, RodlabError> {
+    pub(crate) fn impact_body(&self) -> Result<Arc<dyn ImpactBody + Send + Sync>, RodlabError> {
         Ok(match self {
             Self::Analytic(chain) => Arc::new(chain.clone()),
             Self::OnAxis(chain) => Arc::new(chain.clone()),

@@ -12,11 +12,7 @@ impl FoundHits {
     /// ([`find_cut_forces`]), and, unless the sheet states a force window, it has mains hum
     /// ([`find_hum`]) or does not return to zero after the blow ([`find_undershoot`] at `from_hz`,
     /// the lowest frequency of the band, if it is above 0).
-    ///
-    /// # Errors
-    ///
-    /// [`RodlabError::Step`] for a missing channel.
-    pub fn doubts_about_force(
+    pub(crate) fn doubts_about_force(
         &self,
         force: &str,
         has_force_window: bool,

@@ -68,8 +68,7 @@ impl FoundHit<'_> {
 
     /// Returns true if the hit was cut out of a longer record; its time is then the time of the
     /// trigger.
-    #[must_use]
-    pub fn is_by_trigger(&self) -> bool {
+    pub(crate) fn is_by_trigger(&self) -> bool {
         self.by_trigger
     }
 

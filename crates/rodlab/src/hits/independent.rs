@@ -14,12 +14,7 @@ const LEVEL: f64 = 0.01;
 /// samples. Returns one reason for doubt for each pair of hits that differ by less than their noise
 /// ([`find_near_copies`]). If the analyser has applied a window, the noise before a hit is not that
 /// of the hit, and only the windows are reasons for doubt.
-///
-/// # Errors
-///
-/// [`RodlabError::OneMeasurement`] with the names of the two hits or channels;
-/// [`RodlabError::Step`] for a missing channel.
-pub fn expect_independent(
+pub(crate) fn expect_independent(
     sets: &[&FoundHits],
     channels: &[&str],
 ) -> Result<Vec<String>, RodlabError> {
@@ -70,11 +65,7 @@ pub fn expect_independent(
 }
 
 /// Refuses averages whose coherence is 1 within rounding; `place` is their place in the sheet.
-///
-/// # Errors
-///
-/// [`RodlabError::NoNoise`] for a coherence of 1; [`RodlabError::Step`] for a missing channel.
-pub fn expect_noise(
+pub(crate) fn expect_noise(
     spectra: &AveragedSpectra,
     (input, output): (&str, &str),
     place: &str,

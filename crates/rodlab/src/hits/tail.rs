@@ -10,11 +10,11 @@ impl FoundHits {
     /// Shortens the accepted hits to the samples in which `channels` move
     /// ([`samples_of_motion`]), and adds a setting that states this. `field` is the place of the
     /// choice in the sheet.
-    ///
-    /// # Errors
-    ///
-    /// [`RodlabError::Step`] for a missing channel.
-    pub fn leave_out_tail(&mut self, channels: &[&str], field: &str) -> Result<(), RodlabError> {
+    pub(crate) fn leave_out_tail(
+        &mut self,
+        channels: &[&str],
+        field: &str,
+    ) -> Result<(), RodlabError> {
         let refused = |error| RodlabError::step(field, error);
         let (numbers, hits) = self.numbered();
         let Some(n_samples) = samples_of_motion(&hits, channels).map_err(refused)? else {

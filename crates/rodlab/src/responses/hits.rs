@@ -143,11 +143,7 @@ pub fn disagreements(merged: &MergedResponse, second: &str, output: &str) -> Vec
 
 /// Returns `spectra` with the noise of both channels, measured in the silence before these hits, if
 /// the length of the silence is known.
-///
-/// # Errors
-///
-/// [`RodlabError::Step`] with the place `field` of the silence in the sheet.
-pub fn with_silence(
+pub(crate) fn with_silence(
     mut spectra: AveragedSpectra,
     hits: &[&Record],
     n_silent: Option<usize>,
@@ -299,11 +295,7 @@ impl HitsSource {
 
     /// Returns the number of samples before a blow in which the channels are at rest, if it is
     /// known, and enters it in `outcome`.
-    ///
-    /// # Errors
-    ///
-    /// [`RodlabError::Step`] for a time that cannot be converted to samples.
-    pub fn silent_samples(
+    pub(crate) fn silent_samples(
         &self,
         found: &FoundHits,
         field: &str,
@@ -317,11 +309,7 @@ impl HitsSource {
 
     /// Judges the effect of the force window on the response of `hits`; an effect beyond the stated
     /// errors is a doubt.
-    ///
-    /// # Errors
-    ///
-    /// The errors of [`Self::spectra`].
-    pub fn judge_window(
+    pub(crate) fn judge_window(
         &self,
         hits: &[&Record],
         spectra: &AveragedSpectra,
@@ -356,11 +344,7 @@ impl HitsSource {
     /// Adds the error due to truncated records to the variance of `response`, and warns if it
     /// exceeds the random error in the median. `shares` are the shares of the first of two tests in
     /// the lines.
-    ///
-    /// # Errors
-    ///
-    /// [`RodlabError::Step`] for a missing channel.
-    pub fn add_leakage(
+    pub(crate) fn add_leakage(
         &self,
         response: FrequencyResponse,
         tests: &[(AveragedSpectra, f64)],

@@ -3,8 +3,9 @@
 /// Returns the first and the last line of the range with a signal. This is the range in which the
 /// lines with a coherence above that of chance outnumber the other lines by the largest number.
 /// Single antiresonances do not end the range, and chance peaks of noise do not extend it.
-#[must_use]
-pub fn stretch_with_signal(above_chance: impl IntoIterator<Item = bool>) -> Option<(usize, usize)> {
+pub(crate) fn stretch_with_signal(
+    above_chance: impl IntoIterator<Item = bool>,
+) -> Option<(usize, usize)> {
     let mut best: Option<(i64, usize, usize)> = None;
     let (mut sum, mut from) = (0_i64, 0);
     for (line, above) in above_chance.into_iter().enumerate() {
