@@ -1,16 +1,18 @@
 //! Agreement of the tests of a joint fit, and other remarks on a fit.
 
-use std::fmt;
-
 use crate::least_squares::Linearisation;
 
 /// A remark on a fit.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum FitFlag {
     /// One test alone would give another value of a parameter than all tests together: length,
     /// density, sampling rate or material differ from the stated ones, or the model is wrong in a
     /// way that depends on the test.
+    #[error(
+        "test `{test}` alone would change {} by {change:.3}, {deviations:.1} standard deviations",
+        in_words(.parameter)
+    )]
     TestDisagrees {
         /// Name of the test.
         test: String,
@@ -23,6 +25,10 @@ pub enum FitFlag {
     },
     /// The simulated front of a test does not arrive when the measured one does: the fit may be in
     /// a minimum that belongs to another period of the waveform.
+    #[error(
+        "test `{test}`: the measured front arrives {:.1} us after the simulated one",
+        1e6 * .lag
+    )]
     ArrivalOff {
         /// Name of the test.
         test: String,
@@ -30,73 +36,41 @@ pub enum FitFlag {
         lag: f64,
     },
     /// The residual exceeds the stated noise. Errors are increased by this ratio.
+    #[error("the residual is {ratio:.2} times what the stated noise explains")]
     ResidualAboveNoise {
         /// Standard deviation of the whitened residual; 1 if the noise explains it.
         ratio: f64,
     },
     /// The alternation of parameters and excitation has not converged: the minimum is not settled,
     /// and no parameter counts as identified.
+    #[error(
+        "the fit has not settled: each new estimate of the excitation still changes the parameters"
+    )]
     Unsettled,
     /// The rise of χ² near the minimum differs from the rise that the standard error implies. The
     /// standard error therefore does not describe the values that the data exclude, and the
     /// parameter does not count as identified. Its profile ([`crate::profile`]) gives the excluded
     /// values.
+    #[error(
+        "the limits of {} from the data differ from those implied by its standard error",
+        in_words(.parameter)
+    )]
     Curved {
         /// Name of the parameter.
         parameter: String,
     },
     /// The finest grid permitted does not reach the requested accuracy.
+    #[error(
+        "halving the cells of the grid changes the response by {:.3} % of V0, requested at most {:.3} %",
+        100.0 * .difference,
+        100.0 * .requested
+    )]
     GridTooCoarse {
         /// Rms difference from a grid with half the cell length, as a fraction of V0.
         difference: f64,
         /// Requested accuracy.
         requested: f64,
     },
-}
-
-impl fmt::Display for FitFlag {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::TestDisagrees {
-                test,
-                parameter,
-                change,
-                deviations,
-            } => write!(
-                f,
-                "test `{test}` alone would change {} by {change:.3}, {deviations:.1} standard deviations",
-                in_words(parameter)
-            ),
-            Self::ArrivalOff { test, lag } => write!(
-                f,
-                "test `{test}`: the measured front arrives {:.1} us after the simulated one",
-                1e6 * lag
-            ),
-            Self::ResidualAboveNoise { ratio } => {
-                write!(
-                    f,
-                    "the residual is {ratio:.2} times what the stated noise explains"
-                )
-            }
-            Self::Unsettled => f.write_str(
-                "the fit has not settled: each new estimate of the excitation still changes the parameters",
-            ),
-            Self::Curved { parameter } => write!(
-                f,
-                "the limits of {} from the data differ from those implied by its standard error",
-                in_words(parameter)
-            ),
-            Self::GridTooCoarse {
-                difference,
-                requested,
-            } => write!(
-                f,
-                "halving the cells of the grid changes the response by {:.3} % of V0, requested at most {:.3} %",
-                100.0 * difference,
-                100.0 * requested
-            ),
-        }
-    }
 }
 
 /// Returns the words for the name of a parameter, such as `the logarithm of the modulus` for

@@ -77,28 +77,19 @@ pub struct RodTest {
 }
 
 /// A remark on a test.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum TestFlag {
     /// A displacement leaves the range of its transducer; samples from there on are not used.
+    #[error(
+        "the transducer of the {history} is out of range from {:.3} ms on", 1e3 * .time
+    )]
     Clipped {
         /// `excitation` or `response`.
         history: &'static str,
         /// Time of the first clipped sample \[s\], from the first sample of the displacement.
         time: f64,
     },
-}
-
-impl std::fmt::Display for TestFlag {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        match self {
-            Self::Clipped { history, time } => write!(
-                f,
-                "the transducer of the {history} is out of range from {:.3} ms on",
-                1e3 * time
-            ),
-        }
-    }
 }
 
 /// Limit of samples relative to V0, beyond which they are not velocities and their squares

@@ -157,10 +157,13 @@ impl Verdict {
 }
 
 /// Reason why the data do not determine a parameter.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Reason {
     /// The relaxation takes place outside the band; only its flank is inside the band.
+    #[error(
+        "relaxation time {relaxation_time:.2e} s is outside the band, {shortest:.2e} to {longest:.2e} s"
+    )]
     OutsideBand {
         /// Relaxation time τ \[s\].
         relaxation_time: f64,
@@ -170,6 +173,7 @@ pub enum Reason {
         longest: f64,
     },
     /// Another parameter compensates for a change of this parameter.
+    #[error("compensated by {with}, correlation {correlation:.3}")]
     Correlated {
         /// Name of the other parameter.
         with: String,
@@ -177,8 +181,10 @@ pub enum Reason {
         correlation: f64,
     },
     /// The influence of the parameter on the law is below the rounding error.
+    #[error("the law does not depend on this parameter here")]
     NoInfluence,
     /// The errors of the data are too large.
+    #[error("the errors of the data leave {}", left_by(*.standard_error))]
     Noise {
         /// Standard error on the scale of the parameter.
         standard_error: f64,
@@ -188,29 +194,12 @@ pub enum Reason {
 /// Largest standard error that a message states; usually that of a logarithm.
 const MOST_STATED: f64 = 10.0;
 
-impl fmt::Display for Reason {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::OutsideBand {
-                relaxation_time,
-                shortest,
-                longest,
-            } => write!(
-                f,
-                "relaxation time {relaxation_time:.2e} s is outside the band, {shortest:.2e} to {longest:.2e} s"
-            ),
-            Self::Correlated { with, correlation } => {
-                write!(f, "compensated by {with}, correlation {correlation:.3}")
-            }
-            Self::NoInfluence => f.write_str("the law does not depend on this parameter here"),
-            Self::Noise { standard_error } if *standard_error <= MOST_STATED => write!(
-                f,
-                "the errors of the data leave a standard error of {standard_error:.2}"
-            ),
-            Self::Noise { .. } => {
-                f.write_str("the errors of the data leave this parameter undetermined")
-            }
-        }
+/// Returns what errors of the data leave of a parameter.
+fn left_by(standard_error: f64) -> String {
+    if standard_error <= MOST_STATED {
+        format!("a standard error of {standard_error:.2}")
+    } else {
+        "this parameter undetermined".to_owned()
     }
 }
 

@@ -2,8 +2,6 @@
 
 mod gauges;
 
-use std::fmt;
-
 use super::bar::HopkinsonBar;
 use super::curves::Curve;
 use super::pair::GaugePairs;
@@ -47,10 +45,15 @@ const UNLOADED: f64 = 0.8;
 const REMARKED_TAIL: f64 = 0.005;
 
 /// A problem of a result, or a remark on it.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Finding {
     /// The sign of the incident wave is opposite to that of the loading.
+    #[error(
+        "the incident wave has a peak of {peak:.3e} ({}), expected {}: state the other loading, or `inverted` channels",
+        signs(*.loading)[0],
+        signs(*.loading)[1]
+    )]
     WrongSign {
         /// The loading of the test.
         loading: Loading,
@@ -58,16 +61,28 @@ pub enum Finding {
         peak: f64,
     },
     /// Strains too large for a bar, or too small for a gauge.
+    #[error(
+        "the largest strain of a bar is {largest:.3e}, expected {:.0e} to {}: check gauge factor, excitation and the unit of the channels",
+        LEAST_STRAIN,
+        BAR_STRAIN
+    )]
     StrainOfBar {
         /// Largest strain.
         largest: f64,
     },
     /// The specimen is compressed to nothing, which is impossible.
+    #[error(
+        "the largest strain of the specimen is {largest:.3} in compression, expected less than {}: check the length of the specimen, gains and gauge factors",
+        CRUSHED
+    )]
     StrainOfSpecimen {
         /// Largest engineering strain while the specimen is loaded.
         largest: f64,
     },
     /// The band ends above the frequency up to which the law of a bar was measured.
+    #[error(
+        "the band ends at {band_hz:.0} Hz, but the law of a bar was measured only up to {known_to_hz:.0} Hz: above this frequency, the error of the law is unknown"
+    )]
     BeyondLaw {
         /// End of the band \[Hz\].
         band_hz: f64,
@@ -75,21 +90,36 @@ pub enum Finding {
         known_to_hz: f64,
     },
     /// The incident pulse has not ended when the reflected one arrives.
+    #[error(
+        "the incident pulse lasts longer than the {:.1} us after which its reflection reaches the gauge, so that the gauge cannot separate the two waves: expected a shorter pulse, a second gauge, or balanced waves; or the position of the gauge or the wave speed is wrong",
+        1e6 * .alone
+    )]
     Overlap {
         /// Duration without overlap \[s\].
         alone: f64,
     },
     /// The incident wave has not died away when the reflected one arrives.
+    #[error(
+        "the gauge of the incident bar is still at {:.1} % of the peak when the reflected wave arrives. It may be a tail of the incident wave or a shift of the level: the bands of forces and strain include both possibilities; a second gauge or a shorter pulse would show which applies",
+        100.0 * .part
+    )]
     Tail {
         /// Mean of the incident wave at the end of its window, divided by its largest value.
         part: f64,
     },
     /// The record ends while the specimen is loaded (a problem) or during its unloading (a remark).
+    #[error(
+        "the record ends while the specimen carries {:.0} % of its largest force: there is no curve beyond",
+        100.0 * .part
+    )]
     RecordEnds {
         /// Force at the end, divided by its largest value.
         part: f64,
     },
     /// The arrival of the reflected wave contradicts the wave speed and the position of the gauge.
+    #[error(
+        "the arrival of the reflected wave gives a wave speed of {found:.0} m/s, expected {stated:.0} m/s: check wave speed, modulus and position of the gauge"
+    )]
     WaveSpeed {
         /// Stated wave speed [m/s].
         stated: f64,
@@ -98,6 +128,15 @@ pub enum Finding {
     },
     /// A gauge records the waves later or earlier than the other gauge of its bar predicts, before
     /// any wave returns.
+    #[error(
+        "before any wave returns, gauge {} of the {side} records the waves {:.2} us ± {:.2} us {} than gauge {} predicts ({:.1} mm of the bar), expected no difference beyond three standard errors: state or correct the delays (`time_skew`) or the positions of the two gauges of this bar, or its wave speed",
+        .gauge + 1,
+        1e6 * .lag.abs(),
+        1e6 * .standard_error,
+        if *.lag > 0.0 { "later" } else { "earlier" },
+        2 - .gauge,
+        1e3 * .distance.abs()
+    )]
     GaugeLag {
         /// The bar.
         side: Side,
@@ -112,6 +151,11 @@ pub enum Finding {
     },
     /// A gauge records a larger or smaller strain than the other gauge of its bar predicts, before
     /// any wave returns.
+    #[error(
+        "before any wave returns, gauge {} of the {side} records {ratio:.3} ± {standard_error:.3} times the strain that gauge {} predicts, expected 1 within three standard errors: check gauge factors and gains of the two gauges of this bar, and whether it bends",
+        .gauge + 1,
+        2 - .gauge
+    )]
     GaugeRatio {
         /// The bar.
         side: Side,
@@ -123,6 +167,13 @@ pub enum Finding {
         standard_error: f64,
     },
     /// The level of a gauge drifts against the other gauge of its bar, before any wave returns.
+    #[error(
+        "before any wave returns, the level of gauge {} of the {side} changes by {:.1} % ± {:.1} % of the peak against gauge {}, expected no change beyond 0.5 % and three standard errors: one of the two bridges drifts; every passage adds this change to the separated waves, and the bands do not include it",
+        .gauge + 1,
+        100.0 * .drift,
+        100.0 * .standard_error,
+        2 - .gauge
+    )]
     GaugeDrift {
         /// The bar.
         side: Side,
@@ -136,11 +187,18 @@ pub enum Finding {
     },
     /// The force of the transmitted face begins before that of the incident one, which is
     /// impossible.
+    #[error(
+        "the force of the transmitted face begins {:.1} us before that of the incident face: check positions, wave speeds and delays of channels",
+        1e6 * .by
+    )]
     TransmittedEarly {
         /// Lead of the transmitted force \[s\].
         by: f64,
     },
     /// A face pulls on a specimen in compression, which it only touches.
+    #[error(
+        "the face of the {side} pulls on the specimen, which it only touches, with up to {pull:.3e} N ± {standard_error:.1e} N (largest push {largest:.3e} N): check wave speed, position and sign of the gauge"
+    )]
     FacePulls {
         /// The bar.
         side: Side,
@@ -152,6 +210,10 @@ pub enum Finding {
         largest: f64,
     },
     /// The forces of the two faces differ by a nearly constant factor.
+    #[error(
+        "the force of the incident bar is {ratio:.3} ± {standard_error:.3} times that of the transmitted bar throughout: check {}gauge factors, diameters and moduli of the bars",
+        if *.ratio < 0.0 { "the signs of the channels, " } else { "" }
+    )]
     ForcesDiffer {
         /// Ratio of incident to transmitted force.
         ratio: f64,
@@ -159,6 +221,11 @@ pub enum Finding {
         standard_error: f64,
     },
     /// The specimen is never in equilibrium.
+    #[error(
+        "the forces of the two faces do not become equal and stay so: at {:.0} % of the loaded samples they differ by more than 0.05 of their mean plus the errors, expected at most 5 % from some time on; {:.0} % of these samples are after the largest strain; in the median the difference is {index:.3} of the mean",
+        100.0 * .outside,
+        100.0 * .unloading
+    )]
     NoEquilibrium {
         /// Median magnitude of the index while the specimen is loaded.
         index: f64,
@@ -169,13 +236,24 @@ pub enum Finding {
         unloading: f64,
     },
     /// Equilibrium was assumed and cannot be checked.
+    #[error(
+        "the force of the incident face was taken from the transmitted bar: equilibrium is assumed, not verified"
+    )]
     EquilibriumSupposed,
     /// The specimen hardly deforms: it is stiffer or stronger than the bars.
+    #[error(
+        "the reflected wave is {:.1} % of the incident one: the specimen hardly deforms, and its strain is a difference of nearly equal waves",
+        100.0 * .reflected
+    )]
     StrongerThanBars {
         /// Ratio of the largest reflected to the largest incident wave.
         reflected: f64,
     },
     /// Lines are amplified more than tenfold.
+    #[error(
+        "waves are amplified up to {by:.0}-fold on their way back to the specimen, expected at most {:.0}: lower the end of the band",
+        MOST_AMPLIFICATION
+    )]
     Amplified {
         /// Largest amplification.
         by: f64,
@@ -207,140 +285,13 @@ impl Finding {
     }
 }
 
-impl fmt::Display for Finding {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::WrongSign { loading, peak } => {
-                let (found, expected) = match loading {
-                    Loading::Compression => ("tension", "compression"),
-                    Loading::Tension => ("compression", "tension"),
-                    Loading::Torsion => ("negative", "a positive torque"),
-                };
-                write!(
-                    f,
-                    "the incident wave has a peak of {peak:.3e} ({found}), expected {expected}: state the other loading, or `inverted` channels"
-                )
-            }
-            Self::StrainOfBar { largest } => write!(
-                f,
-                "the largest strain of a bar is {largest:.3e}, expected {LEAST_STRAIN:.0e} to {BAR_STRAIN}: check gauge factor, excitation and the unit of the channels"
-            ),
-            Self::StrainOfSpecimen { largest } => write!(
-                f,
-                "the largest strain of the specimen is {largest:.3} in compression, expected less than {CRUSHED}: check the length of the specimen, gains and gauge factors"
-            ),
-            Self::Overlap { alone } => write!(
-                f,
-                "the incident pulse lasts longer than the {:.1} us after which its reflection reaches the gauge, so that the gauge cannot separate the two waves: expected a shorter pulse, a second gauge, or balanced waves; or the position of the gauge or the wave speed is wrong",
-                1e6 * alone
-            ),
-            Self::Tail { part } => write!(
-                f,
-                "the gauge of the incident bar is still at {:.1} % of the peak when the reflected wave arrives. It may be a tail of the incident wave or a shift of the level: the bands of forces and strain include both possibilities; a second gauge or a shorter pulse would show which applies",
-                100.0 * part
-            ),
-            Self::RecordEnds { part } => write!(
-                f,
-                "the record ends while the specimen carries {:.0} % of its largest force: there is no curve beyond",
-                100.0 * part
-            ),
-            Self::WaveSpeed { stated, found } => write!(
-                f,
-                "the arrival of the reflected wave gives a wave speed of {found:.0} m/s, expected {stated:.0} m/s: check wave speed, modulus and position of the gauge"
-            ),
-            Self::BeyondLaw { band_hz, known_to_hz } => write!(
-                f,
-                "the band ends at {band_hz:.0} Hz, but the law of a bar was measured only up to {known_to_hz:.0} Hz: above this frequency, the error of the law is unknown"
-            ),
-            Self::GaugeLag {
-                side,
-                gauge,
-                lag,
-                standard_error,
-                distance,
-            } => write!(
-                f,
-                "before any wave returns, gauge {} of the {side} records the waves {:.2} us ± {:.2} us {} than gauge {} predicts ({:.1} mm of the bar), expected no difference beyond three standard errors: state or correct the delays (`time_skew`) or the positions of the two gauges of this bar, or its wave speed",
-                gauge + 1,
-                1e6 * lag.abs(),
-                1e6 * standard_error,
-                if *lag > 0.0 { "later" } else { "earlier" },
-                2 - gauge,
-                1e3 * distance.abs(),
-            ),
-            Self::GaugeRatio {
-                side,
-                gauge,
-                ratio,
-                standard_error,
-            } => write!(
-                f,
-                "before any wave returns, gauge {} of the {side} records {ratio:.3} ± {standard_error:.3} times the strain that gauge {} predicts, expected 1 within three standard errors: check gauge factors and gains of the two gauges of this bar, and whether it bends",
-                gauge + 1,
-                2 - gauge,
-            ),
-            Self::GaugeDrift {
-                side,
-                gauge,
-                drift,
-                standard_error,
-            } => write!(
-                f,
-                "before any wave returns, the level of gauge {} of the {side} changes by {:.1} % ± {:.1} % of the peak against gauge {}, expected no change beyond 0.5 % and three standard errors: one of the two bridges drifts; every passage adds this change to the separated waves, and the bands do not include it",
-                gauge + 1,
-                100.0 * drift,
-                100.0 * standard_error,
-                2 - gauge,
-            ),
-            Self::TransmittedEarly { by } => write!(
-                f,
-                "the force of the transmitted face begins {:.1} us before that of the incident face: check positions, wave speeds and delays of channels",
-                1e6 * by
-            ),
-            Self::FacePulls {
-                side,
-                pull,
-                standard_error,
-                largest,
-            } => write!(
-                f,
-                "the face of the {side} pulls on the specimen, which it only touches, with up to {pull:.3e} N ± {standard_error:.1e} N (largest push {largest:.3e} N): check wave speed, position and sign of the gauge"
-            ),
-            Self::ForcesDiffer {
-                ratio,
-                standard_error,
-            } => write!(
-                f,
-                "the force of the incident bar is {ratio:.3} ± {standard_error:.3} times that of the transmitted bar throughout: check {}gauge factors, diameters and moduli of the bars",
-                if *ratio < 0.0 {
-                    "the signs of the channels, "
-                } else {
-                    ""
-                }
-            ),
-            Self::NoEquilibrium {
-                index,
-                outside,
-                unloading,
-            } => write!(
-                f,
-                "the forces of the two faces do not become equal and stay so: at {:.0} % of the loaded samples they differ by more than 0.05 of their mean plus the errors, expected at most 5 % from some time on; {:.0} % of these samples are after the largest strain; in the median the difference is {index:.3} of the mean",
-                100.0 * outside,
-                100.0 * unloading
-            ),
-            Self::EquilibriumSupposed => f.write_str(
-                "the force of the incident face was taken from the transmitted bar: equilibrium is assumed, not verified",
-            ),
-            Self::StrongerThanBars { reflected } => write!(
-                f,
-                "the reflected wave is {:.1} % of the incident one: the specimen hardly deforms, and its strain is a difference of nearly equal waves",
-                100.0 * reflected
-            ),
-            Self::Amplified { by } => write!(
-                f,
-                "waves are amplified up to {by:.0}-fold on their way back to the specimen, expected at most {MOST_AMPLIFICATION:.0}: lower the end of the band"
-            ),
-        }
+/// Returns the words for the sign of an incident wave opposite to that of the loading, and for the
+/// expected one.
+fn signs(loading: Loading) -> [&'static str; 2] {
+    match loading {
+        Loading::Compression => ["tension", "compression"],
+        Loading::Tension => ["compression", "tension"],
+        Loading::Torsion => ["negative", "a positive torque"],
     }
 }
 

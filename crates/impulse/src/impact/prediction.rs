@@ -1,7 +1,5 @@
 //! Result of an impact.
 
-use std::fmt;
-
 use super::DiscreteImpact;
 use crate::balance::{Account, Balance, EnergyHistory};
 use crate::convolution::causal_convolution;
@@ -56,13 +54,17 @@ pub struct Prediction {
 }
 
 /// A fault of a prediction.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum PredictionFlag {
     /// The faces are still in contact at the end: the balance is that of an unfinished impact.
+    #[error("the faces are still in contact at the end")]
     StillInContact,
     /// A body responds before the impulse, or its ringing did not decay within the period:
     /// [`Kernel::acausal`](crate::Kernel::acausal).
+    #[error(
+        "body {body} responds before the impulse, or rings for longer than the period of its lines: {level:.1e} of the first response"
+    )]
     Acausal {
         /// Index of the body, 0 or 1.
         body: usize,
@@ -73,6 +75,9 @@ pub enum PredictionFlag {
     /// The free vibrations of a body that is known on lines or on the frequency axis have not
     /// decayed within half of its period and wrap round:
     /// [`Kernel::ringing`](crate::Kernel::ringing).
+    #[error(
+        "body {body} still rings after half of the period of its lines, with {level:.1e} of the first response, and the rest wraps around: measure longer records, so that the lines are closer together"
+    )]
     Rings {
         /// Index of the body, 0 or 1.
         body: usize,
@@ -83,6 +88,10 @@ pub enum PredictionFlag {
     /// The real part of a mobility is negative on some line:
     /// [`Kernel::activity`](crate::Kernel::activity) is above rounding. Not tested for measured
     /// bodies.
+    #[error(
+        "body {body} generates energy: the real part of its mobility falls to {:.2e} of the magnitude",
+        -.activity
+    )]
     Active {
         /// Index of the body, 0 or 1.
         body: usize,
@@ -91,12 +100,18 @@ pub enum PredictionFlag {
     },
     /// The time step is too long for the stiffness of the contact, whose force alternates from step
     /// to step.
+    #[error(
+        "the time step is too long for the contact: stiffness times mobility times step is {number:.2}, expected below 2"
+    )]
     UnresolvedContact {
         /// Stiffness times mobility times time step, above 2.
         number: f64,
     },
     /// A contact with at least a tenth of the impulse ends within two time steps, like that of a
     /// light mass on a rod. Its force, impulse and restitution depend on the step.
+    #[error(
+        "a contact ends after {duration:.1e} s, within two time steps of {time_step:.1e} s, so that its force depends on the step: state a shorter step"
+    )]
     ContactOfFewSteps {
         /// Duration of the contact \[s\].
         duration: f64,
@@ -104,56 +119,19 @@ pub enum PredictionFlag {
         time_step: f64,
     },
     /// The iteration for the approach did not converge to rounding in some steps.
+    #[error("the approach did not converge in {steps} steps")]
     Unconverged {
         /// Number of steps.
         steps: usize,
     },
     /// A body has returned more energy than it had: it is not passive in the relevant band.
+    #[error("body {body} has generated {:.2e} J", -.inner)]
     MakesEnergy {
         /// Index of the body, 0 or 1.
         body: usize,
         /// Inner energy of the body \[J\], negative.
         inner: f64,
     },
-}
-
-impl fmt::Display for PredictionFlag {
-    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::StillInContact => write!(formatter, "the faces are still in contact at the end"),
-            Self::Acausal { body, level } => write!(
-                formatter,
-                "body {body} responds before the impulse, or rings for longer than the period of its lines: {level:.1e} of the first response"
-            ),
-            Self::Rings { body, level } => write!(
-                formatter,
-                "body {body} still rings after half of the period of its lines, with {level:.1e} of the first response, and the rest wraps around: measure \
-                 longer records, so that the lines are closer together"
-            ),
-            Self::Active { body, activity } => write!(
-                formatter,
-                "body {body} generates energy: the real part of its mobility falls to {:.2e} of the magnitude",
-                -activity
-            ),
-            Self::UnresolvedContact { number } => write!(
-                formatter,
-                "the time step is too long for the contact: stiffness times mobility times step is {number:.2}, expected below 2"
-            ),
-            Self::ContactOfFewSteps {
-                duration,
-                time_step,
-            } => write!(
-                formatter,
-                "a contact ends after {duration:.1e} s, within two time steps of {time_step:.1e} s, so that its force depends on the step: state a shorter step"
-            ),
-            Self::Unconverged { steps } => {
-                write!(formatter, "the approach did not converge in {steps} steps")
-            }
-            Self::MakesEnergy { body, inner } => {
-                write!(formatter, "body {body} has generated {:.2e} J", -inner)
-            }
-        }
-    }
 }
 
 impl Prediction {

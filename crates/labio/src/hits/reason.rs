@@ -2,12 +2,19 @@
 
 use std::fmt;
 
+use thiserror::Error;
+
 /// A reason to reject a hit, with its numbers. Levels and peaks are in the SI unit of the channel.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Error)]
 #[allow(missing_docs, reason = "the text of a reason names its fields")]
 #[non_exhaustive]
 pub enum Reason {
     /// No signal exceeds the noise.
+    #[error(
+        "no hit: the largest excursion of `{channel}` is {}, its noise {}",
+        Short(*.peak),
+        Short(*.noise)
+    )]
     NoHit {
         channel: String,
         /// Largest excursion from the rest level.
@@ -16,6 +23,12 @@ pub enum Reason {
         noise: f64,
     },
     /// The trigger never fired.
+    #[error(
+        "not triggered: `{channel}` {}; its values are between {} and {}",
+        untriggered(*.level, *.hysteresis, [*.least, *.greatest]),
+        Short(*.least),
+        Short(*.greatest)
+    )]
     NotTriggered {
         channel: String,
         level: f64,
@@ -27,24 +40,35 @@ pub enum Reason {
         greatest: f64,
     },
     /// The record begins too late.
+    #[error(
+        "cut at the start: {missing} samples are missing before the hit; start the record earlier, with a pre-trigger of about a tenth of its length"
+    )]
     CutAtStart {
         /// Number of missing samples before the hit.
         missing: usize,
     },
     /// The record ends too early.
+    #[error("cut at the end: {missing} samples are missing after the hit")]
     CutAtEnd {
         /// Number of missing samples after the hit.
         missing: usize,
     },
     /// A sample is NaN or infinite; some recorders mark lost samples in this way.
+    #[error("lost samples: `{channel}` is NaN or infinite at sample {index}")]
     NonFinite {
         channel: String,
         /// Index of the first such sample in the hit.
         index: usize,
     },
     /// All samples of a channel are the same.
+    #[error("dead channel: `{channel}` is {} throughout", Short(*.value))]
     Dead { channel: String, value: f64 },
     /// There was a second contact.
+    #[error(
+        "double hit: two contacts in `{channel}`, peaks in the ratio {}, {} ms apart",
+        Short(*.ratio),
+        Short(1e3 * .separation)
+    )]
     DoubleHit {
         /// The channel of the force.
         channel: String,
@@ -54,6 +78,10 @@ pub enum Reason {
         separation: f64,
     },
     /// Samples reach the range of the recorder.
+    #[error(
+        "overload: {n_samples} samples of `{channel}` from sample {index} on reach the full scale of {}",
+        Short(*.full_scale)
+    )]
     Overload {
         channel: String,
         /// The stated range, in the recorded unit.
@@ -63,6 +91,10 @@ pub enum Reason {
         index: usize,
     },
     /// The largest or smallest value repeats while the signal was moving.
+    #[error(
+        "clipped: `{channel}` stays at its extreme {} for {run} samples from sample {index} on",
+        Short(*.value)
+    )]
     Clipped {
         channel: String,
         /// The value, in the recorded unit.
@@ -73,6 +105,10 @@ pub enum Reason {
         index: usize,
     },
     /// The signal is constant in the middle of a movement.
+    #[error(
+        "drop-out: `{channel}` stays at {} for {run} samples from sample {index} on",
+        Short(*.value)
+    )]
     DropOut {
         channel: String,
         /// The value, in the recorded unit.
@@ -83,6 +119,12 @@ pub enum Reason {
         index: usize,
     },
     /// The rest level is far from zero.
+    #[error(
+        "static offset: `{channel}` rests at {}, more than {} times its peak of {}",
+        Short(*.level),
+        Short(*.limit),
+        Short(*.peak)
+    )]
     StaticOffset {
         channel: String,
         /// Rest level before the hit.
@@ -93,6 +135,13 @@ pub enum Reason {
         limit: f64,
     },
     /// The rest levels before and after differ.
+    #[error(
+        "level shift: `{channel}` rests at {} before and at {} after, a difference of more than {} times its peak of {}",
+        Short(*.before),
+        Short(*.after),
+        Short(*.limit),
+        Short(*.peak)
+    )]
     LevelShift {
         channel: String,
         /// Level before the hit.
@@ -105,6 +154,14 @@ pub enum Reason {
         limit: f64,
     },
     /// A channel departs from the response of the other hits.
+    #[error(
+        "departs from the others: `{channel}` departs by a relative {} from the prediction by the other hits, which depart by at most {}; this hit is {} times as large and {} ms later{}",
+        Short(*.departure),
+        Short(*.others),
+        Short(*.scale),
+        Short(1e3 * .delay),
+        where_most(*.index)
+    )]
     Departs {
         channel: String,
         /// Square root of the ratio of the energy of the departure to that of the prediction by the
@@ -120,6 +177,12 @@ pub enum Reason {
         index: Option<usize>,
     },
     /// The signal still moves at the end.
+    #[error(
+        "not decayed: `{channel}` ends at {} rms, more than {} times its peak of {}",
+        Short(*.remainder),
+        Short(*.limit),
+        Short(*.peak)
+    )]
     NotDecayed {
         channel: String,
         /// Root mean square of the last part about its level, with the noise subtracted.
@@ -172,157 +235,22 @@ impl fmt::Display for Short {
     }
 }
 
-impl fmt::Display for Reason {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{}: ", self.name())?;
-        match self {
-            Self::NoHit {
-                channel,
-                peak,
-                noise,
-            } => write!(
-                f,
-                "the largest excursion of `{channel}` is {}, its noise {}",
-                Short(*peak),
-                Short(*noise)
-            ),
-            Self::NotTriggered {
-                channel,
-                level,
-                hysteresis,
-                least,
-                greatest,
-            } => {
-                let (level_in_words, hysteresis) = (Short(*level), Short(*hysteresis));
-                if least < level && level < greatest {
-                    write!(
-                        f,
-                        "`{channel}` passes {level_in_words} without having been at least {hysteresis} (the hysteresis) on the other side of it; its values are",
-                    )?;
-                } else {
-                    write!(
-                        f,
-                        "`{channel}` never passes {level_in_words}; its values are"
-                    )?;
-                }
-                write!(f, " between {} and {}", Short(*least), Short(*greatest))
-            }
-            Self::CutAtStart { missing } => {
-                write!(
-                    f,
-                    "{missing} samples are missing before the hit; start the record earlier, with a pre-trigger of about a tenth of its length"
-                )
-            }
-            Self::CutAtEnd { missing } => {
-                write!(f, "{missing} samples are missing after the hit")
-            }
-            Self::NonFinite { channel, index } => {
-                write!(f, "`{channel}` is NaN or infinite at sample {index}")
-            }
-            Self::Dead { channel, value } => {
-                write!(f, "`{channel}` is {} throughout", Short(*value))
-            }
-            Self::DoubleHit {
-                channel,
-                ratio,
-                separation,
-            } => write!(
-                f,
-                "two contacts in `{channel}`, peaks in the ratio {}, {} ms apart",
-                Short(*ratio),
-                Short(1e3 * separation)
-            ),
-            Self::Overload {
-                channel,
-                full_scale,
-                n_samples,
-                index,
-            } => write!(
-                f,
-                "{n_samples} samples of `{channel}` from sample {index} on reach the full scale of {}",
-                Short(*full_scale)
-            ),
-            Self::Clipped {
-                channel,
-                value,
-                run,
-                index,
-            } => write!(
-                f,
-                "`{channel}` stays at its extreme {} for {run} samples from sample {index} on",
-                Short(*value)
-            ),
-            Self::DropOut {
-                channel,
-                value,
-                run,
-                index,
-            } => write!(
-                f,
-                "`{channel}` stays at {} for {run} samples from sample {index} on",
-                Short(*value)
-            ),
-            Self::StaticOffset {
-                channel,
-                level,
-                peak,
-                limit,
-            } => write!(
-                f,
-                "`{channel}` rests at {}, more than {} times its peak of {}",
-                Short(*level),
-                Short(*limit),
-                Short(*peak)
-            ),
-            Self::LevelShift {
-                channel,
-                before,
-                after,
-                peak,
-                limit,
-            } => write!(
-                f,
-                "`{channel}` rests at {} before and at {} after, a difference of more than {} times its peak of {}",
-                Short(*before),
-                Short(*after),
-                Short(*limit),
-                Short(*peak)
-            ),
-            Self::NotDecayed {
-                channel,
-                remainder,
-                peak,
-                limit,
-            } => write!(
-                f,
-                "`{channel}` ends at {} rms, more than {} times its peak of {}",
-                Short(*remainder),
-                Short(*limit),
-                Short(*peak)
-            ),
-            Self::Departs {
-                channel,
-                departure,
-                others,
-                scale,
-                delay,
-                index,
-            } => {
-                write!(
-                    f,
-                    "`{channel}` departs by a relative {} from the prediction by the other hits, which depart by at most {}; this hit is {} times as large and {} ms later",
-                    Short(*departure),
-                    Short(*others),
-                    Short(*scale),
-                    Short(1e3 * delay)
-                )?;
-                match index {
-                    Some(index) => write!(f, ", and departs most at sample {index}"),
-                    None => Ok(()),
-                }
-            }
-        }
+/// Returns what the values of a channel are relative to a trigger that never fired.
+fn untriggered(level: f64, hysteresis: f64, [least, greatest]: [f64; 2]) -> String {
+    let [in_words, hysteresis] = [level, hysteresis].map(Short);
+    if least < level && level < greatest {
+        format!(
+            "passes {in_words} without having been at least {hysteresis} (the hysteresis) on the other side of it"
+        )
+    } else {
+        format!("never passes {in_words}")
     }
+}
+
+/// Returns the clause about the sample with the largest departure.
+fn where_most(index: Option<usize>) -> String {
+    let clause = index.map(|index| format!(", and departs most at sample {index}"));
+    clause.unwrap_or_default()
 }
 
 #[cfg(test)]

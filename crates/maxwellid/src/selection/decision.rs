@@ -30,10 +30,11 @@ pub enum Decision {
 }
 
 /// Reasons why no law is named.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Doubt {
     /// No candidate reaches the required probability.
+    #[error("the most probable law has a probability of {first:.3}, less than {required}")]
     Probabilities {
         /// Probability of the first candidate.
         first: f64,
@@ -42,6 +43,9 @@ pub enum Doubt {
     },
     /// A nonlinear law leads, but all tests have one impact velocity, and a linear law with a flat
     /// loss explains the data as well.
+    #[error(
+        "a nonlinear law is the most probable, but a linear law of flat loss also explains the data, which are from one impact velocity (adequacy {adequacy:.3})"
+    )]
     OneVelocity {
         /// The linear law.
         linear: usize,
@@ -51,10 +55,15 @@ pub enum Doubt {
     },
     /// A nonlinear law leads, but all tests have one impact velocity, and no linear law with a flat
     /// loss was among the candidates.
+    #[error(
+        "a nonlinear law is the most probable, but the data are from one impact velocity and no linear law of flat loss is among the candidates"
+    )]
     NoFlatLossCompetitor,
     /// The misfit of a special case of the most probable law does not exclude it.
+    #[error("the data do not exclude a special case of the most probable law")]
     SpecialCase,
     /// The misfit of a law that counts still changes when the excitation is estimated again.
+    #[error("the misfit of one of these laws still changes when the excitation is estimated again")]
     Unsettled {
         /// The law.
         law: usize,
@@ -77,30 +86,6 @@ pub enum Advice {
         /// Factor by which the number of independent samples is reduced.
         inflation: f64,
     },
-}
-
-impl fmt::Display for Doubt {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Probabilities { first, required } => write!(
-                f,
-                "the most probable law has a probability of {first:.3}, less than {required}"
-            ),
-            Self::OneVelocity { adequacy, .. } => write!(
-                f,
-                "a nonlinear law is the most probable, but a linear law of flat loss also explains the data, which are from one impact velocity (adequacy {adequacy:.3})"
-            ),
-            Self::SpecialCase => {
-                f.write_str("the data do not exclude a special case of the most probable law")
-            }
-            Self::Unsettled { .. } => f.write_str(
-                "the misfit of one of these laws still changes when the excitation is estimated again",
-            ),
-            Self::NoFlatLossCompetitor => f.write_str(
-                "a nonlinear law is the most probable, but the data are from one impact velocity and no linear law of flat loss is among the candidates",
-            ),
-        }
-    }
 }
 
 impl fmt::Display for Advice {

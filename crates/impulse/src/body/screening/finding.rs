@@ -1,7 +1,5 @@
 //! Findings of a screening, and the limits beyond which they count.
 
-use std::fmt;
-
 use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
 
 /// Number of standard errors attributed to chance.
@@ -254,11 +252,12 @@ impl Screening {
 }
 
 /// A fault of a measured mobility.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ScreeningFlag {
     /// Excess energy before the impulse: a delay between the channels, leakage, or ringing longer
     /// than the period.
+    #[error("{part:.2e} of the energy is before the impulse, expected at most {allowed:.2e}")]
     Acausal {
         /// The part found.
         part: f64,
@@ -267,6 +266,7 @@ pub enum ScreeningFlag {
     },
     /// Lines that generate energy, due to a wrong sign, a phase error, or a response that was not
     /// measured at the driving point.
+    #[error("{lines} lines generate energy, the worst is line {worst_line}, {worst:.1} below zero")]
     Active {
         /// Number of lines.
         lines: usize,
@@ -277,6 +277,12 @@ pub enum ScreeningFlag {
         worst: f64,
     },
     /// The nearly rigid lines have the phase of a delay between the channels.
+    #[error(
+        "the motion is {:.3} us ± {:.2} us {} the force, according to the phase of the nearly rigid lines",
+        1e6 * .delay.abs(),
+        1e6 * .standard_error,
+        if *.delay < 0.0 { "before" } else { "after" }
+    )]
     Delayed {
         /// Delay of the motion after the force \[s\]; negative if it is before.
         delay: f64,
@@ -285,6 +291,9 @@ pub enum ScreeningFlag {
     },
     /// The mass of the low lines differs from the weighed one, due to a wrong sensitivity, a body
     /// that is not free, or a mass between gauge and face.
+    #[error(
+        "the low lines give a mass of {apparent:.4} kg ± {standard_error:.1e} kg, expected the weighed {weighed} kg ± {weighed_error:.1e} kg"
+    )]
     MassContradicted {
         /// Mass from the mobility \[kg\].
         apparent: f64,
@@ -297,6 +306,9 @@ pub enum ScreeningFlag {
     },
     /// The lowest lines move more than the weighed mass alone, while a free body moves less up to
     /// its first resonance: a support has its resonance below these lines, for example.
+    #[error(
+        "the lowest lines move like a mass of {at_most:.4} kg ± {standard_error:.1e} kg, expected at least the weighed {weighed} kg ± {weighed_error:.1e} kg of a free body: its support may have a resonance below these lines"
+    )]
     NotFree {
         /// Mass of a rigid body that would move as the lowest lines do \[kg\].
         at_most: f64,
@@ -309,9 +321,13 @@ pub enum ScreeningFlag {
     },
     /// No line lies below the first antiresonance of a free body, so that its mass cannot be
     /// checked.
+    #[error("no line is low enough to determine the mass")]
     MassNotSeen,
     /// The mean impedance of the lines differs from that of the material, due to a wrong
     /// sensitivity or another section at the face.
+    #[error(
+        "the lines have a mean front impedance of {apparent:.4e} kg/s ± {standard_error:.1e} kg/s, expected the given {given:.4e} kg/s"
+    )]
     FrontContradicted {
         /// Impedance from the mobility [kg/s].
         apparent: f64,
@@ -321,72 +337,11 @@ pub enum ScreeningFlag {
         given: f64,
     },
     /// The lines give no positive impedance.
+    #[error("the mean real part of the lines is {mean:.2e} m/(N s), expected a value above 0")]
     FrontNotPositive {
         /// Mean real part \[m/(N s)\].
         mean: f64,
     },
-}
-
-impl fmt::Display for ScreeningFlag {
-    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Acausal { part, allowed } => write!(
-                formatter,
-                "{part:.2e} of the energy is before the impulse, expected at most {allowed:.2e}"
-            ),
-            Self::Active {
-                lines,
-                worst_line,
-                worst,
-            } => write!(
-                formatter,
-                "{lines} lines generate energy, the worst is line {worst_line}, {worst:.1} below zero"
-            ),
-            Self::Delayed {
-                delay,
-                standard_error,
-            } => write!(
-                formatter,
-                "the motion is {:.3} us ± {:.2} us {} the force, according to the phase of the nearly rigid lines",
-                1e6 * delay.abs(),
-                1e6 * standard_error,
-                if *delay < 0.0 { "before" } else { "after" }
-            ),
-            Self::MassContradicted {
-                apparent,
-                standard_error,
-                weighed,
-                weighed_error,
-            } => write!(
-                formatter,
-                "the low lines give a mass of {apparent:.4} kg ± {standard_error:.1e} kg, expected the weighed {weighed} kg ± {weighed_error:.1e} kg"
-            ),
-            Self::NotFree {
-                at_most,
-                standard_error,
-                weighed,
-                weighed_error,
-            } => write!(
-                formatter,
-                "the lowest lines move like a mass of {at_most:.4} kg ± {standard_error:.1e} kg, expected at least the weighed {weighed} kg ± {weighed_error:.1e} kg of a free body: its support may have a resonance below these lines"
-            ),
-            Self::MassNotSeen => {
-                write!(formatter, "no line is low enough to determine the mass")
-            }
-            Self::FrontContradicted {
-                apparent,
-                standard_error,
-                given,
-            } => write!(
-                formatter,
-                "the lines have a mean front impedance of {apparent:.4e} kg/s ± {standard_error:.1e} kg/s, expected the given {given:.4e} kg/s"
-            ),
-            Self::FrontNotPositive { mean } => write!(
-                formatter,
-                "the mean real part of the lines is {mean:.2e} m/(N s), expected a value above 0"
-            ),
-        }
-    }
 }
 
 /// Returns the least deviation that is flagged: the deviation that chance exceeds with the
