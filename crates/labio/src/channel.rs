@@ -54,59 +54,37 @@ impl Quantity {
         matches!(self, Self::Force | Self::Voltage | Self::Charge)
     }
 
+    /// Name, SI unit, and exponents of length, mass, time, current and temperature in the unit.
+    const fn properties(self) -> (&'static str, &'static str, [i8; 5]) {
+        match self {
+            Self::Force => ("force", "N", [1, 1, -2, 0, 0]),
+            Self::Displacement => ("displacement", "m", [1, 0, 0, 0, 0]),
+            Self::Velocity => ("velocity", "m/s", [1, 0, -1, 0, 0]),
+            Self::Acceleration => ("acceleration", "m/s^2", [1, 0, -2, 0, 0]),
+            Self::Strain => ("strain", "1", [0, 0, 0, 0, 0]),
+            Self::Voltage => ("voltage", "V", [2, 1, -3, -1, 0]),
+            Self::Charge => ("charge", "C", [0, 0, 1, 1, 0]),
+            Self::Pressure => ("pressure", "Pa", [-1, 1, -2, 0, 0]),
+            Self::Temperature => ("temperature", "K", [0, 0, 0, 0, 1]),
+        }
+    }
+
     /// The quantity in words.
     #[must_use]
     pub fn name(self) -> &'static str {
-        match self {
-            Self::Force => "force",
-            Self::Displacement => "displacement",
-            Self::Velocity => "velocity",
-            Self::Acceleration => "acceleration",
-            Self::Strain => "strain",
-            Self::Voltage => "voltage",
-            Self::Charge => "charge",
-            Self::Pressure => "pressure",
-            Self::Temperature => "temperature",
-        }
+        self.properties().0
     }
 
     /// The SI unit of the samples, in ASCII.
     #[must_use]
     pub fn unit(self) -> &'static str {
-        match self {
-            Self::Force => "N",
-            Self::Displacement => "m",
-            Self::Velocity => "m/s",
-            Self::Acceleration => "m/s^2",
-            Self::Strain => "1",
-            Self::Voltage => "V",
-            Self::Charge => "C",
-            Self::Pressure => "Pa",
-            Self::Temperature => "K",
-        }
+        self.properties().1
     }
 
     /// Exponents of the base units in the quantity's unit.
     #[must_use]
     pub fn dimension(self) -> Dimension {
-        let (length, mass, time, current) = match self {
-            Self::Temperature => (0, 0, 0, 0),
-            Self::Force => (1, 1, -2, 0),
-            Self::Displacement => (1, 0, 0, 0),
-            Self::Velocity => (1, 0, -1, 0),
-            Self::Acceleration => (1, 0, -2, 0),
-            Self::Strain => (0, 0, 0, 0),
-            Self::Voltage => (2, 1, -3, -1),
-            Self::Charge => (0, 0, 1, 1),
-            Self::Pressure => (-1, 1, -2, 0),
-        };
-        Dimension {
-            length,
-            mass,
-            time,
-            current,
-            temperature: i8::from(self == Self::Temperature),
-        }
+        Dimension::of(self.properties().2)
     }
 }
 

@@ -32,7 +32,7 @@ impl Dimension {
     /// Dimension of a time.
     pub const TIME: Self = Self::of([0, 0, 1, 0, 0]);
 
-    const fn of([length, mass, time, current, temperature]: [i8; 5]) -> Self {
+    pub(crate) const fn of([length, mass, time, current, temperature]: [i8; 5]) -> Self {
         Self {
             length,
             mass,
