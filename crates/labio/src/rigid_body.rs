@@ -1,6 +1,10 @@
 //! Low-frequency lines of a free body, computed from its weighed mass.
 //!
 //! Theory: `docs/theory/spectra.md#conversion-and-checks-of-responses`.
+#![allow(
+    clippy::indexing_slicing,
+    reason = "`to_kind` refuses a response whose lists are not of one length, and all indices are below that length"
+)]
 
 use std::f64::consts::TAU;
 
@@ -95,10 +99,6 @@ impl RigidBody {
     ///
     /// The errors of [`FrequencyResponse::to_kind`]; [`LabioError::NonPhysical`] if the band is
     /// empty; [`LabioError::TooFewSamples`] if the band has fewer than four lines with information.
-    #[allow(
-        clippy::indexing_slicing,
-        reason = "`to_kind` refuses a response whose lists are not of one length, and all indices here are below that length"
-    )]
     pub fn complete(
         &self,
         response: &FrequencyResponse,
@@ -169,10 +169,6 @@ impl RigidBody {
         })
     }
 
-    #[allow(
-        clippy::indexing_slicing,
-        reason = "`to_kind` refuses a response whose lists are not of one length, and the lines in the band are some of its values"
-    )]
     fn fit(&self, accelerance: &FrequencyResponse, band: RigidBand) -> Result<Fit, LabioError> {
         // A M - 1 = e s^2 (this body), and A M = a + b s^2 + c s^4 (measured); the scale keeps the
         // sums near 1

@@ -4,6 +4,10 @@
 //! the samples in one column of pixels, the first, the least, the greatest and the last are kept.
 //! No peak is lost, and the curve looks the same. A curve that runs back and forth, as in a Nyquist
 //! plot, is followed in steps of a fraction of a pixel.
+#![allow(
+    clippy::indexing_slicing,
+    reason = "the lists of a mark are cut to the same length, and all indices are below it"
+)]
 
 use super::span::on;
 use super::{Axis, Figure, Mark, Panel, Scale};
@@ -78,10 +82,6 @@ fn thinned_panel(panel: &Panel) -> Panel {
 }
 
 /// Reduces each of the columns of a mark to the samples `kept`.
-#[allow(
-    clippy::indexing_slicing,
-    reason = "`kept` has places below the length of the shortest of the columns of a mark"
-)]
 fn pick<const N: usize>(columns: [&mut Vec<f64>; N], kept: &[usize]) {
     for column in columns {
         *column = kept.iter().map(|&index| column[index]).collect();
@@ -90,10 +90,6 @@ fn pick<const N: usize>(columns: [&mut Vec<f64>; N], kept: &[usize]) {
 
 /// Returns the indices of the samples that are drawn; `low` and `high` differ only for a band or
 /// for bars.
-#[allow(
-    clippy::indexing_slicing,
-    reason = "the three lists are cut to the same length, and the indices are below it"
-)]
 fn kept(axis: &Axis, columns: usize, x: &[f64], low: &[f64], high: &[f64]) -> Vec<usize> {
     let samples = x.len().min(low.len()).min(high.len());
     if samples <= A_COLUMN * columns {
@@ -171,10 +167,6 @@ impl Columns {
 
 /// Returns the first, least, greatest and last sample of each column, and a NaN sample for a gap
 /// between two columns.
-#[allow(
-    clippy::indexing_slicing,
-    reason = "`kept` has cut the lists to the same length, and the indices are below it"
-)]
 fn by_columns(
     columns: Columns,
     x: &[f64],
@@ -229,10 +221,6 @@ fn by_columns(
 
 /// Returns the samples of a curve that runs back and forth, in steps of a fraction of a column. The
 /// steps become coarser if too many samples would remain.
-#[allow(
-    clippy::indexing_slicing,
-    reason = "`kept` has cut the lists to the same length, and the indices are below it"
-)]
 fn followed(axis: &Axis, x: &[f64], y: &[f64], there: impl Fn(usize) -> bool) -> Vec<usize> {
     let along: Vec<f64> = if axis.scale == Scale::Logarithmic {
         x.iter().map(|x| x.log10()).collect()

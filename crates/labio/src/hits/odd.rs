@@ -1,5 +1,9 @@
 //! Detection of hits that differ from the others: each hit is compared with the response estimated
 //! from all other hits.
+#![allow(
+    clippy::indexing_slicing,
+    reason = "each hit has lines of the input and of the output"
+)]
 
 use num_complex::Complex64;
 
@@ -103,10 +107,6 @@ pub fn find_odd_hits(spectra: &HitSpectra) -> Vec<(usize, Reason)> {
 }
 
 /// Returns the hit among `left` with the largest departure, if it exceeds its limits.
-#[allow(
-    clippy::indexing_slicing,
-    reason = "`left` are hits, each of which has lines of the input and of the output"
-)]
 fn oddest(left: &[usize], inputs: &[Lines], outputs: &[Lines], n_samples: usize) -> Option<Odd> {
     let departures = |hits: &[usize]| -> Vec<Departure> {
         let sums = Sums::of(hits, inputs, outputs);
@@ -229,10 +229,6 @@ struct Sums {
 }
 
 impl Sums {
-    #[allow(
-        clippy::indexing_slicing,
-        reason = "`hits` are hits, each of which has lines of the input and of the output"
-    )]
     fn of(hits: &[usize], inputs: &[Lines], outputs: &[Lines]) -> Self {
         let n_lines = inputs.first().map_or(0, Vec::len);
         let mut sums = Self {

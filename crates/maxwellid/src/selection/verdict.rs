@@ -1,4 +1,8 @@
 //! Verdict on the compared laws.
+#![allow(
+    clippy::indexing_slicing,
+    reason = "`laws` is not empty, and `order` is a permutation of its indices"
+)]
 
 use super::{Advice, ComparedLaw, Comparison, Decision, Doubt, Selection};
 
@@ -13,10 +17,6 @@ const LEFT_OUT: f64 = 0.2;
 
 impl Selection {
     /// Verdict on `laws`, of which there must be at least one.
-    #[allow(
-        clippy::indexing_slicing,
-        reason = "`order` is a permutation of the indices of `laws`"
-    )]
     pub(super) fn decide(
         &self,
         mut laws: Vec<ComparedLaw>,
@@ -64,10 +64,6 @@ impl Selection {
         }
     }
 
-    #[allow(
-        clippy::indexing_slicing,
-        reason = "`laws` is not empty, and `order` is a permutation of its indices"
-    )]
     fn verdict(
         &self,
         laws: &[ComparedLaw],

@@ -1,4 +1,8 @@
 //! The Maxwell-Norton law, F = |σ|^κ sgn(σ)/B (Ödeen 1993, paper D, Table 1, model 2).
+#![allow(
+    clippy::indexing_slicing,
+    reason = "the counter stays below `LANES`, the length of every array of cells; the law has two parameters of `MAX_PARAMETERS`"
+)]
 
 use super::{
     DEFAULT_REFERENCE_STRESS, InelasticLaw, LANES, RelaxationFlow, RelaxedStress, StressChange,
@@ -188,10 +192,6 @@ impl NortonFlow {
     /// Decrease of the stress of several cells: by the series, over the whole step or in parts, or
     /// in closed form; `None` if a step [overflows](Self::overflows).
     #[inline(always)]
-    #[allow(
-        clippy::indexing_slicing,
-        reason = "the counter stays below `LANES`, the length of every array of cells"
-    )]
     fn fall(&self, a: &[f64; LANES]) -> Option<Fall> {
         let largest = elementary::largest(a);
         let hardest = largest * (1.0 + self.excess.abs());
@@ -225,10 +225,6 @@ impl NortonFlow {
 
     /// [`Self::fall`] by exp(-a ln(1 + x)/x), x = n a, for the cells whose step is not short.
     #[inline(always)]
-    #[allow(
-        clippy::indexing_slicing,
-        reason = "the counter stays below `LANES`, the length of every array of cells"
-    )]
     fn long_fall(&self, a: &[f64; LANES]) -> Fall {
         let sum = lanes!(|i| 1.0 + self.excess * a[i]);
         let ln_sum = elementary::ln(&sum);
@@ -335,10 +331,6 @@ impl RelaxationFlow for NortonFlow {
     }
 
     #[inline(always)]
-    #[allow(
-        clippy::indexing_slicing,
-        reason = "the counter stays below `LANES`, the length of every array of cells; the law has two parameters of `MAX_PARAMETERS`"
-    )]
     fn change_with_sensitivity(&self, stress: &[f64; LANES], parameters: usize) -> StressChange {
         let (ln_ratio, a) = self.relative_steps(stress);
         let Some(Fall { decrement, kept }) = self.fall(&a) else {

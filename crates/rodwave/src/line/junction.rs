@@ -4,6 +4,10 @@
 //! left end gives v = L - N/z. N is the normal force, z = AZ. The other side of the junction gives
 //! the second equation. A junction stores no energy, and the work and the impulse of N during the
 //! step are exactly N v dt and N dt. The balances therefore close to rounding.
+#![allow(
+    clippy::indexing_slicing,
+    reason = "a contact and an end have a tangent for each parameter of the march"
+)]
 
 use super::end::{Drive, End};
 use crate::RodwaveError;
@@ -115,10 +119,6 @@ impl Junction {
 
     /// Computes the derivatives of the encounter with respect to parameter `index` of the tangents.
     /// [`Self::meet`] must have decided before whether the contact is closed.
-    #[allow(
-        clippy::indexing_slicing,
-        reason = "a contact has a tangent for each parameter of the march"
-    )]
     pub(super) fn meet_tangent(
         &mut self,
         index: usize,
@@ -254,10 +254,6 @@ impl Terminal {
     }
 
     /// Computes the derivatives of the meeting with respect to parameter `index`.
-    #[allow(
-        clippy::indexing_slicing,
-        reason = "an end has a tangent for each parameter of the march"
-    )]
     pub(super) fn meet_tangent(
         &mut self,
         index: usize,
