@@ -19,7 +19,7 @@ use sweep::{Sweep, Temperatures};
 use tempfile::TempDir;
 
 use crate::runs::{
-    Words, attachments_of, column as numbers, doubts, estimate, figures_of, is_found,
+    Words, answered, attachments_of, column as numbers, doubts, estimate, figures_of, is_found,
     outcome_of as run, quantity, tables_of, words,
 };
 
@@ -89,8 +89,7 @@ fn a_virtual_sweep_gives_its_material_shifts_and_card_within_the_errors() {
     sweep.write(&folder.path().join("sweep.csv"), 1993);
     let rest = r#"density: "1180 kg/m3", laws: (laws: [Zener, FractionalZener, GeneralisedMaxwell],
         cards: (name: "EPOXY", poisson_ratio: "0.38", programs: [Abaqus, LsDyna])),"#;
-    let outcome = run(folder.path(), &sweep.sheet(rest)).unwrap();
-    assert_eq!(outcome.verdict, Verdict::Answered, "{:?}", outcome.warnings);
+    let outcome = answered(run(folder.path(), &sweep.sheet(rest)));
 
     // the shifts
     let temperatures = numbers(&outcome, "shifts", "temperature");
@@ -357,8 +356,7 @@ fn unstated_errors_are_those_of_the_scatter() {
     ] {
         let folder = TempDir::new().unwrap();
         sweep.write(&folder.path().join("sweep.csv"), 3);
-        let stated = run(folder.path(), &sweep.sheet("")).unwrap();
-        assert_eq!(stated.verdict, Verdict::Answered, "{:?}", stated.summary);
+        let stated = answered(run(folder.path(), &sweep.sheet("")));
         let text = sweep.sheet("");
         let (before, after) = text.split_once("errors: ").unwrap();
         let (_, after) = after.split_once('\n').unwrap();
@@ -469,8 +467,7 @@ fn one_temperature_gives_laws_alone() {
     let text = sweep
         .sheet(LAWS)
         .replace("reference_temperature: \"60 degC\",", "");
-    let outcome = run(folder.path(), &text).unwrap();
-    assert_eq!(outcome.verdict, Verdict::Answered);
+    let outcome = answered(run(folder.path(), &text));
     outcome.summary[0].must_begin("25 rows from 0.1 Hz to 100 Hz at 60 °C: E' = ");
     let (low, high) = interval(&outcome, "exponent");
     assert!(
@@ -496,12 +493,10 @@ fn temperatures_that_overlap_nowhere_are_named_and_joined_by_a_stated_law() {
         sweep::C1,
         sweep::C2
     );
-    let outcome = run(
+    let outcome = answered(run(
         folder.path(),
         &text.replace("reference", &format!("{known} reference")),
-    )
-    .unwrap();
-    assert_eq!(outcome.verdict, Verdict::Answered, "{:?}", outcome.summary);
+    ));
     assert!(
         words(&outcome, "shifts", "verdict").contains(&"as stated, without overlap".to_owned())
     );

@@ -18,7 +18,7 @@ use two_masses::{
     BODY, Body, HAMMER, Hammer, RATE, SAMPLES, attempt, column, json, quantity, strike,
 };
 
-use crate::runs::{Refused, Words, doubts, figures_of};
+use crate::runs::{Refused, Words, answered, doubts, figures_of};
 
 /// Writes the exact accelerance of `body` as a table.
 fn accelerance(folder: &Path, body: Body) {
@@ -78,8 +78,7 @@ fn a_force_comes_back_within_its_band() {
         FILE,
         &format!(r#"{TIKHONOV}, {ACTING}, non_negative: true, noise: FromRest("3.5 ms")"#),
     );
-    let outcome = attempt(folder.path(), &text).unwrap();
-    assert_eq!(outcome.verdict, Verdict::Answered);
+    let outcome = answered(attempt(folder.path(), &text));
     let peak = quantity(&outcome, "peak force");
     let error = peak.standard_error.unwrap();
     let bias = quantity(&outcome, "change of the peak by the regularisation");
@@ -150,8 +149,7 @@ fn calibration_hits_tell_path_and_scatter() {
     let rest = format!(
         r#"{TIKHONOV}, {ACTING}, noise: White("2 m/s2"), band: (from: "0.02 kHz", to: "5 kHz")"#
     );
-    let outcome = attempt(folder.path(), &sheet(HITS, &rest)).unwrap();
-    assert_eq!(outcome.verdict, Verdict::Answered);
+    let outcome = answered(attempt(folder.path(), &sheet(HITS, &rest)));
     let peak = quantity(&outcome, "peak force");
     let error = peak.standard_error.unwrap();
     let bias = quantity(&outcome, "change of the peak by the regularisation");
@@ -403,8 +401,7 @@ fn f3_hits_in_a_band_tell_peak_and_impulse_with_their_errors() {
             },
         );
         let text = sheet(HITS, r#"band: (from: "20 Hz", to: "5 kHz")"#);
-        let outcome = attempt(folder.path(), &text).unwrap();
-        assert_eq!(outcome.verdict, Verdict::Answered);
+        let outcome = answered(attempt(folder.path(), &text));
         // the top of the cosine is at 4.15 ms, 0.48 samples after the nearest
         let beside = 4.15e-3 - (4.15e-3 * RATE).round() / RATE;
         let highest = 300.0 * (PI * beside / 0.3e-3).cos().powi(2);

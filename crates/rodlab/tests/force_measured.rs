@@ -12,7 +12,7 @@ use tempfile::TempDir;
 use two_masses::{BODY, HAMMER, Hammer, attempt, column, json, quantity, strike};
 
 use crate::runge_kutta::after_step;
-use crate::runs::{Refused, Words, figures_of, tables_of};
+use crate::runs::{Refused, Words, answered, figures_of, tables_of};
 
 const VELOCITY: f64 = 2.0;
 const IMPEDANCE: f64 = 1000.0;
@@ -77,8 +77,10 @@ const FRONT: &str = r#", front_impedance: "1e9 kg/s""#;
 fn r05_without_a_front_impedance_the_force_is_had_on_lines_only() {
     let folder = TempDir::new().unwrap();
     measure(folder.path());
-    let outcome = attempt(folder.path(), &sheet(FIRST, "uncertainty: (draws: 60)")).unwrap();
-    assert_eq!(outcome.verdict, Verdict::Answered, "{:?}", outcome.warnings);
+    let outcome = answered(attempt(
+        folder.path(),
+        &sheet(FIRST, "uncertainty: (draws: 60)"),
+    ));
     let names: Vec<&str> = outcome.quantities.iter().map(|q| q.name.as_str()).collect();
     assert!(!names.contains(&"peak force") && !names.contains(&"end of the last contact"));
     assert_eq!(tables_of(&outcome), "force, stick_force");
@@ -96,8 +98,7 @@ fn a_measured_body_presses_as_the_body_itself() {
     let folder = TempDir::new().unwrap();
     measure(folder.path());
     let text = sheet(&format!("{FIRST}{FRONT}"), "uncertainty: (draws: 60)");
-    let outcome = attempt(folder.path(), &text).unwrap();
-    assert_eq!(outcome.verdict, Verdict::Answered, "{:?}", outcome.warnings);
+    let outcome = answered(attempt(folder.path(), &text));
     let exact = truth(5e-3);
     let at = |time: f64| exact[(time * 1e6).round() as usize];
     // the two masses keep pressing: velocity and force fall with 1.5 ms and ring at 1.7 kHz
@@ -163,8 +164,7 @@ fn a_projection_says_what_it_has_changed() {
     let peak = |projection: &str| {
         let first = format!("{FIRST}{FRONT}{projection}");
         let text = sheet(&first, "uncertainty: (draws: 60)");
-        let outcome = attempt(folder.path(), &text).unwrap();
-        assert_eq!(outcome.verdict, Verdict::Answered, "{:?}", outcome.warnings);
+        let outcome = answered(attempt(folder.path(), &text));
         let peak = quantity(&outcome, "peak force in the band").value.unwrap();
         (outcome, peak)
     };
@@ -300,8 +300,7 @@ fn a_member_with_two_measured_faces_presses_as_in_one_piece() {
         r#"Chain(elements: [{}], end: Dashpot("900 kg/s"))"#,
         rod("550 mm")
     );
-    let found = attempt(folder.path(), &sheet(&joined)).unwrap();
-    assert_eq!(found.verdict, Verdict::Answered, "{:?}", found.warnings);
+    let found = answered(attempt(folder.path(), &sheet(&joined)));
     let exact = attempt(folder.path(), &sheet(&whole)).unwrap();
     let [ours, theirs] =
         [&found, &exact].map(|outcome| column(outcome, "force_in_band", "force in the band"));

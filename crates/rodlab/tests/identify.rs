@@ -19,8 +19,8 @@ use struck_rods::{
 use tempfile::TempDir;
 
 use crate::runs::{
-    Refused, Words, doubts, figures_of, is_found, json, outcome_of as attempt, quantity, refusal,
-    rodlab, words,
+    Refused, Words, answered, doubts, figures_of, is_found, json, outcome_of as attempt, quantity,
+    refusal, rodlab, words,
 };
 
 fn refused(folder: &Path, text: &str) -> String {
@@ -75,8 +75,7 @@ fn two_impact_velocities_give_the_law_and_its_parameters() {
     let (kappa, rate) = (1.8, 8.0);
     let truth = MaxwellNorton::from_reference_rate(kappa, rate, 10e6).unwrap();
     let tests = slow_and_fast(&folder, &truth);
-    let outcome = attempt(folder.path(), &sheet(&tests, QUICK)).unwrap();
-    assert_eq!(outcome.verdict, Verdict::Answered);
+    let outcome = answered(attempt(folder.path(), &sheet(&tests, QUICK)));
     outcome.summary[0].must_begin("The data support the law Maxwell-Norton with a probability of");
     for (name, truth, largest) in [
         ("Maxwell-Norton: Young's modulus E", MODULUS, 0.005),
@@ -109,8 +108,7 @@ fn tests_that_contradict_each_other_are_in_doubt() {
     let folder = TempDir::new().unwrap();
     let truth = MaxwellNorton::from_reference_rate(1.8, 8.0, 10e6).unwrap();
     let mut tests = slow_and_fast(&folder, &truth);
-    let agreeing = attempt(folder.path(), &sheet(&tests, QUICK)).unwrap();
-    assert_eq!(agreeing.verdict, Verdict::Answered);
+    let agreeing = answered(attempt(folder.path(), &sheet(&tests, QUICK)));
     // a few kelvin between the tests would change the exponent
     agreeing
         .warnings
@@ -262,8 +260,7 @@ fn r02_nonlinear_laws_are_not_identified_behind_a_flat_striker() {
     );
     let test = test_entry("linear.csv", "10 m/s", r#"to: "2.5 ms""#);
     let only = format!("laws: [Maxwell], compare: false, profiles: false, {QUICK}");
-    let maxwell = attempt(folder.path(), &sheet(&[test], &only)).unwrap();
-    assert_eq!(maxwell.verdict, Verdict::Answered);
+    let maxwell = answered(attempt(folder.path(), &sheet(&[test], &only)));
     assert!(is_found(&maxwell, "Maxwell: viscosity eta", 4e6, [3.5, 0.1]).valid);
 }
 
@@ -296,8 +293,7 @@ fn a_stated_recorder_is_part_of_the_model() {
         compared.summary
     );
     assert!(quantity(&compared, "Maxwell-Norton: exponent kappa").valid);
-    let found = of(r#"LinearPhase(cutoff: "16 kHz")"#).unwrap();
-    assert_eq!(found.verdict, Verdict::Answered, "{:#?}", found.warnings);
+    let found = answered(of(r#"LinearPhase(cutoff: "16 kHz")"#));
     // driven by the record E is 2 % low and kappa 1.8
     for (name, truth, allowed) in [
         ("Maxwell-Norton: Young's modulus E", MODULUS, 0.01 * MODULUS),
@@ -357,8 +353,7 @@ fn r24_the_linear_law_that_is_named_has_values_with_errors() {
         &[test],
         &format!("laws: [Maxwell], profiles: false, {QUICK}"),
     );
-    let outcome = attempt(folder.path(), &text).unwrap();
-    assert_eq!(outcome.verdict, Verdict::Answered, "{:#?}", outcome.summary);
+    let outcome = answered(attempt(folder.path(), &text));
     for (name, truth) in [
         ("Zener: Young's modulus E", spring + branch),
         ("Zener: modulus of the spring E_0", spring),
@@ -433,8 +428,7 @@ fn displacements_are_differentiated_and_give_the_law() {
     let only_maxwell = "laws: [Maxwell], compare: false, profiles: false";
     let noise = r#"range: "20 mm", noise: Displacements(excitation: "1 um", response: "1 um")"#;
     let text = sheet(&[test(noise)], only_maxwell);
-    let outcome = attempt(folder.path(), &text).unwrap();
-    assert_eq!(outcome.verdict, Verdict::Answered);
+    let outcome = answered(attempt(folder.path(), &text));
     for (name, truth, largest) in [
         ("Maxwell: Young's modulus E", MODULUS, 0.005),
         ("Maxwell: viscosity eta", 4e6, 0.1),

@@ -12,7 +12,7 @@ use rodlab::outcome::{Cells, Outcome, Verdict};
 use tempfile::TempDir;
 use two_masses::{BODY, Body, HAMMER, Hammer, attempt, column, json, quantity, strike, words};
 
-use crate::runs::{Refused, Words, doubts, figures_of};
+use crate::runs::{Refused, Words, answered, doubts, figures_of};
 
 const CHANNELS: &str =
     r#"channels: [(name: "hammer", from: "force"), (name: "face", from: "acceleration")]"#;
@@ -53,8 +53,7 @@ fn hits_give_the_mobility_within_its_errors() {
     let folder = TempDir::new().unwrap();
     strike(folder.path(), "hit", BODY, HAMMER);
     let text = sheet(&format!("Hits{}", hits("hit*.csv")), WEIGHED);
-    let outcome = attempt(folder.path(), &text).unwrap();
-    assert_eq!(outcome.verdict, Verdict::Answered);
+    let outcome = answered(attempt(folder.path(), &text));
     // the variance of a line is from 8 hits: 1 over it has the mean 7/6; 156 lines give the mean to
     // 8 %, and the tails of Student's distribution less accurately
     let found = mean_square_error(&outcome, BODY);
@@ -226,8 +225,7 @@ fn s12_a_channel_that_is_5_us_early_or_late_is_found() {
     };
     strike(folder.path(), "hit", BODY, hammer);
     let source = format!("Hits{}", hits("hit*.csv"));
-    let good = attempt(folder.path(), &sheet(&source, WEIGHED)).unwrap();
-    assert_eq!(good.verdict, Verdict::Answered);
+    let good = answered(attempt(folder.path(), &sheet(&source, WEIGHED)));
     for name in [
         "motion too early that would have been seen",
         "motion too late that would have been seen",
@@ -299,8 +297,7 @@ fn r24_without_a_limit_lines_are_screened_that_carry_a_signal() {
     strike(folder.path(), "hit", BODY, HAMMER);
     let free = WEIGHED.replace(r#", up_to: "5 kHz""#, "");
     let text = sheet(&format!("Hits{}", hits("hit*.csv")), &free);
-    let outcome = attempt(folder.path(), &text).unwrap();
-    assert_eq!(outcome.verdict, Verdict::Answered);
+    let outcome = answered(attempt(folder.path(), &text));
     let named = |name: &str| outcome.settings.iter().find(|s| s.name == name);
     let screened = named("lines that are screened").unwrap();
     assert!(

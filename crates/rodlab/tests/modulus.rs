@@ -19,7 +19,9 @@ use rodlab::outcome::{Cells, Verdict};
 use tempfile::TempDir;
 use virtual_rod::{RATE_HZ, SAMPLES};
 
-use crate::runs::{Words, column as numbers, doubts, json, outcome_of as run, quantity, table};
+use crate::runs::{
+    Words, answered, column as numbers, doubts, json, outcome_of as run, quantity, table,
+};
 
 /// A sheet for the rod of paper A; hits in one long recording.
 fn sheet(method: &str, rest: &str) -> String {
@@ -138,8 +140,7 @@ fn the_template_is_a_sheet_that_runs() {
         .replace("hit-*.npy", "hits.npy")
         .replace("10 mV/g", "0.5 mV/g")
         .replace("        // hits: (cut", "        hits: (cut");
-    let outcome = run(folder.path(), &template).unwrap();
-    assert_eq!(outcome.verdict, Verdict::Answered, "{:?}", outcome.summary);
+    let outcome = answered(run(folder.path(), &template));
     // two sensitivities of 1 % each, which the lines determine better
     let gain = quantity(&outcome, "error of the ratio of the sensitivities, found");
     assert!(gain.standard_error.unwrap() < 0.1, "{gain:?}");
@@ -155,8 +156,7 @@ fn the_template_is_a_sheet_that_runs() {
     // text after // is understood, too; Poisson's ratio of the template is not that of the
     // one-dimensional rig, which a causal estimate detects
     let causal = template.replace("    // causal: true", "    causal: true");
-    let outcome = run(folder.path(), &causal).unwrap();
-    assert_eq!(outcome.verdict, Verdict::Answered, "{:?}", outcome.summary);
+    let outcome = answered(run(folder.path(), &causal));
     let with_inertia = causal.replace("    // lateral_inertia: (", "    lateral_inertia: (");
     let outcome = run(folder.path(), &with_inertia).unwrap();
     let reasons = doubts(&outcome);
@@ -176,7 +176,6 @@ fn the_template_is_a_sheet_that_runs() {
             "    ),\n\n    // Temperatures",
         )
         .replace("    // report_at", "    report_at");
-    let outcome = run(folder.path(), &optional).unwrap();
-    assert_eq!(outcome.verdict, Verdict::Answered, "{:?}", outcome.summary);
+    let outcome = answered(run(folder.path(), &optional));
     assert_eq!(table(&outcome, "laws").columns[0].cells.len(), 3);
 }

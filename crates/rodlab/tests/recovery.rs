@@ -13,7 +13,8 @@ use rodlab::{Outcome, RodlabError};
 use tempfile::TempDir;
 
 use crate::runs::{
-    Refused, Words, doubts, figures_of, is_found, json, outcome_of as run, quantity, refusal,
+    Refused, Words, answered, doubts, figures_of, is_found, json, outcome_of as run, quantity,
+    refusal,
 };
 
 /// Polyoximethylene of paper C.
@@ -121,8 +122,7 @@ const PREDICTION: &str = "predictions: [(name: \"Test 6\", load: [Periodic(mean:
 fn five_tests_of_the_paper_give_its_parameters_within_their_errors() {
     let folder = TempDir::new().unwrap();
     let tests = five_tests(folder.path(), 1993);
-    let outcome = sheet(folder.path(), &tests, PREDICTION).unwrap();
-    assert_eq!(outcome.verdict, Verdict::Answered);
+    let outcome = answered(sheet(folder.path(), &tests, PREDICTION));
 
     let quantity = |name: &str| {
         let found = outcome.quantities.iter().find(|q| q.name.starts_with(name));
@@ -211,8 +211,7 @@ fn r11_errors_that_are_stated_too_small_put_a_model_in_doubt() {
     let stated = run(folder.path(), &text("")).unwrap();
     let reasons = doubts(&stated);
     reasons[0].must_begin("the readings scatter more about the model");
-    let by_scatter = run(folder.path(), &text("error_scale: FromResidual")).unwrap();
-    assert_eq!(by_scatter.verdict, Verdict::Answered);
+    let by_scatter = answered(run(folder.path(), &text("error_scale: FromResidual")));
     let error = |outcome: &Outcome| {
         let m = outcome.quantities.iter().find(|q| q.name == "exponent (m)");
         m.unwrap().standard_error.unwrap()
@@ -230,8 +229,7 @@ fn tests_that_contradict_each_other_put_a_model_in_doubt() {
     let tests = five_tests(folder.path(), 7);
     let wrong = tests.replace("duration: \"300 s\"", "duration: \"1800 s\"");
     assert_ne!(tests, wrong);
-    let right = sheet(folder.path(), &tests, "").unwrap();
-    assert_eq!(right.verdict, Verdict::Answered);
+    let right = answered(sheet(folder.path(), &tests, ""));
     let contradicted = sheet(folder.path(), &wrong, "").unwrap();
     let reasons = doubts(&contradicted);
     assert!(
@@ -304,8 +302,10 @@ fn what_is_wrong_is_said() {
 #[test]
 fn the_template_is_a_sheet_that_runs() {
     let folder = TempDir::new().unwrap();
-    let outcome = run(folder.path(), include_str!("../templates/recovery.ron")).unwrap();
-    assert_eq!(outcome.verdict, Verdict::Answered, "{:?}", outcome.summary);
+    let outcome = answered(run(
+        folder.path(),
+        include_str!("../templates/recovery.ron"),
+    ));
 }
 
 /// Readings in the reverse order of their times describe no recovery: nothing that was fitted to

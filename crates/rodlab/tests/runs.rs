@@ -116,6 +116,15 @@ fn joined<'a>(names: impl Iterator<Item = &'a str>) -> String {
     names.collect::<Vec<_>>().join(", ")
 }
 
+/// Outcome of a run that is answered without a doubt.
+#[track_caller]
+pub(crate) fn answered<E: std::fmt::Debug>(run: Result<Outcome, E>) -> Outcome {
+    let outcome = run.unwrap();
+    let told = (&outcome.summary, &outcome.warnings, &outcome.log);
+    assert_eq!(outcome.verdict, Verdict::Answered, "{told:#?}");
+    outcome
+}
+
 /// Reasons of an outcome that is in doubt.
 #[track_caller]
 pub(crate) fn doubts(outcome: &Outcome) -> &[String] {

@@ -9,14 +9,14 @@ use std::path::Path;
 
 use rodfigure::Mark;
 use rodlab::Outcome;
-use rodlab::outcome::{Cells, Verdict};
+use rodlab::outcome::Cells;
 use rodwave::inelastic::MaxwellNorton;
 use rodwave::line::Segment;
 use tempfile::TempDir;
 use testbed::hopkinson::{HopkinsonRig, HopkinsonTruth, RecorderErrors};
 
 use crate::runs::{
-    Refused, Words, column, estimate, outcome_of as run, quantity, table, write_columns,
+    Refused, Words, answered, column, estimate, outcome_of as run, quantity, table, write_columns,
 };
 
 const RATE: f64 = 1e6;
@@ -68,8 +68,7 @@ fn hopkinson_template_evaluates_a_shot_on_nylon_bars() {
     let folder = TempDir::new().unwrap();
     let truth = shot(&rig());
     write(folder.path(), &recorded(&truth));
-    let outcome = run(folder.path(), &template()).unwrap();
-    assert_eq!(outcome.verdict, Verdict::Answered, "{:?}", outcome.summary);
+    let outcome = answered(run(folder.path(), &template()));
     let time = column(&outcome, "stress_strain", "time");
     let area = 0.25 * std::f64::consts::PI * 0.014_f64.powi(2);
     let exact_strain = truth.strain(0.006);
@@ -119,8 +118,7 @@ fn hopkinson_draws_stand_beside_linear_errors() {
     let folder = TempDir::new().unwrap();
     write(folder.path(), &recorded(&shot(&rig())));
     let with = |n: &str| template().replace("// monte_carlo: 1000,", &format!("monte_carlo: {n},"));
-    let outcome = run(folder.path(), &with("300")).unwrap();
-    assert_eq!(outcome.verdict, Verdict::Answered, "{:?}", outcome.summary);
+    let outcome = answered(run(folder.path(), &with("300")));
     for name in ["stress", "strain"] {
         let name = format!("check: standard error of the {name} by draws over the linear one");
         let found = quantity(&outcome, &name);
@@ -173,8 +171,7 @@ fn hopkinson_mean_of_three_shots() {
             ),
         )
     };
-    let outcome = run(folder.path(), &with(["2", "3"], "")).unwrap();
-    assert_eq!(outcome.verdict, Verdict::Answered, "{:?}", outcome.summary);
+    let outcome = answered(run(folder.path(), &with(["2", "3"], "")));
     assert!(
         outcome.summary[1].ends_with("no difference between the specimens is seen."),
         "{:?}",
@@ -257,8 +254,7 @@ fn hopkinson_bending_cancels_between_opposite_gauges() {
         text.find("// Before any pulse").unwrap(),
     );
     text.replace_range(from..to, &format!("records: [{files}],\n"));
-    let both = run(folder.path(), &text).unwrap();
-    assert_eq!(both.verdict, Verdict::Answered, "{:?}", both.summary);
+    let both = answered(run(folder.path(), &text));
     for name in ["stress", "strain"] {
         let of = |outcome| column(outcome, "stress_strain", name).to_vec();
         let largest = of(&single).iter().fold(0.0_f64, |most, x| most.max(*x));
@@ -412,8 +408,7 @@ fn hopkinson_virtual_shot_comes_back() {
         r#"["400 mm"]"#,
     );
     let (made, sheet) = made_by(folder.path(), &plan);
-    let found = run(folder.path(), &sheet).unwrap();
-    assert_eq!(found.verdict, Verdict::Answered, "{:?}", found.summary);
+    let found = answered(run(folder.path(), &sheet));
     let truth = |name: &str| column(&made, "true-stress-strain", name);
     let ours = |name: &str| column(&found, "stress_strain", name);
     for name in ["stress", "strain"] {
@@ -483,8 +478,7 @@ fn hopkinson_late_channel_contradicts_the_other_gauge_of_its_bar() {
         assert!(sheet.contains(&exact), "{sheet}");
         sheet = sheet.replace(&exact, &known);
     }
-    let right = run(folder.path(), &sheet).unwrap();
-    assert_eq!(right.verdict, Verdict::Answered, "{:?}", right.summary);
+    let right = answered(run(folder.path(), &sheet));
     let shot = folder.path().join("shot-1.csv");
     let record = fs::read_to_string(&shot).unwrap();
     for (side, column, by) in [("incident", 2, 4), ("transmitted", 4, 3)] {
@@ -521,8 +515,7 @@ fn hopkinson_largest_stress_is_quoted_from_equilibrium() {
     let sheet = sheet
         .replace("at: \"900 mm\"", "at: \"900 mm ± 1 mm\"")
         .replace("at: \"400 mm\"", "at: \"400 mm ± 1 mm\"");
-    let found = run(folder.path(), &sheet).unwrap();
-    assert_eq!(found.verdict, Verdict::Answered, "{:?}", found.summary);
+    let found = answered(run(folder.path(), &sheet));
     let (stress, error) = estimate(&found, "largest stress in equilibrium");
     let (strain, _) = estimate(&found, "strain at the largest stress in equilibrium");
     let (peak, peak_error) = estimate(&found, "largest stress");

@@ -10,7 +10,7 @@ use rodlab::output;
 use tempfile::TempDir;
 
 use crate::runs::{
-    Refused, Words, column, figures_of, is_found, outcome_of as attempt, quantity, words,
+    Refused, Words, answered, column, figures_of, is_found, outcome_of as attempt, quantity, words,
 };
 
 const POLYPROPYLENE: &str = r#"materials: {
@@ -145,8 +145,7 @@ fn both_ends_give_the_modulus_that_was_put_in() {
             &instrument,
             &format!("seed: {seed}"),
         ]);
-        let made = attempt(folder.path(), &text).unwrap();
-        assert_eq!(made.verdict, Verdict::Answered);
+        let made = answered(attempt(folder.path(), &text));
         assert_eq!(made.warnings, Vec::<String>::new());
         assert_eq!(figures_of(&made), "histories, spectra");
         let names: Vec<&str> = made.attachments.iter().map(|f| f.name.as_str()).collect();

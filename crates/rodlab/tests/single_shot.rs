@@ -12,7 +12,8 @@ use testbed::long_bar::LongBar;
 use testbed::ringing_rod::RingingRod;
 
 use crate::runs::{
-    Refused, Words, column as numbers, outcome_of as run, quantity, refusal, words, write_columns,
+    Refused, Words, answered, column as numbers, outcome_of as run, quantity, refusal, words,
+    write_columns,
 };
 
 /// Gauges of 250 kHz in the columns of a table of text.
@@ -96,8 +97,7 @@ fn two_gauges_before_a_free_end_need_one_shot_that_may_ring() {
         1.0,
     );
     let text = sheet(BEFORE_END, STRAINS, SILENT);
-    let strains = run(folder.path(), &text).unwrap();
-    assert_eq!(strains.verdict, Verdict::Answered, "{:?}", strains.summary);
+    let strains = answered(run(folder.path(), &text));
     strains
         .summary
         .must_begin("The records end before the rod is at rest");
@@ -175,8 +175,7 @@ fn one_shot_has_its_errors_from_the_silence() {
     write(folder.path(), &bar.shot(&[1.0, 1.0], 3), 1.0);
     let units = [r#"unit: "strain""#, r#"unit: "strain""#];
     let pulses = r#"SeparatePulses(first: (channel: "g1", from: "1.2 ms", to: "2.2 ms"), second: (channel: "g2", from: "1.65 ms", to: "2.65 ms"), distance: "600 mm")"#;
-    let outcome = run(folder.path(), &sheet(pulses, units, SILENT)).unwrap();
-    assert_eq!(outcome.verdict, Verdict::Answered, "{:?}", outcome.summary);
+    let outcome = answered(run(folder.path(), &sheet(pulses, units, SILENT)));
     covers(&outcome, 40);
 
     // without a known silence one hit gives no information on its errors
@@ -275,8 +274,7 @@ fn free_vibration_of_a_steel_bar_has_its_loss_factor() {
         );
         run(folder.path(), &text)
     };
-    let outcome = with("4 ms", "5000 m/s", "").unwrap();
-    assert_eq!(outcome.verdict, Verdict::Answered, "{:?}", outcome.summary);
+    let outcome = answered(with("4 ms", "5000 m/s", ""));
     let frequency = column(&outcome, "frequency");
     assert_eq!(frequency.len(), 4);
     for (line, frequency) in frequency.iter().enumerate() {

@@ -1,7 +1,7 @@
 //! Hits that are judged, sheets that are refused, and measured hits.
 
 use super::*;
-use crate::runs::{Words, doubts, refusal};
+use crate::runs::{Words, answered, doubts, refusal};
 
 /// The log, a line for each hit.
 fn decisions(outcome: &Outcome) -> String {
@@ -316,7 +316,7 @@ fn the_measured_hits_have_the_coherence_that_is_known_of_them() {
         let name = format!("measurements_{hit}.npy");
         fs::copy(data.join("hammer").join(&name), folder.path().join(&name)).unwrap();
     }
-    let outcome = run(
+    let outcome = answered(run(
         folder.path(),
         r#"Frf(
             title: "Measured hits",
@@ -328,9 +328,7 @@ fn the_measured_hits_have_the_coherence_that_is_known_of_them() {
             input: "force",
             band: (from: "100 Hz", to: "2 kHz"),
         )"#,
-    )
-    .unwrap();
-    assert_eq!(outcome.verdict, Verdict::Answered, "{:#?}", outcome.log);
+    ));
     let coherence = column(&outcome, "response_acceleration", "coherence");
     let mean = coherence.iter().sum::<f64>() / coherence.len() as f64;
     // 0.998 to 0.9996 in the parts of this band, from all five hits

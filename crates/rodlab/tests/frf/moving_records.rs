@@ -1,7 +1,7 @@
 //! Records that do not end at rest, offsets, windows and odd hits.
 
 use super::*;
-use crate::runs::{Words, doubts};
+use crate::runs::{Words, answered, doubts};
 
 /// Writes hits in N and the unit of `quantity`, in records of `n` samples, with `noise` relative to
 /// the peak on the motion and a tenth of that on the force; `change` modifies a hit.
@@ -43,8 +43,7 @@ fn sheet_in(unit: &str, rest: &str) -> String {
 fn s1_the_velocity_of_a_free_body_gives_its_mobility() {
     let folder = tempfile::tempdir().unwrap();
     write_motions(folder.path(), Quantity::Velocity, (10, N, 2e-3), |_, _| {});
-    let outcome = run(folder.path(), &sheet_in("m/s", "")).unwrap();
-    assert_eq!(outcome.verdict, Verdict::Answered, "{:?}", outcome.log);
+    let outcome = answered(run(folder.path(), &sheet_in("m/s", "")));
     let (mean, beyond) = spread(&outcome, "mobility", |f| {
         accelerance(on_axis(f)) / on_axis(f)
     });
@@ -92,8 +91,7 @@ fn s7_a_body_that_rings_on_is_taken_under_its_window_or_with_its_error() {
     let refused = run(folder.path(), &sheet_in("m/s^2", "")).unwrap();
     refused.summary[0].must_say("not decayed");
     let window = r#"exponential_window: EndWeight(weight: "1 %"),"#;
-    let taken = run(folder.path(), &sheet_in("m/s^2", window)).unwrap();
-    assert_eq!(taken.verdict, Verdict::Answered, "{:?}", taken.summary);
+    let taken = answered(run(folder.path(), &sheet_in("m/s^2", window)));
     let (decay, _) = quantity(&taken, "damping added by the exponential window");
     let of = |name: &str| column(&taken, "response_struck_end", name);
     let random = of("random error of the magnitude");
@@ -168,8 +166,7 @@ fn s8_an_offset_is_taken_off_by_the_rest_and_a_line_is_not_without_a_word() {
         let (decay, _) = quantity(outcome, "damping added by the exponential window");
         spread(outcome, "accelerance", |f| accelerance(on_axis(f) + decay)).0
     };
-    let outcome = run(folder.path(), &sheet_in("m/s^2", windows)).unwrap();
-    assert_eq!(outcome.verdict, Verdict::Answered, "{:?}", outcome.summary);
+    let outcome = answered(run(folder.path(), &sheet_in("m/s^2", windows)));
     // 8/7 F(2, 14): 1.33, with the level at rest of 300 samples beside
     let mean = off_axis(&outcome);
     assert!(mean < 2.0, "{mean}");
@@ -205,8 +202,7 @@ fn s9_windows_that_cut_the_hit_put_the_result_in_doubt() {
         reasons[0].must_say("change the response");
     }
     let wide = r#"force_window: (start: "45 ms", end: "55 ms", taper: "1 ms"),"#;
-    let outcome = run(folder.path(), &sheet_in("m/s^2", wide)).unwrap();
-    assert_eq!(outcome.verdict, Verdict::Answered, "{:?}", outcome.summary);
+    let outcome = answered(run(folder.path(), &sheet_in("m/s^2", wide)));
 }
 
 #[test]
@@ -238,13 +234,10 @@ fn s11_the_odd_hit_is_named_and_left_out_by_choice() {
             ),
         "{reason}"
     );
-    let left_out = run(folder.path(), &sheet_in("m/s^2", "hits: (odd: LeaveOut),")).unwrap();
-    assert_eq!(
-        left_out.verdict,
-        Verdict::Answered,
-        "{:?}",
-        left_out.summary
-    );
+    let left_out = answered(run(
+        folder.path(),
+        &sheet_in("m/s^2", "hits: (odd: LeaveOut),"),
+    ));
     assert!((quantity(&left_out, "averages").0 - 9.0).abs() < 1e-12);
     left_out.log[3].reasons[0].must_say("departs");
     let (mean, _) = spread(&left_out, "accelerance", |f| accelerance(on_axis(f)));

@@ -1,14 +1,13 @@
 //! The response of a body by one hammer and by two.
 
 use super::*;
-use crate::runs::{Words, doubts, figures_of};
+use crate::runs::{Words, answered, doubts, figures_of};
 
 #[test]
 fn the_response_is_that_of_the_body_within_its_stated_errors() {
     let folder = tempfile::tempdir().unwrap();
     write_hits(folder.path(), 10, 1e-3, NOISE);
-    let outcome = run(folder.path(), &sheet_of("hit_*.npy", BAND)).unwrap();
-    assert_eq!(outcome.verdict, Verdict::Answered);
+    let outcome = answered(run(folder.path(), &sheet_of("hit_*.npy", BAND)));
     assert!(
         outcome.log.iter().all(|entry| entry.accepted),
         "{:#?}",
@@ -149,8 +148,7 @@ fn s6_hammers_that_differ_in_gain_are_in_doubt_and_both_sensors_count() {
     let folder = tempfile::tempdir().unwrap();
     write_hits(&folder.path().join("soft"), 5, 2e-3, NOISE);
     write_hits_from(50, &folder.path().join("hard"), 5, 0.7e-3, NOISE);
-    let outcome = run(folder.path(), &second_of("2 mV/N ± 3 %")).unwrap();
-    assert_eq!(outcome.verdict, Verdict::Answered, "{:?}", outcome.warnings);
+    let outcome = answered(run(folder.path(), &second_of("2 mV/N ± 3 %")));
     // between what the first and the second pair of sensors give, as the shares are
     let common = column(&outcome, "response_struck_end", "error that lines share");
     let shares = column(&outcome, "response_struck_end", "share of the first hammer");
@@ -223,8 +221,7 @@ fn two_hammers_are_one_response() {
         )
     };
     for merge in ["InverseVariance", "LargerInput"] {
-        let outcome = run(folder.path(), &second(merge)).unwrap();
-        assert_eq!(outcome.verdict, Verdict::Answered);
+        let outcome = answered(run(folder.path(), &second(merge)));
         let (mean, _) = spread(&outcome, "accelerance", |f| accelerance(on_axis(f)));
         // the estimates of the variances of 8 hits each, of which the better is believed too much:
         // 8/7 to 1.6 in the mean

@@ -1,7 +1,7 @@
 //! Long random records, inputs that act together, and records of unequal length.
 
 use super::*;
-use crate::runs::Words;
+use crate::runs::{Words, answered};
 
 /// Forces on both masses and the acceleration of the struck one, in volts of 2 mV/N and 100 mV/g
 /// with noise of 30 mV, of the forces a tenth of that; the forces rest in the first `silent`
@@ -138,8 +138,7 @@ fn s14_long_random_records_give_the_response_of_the_body() {
         );
     }
     let sheet = shaken_sheet(r#"segments: (length: "1 s"), silent: "0.49 s","#);
-    let outcome = run(folder.path(), &sheet).unwrap();
-    assert_eq!(outcome.verdict, Verdict::Answered, "{:?}", outcome.warnings);
+    let outcome = answered(run(folder.path(), &sheet));
     let table = "response_struck_end";
     let [magnitude, phase, lines] = within_two(&outcome, table, accelerance);
     println!("{magnitude} {phase} of {lines}");
@@ -179,8 +178,7 @@ fn s14_inputs_that_act_together_have_a_response_each() {
     shaken(&folder.path().join("a.npy"), 20 * 8192, 0, 1.0, 3);
     let both =
         r#"segments: (length: "8192 samples", overlap: "60 %"), further_inputs: ["other shaker"],"#;
-    let outcome = run(folder.path(), &shaken_sheet(both)).unwrap();
-    assert_eq!(outcome.verdict, Verdict::Answered, "{:?}", outcome.warnings);
+    let outcome = answered(run(folder.path(), &shaken_sheet(both)));
     for (table, truth) in [
         (
             "response_struck_end_over_shaker",
@@ -256,8 +254,7 @@ fn s14_hits_of_unequal_length_are_continued_by_rest() {
         write(&folder.path().join(name), &recorded(&history, NOISE, seed));
     };
     cut(3000, "hit_8.npy", 18);
-    let outcome = run(folder.path(), &sheet_of("*.npy", BAND)).unwrap();
-    assert_eq!(outcome.verdict, Verdict::Answered, "{:?}", outcome.warnings);
+    let outcome = answered(run(folder.path(), &sheet_of("*.npy", BAND)));
     let said: Vec<_> = outcome
         .settings
         .iter()

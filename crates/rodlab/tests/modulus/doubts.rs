@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use super::*;
-use crate::runs::{Refused, Words, doubts, refusal};
+use crate::runs::{Refused, Words, answered, doubts, refusal};
 
 #[test]
 fn one_hit_without_a_known_silence_is_not_allowed() {
@@ -86,8 +86,7 @@ fn the_storage_modulus_is_stated_where_the_loss_factor_is_not_known() {
     virtual_rod::write_hits(folder.path(), 10, 1993);
     let limits = "limits: (loss_factor: \"0.1 %\"), report_at: [\"5 kHz\"],";
     let text = sheet(TWO_POINT, &format!("{BAND}\n{limits}"));
-    let outcome = run(folder.path(), &text).unwrap();
-    assert_eq!(outcome.verdict, Verdict::Answered, "{:?}", outcome.summary);
+    let outcome = answered(run(folder.path(), &text));
     assert!(is_valid(&outcome).iter().all(|valid| !valid));
     let first = &outcome.summary[0];
     first.must_begin("E' = 2.");
@@ -187,8 +186,7 @@ fn r24_without_a_band_the_checks_look_at_lines_with_signal_below_the_aliases() {
     let folder = TempDir::new().unwrap();
     virtual_rod::write_hits(folder.path(), 6, 11);
     let checked = |rest: &str| {
-        let outcome = run(folder.path(), &sheet(TWO_POINT, rest)).unwrap();
-        assert_eq!(outcome.verdict, Verdict::Answered, "{:?}", outcome.summary);
+        let outcome = answered(run(folder.path(), &sheet(TWO_POINT, rest)));
         let setting = outcome
             .settings
             .iter()

@@ -3,7 +3,9 @@
 use std::fmt::Write as _;
 
 use super::*;
-use crate::runs::{Refused, Words, attachments_of, doubts, estimate, figures_of, write_npy};
+use crate::runs::{
+    Refused, Words, answered, attachments_of, doubts, estimate, figures_of, write_npy,
+};
 
 #[test]
 fn ten_hits_on_polypropylene_give_its_modulus_within_the_stated_errors() {
@@ -129,8 +131,7 @@ fn a_modulus_that_drifts_over_the_hits_is_named_and_referred_to_a_temperature() 
         );
         run(folder.path(), &sheet(TWO_POINT, &temperatures))
     };
-    let outcome = at(", reference: \"20 degC\"").unwrap();
-    assert_eq!(outcome.verdict, Verdict::Answered);
+    let outcome = answered(at(", reference: \"20 degC\""));
     let slope = outcome
         .quantities
         .iter()
@@ -246,8 +247,7 @@ fn the_causal_modulus_is_that_of_the_rod() {
     let wrong = r#"from: 2, unit: "V", sensitivity: "0.51 mV/g ± 2 %", time_skew: "4 us ± 3 us""#;
     let rest = format!("{BAND} causal: true,");
     let text = sheet(TWO_POINT, &rest).replace(channel, wrong);
-    let outcome = run(folder.path(), &text).unwrap();
-    assert_eq!(outcome.verdict, Verdict::Answered, "{:?}", outcome.summary);
+    let outcome = answered(run(folder.path(), &text));
     let (count, z, of_loss) = check_causal(&outcome, &rod);
     let valid = is_valid(&outcome).iter().filter(|valid| **valid).count();
     assert!(count > valid, "{count} {valid}");
@@ -278,13 +278,11 @@ fn two_sections_and_a_free_end_and_resonances_agree_with_the_two_point_method() 
     let free_end = r#"FreeEnd(first: (channel: "struck end", from_free_end: "799 mm"), second: (channel: "free end", from_free_end: "0 mm"), wave_speed: "1700 m/s")"#;
     // the distances of the sections replace the length
     let text = sheet(free_end, BAND).replace(" ± 0.29 mm", "");
-    let outcome = run(folder.path(), &text).unwrap();
-    assert_eq!(outcome.verdict, Verdict::Answered, "{:?}", outcome.summary);
+    let outcome = answered(run(folder.path(), &text));
     assert!(check_lines(&outcome, &rod).0 > 600);
 
     let resonances = r#"Resonances(impacted_end: "struck end", free_end: "free end")"#;
-    let outcome = run(folder.path(), &sheet(resonances, BAND)).unwrap();
-    assert_eq!(outcome.verdict, Verdict::Answered, "{:?}", outcome.summary);
+    let outcome = answered(run(folder.path(), &sheet(resonances, BAND)));
     let (count, _) = check_lines(&outcome, &rod);
     // kL = (n - 1/2)π up to 20 kHz
     assert!((5..20).contains(&count), "{count}");
@@ -313,8 +311,7 @@ fn a_ratio_of_another_program_is_taken_with_its_coherence() {
     limits: (loss_factor: "20 %", storage_modulus: "3 %"),
     lateral_inertia: (poisson_ratio: "0.40 ± 0.02"),
 )"#;
-    let outcome = run(folder.path(), text).unwrap();
-    assert_eq!(outcome.verdict, Verdict::Answered, "{:?}", outcome.summary);
+    let outcome = answered(run(folder.path(), text));
     let frequency = numbers(&outcome, "modulus", "frequency").to_vec();
     let with = numbers(
         &outcome,

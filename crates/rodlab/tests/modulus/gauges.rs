@@ -1,7 +1,7 @@
 //! The modulus by strain gauges along a rod.
 
 use super::*;
-use crate::runs::{Words, refusal};
+use crate::runs::{Words, answered, refusal};
 use crate::virtual_rod::{FAST_RATE_HZ, LongRod};
 
 /// Gauges on a rod that is free at both ends, each hit in a file of its own.
@@ -44,8 +44,7 @@ fn gauges_along_a_rod_give_its_modulus_and_see_its_free_end() {
         (5, "550 mm"),
     ];
     let text = gauge_sheet("MultiPoint", &five, ", free_end_at: \"800 mm\"");
-    let outcome = run(folder.path(), &text).unwrap();
-    assert_eq!(outcome.verdict, Verdict::Answered, "{:?}", outcome.summary);
+    let outcome = answered(run(folder.path(), &text));
     let (count, mean_square) = check_lines(&outcome, &rod);
     assert!(count > 400, "{count} {:?}", outcome.summary);
     // the errors are due to noise alone, measured before the hits: over so many lines the mean is 1
@@ -67,8 +66,7 @@ fn gauges_along_a_rod_give_its_modulus_and_see_its_free_end() {
     reason.must_say("two waves do not explain the gauges");
 
     let three = gauge_sheet("ThreePoint", &[five[0], five[2], five[4]], "");
-    let outcome = run(folder.path(), &three).unwrap();
-    assert_eq!(outcome.verdict, Verdict::Answered, "{:?}", outcome.summary);
+    let outcome = answered(run(folder.path(), &three));
     assert!(check_lines(&outcome, &rod).0 > 200);
 }
 
@@ -103,8 +101,7 @@ fn pulses_in_a_long_rod_give_the_modulus_by_two_sections_and_by_one() {
     let two = r#"SeparatePulses(first: (channel: "first", from: "1.4 ms", to: "2.3 ms"), second: (channel: "second", from: "2.0 ms", to: "3.0 ms"), distance: "1000 mm ± 0.5 mm")"#;
     let one = r#"OneGauge(section: (channel: "second", from_free_end: "1000 mm"), incident: ("2.0 ms", "3.0 ms"), reflected: ("3.2 ms", "4.3 ms"))"#;
     for (method, fewest) in [(two, 10), (one, 10)] {
-        let outcome = run(folder.path(), &sheet(method)).unwrap();
-        assert_eq!(outcome.verdict, Verdict::Answered, "{:?}", outcome.summary);
+        let outcome = answered(run(folder.path(), &sheet(method)));
         let frequency = numbers(&outcome, "modulus", "frequency");
         let storage = numbers(&outcome, "modulus", "E'");
         let loss = numbers(&outcome, "modulus", "loss factor");
