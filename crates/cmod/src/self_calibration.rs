@@ -329,7 +329,6 @@ fn of_lines(lines: &[&ModulusLine], values: &[Complex64]) -> Vec<(usize, Complex
     indices.zip(values.iter().copied()).collect()
 }
 
-/// Returns the value of the line nearest to the line with this `index`.
 pub(crate) fn nearest<T: Copy>(lines: &[(usize, T)], index: usize) -> Option<T> {
     let after = lines.partition_point(|(other, _)| *other < index);
     let around = lines.get(after.saturating_sub(1)..(after + 1).min(lines.len()))?;

@@ -39,7 +39,6 @@ pub(crate) fn golden(name: &str) -> Vec<Row> {
     table.rows
 }
 
-/// Returns a row of a table of constants.
 pub(crate) fn constant(table: &str, name: &str) -> Value {
     let mut rows = golden(table).into_iter();
     let mut row = rows.find(|row| row.label == name).unwrap();

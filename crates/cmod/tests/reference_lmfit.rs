@@ -54,7 +54,6 @@ fn coordinate(scale: Scale, value: f64) -> f64 {
     }
 }
 
-/// Compares a fit with the reference, parameter by parameter.
 fn compare(case: &str, fit: &RheologicalFit, parameters: usize) {
     let coordinates = quantity(case, "coordinate");
     assert_eq!(coordinates.len(), parameters);

@@ -222,7 +222,6 @@ pub(crate) fn root_mean_square(values: &[f64]) -> f64 {
     (values.iter().map(|z| z * z).sum::<f64>() / values.len() as f64).sqrt()
 }
 
-/// Returns the fraction of the values within `limit`.
 pub(crate) fn within(values: &[f64], limit: f64) -> f64 {
     values.iter().filter(|z| z.abs() <= limit).count() as f64 / values.len() as f64
 }

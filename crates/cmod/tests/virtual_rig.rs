@@ -12,7 +12,6 @@ use testbed::recorder::Recorder;
 /// Number of blows of a test (paper A, section 3).
 const BLOWS: usize = 10;
 
-/// Returns the blows of test `seed`.
 fn blows(recorder: &Recorder, seed: u64) -> Vec<Record> {
     let strength = Uniform::new(0.9, 1.1).unwrap();
     let drawn = |random: &mut _| strength.sample(random);

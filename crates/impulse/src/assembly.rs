@@ -338,7 +338,6 @@ fn check_joined(n_members: usize, joints: &[Joint], struck: usize) -> Result<(),
 /// Laplace variable [1/s] used instead of 0: far below the rate at which any dashpot stops a mass.
 const NEAR_REST: Complex64 = Complex64::new(1e-3, 0.0);
 
-/// The domain in which all members are known.
 fn common_domain(members: &[SharedSubstructure]) -> Result<Domain, ImpulseError> {
     let mut common = Domain::RightHalfPlane;
     for member in members {

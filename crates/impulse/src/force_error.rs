@@ -376,7 +376,6 @@ impl LineErrors {
     }
 }
 
-/// Returns the quantile `level` of the sorted `values`.
 pub(crate) fn quantile(values: &[f64], level: f64) -> f64 {
     let position = level * (values.len() as f64 - 1.0);
     let mut above = values

@@ -326,7 +326,6 @@ fn an_archive_holds_all_that_belongs_to_a_series() {
     "#);
 }
 
-/// An archive of stored members.
 fn archive(members: &[(&str, Vec<u8>)]) -> Vec<u8> {
     let mut writer = zip::ZipWriter::new(Cursor::new(Vec::new()));
     for (name, bytes) in members {

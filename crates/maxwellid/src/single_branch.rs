@@ -13,7 +13,6 @@ use crate::model::{
 use crate::special_case::{PronySeries, SpecialCase};
 use crate::specimen::SpecimenSensitivity;
 
-/// The rod of `law` at θ.
 fn rod_of<L: IdentifiableLaw>(
     law: &L,
     rod: &DrivenRod<'_>,
@@ -24,7 +23,6 @@ fn rod_of<L: IdentifiableLaw>(
     InelasticRod::new(rod.length, rod.density, log_modulus.exp(), law).ok()
 }
 
-/// The direct problem of `law` at θ.
 fn direct_problem<L: IdentifiableLaw>(
     law: &L,
     rod: &DrivenRod<'_>,

@@ -49,7 +49,6 @@ impl Marker {
     }
 }
 
-/// Returns the appearance of `role`.
 pub(super) fn look(role: Role) -> Look {
     let (color, dash, width, marker) = match role {
         Role::First => ("#0072b2", None, 1.6, Marker::Circle),

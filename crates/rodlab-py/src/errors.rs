@@ -8,7 +8,6 @@ use rodlab::RodlabError;
 use rodlab::batch::in_one_line;
 use rodlab::sheet::SheetError;
 
-/// Returns the exception for `error`.
 pub(crate) fn raised(py: Python<'_>, error: &RodlabError) -> PyErr {
     let words = in_one_line(error);
     let made = match error {

@@ -501,7 +501,6 @@ pub struct Attachment {
     pub bytes: Vec<u8>,
 }
 
-/// Returns a clause as a sentence.
 pub(crate) fn sentence(clause: &str) -> String {
     let mut letters = clause.chars();
     let first = letters.next().into_iter().flat_map(char::to_uppercase);

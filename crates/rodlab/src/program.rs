@@ -486,7 +486,6 @@ fn many_sheets(
     conclude(&summary, &batch.out, arguments, out)
 }
 
-/// Returns the line of one test.
 fn line(row: &Row) -> String {
     format!("{:<11}  {}: {}", row.status, row.test, row.headline)
 }

@@ -241,7 +241,6 @@ impl ModulusCommand {
 }
 
 impl Recordings {
-    /// Returns the command with an existing sheet.
     fn of_sheet(&self, files: &[PathBuf], expected: &str) -> Result<SheetCommand, RodlabError> {
         let stray = [
             ("--rate", self.rate.is_some()),

@@ -99,7 +99,6 @@ pub fn verify_all(folder: &Path, sheets: Option<&Path>) -> Result<Vec<Verified>,
     compared.collect()
 }
 
-/// Adds the folders of results below `folder`.
 fn results_below(folder: &Path, results: &mut Vec<PathBuf>) -> Result<(), RodlabError> {
     let fail = |source| RodlabError::Read {
         path: folder.to_path_buf(),

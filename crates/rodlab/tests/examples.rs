@@ -62,7 +62,6 @@ fn quantity(result: &Value, name: &str) -> (f64, f64) {
     )
 }
 
-/// The numbers of a table, by the name of the column.
 fn column(result: &Value, table: &str, name: &str) -> Vec<f64> {
     let tables = result["tables"].as_array().unwrap();
     let table = tables.iter().find(|t| t["name"] == table).unwrap();

@@ -23,7 +23,6 @@ use crate::runs::{
     outcome_of as run, quantity, tables_of, words,
 };
 
-/// The interval of a parameter of a law.
 fn interval_of(outcome: &Outcome, law: &str, parameter: &str) -> (f64, f64) {
     let laws = words(outcome, "parameters", "law").iter();
     let mut rows = laws.zip(words(outcome, "parameters", "parameter"));

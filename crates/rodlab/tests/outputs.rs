@@ -321,7 +321,6 @@ fn id(schema: &Value) -> String {
         .to_owned()
 }
 
-/// All properties that are documented.
 fn properties(schema: &Value, place: &str, found: &mut BTreeSet<String>) {
     match schema {
         Value::Object(parts) => {

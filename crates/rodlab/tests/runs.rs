@@ -48,7 +48,6 @@ fn cells<'a>(outcome: &'a Outcome, of: &str, name: &str) -> &'a Cells {
     &found.cells
 }
 
-/// The numbers of a column.
 pub(crate) fn column<'a>(outcome: &'a Outcome, table: &str, name: &str) -> &'a [f64] {
     match cells(outcome, table, name) {
         Cells::Numbers(values) => values,
@@ -240,7 +239,6 @@ pub(crate) fn write_npy(path: &Path, rows: &[impl AsRef<[f64]>]) {
     fs::write(path, npy(rows)).unwrap();
 }
 
-/// The words of an error and of its causes.
 pub(crate) fn with_causes(error: &RodlabError) -> String {
     let mut said = error.to_string();
     let mut source = std::error::Error::source(error);

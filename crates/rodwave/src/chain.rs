@@ -278,7 +278,6 @@ impl<V: Argument> Chain<V> {
         })
     }
 
-    /// Returns the pair at the impact face.
     fn impact_face(&self, argument: V) -> Result<Face, RodwaveError> {
         self.carried_to_impact_face(self.termination.face(argument)?, argument)
     }

@@ -131,7 +131,6 @@ pub trait LaplaceModulus: ComplexModulus {
     }
 }
 
-/// Checks that a modulus is finite, and returns it.
 fn check_modulus(modulus: Complex64) -> Result<Complex64, RodwaveError> {
     check_finite("magnitude of the complex modulus [Pa]", modulus.norm())?;
     Ok(modulus)

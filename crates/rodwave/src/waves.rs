@@ -359,7 +359,6 @@ impl<'a> Columns<'a> {
         self.sine() > f64::EPSILON * self.positions.len() as f64
     }
 
-    /// Condition number of the separation.
     fn condition_number(&self) -> f64 {
         if !self.are_distinguishable() {
             return f64::INFINITY;

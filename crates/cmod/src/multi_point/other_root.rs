@@ -75,7 +75,6 @@ impl LineOnCourse {
         }
     }
 
-    /// Returns the weight of γ/ω.
     fn weight(&self) -> f64 {
         self.omega.norm_sqr() * self.root.information / self.excess(self.root.misfit)
     }
@@ -235,7 +234,6 @@ impl Course {
     }
 }
 
-/// Returns the weighted scalar product.
 fn product(weights: &[f64], a: &[f64], b: &[f64]) -> f64 {
     let terms = weights.iter().zip(a.iter().zip(b));
     terms.map(|(w, (a, b))| w * a * b).sum()

@@ -176,7 +176,6 @@ impl Projection {
         distinguishable.then_some(())
     }
 
-    /// Sets A' at the current γ.
     fn set_slopes(&mut self) {
         let [first, second] = &mut self.slope_columns;
         for ((s, f), x) in first.iter_mut().zip(&self.forward).zip(&self.from_first) {
@@ -198,7 +197,6 @@ impl Projection {
         }
     }
 
-    /// Returns the coefficients of one vector in the basis.
     fn coefficients(&self, vector: impl Iterator<Item = Complex64>) -> [Complex64; 2] {
         let [q1, q2] = &self.basis;
         let mut y = [Complex64::ZERO; 2];

@@ -192,7 +192,6 @@ impl WhiteLine {
         self.values.len() / self.weights.len().max(1)
     }
 
-    /// Returns the mean power of a value.
     pub(super) fn mean_power(&self) -> f64 {
         let rows = self.weights.len().max(1);
         let gauges = rows - usize::from(self.has_free_end);
@@ -204,7 +203,6 @@ impl WhiteLine {
         (self.variance / self.mean_power()).sqrt()
     }
 
-    /// Loads line `index` of the spectra.
     pub(super) fn load(&mut self, spectra: &GaugeSpectra<'_>, index: usize) -> Result<(), Refusal> {
         if spectra.frequency_hz.get(index) == Some(&0.0) {
             return Err(Refusal::ZeroFrequency);

@@ -68,7 +68,6 @@ impl Directions {
         units.iter().map(row).collect()
     }
 
-    /// Returns the variance of a coordinate.
     pub(super) fn variance(&self, index: usize) -> f64 {
         let mut unit = vec![0.0; self.singular_values.len()];
         unit[index] = 1.0;

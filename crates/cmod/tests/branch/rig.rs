@@ -164,7 +164,6 @@ pub(crate) fn is_right(
     here < 1.5 && (here <= there || (root - reflected).norm() < 0.005)
 }
 
-/// Returns true if a line is silently wrong.
 pub(crate) fn is_silently_wrong(
     line: &TrackedLine,
     observation: &EndMass,

@@ -56,7 +56,6 @@ fn polarity(histories: &[Vec<f64>]) -> CheckOutcome {
         .unwrap()
 }
 
-/// Returns the outcomes of all checks of one record.
 fn all(spectra: &SpectraOfTest, histories: &[Vec<f64>]) -> Vec<CheckOutcome> {
     let estimate = spectra.estimate();
     vec![

@@ -15,7 +15,6 @@ use testbed::hold;
 
 use super::frame::{STRUCTURES, clean, flat, lines, polypropylene, rod, strains};
 
-/// Returns the relative error of γ of a line.
 fn error(line: &ModulusLine) -> f64 {
     let exact = polypropylene().propagation_coefficient(TAU * line.frequency_hz);
     relative(line.propagation_coefficient, exact)

@@ -28,7 +28,6 @@ const SEEDS: u64 = 200;
 /// up to 20 kHz.
 const HIGHEST_HZ: f64 = 20e3;
 
-/// Returns the specimen and the material of test `label`.
 fn test(label: u32) -> (Specimen, String) {
     let rows = golden("paper_a_table_2.ron");
     let row = rows.iter().find(|row| row.label == label.to_string());

@@ -159,7 +159,6 @@ impl Spectra<'_> {
         gauges.iter().map(|gauge| gauge.distance.value).collect()
     }
 
-    /// Waves at the face of the transmitted bar.
     pub(super) fn transmitted(&mut self, separation: WaveSeparation, bar: &BarLines) -> FaceWaves {
         let distances = self.distances(1);
         let near = distances.first().copied().unwrap_or(0.0);

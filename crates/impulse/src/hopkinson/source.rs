@@ -160,7 +160,6 @@ impl Setup {
         }
     }
 
-    /// Returns the uncertain sources.
     pub(super) fn sources(&self, variations: &[MaterialVariation]) -> Vec<Source> {
         let mut found = Vec::new();
         let mut add = |source: Source, uncertainty: f64| {

@@ -20,7 +20,6 @@ const FLAT: f64 = 1e-9;
 /// intervals of the curve.
 const STEPS: usize = 30;
 
-/// Chooses the parameter.
 pub(super) fn choose(
     modes: &Modes,
     regularisation: Regularisation,

@@ -249,7 +249,6 @@ impl Problem<'_> {
         Some(REMAINDER.powi(2) * square / whole)
     }
 
-    /// Returns the samples of a blow on the support.
     fn samples(&self, blow: Blow) -> Vec<f64> {
         self.samples_of(&self.shape.mean, blow)
     }
@@ -262,7 +261,6 @@ impl Problem<'_> {
         samples
     }
 
-    /// Returns the determined components of these samples.
     fn components(&self, samples: &[f64]) -> Vec<f64> {
         let of = |told: &Told| {
             let terms = samples.iter().enumerate();

@@ -141,7 +141,6 @@ fn are_equal(a: f64, b: f64) -> bool {
     (a - b).abs() <= 0.0
 }
 
-/// Returns the number of equal samples at the end.
 fn equal_at_end(samples: &[f64]) -> usize {
     let runs = samples.chunk_by(|a, b| are_equal(*a, *b));
     runs.last().map_or(0, <[f64]>::len)

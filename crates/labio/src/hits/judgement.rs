@@ -444,7 +444,6 @@ fn same(a: f64, b: f64) -> bool {
     a - b == 0.0
 }
 
-/// Returns the runs of at least `shortest` samples.
 fn runs(samples: &[f64], shortest: usize) -> Vec<Run> {
     let mut runs = Vec::new();
     let mut begin = 0;

@@ -95,7 +95,6 @@ fn kind_of(function_type: u8) -> SeriesKind {
     only_series(&ascii(function_type, 2, 1, 1, "  1.00000E+00\n")).kind
 }
 
-/// Bits of all numbers of a series.
 fn bits(series: &Series) -> Vec<u64> {
     let abscissa = match &series.abscissa {
         Abscissa::Even { start, step } => vec![*start, *step],

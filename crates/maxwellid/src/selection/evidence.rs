@@ -355,7 +355,6 @@ impl Proposal {
         Some((proposal, step))
     }
 
-    /// Row `axis` of the covariance.
     fn covariances(&self, axis: usize) -> Option<Vec<f64>> {
         let own = self.factor.get(axis)?;
         let product = |row: &Vec<f64>| row.iter().zip(own).map(|(a, b)| a * b).sum();

@@ -193,7 +193,6 @@ pub(crate) fn noisy(exact: &Exact, level: f64, seed: u64) -> RodTest {
         .unwrap()
 }
 
-/// A test without stated noise.
 pub(crate) fn without_stated_noise(exact: &Exact) -> RodTest {
     with_white_noise(exact, 0.01, 1)
 }

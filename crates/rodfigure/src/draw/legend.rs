@@ -66,7 +66,6 @@ impl Legend {
         Self { rows }
     }
 
-    /// Height of the legend.
     pub(super) fn height(&self) -> f64 {
         let mut rows = 0.0;
         for _ in &self.rows {

@@ -7,7 +7,6 @@ use super::svg::{Paint, Svg};
 use crate::palette::{Marker, look};
 use crate::{Mark, Role};
 
-/// Draws `mark` on the axes `x` and `y`.
 pub(super) fn draw_mark(mark: &Mark, x: &Mapping, y: &Mapping, svg: &mut Svg) {
     let at = |pair: (&f64, &f64)| (x.at(*pair.0), y.at(*pair.1));
     match mark {
@@ -145,7 +144,6 @@ pub(super) fn marker(d: &mut String, role: Role, x: f64, y: f64) {
     };
 }
 
-/// Returns the paint of the lines of `role`.
 pub(super) fn line(role: Role) -> Paint {
     let look = look(role);
     Paint {
@@ -154,12 +152,10 @@ pub(super) fn line(role: Role) -> Paint {
     }
 }
 
-/// Returns the paint of the bands of `role`.
 pub(super) fn area(role: Role) -> Paint {
     Paint::area(look(role).color, 0.22)
 }
 
-/// Returns the paint of the markers of `role`.
 pub(super) fn outlined(role: Role) -> Paint {
     let look = look(role);
     match look.marker {

@@ -110,7 +110,6 @@ impl Svg {
         self.words(words, at, size, r#"text-anchor="start" font-weight="bold""#);
     }
 
-    /// Adds a text.
     pub(super) fn text(&mut self, words: &str, at: [f64; 2], size: f64, anchor: Anchor) {
         let [x, y] = at.map(rounded);
         let upwards = format!(r#"text-anchor="middle" transform="rotate(-90,{x},{y})""#);
@@ -141,7 +140,6 @@ impl Svg {
         _ = write!(self.elements, r#"<g clip-path="url(#{name})">"#);
     }
 
-    /// Ends the clipping.
     pub(super) fn end_clip(&mut self) {
         self.elements.push_str("</g>");
     }

@@ -107,7 +107,6 @@ pub enum LoadingSheet {
 }
 
 impl LoadingSheet {
-    /// Symbol of the modulus.
     fn symbol(self) -> &'static str {
         match self {
             Self::Tension | Self::Bending => "E",
@@ -116,7 +115,6 @@ impl LoadingSheet {
         }
     }
 
-    /// Name of the modulus.
     fn modulus(self) -> &'static str {
         match self {
             Self::Tension => "Young's modulus, from tension",

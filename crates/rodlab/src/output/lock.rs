@@ -156,7 +156,6 @@ impl Drop for FolderLock {
     }
 }
 
-/// Returns true if `file` is the file at `path`.
 fn is_at(file: &File, path: &Path) -> bool {
     #[cfg(unix)]
     {

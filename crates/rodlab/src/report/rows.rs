@@ -183,7 +183,6 @@ fn constant(values: &[f64]) -> Option<f64> {
     (values.len() > 3 && values.iter().all(same)).then_some(first)
 }
 
-/// Returns `count` of `rows`, evenly spread.
 fn spread(rows: &[usize], count: usize) -> Vec<usize> {
     if rows.len() <= count || count < 2 {
         return rows.to_vec();

@@ -11,7 +11,6 @@ pub(super) fn quantities(kind: ResponseKind) -> [Quantity; 2] {
     }
 }
 
-/// Returns the dimension of the values.
 pub(super) fn dimension(kind: ResponseKind) -> Option<Dimension> {
     let [input, output] = quantities(kind);
     output.dimension().quotient(input.dimension())

@@ -51,7 +51,6 @@ pub(crate) fn nearest<'a, N: AsRef<str>>(found: &str, expected: &'a [N]) -> Opti
     (3 * best.0 <= letters.max(3)).then_some(best.1)
 }
 
-/// Returns `did you mean ...?`.
 pub(super) fn did_you_mean(name: &str) -> String {
     format!("did you mean `{name}`?")
 }

@@ -262,7 +262,6 @@ fn key(name: &str) -> String {
     }
 }
 
-/// Returns a text in quotes.
 fn quoted(text: &str) -> String {
     let mut quoted = String::from("\"");
     for letter in text.chars() {

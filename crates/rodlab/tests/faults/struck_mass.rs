@@ -27,7 +27,6 @@ pub(crate) fn folder() -> TempDir {
     folder
 }
 
-/// The files of the result of a sheet of [`folder`].
 pub(crate) fn result(folder: &Path, job: &str, sheet: &str) -> Files {
     let out = TempDir::new().unwrap();
     let place = out.path().join("out");

@@ -9,7 +9,6 @@ use rodlab::outcome::{
 };
 use rodlab::output::SheetIdentity;
 
-/// The sheet that it could be of.
 pub(crate) fn sheet() -> SheetIdentity {
     SheetIdentity {
         file: "rod.ron".to_owned(),
@@ -17,7 +16,6 @@ pub(crate) fn sheet() -> SheetIdentity {
     }
 }
 
-/// The outcome.
 pub(crate) fn outcome() -> Outcome {
     let mut outcome = Outcome::of(
         "modulus",

@@ -39,7 +39,6 @@ pub trait TimeDomainModulus: LaplaceModulus {
     fn creep_compliance(&self, time: f64) -> Result<f64, RodwaveError>;
 }
 
-/// Checks that a time is after the step, and returns it.
 pub(super) fn after_step(time: f64) -> Result<f64, RodwaveError> {
     check_positive("time after the step [s]", time)
 }

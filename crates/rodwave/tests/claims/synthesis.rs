@@ -30,7 +30,6 @@ fn of(
     synthesis.history(&transform).unwrap()
 }
 
-/// Returns the samples with their times.
 fn timed(history: &SynthesizedHistory) -> impl Iterator<Item = (f64, f64)> {
     let samples = history.samples.iter().enumerate();
     samples.map(|(index, sample)| (history.time(index), *sample))

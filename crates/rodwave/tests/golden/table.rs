@@ -37,7 +37,6 @@ impl GoldenTable {
         row.unwrap_or_else(|| panic!("no row {label}"))
     }
 
-    /// The one value of a row of constants.
     pub(crate) fn constant(&self, label: &str) -> GoldenValue {
         self.row(label).values["value"]
     }

@@ -206,7 +206,6 @@ fn is_long(steps: f64, cells: f64) -> bool {
     steps * cells > 2e5 && steps < 1e9 && cells < 2e8
 }
 
-/// Returns the answer of `is_long` for an impact.
 fn is_long_impact(test: &ImpactTest<Elastic>, cell: f64, duration: f64) -> bool {
     let cells = (test.rod.length() / cell).max(4.0);
     let step = 0.8 * test.rod.length() / cells / test.rod.wave_speed();

@@ -246,7 +246,6 @@ impl MeasuredPointsSheet {
 }
 
 impl MemberSheet {
-    /// Names of the points.
     fn points(&self) -> Vec<String> {
         match (&self.measured, &self.body) {
             (Some(measured), _) => measured.points.clone(),

@@ -44,7 +44,6 @@ impl Line {
     }
 }
 
-/// Returns the lines of an estimate.
 pub(super) fn lines(found: &Found<'_>, sheet: &BarSheet) -> Vec<Line> {
     let density = sheet.bar.density.with_uncertainty().value;
     let corrections = found.corrected.map(|corrected| corrected.corrections());
@@ -68,7 +67,6 @@ pub(super) fn lines(found: &Found<'_>, sheet: &BarSheet) -> Vec<Line> {
     found.estimate.lines().iter().enumerate().map(of).collect()
 }
 
-/// Returns the table of all lines.
 pub(super) fn of(lines: &[Line]) -> Result<Table, RodlabError> {
     let half: Vec<[f64; 3]> = lines
         .iter()

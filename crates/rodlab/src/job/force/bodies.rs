@@ -146,7 +146,6 @@ impl FaceBody {
         }
     }
 
-    /// Returns the measured body, if this is one.
     pub(super) fn measured(&self) -> Option<&MeasuredBody> {
         match self {
             Self::Measured(measured) => Some(&measured.body),

@@ -266,7 +266,6 @@ pub(super) fn khz(hz: f64) -> f64 {
     (1e3 * hz).round() / 1e6
 }
 
-/// Describes a band in words.
 pub(super) fn band_in_words(band: BandLimit) -> String {
     let upper = khz(band.upper_hz());
     format!("up to {upper} kHz, Gaussian, -3 dB at its end")

@@ -251,7 +251,6 @@ fn refuse(outcome: &mut Outcome, reason: String) {
     outcome.refuse(reason);
 }
 
-/// Channels of the responses.
 fn responses_of(sheet: &ResponseSheet) -> Vec<&str> {
     let further = sheet.further.iter().map(|further| &further.response);
     let all = std::iter::once(&sheet.response).chain(further);

@@ -109,7 +109,6 @@ impl Estimated {
         exceeding.max_by(|a, b| a.1.total_cmp(&b.1))
     }
 
-    /// Returns true if the line is valid.
     pub(super) fn is_valid(&self, line: usize) -> bool {
         self.objections.get(line).is_some_and(Option::is_none)
     }

@@ -141,7 +141,6 @@ impl FrfSheet {
         defaults
     }
 
-    /// Returns all inputs, beginning with `input`.
     pub(super) fn inputs(&self) -> Vec<&str> {
         let further = self.further_inputs.iter().map(String::as_str);
         std::iter::once(self.input.as_str())

@@ -16,7 +16,6 @@ pub(super) fn name_of(response: &FrequencyResponse) -> String {
     }
 }
 
-/// Returns the unit of a response.
 pub(super) fn unit_of(response: &FrequencyResponse) -> String {
     let (output, input) = (response.output.quantity(), response.input.quantity());
     match response.kind() {

@@ -233,7 +233,6 @@ pub(super) fn n_suitable(estimate: &ModulusEstimate) -> usize {
         .count()
 }
 
-/// Returns the lines with a known E'.
 pub(super) fn known(estimate: &ModulusEstimate) -> Vec<&ModulusLine> {
     let lines = estimate.lines().iter();
     lines

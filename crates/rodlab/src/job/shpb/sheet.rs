@@ -151,7 +151,6 @@ pub struct FurtherShotSheet {
 }
 
 impl ShpbGaugeSheet {
-    /// Returns all channels of the gauge.
     pub(super) fn channels(&self) -> impl Iterator<Item = &String> {
         std::iter::once(&self.channel).chain(&self.averaged_with)
     }
@@ -171,7 +170,6 @@ impl BarSheet {
 }
 
 impl ShpbSheet {
-    /// Returns field, records and specimen of each shot.
     pub(super) fn shots(&self) -> impl Iterator<Item = (String, &[Records], &ShpbSpecimenSheet)> {
         let first = (
             "records".to_owned(),

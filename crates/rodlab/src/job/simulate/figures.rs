@@ -72,7 +72,6 @@ pub(super) fn spectra(records: &[Record], cutoff_hz: f64) -> Result<Option<Figur
     }))
 }
 
-/// Returns the first record as a table.
 pub(super) fn table(records: &[Record]) -> Option<Table> {
     let first = records.first()?;
     let time = (0..first.n_samples()).map(|k| first.time_at(k)).collect();

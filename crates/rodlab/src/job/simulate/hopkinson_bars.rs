@@ -151,7 +151,6 @@ impl VirtualSpecimenSheet {
     }
 }
 
-/// Names of the channels of a bar.
 fn channels(side: &str, bar: &VirtualBarSheet) -> Vec<String> {
     match bar.gauges.len() {
         1 => vec![side.to_owned()],

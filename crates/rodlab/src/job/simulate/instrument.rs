@@ -81,7 +81,6 @@ pub enum AntiAliasSheet {
 }
 
 impl AntiAliasSheet {
-    /// Returns the filter in words.
     pub(in crate::job) fn in_words(&self) -> String {
         match self {
             Self::LinearPhase { cutoff } => format!("linear phase, half amplitude at {cutoff}"),

@@ -8,7 +8,6 @@ use serde_json::value::RawValue;
 use super::{Entry, Node, Place, Value};
 use crate::sheet::mistake::{Mistake, lower_case};
 
-/// Reads `text`.
 pub(super) fn read(text: &str) -> Result<Node, Mistake> {
     let root: &RawValue = serde_json::from_str(text).map_err(|error| mistake(text, &error))?;
     node(text, root.get())
@@ -79,7 +78,6 @@ impl<'de: 'a, 'a> Deserialize<'de> for Fields<'a> {
     }
 }
 
-/// Returns the place of `piece`, a slice of `text`.
 fn place(text: &str, piece: &str) -> Place {
     let start = piece.as_ptr().addr().saturating_sub(text.as_ptr().addr());
     start..start + piece.len()

@@ -13,7 +13,6 @@ use serde::de::{Deserializer as _, MapAccess, SeqAccess, Visitor};
 use super::{Choice, Entry, Node, Place, Value};
 use crate::sheet::mistake::{Mistake, lower_case};
 
-/// Reads `text`.
 pub(super) fn read(text: &str) -> Result<Node, Mistake> {
     let text = Text(text);
     let mut reader = ron::Deserializer::from_str_with_options(text.0, &options())
@@ -43,13 +42,11 @@ enum Parts<'a> {
 }
 
 impl<'a> Text<'a> {
-    /// Returns the place of the slice `piece`.
     fn place(self, piece: &str) -> Place {
         let start = piece.as_ptr().addr().saturating_sub(self.0.as_ptr().addr());
         start..start + piece.len()
     }
 
-    /// Returns the mistake `error` in the slice `piece`.
     fn mistake(self, piece: &str, error: &SpannedError) -> Mistake {
         let base = self.place(piece).start;
         let start = offset(piece, &error.span.start);

@@ -6,7 +6,6 @@ use toml::de::{DeTable, DeValue};
 use super::{Entry, Node, Place, Value};
 use crate::sheet::mistake::Mistake;
 
-/// Reads `text`.
 pub(super) fn read(text: &str) -> Result<Node, Vec<Mistake>> {
     let (table, errors) = DeTable::parse_recoverable(text);
     if !errors.is_empty() {

@@ -24,7 +24,6 @@ pub(super) struct StruckRod<'a> {
     number: usize,
 }
 
-/// Returns all choices of a sheet.
 pub(super) fn all(next: &NextSheet) -> Vec<Choice<'_>> {
     let rods: Vec<Option<StruckRod<'_>>> = match &next.rods {
         None => vec![None],

@@ -85,7 +85,6 @@ pub(super) fn cut(
     Ok(found)
 }
 
-/// Returns the last part of the name of a field.
 fn last_part(field: &str) -> &str {
     field.rsplit('.').next().unwrap_or(field)
 }

@@ -133,7 +133,6 @@ pub(in crate::job::modulus) fn limits(sheet: &ModulusSheet) -> AcceptanceLimits 
     }
 }
 
-/// Returns the degrees of freedom of the noise of one gauge.
 pub(in crate::job::modulus) fn noise_freedom(
     gauges: &SectionSpectra,
 ) -> Result<VarianceFreedom, CmodError> {
@@ -163,7 +162,6 @@ pub(super) fn section(
     })
 }
 
-/// Returns the quantity of a channel of the hits.
 fn quantity_of(quantities: &[(String, Quantity)], channel: &str) -> Option<Quantity> {
     let found = quantities.iter().find(|(name, _)| name == channel);
     found.map(|(_, quantity)| *quantity)
