@@ -9,7 +9,7 @@ use labio::format::workbook::Xlsx;
 use labio::format::{Reader, Strictness};
 use tempfile::TempDir;
 
-use crate::runs::{Words, rodlab, text};
+use crate::runs::{Words, done, rodlab, text};
 
 /// Status and text of the standard error.
 fn refused(folder: &Path, arguments: &[&str]) -> String {
@@ -68,8 +68,7 @@ fn a_sheet_that_is_not_there_is_named() {
 #[test]
 fn init_replaces_nothing() {
     let folder = folder_with(&[]);
-    let first = rodlab(folder.path(), &["init", "force"]);
-    assert!(first.status.success());
+    done(folder.path(), &["init", "force"]);
     let written = fs::read_to_string(folder.path().join("force.toml")).unwrap();
     written.must_begin("#");
     let said = refused(folder.path(), &["init", "force"]);
@@ -113,7 +112,7 @@ fn completions_and_manual_pages_know_every_command() {
     let folder = folder_with(&[]);
     let completions = rodlab(folder.path(), &["completions", "bash"]);
     text(&completions.stdout).must_say("identify");
-    assert!(rodlab(folder.path(), &["man", "pages"]).status.success());
+    done(folder.path(), &["man", "pages"]);
     let page = fs::read_to_string(folder.path().join("pages/rodlab-batch.1")).unwrap();
     page.must_say("resume");
     let help = text(&rodlab(folder.path(), &["--help"]).stdout);
@@ -160,9 +159,8 @@ const FORCE: &str = r#"Force(title: "mass", problem: Impact(first: RigidMass("0.
 #[test]
 fn a_result_is_said_in_words_and_lies_beside_the_sheet() {
     let folder = folder_with(&[("hit.ron", FORCE)]);
-    let run = rodlab(folder.path(), &["force", "hit.ron"]);
-    assert_eq!(run.status.code(), Some(0), "{}", text(&run.stderr));
-    text(&run.stdout).must_begin("In the band up to 10 kHz the peak force is (1.8");
+    done(folder.path(), &["force", "hit.ron"])
+        .must_begin("In the band up to 10 kHz the peak force is (1.8");
     let result = folder.path().join("hit-result");
     let mut names: Vec<String> = fs::read_dir(&result)
         .unwrap()
@@ -184,15 +182,13 @@ fn a_result_is_said_in_words_and_lies_beside_the_sheet() {
             .all(|cell| cell.parse::<f64>().is_ok()),
         "numbers from the second row on: {first}"
     );
-    let run = rodlab(folder.path(), &["force", "hit.ron", "--unit-row"]);
-    assert_eq!(run.status.code(), Some(0), "{}", text(&run.stderr));
+    done(folder.path(), &["force", "hit.ron", "--unit-row"]);
     let with_units = fs::read_to_string(result.join("force.csv")).unwrap();
     let units = with_units.lines().nth(1).unwrap();
     units.must_begin("s,N,N,m/s,m/s,m");
     assert_eq!(with_units.replacen(&format!("{units}\n"), "", 1), table);
 
-    let run = rodlab(folder.path(), &["force", "hit.ron", "--workbook"]);
-    assert_eq!(run.status.code(), Some(0), "{}", text(&run.stderr));
+    done(folder.path(), &["force", "hit.ron", "--workbook"]);
     let bytes = fs::read(result.join("tables.xlsx")).unwrap();
     let sheets = Xlsx.read(&bytes, Strictness::Tolerant).unwrap();
     let column = sheets.series.iter();
@@ -274,18 +270,15 @@ fn a_recording_is_inspected_and_converted() {
         "hit.csv",
         "Time (s);force (N)\n0;1\n0.001;2\n0.002;-1\n0.003;0.5\n",
     )]);
-    let run = rodlab(folder.path(), &["inspect", "hit.csv"]);
-    assert_eq!(run.status.code(), Some(0), "{}", text(&run.stderr));
-    let said = text(&run.stdout);
+    let said = done(folder.path(), &["inspect", "hit.csv"]);
     said.must_say_all(&["force", "1 kHz"]);
     let json = rodlab(folder.path(), &["inspect", "hit.csv", "--json"]);
     assert!(serde_json::from_slice::<serde_json::Value>(&json.stdout).is_ok());
 
-    let run = rodlab(
+    done(
         folder.path(),
         &["convert", "hit.csv", "hit.uff", "--binary"],
     );
-    assert_eq!(run.status.code(), Some(0), "{}", text(&run.stderr));
     let again = text(&rodlab(folder.path(), &["inspect", "hit.uff"]).stdout);
     again.must_say_all(&["force", "1 kHz"]);
     let said = refused(folder.path(), &["convert", "hit.csv", "hit.xyz"]);
@@ -301,8 +294,7 @@ fn a_recording_is_inspected_and_converted() {
     let said = refused(folder.path(), &["init"]);
     said.must_begin("status 2\nerror: the job of the new sheet is not stated, expected one of `frf`, `modulus`, ");
     // a rig belongs to one job
-    let run = rodlab(folder.path(), &["init", "--rig", "dma"]);
-    assert_eq!(run.status.code(), Some(0), "{}", text(&run.stderr));
+    done(folder.path(), &["init", "--rig", "dma"]);
     fs::read_to_string(folder.path().join("fit.toml"))
         .unwrap()
         .must_say("job = \"fit\"");
@@ -318,8 +310,7 @@ fn a_refused_command_without_a_sheet_leaves_no_sheet_and_the_earlier_result() {
             "Time (s);force (N);b\n0;1;0\n0.001;2;1\n0.002;-1;0\n0.003;0.5;0\n",
         ),
     ]);
-    let first = rodlab(folder.path(), &["force", "hit.ron", "--out", "results"]);
-    assert!(first.status.success(), "{}", text(&first.stderr));
+    done(folder.path(), &["force", "hit.ron", "--out", "results"]);
     let result = folder.path().join("results/result.json");
     let earlier = fs::read(&result).unwrap();
     let call = ["frf", "hit.csv", "--input", "1", "--output", "2"];
@@ -357,9 +348,7 @@ fn a_unit_against_that_of_the_file_is_found_by_check_and_a_written_sheet_is_name
     let sheet = r#"Frf(title: "a", input: "hammer", records: (files: ["hit.csv"], channels: [
         (name: "hammer", from: 1, unit: "V", sensitivity: "2 mV/N"), (name: "b", from: 2)]))"#;
     let folder = folder_with(&[("hit.csv", &record), ("frf.ron", sheet)]);
-    let run = rodlab(folder.path(), &["check", "frf.ron"]);
-    assert_eq!(run.status.code(), Some(0), "{}", text(&run.stderr));
-    text(&run.stdout).must_say(
+    done(folder.path(), &["check", "frf.ron"]).must_say(
         "warning: hit.csv states channel 1 in N; the unit of the sheet is used instead, V.",
     );
     let call = ["frf", "hit.csv", "--input", "1", "--output", "2"];
@@ -375,7 +364,7 @@ fn a_sheet_whose_files_are_missing_is_found_by_check() {
     let folder = folder_with(&[]);
     for job in ["frf", "modulus", "identify"] {
         let sheet = format!("{job}.toml");
-        assert!(rodlab(folder.path(), &["init", job]).status.success());
+        done(folder.path(), &["init", job]);
         let said = refused(folder.path(), &["check", &sheet]);
         assert!(
             said.starts_with("status 2\nerror: no file matches `"),
@@ -384,9 +373,8 @@ fn a_sheet_whose_files_are_missing_is_found_by_check() {
     }
     for job in ["simulate", "force"] {
         let sheet = format!("{job}.toml");
-        assert!(rodlab(folder.path(), &["init", job]).status.success());
-        let run = rodlab(folder.path(), &["check", &sheet]);
-        assert_eq!(run.status.code(), Some(0), "{job}: {}", text(&run.stderr));
+        done(folder.path(), &["init", job]);
+        done(folder.path(), &["check", &sheet]);
         assert!(!folder.path().join(format!("{job}-result")).exists());
     }
 }

@@ -1,26 +1,22 @@
 //! The examples, by the commands of their README, against what their records were made of.
 
 use std::path::Path;
-use std::process::Command;
 
 use serde_json::Value;
 
-use crate::runs::Words;
+use crate::runs::{Words, done};
 
 /// The result of a sheet of the examples, written to a folder of its own.
 fn result_of(example: &str, job: &str) -> Value {
     let examples = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples");
     let folder = tempfile::tempdir().unwrap();
-    let run = Command::new(env!("CARGO_BIN_EXE_rodlab"))
-        .current_dir(examples.join(example))
-        .args([job, &format!("{job}.ron"), "--json", "--out"])
-        .arg(folder.path())
-        .output()
-        .unwrap();
-    let said = String::from_utf8(run.stderr).unwrap();
-    assert_eq!(run.status.code(), Some(0), "{example}: {said}");
+    let (sheet, out) = (format!("{job}.ron"), folder.path().to_str().unwrap());
+    let printed = done(
+        &examples.join(example),
+        &[job, &sheet, "--json", "--out", out],
+    );
     assert!(folder.path().join("report.html").exists());
-    let result = serde_json::from_slice(&run.stdout).unwrap();
+    let result = serde_json::from_str(&printed).unwrap();
     names_are_plain(&result, folder.path());
     result
 }

@@ -11,7 +11,7 @@ use rodlab::sheet::{self, Language};
 use rodlab::templates::JobName;
 use tempfile::TempDir;
 
-use crate::runs::{Words, rodlab, text};
+use crate::runs::{Words, done, rodlab, text};
 
 /// The sheets of the examples in RON.
 fn examples() -> Vec<PathBuf> {
@@ -313,20 +313,15 @@ fn campaigns_take_both_languages_and_leave_other_files_alone() {
         "plan.txt",
         "template = \"hit.template\"\ngrid = [{ name = \"mass\", values = [\"1 kg\", \"2 kg\"] }]\n",
     );
-    let done = rodlab(folder.path(), &["sweep", "plan.txt", "--out", "sheets"]);
-    assert_eq!(
-        text(&done.stdout),
-        "2 sheets and sweep.csv in sheets\n",
-        "{}",
-        text(&done.stderr)
-    );
+    let swept = done(folder.path(), &["sweep", "plan.txt", "--out", "sheets"]);
+    assert_eq!(swept, "2 sheets and sweep.csv in sheets\n");
     write("sheets/pyproject.toml", "[project]\nname = \"analysis\"\n");
     let ron = r#"Force(title: "c", problem: Impact(first: RigidMass("3 kg"), second: Impedance("1000 kg/s"),
         velocity: "1 m/s", duration: "4 ms", time_step: "10 us"))"#;
     write("sheets/c.ron", ron);
     write("sheets/d.toml", "job = \"force\"\nthis is wrong\n");
-    let done = rodlab(folder.path(), &["batch", "sheets", "--out", "results"]);
-    let said = text(&done.stdout);
+    let run = rodlab(folder.path(), &["batch", "sheets", "--out", "results"]);
+    let said = text(&run.stdout);
     for test in [
         "answered     hit-1",
         "answered     hit-2",
@@ -336,9 +331,9 @@ fn campaigns_take_both_languages_and_leave_other_files_alone() {
         said.must_say(test);
     }
     said.must_say("4 tests:");
-    let done = rodlab(folder.path(), &["list", "sheets/*.toml"]);
+    let run = rodlab(folder.path(), &["list", "sheets/*.toml"]);
     assert!(
-        text(&done.stdout).contains("pyproject"),
+        text(&run.stdout).contains("pyproject"),
         "a pattern takes what it matches"
     );
 }
@@ -373,8 +368,7 @@ fn simulate_writes_sheets_in_the_language_of_its_own() {
         sheet::in_toml(&example, &plan).unwrap(),
     )
     .unwrap();
-    let done = rodlab(folder.path(), &["simulate", "plan.toml"]);
-    text(&done.stdout).must_say("`rodlab modulus modulus.toml`");
+    done(folder.path(), &["simulate", "plan.toml"]).must_say("`rodlab modulus modulus.toml`");
     let written = fs::read_to_string(folder.path().join("plan-result/modulus.toml")).unwrap();
     written.must_say("# each record is a hit\n");
     let of_ron = outcome(&example, &plan);
@@ -384,6 +378,5 @@ fn simulate_writes_sheets_in_the_language_of_its_own() {
         .find(|file| file.name == "modulus.ron")
         .unwrap();
     assert_eq!(fields(&written), fields(&text(&sheet.bytes)));
-    let done = rodlab(folder.path(), &["check", "plan-result/modulus.toml"]);
-    assert_eq!(done.status.code(), Some(0), "{}", text(&done.stderr));
+    done(folder.path(), &["check", "plan-result/modulus.toml"]);
 }

@@ -219,6 +219,14 @@ pub(crate) fn rodlab(folder: &Path, arguments: &[&str]) -> Output {
         .unwrap()
 }
 
+/// What the program prints. Fails unless it ends with the status 0.
+#[track_caller]
+pub(crate) fn done(folder: &Path, arguments: &[&str]) -> String {
+    let run = rodlab(folder, arguments);
+    assert_eq!(run.status.code(), Some(0), "{}", text(&run.stderr));
+    text(&run.stdout)
+}
+
 pub(crate) fn text(bytes: &[u8]) -> String {
     String::from_utf8(bytes.to_vec()).unwrap()
 }

@@ -1,7 +1,7 @@
 //! Folders of sheets, and those of their results.
 
 use super::*;
-use crate::runs::Words;
+use crate::runs::{Words, done};
 
 /// Names and statuses of the tests in a summary.
 fn tests_in(folder: &Path) -> Vec<String> {
@@ -37,8 +37,7 @@ fn r19_results_stay_in_their_folder() {
     let sheets = files_below(folder.path());
     for (number, (places, names)) in cases.into_iter().enumerate() {
         let out = format!("out-{number}");
-        let run = rodlab(&here, &[&["batch", "--out", &out], places].concat());
-        assert_eq!(run.status.code(), Some(0), "{}", text(&run.stderr));
+        done(&here, &[&["batch", "--out", &out], places].concat());
         assert_eq!(tests_in(&here.join(&out)), names);
         for name in names {
             assert!(here.join(&out).join(name).join("result.json").is_file());
@@ -79,8 +78,7 @@ fn r19_a_folder_behind_links_is_looked_into_once() {
     symlink("m", at("campaign/a")).unwrap();
     symlink("../elsewhere", at("campaign/first")).unwrap();
     symlink("../elsewhere", at("campaign/second")).unwrap();
-    let run = rodlab(folder.path(), &["batch", "campaign", "--out", "results"]);
-    assert_eq!(run.status.code(), Some(0), "{}", text(&run.stderr));
+    done(folder.path(), &["batch", "campaign", "--out", "results"]);
     assert_eq!(tests_in(&at("results")), ["first/2", "m/1"]);
     // by the name of a link the tests are the same
     symlink("campaign", at("link")).unwrap();
