@@ -204,39 +204,27 @@ pub enum ErrorSource {
 /// In the text, sections and gauges are numbered from 1.
 impl fmt::Display for ErrorSource {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        formatter.write_str(match self {
-            Self::Section(index) => {
-                return write!(formatter, "distance of section {index}", index = index + 1);
-            }
-            Self::GaugePosition(index) => {
-                return write!(formatter, "position of gauge {index}", index = index + 1);
-            }
-            Self::GaugeFactor(index) => {
-                return write!(formatter, "sensitivity of gauge {index}", index = index + 1);
-            }
-            Self::GaugeDelay(index) => {
-                return write!(formatter, "delay of gauge {index}", index = index + 1);
-            }
-            Self::MasterCurve(index) => {
-                return write!(
-                    formatter,
-                    "shifts of the master curve, part {index}",
-                    index = index + 1
-                );
-            }
-            Self::VerticalFactors => "choice of the vertical factors",
-            Self::ModulusScale => "scale of the modulus",
-            Self::FreeEnd => "position of the free end",
-            Self::GainRatio => "ratio of the sensitivities",
-            Self::Delay => "delay between the channels",
-            Self::Temperature => "change with temperature",
-            Self::PoissonRatio => "Poisson's ratio",
-            Self::LateralInertia => "uncorrected lateral inertia",
-            Self::Length => "length",
-            Self::Diameter => "diameter",
-            Self::Density => "density",
-            Self::AccelerometerMass => "accelerometer mass",
-        })
+        let (words, index) = match self {
+            Self::Section(index) => ("distance of section", Some(index)),
+            Self::GaugePosition(index) => ("position of gauge", Some(index)),
+            Self::GaugeFactor(index) => ("sensitivity of gauge", Some(index)),
+            Self::GaugeDelay(index) => ("delay of gauge", Some(index)),
+            Self::MasterCurve(index) => ("shifts of the master curve, part", Some(index)),
+            Self::VerticalFactors => ("choice of the vertical factors", None),
+            Self::ModulusScale => ("scale of the modulus", None),
+            Self::FreeEnd => ("position of the free end", None),
+            Self::GainRatio => ("ratio of the sensitivities", None),
+            Self::Delay => ("delay between the channels", None),
+            Self::Temperature => ("change with temperature", None),
+            Self::PoissonRatio => ("Poisson's ratio", None),
+            Self::LateralInertia => ("uncorrected lateral inertia", None),
+            Self::Length => ("length", None),
+            Self::Diameter => ("diameter", None),
+            Self::Density => ("density", None),
+            Self::AccelerometerMass => ("accelerometer mass", None),
+        };
+        formatter.write_str(words)?;
+        index.map_or(Ok(()), |index| write!(formatter, " {}", index + 1))
     }
 }
 
