@@ -178,10 +178,6 @@ impl MaterialFile {
     }
 
     /// Returns the text of the file.
-    ///
-    /// # Errors
-    ///
-    /// [`RodlabError::Step`] if a number cannot be written.
     pub(crate) fn text(&self) -> Result<Vec<u8>, RodlabError> {
         let mut text = serde_json::to_vec_pretty(&self.entries)
             .map_err(|error| RodlabError::step(NAME, error))?;

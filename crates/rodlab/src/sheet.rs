@@ -121,10 +121,6 @@ pub(crate) fn read<T: DeserializeOwned>(path: &Path) -> Result<(String, T), Rodl
 }
 
 /// Reads the text of the file at `path`.
-///
-/// # Errors
-///
-/// The errors of [`read`], except [`RodlabError::Sheet`].
 pub(crate) fn text(path: &Path) -> Result<String, RodlabError> {
     encoding::text_of(path, &input::read(path)?)
 }

@@ -206,10 +206,6 @@ impl MaterialSheet {
     }
 
     /// Returns the stated density; `field` is the place of the material in the sheet.
-    ///
-    /// # Errors
-    ///
-    /// [`RodlabError::Request`] if no density is stated.
     pub(crate) fn stated_density(&self, field: &str) -> Result<&Stated<Density>, RodlabError> {
         self.density.as_ref().ok_or_else(|| {
             RodlabError::request(

@@ -140,8 +140,6 @@ impl FoundHits {
             .unzip()
     }
 
-    /// Returns the log that contains hit `number`, counted from 1 over all logs, and the number of
-    /// the hit in that log.
     pub(super) fn log_of(&mut self, number: usize) -> Option<(&mut HitLog, usize)> {
         super::within(&mut self.logs, number)
     }
