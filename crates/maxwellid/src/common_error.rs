@@ -228,7 +228,6 @@ struct Direction {
 pub(crate) struct CommonErrors {
     /// The error of each column; `None` for the front of one test.
     errors: Vec<Option<CommonError>>,
-    /// Columns of A.
     columns: Vec<Vec<f64>>,
     /// Columns of A before whitening [m/s].
     velocities: Vec<Vec<f64>>,

@@ -280,7 +280,6 @@ pub(crate) fn check_cell(cell: f64, length: f64) -> Result<(), MaxwellidError> {
 /// Relative rounding of a number of cells.
 const ROUNDING: f64 = 1e-12;
 
-/// Fewest cells of a grid.
 const FEWEST_CELLS: f64 = 16.0;
 
 /// ln E as the first parameter of a model with `parameters` parameters.

@@ -465,7 +465,6 @@ impl Spectrum {
     }
 }
 
-/// Lines around a mode.
 struct LinesOfMode<'a> {
     /// Factor $`e^{-i\omega_k\Delta t}`$ of each line.
     turns: Vec<Complex64>,

@@ -13,7 +13,6 @@ use crate::estimate::{ModulusEstimate, ModulusLine, VarianceFreedom};
 pub struct MultiPointEstimate {
     pub(super) modulus: ModulusEstimate,
     pub(super) fits: Vec<LineFit>,
-    /// Waves of the tests on each line.
     pub(super) waves: Vec<Vec<TestWaves>>,
     /// Position of the first gauge, and its distance from the last row \[m\].
     pub(super) first: f64,

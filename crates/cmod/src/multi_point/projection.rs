@@ -65,7 +65,6 @@ pub(super) struct Projection {
     aperture: f64,
     forward: Vec<Complex64>,
     backward: Vec<Complex64>,
-    /// Columns of A'.
     slope_columns: [Vec<Complex64>; 2],
     basis: [Vec<Complex64>; 2],
     /// Product A'c of one test.

@@ -28,7 +28,6 @@ pub(super) struct SolvedRoot {
     pub(super) line: SolvedLine,
     pub(super) fit: LineFit,
     pub(super) freedom: Option<VarianceFreedom>,
-    /// Waves of each test.
     pub(super) waves: Vec<TestWaves>,
     /// Termination of the iteration to another root near the root found.
     other: Option<Termination>,

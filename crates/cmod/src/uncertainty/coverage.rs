@@ -166,7 +166,6 @@ impl Series {
     }
 }
 
-/// Inverse of [`MANY`].
 const LEAST_INVERSE: f64 = 1.0 / MANY;
 
 #[cfg(test)]

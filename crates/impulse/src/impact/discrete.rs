@@ -34,7 +34,6 @@ pub(super) enum Less {
     Echoes,
     /// The upper third of the lines, which is replaced by the continuation of the echoes.
     UpperLines,
-    /// Every second line.
     EverySecondLine,
 }
 

@@ -11,7 +11,6 @@ use crate::error::check_probability;
 use crate::parallel::map_in_order;
 use crate::{BandLimit, Coverage, Domain, ForceBand, ForceHistory, ImpulseError};
 
-/// Fewest steps of a march.
 const FEWEST_STEPS: f64 = 4096.0;
 
 /// Number of draws that are computed as one block, whatever the number of threads.

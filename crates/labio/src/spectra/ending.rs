@@ -27,7 +27,6 @@ const LEAST_TAIL: usize = 8;
 /// does not exist. It equals the transform of the differences of the samples divided by $`1 - w`$.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Ending {
-    /// Rest.
     Rest,
     /// Constant level: a velocity that persists.
     Constant,

@@ -17,7 +17,6 @@ pub(crate) struct PosteriorProblem<'a> {
     pub(crate) model: &'a dyn RodModel,
     /// The tests, each with its most probable excitation.
     pub(crate) tests: &'a [SeenTest<'a>],
-    /// Common errors of the tests.
     pub(crate) common: &'a CommonErrors,
     /// Factor on the whitened residuals: 1/(standard deviation).
     pub(crate) weight: f64,

@@ -221,7 +221,6 @@ struct Found {
     laws: Vec<FittedLaw>,
     left: Left,
     comparison: Option<Comparison>,
-    /// Recorder check of each test.
     recorders: Vec<RecorderCheck>,
     /// Estimates of nonlinear laws on a narrower band. They are made only if the excitation alone
     /// does not already show that the recorder biases these laws.

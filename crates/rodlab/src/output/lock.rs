@@ -15,7 +15,6 @@ use std::time::{Duration, Instant};
 use super::gate::{self, Passage};
 use crate::RodlabError;
 
-/// Name of the lock file.
 pub(super) const NAME: &str = ".rodlab-lock";
 
 /// Longest wait for another run to put its files into the folder, which normally takes some

@@ -27,7 +27,6 @@ const EXPLAINING: [&str; 4] = [
     "variance of",
 ];
 
-/// A quantity.
 #[derive(Serialize)]
 pub(super) struct QuantityRow<'a> {
     name: &'a str,

@@ -17,7 +17,6 @@ const PATIENCE: Duration = Duration::from_secs(10);
 /// Longest time to receive the rest of a refused request.
 const LINGER: Duration = Duration::from_secs(1);
 
-/// A request.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Request {
     pub(super) method: String,
@@ -29,7 +28,6 @@ pub(super) struct Request {
     pub(super) body: Vec<u8>,
 }
 
-/// An answer.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Answer {
     status: &'static str,

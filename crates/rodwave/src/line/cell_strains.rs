@@ -2,7 +2,6 @@
 
 use super::bar::Bar;
 
-/// Strain of every cell of a bar.
 #[derive(Debug, Clone)]
 pub(super) enum CellStrains {
     /// The bar is elastic: the strain is σ/E.

@@ -45,7 +45,6 @@ pub(super) struct MeasuredFace {
     mass_error: f64,
 }
 
-/// A measured member of an assembly.
 pub(super) struct MeasuredMember {
     points: MeasuredPoints,
     /// Relative standard error of the scale.

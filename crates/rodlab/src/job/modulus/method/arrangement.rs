@@ -69,7 +69,6 @@ pub(in crate::job::modulus) enum FromHits<'a> {
         gauges: &'a [GaugeSheet],
         may_ring: bool,
     },
-    /// The modes of the free vibration.
     Modes(Vibration<'a>),
 }
 
