@@ -156,7 +156,7 @@ fn the_template_is_a_sheet_that_runs() {
     // text after // is understood, too; Poisson's ratio of the template is not that of the
     // one-dimensional rig, which a causal estimate detects
     let causal = template.replace("    // causal: true", "    causal: true");
-    let outcome = answered(run(folder.path(), &causal));
+    answered(run(folder.path(), &causal));
     let with_inertia = causal.replace("    // lateral_inertia: (", "    lateral_inertia: (");
     let outcome = run(folder.path(), &with_inertia).unwrap();
     let reasons = doubts(&outcome);

@@ -229,7 +229,7 @@ fn tests_that_contradict_each_other_put_a_model_in_doubt() {
     let tests = five_tests(folder.path(), 7);
     let wrong = tests.replace("duration: \"300 s\"", "duration: \"1800 s\"");
     assert_ne!(tests, wrong);
-    let right = answered(sheet(folder.path(), &tests, ""));
+    answered(sheet(folder.path(), &tests, ""));
     let contradicted = sheet(folder.path(), &wrong, "").unwrap();
     let reasons = doubts(&contradicted);
     assert!(
@@ -302,7 +302,7 @@ fn what_is_wrong_is_said() {
 #[test]
 fn the_template_is_a_sheet_that_runs() {
     let folder = TempDir::new().unwrap();
-    let outcome = answered(run(
+    answered(run(
         folder.path(),
         include_str!("../templates/recovery.ron"),
     ));

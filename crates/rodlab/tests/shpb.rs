@@ -478,7 +478,7 @@ fn hopkinson_late_channel_contradicts_the_other_gauge_of_its_bar() {
         assert!(sheet.contains(&exact), "{sheet}");
         sheet = sheet.replace(&exact, &known);
     }
-    let right = answered(run(folder.path(), &sheet));
+    answered(run(folder.path(), &sheet));
     let shot = folder.path().join("shot-1.csv");
     let record = fs::read_to_string(&shot).unwrap();
     for (side, column, by) in [("incident", 2, 4), ("transmitted", 4, 3)] {

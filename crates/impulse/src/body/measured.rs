@@ -494,7 +494,7 @@ impl MeasuredBody {
                 *variance = rigid.norm_sqr() * relative.powi(2);
             }
         }
-        crate::error::check_lines_finite("completed mobility", &completed.mobility)?;
+        check_lines_finite("completed mobility", &completed.mobility)?;
         Ok(completed)
     }
 

@@ -202,7 +202,7 @@ fn s9_windows_that_cut_the_hit_put_the_result_in_doubt() {
         reasons[0].must_say("change the response");
     }
     let wide = r#"force_window: (start: "45 ms", end: "55 ms", taper: "1 ms"),"#;
-    let outcome = answered(run(folder.path(), &sheet_in("m/s^2", wide)));
+    answered(run(folder.path(), &sheet_in("m/s^2", wide)));
 }
 
 #[test]
