@@ -322,7 +322,7 @@ fn quantities(record: Option<&Record>) -> Vec<(String, Quantity)> {
         .iter()
         .filter_map(|channel| {
             let quantity = method::of_channel(channel.quantity())?;
-            Some((channel.name().to_owned(), quantity.into()))
+            Some((channel.name().to_owned(), quantity))
         })
         .collect()
 }
