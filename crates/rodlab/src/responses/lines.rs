@@ -4,6 +4,7 @@ use labio::{Coherence, FrequencyResponse, MergedResponse};
 
 use super::MOST_FREEDOM;
 use crate::RodlabError;
+use crate::median::upper_median;
 use crate::outcome::Column;
 
 /// Findings about a line.
@@ -12,7 +13,16 @@ pub(crate) struct JudgedLine {
     pub(crate) is_coherent: bool,
     /// True if the bias due to the noise at rest exceeds the random error.
     pub(crate) is_biased: bool,
+    /// True if the magnitude is below [`LEAST_SIGNAL`] standard errors of the neighbouring lines.
+    /// Lines of such a response that are coherent by their own errors are those on which noise
+    /// happens to be small or to add to the magnitude, which is then too large on average.
+    pub(crate) is_weak: bool,
 }
+
+/// Least magnitude in standard errors of the complex value.
+const LEAST_SIGNAL: f64 = 4.0;
+/// Number of lines on each side whose median error is that of the neighbourhood.
+const NEIGHBOURS: usize = 8;
 
 /// Judges every line of `response` by the `coherences` of its tests, and by the noise at rest.
 pub(crate) fn judged_lines(
@@ -26,6 +36,14 @@ pub(crate) fn judged_lines(
         .collect::<Result<Vec<_>, _>>()
         .map_err(|error| RodlabError::step("the level of chance", error))?;
     let errors = response.random_error();
+    let is_weak = |line: usize| {
+        let variance = response.variance.as_ref()?;
+        let around = variance.get(line.saturating_sub(NEIGHBOURS)..)?;
+        let around = around.iter().take(2 * NEIGHBOURS + 1).copied();
+        let noise = upper_median(around.filter(|variance| variance.is_finite()))?;
+        let value = response.values.get(line)?;
+        Some(value.norm_sqr() < LEAST_SIGNAL.powi(2) * noise)
+    };
     let of_line = |line: usize| {
         let above = |(coherence, level): (&Coherence, &f64)| {
             let value = coherence.values.get(line);
@@ -42,6 +60,7 @@ pub(crate) fn judged_lines(
                 .zip(error)
                 // the bias is NaN on a line that contains only noise
                 .is_some_and(|(bias, error)| bias.is_nan() || bias.abs() > error.magnitude),
+            is_weak: is_weak(line).unwrap_or(false),
         }
     };
     Ok((0..response.validity.len()).map(of_line).collect())

@@ -44,6 +44,9 @@ const ONE_HIT: &str = "error not known from one hit";
 /// Objection to a line whose bias due to noise of the channels exceeds its random error.
 const BIASED: &str = "bias by noise at rest larger than the random error";
 
+/// Objection to a line that noise may have made coherent.
+const WEAK: &str = "weaker than four standard errors of the neighbouring lines";
+
 /// Objection to a line whose relative error due to the end of the record exceeds one half.
 const RINGS_ON: &str = "rings beyond the end of the record";
 
@@ -452,8 +455,9 @@ fn sensors(hit: &Record, [first, second]: [&str; 2]) -> Result<f64, LabioError> 
     Ok(both.gain)
 }
 
-/// Returns the objection to each line: no information, a coherence that noise alone would reach, or
-/// a bias due to the noise at rest that exceeds the random error.
+/// Returns the objection to each line: no information, a coherence that noise alone would reach, a
+/// value that is not well above the noise, or a bias due to the noise at rest that exceeds the random
+/// error.
 fn objections(
     response: &FrequencyResponse,
     coherences: &[Coherence],
@@ -464,6 +468,7 @@ fn objections(
             return Some(in_words(*validity));
         }
         match (line.is_coherent, merged) {
+            (true, _) if line.is_weak => Some(WEAK),
             (true, _) => line.is_biased.then_some(BIASED),
             (false, None) => Some("coherence no higher than by chance"),
             (false, Some(_)) => Some("coherence no higher than by chance in both tests"),
