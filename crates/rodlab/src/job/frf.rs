@@ -363,7 +363,7 @@ fn report(
             ));
         } else if merit.n_valid < merit.n_lines && !one.coherences.is_empty() {
             outcome.warnings.push(format!(
-                "{} of {} lines of `{output}` in the band are not valid: they have no signal, or a coherence that chance alone reaches once in twenty.",
+                "{} of {} lines of `{output}` in the band are not valid: they have no signal, a coherence that chance alone reaches once in twenty, or hardly more than the noise of their neighbours.",
                 merit.n_lines - merit.n_valid,
                 merit.n_lines
             ));
