@@ -172,7 +172,7 @@ fn impossible_spectra_are_refused() {
         "angular frequency of a line [rad/s] is 0, expected a finite value above 0",
         "slowest relaxation time of the grid [s] is inf, expected a finite value above 0",
         "magnitude of the complex modulus [Pa] is 0, expected a finite value above 0",
-        "relative standard error of the modulus is NaN, expected a finite value",
+        "relative standard error of the modulus is NaN, expected a finite value, 0 or above",
         "relative standard error of the modulus is -0.1, expected a finite value, 0 or above",
     ];
     for (outcome, expected) in refused.into_iter().zip(expected) {

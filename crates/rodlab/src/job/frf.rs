@@ -353,7 +353,7 @@ fn report(
         figures.push(response_figures::nyquist(one, output, input, file, band));
         figures.extend(response_figures::merge(one, output, file, band, greyed));
         let merit = tables::merit(one, output, input, band);
-        let holds = one.is_more_than_chance(merit.n_valid, merit.n_lines);
+        let holds = one.is_more_than_chance(merit.n_coherent, merit.n_lines);
         only_chance &= !holds;
         outcome.quantities.extend(merit.quantities);
         outcome.summary.push(merit.sentence);

@@ -67,17 +67,17 @@ const MOST_LEAKAGE: f64 = 0.5;
 const BEYOND_CHANCE: f64 = 4.0;
 
 impl Estimated {
-    /// Returns true if more of `n_lines` lines are valid than noise alone would make valid. Each
-    /// line of noise is valid independently, with the probability that one of the tests reaches the
+    /// Returns true if more of `n_lines` lines are coherent than noise alone would make coherent. Each
+    /// line of noise is coherent independently, with the probability that one of the tests reaches the
     /// level of chance. Always true for a single hit, which has no coherence.
-    pub(super) fn is_more_than_chance(&self, n_valid: usize, n_lines: usize) -> bool {
+    pub(super) fn is_more_than_chance(&self, n_coherent: usize, n_lines: usize) -> bool {
         if self.coherences.is_empty() {
             return true;
         }
         let tests = i32::try_from(self.coherences.len()).unwrap_or(i32::MAX);
         let passes = 1.0 - (1.0 - Coherence::CHANCE).powi(tests);
         let expected = passes * n_lines as f64;
-        n_valid as f64 > expected + BEYOND_CHANCE * (expected * (1.0 - passes)).sqrt()
+        n_coherent as f64 > expected + BEYOND_CHANCE * (expected * (1.0 - passes)).sqrt()
     }
 
     /// Returns true if the line contains information, even if its error is unknown.
@@ -110,6 +110,12 @@ impl Estimated {
             (leak.is_finite() && *leak > random).then_some((*line, *leak))
         });
         exceeding.max_by(|a, b| a.1.total_cmp(&b.1))
+    }
+
+    /// Returns true if the line is valid, or is not because noise may have made it coherent.
+    pub(super) fn is_coherent(&self, line: usize) -> bool {
+        let objection = self.objections.get(line).copied();
+        objection.is_some_and(|objection| objection.is_none_or(|reason| reason == WEAK))
     }
 
     pub(super) fn is_valid(&self, line: usize) -> bool {

@@ -137,6 +137,8 @@ pub(super) struct Merit {
     pub(super) sentence: String,
     pub(super) n_lines: usize,
     pub(super) n_valid: usize,
+    /// Number of lines that are coherent, whether or not their magnitude exceeds the noise.
+    pub(super) n_coherent: usize,
 }
 
 /// Returns the overall results of a response in the band.
@@ -284,6 +286,10 @@ pub(super) fn merit(estimated: &Estimated, output: &str, input: &str, band: Band
         sentence,
         n_lines: in_band.len(),
         n_valid: valid.len(),
+        n_coherent: in_band
+            .iter()
+            .filter(|line| estimated.is_coherent(**line))
+            .count(),
     }
 }
 
