@@ -95,7 +95,7 @@ fn s7_a_body_that_rings_on_is_taken_under_its_window_or_with_its_error() {
     let (decay, _) = quantity(&taken, "damping added by the exponential window");
     let of = |name: &str| column(&taken, "response_struck_end", name);
     let random = of("random error of the magnitude");
-    let leaks = of("systematic error by the end of the record");
+    let leaks = of("systematic error by truncation");
     let lines = response(&taken, "accelerance");
     for ((f, value), (random, leak)) in lines.into_iter().zip(random.iter().zip(leaks)) {
         let truth = accelerance(on_axis(f) + decay);
@@ -131,7 +131,7 @@ fn s7_a_body_that_rings_on_is_taken_under_its_window_or_with_its_error() {
         .warnings
         .must_say("still moves at the end of the records");
     let of = |name: &str| column(&stated, "response_struck_end", name);
-    let leaks = of("systematic error by the end of the record");
+    let leaks = of("systematic error by truncation");
     let random = of("random error of the magnitude");
     let mut held = 0.0;
     let lines = response(&stated, "accelerance");

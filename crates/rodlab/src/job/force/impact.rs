@@ -189,24 +189,23 @@ fn answer(sheet: &ImpactSheet, march: &UncertainPrediction, outcome: &mut Outcom
     let error = |of: &dyn Fn(&ImpactNumbers) -> Option<f64>| errors.as_ref().and_then(of);
     let in_band = march.limited.smooth_peak();
     let band_khz = impact_march::khz(march.band.upper_hz());
-    outcome.summary.push(format!(
-        "In the band up to {band_khz} kHz the peak force is {} at {:.4} ms, at an impact velocity of {}.",
+    let limited = format!(
+        "In the band up to {band_khz} kHz the peak force is {} at {:.4} ms, at an impact velocity of {}",
         with_unit(in_band.force, error(&|e| e.limited_peak), "N"),
         1e3 * in_band.time,
         sheet.velocity,
-    ));
+    );
     let is_short = |flag: &PredictionFlag| matches!(flag, PredictionFlag::ContactOfFewSteps { .. });
     outcome.summary.push(match march.first_force {
         _ if march.prediction.flags.iter().any(is_short) => {
-            "Without a band limit the force depends on the time step.".to_owned()
+            format!("{limited}. Without a band limit the force depends on the time step.")
         }
-        FirstForce::Unbounded => {
-            "Without a band limit the first force is unbounded: the impedance of a face grows with frequency without bound, so the force in the first step \
+        FirstForce::Unbounded => format!(
+            "{limited}. Without a band limit the first force is unbounded: the impedance of a face grows with frequency without bound, so the force in the first step \
              depends on the length of the time step."
-                .to_owned()
-        }
+        ),
         _ => format!(
-            "Without a band limit the peak force is {} at {:.4} ms.",
+            "{limited}; without a band limit it is {} at {:.4} ms.",
             with_unit(numbers.peak.unwrap_or(f64::NAN), error(&|e| e.peak), "N"),
             1e3 * numbers.time_of_peak.unwrap_or(f64::NAN),
         ),

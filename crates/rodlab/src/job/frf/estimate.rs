@@ -51,7 +51,7 @@ const WEAK: &str = "weaker than four standard errors of the neighbouring lines";
 const RINGS_ON: &str = "rings beyond the end of the record";
 
 /// Cause of the systematic error with hits.
-const BY_THE_END: &str = "by the end of the record";
+const BY_THE_END: &str = "by truncation";
 
 /// Cause of the systematic error with segments.
 pub(super) const BY_WIDTH: &str = "by the width of the lines";

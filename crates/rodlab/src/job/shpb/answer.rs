@@ -103,6 +103,16 @@ pub(super) fn state(
         strain,
         Some(strain_error),
     );
+    let known = result.equilibrium.index.get(peak);
+    if !balanced && known.is_some_and(|index| index.is_finite()) {
+        for quantity in outcome.quantities.iter_mut().rev().take(2) {
+            quantity.valid = false;
+            quantity.verdict = "the forces of the two faces differ here".to_owned();
+        }
+    }
+    let mut say = |name: &str, unit: &str, value: f64, error: Option<f64>| {
+        outcome.quantities.push(stated(name, unit, value, error));
+    };
     if let Some(place) = quoted {
         for (name, unit, curve, factor) in [
             ("largest stress in equilibrium", "MPa", Curve::Stress, 1e-6),
