@@ -30,6 +30,7 @@
 mod contact;
 mod filter;
 mod front;
+mod later_fronts;
 mod narrowed_band;
 mod unfiltered;
 

@@ -19,13 +19,15 @@ pub(super) fn in_step([first, second]: [f64; 2]) -> [f64; 2] {
 
 /// The parameters of the prior.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Contact {
+pub(super) struct Contact<'a> {
     /// First point of the grid that moves.
     pub(super) begin: usize,
     /// e^{-1/τ}, τ in points.
     pub(super) memory: f64,
     /// Variance q of the change of velocity in one point [m²/s²].
     pub(super) change: f64,
+    /// Factors of q at the points, for later fronts; 1 at points without an entry.
+    pub(super) factors: &'a [f64],
     /// Variance h² of the steps at `begin` and at the next point [m²/s²].
     pub(super) step: f64,
 }
@@ -34,7 +36,34 @@ pub(super) fn value_at(values: &[f64], index: usize) -> f64 {
     values.get(index).copied().unwrap_or(0.0)
 }
 
-impl Contact {
+impl<'a> Contact<'a> {
+    /// Returns this contact with factors of q at the points.
+    pub(super) fn with_factors(self, factors: &[f64]) -> Contact<'_> {
+        Contact { factors, ..self }
+    }
+
+    /// Variance of the change of each point, without the steps [m²/s²].
+    fn variances(&self) -> impl Iterator<Item = f64> + use<'a> {
+        let Self { begin, change, .. } = *self;
+        let factors = self.factors.iter().copied().chain(std::iter::repeat(1.0));
+        let moving = factors.skip(begin).map(move |factor| change * factor);
+        std::iter::repeat_n(0.0, begin).chain(moving)
+    }
+
+    /// Points from which the variance of the changes differs from that of the point before, with
+    /// the difference.
+    fn differences(&self) -> Vec<(usize, f64)> {
+        let mut before = 0.0;
+        let variances = self.variances().enumerate();
+        let to_the_last = variances.take(self.begin.max(self.factors.len()) + 1);
+        let differences = to_the_last.map(|(point, variance)| {
+            let difference = variance - before;
+            before = variance;
+            (point, difference)
+        });
+        differences.filter(|(_, by)| by.abs() > 0.0).collect()
+    }
+
     /// Returns B w: the velocity that results from a change w of each point.
     pub(super) fn moved(&self, changes: impl Iterator<Item = f64>) -> Vec<f64> {
         let (mut sum, mut delayed) = (0.0, 0.0);
@@ -71,9 +100,8 @@ impl Contact {
     pub(super) fn correlated(&self, mut values: Vec<f64>) -> Vec<f64> {
         let at = |point: usize| value_at(&values, point);
         let steps = in_step([at(self.begin), at(self.begin + 1)]);
-        for (point, value) in values.iter_mut().enumerate() {
-            *value *= if point < self.begin { 0.0 } else { self.change };
-        }
+        let pairs = values.iter_mut().zip(self.variances());
+        pairs.for_each(|(value, variance)| *value *= variance);
         let moving = values.iter_mut().skip(self.begin);
         for (value, step) in moving.zip(steps) {
             *value += self.step * step;
@@ -81,14 +109,16 @@ impl Contact {
         values
     }
 
-    /// Returns this contact on a grid that has `points` points for each point of the present grid.
-    pub(super) fn on_finer_grid(self, points: usize) -> Self {
+    /// Returns this contact, without factors, on a grid that has `points` points for each point of
+    /// the present grid.
+    pub(super) fn on_finer_grid(self, points: usize) -> Contact<'static> {
         let finer = points as f64;
-        Self {
+        Contact {
             begin: points * self.begin,
             memory: self.memory.powf(1.0 / finer),
             change: self.change / finer,
-            ..self
+            factors: &[],
+            step: self.step,
         }
     }
 
@@ -157,6 +187,7 @@ impl Contact {
     fn counted_from(self, first: usize) -> Self {
         Self {
             begin: self.begin - first,
+            factors: self.factors.get(first..).unwrap_or_default(),
             ..self
         }
     }
@@ -238,7 +269,7 @@ impl Shown {
     /// Lower half of K = G Σ Gᵀ + C_e for the samples from `from` on, of which `noise` is C_e.
     pub(super) fn covariance(
         &self,
-        contact: &Contact,
+        contact: &Contact<'_>,
         (from, noise): (usize, &Mat<f64>),
     ) -> Mat<f64> {
         let count = noise.nrows();
@@ -249,17 +280,27 @@ impl Shown {
             [at(since), at(since.and_then(|since| since.checked_sub(1)))]
         };
         let steps: Vec<[f64; 2]> = (0..count).map(|i| steps(since(i))).collect();
+        let differences = contact.differences();
         let mut covariance = noise.clone();
         for (k, own) in steps.iter().enumerate() {
-            let Some(since) = since(k) else {
+            let latest = self.point(from + k);
+            if latest < contact.begin {
                 continue;
-            };
+            }
+            let since = differences.iter().filter_map(|(point, by)| {
+                let since = latest.checked_sub(*point)?;
+                Some((since, *by))
+            });
+            let since: Vec<(usize, f64)> = since.collect();
             let [first, second] = in_step(*own);
             let column = covariance.col_as_slice_mut(k).iter_mut().skip(k);
             let rows = steps.iter().skip(k).zip(&self.products);
             for (sum, (row, products)) in column.zip(rows) {
-                *sum += contact.change * value_at(products, since)
-                    + contact.step * (first * row[0] + second * row[1]);
+                let each = since.iter();
+                let of_changes: f64 = each
+                    .map(|(since, by)| by * value_at(products, *since))
+                    .sum();
+                *sum += of_changes + contact.step * (first * row[0] + second * row[1]);
             }
         }
         covariance
@@ -268,7 +309,7 @@ impl Shown {
 
 /// Mean of the excitation over `contacts` with their probabilities, from the `means` given each
 /// contact.
-pub(super) fn mixed_mean(contacts: &[(f64, Contact)], means: &[Vec<f64>]) -> Vec<f64> {
+pub(super) fn mixed_mean(contacts: &[(f64, Contact<'_>)], means: &[Vec<f64>]) -> Vec<f64> {
     let mut sum = vec![0.0; means.first().map_or(0, Vec::len)];
     for ((weight, _), own) in contacts.iter().zip(means) {
         let pairs = sum.iter_mut().zip(own);
@@ -281,9 +322,9 @@ pub(super) fn mixed_mean(contacts: &[(f64, Contact)], means: &[Vec<f64>]) -> Vec
 /// (u_i - u)(u_i - u)ᵀ) about u = Σ p u_i. For a contact, `given` returns the result of
 /// [`Contact::given`], from the point on that is its second argument.
 pub(super) fn mixed(
-    contacts: &[(f64, Contact)],
+    contacts: &[(f64, Contact<'_>)],
     points: usize,
-    given: impl Fn(&Contact, usize) -> Option<(Vec<f64>, Mat<f64>)>,
+    given: impl Fn(&Contact<'_>, usize) -> Option<(Vec<f64>, Mat<f64>)>,
 ) -> Option<(Vec<f64>, Mat<f64>)> {
     let begins = contacts.iter().map(|(_, contact)| contact.begin);
     let first = begins.min()?;

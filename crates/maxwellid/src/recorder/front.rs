@@ -75,13 +75,14 @@ impl<'a> Front<'a> {
     }
 
     /// The most likely parameters of the prior; `None` if no parameters explain the record.
-    pub(super) fn contact(&self, largest: f64) -> Option<Contact> {
+    pub(super) fn contact(&self, largest: f64) -> Option<Contact<'static>> {
         let middle = self.begins.start.midpoint(self.begins.end);
         let mut best = Contact {
             begin: middle,
             memory: (-1.0_f64).exp(),
             change: largest.powi(2) / self.seen.every() as f64,
             step: largest.powi(2),
+            factors: &[],
         };
         let mut known = self.shown(best.memory);
         let mut likelihood = self.ln_likelihood(&known, best)?;
@@ -127,7 +128,7 @@ impl<'a> Front<'a> {
 
     /// Returns the contacts with any beginning and time constant that are likely given the record,
     /// with their probabilities; `best` is the most likely one.
-    pub(super) fn likely(&self, best: Contact) -> Vec<(f64, Contact)> {
+    pub(super) fn likely(&self, best: Contact<'static>) -> Vec<(f64, Contact<'static>)> {
         self.likely_of(best, TIME_CONSTANTS.into_iter())
     }
 
@@ -135,9 +136,9 @@ impl<'a> Front<'a> {
     /// the `coarse` contacts.
     pub(super) fn likely_on_finer_grid(
         mut self,
-        coarse: &[(f64, Contact)],
+        coarse: &[(f64, Contact<'_>)],
         points: usize,
-    ) -> Option<Vec<(f64, Contact)>> {
+    ) -> Option<Vec<(f64, Contact<'static>)>> {
         let begins = coarse.iter().map(|(_, contact)| contact.begin);
         let (first, last) = (begins.clone().min()?, begins.max()?);
         self.begins = points * first.saturating_sub(1)..points * (last + 2);
@@ -151,10 +152,10 @@ impl<'a> Front<'a> {
 
     fn likely_of(
         &self,
-        best: Contact,
+        best: Contact<'static>,
         constants: impl Iterator<Item = f64>,
-    ) -> Vec<(f64, Contact)> {
-        let mut all: Vec<(f64, Contact)> = Vec::new();
+    ) -> Vec<(f64, Contact<'static>)> {
+        let mut all: Vec<(f64, Contact<'static>)> = Vec::new();
         for constant in constants {
             let memory = (-1.0 / constant).exp();
             let known = self.shown(memory);
@@ -190,7 +191,7 @@ impl<'a> Front<'a> {
         Shown::of(memory, (points, self.record.len()), self.seen)
     }
 
-    fn ln_likelihood(&self, known: &Shown, contact: Contact) -> Option<f64> {
+    fn ln_likelihood(&self, known: &Shown, contact: Contact<'_>) -> Option<f64> {
         let covariance = known.covariance(&contact, (self.from, &self.noise));
         let factor = covariance.llt(Side::Lower).ok()?;
         let lower = factor.L();
