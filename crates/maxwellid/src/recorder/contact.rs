@@ -36,30 +36,21 @@ pub(super) fn value_at(values: &[f64], index: usize) -> f64 {
     values.get(index).copied().unwrap_or(0.0)
 }
 
-impl<'a> Contact<'a> {
+impl Contact<'_> {
     /// Returns this contact with factors of q at the points.
     pub(super) fn with_factors(self, factors: &[f64]) -> Contact<'_> {
         Contact { factors, ..self }
-    }
-
-    /// Variance of the change of each point, without the steps [m²/s²].
-    fn variances(&self) -> impl Iterator<Item = f64> + use<'a> {
-        let Self { begin, change, .. } = *self;
-        let factors = self.factors.iter().copied().chain(std::iter::repeat(1.0));
-        let moving = factors.skip(begin).map(move |factor| change * factor);
-        std::iter::repeat_n(0.0, begin).chain(moving)
     }
 
     /// Points from which the variance of the changes differs from that of the point before, with
     /// the difference.
     fn differences(&self) -> Vec<(usize, f64)> {
         let mut before = 0.0;
-        let variances = self.variances().enumerate();
-        let to_the_last = variances.take(self.begin.max(self.factors.len()) + 1);
-        let differences = to_the_last.map(|(point, variance)| {
-            let difference = variance - before;
-            before = variance;
-            (point, difference)
+        let factors = self.factors.iter().skip(self.begin).chain([&1.0]);
+        let differences = factors.zip(self.begin..).map(|(factor, point)| {
+            let difference = factor - before;
+            before = *factor;
+            (point, self.change * difference)
         });
         differences.filter(|(_, by)| by.abs() > 0.0).collect()
     }
@@ -100,8 +91,11 @@ impl<'a> Contact<'a> {
     pub(super) fn correlated(&self, mut values: Vec<f64>) -> Vec<f64> {
         let at = |point: usize| value_at(&values, point);
         let steps = in_step([at(self.begin), at(self.begin + 1)]);
-        let pairs = values.iter_mut().zip(self.variances());
-        pairs.for_each(|(value, variance)| *value *= variance);
+        for (point, value) in values.iter_mut().enumerate() {
+            *value *= if point < self.begin { 0.0 } else { self.change };
+        }
+        let pairs = values.iter_mut().zip(self.factors);
+        pairs.for_each(|(value, factor)| *value *= factor);
         let moving = values.iter_mut().skip(self.begin);
         for (value, step) in moving.zip(steps) {
             *value += self.step * step;

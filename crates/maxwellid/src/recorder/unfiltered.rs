@@ -633,7 +633,7 @@ mod tests {
     }
 
     /// A wave that returns 80 samples after a smooth blow of half its height, and rises seven times
-    /// as fast: the part of the record from which the prior follows does not show it. The drive of a
+    /// as fast: the part of the record from which q follows does not show it. The drive of a
     /// linear rod is the filtered excitation within its standard errors, by the closed form of its
     /// exponentials. With the variance of the blow, the mean is 180, and the drive is 2.3 m/s off.
     #[test]
