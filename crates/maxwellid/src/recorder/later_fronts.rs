@@ -9,8 +9,9 @@
 //! The innovations z = L⁻¹ v_e of the record, K = L Lᵀ, are standard normal numbers if the prior
 //! is right (Mehra, *IEEE Trans. Autom. Control* **15** (1970) 175). Where the mean of z² over a
 //! part of the record exceeds 1 by three of its standard errors, the variance of the changes there
-//! is multiplied by this mean, and K is computed again, until all parts agree. The variance is
-//! never reduced: elsewhere the prior is that of the first front.
+//! is multiplied by this mean, and K is computed again, until all parts agree or the variance is
+//! that of a step as high as the record. The variance is never reduced: elsewhere the prior is that
+//! of the first front.
 
 use faer::{Mat, Side};
 
@@ -50,6 +51,7 @@ impl LaterFronts {
         let mut found = Self {
             of_parts: vec![1.0; record.len().div_ceil(PART)],
         };
+        let most = contact.step / contact.change;
         for _ in 0..ROUNDS {
             let factors = found.at_points(points, seen);
             let contact = contact.with_factors(&factors);
@@ -61,15 +63,16 @@ impl LaterFronts {
             factor
                 .L()
                 .solve_lower_triangular_in_place(innovations.as_mut());
-            if !found.raise(innovations.col_as_slice(0)) {
+            if !found.raise(innovations.col_as_slice(0), most) {
                 break;
             }
         }
         Some(found)
     }
 
-    /// Raises the factors where the innovations require it; returns true if it has raised one.
-    fn raise(&mut self, innovations: &[f64]) -> bool {
+    /// Raises the factors where the innovations require it, to `most` at most; returns true if it has
+    /// raised one.
+    fn raise(&mut self, innovations: &[f64], most: f64) -> bool {
         let mut is_raised = false;
         for (part, factor) in self.of_parts.iter_mut().enumerate() {
             let from = (part * PART).saturating_sub(ABOUT);
@@ -77,8 +80,8 @@ impl LaterFronts {
             let about = about.take((part + 1) * PART + ABOUT - from);
             let count = about.len() as f64;
             let mean = about.map(|z| z * z).sum::<f64>() / count;
-            if mean > 1.0 + ABOVE_CHANCE * (2.0 / count).sqrt() {
-                *factor *= mean;
+            if mean > 1.0 + ABOVE_CHANCE * (2.0 / count).sqrt() && *factor < most {
+                *factor = (*factor * mean).min(most);
                 is_raised = true;
             }
         }
@@ -109,11 +112,11 @@ mod tests {
         };
         let mut innovations = [1.0; 20];
         let mut unchanged = flat();
-        assert!(!unchanged.raise(&innovations));
+        assert!(!unchanged.raise(&innovations, 40.0));
         assert_eq!(unchanged, flat());
         innovations[8..11].fill(10.0);
         let mut raised = flat();
-        assert!(raised.raise(&innovations));
+        assert!(raised.raise(&innovations, 40.0));
         let expected = [1.0, 206.0 / 8.0, 305.0 / 8.0, 107.0 / 8.0, 1.0];
         // two points per sample, no delay; the last two points are after the last part
         let at_points = raised.at_points(42, &Observation::direct(2));
@@ -121,5 +124,10 @@ mod tests {
             let of_part = expected.get(point / 8).unwrap_or(&1.0);
             assert!((found - of_part).abs() < 1e-12, "{point} {found}");
         }
+        // the second time the third part reaches the limit
+        assert!(raised.raise(&innovations, 40.0));
+        assert!((raised.of_parts[2] - 40.0).abs() < 1e-12);
+        raised.raise(&innovations, 40.0);
+        assert!(!raised.raise(&innovations, 40.0));
     }
 }
