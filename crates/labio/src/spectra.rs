@@ -261,11 +261,11 @@ impl AveragedSpectra {
     ///
     /// # Validity
     ///
-    /// The result is the magnitude of the error, without its sign. An error that noise hides is at most
-    /// about as large as the random error of the line. On a line away from resonances
-    /// it is correct to a few per cent. At the peak of a resonance of decay rate $`\delta`$ in a
-    /// record of length $`T`$ it is 0.8 of the true error for $`\delta T = 4.6`$ (a remainder of
-    /// 1 %), and a larger part for shorter ringing.
+    /// The result is the magnitude of the error, without its sign. An error that noise hides is at
+    /// most about three standard errors of the line for five averages, and one for thirty. On a line
+    /// away from resonances it is correct to a few per cent. At the peak of a resonance of decay
+    /// rate $`\delta`$ in a record of length $`T`$ it is 0.8 of the true error for
+    /// $`\delta T = 4.6`$ (a remainder of 1 %), and a larger part for shorter ringing.
     ///
     /// # Errors
     ///
