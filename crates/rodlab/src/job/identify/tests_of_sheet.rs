@@ -205,6 +205,8 @@ fn one(
     let records_field = format!("{field}.records");
     let mut loaded = test.records.load(context.folder, &records_field)?;
     outcome.inputs.append(&mut loaded.inputs);
+    outcome.warnings.append(&mut loaded.warnings);
+    outcome.log.append(&mut loaded.left_out);
     let found = loaded.records.len();
     let Some(record) = loaded.records.pop().filter(|_| found == 1) else {
         return Err(RodlabError::request(
