@@ -176,7 +176,7 @@ fn transform<'a>(samples: impl Iterator<Item = &'a f64>, omega: f64) -> Complex6
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Channel, Provenance, Quantity};
+    use crate::Quantity;
 
     /// 300 Hz is the sixth harmonic of 50 Hz and the fifth of 60 Hz.
     #[test]
@@ -187,9 +187,7 @@ mod tests {
                 let blow = if (800..802).contains(&n) { 100.0 } else { 0.0 };
                 blow + (omega * n as f64).sin()
             });
-            let channels = vec![Channel::new("hammer", quantity).unwrap()];
-            let provenance = Provenance::computed("test");
-            let hit = Record::new(samples, 8192.0, 0.0, channels, provenance).unwrap();
+            let hit = Record::of_test(samples, 8192.0, &[("hammer", quantity)]);
             let found = find_hum(&[&hit], "hammer").unwrap();
             found.iter().map(|hum| hum.frequency_hz).collect::<Vec<_>>()
         };

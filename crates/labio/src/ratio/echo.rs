@@ -199,21 +199,13 @@ mod tests {
     use ndarray::Array2;
 
     use super::*;
-    use crate::{Channel, Provenance, Quantity};
+    use crate::Quantity;
 
     const RATE_HZ: f64 = 1e5;
 
     fn shot(samples: Vec<f64>) -> Record {
-        let channels = vec![Channel::new("gauge", Quantity::Strain).unwrap()];
         let samples = Array2::from_shape_vec((1, samples.len()), samples).unwrap();
-        Record::new(
-            samples,
-            RATE_HZ,
-            0.0,
-            channels,
-            Provenance::computed("test"),
-        )
-        .unwrap()
+        Record::of_test(samples, RATE_HZ, &[("gauge", Quantity::Strain)])
     }
 
     /// A pulse of 1 in the samples 100 to 139, and its echo of -1 from the sample `echo` on, in
